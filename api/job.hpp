@@ -1,0 +1,49 @@
+// The words of a job that every program shares: stages, states and the names of the artifacts.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+namespace vacuform {
+
+// The stages of a job, in order.
+enum class Stage { scan, forming, flattening, printing, inspection };
+inline constexpr std::array<std::string_view, 5> stage_names{"scan", "forming", "flattening", "printing", "inspection"};
+constexpr std::string_view name(Stage stage) { return stage_names[static_cast<std::size_t>(stage)]; }
+std::optional<Stage> stage_from(std::string_view name);
+
+enum class JobState { queued, running, succeeded, failed, cancelling, cancelled };
+inline constexpr std::array<std::string_view, 6> job_state_names{"queued", "running",    "succeeded",
+                                                                 "failed", "cancelling", "cancelled"};
+constexpr std::string_view name(JobState state) { return job_state_names[static_cast<std::size_t>(state)]; }
+std::optional<JobState> job_state_from(std::string_view name);
+constexpr bool ended(JobState s) {
+  return s == JobState::succeeded || s == JobState::failed || s == JobState::cancelled;
+}
+
+// The artifacts of a job: the same names from the command line, the API and the web page.
+struct ArtifactKind {
+  std::string_view name;
+  std::string_view media_type;
+  std::string_view title;  // one line for people
+};
+inline constexpr std::array<ArtifactKind, 13> artifact_kinds{{
+    {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
+    {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
+    {"preview-without.png", "image/png", "Formed part with the plain pattern"},
+    {"preview-with.png", "image/png", "Formed part with the pre-distorted print"},
+    {"preview-anisotropy.png", "image/png", "Heat map: change of shape that the print makes good"},
+    {"preview-area.png", "image/png", "Heat map: change of area that the print makes good"},
+    {"preview-thickness.png", "image/png", "Heat map: thickness of the formed sheet"},
+    {"formed.ply", "application/octet-stream", "The formed sheet with sheet and pattern coordinates"},
+    {"formed.obj", "model/obj", "The formed sheet, textured with the print"},
+    {"formed.mtl", "model/mtl", "The material of formed.obj"},
+    {"uv-map.obj", "model/obj", "The formed surface, textured with the pattern"},
+    {"mold.stl", "model/stl", "The mold as placed and trimmed, watertight"},
+    {"report.json", "application/json", "What was asked, what was done, the figures, the warnings"},
+}};
+// nullptr when no artifact has that name.
+const ArtifactKind* artifact_kind(std::string_view name);
+
+}  // namespace vacuform

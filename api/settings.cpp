@@ -1,0 +1,369 @@
+#include "api/settings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
+
+namespace vacuform {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+namespace {
+
+// The names of each enumeration's values, in the order of the values.
+constexpr std::array<std::string_view, 5> unit_names{"auto", "mm", "cm", "m", "in"};
+constexpr std::array<std::string_view, 7> up_names{"auto", "+x", "-x", "+y", "-y", "+z", "-z"};
+constexpr std::array<std::string_view, 5> material_names{"petg", "pc", "abs", "hips", "pvc"};
+constexpr std::array<std::string_view, 2> window_names{"rectangle", "circle"};
+constexpr std::array<std::string_view, 1> model_names{"membrane"};
+constexpr std::array<std::string_view, 2> law_names{"neo_hookean", "mooney_rivlin"};
+constexpr std::array<std::string_view, 2> method_names{"arap", "cgal_arap"};
+constexpr std::array<std::string_view, 1> placement_names{"chart"};
+constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
+
+std::span<const std::string_view> names_of(Unit) { return unit_names; }
+std::span<const std::string_view> names_of(UpAxis) { return up_names; }
+std::span<const std::string_view> names_of(Material) { return material_names; }
+std::span<const std::string_view> names_of(WindowShape) { return window_names; }
+std::span<const std::string_view> names_of(FormingModel) { return model_names; }
+std::span<const std::string_view> names_of(MembraneLaw) { return law_names; }
+std::span<const std::string_view> names_of(FlatteningMethod) { return method_names; }
+std::span<const std::string_view> names_of(Placement) { return placement_names; }
+std::span<const std::string_view> names_of(InkedFace) { return face_names; }
+
+template <class E>
+std::string_view name_of(E value) {
+  return names_of(value)[static_cast<std::size_t>(value)];
+}
+
+struct Range {
+  double low, high;
+  std::string_view unit;
+};
+
+// The one description of all settings. A visitor has group(name, title) and, per kind of field,
+// field(key, value&, text) for choices and switches, and field(key, value&, Range, text) for numbers.
+template <class S, class V>
+void describe(S& s, V& v) {
+  v.group("scan", "Scan: how the file becomes a mold");
+  v.field("units", s.scan.units, "Unit of the scan's coordinates; auto guesses only when one unit makes a plausible size");
+  v.field("up", s.scan.up, "The axis of the scan that points to the ceiling of the machine");
+  v.field("roll_deg", s.scan.roll_deg, {-180, 180, "deg"}, "Turn about the x axis, after up");
+  v.field("pitch_deg", s.scan.pitch_deg, {-180, 180, "deg"}, "Turn about the y axis, after the roll");
+  v.field("yaw_deg", s.scan.yaw_deg, {-180, 180, "deg"}, "Turn about the vertical axis, after the pitch");
+  v.field("trim_mm", s.scan.trim_mm, {0, 2000, "mm"},
+          "Height above the scan's lowest point at which it is cut; auto cuts where undercuts begin");
+  v.field("clearance_mm", s.scan.clearance_mm, {0, 30, "mm"}, "Offset skin around the scan, for padding or hair");
+
+  v.group("sheet", "Sheet: the plastic");
+  v.field("width_mm", s.sheet.width_mm, {50, 2000, "mm"}, "Width of the sheet, along x");
+  v.field("height_mm", s.sheet.height_mm, {50, 2000, "mm"}, "Height of the sheet, along y");
+  v.field("thickness_mm", s.sheet.thickness_mm, {0.05, 10, "mm"}, "Thickness before forming");
+  v.field("material", s.sheet.material, "Plastic");
+  v.field("resolution_mm", s.sheet.resolution_mm, {0.5, 20, "mm"}, "Grid spacing of the simulation");
+
+  v.group("machine", "Machine: clamp frame and vacuum");
+  v.field("window", s.machine.window, "Shape of the opening of the clamp frame");
+  v.field("window_width_mm", s.machine.window_width_mm, {40, 2000, "mm"}, "Width of the opening, or a circle's diameter");
+  v.field("window_height_mm", s.machine.window_height_mm, {40, 2000, "mm"}, "Height of the opening; a circle ignores it");
+  v.field("drape_height_mm", s.machine.drape_height_mm, {0, 500, "mm"}, "Height above the platform at which the frame stops");
+  v.field("vacuum_kpa", s.machine.vacuum_kpa, {1, 101, "kPa"}, "Pressure difference at the end of the vacuum ramp");
+
+  v.group("forming", "Forming: the simulation");
+  v.field("model", s.forming.model, "Model of the sheet");
+  v.field("law", s.forming.law, "Law of the membrane");
+
+  v.group("flattening", "Flattening: from the formed sheet back to the drawing");
+  v.field("method", s.flattening.method, "Method of flattening");
+
+  v.group("pattern", "Pattern: how the drawing lies on the head");
+  v.field("width_mm", s.pattern.width_mm, {1, 2000, "mm"}, "Physical width of the drawing; auto takes the file's own");
+  v.field("placement", s.pattern.placement, "On one chart of the whole region");
+  v.field("offset_mm", s.pattern.offset_mm, {-500, 500, "mm"}, "The drawing's centre, from the top of the mold");
+  v.field("rotate_deg", s.pattern.rotate_deg, {-360, 360, "deg"}, "Turn of the drawing, counter-clockwise");
+  v.field("scale", s.pattern.scale, {0.01, 100, "1"}, "Size of the drawing on the head against the drawing itself");
+  v.field("inked_face", s.pattern.inked_face, "Face of the sheet that carries the ink; the inner face touches the mold");
+
+  v.group("print", "Print: the file for the printer");
+  v.field("dpi", s.print.dpi, {72, 1200, "1/in"}, "Resolution of print.png");
+  v.field("marks", s.print.marks, "Registration marks, ruler, sheet edge and text");
+  v.field("margin_mm", s.print.margin_mm, {0, 50, "mm"}, "Free of marks along the sheet's edge");
+}
+
+std::string number(double value) { return json(value).dump(); }
+
+struct Parser {
+  const json& object;
+  std::optional<Error> error;
+  std::string group_name;
+  const json* group_object = nullptr;
+  std::vector<std::string> groups, keys;  // known so far, keys of the current group
+
+  void refuse(const std::string& where, std::string what, std::string mend) {
+    if (!error) error = Error{Code::bad_settings, std::move(what), where, std::move(mend)};
+  }
+  void refuse_unknown() {
+    if (!group_object) return;
+    for (const auto& [key, value] : group_object->items())
+      if (std::find(keys.begin(), keys.end(), key) == keys.end())
+        refuse(group_name + "." + key, "unknown setting", "the settings of this group are " + list(keys));
+  }
+  static std::string list(const std::vector<std::string>& words) {
+    std::string text;
+    for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+    return text;
+  }
+
+  void group(std::string_view name, std::string_view) {
+    refuse_unknown();
+    keys.clear();
+    group_name = name;
+    groups.emplace_back(name);
+    const auto it = object.find(group_name);
+    group_object = it == object.end() ? nullptr : &*it;
+    if (group_object && !group_object->is_object()) {
+      refuse(group_name, "a group of settings must be a JSON object", "write {\"" + group_name + "\": {...}}");
+      group_object = nullptr;
+    }
+  }
+  void finish() {
+    refuse_unknown();
+    for (const auto& [key, value] : object.items())
+      if (std::find(groups.begin(), groups.end(), key) == groups.end())
+        refuse(key, "unknown group of settings", "the groups are " + list(groups));
+  }
+
+  // The JSON of a field, or nullptr when it is absent.
+  const json* take(std::string_view key) {
+    keys.emplace_back(key);
+    if (!group_object) return nullptr;
+    const auto it = group_object->find(key);
+    return it == group_object->end() ? nullptr : &*it;
+  }
+  std::string dotted(std::string_view key) const { return group_name + "." + std::string(key); }
+
+  bool in_range(std::string_view key, const json& value, Range range) {
+    const std::string bounds = "give a number from " + number(range.low) + " to " + number(range.high) +
+                               (range.unit == "1" ? "" : " " + std::string(range.unit));
+    if (!value.is_number()) return refuse(dotted(key), "not a number: " + value.dump(), bounds), false;
+    const double x = value.get<double>();
+    if (!std::isfinite(x) || x < range.low || x > range.high)
+      return refuse(dotted(key), "out of range: " + value.dump(), bounds), false;
+    return true;
+  }
+
+  template <class E>
+    requires std::is_enum_v<E>
+  void field(std::string_view key, E& value, std::string_view) {
+    const json* j = take(key);
+    if (!j) return;
+    const auto names = names_of(E{});
+    const auto it = j->is_string() ? std::find(names.begin(), names.end(), j->get_ref<const std::string&>()) : names.end();
+    if (it == names.end())
+      return refuse(dotted(key), "no such choice: " + j->dump(),
+                    "choose one of " + list(std::vector<std::string>(names.begin(), names.end())));
+    value = static_cast<E>(it - names.begin());
+  }
+  void field(std::string_view key, bool& value, std::string_view) {
+    const json* j = take(key);
+    if (!j) return;
+    if (!j->is_boolean()) return refuse(dotted(key), "not true or false: " + j->dump(), "give true or false");
+    value = j->get<bool>();
+  }
+  void field(std::string_view key, double& value, Range range, std::string_view) {
+    const json* j = take(key);
+    if (j && in_range(key, *j, range)) value = j->get<double>();
+  }
+  void field(std::string_view key, int& value, Range range, std::string_view) {
+    const json* j = take(key);
+    if (!j || !in_range(key, *j, range)) return;
+    if (j->get<double>() != std::floor(j->get<double>()))
+      return refuse(dotted(key), "not a whole number: " + j->dump(), "give a whole number");
+    value = static_cast<int>(j->get<double>());
+  }
+  void field(std::string_view key, std::optional<double>& value, Range range, std::string_view) {
+    const json* j = take(key);
+    if (!j) return;
+    if (j->is_string() && *j == "auto")
+      value.reset();
+    else if (j->is_string())
+      refuse(dotted(key), "neither a number nor auto: " + j->dump(), "give a number or \"auto\"");
+    else if (in_range(key, *j, range))
+      value = j->get<double>();
+  }
+  void field(std::string_view key, std::array<double, 2>& value, Range range, std::string_view) {
+    const json* j = take(key);
+    if (!j) return;
+    if (!j->is_array() || j->size() != 2)
+      return refuse(dotted(key), "not a pair of numbers: " + j->dump(), "give [u, v]");
+    if (in_range(key, (*j)[0], range) && in_range(key, (*j)[1], range))
+      value = {(*j)[0].get<double>(), (*j)[1].get<double>()};
+  }
+};
+
+struct Writer {
+  ordered_json out = ordered_json::object();
+  ordered_json* current = nullptr;
+  void group(std::string_view name, std::string_view) {
+    current = &(out[std::string(name)] = ordered_json::object());
+  }
+  template <class E>
+    requires std::is_enum_v<E>
+  void field(std::string_view key, const E& value, std::string_view) {
+    (*current)[std::string(key)] = std::string(name_of(value));
+  }
+  void field(std::string_view key, const bool& value, std::string_view) { (*current)[std::string(key)] = value; }
+  template <class T>
+  void field(std::string_view key, const T& value, Range, std::string_view) { (*current)[std::string(key)] = value; }
+  void field(std::string_view key, const std::optional<double>& value, Range, std::string_view) {
+    auto& slot = (*current)[std::string(key)];
+    if (value)
+      slot = *value;
+    else
+      slot = "auto";
+  }
+};
+
+struct SchemaWriter {
+  ordered_json groups = ordered_json::object();
+  ordered_json* current = nullptr;
+  void group(std::string_view name, std::string_view title) {
+    auto& g = groups[std::string(name)];
+    g = {{"type", "object"}, {"title", title}, {"additionalProperties", false}, {"properties", ordered_json::object()}};
+    current = &g["properties"];
+  }
+  ordered_json& add(std::string_view key, std::string_view text) {
+    return (*current)[std::string(key)] = {{"description", text}};
+  }
+  static void limit(ordered_json& f, Range range) {
+    f["minimum"] = range.low;
+    f["maximum"] = range.high;
+    f["x-unit"] = range.unit;
+  }
+  template <class E>
+    requires std::is_enum_v<E>
+  void field(std::string_view key, const E& value, std::string_view text) {
+    auto& f = add(key, text);
+    f["type"] = "string";
+    for (const auto n : names_of(E{})) f["enum"].push_back(n);
+    f["default"] = name_of(value);
+  }
+  void field(std::string_view key, const bool& value, std::string_view text) {
+    auto& f = add(key, text);
+    f["type"] = "boolean";
+    f["default"] = value;
+  }
+  void field(std::string_view key, const double& value, Range range, std::string_view text) {
+    auto& f = add(key, text);
+    f["type"] = "number";
+    limit(f, range);
+    f["default"] = value;
+  }
+  void field(std::string_view key, const int& value, Range range, std::string_view text) {
+    auto& f = add(key, text);
+    f["type"] = "integer";
+    limit(f, range);
+    f["default"] = value;
+  }
+  void field(std::string_view key, const std::optional<double>&, Range range, std::string_view text) {
+    auto& f = add(key, text);
+    ordered_json numeric = {{"type", "number"}};
+    limit(numeric, range);
+    f["oneOf"] = ordered_json::array({numeric, {{"const", "auto"}}});
+    f["default"] = "auto";
+  }
+  void field(std::string_view key, const std::array<double, 2>& value, Range range, std::string_view text) {
+    auto& f = add(key, text);
+    ordered_json item = {{"type", "number"}};
+    limit(item, range);
+    f["type"] = "array";
+    f["items"] = item;
+    f["minItems"] = f["maxItems"] = 2;
+    f["default"] = value;
+  }
+};
+
+// What no single field can know.
+Result<void> check_together(const Settings& s) {
+  const auto& m = s.machine;
+  const double height = m.window == WindowShape::circle ? m.window_width_mm : m.window_height_mm;
+  if (m.window_width_mm > s.sheet.width_mm || height > s.sheet.height_mm)
+    return fail(Code::bad_settings, "the window of the clamp frame is larger than the sheet", "machine.window_width_mm",
+                "give a window of at most " + number(s.sheet.width_mm) + " x " + number(s.sheet.height_mm) +
+                    " mm, or a larger sheet");
+  const double cells = (s.sheet.width_mm / s.sheet.resolution_mm) * (s.sheet.height_mm / s.sheet.resolution_mm);
+  if (cells > 640000)
+    return fail(Code::bad_settings, "the grid of the sheet would have more than 640,000 cells", "sheet.resolution_mm",
+                "give a coarser resolution");
+  return {};
+}
+
+}  // namespace
+
+std::string_view name(Unit value) { return name_of(value); }
+std::string_view name(UpAxis value) { return name_of(value); }
+std::string_view name(Material value) { return name_of(value); }
+std::string_view name(InkedFace value) { return name_of(value); }
+std::string_view name(MembraneLaw value) { return name_of(value); }
+
+Result<Settings> settings_from_json(const json& object) {
+  if (!object.is_object())
+    return fail(Code::bad_settings, "settings must be a JSON object", "", "write {\"print\": {\"dpi\": 300}}");
+  Settings settings;
+  Parser parser{object, {}, {}, nullptr, {}, {}};
+  describe(settings, parser);
+  parser.finish();
+  if (parser.error) return tl::make_unexpected(*parser.error);
+  VACUFORM_CHECK(check_together(settings));
+  return settings;
+}
+
+Result<Settings> settings_from_text(std::string_view text) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return Settings{};
+  constexpr std::size_t deepest = 8;  // a parser that recurses must not be led down
+  const auto shallow = [](int depth, json::parse_event_t, json&) {
+    return static_cast<std::size_t>(depth) <= deepest;
+  };
+  const json object = json::parse(text, shallow, false);
+  if (object.is_discarded())
+    return fail(Code::bad_settings, "the settings are not valid JSON", "", "write {\"print\": {\"dpi\": 300}}");
+  return settings_from_json(object);
+}
+
+Result<void> set_in_json(json& object, std::string_view assignment) {
+  const auto equals = assignment.find('=');
+  const auto dot = assignment.find('.');
+  if (equals == std::string_view::npos || dot == std::string_view::npos || dot == 0 || dot + 1 >= equals)
+    return fail(Code::bad_usage, "not of the form group.key=value: " + std::string(assignment), "--set",
+                "write for example --set print.dpi=600");
+  if (!object.is_object()) object = json::object();
+  const std::string group(assignment.substr(0, dot)), key(assignment.substr(dot + 1, equals - dot - 1));
+  const std::string_view text = assignment.substr(equals + 1);
+  json value = json::parse(text, nullptr, false);
+  if (value.is_discarded()) value = std::string(text);
+  if (!object[group].is_object()) object[group] = json::object();
+  object[group][key] = std::move(value);
+  return {};
+}
+
+ordered_json to_json(const Settings& settings) {
+  Writer writer;
+  describe(settings, writer);
+  return writer.out;
+}
+
+ordered_json settings_schema() {
+  SchemaWriter writer;
+  const Settings defaults;
+  describe(defaults, writer);
+  return {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+          {"title", "Settings of a Vacuform job"},
+          {"type", "object"},
+          {"additionalProperties", false},
+          {"properties", writer.groups}};
+}
+
+}  // namespace vacuform

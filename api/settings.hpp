@@ -1,0 +1,103 @@
+// The settings of a job: one structure, one schema, the same for the API, the command line and the web form.
+// Every field is described once, in settings.cpp; parsing, defaults, the schema and the form follow from that.
+#pragma once
+
+#include <array>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/error.hpp"
+
+namespace vacuform {
+
+enum class Unit { automatic, mm, cm, m, in };
+enum class UpAxis { automatic, plus_x, minus_x, plus_y, minus_y, plus_z, minus_z };
+enum class Material { petg, pc, abs, hips, pvc };
+enum class WindowShape { rectangle, circle };
+enum class FormingModel { membrane };
+enum class MembraneLaw { neo_hookean, mooney_rivlin };
+enum class FlatteningMethod { arap, cgal_arap };
+enum class Placement { chart };
+enum class InkedFace { outer, inner };
+
+struct ScanSettings {
+  Unit units = Unit::automatic;
+  UpAxis up = UpAxis::automatic;
+  double roll_deg = 0, pitch_deg = 0, yaw_deg = 0;  // then turned about x, y, z, in this order
+  std::optional<double> trim_mm;                    // height above the scan's lowest point; none: where undercuts begin
+  double clearance_mm = 0;                          // offset skin for padding or hair
+};
+
+struct SheetSettings {
+  double width_mm = 300, height_mm = 300;  // along s (x) and t (y)
+  double thickness_mm = 1;
+  Material material = Material::petg;
+  double resolution_mm = 3;  // grid spacing
+};
+
+struct MachineSettings {
+  WindowShape window = WindowShape::rectangle;
+  double window_width_mm = 280, window_height_mm = 280;  // a circle's diameter is the width
+  double drape_height_mm = 0;  // where the clamp frame stops above the platform
+  double vacuum_kpa = 85;      // the limit of the vacuum ramp
+};
+
+struct FormingSettings {
+  FormingModel model = FormingModel::membrane;
+  MembraneLaw law = MembraneLaw::neo_hookean;
+};
+
+struct FlatteningSettings {
+  FlatteningMethod method = FlatteningMethod::arap;
+};
+
+struct PatternSettings {
+  std::optional<double> width_mm;  // physical width; none: the file's own size
+  Placement placement = Placement::chart;
+  std::array<double, 2> offset_mm{0, 0};  // the pattern's centre on the chart, from the top of the mold
+  double rotate_deg = 0;                  // counter-clockwise on the inked face as drawn
+  double scale = 1;
+  InkedFace inked_face = InkedFace::outer;
+};
+
+struct PrintSettings {
+  int dpi = 300;
+  bool marks = true;
+  double margin_mm = 3;  // free of marks along the sheet's edge
+};
+
+struct Settings {
+  ScanSettings scan;
+  SheetSettings sheet;
+  MachineSettings machine;
+  FormingSettings forming;
+  FlatteningSettings flattening;
+  PatternSettings pattern;
+  PrintSettings print;
+};
+
+// Parses a JSON object of groups; fields that are absent keep their defaults. Refuses, by its dotted name, every
+// unknown group or key, every value of the wrong type or out of range, and combinations that contradict each other
+// (Code::bad_settings). The message names the range or the choices.
+Result<Settings> settings_from_json(const nlohmann::json& object);
+Result<Settings> settings_from_text(std::string_view text);  // the same from JSON text; an empty text is all defaults
+
+// Applies one "group.key=value" to a JSON object of settings that is parsed later. The value is read as JSON where
+// it is JSON (3, true, "auto", [1, 2]) and as a string otherwise (petg). Refuses a text without a dot or '='.
+Result<void> set_in_json(nlohmann::json& object, std::string_view assignment);
+
+// Every field with its value, in the order of the schema.
+nlohmann::ordered_json to_json(const Settings& settings);
+
+// JSON Schema (2020-12) with title, description, default, minimum, maximum, unit ("x-unit") and choices of each field.
+nlohmann::ordered_json settings_schema();
+
+std::string_view name(Unit);
+std::string_view name(UpAxis);
+std::string_view name(Material);
+std::string_view name(InkedFace);
+std::string_view name(MembraneLaw);
+
+}  // namespace vacuform

@@ -1,0 +1,1 @@
+vacuform_test(api_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/settings_test.cpp LINKS vacuform_api)

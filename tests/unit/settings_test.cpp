@@ -1,0 +1,90 @@
+#include "api/settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace vacuform {
+namespace {
+
+TEST(Settings, EmptyTextIsAllDefaults) {
+  const auto settings = settings_from_text("  \n");
+  ASSERT_TRUE(settings);
+  EXPECT_EQ(to_json(*settings), to_json(Settings{}));
+}
+
+TEST(Settings, WrittenSettingsReadBackTheSame) {
+  Settings s;
+  s.scan.up = UpAxis::minus_y;
+  s.scan.trim_mm = 42.5;
+  s.machine.window = WindowShape::circle;
+  s.pattern.offset_mm = {3, -4};
+  s.pattern.inked_face = InkedFace::inner;
+  s.print.dpi = 1200;
+  const auto text = to_json(s).dump();
+  const auto back = settings_from_text(text);
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_EQ(to_json(*back).dump(), text);
+}
+
+struct Refusal {
+  const char* text;
+  const char* where;
+  const char* says;
+};
+class SettingsRefusal : public testing::TestWithParam<Refusal> {};
+
+TEST_P(SettingsRefusal, NamesTheSetting) {
+  const auto settings = settings_from_text(GetParam().text);
+  ASSERT_FALSE(settings);
+  EXPECT_EQ(settings.error().code, Code::bad_settings);
+  EXPECT_EQ(settings.error().where, GetParam().where);
+  EXPECT_NE(settings.error().text().find(GetParam().says), std::string::npos) << settings.error().text();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, SettingsRefusal,
+    testing::Values(Refusal{R"({"prnt": {}})", "prnt", "unknown group"},
+                    Refusal{R"({"print": {"dip": 300}})", "print.dip", "dpi, marks, margin_mm"},
+                    Refusal{R"({"print": {"dpi": 71}})", "print.dpi", "from 72.0 to 1200.0"},
+                    Refusal{R"({"print": {"dpi": 300.5}})", "print.dpi", "whole number"},
+                    Refusal{R"({"print": {"dpi": "300"}})", "print.dpi", "not a number"},
+                    Refusal{R"({"print": {"marks": 1}})", "print.marks", "true or false"},
+                    Refusal{R"({"print": 300})", "print", "JSON object"},
+                    Refusal{R"({"scan": {"trim_mm": "automatic"}})", "scan.trim_mm", "auto"},
+                    Refusal{R"({"scan": {"units": "furlong"}})", "scan.units", "auto, mm, cm, m, in"},
+                    Refusal{R"({"pattern": {"offset_mm": [1]}})", "pattern.offset_mm", "[u, v]"},
+                    Refusal{R"({"pattern": {"offset_mm": [1, 1e9]}})", "pattern.offset_mm", "out of range"},
+                    Refusal{R"({"machine": {"window_width_mm": 400}})", "machine.window_width_mm", "larger than the sheet"},
+                    Refusal{R"({"sheet": {"width_mm": 2000, "height_mm": 2000, "resolution_mm": 0.5}})",
+                            "sheet.resolution_mm", "coarser"},
+                    Refusal{"[1, 2]", "", "JSON object"}, Refusal{"{\"print\": {", "", "not valid JSON"},
+                    Refusal{"[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]", "", "JSON"}));
+
+TEST(Settings, SetReadsJsonAndBareWords) {
+  nlohmann::json object;
+  for (const char* text : {"print.dpi=600", "sheet.material=pc", "scan.trim_mm=auto", "pattern.offset_mm=[1.5, -2]"})
+    ASSERT_TRUE(set_in_json(object, text)) << text;
+  const auto settings = settings_from_json(object);
+  ASSERT_TRUE(settings) << settings.error().text();
+  EXPECT_EQ(settings->print.dpi, 600);
+  EXPECT_EQ(settings->sheet.material, Material::pc);
+  EXPECT_FALSE(settings->scan.trim_mm);
+  EXPECT_EQ(settings->pattern.offset_mm[1], -2);
+  for (const char* text : {"dpi=600", "print.dpi", ".dpi=3", "print.=3", ""})
+    EXPECT_FALSE(set_in_json(object, text)) << text;
+}
+
+TEST(Settings, SchemaDescribesEveryField) {
+  const auto schema = settings_schema();
+  const auto values = to_json(Settings{});
+  for (const auto& [group, fields] : values.items())
+    for (const auto& [key, value] : fields.items()) {
+      const auto& field = schema["properties"][group]["properties"][key];
+      EXPECT_TRUE(field.contains("description")) << group << "." << key;
+      EXPECT_EQ(field["default"], value) << group << "." << key;
+    }
+}
+
+}  // namespace
+}  // namespace vacuform

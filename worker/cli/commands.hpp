@@ -1,0 +1,18 @@
+// The commands of `vacuform`, one source file each. A command writes its errors to stderr as one line
+// "vacuform: what (where); mend" and sets the exit code of api/error.hpp.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "api/error.hpp"
+
+namespace vacuform::cli {
+
+void add_run(CLI::App& app, int& exit_code);      // the whole pipeline, without a server
+void add_inspect(CLI::App& app, int& exit_code);  // what is in a scan, without forming anything
+void add_submit(CLI::App& app, int& exit_code);   // the same as run, through a server
+
+// Prints the error and gives its exit code.
+int refuse(const Error& error);
+
+}  // namespace vacuform::cli

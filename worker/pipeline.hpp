@@ -1,0 +1,30 @@
+// The whole way from a scan and a pattern to the artifacts: the stages in their order. No jobs, no HTTP, no SQL.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "api/settings.hpp"
+#include "worker/context.hpp"
+
+namespace vacuform {
+
+struct Inputs {
+  std::span<const std::uint8_t> scan;
+  std::string scan_name;  // for messages and the format
+  std::span<const std::uint8_t> pattern;
+  std::string pattern_name;
+  Settings settings;
+};
+
+// Runs every stage and writes the artifacts of api/job.hpp into `out`, which is created when absent. Each file is
+// written beside its place and renamed, so that no half file ever has an artifact's name. The same inputs give the
+// same bytes in every file. Errors: those of the stages; unreadable when `out` cannot be written.
+Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context);
+
+// Reads a whole file. Errors: unreadable, too_large (above `limit` bytes).
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit = 1u << 30);
+
+}  // namespace vacuform

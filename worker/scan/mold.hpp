@@ -1,0 +1,66 @@
+// The scan stage: bytes of a scan in, a mold on the platform out.
+//
+// A scan is read (STL, OBJ, PLY, OFF, GLB), welded, reduced to its outer skin, turned right side out, scaled to
+// millimetres, turned with its up axis to +Z, trimmed, closed, offset by the clearance, and placed on the platform:
+// z = 0 is the platform, the middle of the mold's bounding box lies at x = y = 0.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "api/settings.hpp"
+#include "worker/context.hpp"
+#include "worker/scan/triangle_mesh.hpp"
+
+namespace vacuform {
+
+// A pocket of the scan that the sheet, coming from above, cannot reach or that locks the formed part.
+struct Undercut {
+  Eigen::Vector3d place;  // its deepest point, in the mold's frame, mm
+  double depth_mm;        // how far it reaches under what overhangs it, horizontally
+  double area_mm2;        // its area seen from above
+};
+
+// What was found in the file and what was done about it, for people and for report.json.
+struct ScanFindings {
+  std::string format;              // "STL (binary)", "PLY (ASCII)", ...
+  std::int64_t triangles_read = 0;
+  Unit unit = Unit::mm;            // as used
+  bool unit_guessed = false;
+  UpAxis up = UpAxis::plus_z;      // as used
+  bool up_guessed = false;
+  int components = 0;              // connected pieces in the file
+  int components_dropped = 0;      // debris and inner skins
+  bool turned_inside_out = false;  // the skin was inside out and has been turned
+  int holes_closed = 0;            // small holes filled
+  int holes_capped = 0;            // large openings closed by the platform
+  bool rebuilt = false;            // the skin was beyond repair and was wrapped anew (CGAL's alpha wrap)
+  Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();  // of the whole scan, upright, before trimming
+  double trim_mm = 0;              // height above the scan's lowest point at which it was cut
+  bool trim_chosen = false;        // by Vacuform, where undercuts would begin
+};
+
+struct Mold {
+  TriangleMesh mesh;                // watertight, oriented outwards, z >= 0
+  Eigen::Vector3d top;              // the highest point; of several, the one nearest the axis
+  std::vector<Undercut> undercuts;  // of the mold as trimmed, deepest first
+  ScanFindings findings;
+  std::vector<Warning> warnings;
+};
+
+// Makes the mold. Pure: the same bytes and settings give the same mold.
+// `file_name` only helps messages and, where the bytes do not tell, the format (its extension).
+// Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
+Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name, const ScanSettings& settings,
+                       const Context& context);
+
+// Whether the mold fits the sheet and the machine's window, with room to draw; does_not_fit says by how much not.
+Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine);
+
+// Binary STL of the mold, mm, header "Vacuform mold, mm".
+std::vector<std::uint8_t> stl_bytes(const TriangleMesh& mesh);
+
+}  // namespace vacuform

@@ -1,0 +1,36 @@
+// Ray queries against a fixed set of triangles (Embree's BVH; Wald et al. 2014, "Embree: a kernel framework for
+// efficient CPU ray tracing"). Coordinates are kept as floats relative to the mesh's centre, so a hit is exact to
+// about 1e-5 of the mesh's size; the robust traversal lets no ray slip between two triangles that share an edge.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+
+#include "worker/scan/triangle_mesh.hpp"
+
+namespace vacuform {
+
+class RayCaster {
+ public:
+  struct Hit {
+    double t;          // along the direction as given, in (0, 1]
+    int triangle;      // index into the mesh's triangles
+    double u, v;       // barycentric: (1 - u - v) a + u b + v c
+  };
+
+  // Copies what it needs of the mesh. A mesh without triangles is allowed and is never hit.
+  explicit RayCaster(const TriangleMesh& mesh);
+  ~RayCaster();
+  RayCaster(RayCaster&&) noexcept;
+  RayCaster& operator=(RayCaster&&) noexcept;
+
+  // The first hit on the segment from origin to origin + direction. Thread safe and deterministic.
+  std::optional<Hit> first_hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+
+ private:
+  struct Scene;
+  std::unique_ptr<Scene> scene_;
+};
+
+}  // namespace vacuform
