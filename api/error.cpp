@@ -38,4 +38,10 @@ CodeMeaning meaning(Code code) {
   std::abort();  // a code outside the enumeration is a bug
 }
 
+std::optional<Code> code_from(std::string_view slug) {
+  for (int i = 0; i <= static_cast<int>(Code::internal); ++i)
+    if (meaning(static_cast<Code>(i)).slug == slug) return static_cast<Code>(i);
+  return std::nullopt;
+}
+
 }  // namespace vacuform

@@ -1,6 +1,7 @@
 // The one error type of Vacuform. Bad input is a value (Result); exceptions are for bugs.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -55,6 +56,8 @@ struct CodeMeaning {
   int exit_code;  // 0 done, 1 internal fault, 2 bad usage or input, 130 cancelled
 };
 CodeMeaning meaning(Code code);
+// The code that a problem type names, from its slug.
+std::optional<Code> code_from(std::string_view slug);
 
 }  // namespace vacuform
 
