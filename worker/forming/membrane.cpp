@@ -1,0 +1,149 @@
+#include "worker/forming/membrane.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace vacuform {
+
+namespace {
+
+constexpr double slack_stiffness = 1e-3;
+
+// W = c1 (I1 - 3) + c2 (I2 - 3) with l3 = 1 / (l1 l2) and c1 + c2 = 1/2 (shear modulus 1).
+struct Coefficients {
+  double c1, c2;
+};
+Coefficients coefficients(MembraneLaw law) {
+  return law == MembraneLaw::neo_hookean ? Coefficients{0.5, 0.0} : Coefficients{0.4, 0.1};
+}
+
+Density plane_stress(Coefficients c, double a, double b) {
+  const double a2 = a * a, b2 = b * b, ia2 = 1 / a2, ib2 = 1 / b2, i = ia2 * ib2;
+  Density d{};
+  d.W = c.c1 * (a2 + b2 + i - 3) + c.c2 * (ia2 + ib2 + a2 * b2 - 3);
+  d.W1 = 2 * c.c1 * (a - i / a) + 2 * c.c2 * (a * b2 - ia2 / a);
+  d.W2 = 2 * c.c1 * (b - i / b) + 2 * c.c2 * (b * a2 - ib2 / b);
+  d.W11 = 2 * c.c1 * (1 + 3 * i * ia2) + 2 * c.c2 * (b2 + 3 * ia2 * ia2);
+  d.W22 = 2 * c.c1 * (1 + 3 * i * ib2) + 2 * c.c2 * (a2 + 3 * ib2 * ib2);
+  d.W12 = 4 * c.c1 * i / (a * b) + 4 * c.c2 * a * b;
+  return d;
+}
+
+// Uniaxial tension with free width: l2 = l3 = l^(-1/2); nothing at all when l < 1.
+Density uniaxial(Coefficients c, double l) {
+  Density d{};
+  if (l <= 1) return d;
+  const double i = 1 / l, i2 = i * i;
+  d.W = c.c1 * (l * l + 2 * i - 3) + c.c2 * (2 * l + i2 - 3);
+  d.W1 = 2 * c.c1 * (l - i2) + 2 * c.c2 * (1 - i2 * i);
+  d.W11 = 2 * c.c1 * (1 + 2 * i2 * i) + 6 * c.c2 * i2 * i2;
+  return d;
+}
+
+// Principal stretches and the rotation of the rest frame to the principal one (cos, sin).
+struct Principal {
+  double l1, l2, cos, sin;
+};
+Principal principal(const Eigen::Matrix<double, 3, 2>& F) {
+  const double a = F.col(0).squaredNorm(), b = F.col(0).dot(F.col(1)), d = F.col(1).squaredNorm();
+  const double angle = 0.5 * std::atan2(2 * b, a - d);
+  const double middle = 0.5 * (a + d), radius = std::hypot(0.5 * (a - d), b);
+  const double l1 = std::sqrt(middle + radius);
+  // The product of the stretches is the area ratio: exact where the difference above cancels.
+  const double l2 = F.col(0).cross(F.col(1)).norm() / std::max(l1, 1e-300);
+  return {std::max(l1, 1e-6), std::max(l2, 1e-6), std::cos(angle), std::sin(angle)};
+}
+
+}  // namespace
+
+Density density(MembraneLaw law, double l1, double l2) {
+  const Coefficients c = coefficients(law);
+  const Density full = plane_stress(c, l1, l2);
+  if (l2 * l2 * l1 >= 1 && l1 >= 1) return full;
+  Density d = uniaxial(c, l1);
+  constexpr double e = slack_stiffness;
+  d.W = (1 - e) * d.W + e * full.W;
+  d.W1 = (1 - e) * d.W1 + e * full.W1;
+  d.W2 = e * full.W2;
+  d.W11 = (1 - e) * d.W11 + e * full.W11;
+  d.W22 = e * full.W22;
+  d.W12 = e * full.W12;
+  d.slack = true;
+  return d;
+}
+
+Membrane::Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<Triangle>& triangles, MembraneLaw law)
+    : triangles_(triangles), law_(law) {
+  for (const Triangle& t : triangles_) {
+    Eigen::Matrix2d D;
+    D << rest[t[1]] - rest[t[0]], rest[t[2]] - rest[t[0]];
+    const Eigen::Matrix2d inverse = D.inverse();
+    Eigen::Matrix<double, 2, 3> g;
+    g.col(1) = inverse.row(0).transpose();
+    g.col(2) = inverse.row(1).transpose();
+    g.col(0) = -g.col(1) - g.col(2);
+    shape_.push_back(g);
+    area_.push_back(0.5 * D.determinant());
+  }
+}
+
+Eigen::Matrix<double, 3, 2> Membrane::deformation(const Points& x, int triangle) const {
+  const Triangle& t = triangles_[triangle];
+  const auto& g = shape_[triangle];
+  return (x.col(t[1]) - x.col(t[0])) * g.col(1).transpose() + (x.col(t[2]) - x.col(t[0])) * g.col(2).transpose();
+}
+
+double Membrane::energy(const Points& x, double p, const std::vector<int>& active, Points& gradient) const {
+  gradient.setZero();
+  double elastic = 0, volume = 0;
+  for (const int k : active) {
+    const Triangle& t = triangles_[k];
+    const auto F = deformation(x, k);
+    const Principal q = principal(F);
+    const Density d = density(law_, q.l1, q.l2);
+    elastic += area_[k] * d.W;
+    // Second Piola-Kirchhoff stress S = sum (W_i / l_i) v_i v_i', forces A F S g.
+    const double s1 = d.W1 / q.l1, s2 = d.W2 / q.l2;
+    Eigen::Matrix2d S;
+    S(0, 0) = s1 * q.cos * q.cos + s2 * q.sin * q.sin;
+    S(1, 1) = s1 * q.sin * q.sin + s2 * q.cos * q.cos;
+    S(0, 1) = S(1, 0) = (s1 - s2) * q.cos * q.sin;
+    const Eigen::Matrix<double, 3, 2> P = area_[k] * (F * S);
+    Eigen::Vector3d f1 = P * shape_[k].col(1), f2 = P * shape_[k].col(2);
+    Eigen::Vector3d f0 = -f1 - f2;
+    if (p != 0) {
+      const Eigen::Vector3d a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]);
+      const Eigen::Vector3d share = (p / 6) * (b - a).cross(c - a);
+      volume += (b - a).cross(c - a).z() * (a.z() + b.z() + c.z()) / 6;
+      f0 += share, f1 += share, f2 += share;
+    }
+    gradient.col(t[0]) += f0;
+    gradient.col(t[1]) += f1;
+    gradient.col(t[2]) += f2;
+  }
+  return elastic + p * volume;
+}
+
+Eigen::Vector3d Membrane::scalar_stiffness(const Points& x, int triangle) const {
+  const Principal q = principal(deformation(x, triangle));
+  const Density d = density(law_, q.l1, q.l2);
+  const double gap = q.l1 * q.l1 - q.l2 * q.l2;
+  const double shear = gap > 1e-6 ? (q.l1 * d.W1 - q.l2 * d.W2) / gap : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12);
+  constexpr double least = 1e-2;
+  const double t1 = std::max(least, (d.W11 + std::max(0.0, shear) + d.W1 / q.l1) / 3);
+  const double t2 = std::max(least, (d.W22 + std::max(0.0, shear) + d.W2 / q.l2) / 3);
+  return {t1 * q.cos * q.cos + t2 * q.sin * q.sin, (t1 - t2) * q.cos * q.sin,
+          t1 * q.sin * q.sin + t2 * q.cos * q.cos};
+}
+
+double Membrane::area_stretch(const Points& x, int triangle) const {
+  const auto F = deformation(x, triangle);
+  return F.col(0).cross(F.col(1)).norm();
+}
+
+bool Membrane::slack(const Points& x, int triangle) const {
+  const Principal q = principal(deformation(x, triangle));
+  return density(law_, q.l1, q.l2).slack;
+}
+
+}  // namespace vacuform

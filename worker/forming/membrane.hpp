@@ -1,0 +1,58 @@
+// The membrane: linear triangles, plane stress, incompressible, under the pressure of a vacuum on one face.
+//
+// The energy is that of Pipkin's relaxed membrane ("The relaxed energy density for isotropic elastic membranes",
+// IMA J. Appl. Math. 1986): a triangle that is compressed across its tension wrinkles and carries tension only, so
+// the energy stays convex where a sheet webs. A small part `slack_stiffness` of the unrelaxed energy is kept there.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "api/settings.hpp"
+#include "worker/scan/triangle_mesh.hpp"
+
+namespace vacuform {
+
+using Points = Eigen::Matrix<double, 3, Eigen::Dynamic>;  // one column a vertex, mm
+
+// Energy density per rest area and shear modulus, as a function of the principal stretches l1 >= l2 > 0.
+struct Density {
+  double W, W1, W2;      // value and first derivatives
+  double W11, W22, W12;  // second derivatives
+  bool slack;            // wrinkled: l2 below the natural width of the tension l1
+};
+Density density(MembraneLaw law, double l1, double l2);
+
+class Membrane {
+ public:
+  // Lengths in mm. Energies are in units of (shear modulus x thickness x mm^2), so only pressure has a unit: p is
+  // given as pressure / (shear modulus x thickness), 1/mm.
+  Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<Triangle>& triangles, MembraneLaw law);
+
+  std::size_t triangle_count() const { return triangles_.size(); }
+
+  // The energy of the triangles in `active` (indices), elastic plus p times the volume under them, and its gradient
+  // (3 x vertices, overwritten). The pressure pushes against the normal that counter-clockwise triangles show.
+  double energy(const Points& x, double p, const std::vector<int>& active, Points& gradient) const;
+
+  // The coefficients (t11, t12, t22) of the scalar form that has, per pair of vertices, a third of the trace of the
+  // elastic Hessian's block: a symmetric positive definite stand-in for it, in the triangle's rest frame.
+  Eigen::Vector3d scalar_stiffness(const Points& x, int triangle) const;
+  // Gradient of the three shape functions of a triangle in the rest plane, 1/mm (columns), and its rest area, mm^2.
+  const Eigen::Matrix<double, 2, 3>& shape_gradient(int triangle) const { return shape_[triangle]; }
+  double rest_area(int triangle) const { return area_[triangle]; }
+
+  // Formed area over rest area, and whether the triangle is wrinkled.
+  double area_stretch(const Points& x, int triangle) const;
+  bool slack(const Points& x, int triangle) const;
+
+ private:
+  Eigen::Matrix<double, 3, 2> deformation(const Points& x, int triangle) const;
+
+  std::vector<Triangle> triangles_;
+  std::vector<Eigen::Matrix<double, 2, 3>> shape_;
+  std::vector<double> area_;
+  MembraneLaw law_;
+};
+
+}  // namespace vacuform

@@ -1,0 +1,113 @@
+#include "worker/forming/sheet_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vacuform {
+
+namespace {
+
+// Lines from -outer to outer with a line exactly at each of -inner and inner; an even number of cells inside.
+std::vector<double> lines(double outer, double inner, double spacing) {
+  const auto cells = [&](double length) { return std::max(0, static_cast<int>(std::ceil(length / spacing - 1e-9))); };
+  std::vector<double> at;
+  const int margin = cells(outer - inner);
+  const int middle = 2 * std::max(1, cells(inner));
+  for (int k = 0; k < margin; ++k) at.push_back(-outer + (outer - inner) * k / margin);
+  for (int k = 0; k <= middle; ++k) at.push_back(inner * (2.0 * k / middle - 1.0));
+  for (int k = 1; k <= margin; ++k) at.push_back(inner + (outer - inner) * k / margin);
+  return at;
+}
+
+// George's nested dissection of the index rectangle [x0, x1) x [y0, y1): halves first, the separating line last.
+void dissect(int x0, int x1, int y0, int y1, int columns, std::vector<int>& order) {
+  const int w = x1 - x0, h = y1 - y0;
+  if (w <= 0 || h <= 0) return;
+  if (w * h <= 12) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) order.push_back(y * columns + x);
+  } else if (w >= h) {
+    const int middle = x0 + w / 2;
+    dissect(x0, middle, y0, y1, columns, order);
+    dissect(middle + 1, x1, y0, y1, columns, order);
+    for (int y = y0; y < y1; ++y) order.push_back(y * columns + middle);
+  } else {
+    const int middle = y0 + h / 2;
+    dissect(x0, x1, y0, middle, columns, order);
+    dissect(x0, x1, middle + 1, y1, columns, order);
+    for (int x = x0; x < x1; ++x) order.push_back(middle * columns + x);
+  }
+}
+
+// A triangle whose corners all lie on the circle is a sliver: the edge between its two outer corners is turned over
+// to the opposite corner of the neighbour, which lies off the circle.
+void turn_sliver(std::vector<Triangle>& triangles, std::size_t sliver, const std::vector<Eigen::Vector2d>& rest) {
+  const auto length = [&](int k) {
+    return (rest[triangles[sliver][k]] - rest[triangles[sliver][(k + 1) % 3]]).squaredNorm();
+  };
+  int k = 0;
+  for (int other : {1, 2})
+    if (length(other) > length(k)) k = other;
+  const int a = triangles[sliver][k], b = triangles[sliver][(k + 1) % 3], middle = triangles[sliver][(k + 2) % 3];
+  for (Triangle& t : triangles)
+    for (int e = 0; e < 3; ++e)
+      if (t[e] == b && t[(e + 1) % 3] == a) {
+        const int opposite = t[(e + 2) % 3];
+        t = {middle, opposite, b};
+        triangles[sliver] = {middle, a, opposite};
+        return;
+      }
+}
+
+// Moves, of every edge that crosses the circle, the nearer end onto it.
+void snap_to_circle(SheetGrid& grid, double radius) {
+  std::vector<char> on_circle(grid.rest.size(), 0);
+  for (const Triangle& t : grid.triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      const double da = grid.rest[a].norm() - radius, db = grid.rest[b].norm() - radius;
+      if (da * db < 0) on_circle[std::abs(da) <= std::abs(db) ? a : b] = 1;
+    }
+  for (std::size_t i = 0; i < on_circle.size(); ++i)
+    if (on_circle[i]) grid.rest[i] *= radius / grid.rest[i].norm();
+  for (std::size_t k = 0; k < grid.triangles.size(); ++k) {
+    const Triangle& t = grid.triangles[k];
+    if (on_circle[t[0]] && on_circle[t[1]] && on_circle[t[2]]) turn_sliver(grid.triangles, k, grid.rest);
+  }
+}
+
+}  // namespace
+
+SheetGrid make_sheet_grid(const SheetSettings& sheet, const MachineSettings& machine) {
+  const bool circle = machine.window == WindowShape::circle;
+  const double half_w = machine.window_width_mm / 2;
+  const double half_h = circle ? half_w : machine.window_height_mm / 2;
+  const auto xs = lines(sheet.width_mm / 2, half_w, sheet.resolution_mm);
+  const auto ys = lines(sheet.height_mm / 2, half_h, sheet.resolution_mm);
+  const int columns = static_cast<int>(xs.size()), rows = static_cast<int>(ys.size());
+
+  SheetGrid grid;
+  for (double y : ys)
+    for (double x : xs) grid.rest.emplace_back(x, y);
+  for (int j = 0; j + 1 < rows; ++j)
+    for (int i = 0; i + 1 < columns; ++i) {
+      const int a = j * columns + i, b = a + 1, c = a + columns + 1, d = a + columns;
+      if ((i + j) % 2 == 0) {
+        grid.triangles.push_back({a, b, c});
+        grid.triangles.push_back({a, c, d});
+      } else {
+        grid.triangles.push_back({a, b, d});
+        grid.triangles.push_back({b, c, d});
+      }
+    }
+  if (circle) snap_to_circle(grid, half_w);
+
+  const double tiny = 1e-9 * (sheet.width_mm + sheet.height_mm);
+  for (const auto& p : grid.rest)
+    grid.clamped.push_back(circle ? p.norm() >= half_w - tiny
+                                  : std::abs(p.x()) >= half_w - tiny || std::abs(p.y()) >= half_h - tiny);
+  dissect(0, columns, 0, rows, columns, grid.elimination_order);
+  return grid;
+}
+
+}  // namespace vacuform
