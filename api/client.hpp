@@ -1,0 +1,99 @@
+// The client side of the HTTP API (api/openapi.yaml): what `vacuform submit` and `vacuform-worker` say to a server.
+// Every call gives the problem that the server stated as an Error of the same code; unavailable means that the
+// server was not reached or cannot answer now, and the same call may be made again.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/error.hpp"
+#include "api/http.hpp"
+#include "api/job.hpp"
+
+namespace vacuform {
+
+// Called several times a second while a call lasts; false gives it up with Code::cancelled.
+using Going = std::function<bool()>;
+
+struct RemoteArtifact {
+  std::string name;  // one of api/job.hpp: other names that a server lists are left out
+  std::uint64_t bytes = 0;
+  std::string sha256;
+};
+
+struct RemoteJob {
+  std::string id;
+  JobState state = JobState::queued;
+  std::optional<Stage> stage;  // while it runs
+  double progress = 0;         // of the whole job, in [0, 1]
+  double stage_progress = 0;   // of the stage, in [0, 1]
+  std::vector<RemoteArtifact> artifacts;
+  std::optional<Error> problem;  // of a failed job
+};
+
+// What a user does with jobs.
+class Client {
+ public:
+  static Result<Client> to(const std::string& server);
+
+  // Creates a job; both files are streamed. `uploaded` receives the fraction sent and may give up. Never made twice by
+  // itself: when the answer is lost the caller cannot know whether the job exists.
+  Result<RemoteJob> submit(const std::filesystem::path& scan, const std::filesystem::path& pattern,
+                           const std::string& settings_json, const std::function<bool(double)>& uploaded);
+  Result<RemoteJob> job(const std::string& id, const Going& going = {});
+  // Into `folder`, under the artifact's name: written beside it, checked against its SHA-256, then renamed.
+  Result<void> download(const std::string& id, const RemoteArtifact& artifact, const std::filesystem::path& folder,
+                        const Going& going = {});
+
+  std::string job_url(const std::string& id) const;
+
+ private:
+  explicit Client(Http http) : http_(std::move(http)) {}
+  Http http_;
+};
+
+// A job as a worker holds it.
+struct LeasedInput {
+  std::string extension;  // lower case letters and digits, no dot; may be empty
+  std::uint64_t bytes = 0;
+  std::string sha256;
+};
+struct Lease {
+  std::string job, token;
+  int attempt = 1;
+  std::chrono::seconds seconds{30};   // from a sign of life to the end of the lease
+  std::chrono::seconds heartbeat{10}; // the longest that the server wants between two
+  std::string settings;               // JSON text
+  LeasedInput scan, pattern;
+};
+
+// What a worker does with leases. Every call but the first may give lease_lost: the job is someone else's now.
+class WorkerClient {
+ public:
+  static Result<WorkerClient> to(const std::string& server, const std::string& token);
+
+  Result<std::optional<Lease>> lease(const std::string& worker);  // nothing: no job waits
+  // `input` is "scan" or "pattern"; checked against its length and SHA-256.
+  Result<void> download_input(const Lease& lease, const std::string& input, const std::filesystem::path& file,
+                              const Going& going);
+  Result<bool> heartbeat(const Lease& lease, Stage stage, double progress);  // true: the user asks to cancel
+  Result<void> upload(const Lease& lease, const std::string& artifact, const std::filesystem::path& file,
+                      const Going& going);
+  Result<void> complete(const Lease& lease);
+  Result<void> fail(const Lease& lease, const Error& error, bool retry);
+  Result<void> cancelled(const Lease& lease);
+  Result<void> release(const Lease& lease);
+
+ private:
+  explicit WorkerClient(Http http) : http_(std::move(http)) {}
+  Result<HttpResponse> call(const Lease& lease, const std::string& method, const std::string& tail,
+                            const std::string& body);
+  Http http_;
+};
+
+}  // namespace vacuform

@@ -1,0 +1,36 @@
+// Progress on a terminal: one line on stderr, redrawn.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "api/job.hpp"
+
+namespace vacuform::cli {
+
+// Off a terminal it is silent or prints a line when a stage begins. Used from one thread; as a Context::Listener by
+//   ProgressBar bar(ProgressBar::Otherwise::silent);
+//   Context context([&](Stage stage, double fraction) { bar.show(stage, fraction); });
+class ProgressBar {
+ public:
+  enum class Otherwise { silent, line_a_stage };
+  explicit ProgressBar(Otherwise otherwise);
+  ~ProgressBar() { clear(); }
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void show(Stage stage, double fraction);
+  void show(std::string_view what, double fraction);  // something that is no stage: "upload", "queued"
+
+  // Takes the line away, so that something else can be printed.
+  void clear();
+
+ private:
+  bool terminal_;
+  Otherwise otherwise_;
+  std::string shown_;  // the line that stands on the terminal
+  std::string stage_;  // the last name
+};
+
+}  // namespace vacuform::cli

@@ -1,0 +1,139 @@
+// vacuform submit: the same as run, through a server.
+#include <poll.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "api/client.hpp"
+#include "worker/cli/commands.hpp"
+#include "worker/cli/progress_bar.hpp"
+#include "worker/cli/settings_options.hpp"
+
+namespace vacuform::cli {
+
+namespace {
+
+using std::chrono::steady_clock;
+
+std::atomic<bool> interrupted{false};
+extern "C" void interrupt(int) { interrupted.store(true); }
+
+bool going() { return !interrupted.load(); }
+
+struct SubmitOptions {
+  std::string server = "http://127.0.0.1:8080", scan, pattern, job, out;
+  SettingsOptions settings;
+  bool wait = false;
+};
+
+Result<RemoteJob> create(Client& client, const SubmitOptions& o, ProgressBar& bar) {
+  VACUFORM_TRY(settings, o.settings.read());
+  return client.submit(o.scan, o.pattern, settings.dump(), [&](double fraction) {
+    bar.show("upload", fraction);
+    return going();
+  });
+}
+
+// Until the job has ended. A server that goes away is asked again for a minute.
+Result<RemoteJob> follow(Client& client, const std::string& id, bool reached, ProgressBar& bar) {
+  auto last_answer = steady_clock::now();
+  for (;;) {
+    auto job = client.job(id, going);
+    if (job) {
+      reached = true;
+      last_answer = steady_clock::now();
+      if (ended(job->state)) return job;
+      bar.show(job->stage ? name(*job->stage) : name(job->state), job->progress);
+    } else if (!reached || job.error().code != Code::unavailable ||
+               steady_clock::now() - last_answer > std::chrono::minutes(1)) {
+      return job;
+    }
+    ::poll(nullptr, 0, 500);  // a signal ends it early
+    if (!going()) return fail(Code::cancelled, "interrupted");
+  }
+}
+
+Result<void> download_all(Client& client, const RemoteJob& job, const std::string& out, ProgressBar& bar) {
+  std::error_code ec;
+  std::filesystem::create_directories(out, ec);
+  if (ec) return fail(Code::unreadable, "the folder cannot be made", out, "check its name and permissions");
+  double done = 0;
+  for (const RemoteArtifact& artifact : job.artifacts) {
+    bar.show("download", done++ / static_cast<double>(job.artifacts.size()));
+    VACUFORM_CHECK(client.download(job.id, artifact, out, going));
+  }
+  return {};
+}
+
+int submit(const SubmitOptions& o) {
+  auto client = Client::to(o.server);
+  if (!client) return refuse(client.error());
+  if (o.job.empty() && (o.scan.empty() || o.pattern.empty()))
+    return refuse({Code::bad_usage, "submit needs a scan and a pattern, or a job to come back to", "",
+                   "give --scan FILE and --pattern FILE, or --job ID"});
+
+  struct sigaction action {};
+  action.sa_handler = interrupt;  // no SA_RESTART: waiting ends at once
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+
+  ProgressBar bar(o.wait ? ProgressBar::Otherwise::line_a_stage : ProgressBar::Otherwise::silent);
+  std::string id = o.job;
+  if (id.empty()) {
+    const auto created = create(*client, o, bar);
+    bar.clear();
+    if (!created && !going())
+      return refuse({Code::cancelled, "interrupted while uploading", "", "nothing was submitted; submit again"});
+    if (!created) return refuse(created.error());
+    id = created->id;
+  }
+  std::printf("%s\n", client->job_url(id).c_str());
+  std::fflush(stdout);
+  if (!o.wait) return 0;
+
+  // What to do about whatever ends the waiting but not the job.
+  const auto come_back = [&](Error error) {
+    bar.clear();
+    error.mend = "the job goes on; come back with vacuform submit --server " + o.server + " --job " + id + " --wait" +
+                 (o.out.empty() ? "" : " --out " + o.out) + ", or cancel it with curl -X POST " + client->job_url(id) +
+                 "/cancel";
+    return refuse(error);
+  };
+  const auto job = follow(*client, id, o.job.empty(), bar);
+  if (!going()) return come_back({Code::cancelled, "interrupted while waiting", "", ""});
+  if (!job && job.error().code == Code::unavailable) return come_back(job.error());
+  if (!job) return refuse(job.error());
+  bar.clear();
+  if (job->state == JobState::cancelled) return refuse({Code::cancelled, "the job was cancelled", id, ""});
+  if (job->state == JobState::failed)
+    return refuse(job->problem.value_or(Error{Code::internal, "the job failed without saying why", id, ""}));
+  if (o.out.empty()) return 0;
+  const auto downloaded = download_all(*client, *job, o.out, bar);
+  bar.clear();
+  if (!going())
+    return refuse({Code::cancelled, "interrupted while downloading", "", "the artifacts are at " + client->job_url(id)});
+  return downloaded ? 0 : refuse(downloaded.error());
+}
+
+}  // namespace
+
+void add_submit(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<SubmitOptions>();
+  CLI::App* command = app.add_subcommand("submit", "Make a job on a server and, if asked, wait for its artifacts");
+  command->add_option("--server", options->server, "Address of the server")->type_name("URL")->capture_default_str();
+  auto* scan = command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->type_name("FILE");
+  auto* pattern = command->add_option("--pattern", options->pattern, "SVG, PNG or JPEG")->type_name("FILE");
+  options->settings.add_to(*command);
+  command->add_option("--job", options->job, "Come back to a job that was submitted before")
+      ->type_name("ID")
+      ->excludes(scan)
+      ->excludes(pattern);
+  auto* wait = command->add_flag("--wait", options->wait, "Wait until the job has ended");
+  command->add_option("--out", options->out, "Folder for the artifacts")->type_name("DIR")->needs(wait);
+  command->callback([options, &exit_code] { exit_code = submit(*options); });
+}
+
+}  // namespace vacuform::cli
