@@ -1,0 +1,176 @@
+// Seconds and peak memory by stage, for the bundled sample and for a real neonate's head, at default
+// settings.
+//
+//   bench_stages [--json]
+//
+// Peak memory is the process's resident peak within the stage (Linux: clear_refs and VmHWM), inputs included.
+// CGAL's ARAP on the same surface is the peer of our flattening; it stands in the row below it.
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "worker/inspection/inspection.hpp"
+#include "worker/sample/sample.hpp"
+
+namespace {
+
+using namespace vacuform;
+using Bytes = std::vector<std::uint8_t>;
+
+struct Row {
+  std::string head, stage, made;  // made: what came out, with its size
+  double seconds = 0, cpu_seconds = 0, peak_mib = 0;
+};
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
+
+double peak_mib() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == "VmHWM:") {
+      double kib = 0;
+      status >> kib;
+      return kib / 1024;
+    }
+  return 0;
+}
+
+std::string count(std::size_t n, const char* unit) { return std::to_string(n) + " " + unit; }
+
+class Bench {
+  std::vector<Row> rows;
+
+  template <class Stage>
+  auto measure(const std::string& head, const std::string& stage_name, const Stage& stage) {
+    reset_peak();
+    const double cpu = cpu_seconds();
+    const auto start = std::chrono::steady_clock::now();
+    auto made = stage();
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    if (!made) {
+      std::fprintf(stderr, "bench_stages: %s, %s: %s\n", head.c_str(), stage_name.c_str(),
+                   made.error().text().c_str());
+      std::exit(1);
+    }
+    rows.push_back({head, stage_name, "", wall.count(), cpu_seconds() - cpu, peak_mib()});
+    return std::move(*made);
+  }
+
+ public:
+  // Runs the stages on one head. A refusal ends the program: a benchmark of nothing must not look fast.
+  void run(const std::string& head, const Bytes& scan, const std::string& pattern_name,
+           const Bytes& drawing) {
+    const Settings settings;
+    const Context context;
+    const auto mold =
+        measure(head, "scan", [&] { return make_mold(scan, head + ".stl", settings.scan, context); });
+    rows.back().made = count(mold.mesh.triangles.size(), "triangles");
+
+    const auto sheet = measure(head, "forming", [&] {
+      return form(mold, settings.sheet, settings.machine, settings.forming, context);
+    });
+    rows.back().made = count(sheet.triangles.size(), "triangles");
+
+    const auto flat = [&](FlatteningMethod method) {
+      FlatteningSettings flattening;
+      flattening.method = method;
+      auto made = measure(head, method == FlatteningMethod::arap ? "flattening" : "flattening (CGAL)", [&] {
+        return flatten(sheet, mold, flattening, settings.pattern.inked_face, context);
+      });
+      char text[96];
+      std::snprintf(text, sizeof text, "%zu triangles, energy %.5f", made.triangles.size(), made.energy);
+      rows.back().made = text;
+      return made;
+    };
+    const auto flattening = flat(FlatteningMethod::arap);
+    flat(FlatteningMethod::cgal_arap);
+
+    const auto pattern = measure(head, "pattern", [&] {
+      return Pattern::read(drawing, pattern_name, settings.pattern, settings.print.dpi);
+    });
+    rows.back().made = pattern.format();
+    const auto print = measure(head, "printing", [&] {
+      return make_print(sheet, flattening, pattern, settings, "benchmark", context);
+    });
+    rows.back().made = count(print.png.size() / 1024, "KiB of print.png");
+
+    const Finished finished{settings, mold, sheet, flattening, pattern, print};
+    const auto files = measure(head, "inspection", [&] {
+      report(finished);
+      return artifacts(finished, context);
+    });
+    std::size_t bytes = 0;
+    for (const auto& file : files) bytes += file.bytes.size();
+    rows.back().made = count(bytes / 1024, "KiB of artifacts");
+  }
+
+  void print_table() const {
+    std::printf("%-14s %-18s %9s %9s %9s  %s\n", "head", "stage", "s", "CPU s", "peak MiB", "made");
+    std::string head;
+    double total = 0;
+    for (const auto& row : rows) {
+      std::printf("%-14s %-18s %9.3f %9.3f %9.0f  %s\n", row.head == head ? "" : row.head.c_str(),
+                  row.stage.c_str(), row.seconds, row.cpu_seconds, row.peak_mib, row.made.c_str());
+      head = row.head;
+      total += row.seconds;
+    }
+    std::printf("%-14s %-18s %9.3f\n", "all", "", total);
+  }
+
+  void print_json() const {
+    auto list = nlohmann::ordered_json::array();
+    for (const auto& row : rows)
+      list.push_back({{"head", row.head},
+                      {"stage", row.stage},
+                      {"seconds", row.seconds},
+                      {"cpu_seconds", row.cpu_seconds},
+                      {"peak_mib", row.peak_mib},
+                      {"made", row.made}});
+    std::printf("%s\n", list.dump(2).c_str());
+  }
+};
+
+Bytes read(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Bytes bytes{std::istreambuf_iterator<char>(file), {}};
+  if (bytes.empty()) {
+    std::fprintf(stderr, "bench_stages: cannot read %s; set VACUFORM_SHARED_DATA when configuring\n",
+                 path.c_str());
+    std::exit(1);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool json = argc == 2 && std::string_view(argv[1]) == "--json";
+  if (argc > 1 && !json) {
+    std::fprintf(stderr, "usage: bench_stages [--json]\n");
+    return 2;
+  }
+  const std::string shared = VACUFORM_SHARED_DATA;
+  const Bytes neonate = read(shared + "/scans/neonate-40w.stl");
+  const Bytes rings = read(shared + "/patterns/rings-19x40mm.svg");
+  const std::string coils = sample_pattern();
+
+  Bench bench;
+  bench.run("sample", stl_bytes(sample_head()), "pattern.svg", Bytes(coils.begin(), coils.end()));
+  bench.run("neonate-40w", neonate, "rings-19x40mm.svg", rings);
+  json ? bench.print_json() : bench.print_table();
+}
