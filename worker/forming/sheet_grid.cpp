@@ -1,7 +1,9 @@
 #include "worker/forming/sheet_grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace vacuform {
 
@@ -40,39 +42,49 @@ void dissect(int x0, int x1, int y0, int y1, int columns, std::vector<int>& orde
 }
 
 // A triangle whose corners all lie on the circle is a sliver: the edge between its two outer corners is turned over
-// to the opposite corner of the neighbour, which lies off the circle.
-void turn_sliver(std::vector<Triangle>& triangles, std::size_t sliver, const std::vector<Eigen::Vector2d>& rest) {
-  const auto length = [&](int k) {
-    return (rest[triangles[sliver][k]] - rest[triangles[sliver][(k + 1) % 3]]).squaredNorm();
-  };
+// to the opposite corner of the neighbour. Where that lies on the circle too, the middle corner goes back `home`.
+void mend_sliver(SheetGrid& grid, std::size_t sliver, std::vector<char>& on_circle,
+                 const std::vector<Eigen::Vector2d>& home) {
+  Triangle& flat = grid.triangles[sliver];
+  const auto length = [&](int k) { return (grid.rest[flat[k]] - grid.rest[flat[(k + 1) % 3]]).squaredNorm(); };
   int k = 0;
   for (int other : {1, 2})
     if (length(other) > length(k)) k = other;
-  const int a = triangles[sliver][k], b = triangles[sliver][(k + 1) % 3], middle = triangles[sliver][(k + 2) % 3];
-  for (Triangle& t : triangles)
+  const int a = flat[k], b = flat[(k + 1) % 3], middle = flat[(k + 2) % 3];
+  for (Triangle& t : grid.triangles)
     for (int e = 0; e < 3; ++e)
-      if (t[e] == b && t[(e + 1) % 3] == a) {
+      if (t[e] == b && t[(e + 1) % 3] == a && !on_circle[t[(e + 2) % 3]]) {
         const int opposite = t[(e + 2) % 3];
         t = {middle, opposite, b};
-        triangles[sliver] = {middle, a, opposite};
+        flat = {middle, a, opposite};
         return;
       }
+  on_circle[middle] = 0;
+  grid.rest[middle] = home[middle];
 }
 
-// Moves, of every edge that crosses the circle, the nearer end onto it.
-void snap_to_circle(SheetGrid& grid, double radius) {
-  std::vector<char> on_circle(grid.rest.size(), 0);
+// Moves, of every edge that crosses the circle, the nearer end onto it, unless an end of it is there already.
+void snap_to_circle(SheetGrid& grid, double radius, double spacing) {
+  const auto off = [&](int v) { return grid.rest[v].norm() - radius; };
+  std::vector<std::pair<double, std::array<int, 2>>> crossing;  // distance of the nearer end; nearer end, other end
   for (const Triangle& t : grid.triangles)
     for (int k = 0; k < 3; ++k) {
       const int a = t[k], b = t[(k + 1) % 3];
-      const double da = grid.rest[a].norm() - radius, db = grid.rest[b].norm() - radius;
-      if (da * db < 0) on_circle[std::abs(da) <= std::abs(db) ? a : b] = 1;
+      if (off(a) * off(b) >= 0) continue;
+      const bool a_nearer = std::abs(off(a)) <= std::abs(off(b));
+      crossing.push_back({std::min(std::abs(off(a)), std::abs(off(b))), {a_nearer ? a : b, a_nearer ? b : a}});
     }
+  std::sort(crossing.begin(), crossing.end());
+  std::vector<char> on_circle;
+  for (int v = 0; v < static_cast<int>(grid.rest.size()); ++v) on_circle.push_back(std::abs(off(v)) < 0.1 * spacing);
+  for (const auto& [distance, edge] : crossing)
+    if (!on_circle[edge[0]] && !on_circle[edge[1]]) on_circle[edge[0]] = 1;
+  const std::vector<Eigen::Vector2d> home = grid.rest;
   for (std::size_t i = 0; i < on_circle.size(); ++i)
     if (on_circle[i]) grid.rest[i] *= radius / grid.rest[i].norm();
   for (std::size_t k = 0; k < grid.triangles.size(); ++k) {
     const Triangle& t = grid.triangles[k];
-    if (on_circle[t[0]] && on_circle[t[1]] && on_circle[t[2]]) turn_sliver(grid.triangles, k, grid.rest);
+    if (on_circle[t[0]] && on_circle[t[1]] && on_circle[t[2]]) mend_sliver(grid, k, on_circle, home);
   }
 }
 
@@ -100,7 +112,7 @@ SheetGrid make_sheet_grid(const SheetSettings& sheet, const MachineSettings& mac
         grid.triangles.push_back({b, c, d});
       }
     }
-  if (circle) snap_to_circle(grid, half_w);
+  if (circle) snap_to_circle(grid, half_w, sheet.resolution_mm);
 
   const double tiny = 1e-9 * (sheet.width_mm + sheet.height_mm);
   for (const auto& p : grid.rest)

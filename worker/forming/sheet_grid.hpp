@@ -17,7 +17,7 @@ struct SheetGrid {
 };
 
 // Spacing is at most resolution_mm in both directions. Grid lines run along the edges of a rectangular window; a
-// circular window has the vertices nearest to it moved onto it, so that no triangle crosses it. Diagonals alternate
+// circular window has the vertices nearest to it moved onto it. Diagonals alternate
 // (union jack), so that the grid prefers no direction.
 SheetGrid make_sheet_grid(const SheetSettings& sheet, const MachineSettings& machine);
 
