@@ -197,13 +197,14 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker) {
 }
 
 Result<HttpResponse> WorkerClient::call(const Lease& lease, const std::string& method, const std::string& tail,
-                                        const std::string& body) {
+                                        const std::string& body, const Going& going) {
   HttpRequest request;
   request.method = method;
   request.path = "/api/v1/leases/" + lease.job + tail;
   request.headers = {{"Content-Type", "application/json"}, {"Vacuform-Lease", lease.token}};
   request.body = body;
   request.limit = short_call;
+  if (going) request.going = [&](std::uint64_t, std::uint64_t) { return going(); };
   return good(http_.send(request));
 }
 
@@ -216,8 +217,9 @@ Result<void> WorkerClient::download_input(const Lease& lease, const std::string&
   return fetch(http_, std::move(request), file, wanted.bytes, wanted.sha256, going);
 }
 
-Result<bool> WorkerClient::heartbeat(const Lease& lease, Stage stage, double progress) {
-  VACUFORM_TRY(response, call(lease, "POST", "/heartbeat", written(json{{"stage", name(stage)}, {"progress", progress}})));
+Result<bool> WorkerClient::heartbeat(const Lease& lease, Stage stage, double progress, const Going& going) {
+  const json body{{"stage", name(stage)}, {"progress", progress}};
+  VACUFORM_TRY(response, call(lease, "POST", "/heartbeat", written(body), going));
   const json object = json::parse(response.body, nullptr, false);
   if (!object.is_object()) return tl::make_unexpected(not_vacuform("a heartbeat's answer"));
   return object.value("cancel", json(false)) == json(true);

@@ -81,7 +81,8 @@ class WorkerClient {
   // `input` is "scan" or "pattern"; checked against its length and SHA-256.
   Result<void> download_input(const Lease& lease, const std::string& input, const std::filesystem::path& file,
                               const Going& going);
-  Result<bool> heartbeat(const Lease& lease, Stage stage, double progress);  // true: the user asks to cancel
+  // True: the user asks to cancel.
+  Result<bool> heartbeat(const Lease& lease, Stage stage, double progress, const Going& going);
   Result<void> upload(const Lease& lease, const std::string& artifact, const std::filesystem::path& file,
                       const Going& going);
   Result<void> complete(const Lease& lease);
@@ -92,7 +93,7 @@ class WorkerClient {
  private:
   explicit WorkerClient(Http http) : http_(std::move(http)) {}
   Result<HttpResponse> call(const Lease& lease, const std::string& method, const std::string& tail,
-                            const std::string& body);
+                            const std::string& body, const Going& going = {});
   Http http_;
 };
 

@@ -1,0 +1,171 @@
+#include "worker/lease_loop.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "worker/heartbeat.hpp"
+#include "worker/log.hpp"
+#include "worker/work_folder.hpp"
+
+namespace vacuform {
+
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+// The server may be away, or has a fault that passes: the same call may be made again.
+bool passing(const Error& error) { return error.code == Code::unavailable || error.code == Code::internal; }
+
+milliseconds longer(milliseconds pause) { return std::min(2 * pause, milliseconds(10000)); }
+
+// How a leased job ended, for this worker.
+enum class Verdict { completed, failed, cancelled, released, lost };
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::completed: return "completed";
+    case Verdict::failed: return "failed";
+    case Verdict::cancelled: return "cancelled";
+    case Verdict::released: return "released";
+    case Verdict::lost: return "lost";
+  }
+  return "";
+}
+
+// One leased job from its inputs to its artifacts.
+class LeasedJob {
+ public:
+  LeasedJob(const LeaseLoop& loop, WorkerClient& client, Heartbeat& heartbeat, const Lease& lease, const fs::path& folder,
+            const StopSignal& stop)
+      : loop_(loop), client_(client), heartbeat_(heartbeat), lease_(lease), folder_(folder), stop_(stop) {}
+
+  // Runs the job and tells the server how it ended.
+  Verdict run() {
+    const Result<void> worked = work();
+    if (worked) return Verdict::completed;
+    if (heartbeat_.lost() || worked.error().code == Code::lease_lost) return Verdict::lost;
+    if (heartbeat_.cancel_asked()) return told(Verdict::cancelled, [&] { return client_.cancelled(lease_); });
+    if (stop_.within(milliseconds(0))) {
+      // Once: if the server is away now, the lease runs out by itself.
+      const auto released = client_.release(lease_);
+      return released ? Verdict::released : Verdict::lost;
+    }
+    const bool retry = retry_;
+    return told(Verdict::failed, [&] { return client_.fail(lease_, worked.error(), retry); });
+  }
+
+ private:
+  bool going() const {
+    return !heartbeat_.lost() && !heartbeat_.cancel_asked() && !stop_.within(milliseconds(0));
+  }
+
+  // Makes a call until it is answered, the lease is lost, or a lease's time has gone by.
+  template <class Call>
+  Result<void> persist(const Call& call) {
+    const auto until = std::chrono::steady_clock::now() + lease_.seconds;
+    for (milliseconds pause{200};; pause = longer(pause)) {
+      const Result<void> answer = call();
+      retry_ = !answer && passing(answer.error());
+      if (!retry_ || heartbeat_.lost() || std::chrono::steady_clock::now() > until) return answer;
+      if (stop_.within(pause)) return answer;
+    }
+  }
+
+  template <class Call>
+  Verdict told(Verdict verdict, const Call& call) {
+    return persist(call) ? verdict : Verdict::lost;
+  }
+
+  Result<void> work() {
+    const fs::path scan = folder_ / ("scan" + extension(lease_.scan)), out = folder_ / "out",
+                   pattern = folder_ / ("pattern" + extension(lease_.pattern)), settings = folder_ / "settings.json";
+    const auto alive = [this] { return going(); };
+    VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, "scan", scan, alive); }));
+    VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, "pattern", pattern, alive); }));
+    if (std::ofstream file(settings, std::ios::binary); !(file << lease_.settings << std::flush)) {
+      retry_ = true;
+      return fail(Code::internal, "the worker has no room for the job", "", "try again later");
+    }
+    const auto end = run_child({loop_.program.string(), "run", "--scan", scan.filename().string(), "--pattern",
+                                pattern.filename().string(), "--settings", settings.filename().string(), "--out",
+                                out.filename().string(), "--progress", "json"},
+                               folder_, loop_.limits,
+                               [this](const ChildProgress& at) { heartbeat_.at(at.stage, at.fraction); },
+                               [this] { return !going(); });
+    if (!end) {
+      retry_ = true;
+      return tl::make_unexpected(end.error());
+    }
+    VACUFORM_CHECK(judge(*end));
+    for (const ArtifactKind& kind : artifact_kinds)
+      if (const fs::path file = out / kind.name; fs::is_regular_file(fs::symlink_status(file)))
+        VACUFORM_CHECK(persist([&] { return client_.upload(lease_, std::string(kind.name), file, alive); }));
+    return persist([&] { return client_.complete(lease_); });
+  }
+
+  static std::string extension(const LeasedInput& input) {
+    return input.extension.empty() ? "" : "." + input.extension;
+  }
+
+  // What the end of the child means for the job.
+  Result<void> judge(const ChildEnd& end) {
+    const bool refused = end.how == ChildEnd::How::exited && end.number == meaning(Code::bad_usage).exit_code;
+    if (end.how == ChildEnd::How::stopped) return fail(Code::cancelled, "cancelled");
+    if (end.how == ChildEnd::How::out_of_time) return tl::make_unexpected(*end.problem);
+    if (end.how == ChildEnd::How::exited && end.number == 0) return {};
+    if (refused && end.problem) return tl::make_unexpected(*end.problem);
+    retry_ = !refused;
+    constexpr std::size_t told = 2000;  // the operator reads this; what a scan can write into it is bounded
+    log_event("child-fault", {{"job", lease_.job},
+                              {"attempt", lease_.attempt},
+                              {end.how == ChildEnd::How::signalled ? "signal" : "exit", end.number},
+                              {"stderr", end.last_words.substr(end.last_words.size() - std::min(told, end.last_words.size()))}});
+    if (end.problem) return tl::make_unexpected(*end.problem);
+    return fail(Code::internal, "the pipeline broke down on this scan and pattern", "",
+                "try other settings; if it stays so, report it with the job's id");
+  }
+
+  const LeaseLoop& loop_;
+  WorkerClient& client_;
+  Heartbeat& heartbeat_;
+  const Lease& lease_;
+  const fs::path folder_;
+  const StopSignal& stop_;
+  bool retry_ = false;  // whether another attempt may end otherwise
+};
+
+}  // namespace
+
+Result<void> LeaseLoop::run(const StopSignal& stop) const {
+  VACUFORM_TRY(client, WorkerClient::to(server, token));
+  VACUFORM_TRY(swept, sweep(work));
+  log_event("worker-started", {{"worker", name}, {"swept", swept}});
+  milliseconds pause = poll;
+  while (!stop.within(milliseconds(0))) {
+    const auto lease = client.lease(name);
+    if (!lease && !passing(lease.error())) return tl::make_unexpected(lease.error());
+    if (!lease || !*lease) {
+      if (!lease && pause == poll) log_event("server-away", {{"worker", name}, {"why", lease.error().what}});
+      pause = lease ? poll : longer(pause);
+      stop.within(pause);
+      continue;
+    }
+    pause = poll;
+    const Lease& held = **lease;
+    log_event("job-leased", {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}});
+    const auto folder = WorkFolder::make(work);
+    if (!folder) {
+      VACUFORM_CHECK(client.release(held));
+      return tl::make_unexpected(folder.error());
+    }
+    VACUFORM_TRY(beating, WorkerClient::to(server, token));
+    Heartbeat heartbeat(std::move(beating), held);
+    const Verdict verdict = LeasedJob(*this, client, heartbeat, held, folder->path(), stop).run();
+    log_event("job-left", {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}, {"verdict", name_of(verdict)}});
+  }
+  log_event("worker-stopped", {{"worker", name}});
+  return {};
+}
+
+}  // namespace vacuform

@@ -1,0 +1,27 @@
+// The worker's life: lease a job over HTTP, run it in a child, hand in its artifacts, and again.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "api/client.hpp"
+#include "worker/child.hpp"
+#include "worker/stop_signal.hpp"
+
+namespace vacuform {
+
+struct LeaseLoop {
+  std::string server, token, name;     // name: how this worker appears in the server's log
+  std::filesystem::path work;          // a folder of this user's own, for the jobs' private folders
+  std::filesystem::path program;       // `vacuform`
+  std::chrono::milliseconds poll{1000};  // between two questions for a job
+  ChildLimits limits;
+
+  // Until `stop` says so: the running child is then ended and its job released. A server that is away is asked again, with
+  // a pause that grows to 10 s. Errors: bad_usage (the server does not know the token, or the address is no
+  // address), unreadable (the folder for work).
+  Result<void> run(const StopSignal& stop) const;
+};
+
+}  // namespace vacuform
