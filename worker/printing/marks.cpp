@@ -1,0 +1,284 @@
+#include "worker/printing/marks.hpp"
+
+#include <cairo.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <new>
+
+namespace vacuform {
+namespace {
+
+using Eigen::Vector2d;
+constexpr double line_mm = 0.15;
+constexpr double dash_mm = 1.5;
+constexpr char font[] = "DejaVu Sans";
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+struct Release {
+  void operator()(cairo_surface_t* s) const { cairo_surface_destroy(s); }
+  void operator()(cairo_t* c) const { cairo_destroy(c); }
+};
+using Surface = std::unique_ptr<cairo_surface_t, Release>;
+using Cairo = std::unique_ptr<cairo_t, Release>;
+
+void use_font(cairo_t* cairo, double size) {
+  cairo_select_font_face(cairo, font, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo, size);
+  cairo_font_options_t* options = cairo_font_options_create();
+  cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+  cairo_set_font_options(cairo, options);
+  cairo_font_options_destroy(options);
+}
+
+double text_width(const std::string& text, double size) {
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1));
+  const Cairo cairo(cairo_create(surface.get()));
+  // Measured large: widths are then free of rounding.
+  use_font(cairo.get(), 100);
+  cairo_text_extents_t extents;
+  cairo_text_extents(cairo.get(), text.c_str(), &extents);
+  return extents.x_advance * size / 100;
+}
+
+Line segment(const Vector2d& a, const Vector2d& b) { return {.points = {a, b}}; }
+
+Line rectangle(const Vector2d& half, bool dashed) {
+  return {.points = {{-half.x(), -half.y()}, {half.x(), -half.y()}, {half.x(), half.y()}, {-half.x(), half.y()}},
+          .closed = true, .filled = false, .dashed = dashed};
+}
+
+// A cross in a circle. The one at the left front has two filled quadrants, so that no turn looks like another.
+Mark registration(const std::string& name, const Vector2d& c, bool filled) {
+  Mark mark{.name = name, .lines = {}, .circles = {{.centre = c, .radius = 2}}, .texts = {}};
+  mark.lines = {segment(c - Vector2d(3, 0), c + Vector2d(3, 0)), segment(c - Vector2d(0, 3), c + Vector2d(0, 3))};
+  if (filled)
+    for (const double start : {0.0, M_PI}) {
+      Line quadrant{.points = {c}, .closed = true, .filled = true};
+      for (int i = 0; i <= 12; ++i) {
+        const double angle = start + M_PI / 2 * i / 12;
+        quadrant.points.push_back(c + 2 * Vector2d(std::cos(angle), std::sin(angle)));
+      }
+      mark.lines.push_back(quadrant);
+    }
+  return mark;
+}
+
+Mark ruler(double length, double top) {
+  Mark mark{.name = "ruler", .lines = {}, .circles = {}, .texts = {}};
+  const double left = -length / 2;
+  mark.lines.push_back(segment({left, top}, {left + length, top}));
+  for (int mm = 0; mm <= static_cast<int>(length); ++mm) {
+    const double tick = mm % 10 == 0 ? 2.4 : mm % 5 == 0 ? 1.6 : 1.0;
+    mark.lines.push_back(segment({left + mm, top}, {left + mm, top - tick}));
+    if (mm % 10 == 0)
+      mark.texts.push_back({.at = {left + mm, top - 4.5}, .size = 2, .centred = true, .text = std::to_string(mm)});
+  }
+  mark.texts.push_back({.at = {left + length + 3.2, top - 4.5}, .size = 2, .text = "mm"});
+  return mark;
+}
+
+Mark back_arrow(double x) {
+  Mark mark{.name = "back", .lines = {segment({x, -10}, {x, 8})}, .circles = {}, .texts = {}};
+  mark.lines.push_back({.points = {{x, 11}, {x - 1.2, 7.5}, {x + 1.2, 7.5}}, .closed = true, .filled = true});
+  mark.texts.push_back({.at = {x + 2.9, 0}, .size = 2.4, .centred = true, .upwards = true, .text = "back (+t)"});
+  return mark;
+}
+
+Eigen::AlignedBox2d box_of(const Mark& mark) {
+  Eigen::AlignedBox2d box;
+  for (const auto& line : mark.lines)
+    for (const auto& p : line.points) box.extend(p);
+  for (const auto& circle : mark.circles) {
+    box.extend(circle.centre - Vector2d::Constant(circle.radius));
+    box.extend(circle.centre + Vector2d::Constant(circle.radius));
+  }
+  for (const auto& text : mark.texts) {
+    const double width = text_width(text.text, text.size), back = text.centred ? width / 2 : 0;
+    const Vector2d along = text.upwards ? Vector2d(0, 1) : Vector2d(1, 0), up(-along.y(), along.x());
+    for (const double a : {-back, width - back})
+      for (const double b : {-0.25 * text.size, text.size}) box.extend(text.at + a * along + b * up);
+  }
+  return box;
+}
+
+void draw(cairo_t* cairo, const Mark& mark) {
+  const double dashes[] = {dash_mm, dash_mm};
+  for (const auto& line : mark.lines) {
+    for (const auto& p : line.points) cairo_line_to(cairo, p.x(), p.y());
+    if (line.closed) cairo_close_path(cairo);
+    cairo_set_dash(cairo, dashes, line.dashed ? 2 : 0, 0);
+    line.filled ? cairo_fill(cairo) : cairo_stroke(cairo);
+  }
+  for (const auto& circle : mark.circles) {
+    cairo_new_sub_path(cairo);
+    cairo_arc(cairo, circle.centre.x(), circle.centre.y(), circle.radius, 0, 2 * M_PI);
+    cairo_set_dash(cairo, dashes, circle.dashed ? 2 : 0, 0);
+    cairo_stroke(cairo);
+  }
+  for (const auto& text : mark.texts) {
+    cairo_save(cairo);
+    cairo_translate(cairo, text.at.x(), text.at.y());
+    if (text.upwards) cairo_rotate(cairo, M_PI / 2);
+    cairo_scale(cairo, 1, -1);
+    use_font(cairo, text.size);
+    cairo_move_to(cairo, text.centred ? -text_width(text.text, text.size) / 2 : 0, 0);
+    // Outlines and not glyph images: they are placed exactly, whatever the band they are drawn in.
+    cairo_text_path(cairo, text.text.c_str());
+    cairo_fill(cairo);
+    cairo_restore(cairo);
+  }
+}
+
+std::string coordinates(double x, double y) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3f,%.3f", x + 0.0, y + 0.0);
+  return text;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&') out += "&amp;";
+    else if (c == '<') out += "&lt;";
+    else if (c == '>') out += "&gt;";
+    else out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+Marks lay_out_marks(const Settings& settings, const std::string& label, const std::vector<Eigen::AlignedBox2d>& taken) {
+  const auto& sheet = settings.sheet;
+  const auto& machine = settings.machine;
+  const double margin = settings.print.margin_mm;
+  // On a sheet with hardly any room inside the margin the marks shrink to its middle rather than turn inside out.
+  const Vector2d half(std::max(10.0, sheet.width_mm / 2 - margin), std::max(10.0, sheet.height_mm / 2 - margin));
+  std::vector<Mark> all;
+
+  all.push_back({.name = margin > 0 ? "frame" : "sheet-edge", .lines = {rectangle(half, false)}, .circles = {}, .texts = {}});
+  Mark window{.name = "window", .lines = {}, .circles = {}, .texts = {}};
+  if (machine.window == WindowShape::circle)
+    window.circles.push_back({.centre = {0, 0}, .radius = machine.window_width_mm / 2, .dashed = true});
+  else
+    window.lines.push_back(rectangle({machine.window_width_mm / 2, machine.window_height_mm / 2}, true));
+  all.push_back(std::move(window));
+
+  const Vector2d corner = half - Vector2d(3.5, 3.5);
+  all.push_back(registration("registration-left-front", -corner, true));
+  all.push_back(registration("registration-right-front", {corner.x(), -corner.y()}, false));
+  all.push_back(registration("registration-left-back", {-corner.x(), corner.y()}, false));
+  all.push_back(registration("registration-right-back", corner, false));
+
+  const double room = 2 * half.x() - 16;
+  all.push_back(ruler(room >= 112 ? 100 : room >= 62 ? 50 : 20, half.y() - 0.8));
+  all.push_back(back_arrow(-half.x() + 2.2));
+
+  const bool mirrored = settings.pattern.inked_face == InkedFace::inner;
+  const std::string side = std::string(mirrored ? "inner face, MIRRORED: print on the side that touches the mold"
+                                                : "outer face, seen from above") +
+                           "   ·   scale 1:1, check with the ruler";
+  const std::string job = "Vacuform " + label + "   ·   sheet " + number(sheet.width_mm) + " × " +
+                          number(sheet.height_mm) + " × " + number(sheet.thickness_mm) + " mm " +
+                          std::string(name(sheet.material)) +
+                          (margin > 0 ? "   ·   frame " + number(margin) + " mm inside the sheet's edge" : "");
+  const double widest = std::max(text_width(side, 2.4), text_width(job, 2.4));
+  const double size = 2.4 * std::min(1.0, std::max(1.0, room) / widest);
+  all.push_back({.name = "legend", .lines = {}, .circles = {},
+                 .texts = {{.at = {-half.x() + 8, -half.y() + 4.4}, .size = size, .text = side},
+                           {.at = {-half.x() + 8, -half.y() + 1.2}, .size = size, .text = job}}});
+
+  Marks laid;
+  std::string left_out;
+  for (auto& mark : all) {
+    // The frame and the window run around the chart; they touch it only where one of their lines does.
+    std::vector<Eigen::AlignedBox2d> boxes;
+    if (mark.name == "frame" || mark.name == "sheet-edge" || (mark.name == "window" && mark.circles.empty())) {
+      const auto& corners = mark.lines.front().points;
+      for (std::size_t i = 0; i < 4; ++i) {
+        Eigen::AlignedBox2d side_box(corners[i]);
+        side_box.extend(corners[(i + 1) % 4]);
+        boxes.push_back(side_box);
+      }
+    } else if (mark.name != "window") {
+      boxes.push_back(box_of(mark));
+    }
+    const double radius = mark.name == "window" && !mark.circles.empty() ? mark.circles.front().radius : 0;
+    const bool touches = std::any_of(taken.begin(), taken.end(), [&](const Eigen::AlignedBox2d& box) {
+      if (radius > 0) {
+        const double far = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).norm();
+        const double near = Vector2d(0, 0).cwiseMax(box.min()).cwiseMin(box.max()).norm();
+        return near <= radius && radius <= far;
+      }
+      return std::any_of(boxes.begin(), boxes.end(), [&](const auto& b) { return b.intersects(box); });
+    });
+    if (!touches)
+      laid.marks.push_back(std::move(mark));
+    else
+      left_out += (left_out.empty() ? "" : ", ") + mark.name;
+  }
+  if (!left_out.empty())
+    laid.warnings.push_back({"marks-left-out", "The pattern's region reaches the sheet's edge; the marks that would lie on "
+                                               "it are not printed: " + left_out + "."});
+  return laid;
+}
+
+std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, double pixel_mm, int first_row, int rows) {
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, width, rows));
+  if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
+  {
+    const Cairo cairo(cairo_create(surface.get()));
+    cairo_translate(cairo.get(), 0.5 * width, 0.5 * height - first_row);
+    cairo_scale(cairo.get(), 1 / pixel_mm, -1 / pixel_mm);
+    cairo_set_line_width(cairo.get(), std::max(line_mm, pixel_mm));
+    for (const auto& mark : marks.marks) draw(cairo.get(), mark);
+  }
+  cairo_surface_flush(surface.get());
+  std::vector<std::uint8_t> coverage(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows));
+  const unsigned char* data = cairo_image_surface_get_data(surface.get());
+  const int stride = cairo_image_surface_get_stride(surface.get());
+  for (int y = 0; y < rows; ++y)
+    std::copy_n(data + static_cast<std::ptrdiff_t>(y) * stride, width, coverage.data() + static_cast<std::ptrdiff_t>(y) * width);
+  return coverage;
+}
+
+std::string svg_of(const Marks& marks) {
+  std::string out;
+  for (const auto& mark : marks.marks) {
+    out += "    <g id=\"mark-" + mark.name + "\">\n";
+    for (const auto& line : mark.lines) {
+      std::string path;
+      for (const auto& p : line.points) path += (path.empty() ? "M" : " L") + coordinates(p.x(), -p.y());
+      if (line.closed) path += " Z";
+      out += "      <path d=\"" + path + "\"";
+      if (line.filled) out += " fill=\"#000\" stroke=\"none\"";
+      if (line.dashed) out += " stroke-dasharray=\"" + number(dash_mm) + "\"";
+      out += "/>\n";
+    }
+    for (const auto& circle : mark.circles) {
+      char text[128];
+      std::snprintf(text, sizeof text, "      <circle cx=\"%.3f\" cy=\"%.3f\" r=\"%.3f\"%s/>\n", circle.centre.x(),
+                    -circle.centre.y() + 0.0, circle.radius, circle.dashed ? " stroke-dasharray=\"1.5\"" : "");
+      out += text;
+    }
+    for (const auto& text : mark.texts) {
+      out += "      <text transform=\"translate(" + coordinates(text.at.x(), -text.at.y()) + ")" +
+             (text.upwards ? " rotate(-90)" : "") + "\" font-size=\"" + number(text.size) + "\"" +
+             (text.centred ? " text-anchor=\"middle\"" : "") + " xml:space=\"preserve\">" + escaped(text.text) + "</text>\n";
+    }
+    out += "    </g>\n";
+  }
+  return out;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,57 @@
+// The marks around a print: everything that tells a person at the press which side is up, whose print this is and
+// whether its scale is true. They are laid out once, as strokes and texts in print millimetres, and then drawn both
+// into the rows of print.png and as vectors and text into print.svg.
+//
+// Print coordinates: mm, origin the sheet's centre, x to the right and y up *as the print is read*, mirrored or not.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "api/settings.hpp"
+#include "worker/context.hpp"
+
+namespace vacuform {
+
+struct Line {
+  std::vector<Eigen::Vector2d> points;
+  bool closed = false, filled = false, dashed = false;
+};
+struct Circle {
+  Eigen::Vector2d centre;
+  double radius;
+  bool dashed = false;
+};
+struct Text {
+  Eigen::Vector2d at;  // the baseline's start or middle
+  double size;         // mm, of the letters' em
+  bool centred = false, upwards = false;  // upwards: reads from below to above
+  std::string text;
+};
+struct Mark {
+  std::string name;  // an id in the SVG
+  std::vector<Line> lines;
+  std::vector<Circle> circles;
+  std::vector<Text> texts;
+};
+
+struct Marks {
+  std::vector<Mark> marks;
+  std::vector<Warning> warnings;  // "marks-left-out"
+};
+
+// Lays the marks out along the sheet's edge, print.margin_mm from it. A mark that would touch one of `taken` (the
+// boxes of the chart's triangles, print coordinates) is left out with a warning: marks never lie on the pattern.
+// `label` must be printable ASCII.
+Marks lay_out_marks(const Settings& settings, const std::string& label, const std::vector<Eigen::AlignedBox2d>& taken);
+
+// How much of each pixel the marks cover, 0 to 255, in `rows` rows of `width` pixels of `pixel_mm`; the pixel grid's
+// first row is `first_row` of `height`. The grid is centred on the sheet's centre.
+std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, double pixel_mm, int first_row, int rows);
+
+// The elements inside the layer "marks" of print.svg; y down.
+std::string svg_of(const Marks& marks);
+
+}  // namespace vacuform

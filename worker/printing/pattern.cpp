@@ -1,0 +1,258 @@
+// The pyramid follows L. Williams 1983, "Pyramidal parametrics". A footprint of diameter d has the variance of a
+// box-filtered texel of side d / 2 seen through bilinear interpolation: that texel's level is the one sampled.
+#include "worker/printing/pattern.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string_view>
+
+#include "worker/printing/raster.hpp"
+
+namespace vacuform {
+namespace {
+
+struct Level {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> texels;
+};
+
+// Halves both sides. Beyond an odd edge there is no drawing, hence no ink.
+Level halve(const Level& fine, int channels) {
+  Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
+  coarse.texels.resize(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height) *
+                       static_cast<std::size_t>(channels));
+  std::uint8_t* out = coarse.texels.data();
+  for (int y = 0; y < coarse.height; ++y)
+    for (int x = 0; x < coarse.width; ++x)
+      for (int c = 0; c < channels; ++c) {
+        int sum = 2;
+        for (int j = 2 * y; j < std::min(2 * y + 2, fine.height); ++j)
+          for (int i = 2 * x; i < std::min(2 * x + 2, fine.width); ++i)
+            sum += fine.texels[(static_cast<std::size_t>(j) * static_cast<std::size_t>(fine.width) +
+                                static_cast<std::size_t>(i)) * static_cast<std::size_t>(channels) +
+                               static_cast<std::size_t>(c)];
+        *out++ = static_cast<std::uint8_t>(sum / 4);
+      }
+  return coarse;
+}
+
+// Adds weight times the level's bilinear value at (x, y) in texels, the first texel's centre being at (0.5, 0.5).
+template <int channels>
+inline void add_bilinear(const Level& level, double x, double y, float weight, float* out) {
+  x -= 0.5;
+  y -= 0.5;
+  if (!(x > -1 && y > -1 && x < level.width && y < level.height)) return;
+  const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+  const float fx = static_cast<float>(x - i), fy = static_cast<float>(y - j);
+  const std::array<float, 4> weights{(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+  const std::uint8_t* texel =
+      level.texels.data() + (static_cast<std::ptrdiff_t>(j) * level.width + i) * channels;
+  const std::ptrdiff_t below = static_cast<std::ptrdiff_t>(level.width) * channels;
+  const bool left = i >= 0, right = i + 1 < level.width, upper = j >= 0, lower = j + 1 < level.height;
+  for (int c = 0; c < channels; ++c) {
+    float sum = 0;
+    if (left && upper) sum += weights[0] * texel[c];
+    if (right && upper) sum += weights[1] * texel[channels + c];
+    if (left && lower) sum += weights[2] * texel[below + c];
+    if (right && lower) sum += weights[3] * texel[below + channels + c];
+    out[c] += weight * sum;
+  }
+}
+
+enum class Format { png, jpeg, svg, gzip, unknown };
+
+Format format_of(std::span<const std::uint8_t> bytes) {
+  const auto starts = [&](std::string_view magic) {
+    return bytes.size() >= magic.size() &&
+           std::equal(magic.begin(), magic.end(), bytes.begin(),
+                      [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+  };
+  if (starts("\x89PNG\r\n\x1a\n")) return Format::png;
+  if (starts("\xff\xd8\xff")) return Format::jpeg;
+  if (starts("\x1f\x8b")) return Format::gzip;
+  // XML may begin with a mark of its encoding and white space.
+  std::string_view head(reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 1 << 16));
+  if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
+  const auto first = head.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && head[first] == '<' && head.find("svg") != std::string_view::npos)
+    return Format::svg;
+  return Format::unknown;
+}
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f", value);
+  return text;
+}
+
+Result<void> check_size(const Eigen::Vector2d& mm, const std::string& file_name) {
+  if (mm.minCoeff() >= 0.1 && mm.maxCoeff() <= 5000) return {};
+  return fail(Code::unusable_pattern, "the drawing would be " + rounded(mm.x()) + " x " + rounded(mm.y()) + " mm",
+              file_name, "give pattern.width_mm");
+}
+
+// Decodes with one channel where that holds the drawing, else with four.
+template <class Decode>
+Result<Raster> decode(Decode&& with_channels) {
+  Result<Raster> raster = with_channels(1);
+  if (raster && raster->needs_colour) raster = with_channels(4);
+  return raster;
+}
+
+}  // namespace
+
+struct Pattern::Picture {
+  int channels = 1;
+  std::vector<Level> levels;
+  Eigen::Vector2d size_mm;
+  std::string format;
+  double ink_mm2 = 0;
+  std::vector<Warning> warnings;
+
+  void build(Raster raster) {
+    channels = raster.channels;
+    levels.push_back({raster.width, raster.height, std::move(raster.pixels)});
+    while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(halve(levels.back(), channels));
+
+    double sum = 0;
+    const auto& texels = levels.front().texels;
+    if (channels == 1) {
+      std::uint64_t total = 0;
+      for (const std::uint8_t v : texels) total += v;
+      sum = static_cast<double>(total);
+    } else {
+      std::array<std::uint64_t, 4> total{};
+      for (std::size_t i = 0; i < texels.size(); ++i) total[i % 4] += texels[i];
+      sum = static_cast<double>(total[3]) - (0.2126 * static_cast<double>(total[0]) +
+                                             0.7152 * static_cast<double>(total[1]) +
+                                             0.0722 * static_cast<double>(total[2]));
+    }
+    ink_mm2 = sum / 255 * texel_mm().prod();
+  }
+
+  Eigen::Vector2d texel_mm() const {
+    return {size_mm.x() / levels.front().width, size_mm.y() / levels.front().height};
+  }
+
+  template <int n>
+  void line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm, float* out) const {
+    const Eigen::Vector2d texel = texel_mm();
+    const double side = blur_mm / (2 * std::sqrt(texel.prod()));  // of the wanted texel, in texels of level 0
+    const double depth =
+        side > 1 ? std::min(std::log2(side), static_cast<double>(levels.size() - 1)) : 0;
+    const int low = static_cast<int>(depth);
+    const float blend = static_cast<float>(depth - low);
+    // v is up and rows go down.
+    const Eigen::Vector2d at(start.x() / texel.x() + 0.5 * levels.front().width,
+                             0.5 * levels.front().height - start.y() / texel.y());
+    const Eigen::Vector2d move(step.x() / texel.x(), -step.y() / texel.y());
+    std::fill_n(out, static_cast<std::ptrdiff_t>(n) * count, 0.0f);
+    for (int l = low; l <= low + (blend > 0 ? 1 : 0); ++l) {
+      const Level& level = levels[static_cast<std::size_t>(l)];
+      const double shrink = std::ldexp(1.0, -l);
+      const float weight = (l == low ? 1 - blend : blend) / 255;
+      const Eigen::Vector2d a = at * shrink, d = move * shrink;
+      for (int k = 0; k < count; ++k) add_bilinear<n>(level, a.x() + k * d.x(), a.y() + k * d.y(), weight, out + n * k);
+    }
+  }
+};
+
+Pattern::Pattern(std::shared_ptr<const Picture> picture) : picture_(std::move(picture)) {}
+Pattern::~Pattern() = default;
+Pattern::Pattern(Pattern&&) noexcept = default;
+Pattern& Pattern::operator=(Pattern&&) noexcept = default;
+
+Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::string& file_name,
+                              const PatternSettings& settings, int dpi) {
+  const auto sizeless = [&](const std::string& what) {
+    return fail(Code::unusable_pattern, what + " does not say how large the drawing is", file_name,
+                "give pattern.width_mm");
+  };
+  auto picture = std::make_shared<Picture>();
+  std::optional<Raster> decoded;
+  double wanted_dpi = dpi * settings.scale;  // of the drawing, for the print to show all that it can
+
+  switch (format_of(bytes)) {
+    case Format::png:
+    case Format::jpeg: {
+      const bool png = format_of(bytes) == Format::png;
+      picture->format = png ? "PNG" : "JPEG";
+      VACUFORM_TRY(raster, decode([&](int channels) {
+        return png ? read_png(bytes, file_name, channels) : read_jpeg(bytes, file_name, channels);
+      }));
+      if (!settings.width_mm && !raster.pixel_mm) return sizeless("the " + picture->format);
+      // Pixels need not be square; a given width keeps their shape.
+      const Eigen::Vector2d pixel = raster.pixel_mm.value_or(Eigen::Vector2d(1, 1));
+      picture->size_mm = {raster.width * pixel.x(), raster.height * pixel.y()};
+      if (settings.width_mm) picture->size_mm *= *settings.width_mm / picture->size_mm.x();
+      VACUFORM_CHECK(check_size(picture->size_mm, file_name));
+      decoded = std::move(raster);
+      break;
+    }
+    case Format::svg: {
+      picture->format = "SVG";
+      VACUFORM_TRY(size, read_svg_size(bytes, file_name));
+      if (!settings.width_mm && !size.size_mm) return sizeless("the SVG");
+      picture->size_mm = settings.width_mm ? Eigen::Vector2d(*settings.width_mm, *settings.width_mm / size.aspect)
+                                           : *size.size_mm;
+      VACUFORM_CHECK(check_size(picture->size_mm, file_name));
+      // Finer than the print by the samples that it takes in each of its pixels.
+      const double fine = std::max(2 * wanted_dpi, 300.0);
+      const double pixels = (picture->size_mm / 25.4 * fine).prod();
+      const double draw_dpi = fine * std::min(1.0, std::sqrt(0.98 * static_cast<double>(largest_raster) / pixels));
+      const auto side = [&](double mm) { return std::clamp(std::ceil(mm / 25.4 * draw_dpi), 1.0, 32000.0); };
+      const int width = static_cast<int>(side(picture->size_mm.x())), height = static_cast<int>(side(picture->size_mm.y()));
+      VACUFORM_TRY(raster,
+                   decode([&](int channels) { return draw_svg(bytes, file_name, width, height, channels); }));
+      decoded = std::move(raster);
+      break;
+    }
+    case Format::gzip:
+      return fail(Code::unsupported_format, "the drawing is compressed", file_name,
+                  "unpack it: give a PNG, JPEG or plain SVG file");
+    case Format::unknown:
+      return fail(Code::unsupported_format, "the drawing is neither PNG, JPEG nor SVG", file_name,
+                  "give a PNG, JPEG or SVG file");
+  }
+
+  picture->build(std::move(*decoded));
+  if (!(picture->ink_mm2 > 0))
+    return fail(Code::unusable_pattern, "the drawing is empty: all of it is white or transparent", file_name,
+                "give a drawing with ink in it");
+  const double has_dpi = 25.4 / picture->texel_mm().maxCoeff();
+  // A print that is finer than its drawing loses nothing until the pixels can be seen.
+  if (has_dpi < (picture->format == "SVG" ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
+    picture->warnings.push_back(
+        {"pattern-coarse", "The drawing has " + rounded(has_dpi) + " pixels an inch where the print could show " +
+                               rounded(wanted_dpi) + ": its edges will look soft."});
+  return Pattern(std::move(picture));
+}
+
+Eigen::Vector2d Pattern::size_mm() const { return picture_->size_mm; }
+Eigen::Vector2i Pattern::size_pixels() const {
+  return {picture_->levels.front().width, picture_->levels.front().height};
+}
+bool Pattern::grayscale() const { return picture_->channels == 1; }
+const std::string& Pattern::format() const { return picture_->format; }
+double Pattern::ink_mm2() const { return picture_->ink_mm2; }
+const std::vector<Warning>& Pattern::warnings() const { return picture_->warnings; }
+
+void Pattern::sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
+                          float* out) const {
+  if (picture_->channels == 1)
+    picture_->line<1>(start, step, count, blur_mm, out);
+  else
+    picture_->line<4>(start, step, count, blur_mm, out);
+}
+
+Ink Pattern::sample(const Eigen::Vector2d& uv, double blur_mm) const {
+  float s[4] = {};
+  sample_line(uv, Eigen::Vector2d::Zero(), 1, blur_mm, s);
+  if (picture_->channels == 1) return {0, 0, 0, s[0]};
+  if (!(s[3] > 0)) return {};
+  return {std::min(1.0f, s[0] / s[3]), std::min(1.0f, s[1] / s[3]), std::min(1.0f, s[2] / s[3]), s[3]};
+}
+
+}  // namespace vacuform

@@ -1,0 +1,26 @@
+// Writes a PNG row by row into memory, so that no picture is ever held whole.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace vacuform {
+
+class PngWriter {
+ public:
+  // 8 bits a channel: 1 gray, 3 RGB, 4 RGBA (straight). `dpi` is kept in pHYs as round(dpi / 0.0254) pixels a metre.
+  // Deflate at level 6 without row filters: the best for line art, which adaptive filters make larger and slower.
+  PngWriter(int width, int height, int channels, std::optional<double> dpi = {});
+  ~PngWriter();
+
+  void row(const std::uint8_t* pixels);  // exactly `height` times, from the top
+  std::vector<std::uint8_t> finish();    // the file; once, after the last row
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace vacuform

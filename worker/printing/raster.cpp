@@ -1,0 +1,49 @@
+#include "worker/printing/raster.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vacuform {
+
+bool Raster::append(const std::uint8_t* row) {
+  if (channels == 4) {
+    pixels.insert(pixels.end(), row, row + 4 * static_cast<std::ptrdiff_t>(width));
+    return true;
+  }
+  const std::size_t start = pixels.size();
+  pixels.resize(start + static_cast<std::size_t>(width));
+  for (int x = 0; x < width; ++x, row += 4) {
+    // Rounding in decoders and in premultiplication leaves grays up to two levels apart.
+    const auto [low, high] = std::minmax({row[0], row[1], row[2]});
+    if (high - low > 2) {
+      needs_colour = true;
+      return false;
+    }
+    pixels[start + static_cast<std::size_t>(x)] = static_cast<std::uint8_t>(std::max(0, row[3] - row[1]));
+  }
+  return true;
+}
+
+void Raster::turn_upright() {
+  if (orientation <= 1 || orientation > 8) return;
+  const bool transposed = orientation >= 5;
+  const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+  const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  const int new_width = transposed ? height : width, new_height = transposed ? width : height;
+  std::vector<std::uint8_t> turned(pixels.size());
+  std::uint8_t* out = turned.data();
+  for (int y = 0; y < new_height; ++y)
+    for (int x = 0; x < new_width; ++x, out += channels) {
+      const int across = transposed ? y : x, down = transposed ? x : y;
+      const std::int64_t source_x = from_right ? width - 1 - across : across;
+      const std::int64_t source_y = from_bottom ? height - 1 - down : down;
+      std::copy_n(pixels.data() + (source_y * width + source_x) * channels, channels, out);
+    }
+  pixels = std::move(turned);
+  width = new_width;
+  height = new_height;
+  if (transposed && pixel_mm) std::swap(pixel_mm->x(), pixel_mm->y());
+  orientation = 1;
+}
+
+}  // namespace vacuform

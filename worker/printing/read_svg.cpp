@@ -1,0 +1,161 @@
+#include <cairo.h>
+#include <librsvg/rsvg.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <pugixml.hpp>
+
+#include "worker/printing/raster.hpp"
+
+namespace vacuform {
+namespace {
+
+struct Release {
+  void operator()(RsvgHandle* h) const { g_object_unref(h); }
+  void operator()(cairo_surface_t* s) const { cairo_surface_destroy(s); }
+  void operator()(cairo_t* c) const { cairo_destroy(c); }
+};
+using Handle = std::unique_ptr<RsvgHandle, Release>;
+
+tl::unexpected<Error> corrupt(const std::string& what, const std::string& file_name) {
+  return fail(Code::corrupt_file, "the SVG cannot be read: " + what, file_name, "export the drawing again as plain SVG");
+}
+
+// Takes the error's text and frees it.
+std::string take(GError* error) {
+  std::string text = error ? error->message : "unknown fault";
+  if (error) g_error_free(error);
+  return text;
+}
+
+// Handles made from bytes have no base address: librsvg then resolves no reference but "data:" and "#".
+Result<Handle> load(std::span<const std::uint8_t> bytes, const std::string& file_name) {
+  GError* error = nullptr;
+  Handle handle(rsvg_handle_new_from_data(bytes.data(), bytes.size(), &error));
+  if (!handle) return corrupt(take(error), file_name);
+  return handle;
+}
+
+std::optional<double> millimetres(const RsvgLength& length) {
+  if (!std::isfinite(length.length) || length.length <= 0) return std::nullopt;
+  switch (length.unit) {
+    case RSVG_UNIT_PX: return length.length * 25.4 / 96;
+    case RSVG_UNIT_IN: return length.length * 25.4;
+    case RSVG_UNIT_CM: return length.length * 10;
+    case RSVG_UNIT_MM: return length.length;
+    case RSVG_UNIT_PT: return length.length * 25.4 / 72;
+    case RSVG_UNIT_PC: return length.length * 25.4 / 6;
+    case RSVG_UNIT_PERCENT:
+    case RSVG_UNIT_EM:
+    case RSVG_UNIT_EX: return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+// librsvg would silently leave out what it may not load; a drawing with a hole is worse than a refusal.
+Result<void> check_references(std::span<const std::uint8_t> bytes, const std::string& file_name) {
+  pugi::xml_document document;
+  const auto parsed = document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default, pugi::encoding_auto);
+  if (!parsed) return corrupt(parsed.description(), file_name);
+  const std::string_view root = document.document_element().name();
+  if (root != "svg" && !root.ends_with(":svg"))
+    return fail(Code::unsupported_format, "the drawing is XML, but not SVG", file_name, "give a PNG, JPEG or SVG file");
+
+  int depth = 0;
+  for (pugi::xml_node node = document.document_element(); node;) {
+    const std::string_view tag = node.name();
+    if (tag == "image" || tag == "use" || tag == "feImage" || tag.ends_with(":image") || tag.ends_with(":use"))
+      for (const char* key : {"href", "xlink:href"}) {
+        const std::string_view target = node.attribute(key).value();
+        if (!target.empty() && !target.starts_with('#') && !target.starts_with("data:"))
+          return fail(Code::unusable_pattern,
+                      "the SVG refers to another file: " + std::string(target.substr(0, 80)), file_name,
+                      "embed the picture in the drawing, or give the picture itself");
+      }
+    if (node.first_child()) {
+      if (++depth > 200) return corrupt("its elements are nested more than 200 deep", file_name);
+      node = node.first_child();
+    } else {
+      while (node && !node.next_sibling()) node = node.parent(), --depth;
+      if (node) node = node.next_sibling();
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::string& file_name) {
+  if (bytes.size() > 32u << 20)
+    return fail(Code::too_large, "the SVG has more than 32 MB", file_name, "simplify the drawing");
+  VACUFORM_CHECK(check_references(bytes, file_name));
+  VACUFORM_TRY(handle, load(bytes, file_name));
+
+  gboolean has_width = FALSE, has_height = FALSE, has_box = FALSE;
+  RsvgLength width{}, height{};
+  RsvgRectangle box{};
+  rsvg_handle_get_intrinsic_dimensions(handle.get(), &has_width, &width, &has_height, &height, &has_box, &box);
+  const auto width_mm = has_width ? millimetres(width) : std::nullopt;
+  const auto height_mm = has_height ? millimetres(height) : std::nullopt;
+  const bool usable_box = has_box && box.width > 0 && box.height > 0 && std::isfinite(box.width / box.height);
+
+  SvgSize size;
+  const double w = width_mm.value_or(0), h = height_mm.value_or(0);
+  if (w > 0 && h > 0)
+    size.aspect = w / h;
+  else if (usable_box)
+    size.aspect = box.width / box.height;
+  else
+    return fail(Code::unusable_pattern, "the SVG has no size", file_name, "give its svg element a width, height and viewBox");
+  if (w > 0)
+    size.size_mm = Eigen::Vector2d(w, w / size.aspect);
+  else if (h > 0)
+    size.size_mm = Eigen::Vector2d(h * size.aspect, h);
+  return size;
+}
+
+Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width, int height,
+                        int channels) {
+  VACUFORM_TRY(handle, load(bytes, file_name));
+  Raster raster{.width = width, .height = height, .channels = channels, .pixels = {}, .pixel_mm = {},
+                .orientation = 1, .needs_colour = false};
+  // Band by band, so that the memory is that of the result and not of cairo's four bytes a pixel.
+  const int band = std::clamp(4'000'000 / width, 1, height);
+  std::unique_ptr<cairo_surface_t, Release> surface(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, band));
+  if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS)
+    return fail(Code::too_large, "the drawing is too wide to be drawn", file_name, "give a lower print.dpi");
+  std::vector<std::uint8_t> rgba(4 * static_cast<std::size_t>(width));
+
+  for (int top = 0; top < height; top += band) {
+    std::unique_ptr<cairo_t, Release> cairo(cairo_create(surface.get()));
+    cairo_set_operator(cairo.get(), CAIRO_OPERATOR_CLEAR);
+    cairo_paint(cairo.get());
+    cairo_set_operator(cairo.get(), CAIRO_OPERATOR_OVER);
+    cairo_translate(cairo.get(), 0, -top);
+    const RsvgRectangle viewport{0, 0, static_cast<double>(width), static_cast<double>(height)};
+    GError* error = nullptr;
+    if (!rsvg_handle_render_document(handle.get(), cairo.get(), &viewport, &error)) return corrupt(take(error), file_name);
+    cairo.reset();
+    cairo_surface_flush(surface.get());
+    const unsigned char* data = cairo_image_surface_get_data(surface.get());
+    const int stride = cairo_image_surface_get_stride(surface.get());
+    for (int y = 0; y < std::min(band, height - top); ++y) {
+      const unsigned char* row = data + static_cast<std::ptrdiff_t>(y) * stride;
+      for (int x = 0; x < width; ++x) {
+        std::uint32_t pixel;
+        std::memcpy(&pixel, row + 4 * static_cast<std::ptrdiff_t>(x), 4);
+        std::uint8_t* out = &rgba[4 * static_cast<std::size_t>(x)];
+        out[0] = static_cast<std::uint8_t>(pixel >> 16);
+        out[1] = static_cast<std::uint8_t>(pixel >> 8);
+        out[2] = static_cast<std::uint8_t>(pixel);
+        out[3] = static_cast<std::uint8_t>(pixel >> 24);
+      }
+      if (!raster.append(rgba.data())) return raster;
+    }
+  }
+  return raster;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,35 @@
+// Rows of a picture shared out over threads. Every row is made by one thread from the same inputs, so the result does
+// not depend on their number.
+#pragma once
+
+#include <algorithm>
+#include <exception>
+#include <thread>
+#include <vector>
+
+namespace vacuform {
+
+// Calls work(begin, end) over disjoint ranges that cover [first, last), each on a thread of its own, and waits.
+// An exception of any range is thrown on.
+template <class Work>
+void rows_in_parallel(int first, int last, Work&& work) {
+  const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, std::min(8, std::max(1, last - first)));
+  std::vector<std::exception_ptr> faults(static_cast<std::size_t>(threads));
+  const auto range = [&](int i) {
+    try {
+      const auto rows = static_cast<long>(last - first);
+      work(first + static_cast<int>(rows * i / threads), first + static_cast<int>(rows * (i + 1) / threads));
+    } catch (...) {
+      faults[static_cast<std::size_t>(i)] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (int i = 1; i < threads; ++i) others.emplace_back(range, i);
+    range(0);
+  }
+  for (const auto& fault : faults)
+    if (fault) std::rethrow_exception(fault);
+}
+
+}  // namespace vacuform
