@@ -40,18 +40,27 @@ Density uniaxial(Coefficients c, double l) {
   return d;
 }
 
-// Principal stretches and the rotation of the rest frame to the principal one (cos, sin).
+// C = F'F as (c11, c12, c22), its principal stretches l1 >= l2 and the gap of their squares.
 struct Principal {
-  double l1, l2, cos, sin;
+  double c11, c12, c22, l1, l2, gap;
 };
 Principal principal(const Eigen::Matrix<double, 3, 2>& F) {
-  const double a = F.col(0).squaredNorm(), b = F.col(0).dot(F.col(1)), d = F.col(1).squaredNorm();
-  const double angle = 0.5 * std::atan2(2 * b, a - d);
-  const double middle = 0.5 * (a + d), radius = std::hypot(0.5 * (a - d), b);
-  const double l1 = std::sqrt(middle + radius);
-  // The product of the stretches is the area ratio: exact where the difference above cancels.
-  const double l2 = F.col(0).cross(F.col(1)).norm() / std::max(l1, 1e-300);
-  return {std::max(l1, 1e-6), std::max(l2, 1e-6), std::cos(angle), std::sin(angle)};
+  Principal q{};
+  q.c11 = F.col(0).squaredNorm(), q.c12 = F.col(0).dot(F.col(1)), q.c22 = F.col(1).squaredNorm();
+  const double half = 0.5 * (q.c11 - q.c22), radius = std::sqrt(half * half + q.c12 * q.c12);
+  q.gap = 2 * radius;
+  q.l1 = std::max(std::sqrt(0.5 * (q.c11 + q.c22) + radius), 1e-6);
+  // The product of the stretches is the area ratio: exact where a difference of their squares would cancel.
+  q.l2 = std::max(F.col(0).cross(F.col(1)).norm() / q.l1, 1e-6);
+  return q;
+}
+
+// The symmetric matrix (m11, m12, m22) that has the value `first` along the principal direction of l1 and `second`
+// across it, by the spectral projectors of C.
+Eigen::Vector3d along_principal(const Principal& q, double first, double second) {
+  if (q.gap < 1e-12 * q.l1 * q.l1) return {first, 0, first};
+  const double k = (first - second) / q.gap, shift = second - k * q.l2 * q.l2;
+  return {k * q.c11 + shift, k * q.c12, k * q.c22 + shift};
 }
 
 }  // namespace
@@ -103,13 +112,10 @@ double Membrane::energy(const Points& x, double p, const std::vector<int>& activ
     const Density d = density(law_, q.l1, q.l2);
     elastic += area_[k] * d.W;
     // Second Piola-Kirchhoff stress S = sum (W_i / l_i) v_i v_i', forces A F S g.
-    const double s1 = d.W1 / q.l1, s2 = d.W2 / q.l2;
-    Eigen::Matrix2d S;
-    S(0, 0) = s1 * q.cos * q.cos + s2 * q.sin * q.sin;
-    S(1, 1) = s1 * q.sin * q.sin + s2 * q.cos * q.cos;
-    S(0, 1) = S(1, 0) = (s1 - s2) * q.cos * q.sin;
-    const Eigen::Matrix<double, 3, 2> P = area_[k] * (F * S);
-    Eigen::Vector3d f1 = P * shape_[k].col(1), f2 = P * shape_[k].col(2);
+    const Eigen::Vector3d S = area_[k] * along_principal(q, d.W1 / q.l1, d.W2 / q.l2);
+    const Eigen::Vector3d P1 = S[0] * F.col(0) + S[1] * F.col(1), P2 = S[1] * F.col(0) + S[2] * F.col(1);
+    const auto& g = shape_[k];
+    Eigen::Vector3d f1 = g(0, 1) * P1 + g(1, 1) * P2, f2 = g(0, 2) * P1 + g(1, 2) * P2;
     Eigen::Vector3d f0 = -f1 - f2;
     if (p != 0) {
       const Eigen::Vector3d a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]);
@@ -127,13 +133,11 @@ double Membrane::energy(const Points& x, double p, const std::vector<int>& activ
 Eigen::Vector3d Membrane::scalar_stiffness(const Points& x, int triangle) const {
   const Principal q = principal(deformation(x, triangle));
   const Density d = density(law_, q.l1, q.l2);
-  const double gap = q.l1 * q.l1 - q.l2 * q.l2;
-  const double shear = gap > 1e-6 ? (q.l1 * d.W1 - q.l2 * d.W2) / gap : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12);
+  const double shear = q.gap > 1e-6 * q.l1 * q.l1 ? (q.l1 * d.W1 - q.l2 * d.W2) / q.gap
+                                                  : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12);
   constexpr double least = 1e-2;
-  const double t1 = std::max(least, (d.W11 + std::max(0.0, shear) + d.W1 / q.l1) / 3);
-  const double t2 = std::max(least, (d.W22 + std::max(0.0, shear) + d.W2 / q.l2) / 3);
-  return {t1 * q.cos * q.cos + t2 * q.sin * q.sin, (t1 - t2) * q.cos * q.sin,
-          t1 * q.sin * q.sin + t2 * q.cos * q.cos};
+  return along_principal(q, std::max(least, (d.W11 + std::max(0.0, shear) + d.W1 / q.l1) / 3),
+                         std::max(least, (d.W22 + std::max(0.0, shear) + d.W2 / q.l2) / 3));
 }
 
 double Membrane::area_stretch(const Points& x, int triangle) const {
@@ -143,7 +147,7 @@ double Membrane::area_stretch(const Points& x, int triangle) const {
 
 bool Membrane::slack(const Points& x, int triangle) const {
   const Principal q = principal(deformation(x, triangle));
-  return density(law_, q.l1, q.l2).slack;
+  return q.l1 > 1.001 && q.l2 * q.l2 * q.l1 < 0.99;
 }
 
 }  // namespace vacuform

@@ -42,7 +42,8 @@ class Membrane {
   const Eigen::Matrix<double, 2, 3>& shape_gradient(int triangle) const { return shape_[triangle]; }
   double rest_area(int triangle) const { return area_[triangle]; }
 
-  // Formed area over rest area, and whether the triangle is wrinkled.
+  // Formed area over rest area, and whether the triangle is wrinkled: stretched, and half a per cent narrower than that
+  // tension alone would make it.
   double area_stretch(const Points& x, int triangle) const;
   bool slack(const Points& x, int triangle) const;
 
