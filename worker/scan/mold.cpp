@@ -1,0 +1,208 @@
+#include "worker/scan/mold.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "worker/scan/closing.hpp"
+#include "worker/scan/cutting.hpp"
+#include "worker/scan/scan_file.hpp"
+#include "worker/scan/shells.hpp"
+#include "worker/scan/topology.hpp"
+#include "worker/scan/undercuts.hpp"
+#include "worker/scan/upright.hpp"
+#include "worker/scan/welding.hpp"
+#include "worker/scan/wrapping.hpp"
+
+namespace vacuform {
+namespace {
+
+constexpr double weld_share = 1e-6;       // of the scan's size: what the rounding of floats makes of one point
+constexpr double least_mold_mm = 20;      // height below which an automatic trim is refused
+constexpr double ray_spacing_mm = 1;
+constexpr double least_pocket_mm2 = 20;   // seen from above: smaller ones do not set the trim
+constexpr double reported_depth_mm = 1;   // shallower pockets are no news
+
+std::string mm(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, 1).ptr;
+  return std::string(text, end) + " mm";
+}
+
+void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
+  for (auto& p : mesh.vertices) p = scale * (rotation * p);
+}
+
+void stand_on_floor(TriangleMesh& mesh, double floor) {
+  for (auto& p : mesh.vertices) p.z() -= floor;
+}
+
+// A new skin around a scan that cannot be closed as it is. The widest bridging that keeps the volume is taken: a
+// narrow one slips through the gaps of the scan and wraps its inside too.
+Result<TriangleMesh> rebuild(const TriangleMesh& skin, const Context& context) {
+  constexpr double offset = 0.1;
+  const double size = bounds(skin).size().norm();
+  VACUFORM_TRY(coarse, wrap(skin, 0.15 * size, offset, context));
+  const double volume = signed_volume(coarse);
+  for (const double alpha : {0.012 * size, 0.03 * size, 0.075 * size}) {
+    VACUFORM_TRY(fine, wrap(skin, alpha, offset, context));
+    if (signed_volume(fine) > 0.7 * volume) return fine;
+  }
+  return coarse;
+}
+
+// Rounds to what mold.stl can hold, so that the mesh and the file are the same surface.
+void round_to_float(TriangleMesh& mesh) {
+  for (auto& p : mesh.vertices) p = p.cast<float>().cast<double>();
+  weld(mesh, 0);
+}
+
+Eigen::Vector3d top_of(const TriangleMesh& mesh) {
+  Eigen::Vector3d top = mesh.vertices.front();
+  for (const auto& p : mesh.vertices)
+    if (p.z() > top.z() || (p.z() == top.z() && p.head<2>().squaredNorm() < top.head<2>().squaredNorm())) top = p;
+  return top;
+}
+
+Result<void> choose_unit(const ScanSettings& settings, const std::string& file_name, double longest, ScanFindings& findings) {
+  findings.unit = settings.units;
+  if (settings.units == Unit::automatic) {
+    VACUFORM_TRY(unit, guess_unit(longest, file_name));
+    findings.unit = unit;
+    findings.unit_guessed = true;
+    return {};
+  }
+  const double side = longest * millimetres(findings.unit);
+  if (side < 10 || side > 4000)
+    return fail(Code::unusable_scan, "in " + std::string(name(findings.unit)) + " the scan's longest side is " +
+                (side < 10 ? "only " : "") + mm(side), file_name, "give another scan.units, or auto");
+  return {};
+}
+
+// Cuts; a border that crosses itself at just this height may not do so a hair higher.
+std::optional<TriangleMesh> cut_near(const TriangleMesh& mesh, double height) {
+  for (const double raise : {0.0, 0.01, 0.02, 0.05})
+    if (auto cut = cut_above(mesh, height + raise)) {
+      for (auto& p : cut->vertices) p.z() -= height + raise;
+      return cut;
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name, const ScanSettings& settings,
+                       const Context& context) {
+  const auto step = [&](double fraction) { return context.step(Stage::scan, fraction); };
+  Mold mold;
+  auto& findings = mold.findings;
+  const auto warn = [&](std::string code, std::string text) { mold.warnings.push_back({std::move(code), std::move(text)}); };
+  VACUFORM_CHECK(step(0));
+
+  // The outer skin, in the file's unit and axes.
+  VACUFORM_TRY(scan, read_scan(bytes, file_name, context));
+  findings.format = scan.format;
+  findings.triangles_read = static_cast<std::int64_t>(scan.mesh.triangles.size());
+  VACUFORM_CHECK(step(0.1));
+  weld(scan.mesh, weld_share * robust_size(scan.mesh));
+  VACUFORM_CHECK(step(0.15));
+  VACUFORM_TRY(skin, outer_skin(scan.mesh, context));
+  scan.mesh = {};
+  findings.components = skin.components;
+  findings.components_dropped = skin.components_dropped;
+  findings.turned_inside_out = skin.turned_inside_out;
+  if (skin.mesh.triangles.empty() || !(bounds(skin.mesh).size().maxCoeff() > 0))
+    return fail(Code::unusable_scan, "all triangles of the scan are without area", file_name, "export the scan again");
+  VACUFORM_CHECK(step(0.3));
+
+  // Millimetres, upright, standing on z = 0.
+  VACUFORM_CHECK(choose_unit(settings, file_name, bounds(skin.mesh).size().maxCoeff(), findings));
+  findings.up = settings.up;
+  if (settings.up == UpAxis::automatic) {
+    const auto guess = guess_up(skin.mesh, scan.y_up);
+    findings.up = guess.axis;
+    findings.up_guessed = true;
+    if (!guess.told)
+      warn("up-guessed", "The up axis was taken to be " + std::string(name(guess.axis)) + " because " + guess.why +
+                             "; give scan.up if the mold stands wrong");
+  }
+  turn(skin.mesh, upright_turn(findings.up, settings.roll_deg, settings.pitch_deg, settings.yaw_deg), millimetres(findings.unit));
+  stand_on_floor(skin.mesh, bounds(skin.mesh).low.z());
+  findings.size_mm = bounds(skin.mesh).size();
+
+  // Closed.
+  auto closing = skin.soup ? Closing{} : close_skin(skin.mesh);
+  VACUFORM_CHECK(step(0.4));
+  TriangleMesh closed = std::move(closing.mesh);
+  findings.holes_closed = closing.holes_closed;
+  findings.holes_capped = closing.holes_capped;
+  const auto rebuild_skin = [&](const TriangleMesh& from) -> Result<void> {
+    VACUFORM_TRY(wrapped, rebuild(from, context));
+    closed = std::move(wrapped);
+    findings.rebuilt = true;
+    warn("rebuilt", "The scan's surface could not be closed as it is and was wrapped anew, up to 0.2 mm outside of it");
+    return {};
+  };
+  if (!closing.sound) VACUFORM_CHECK(rebuild_skin(skin.mesh));
+  if (closing.largest_filled_mm > 20)
+    warn("large-hole", "A hole " + mm(closing.largest_filled_mm) + " across was filled; the mold is a guess there");
+  skin = {};
+  double floor = 0;  // the scan's lowest point; walls and wraps reach below
+  if (settings.clearance_mm > 0) {
+    const double alpha = std::max(2.0, 0.01 * findings.size_mm.norm());
+    VACUFORM_TRY(padded, wrap(closed, alpha, settings.clearance_mm, context));
+    closed = std::move(padded);
+  }
+  VACUFORM_CHECK(step(0.5));
+
+  // Trimmed.
+  if (settings.trim_mm) {
+    findings.trim_mm = *settings.trim_mm;
+  } else {
+    VACUFORM_TRY(pockets, find_pockets(closed, floor, ray_spacing_mm, context));
+    findings.trim_mm = undercuts_begin(pockets, floor, least_pocket_mm2);
+    findings.trim_chosen = true;
+  }
+  const double height = bounds(closed).high.z();
+  if (settings.trim_mm && findings.trim_mm > height - 1)
+    return fail(Code::unusable_scan, "the scan is " + mm(height) + " high and trimming it at " + mm(findings.trim_mm) + " leaves nothing",
+                "scan.trim_mm", "give a smaller height");
+  if (findings.trim_chosen && height - findings.trim_mm < least_mold_mm)
+    return fail(Code::unusable_scan, "undercuts begin " + mm(findings.trim_mm) + " above the scan's lowest point, and only " +
+                mm(height - findings.trim_mm) + " of its " + mm(height) + " would remain as a mold", file_name,
+                "turn the scan (scan.up, scan.roll_deg), or accept undercuts by giving the trim, for example --set scan.trim_mm=" +
+                    std::to_string(static_cast<int>(height / 2)));
+  VACUFORM_CHECK(step(0.8));
+  auto cut = cut_near(closed, floor + findings.trim_mm);
+  if (cut) round_to_float(*cut);
+  if ((!cut || !is_watertight(*cut)) && !findings.rebuilt) {
+    VACUFORM_CHECK(rebuild_skin(closed));
+    cut = cut_near(closed, floor + findings.trim_mm);
+    if (cut) round_to_float(*cut);
+  }
+  if (!cut || cut->triangles.empty() || !is_watertight(*cut))
+    return fail(Code::unusable_scan, "no watertight mold can be made of the scan", file_name,
+                "repair it in a mesh editor (close its holes, remove inner parts) or give another scan.trim_mm");
+
+  // Placed.
+  const Box box = bounds(*cut);
+  for (auto& p : cut->vertices) p -= Eigen::Vector3d(box.centre().x(), box.centre().y(), 0);
+  round_to_float(*cut);
+  mold.mesh = std::move(*cut);
+  mold.top = top_of(mold.mesh);
+  VACUFORM_CHECK(step(0.9));
+  VACUFORM_TRY(pockets, find_pockets(mold.mesh, 0, ray_spacing_mm, context));
+  for (const auto& pocket : pockets)
+    if (pocket.undercut.depth_mm >= reported_depth_mm) mold.undercuts.push_back(pocket.undercut);
+  if (!mold.undercuts.empty()) {
+    const auto& worst = mold.undercuts.front();
+    warn("undercut", "The mold has " + std::to_string(mold.undercuts.size()) + " undercuts that the sheet cannot reach or that lock the part; " +
+                         "the deepest reaches " + mm(worst.depth_mm) + " under what overhangs it at x = " + mm(worst.place.x()) + ", y = " +
+                         mm(worst.place.y()) + ", z = " + mm(worst.place.z()));
+  }
+  VACUFORM_CHECK(step(1));
+  return mold;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,62 @@
+// Reading scan files: untrusted bytes in, triangles in the file's own unit and axes out.
+//
+// Every reader checks each offset and count in 64 bits before it is used, allocates only in proportion to bytes
+// that exist, validates every index and refuses coordinates that are not finite or absurd. Polygons become fans.
+// One reader a format, in a file of its own; this is the door in front of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "api/error.hpp"
+#include "worker/context.hpp"
+#include "worker/scan/triangle_mesh.hpp"
+
+namespace vacuform {
+
+// What no scan may pass. A scan beyond is refused with Code::too_large and the figure.
+struct ScanLimits {
+  std::uint64_t bytes = std::uint64_t{1} << 30;
+  std::uint64_t triangles = 5'000'000;
+  std::uint64_t vertices = 15'000'000;  // three corners a triangle, as in STL
+  double coordinate = 1e7;              // in the file's unit; a head in micrometres stays below 1e6
+};
+inline constexpr ScanLimits scan_limits;
+
+struct ScanFile {
+  std::string format;  // "STL (binary)", "PLY (ASCII)", "OBJ", ...
+  TriangleMesh mesh;   // as in the file: not welded, any orientation, any unit; at least one triangle
+  bool y_up = false;   // the format itself says that +Y is up (glTF)
+};
+
+// Recognises the format by the bytes and, where they do not tell, by the extension of `file_name`; then reads it.
+// Errors: unsupported_format, corrupt_file, too_large, unusable_scan (no triangles), cancelled. Messages name the
+// line, the byte or the element.
+Result<ScanFile> read_scan(std::span<const std::uint8_t> bytes, const std::string& file_name, const Context& context);
+
+// The readers. `where` is the file's name, for messages.
+using Bytes = std::span<const std::uint8_t>;
+Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const Context& context);
+Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const Context& context);
+Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const Context& context);
+Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const Context& context);
+Result<ScanFile> read_off(Bytes bytes, const std::string& where, const Context& context);
+Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const Context& context);
+
+// If the bytes of a binary file show that it went through a text-mode copy, a sentence that says how; else empty.
+// Looks for bytes replaced by U+FFFD, for line feeds that all became CR LF and for Latin-1 turned into UTF-8.
+std::string text_mode_damage(Bytes bytes);
+
+// Refusals that every reader shares.
+inline tl::unexpected<Error> corrupt(std::string what, const std::string& where) {
+  return fail(Code::corrupt_file, std::move(what), where, "export the scan again, as binary STL for example");
+}
+inline tl::unexpected<Error> too_many_triangles(std::uint64_t count, const std::string& where) {
+  return fail(Code::too_large,
+              "the scan has " + std::to_string(count) + " triangles, above the limit of " +
+                  std::to_string(scan_limits.triangles),
+              where, "reduce it (quadric decimation) to a few hundred thousand");
+}
+
+}  // namespace vacuform

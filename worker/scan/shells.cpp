@@ -1,0 +1,193 @@
+#include "worker/scan/shells.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/scan/ray_caster.hpp"
+#include "worker/scan/topology.hpp"
+#include "worker/scan/welding.hpp"
+
+namespace vacuform {
+namespace {
+
+constexpr double debris_share = 0.05;     // of the main piece's diagonal
+constexpr double soup_share = 0.5;        // a main piece smaller than this share of everything is a scrap
+constexpr int most_pieces_examined = 64;  // the largest ones; real scans keep a handful
+
+struct Piece {
+  int number;
+  double diagonal;
+  double area;
+};
+
+std::vector<Piece> measure_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of, int count) {
+  std::vector<Eigen::Vector3d> low(static_cast<std::size_t>(count), Eigen::Vector3d::Constant(HUGE_VAL));
+  std::vector<Eigen::Vector3d> high(static_cast<std::size_t>(count), Eigen::Vector3d::Constant(-HUGE_VAL));
+  std::vector<double> area(static_cast<std::size_t>(count), 0);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto n = static_cast<std::size_t>(piece_of[i]);
+    for (const int v : mesh.triangles[i]) {
+      low[n] = low[n].cwiseMin(mesh.vertices[static_cast<std::size_t>(v)]);
+      high[n] = high[n].cwiseMax(mesh.vertices[static_cast<std::size_t>(v)]);
+    }
+    area[n] += area_vector(mesh, mesh.triangles[i]).norm();
+  }
+  std::vector<Piece> pieces;
+  for (int n = 0; n < count; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    pieces.push_back({n, (high[i] - low[i]).norm(), area[i]});
+  }
+  std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+    if (a.diagonal != b.diagonal) return a.diagonal > b.diagonal;
+    if (a.area != b.area) return a.area > b.area;
+    return a.number < b.number;
+  });
+  return pieces;
+}
+
+TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of, const std::vector<char>& keep) {
+  TriangleMesh taken;
+  taken.vertices = mesh.vertices;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    if (keep[static_cast<std::size_t>(piece_of[i])]) taken.triangles.push_back(mesh.triangles[i]);
+  drop_unused_vertices(taken);
+  return taken;
+}
+
+// Whether at least 95 % of up to 64 vertices see the main piece in at least 12 of 14 directions.
+bool enclosed(const TriangleMesh& piece, const RayCaster& main, double reach) {
+  const std::size_t stride = std::max<std::size_t>(1, piece.vertices.size() / 64);
+  int samples = 0, inside = 0;
+  for (std::size_t i = 0; i < piece.vertices.size(); i += stride) {
+    int hits = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double sign : {-1.0, 1.0}) {
+        Eigen::Vector3d d(0.013, -0.017, 0.011);  // off the axes, so as not to run along edges
+        d[axis] += sign;
+        hits += main.first_hit(piece.vertices[i], d * reach).has_value();
+      }
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+      hits += main.first_hit(piece.vertices[i], d * reach).has_value();
+    }
+    ++samples;
+    inside += hits >= 12;
+  }
+  return inside * 20 >= samples * 19;
+}
+
+// Makes the directions of triangles agree over edges that exactly two share; then turns each such patch outwards.
+// Returns the share of the area that was turned.
+double orient(TriangleMesh& mesh) {
+  const auto uses = edge_uses(mesh);
+  struct Neighbour {
+    int triangle = -1;
+    bool agrees = true;
+  };
+  std::vector<std::array<Neighbour, 3>> neighbours(mesh.triangles.size());
+  std::vector<int> filled(mesh.triangles.size(), 0);
+  std::vector<std::pair<int, int>> border;  // (triangle, use)
+  for (std::size_t i = 0, next; i < uses.size(); i = next) {
+    for (next = i + 1; next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;) ++next;
+    if (next == i + 1) border.emplace_back(uses[i].triangle, static_cast<int>(i));
+    if (next != i + 2) continue;
+    const auto &a = uses[i], &b = uses[i + 1];
+    const bool agrees = a.forward != b.forward;
+    const auto ta = static_cast<std::size_t>(a.triangle), tb = static_cast<std::size_t>(b.triangle);
+    neighbours[ta][static_cast<std::size_t>(filled[ta]++)] = {b.triangle, agrees};
+    neighbours[tb][static_cast<std::size_t>(filled[tb]++)] = {a.triangle, agrees};
+  }
+
+  std::vector<int> patch(mesh.triangles.size(), -1);
+  std::vector<char> flip(mesh.triangles.size(), 0);
+  std::vector<int> open;
+  int patches = 0;
+  for (std::size_t seed = 0; seed < mesh.triangles.size(); ++seed) {
+    if (patch[seed] >= 0) continue;
+    open.assign(1, static_cast<int>(seed));
+    patch[seed] = patches;
+    while (!open.empty()) {
+      const auto t = static_cast<std::size_t>(open.back());
+      open.pop_back();
+      for (const auto& n : neighbours[t]) {
+        if (n.triangle < 0 || patch[static_cast<std::size_t>(n.triangle)] >= 0) continue;
+        patch[static_cast<std::size_t>(n.triangle)] = patches;
+        flip[static_cast<std::size_t>(n.triangle)] = flip[t] ^ !n.agrees;
+        open.push_back(n.triangle);
+      }
+    }
+    ++patches;
+  }
+
+  // The reference point of each patch: the middle of its border; of a closed patch any point, here its first vertex.
+  std::vector<Eigen::Vector3d> reference(static_cast<std::size_t>(patches), Eigen::Vector3d::Zero());
+  std::vector<double> weight(static_cast<std::size_t>(patches), 0), volume = weight;
+  for (const auto& [triangle, use] : border) {
+    const auto n = static_cast<std::size_t>(patch[static_cast<std::size_t>(triangle)]);
+    const auto& u = uses[static_cast<std::size_t>(use)];
+    const Eigen::Vector3d &a = mesh.vertices[static_cast<std::size_t>(u.low)], &b = mesh.vertices[static_cast<std::size_t>(u.high)];
+    const double length = (b - a).norm();
+    reference[n] += length * (a + b) / 2;
+    weight[n] += length;
+  }
+  for (std::size_t i = mesh.triangles.size(); i-- > 0;) {
+    const auto n = static_cast<std::size_t>(patch[i]);
+    if (weight[n] == 0) reference[n] = mesh.vertices[static_cast<std::size_t>(mesh.triangles[i][0])];
+  }
+  for (std::size_t n = 0; n < weight.size(); ++n)
+    if (weight[n] > 0) reference[n] /= weight[n];
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto n = static_cast<std::size_t>(patch[i]);
+    const Eigen::Vector3d a = mesh.vertices[static_cast<std::size_t>(mesh.triangles[i][0])] - reference[n];
+    volume[n] += (flip[i] ? -1 : 1) * a.dot(area_vector(mesh, mesh.triangles[i])) / 3;
+  }
+  double turned = 0, total = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const double area = area_vector(mesh, mesh.triangles[i]).norm();
+    const bool turn = flip[i] != (volume[static_cast<std::size_t>(patch[i])] < 0);
+    if (turn) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+    total += area;
+    turned += turn ? area : 0;
+  }
+  return total > 0 ? turned / total : 0;
+}
+
+}  // namespace
+
+Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const Context& context) {
+  OuterSkin skin;
+  std::vector<int> piece_of;
+  skin.components = connected_pieces(mesh, piece_of);
+  const auto pieces = measure_pieces(mesh, piece_of, skin.components);
+  VACUFORM_CHECK(context.step(Stage::scan, 0.2));
+
+  if (pieces.empty()) return skin;
+  if (skin.components > 1 && pieces.front().diagonal < soup_share * robust_size(mesh)) {
+    skin.soup = true;
+    skin.mesh = mesh;
+  } else if (skin.components == 1) {
+    skin.mesh = mesh;
+  } else {
+    std::vector<char> keep(static_cast<std::size_t>(skin.components), 0);
+    keep[static_cast<std::size_t>(pieces.front().number)] = 1;
+    const TriangleMesh main = take_pieces(mesh, piece_of, keep);
+    std::optional<RayCaster> caster;
+    for (std::size_t i = 1; i < pieces.size() && i < most_pieces_examined; ++i) {
+      if (pieces[i].diagonal < debris_share * pieces.front().diagonal) break;
+      VACUFORM_CHECK(context.step(Stage::scan, 0.2));
+      if (!caster) caster.emplace(main);
+      std::vector<char> one(static_cast<std::size_t>(skin.components), 0);
+      one[static_cast<std::size_t>(pieces[i].number)] = 1;
+      if (!enclosed(take_pieces(mesh, piece_of, one), *caster, 2 * pieces.front().diagonal))
+        keep[static_cast<std::size_t>(pieces[i].number)] = 1;
+    }
+    skin.components_dropped = static_cast<int>(std::count(keep.begin(), keep.end(), 0));
+    skin.mesh = take_pieces(mesh, piece_of, keep);
+  }
+  VACUFORM_CHECK(context.step(Stage::scan, 0.25));
+  skin.turned_inside_out = orient(skin.mesh) > 0.5;
+  return skin;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,134 @@
+#include "worker/scan/upright.hpp"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "worker/scan/topology.hpp"
+
+namespace vacuform {
+namespace {
+
+constexpr double shortest_mm = 80, longest_mm = 400;
+constexpr std::array units{Unit::mm, Unit::cm, Unit::m, Unit::in};
+
+std::string one_digit(double mm) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, mm, std::chars_format::fixed, mm < 10 ? 1 : 0).ptr;
+  return {text, end};
+}
+
+Eigen::Vector3d direction(UpAxis axis) {
+  switch (axis) {
+    case UpAxis::plus_x: return {1, 0, 0};
+    case UpAxis::minus_x: return {-1, 0, 0};
+    case UpAxis::plus_y: return {0, 1, 0};
+    case UpAxis::minus_y: return {0, -1, 0};
+    case UpAxis::minus_z: return {0, 0, -1};
+    case UpAxis::plus_z:
+    case UpAxis::automatic: return {0, 0, 1};
+  }
+  return {0, 0, 1};
+}
+
+constexpr std::array axes{UpAxis::plus_z, UpAxis::plus_y, UpAxis::minus_z, UpAxis::minus_y, UpAxis::plus_x, UpAxis::minus_x};
+
+}  // namespace
+
+double millimetres(Unit unit) {
+  switch (unit) {
+    case Unit::cm: return 10;
+    case Unit::m: return 1000;
+    case Unit::in: return 25.4;
+    case Unit::mm:
+    case Unit::automatic: return 1;
+  }
+  return 1;
+}
+
+Result<Unit> guess_unit(double longest_side, const std::string& where) {
+  std::vector<Unit> fitting;
+  std::string all, candidates;
+  for (const Unit unit : units) {
+    const double mm = longest_side * millimetres(unit);
+    const std::string text = std::string(name(unit)) + " (" + one_digit(mm) + " mm)";
+    all += (all.empty() ? "" : ", ") + text;
+    if (mm < shortest_mm || mm > longest_mm) continue;
+    fitting.push_back(unit);
+    candidates += (candidates.empty() ? "" : ", ") + text;
+  }
+  if (fitting.size() == 1) return fitting.front();
+  const std::string what = fitting.empty()
+      ? "the scan's unit cannot be told: in none is its longest side 80 to 400 mm: " + all
+      : "the scan's unit cannot be told: its longest side is plausible in " + candidates;
+  const std::string choice(name(fitting.empty() ? Unit::mm : fitting.front()));
+  return fail(Code::ambiguous_units, what, where, "say which, for example --set scan.units=" + choice +
+              (fitting.empty() ? ", or scale the scan to its true size before" : ""));
+}
+
+UpGuess guess_up(const TriangleMesh& skin, bool y_up) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double total = 0;
+  for (const auto& t : skin.triangles) {
+    const Eigen::Vector3d a = area_vector(skin, t);
+    sum += a;
+    total += a.norm();
+  }
+  // An opening of radius r in a sphere of radius R leaves (r/2R)^2 of the area: 4 % is a hole of 23 degrees.
+  if (sum.norm() > 0.04 * total) {
+    UpGuess best;
+    double most = 0;
+    for (const UpAxis axis : axes)
+      if (const double along = direction(axis).dot(sum); along > most) most = along, best.axis = axis;
+    best.told = true;
+    best.why = "the scan is open on the other side";
+    return best;
+  }
+  const Box box = bounds(skin);
+  UpGuess best;
+  double most = 0.02 * total;
+  for (const UpAxis axis : axes) {
+    const Eigen::Vector3d up = direction(axis);
+    const double lowest = std::min(up.dot(box.low), up.dot(box.high)), band = 0.004 * box.size().norm();
+    double flat = 0;
+    for (const auto& t : skin.triangles) {
+      const Eigen::Vector3d a = area_vector(skin, t);
+      if (-up.dot(a) < 0.99 * a.norm()) continue;
+      bool low = true;
+      for (const int v : t) low = low && up.dot(skin.vertices[static_cast<std::size_t>(v)]) < lowest + band;
+      if (low) flat += a.norm();
+    }
+    if (flat > most) most = flat, best.axis = axis, best.told = true;
+  }
+  if (best.told) {
+    best.why = "the scan is cut flat on the other side";
+    return best;
+  }
+  best.axis = y_up ? UpAxis::plus_y : UpAxis::plus_z;
+  best.why = y_up ? "its format has +y up" : "nothing in the scan tells";
+  return best;
+}
+
+Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, double yaw_deg) {
+  constexpr double radian = std::numbers::pi / 180;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  switch (up) {  // exact quarter turns, so that a scan that stands upright is not touched
+    case UpAxis::plus_y: turn << 1, 0, 0, 0, 0, -1, 0, 1, 0; break;
+    case UpAxis::minus_y: turn << 1, 0, 0, 0, 0, 1, 0, -1, 0; break;
+    case UpAxis::plus_x: turn << 0, 0, -1, 0, 1, 0, 1, 0, 0; break;
+    case UpAxis::minus_x: turn << 0, 0, 1, 0, 1, 0, -1, 0, 0; break;
+    case UpAxis::minus_z: turn << 1, 0, 0, 0, -1, 0, 0, 0, -1; break;
+    case UpAxis::plus_z:
+    case UpAxis::automatic: break;
+  }
+  const auto about = [&](double degrees, const Eigen::Vector3d& axis) -> Eigen::Matrix3d {
+    if (degrees == 0) return Eigen::Matrix3d::Identity();
+    return Eigen::AngleAxisd(degrees * radian, axis).toRotationMatrix();
+  };
+  return about(yaw_deg, Eigen::Vector3d::UnitZ()) * about(pitch_deg, Eigen::Vector3d::UnitY()) *
+         about(roll_deg, Eigen::Vector3d::UnitX()) * turn;
+}
+
+}  // namespace vacuform
