@@ -1,0 +1,137 @@
+"""What the integration tests share: the real programs, curl, free ports, a folder of their own, and polling.
+
+Run by ctest, which says where the programs are (VACUFORM_BIN) and the real scans (VACUFORM_SHARED_DATA).
+"""
+import contextlib
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+BIN = pathlib.Path(os.environ["VACUFORM_BIN"])
+SCANS = pathlib.Path(os.environ["VACUFORM_SHARED_DATA"]) / "scans"
+PATTERNS = pathlib.Path(os.environ["VACUFORM_SHARED_DATA"]) / "patterns"
+PATIENCE = 240  # seconds that anything may take on a busy machine
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
+
+
+def wait_for(condition, what, patience=PATIENCE, pause=0.05):
+    """Polls until `condition` gives something true, and gives that."""
+    until = time.monotonic() + patience
+    while time.monotonic() < until:
+        value = condition()
+        if value:
+            return value
+        time.sleep(pause)
+    raise AssertionError(f"after {patience} s still waiting for: {what}")
+
+
+def runs(pid):
+    """Whether a process runs; a zombie does not."""
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def children(pid):
+    """The processes that `pid` has started and that run."""
+    found = []
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, parent = stat.read_text().rpartition(")")[2].split()[:2]
+            if int(parent) == pid and state not in "ZX":
+                found.append(int(stat.parent.name))
+    return found
+
+
+def vacuform(*words, **options):
+    """Runs `vacuform` to its end."""
+    return subprocess.run([BIN / "vacuform", *map(str, words)], capture_output=True, text=True, timeout=PATIENCE, **options)
+
+
+class Response:
+    def __init__(self, status, headers, body):
+        self.status, self.headers, self.body = status, headers, body
+
+    @property
+    def json(self):
+        return json.loads(self.body)
+
+    def __repr__(self):
+        return f"{self.status} {self.body[:2000]!r}"
+
+
+def curl(*words, patience=PATIENCE):
+    """One request by curl: the last response's status, headers (names in lower case) and body."""
+    with tempfile.TemporaryDirectory() as folder:
+        head, body = pathlib.Path(folder, "head"), pathlib.Path(folder, "body")
+        done = subprocess.run(["curl", "-sS", "--noproxy", "*", "--max-time", str(patience), "-D", head, "-o", body,
+                               *map(str, words)], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise ConnectionError(done.stderr.strip())
+        last = head.read_text().strip().split("\n\n")[-1] if head.exists() else ""
+        lines = [line.rstrip("\r") for line in last.splitlines()]
+        for i, line in enumerate(lines):  # curl keeps the heads of interim responses too
+            if line.startswith("HTTP/"):
+                start = i
+        headers = {}
+        for line in lines[start + 1:]:
+            name, colon, value = line.partition(":")
+            if colon:
+                headers[name.strip().lower()] = value.strip()
+        return Response(int(lines[start].split()[1]), headers, body.read_bytes() if body.exists() else b"")
+
+
+class Program:
+    """A program of ours that runs beside the test; its standard error is kept in a file."""
+
+    def __init__(self, words, log):
+        self.log = log
+        with open(log, "ab") as stderr:
+            self.process = subprocess.Popen([str(w) for w in words], stdin=subprocess.DEVNULL,
+                                            stdout=subprocess.DEVNULL, stderr=stderr)
+        self.pid = self.process.pid
+
+    def send(self, number):
+        self.process.send_signal(number)
+
+    def wait(self):
+        return self.process.wait(timeout=PATIENCE)
+
+    def end(self, number=signal.SIGTERM):
+        """Ends it and gives its exit status (negative: the signal)."""
+        if self.process.poll() is None:
+            with contextlib.suppress(ProcessLookupError):
+                self.send(signal.SIGCONT)
+            self.send(number)
+        return self.wait()
+
+    def says(self):
+        return self.log.read_text(errors="replace")
+
+
+class Case(unittest.TestCase):
+    """A test with a folder of its own, in which nothing of it outlives it."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(cls.enterClass(tempfile.TemporaryDirectory(prefix="vacuform-test-")))
+
+    @classmethod
+    def enterClass(cls, context):
+        value = context.__enter__()
+        cls.addClassCleanup(context.__exit__, None, None, None)
+        return value
+
+    maxDiff = None
