@@ -47,11 +47,8 @@ std::optional<double> millimetres(const RsvgLength& length) {
     case RSVG_UNIT_MM: return length.length;
     case RSVG_UNIT_PT: return length.length * 25.4 / 72;
     case RSVG_UNIT_PC: return length.length * 25.4 / 6;
-    case RSVG_UNIT_PERCENT:
-    case RSVG_UNIT_EM:
-    case RSVG_UNIT_EX: return std::nullopt;
+    default: return std::nullopt;  // relative to a font or a viewport; newer librsvg has more of these
   }
-  return std::nullopt;
 }
 
 // librsvg would silently leave out what it may not load; a drawing with a hole is worse than a refusal.
