@@ -31,6 +31,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "vacuform " + std::string(version));
   app.require_subcommand(1);
   int exit_code = 0;
+  add_sample(app, exit_code);
   add_submit(app, exit_code);
   try {
     app.parse(argc, argv);

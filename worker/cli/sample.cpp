@@ -37,7 +37,7 @@ Result<void> write_sample(const std::filesystem::path& out) {
 void add_sample(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("sample", "Write the bundled sample: head.stl and pattern.svg");
   auto out = std::make_shared<std::string>();
-  command->add_option("--out", *out, "Folder to write into; made when absent")->required();
+  command->add_option("--out", *out, "Folder to write into; made when absent")->type_name("DIR")->required();
   command->callback([out, &exit_code] {
     if (const auto written = write_sample(*out); !written)
       exit_code = refuse(written.error());
