@@ -26,7 +26,9 @@ Result<void> write(const std::filesystem::path& path, const Bytes& bytes) {
 Result<void> write_sample(const std::filesystem::path& out) {
   std::error_code error;
   std::filesystem::create_directories(out, error);
-  if (error) return fail(Code::unreadable, "cannot make the folder: " + error.message(), out.string());
+  if (error)
+    return fail(Code::unreadable, "cannot make the folder: " + error.message(), out.string(),
+                "choose a folder you may write to");
   VACUFORM_CHECK(write(out / "head.stl", stl_bytes(sample_head())));
   VACUFORM_CHECK(write(out / "pattern.svg", sample_pattern()));
   return {};
