@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <new>
+
+#include "worker/printing/decimal.hpp"
 
 namespace vacuform {
 namespace {
@@ -15,12 +16,6 @@ using Eigen::Vector2d;
 constexpr double line_mm = 0.15;
 constexpr double dash_mm = 1.5;
 constexpr char font[] = "DejaVu Sans";
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 struct Release {
   void operator()(cairo_surface_t* s) const { cairo_surface_destroy(s); }
@@ -139,11 +134,7 @@ void draw(cairo_t* cairo, const Mark& mark) {
   }
 }
 
-std::string coordinates(double x, double y) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.3f,%.3f", x + 0.0, y + 0.0);
-  return text;
-}
+std::string coordinates(double x, double y) { return decimal(x, 3) + "," + decimal(y, 3); }
 
 std::string escaped(const std::string& text) {
   std::string out;
@@ -188,10 +179,10 @@ Marks lay_out_marks(const Settings& settings, const std::string& label, const st
   const std::string side = std::string(mirrored ? "inner face, MIRRORED: print on the side that touches the mold"
                                                 : "outer face, seen from above") +
                            "   ·   scale 1:1, check with the ruler";
-  const std::string job = "Vacuform " + label + "   ·   sheet " + number(sheet.width_mm) + " × " +
-                          number(sheet.height_mm) + " × " + number(sheet.thickness_mm) + " mm " +
+  const std::string job = "Vacuform " + label + "   ·   sheet " + short_decimal(sheet.width_mm) + " × " +
+                          short_decimal(sheet.height_mm) + " × " + short_decimal(sheet.thickness_mm) + " mm " +
                           std::string(name(sheet.material)) +
-                          (margin > 0 ? "   ·   frame " + number(margin) + " mm inside the sheet's edge" : "");
+                          (margin > 0 ? "   ·   frame " + short_decimal(margin) + " mm inside the sheet's edge" : "");
   const double widest = std::max(text_width(side, 2.4), text_width(job, 2.4));
   const double size = 2.4 * std::min(1.0, std::max(1.0, room) / widest);
   all.push_back({.name = "legend", .lines = {}, .circles = {},
@@ -262,18 +253,18 @@ std::string svg_of(const Marks& marks) {
       if (line.closed) path += " Z";
       out += "      <path d=\"" + path + "\"";
       if (line.filled) out += " fill=\"#000\" stroke=\"none\"";
-      if (line.dashed) out += " stroke-dasharray=\"" + number(dash_mm) + "\"";
+      if (line.dashed) out += " stroke-dasharray=\"" + short_decimal(dash_mm) + "\"";
       out += "/>\n";
     }
     for (const auto& circle : mark.circles) {
-      char text[128];
-      std::snprintf(text, sizeof text, "      <circle cx=\"%.3f\" cy=\"%.3f\" r=\"%.3f\"%s/>\n", circle.centre.x(),
-                    -circle.centre.y() + 0.0, circle.radius, circle.dashed ? " stroke-dasharray=\"1.5\"" : "");
-      out += text;
+      out += "      <circle cx=\"" + decimal(circle.centre.x(), 3) + "\" cy=\"" + decimal(-circle.centre.y(), 3) + "\" r=\"" +
+             decimal(circle.radius, 3) + "\"";
+      if (circle.dashed) out += " stroke-dasharray=\"" + short_decimal(dash_mm) + "\"";
+      out += "/>\n";
     }
     for (const auto& text : mark.texts) {
       out += "      <text transform=\"translate(" + coordinates(text.at.x(), -text.at.y()) + ")" +
-             (text.upwards ? " rotate(-90)" : "") + "\" font-size=\"" + number(text.size) + "\"" +
+             (text.upwards ? " rotate(-90)" : "") + "\" font-size=\"" + short_decimal(text.size) + "\"" +
              (text.centred ? " text-anchor=\"middle\"" : "") + " xml:space=\"preserve\">" + escaped(text.text) + "</text>\n";
     }
     out += "    </g>\n";

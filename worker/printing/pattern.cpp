@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <string_view>
 
+#include "worker/printing/decimal.hpp"
 #include "worker/printing/raster.hpp"
 
 namespace vacuform {
@@ -81,15 +81,9 @@ Format format_of(std::span<const std::uint8_t> bytes) {
   return Format::unknown;
 }
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.0f", value);
-  return text;
-}
-
 Result<void> check_size(const Eigen::Vector2d& mm, const std::string& file_name) {
   if (mm.minCoeff() >= 0.1 && mm.maxCoeff() <= 5000) return {};
-  return fail(Code::unusable_pattern, "the drawing would be " + rounded(mm.x()) + " x " + rounded(mm.y()) + " mm",
+  return fail(Code::unusable_pattern, "the drawing would be " + decimal(mm.x(), 0) + " x " + decimal(mm.y(), 0) + " mm",
               file_name, "give pattern.width_mm");
 }
 
@@ -225,8 +219,8 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
   // A print that is finer than its drawing loses nothing until the pixels can be seen.
   if (has_dpi < (picture->format == "SVG" ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
     picture->warnings.push_back(
-        {"pattern-coarse", "The drawing has " + rounded(has_dpi) + " pixels an inch where the print could show " +
-                               rounded(wanted_dpi) + ": its edges will look soft."});
+        {"pattern-coarse", "The drawing has " + decimal(has_dpi, 0) + " pixels an inch where the print could show " +
+                               decimal(wanted_dpi, 0) + ": its edges will look soft."});
   return Pattern(std::move(picture));
 }
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
 
+#include "worker/printing/decimal.hpp"
 #include "worker/printing/ink_on_chart.hpp"
 #include "worker/printing/marks.hpp"
 #include "worker/printing/png_writer.hpp"
@@ -19,12 +19,6 @@ namespace {
 
 using Eigen::Vector2d;
 constexpr double largest_side = 32'000;  // cairo's own limit is 32,767
-
-std::string decimal(double value, int places) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*f", places, value + 0.0);
-  return text;
-}
 
 std::string base64(const std::vector<std::uint8_t>& bytes) {
   std::unique_ptr<gchar, void (*)(gpointer)> text(g_base64_encode(bytes.data(), bytes.size()), g_free);

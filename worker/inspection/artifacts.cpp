@@ -1,0 +1,27 @@
+#include <algorithm>
+#include <utility>
+
+#include "worker/inspection/inspection.hpp"
+#include "worker/inspection/mesh_files.hpp"
+#include "worker/inspection/previews.hpp"
+
+namespace vacuform {
+
+Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context) {
+  VACUFORM_CHECK(context.step(Stage::inspection, 0));
+  std::vector<Artifact> files;
+  files.push_back({"print.png", job.print.png});
+  files.push_back({"print.svg", {job.print.svg.begin(), job.print.svg.end()}});
+  VACUFORM_TRY(pictures, previews(job, context));
+  for (auto& picture : pictures) files.push_back(std::move(picture));
+  VACUFORM_CHECK(context.step(Stage::inspection, 0.9));
+  files.push_back({"formed.ply", formed_ply(job)});
+  files.push_back({"formed.obj", formed_obj(job)});
+  files.push_back({"formed.mtl", formed_mtl()});
+  files.push_back({"uv-map.obj", uv_map_obj(job)});
+  files.push_back({"mold.stl", stl_bytes(job.mold.mesh)});
+  VACUFORM_CHECK(context.step(Stage::inspection, 1));
+  return files;
+}
+
+}  // namespace vacuform

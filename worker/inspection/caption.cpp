@@ -1,0 +1,81 @@
+#include "worker/inspection/caption.hpp"
+
+#include <cairo.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <new>
+
+#include "worker/printing/decimal.hpp"
+
+namespace vacuform {
+namespace {
+
+constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},    {72, 21, 104},  {72, 38, 119},  {69, 55, 129},
+                                                            {63, 71, 136},  {57, 85, 140},  {50, 100, 142}, {45, 113, 142},
+                                                            {40, 125, 142}, {35, 138, 141}, {31, 150, 139}, {41, 175, 127},
+                                                            {59, 187, 117}, {86, 198, 103}, {148, 216, 64}, {200, 224, 32},
+                                                            {253, 231, 37}}};
+
+void text(cairo_t* cairo, const std::string& words, double x, double y, double size, bool bold, double along, float gray) {
+  cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo, size);
+  cairo_text_extents_t extents;
+  cairo_text_extents(cairo, words.c_str(), &extents);
+  cairo_set_source_rgb(cairo, gray, gray, gray + 0.02);
+  cairo_move_to(cairo, x - along * extents.x_advance, y);
+  cairo_show_text(cairo, words.c_str());
+}
+
+}  // namespace
+
+Colour viridis(double fraction) {
+  const double x = std::clamp(std::isfinite(fraction) ? fraction : 0.0, 0.0, 1.0) * (viridis_table.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(x), viridis_table.size() - 2);
+  const float f = static_cast<float>(x - static_cast<double>(i));
+  Colour c;
+  for (int k = 0; k < 3; ++k) {
+    const auto j = static_cast<std::size_t>(k);
+    c[k] = ((1 - f) * static_cast<float>(viridis_table[i][j]) + f * static_cast<float>(viridis_table[i + 1][j])) / 255;
+  }
+  return c;
+}
+
+void write(const Caption& caption, Picture& picture) {
+  const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
+      cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(picture.pixels.data()), CAIRO_FORMAT_RGB24,
+                                          picture.width, picture.height, 4 * picture.width),
+      cairo_surface_destroy);
+  if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
+  const std::unique_ptr<cairo_t, void (*)(cairo_t*)> context(cairo_create(surface.get()), cairo_destroy);
+  cairo_t* cairo = context.get();
+  text(cairo, caption.title, 40, 52, 27, true, 0, 0.13f);
+  text(cairo, caption.figures, 40, 82, 17, false, 0, 0.32f);
+  if (caption.scale) {
+    const Scale& s = *caption.scale;
+    const double left = 40, right = picture.width - 40.0, top = picture.height - 58.0, thick = 18;
+    for (int x = static_cast<int>(left); x < static_cast<int>(right); ++x) {
+      const Colour c = viridis((x + 0.5 - left) / (right - left));
+      cairo_set_source_rgb(cairo, c.x(), c.y(), c.z());
+      cairo_rectangle(cairo, x, top, 1, thick);
+      cairo_fill(cairo);
+    }
+    text(cairo, s.quantity, left, top - 9, 17, false, 0, 0.2f);
+    constexpr int steps = 5;
+    for (int i = 0; i <= steps; ++i) {
+      const double x = left + (right - left) * i / steps;
+      cairo_set_source_rgb(cairo, 0.25, 0.25, 0.27);
+      cairo_rectangle(cairo, std::clamp(std::round(x), left, right - 1), top + thick, 1, 6);
+      cairo_fill(cairo);
+      const std::string value = decimal(s.low + (s.high - s.low) * i / steps, s.places);
+      const bool first = i == 0, last = i == steps;
+      const std::string sign = first && s.open_below ? "≤ " : last && s.open_above ? "≥ " : "";
+      text(cairo, sign + value, x, top + thick + 25, 17, false, first ? 0 : last ? 1 : 0.5, 0.2f);
+    }
+  }
+  cairo_surface_flush(surface.get());
+}
+
+}  // namespace vacuform

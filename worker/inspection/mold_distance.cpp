@@ -1,0 +1,122 @@
+#include "worker/inspection/mold_distance.hpp"
+
+#if VACUFORM_EMBREE >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace vacuform {
+namespace {
+
+using Eigen::Vector3d;
+
+double squared_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  const Vector3d ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return ap.squaredNorm();
+  const Vector3d bp = p - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return bp.squaredNorm();
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return (ap - d1 / (d1 - d3) * ab).squaredNorm();
+  const Vector3d cp = p - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return cp.squaredNorm();
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return (ap - d2 / (d2 - d6) * ac).squaredNorm();
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return (bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b)).squaredNorm();
+  const double sum = va + vb + vc;
+  if (!(sum > 0)) return std::min({ap.squaredNorm(), bp.squaredNorm(), cp.squaredNorm()});
+  return (ap - vb / sum * ab - vc / sum * ac).squaredNorm();
+}
+
+}  // namespace
+
+struct MoldDistance::Scene {
+  const TriangleMesh& mesh;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  Vector3d centre = Vector3d::Zero();
+
+  ~Scene() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) rtcReleaseDevice(device);
+  }
+};
+
+namespace {
+
+struct Search {
+  const TriangleMesh& mesh;
+  Vector3d point;
+  double best = std::numeric_limits<double>::infinity();  // squared
+};
+
+bool visit(RTCPointQueryFunctionArguments* arguments) {
+  auto& search = *static_cast<Search*>(arguments->userPtr);
+  const auto& t = search.mesh.triangles[arguments->primID];
+  const auto corner = [&](int k) -> const Vector3d& {
+    return search.mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+  };
+  const double squared = squared_distance(search.point, corner(0), corner(1), corner(2));
+  if (!(squared < search.best)) return false;
+  search.best = squared;
+  // The tree holds floats: its boxes may be off by a little, so it is searched a little further.
+  arguments->query->radius = static_cast<float>(std::sqrt(squared) * 1.0001 + 1e-3);
+  return true;
+}
+
+}  // namespace
+
+MoldDistance::MoldDistance(const TriangleMesh& mesh) : scene_(new Scene{.mesh = mesh}) {
+  if (mesh.triangles.empty()) return;
+  scene_->device = rtcNewDevice("threads=1,set_affinity=0");
+  if (!scene_->device) throw std::runtime_error("Embree cannot start");
+  scene_->scene = rtcNewScene(scene_->device);
+  Vector3d low = mesh.vertices.front(), high = low;
+  for (const auto& p : mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  scene_->centre = (low + high) / 2;
+
+  RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                             3 * sizeof(float), mesh.vertices.size()));
+  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
+  if (!points || !indices) throw std::bad_alloc();
+  for (const auto& p : mesh.vertices)
+    for (int k = 0; k < 3; ++k) *points++ = static_cast<float>(p[k] - scene_->centre[k]);
+  for (const auto& t : mesh.triangles)
+    for (const int v : t) *indices++ = static_cast<unsigned>(v);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene_->scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene_->scene);
+  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE) throw std::runtime_error("Embree cannot build its scene");
+}
+
+MoldDistance::~MoldDistance() = default;
+
+double MoldDistance::operator()(const Vector3d& point) const {
+  Search search{.mesh = scene_->mesh, .point = point};
+  if (!scene_->scene) return search.best;
+  RTCPointQuery query{};
+  query.x = static_cast<float>(point.x() - scene_->centre.x());
+  query.y = static_cast<float>(point.y() - scene_->centre.y());
+  query.z = static_cast<float>(point.z() - scene_->centre.z());
+  query.radius = std::numeric_limits<float>::infinity();
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene_->scene, &query, &context, visit, &search);
+  return std::sqrt(search.best);
+}
+
+}  // namespace vacuform

@@ -1,0 +1,183 @@
+#include "worker/inspection/previews.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/inspection/caption.hpp"
+#include "worker/inspection/view.hpp"
+#include "worker/printing/decimal.hpp"
+#include "worker/printing/png_writer.hpp"
+
+namespace vacuform {
+namespace {
+
+using Eigen::Vector2d;
+constexpr int side = 1000;
+const Colour plastic(0.86f, 0.895f, 0.92f);
+const Colour black_ink(0.07f, 0.08f, 0.10f);
+
+std::vector<std::uint8_t> png_of(const Picture& picture) {
+  PngWriter writer(picture.width, picture.height, 3);
+  std::vector<std::uint8_t> row(3 * static_cast<std::size_t>(picture.width));
+  for (int y = 0; y < picture.height; ++y) {
+    for (std::size_t x = 0; x < static_cast<std::size_t>(picture.width); ++x) {
+      const std::uint32_t p = picture.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + x];
+      row[3 * x] = static_cast<std::uint8_t>(p >> 16);
+      row[3 * x + 1] = static_cast<std::uint8_t>(p >> 8);
+      row[3 * x + 2] = static_cast<std::uint8_t>(p);
+    }
+    writer.row(row.data());
+  }
+  return writer.finish();
+}
+
+// One figure per vertex, with its range for colouring.
+struct Heat {
+  std::vector<double> values;  // NaN where there is none
+  Scale scale;
+};
+
+// Per vertex the mean over its triangles, weighted by formed area: heat maps without facets.
+template <class Figure>
+std::vector<double> over_vertices(const Finished& job, Figure&& figure) {
+  std::vector<double> sum(job.sheet.formed.size(), 0), weight(sum.size(), 0);
+  for (const int t : job.flattening.triangles) {
+    std::array<Vector2d, 3> from;
+    std::array<Eigen::Vector3d, 3> to;
+    const auto& corners = job.sheet.triangles[static_cast<std::size_t>(t)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      from[k] = job.sheet.rest[static_cast<std::size_t>(corners[k])];
+      to[k] = job.flattening.inked[static_cast<std::size_t>(corners[k])];
+    }
+    const double area = (to[1] - to[0]).cross(to[2] - to[0]).norm() / 2;
+    const double value = figure(singular_values(from, to));
+    if (!std::isfinite(value)) continue;
+    for (const int v : corners) sum[static_cast<std::size_t>(v)] += area * value, weight[static_cast<std::size_t>(v)] += area;
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = weight[i] > 0 ? sum[i] / weight[i] : NAN;
+  return sum;
+}
+
+// The scale ends at a round number at or above `reach`, of about a twentieth of the span.
+double round_up(double low, double reach) {
+  const double span = std::max(reach - low, 0.02);
+  const double step = std::pow(10.0, std::floor(std::log10(span / 4)));
+  return low + std::ceil(span / (5 * step) - 1e-9) * 5 * step;
+}
+
+Heat heat_of(std::vector<double> values, const Statistics& statistics, const std::string& quantity) {
+  double largest = 0;
+  for (const double v : values)
+    if (std::isfinite(v)) largest = std::max(largest, v);
+  const double high = round_up(1, std::min(statistics.p99, std::max(largest, 1.02)));
+  return {std::move(values), {.low = 1, .high = high, .places = 2, .quantity = quantity, .open_below = false, .open_above = largest > high}};
+}
+
+Heat thickness_heat(const Finished& job) {
+  double least = INFINITY, most = 0;
+  for (const double h : job.sheet.thickness) least = std::min(least, h), most = std::max(most, h);
+  const double low = std::floor(least * 20) / 20, high = std::max(low + 0.05, std::ceil(most * 20 - 1e-6) / 20);
+  return {job.sheet.thickness, {.low = low, .high = high, .places = 2, .quantity = "thickness, mm"}};
+}
+
+std::string figures_of(const Distortion& d) {
+  return "anisotropy: mean " + decimal(d.anisotropy.mean, 3) + ", 95 % below " + decimal(d.anisotropy.p95, 3) +
+         "     area ratio: mean " + decimal(d.area_ratio.mean, 3) + ", 95 % below " + decimal(d.area_ratio.p95, 3);
+}
+std::string figures_of(const Statistics& s) {
+  return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) + ", 99 % below " +
+         decimal(s.p99, 3) + ", largest " + decimal(s.max, 2);
+}
+
+// The drawing on the sheet by one map from its vertices to pattern coordinates.
+class Inked {
+ public:
+  Inked(const Finished& job, std::vector<Vector2d> uv) : job_(job), uv_(std::move(uv)), blur_(job.sheet.triangles.size(), 0) {
+    for (std::size_t t = 0; t < blur_.size(); ++t) {
+      const auto& c = job.sheet.triangles[t];
+      std::array<Vector2d, 3> from;
+      std::array<Eigen::Vector3d, 3> to;
+      for (std::size_t k = 0; k < 3; ++k)
+        from[k] = uv_[static_cast<std::size_t>(c[k])], to[k] = job.sheet.formed[static_cast<std::size_t>(c[k])];
+      // Millimetres of pattern for one on the sheet, in the mean over directions.
+      const SingularValues s = singular_values(from, to);
+      blur_[t] = std::sqrt((1 / (s.largest * s.largest) + 1 / (s.smallest * s.smallest)) / 2);
+    }
+  }
+
+  Colour operator()(const Seen& seen) const {
+    const auto& c = job_.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
+    Vector2d uv = Vector2d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) uv += seen.weights[k] * uv_[static_cast<std::size_t>(c[k])];
+    const double blur = blur_[static_cast<std::size_t>(seen.triangle)];
+    Ink ink;
+    if (uv.allFinite() && std::isfinite(blur)) ink = job_.pattern.sample(uv, 1.2 * blur * seen.spacing_mm);
+    const Colour colour = job_.pattern.grayscale() ? black_ink : Colour(ink.r, ink.g, ink.b);
+    const Colour base = plastic + ink.a * (colour - plastic);
+    return seen.light * base + Colour::Constant(seen.gloss);
+  }
+
+ private:
+  const Finished& job_;
+  std::vector<Vector2d> uv_;
+  std::vector<double> blur_;
+};
+
+Colour hot(const Finished& job, const Heat& heat, const Seen& seen) {
+  const auto& c = job.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
+  double value = 0;
+  for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * heat.values[static_cast<std::size_t>(c[k])];
+  if (!std::isfinite(value)) return seen.light * plastic + Colour::Constant(seen.gloss);
+  // Lit more softly than the bare plastic, so that colours can be compared with the bar.
+  return (0.35f + 0.65f * seen.light) * viridis((value - heat.scale.low) / (heat.scale.high - heat.scale.low));
+}
+
+}  // namespace
+
+Result<std::vector<Artifact>> previews(const Finished& job, const Context& context) {
+  std::vector<Vector2d> plain(job.sheet.rest.size());
+  for (std::size_t i = 0; i < plain.size(); ++i)
+    plain[i] = pattern_coordinates(job.sheet.rest[i] - job.flattening.top_rest, job.settings.pattern);
+  const Inked without(job, std::move(plain)), with(job, job.print.pattern_uv);
+  const Distortion before = distortion(job.sheet, job.flattening, job.sheet.rest);
+  const Distortion after = distortion(job.sheet, job.flattening, job.flattening.chart);
+  const Heat anisotropy = heat_of(over_vertices(job, [](SingularValues s) { return s.largest / s.smallest; }),
+                                  before.anisotropy, "anisotropy σ1 / σ2 (1 is undistorted)");
+  const Heat area = heat_of(over_vertices(job, [](SingularValues s) {
+                              const double a = s.largest * s.smallest;
+                              return std::max(a, 1 / a);
+                            }),
+                            before.area_ratio, "area ratio (1 is undistorted)");
+  const Heat thickness = thickness_heat(job);
+
+  const View view(job.sheet, side, side, caption_top, caption_bottom);
+  VACUFORM_TRY(pictures, view.draw(5, [&](const Seen& seen, Colour* colours) {
+    colours[0] = without(seen);
+    colours[1] = with(seen);
+    colours[2] = hot(job, anisotropy, seen);
+    colours[3] = hot(job, area, seen);
+    colours[4] = hot(job, thickness, seen);
+  }, context, 0.1, 0.7));
+
+  double least = INFINITY;
+  for (const double h : job.sheet.element_thickness) least = std::min(least, h);
+  const Caption captions[] = {
+      {"The plain pattern, printed as drawn, then formed", figures_of(before), {}},
+      {"The pre-distorted print, formed", figures_of(after), {}},
+      {"Change of shape that the print makes good", figures_of(before.anisotropy), anisotropy.scale},
+      {"Change of area that the print makes good", figures_of(before.area_ratio), area.scale},
+      {"Thickness of the formed sheet",
+       "from " + decimal(job.settings.sheet.thickness_mm, 2) + " mm; thinnest element " + decimal(least, 3) + " mm", thickness.scale}};
+  const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png", "preview-area.png",
+                         "preview-thickness.png"};
+  std::vector<Artifact> files;
+  for (std::size_t i = 0; i < 5; ++i) {
+    VACUFORM_CHECK(context.step(Stage::inspection, 0.7 + 0.04 * static_cast<double>(i)));
+    write(captions[i], pictures[i]);
+    files.push_back({names[i], png_of(pictures[i])});
+  }
+  return files;
+}
+
+}  // namespace vacuform

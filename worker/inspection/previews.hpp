@@ -1,0 +1,13 @@
+// The five pictures of a finished job. Internal to worker/inspection.
+#pragma once
+
+#include "worker/inspection/inspection.hpp"
+
+namespace vacuform {
+
+// preview-without.png: the drawing as it would come out if it were printed as it is, its centre on the point of the
+// sheet that comes to lie on the top of the mold. preview-with.png: the pre-distorted print. preview-anisotropy.png,
+// preview-area.png: the figures without pre-distortion over the chart. preview-thickness.png: the whole sheet.
+Result<std::vector<Artifact>> previews(const Finished& job, const Context& context);
+
+}  // namespace vacuform

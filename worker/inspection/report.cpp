@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "worker/inspection/inspection.hpp"
+#include "worker/inspection/mold_distance.hpp"
+
+namespace vacuform {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Infinities and NaN have no place in JSON.
+Json rounded(double value, int places = 4) {
+  if (!std::isfinite(value)) return nullptr;
+  const double scale = std::pow(10.0, places), r = std::round(value * scale) / scale;
+  return std::isfinite(r) ? r + 0.0 : value;
+}
+// For errors and residuals, whose size counts and not their digits.
+Json significant(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == 0) return 0.0;
+  const double scale = std::pow(10.0, 2 - std::floor(std::log10(std::abs(value))));
+  return std::isfinite(scale) ? std::round(value * scale) / scale : value;
+}
+template <class Vector>
+Json array(const Vector& v, int places) {
+  Json out = Json::array();
+  for (int k = 0; k < v.size(); ++k) out.push_back(rounded(v[k], places));
+  return out;
+}
+
+Json scan_of(const ScanFindings& f) {
+  return {{"format", f.format},
+          {"triangles_read", f.triangles_read},
+          {"unit", name(f.unit)},
+          {"unit_guessed", f.unit_guessed},
+          {"up", name(f.up)},
+          {"up_guessed", f.up_guessed},
+          {"components", f.components},
+          {"components_dropped", f.components_dropped},
+          {"turned_inside_out", f.turned_inside_out},
+          {"holes_closed", f.holes_closed},
+          {"holes_capped", f.holes_capped},
+          {"rebuilt", f.rebuilt},
+          {"size_mm", array(f.size_mm, 2)},
+          {"trim_mm", rounded(f.trim_mm, 2)},
+          {"trim_chosen", f.trim_chosen}};
+}
+
+Json mold_of(const Mold& mold) {
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = low;
+  if (!mold.mesh.vertices.empty()) low = high = mold.mesh.vertices.front();
+  for (const auto& p : mold.mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  // Deepest first: what follows the first twenty is small beside them.
+  Json undercuts = Json::array();
+  for (std::size_t i = 0; i < std::min<std::size_t>(mold.undercuts.size(), 20); ++i) {
+    const auto& u = mold.undercuts[i];
+    undercuts.push_back(
+        {{"place_mm", array(u.place, 1)}, {"depth_mm", rounded(u.depth_mm, 2)}, {"area_mm2", rounded(u.area_mm2, 1)}});
+  }
+  return {{"triangles", mold.mesh.triangles.size()},
+          {"size_mm", array(Eigen::Vector3d(high - low), 2)},
+          {"top_mm", array(mold.top, 2)},
+          {"undercut_count", mold.undercuts.size()},
+          {"undercuts", undercuts}};
+}
+
+Json forming_of(const Finished& job) {
+  const FormedSheet& sheet = job.sheet;
+  std::array<std::int64_t, 4> counts{};
+  double gap = 0;
+  const MoldDistance distance(job.mold.mesh);
+  for (std::size_t i = 0; i < sheet.contact.size(); ++i) {
+    ++counts[static_cast<std::size_t>(sheet.contact[i])];
+    if (sheet.contact[i] == Contact::mold) gap = std::max(gap, distance(sheet.formed[i]));
+    if (sheet.contact[i] == Contact::platform) gap = std::max(gap, std::abs(sheet.formed[i].z()));
+  }
+  const FormingSummary& s = sheet.summary;
+  const auto slack = std::count_if(sheet.element_slack.begin(), sheet.element_slack.end(), [](auto v) { return v != 0; });
+  return {{"vertices", sheet.formed.size()},
+          {"triangles", sheet.triangles.size()},
+          {"vertices_by_contact", {{"free", counts[0]}, {"mold", counts[1]}, {"platform", counts[2]}, {"clamp", counts[3]}}},
+          {"largest_gap_mm", rounded(gap, 4)},
+          {"drape_steps", s.drape_steps},
+          {"vacuum_steps", s.vacuum_steps},
+          {"iterations", s.iterations},
+          {"converged", s.converged},
+          {"residual", significant(s.residual)},
+          {"pressure_kpa", rounded(s.pressure_kpa, 3)},
+          {"shear_modulus_kpa", rounded(s.shear_modulus_kpa, 3)},
+          {"mass_error", significant(s.mass_error)},
+          {"force_error", significant(s.force_error)},
+          {"slack_triangles", slack}};
+}
+
+// Means over the plastic itself: an element counts by its area on the flat sheet.
+Json thickness_of(const Finished& job) {
+  const FormedSheet& sheet = job.sheet;
+  double area = 0, sum = 0, least = INFINITY, chart_area = 0, chart_sum = 0, chart_least = INFINITY;
+  const auto rest_area = [&](std::size_t t) {
+    const auto& c = sheet.triangles[t];
+    const Eigen::Vector2d a = sheet.rest[static_cast<std::size_t>(c[1])] - sheet.rest[static_cast<std::size_t>(c[0])];
+    const Eigen::Vector2d b = sheet.rest[static_cast<std::size_t>(c[2])] - sheet.rest[static_cast<std::size_t>(c[0])];
+    return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
+  };
+  for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
+    area += rest_area(t), sum += rest_area(t) * sheet.element_thickness[t];
+    least = std::min(least, sheet.element_thickness[t]);
+  }
+  for (const int i : job.flattening.triangles) {
+    const auto t = static_cast<std::size_t>(i);
+    chart_area += rest_area(t), chart_sum += rest_area(t) * sheet.element_thickness[t];
+    chart_least = std::min(chart_least, sheet.element_thickness[t]);
+  }
+  const double initial = job.settings.sheet.thickness_mm;
+  return {{"initial_mm", rounded(initial)},
+          {"least_mm", rounded(least)},
+          {"mean_mm", rounded(sum / area)},
+          {"least_ratio", rounded(least / initial)},
+          {"mean_ratio", rounded(sum / area / initial)},
+          {"chart_least_ratio", rounded(chart_least / initial)},
+          {"chart_mean_ratio", rounded(chart_sum / chart_area / initial)}};
+}
+
+Json flattening_of(const Flattening& f) {
+  return {{"triangles", f.triangles.size()}, {"iterations", f.iterations},       {"energy", significant(f.energy)},
+          {"flipped", f.flipped},            {"top_rest_mm", array(f.top_rest, 3)}};
+}
+
+Json pattern_of(const Finished& job) {
+  return {{"format", job.pattern.format()},
+          {"size_mm", array(job.pattern.size_mm(), 3)},
+          {"size_pixels", {job.pattern.size_pixels().x(), job.pattern.size_pixels().y()}},
+          {"grayscale", job.pattern.grayscale()},
+          {"ink_area_mm2", rounded(job.print.ink_area_mm2, 2)},
+          {"ink_printed", rounded(job.print.ink_printed, 5)}};
+}
+
+Json print_of(const Finished& job) {
+  return {{"size_pixels", {job.print.width, job.print.height}},
+          {"dpi", job.settings.print.dpi},
+          {"inked_face", name(job.settings.pattern.inked_face)},
+          {"mirrored", job.print.mirrored}};
+}
+
+Json statistics_of(const Statistics& s) {
+  return {{"mean", rounded(s.mean)}, {"p95", rounded(s.p95)}, {"p99", rounded(s.p99)}, {"max", rounded(s.max)}};
+}
+Json distortion_of(const Distortion& d) {
+  return {{"anisotropy", statistics_of(d.anisotropy)}, {"area_ratio", statistics_of(d.area_ratio)}};
+}
+
+}  // namespace
+
+Json report(const Finished& job) {
+  Json out;
+  out["settings"] = to_json(job.settings);
+  out["scan"] = scan_of(job.mold.findings);
+  out["mold"] = mold_of(job.mold);
+  out["forming"] = forming_of(job);
+  out["thickness"] = thickness_of(job);
+  out["flattening"] = flattening_of(job.flattening);
+  out["pattern"] = pattern_of(job);
+  out["print"] = print_of(job);
+  out["figures"] = {{"without", distortion_of(distortion(job.sheet, job.flattening, job.sheet.rest))},
+                    {"with", distortion_of(distortion(job.sheet, job.flattening, job.flattening.chart))}};
+  Json warnings = Json::array();
+  const auto add = [&](Stage stage, const std::vector<Warning>& of_stage) {
+    for (const auto& w : of_stage) warnings.push_back({{"stage", name(stage)}, {"code", w.code}, {"text", w.text}});
+  };
+  add(Stage::scan, job.mold.warnings);
+  add(Stage::forming, job.sheet.warnings);
+  add(Stage::flattening, job.flattening.warnings);
+  add(Stage::printing, job.print.warnings);
+  out["warnings"] = std::move(warnings);
+  Json files = Json::array();
+  for (const auto& kind : artifact_kinds) files.push_back({{"name", kind.name}, {"title", kind.title}});
+  out["artifacts"] = std::move(files);
+  return out;
+}
+
+}  // namespace vacuform

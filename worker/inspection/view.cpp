@@ -1,0 +1,170 @@
+#include "worker/inspection/view.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/printing/rows_in_parallel.hpp"
+
+namespace vacuform {
+namespace {
+
+using Eigen::Vector3d;
+constexpr double azimuth = -28 * M_PI / 180, elevation = 36 * M_PI / 180;
+constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspective
+const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
+
+const Vector3d& at(const std::vector<Vector3d>& points, int i) { return points[static_cast<std::size_t>(i)]; }
+
+std::vector<Vector3d> vertex_normals(const FormedSheet& sheet) {
+  std::vector<Vector3d> normals(sheet.formed.size(), Vector3d::Zero());
+  for (const auto& t : sheet.triangles) {
+    const Vector3d normal = (at(sheet.formed, t[1]) - at(sheet.formed, t[0])).cross(at(sheet.formed, t[2]) - at(sheet.formed, t[0]));
+    for (const int v : t) normals[static_cast<std::size_t>(v)] += normal;
+  }
+  for (auto& n : normals) n = n.squaredNorm() > 0 ? n.normalized() : Vector3d(0, 0, 1);
+  return normals;
+}
+
+// Evenly spread directions about +z, denser towards it by the cosine (a Fibonacci spiral on the disk, lifted).
+std::vector<Vector3d> sky(int count) {
+  std::vector<Vector3d> directions;
+  for (int i = 0; i < count; ++i) {
+    const double r = std::sqrt((i + 0.5) / count), angle = i * M_PI * (3 - std::sqrt(5.0));
+    directions.emplace_back(r * std::cos(angle), r * std::sin(angle), std::sqrt(1 - r * r));
+  }
+  return directions;
+}
+
+Colour backdrop(double height) { return Colour(0.985f, 0.985f, 0.99f) - static_cast<float>(height) * Colour(0.085f, 0.08f, 0.07f); }
+
+std::uint32_t pixel_of(const Colour& c) {
+  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f); };
+  return 0xff000000u | byte(c.x()) << 16 | byte(c.y()) << 8 | byte(c.z());
+}
+
+}  // namespace
+
+View::View(const FormedSheet& sheet, int width, int height, int top, int bottom)
+    : sheet_(sheet), width_(width), height_(height), top_(top), bottom_(bottom),
+      rays_(TriangleMesh{sheet.formed, sheet.triangles}), normals_(vertex_normals(sheet)) {
+  frame();
+  light();
+}
+
+// Moves the eye until what stands above the platform just fills the picture.
+void View::frame() {
+  back_ = {std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation), std::sin(elevation)};
+  right_ = Vector3d(0, 0, 1).cross(back_).normalized();
+  up_ = back_.cross(right_);
+  tangent_ = std::tan(half_view);
+  const double room_x = 0.94 * tangent_;
+  const double room_y = 0.94 * tangent_ * (height_ - top_ - bottom_) / width_;
+
+  double highest = 0;
+  for (const auto& p : sheet_.formed) highest = std::max(highest, p.z());
+  std::vector<Vector3d> shown;
+  for (std::size_t i = 0; i < sheet_.formed.size(); ++i)
+    if (sheet_.contact[i] == Contact::mold || (sheet_.contact[i] != Contact::clamp && sheet_.formed[i].z() > 0.15 * highest))
+      shown.push_back(sheet_.formed[i]);
+  if (shown.empty()) shown = sheet_.formed;
+  if (shown.empty()) shown.push_back(Vector3d::Zero());
+
+  Vector3d target = Vector3d::Zero();
+  double distance = 1;
+  for (int pass = 0; pass < 4; ++pass) {
+    // The picture's middle is where the extremes on either side are as far away, seen from the present distance.
+    double left = INFINITY, low = INFINITY, rightmost = -INFINITY, high = -INFINITY;
+    for (const auto& p : shown) {
+      const Vector3d d = p - target;
+      const double scale = pass == 0 ? 1 : distance / (distance - d.dot(back_));
+      left = std::min(left, d.dot(right_) * scale), rightmost = std::max(rightmost, d.dot(right_) * scale);
+      low = std::min(low, d.dot(up_) * scale), high = std::max(high, d.dot(up_) * scale);
+    }
+    target += (left + rightmost) / 2 * right_ + (low + high) / 2 * up_;
+    distance = 1;
+    for (const auto& p : shown) {
+      const Vector3d d = p - target;
+      distance = std::max({distance, d.dot(back_) + std::abs(d.dot(right_)) / room_x, d.dot(back_) + std::abs(d.dot(up_)) / room_y});
+    }
+  }
+  eye_ = target + distance * back_;
+  reach_ = 1;
+  for (const auto& p : sheet_.formed) reach_ = std::max(reach_, 1.1 * (p - eye_).norm());
+}
+
+void View::light() {
+  const int vertices = static_cast<int>(sheet_.formed.size());
+  // Enough directions for a smooth shade on coarse sheets, fewer on fine ones, where neighbours smooth it.
+  const auto directions = sky(std::clamp(500'000 / std::max(1, vertices), 8, 32));
+  open_.assign(sheet_.formed.size(), 1.0f);
+  rows_in_parallel(0, vertices, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const Vector3d n = at(normals_, i);
+      const Vector3d a = n.unitOrthogonal(), b = n.cross(a);
+      int hidden = 0;
+      for (const auto& d : directions) {
+        const Vector3d ray = d.x() * a + d.y() * b + d.z() * n;
+        if (rays_.first_hit(at(sheet_.formed, i) + 0.8 * n + 0.4 * ray, 90 * ray)) ++hidden;
+      }
+      open_[static_cast<std::size_t>(i)] = 1 - static_cast<float>(hidden) / static_cast<float>(directions.size());
+    }
+  });
+}
+
+Result<std::vector<Picture>> View::draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
+                                        const Context& context, double from, double to) const {
+  const std::size_t n = static_cast<std::size_t>(count);
+  std::vector<Picture> pictures(n);
+  for (auto& p : pictures) p = {width_, height_, std::vector<std::uint32_t>(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_))};
+  const double middle = top_ + 0.5 * (height_ - top_ - bottom_);
+  const double pixel = 2 * tangent_ / width_;  // at distance 1
+
+  const auto row = [&](int y) {
+    std::vector<Colour> sums(n), colours(n);
+    for (int x = 0; x < width_; ++x) {
+      const Colour behind = backdrop(static_cast<double>(y) / height_);
+      std::fill(sums.begin(), sums.end(), Colour(0, 0, 0));
+      for (int s = 0; s < 4; ++s) {
+        const double px = x + 0.25 + 0.5 * (s % 2) - 0.5 * width_, py = middle - (y + 0.25 + 0.5 * (s / 2));
+        const Vector3d ray = reach_ * (px * pixel * right_ + py * pixel * up_ - back_).normalized();
+        const auto hit = rays_.first_hit(eye_, ray);
+        if (!hit) {
+          for (auto& sum : sums) sum += behind;
+          continue;
+        }
+        const auto& t = sheet_.triangles[static_cast<std::size_t>(hit->triangle)];
+        const std::array<double, 3> w{1 - hit->u - hit->v, hit->u, hit->v};
+        const auto mix = [&](const auto& values) {
+          return w[0] * values[static_cast<std::size_t>(t[0])] + w[1] * values[static_cast<std::size_t>(t[1])] +
+                 w[2] * values[static_cast<std::size_t>(t[2])];
+        };
+        Vector3d normal = mix(normals_).normalized();
+        const Vector3d view = -ray.normalized();
+        double facing = normal.dot(view);
+        if (facing < 0) normal = -normal, facing = -facing;
+        const double open = mix(open_);
+        const double key = std::max(0.0, normal.dot(key_light));
+        const Vector3d halfway = (key_light + view).normalized();
+        Seen seen{hit->triangle, w, 0.5 * pixel * hit->t * reach_ / std::max(0.35, facing), 0, 0};
+        seen.light = static_cast<float>((0.25 + 0.75 * open) * (0.50 + 0.14 * normal.z()) + 0.46 * key * (0.4 + 0.6 * open));
+        seen.gloss = static_cast<float>(0.16 * std::pow(std::max(0.0, normal.dot(halfway)), 40) * open);
+        shade(seen, colours.data());
+        for (std::size_t k = 0; k < n; ++k) sums[k] += colours[k];
+      }
+      for (std::size_t k = 0; k < n; ++k)
+        pictures[k].pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] =
+            pixel_of(sums[k] / 4);
+    }
+  };
+  constexpr int band = 50;
+  for (int y = 0; y < height_; y += band) {
+    VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * y / height_));
+    rows_in_parallel(y, std::min(y + band, height_), [&](int first, int last) {
+      for (int r = first; r < last; ++r) row(r);
+    });
+  }
+  return pictures;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,57 @@
+// A look at the formed sheet by rays, without a display. Internal to worker/inspection.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "worker/context.hpp"
+#include "worker/forming/formed_sheet.hpp"
+#include "worker/scan/ray_caster.hpp"
+
+namespace vacuform {
+
+// 0xffRRGGBB, rows from the top.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint32_t> pixels;
+};
+
+// Where one sample of a pixel meets the sheet.
+struct Seen {
+  int triangle;
+  std::array<double, 3> weights;  // barycentric
+  double spacing_mm;              // between neighbouring samples on the sheet there
+  float light;                    // how bright the surface is, about 0.3 to 1.1
+  float gloss;                    // white to add
+};
+using Colour = Eigen::Vector3f;  // red, green, blue in [0, 1]
+
+// From the front, a little from the left and above; the drawn part fills the picture between `top` and `bottom` rows
+// left free for captions. Smooth normals, a key light from the left, a sky, and the sky's occlusion by the sheet
+// itself, so that dents and skirts can be read.
+class View {
+ public:
+  View(const FormedSheet& sheet, int width, int height, int top, int bottom);
+
+  // Draws `count` pictures with one set of rays, 2 x 2 a pixel: shade gives the colour of a sample in each.
+  // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
+  Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
+                                    const Context& context, double from, double to) const;
+
+ private:
+  void frame();
+  void light();
+
+  const FormedSheet& sheet_;
+  int width_, height_, top_, bottom_;
+  RayCaster rays_;
+  std::vector<Eigen::Vector3d> normals_;
+  std::vector<float> open_;  // per vertex: the part of the sky that it sees
+  Eigen::Vector3d right_, up_, back_, eye_;
+  double reach_ = 1, tangent_ = 1;  // farthest point; half the picture's width at distance 1
+};
+
+}  // namespace vacuform
