@@ -84,7 +84,7 @@ class Process {
           y.col(i) = k == 1 ? Eigen::Vector3d(x_(0, i), x_(1, i), top_ - travel / steps)
                             : Eigen::Vector3d(2 * x_.col(i) - before.col(i));
       for (bool again = true; again;) {
-        VACUFORM_CHECK(settle(y, 0, drape_tolerance * sheet_.resolution_mm, 200));
+        VACUFORM_CHECK(settle(y));
         again = touch(y, double(k - 1) / steps, double(k) / steps) > 0;
         if (again) equilibrium_.hold(held_, y);
       }
@@ -100,12 +100,13 @@ class Process {
     const double modulus = summary_.shear_modulus_kpa = material_profile(sheet_.material).shear_modulus_kpa;
     const double limit = machine_.vacuum_kpa / (modulus * sheet_.thickness_mm);
     const double h = sheet_.resolution_mm;
-    const double first = std::min(limit, 0.02 / machine_.window_width_mm);
+    const double first = std::min(limit, 0.1 / machine_.window_width_mm);
     double p = first;
     for (int step = 0; step < most_steps; ++step) {
       VACUFORM_CHECK(context_.step(Stage::forming, 0.5 + 0.5 * std::log(p / first) / std::log(limit / first + 1)));
       const bool last = p >= limit;
-      const double tolerance = (last ? final_tolerance : ramp_tolerance) * p * h * h;
+      const double tolerance = last ? final_tolerance * p * h * h
+                                    : std::max(ramp_tolerance * p * h * h, 0.1 * drape_tolerance * h);
       equilibrium_.hold(held_, x_);
       Points y = x_;
       const auto outcome = equilibrium_.solve(y, p, tolerance, 1.5 * h, 300, context_);
@@ -115,21 +116,24 @@ class Process {
       const double now = 1 + p / limit;
       const int touched = touch(y, now, now);
       x_ = y;
-      if (touched > 0 || !outcome.at_rest) continue;
+      if (!outcome.at_rest || (last && touched > 0)) continue;
       if (last) {
         summary_.converged = true;
         pressure_ = p;
         return {};
       }
-      p = std::min(limit, 1.5 * p);
+      p = std::min(limit, ramp_growth * p);
     }
     return fail(Code::no_equilibrium, "the sheet did not come to rest under the vacuum", "forming",
                 "try another sheet.resolution_mm, or a lower machine.vacuum_kpa");
   }
 
-  Result<void> settle(Points& y, double p, double tolerance, int iterations) {
-    const auto outcome =
-        equilibrium_.solve(y, p, tolerance, std::numeric_limits<double>::infinity(), iterations, context_);
+  // The first steps pull an all but flat sheet, which has next to no stiffness against its own plane: they need not
+  // settle, what they leave is evened out by the steps that follow.
+  Result<void> settle(Points& y) {
+    constexpr int iterations = 60;
+    const auto outcome = equilibrium_.solve(y, 0, drape_tolerance * sheet_.resolution_mm,
+                                            std::numeric_limits<double>::infinity(), iterations, context_);
     summary_.iterations += outcome.iterations;
     if (context_.cancelled()) return fail(Code::cancelled, "cancelled");
     return {};
@@ -181,6 +185,7 @@ class Process {
   // Out-of-balance forces, against the tension of a unit stretch while draping and against pressure times the
   // area of a cell on the ramp and at its end.
   static constexpr double drape_tolerance = 1e-3, ramp_tolerance = 1e-2, final_tolerance = 1e-4;
+  static constexpr double ramp_growth = 1.3;  // of the pressure, a step
   static constexpr int most_steps = 3000;
 
   SheetSettings sheet_;

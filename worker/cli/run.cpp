@@ -1,0 +1,80 @@
+// vacuform run: the whole pipeline, without a server.
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "worker/cli/commands.hpp"
+#include "worker/cli/progress_bar.hpp"
+#include "worker/cli/settings_options.hpp"
+#include "worker/pipeline.hpp"
+
+namespace vacuform::cli {
+
+namespace {
+
+struct RunOptions {
+  std::string scan, pattern, out, progress = "bar";
+  SettingsOptions settings;
+};
+
+std::optional<Context> running;  // for the signal handler
+extern "C" void cancel_running(int) {
+  if (running) running->cancel();
+}
+
+Result<void> run(const RunOptions& o, const Context& context) {
+  VACUFORM_TRY(object, o.settings.read());
+  VACUFORM_TRY(settings, settings_from_json(object));
+  VACUFORM_TRY(scan, read_file(o.scan));
+  VACUFORM_TRY(pattern, read_file(o.pattern));
+  return run_pipeline({scan, o.scan, pattern, o.pattern, settings}, o.out, context);
+}
+
+int run_command(const RunOptions& o) {
+  const bool json = o.progress == "json";
+  ProgressBar bar(ProgressBar::Otherwise::silent);
+  running.emplace([&](Stage stage, double fraction) {
+    if (json) {  // one line a report, for the program that runs this one
+      std::printf("%s\n", nlohmann::json{{"stage", name(stage)}, {"progress", fraction}}.dump().c_str());
+      std::fflush(stdout);
+    } else {
+      bar.show(stage, fraction);
+    }
+  });
+  struct sigaction action {};
+  action.sa_handler = cancel_running;
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+
+  const auto done = run(o, *running);
+  bar.clear();
+  if (done) return 0;
+  const Error& error = done.error();
+  if (json)
+    std::printf("%s\n", nlohmann::json{{"problem",
+                                        {{"code", meaning(error.code).slug},
+                                         {"what", error.what},
+                                         {"where", error.where},
+                                         {"mend", error.mend}}}}
+                            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
+  return refuse(error);
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Make the print of a scan and a pattern, without a server");
+  command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("FILE");
+  command->add_option("--pattern", options->pattern, "SVG, PNG or JPEG")->required()->type_name("FILE");
+  command->add_option("--out", options->out, "Folder for the artifacts; made when absent")->required()->type_name("DIR");
+  options->settings.add_to(*command);
+  command->add_option("--progress", options->progress, "A bar on a terminal, or JSON lines on standard output")
+      ->check(CLI::IsMember({"bar", "json"}));
+  command->callback([options, &exit_code] { exit_code = run_command(*options); });
+}
+
+}  // namespace vacuform::cli

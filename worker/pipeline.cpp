@@ -1,0 +1,86 @@
+#include "worker/pipeline.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "api/sha256.hpp"
+#include "api/version.hpp"
+#include "worker/flattening/flattening.hpp"
+#include "worker/inspection/inspection.hpp"
+
+namespace vacuform {
+
+namespace {
+
+// Written beside its place and renamed: no half file ever has an artifact's name.
+Result<void> write_whole(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
+  const std::filesystem::path part = path.string() + ".part";
+  const auto refuse = [&](const char* what) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    return fail(Code::unreadable, what, path.string(), "check the folder's permissions and the free space");
+  };
+  std::ofstream out(part, std::ios::binary | std::ios::trunc);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (!out) return refuse("the file cannot be written");
+  std::error_code error;
+  std::filesystem::rename(part, path, error);
+  if (error) return refuse("the file cannot be put in its place");
+  return {};
+}
+
+}  // namespace
+
+Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
+  const Settings& s = inputs.settings;
+  VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
+  VACUFORM_TRY(mold, make_mold(inputs.scan, inputs.scan_name, s.scan, context));
+  VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
+  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, context));
+  VACUFORM_TRY(flattening, flatten(sheet, mold, s.flattening, s.pattern.inked_face, context));
+
+  // The same inputs, settings and version make the same print: their digest is its name.
+  nlohmann::ordered_json identity = {{"scan", sha256_hex(inputs.scan)},
+                                     {"pattern", sha256_hex(inputs.pattern)},
+                                     {"settings", to_json(s)},
+                                     {"version", version}};
+  Sha256 digest;
+  digest.add(identity.dump());
+  const std::string label = digest.hex().substr(0, 12);
+
+  VACUFORM_TRY(print, make_print(sheet, flattening, pattern, s, label, context));
+  const Finished job{s, mold, sheet, flattening, pattern, print};
+  VACUFORM_TRY(files, artifacts(job, context));
+
+  nlohmann::ordered_json whole = {
+      {"vacuform", version}, {"print", label}, {"sha256", {{"scan", identity["scan"]}, {"pattern", identity["pattern"]}}}};
+  whole.update(report(job));
+  const std::string text = whole.dump(2) + "\n";
+
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error) return fail(Code::unreadable, "the folder cannot be made", out.string(), "check its name and permissions");
+  for (const Artifact& file : files) VACUFORM_CHECK(write_whole(out / file.name, file.bytes));
+  return write_whole(out / "report.json", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status))
+    return fail(Code::unreadable, "there is no such file", path.string(), "check the name");
+  const std::uint64_t size = std::filesystem::is_regular_file(status) ? std::filesystem::file_size(path, error) : 0;
+  if (!std::filesystem::is_regular_file(status) || error)
+    return fail(Code::unreadable, "not a readable file", path.string(), "give a regular file");
+  if (size > limit)
+    return fail(Code::too_large, "the file has " + std::to_string(size) + " bytes", path.string(),
+                "give one of at most " + std::to_string(limit) + " bytes");
+  std::vector<std::uint8_t> bytes(size);
+  std::ifstream in(path, std::ios::binary);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!in) return fail(Code::unreadable, "the file cannot be read", path.string(), "check its permissions");
+  return bytes;
+}
+
+}  // namespace vacuform
