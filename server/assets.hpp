@@ -1,0 +1,11 @@
+// Files of the source tree that are built into the program (see embed.cmake).
+#pragma once
+
+#include <string_view>
+
+namespace vacuform {
+
+std::string_view openapi_yaml();
+std::string_view style_css();
+
+}  // namespace vacuform

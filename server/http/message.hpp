@@ -1,0 +1,79 @@
+// Requests and responses as the routes see them; the HTTP library stays behind server.cpp.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/error.hpp"
+#include "server/file.hpp"
+
+namespace vacuform::http {
+
+struct Header {
+  std::string name, value;
+};
+
+// The bytes of a request's body, read from the socket as they are asked for.
+class Body {
+ public:
+  virtual ~Body() = default;
+  // At least one byte, or 0 at the end of the body. Errors: bad_usage when the client went away, out_of_time when it
+  // is too slow.
+  virtual Result<std::size_t> read(std::span<char> into) = 0;
+};
+
+struct Request {
+  std::string method;  // GET also for HEAD
+  std::string path;    // percent-decoded
+  std::map<std::string, std::string> query;
+  std::vector<Header> headers;
+  std::map<std::string, std::string> captures;  // of the route's pattern
+  std::uint64_t content_length = 0;
+  Body* body = nullptr;  // never null inside a route
+
+  // The first header of that name, whatever its case; empty when there is none.
+  std::string_view header(std::string_view name) const;
+  // A capture of the route's pattern.
+  const std::string& at(const std::string& name) const { return captures.at(name); }
+  std::string query_value(const std::string& name) const;
+};
+
+// The whole body. Errors: too_large above `limit`, and those of Body::read.
+Result<std::string> read_text(Request& request, std::uint64_t limit);
+
+// A piece of a file as the body of a response.
+struct FileBody {
+  std::shared_ptr<const File> file;
+  std::uint64_t offset = 0, bytes = 0;
+};
+
+struct Response {
+  int status = 200;
+  std::vector<Header> headers;
+  std::string media_type;
+  std::string text;
+  std::optional<FileBody> file;  // in place of text
+
+  void set(std::string name, std::string value) { headers.push_back({std::move(name), std::move(value)}); }
+};
+
+Response text_response(std::string media_type, std::string text, int status = 200);
+
+// A whole file, or the range of it that the request asks for (206, 416), or 304 when the client has it already.
+// `etag` without quotes. One range at a time; a request for several gets the whole file, as RFC 9110 allows.
+Result<Response> file_response(const Request& request, File file, std::string media_type, const std::string& etag);
+
+// A refusal before or beside the routes: an HTTP status of its own with the error behind it.
+struct Refusal {
+  int status = 400;
+  Error error;
+};
+
+}  // namespace vacuform::http

@@ -1,0 +1,172 @@
+#include "server/http/multipart.hpp"
+
+#include <strings.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace vacuform::http {
+
+namespace {
+
+constexpr std::size_t longest_head = 8192;
+constexpr int most_parts = 128;
+
+tl::unexpected<Error> malformed(std::string what) {
+  return fail(Code::bad_usage, std::move(what), "request body", "send the form as multipart/form-data (curl -F)");
+}
+
+bool same_word(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+// The value of a parameter after the first ';' of a header's value: token or quoted string.
+bool parameter(std::string_view value, std::string_view wanted, std::string& out) {
+  std::size_t at = value.find(';');
+  while (at != std::string_view::npos && at < value.size()) {
+    const std::size_t equals = value.find('=', ++at);
+    if (equals == std::string_view::npos) return false;
+    const std::string_view name = trimmed(value.substr(at, equals - at));
+    std::string text;
+    at = equals + 1;
+    if (at < value.size() && value[at] == '"') {
+      for (++at; at < value.size() && value[at] != '"'; ++at) {
+        if (value[at] == '\\' && at + 1 < value.size() && (value[at + 1] == '"' || value[at + 1] == '\\')) ++at;
+        text += value[at];
+      }
+      if (at >= value.size()) return false;  // the quote never ends
+      at = value.find(';', at);
+    } else {
+      const std::size_t end = std::min(value.find(';', at), value.size());
+      text = trimmed(value.substr(at, end - at));
+      at = end;
+    }
+    if (same_word(name, wanted)) {
+      out = std::move(text);
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+// The first delimiter may open the body without the line end that belongs to it: pretend that it was there.
+MultipartParser::MultipartParser(std::string_view boundary, PartSink& sink)
+    : delimiter_("\r\n--" + std::string(boundary)), pending_("\r\n"), sink_(sink) {}
+
+Result<void> MultipartParser::feed(std::string_view bytes) {
+  if (place_ == Place::epilogue) return {};
+  pending_.append(bytes);
+  std::size_t at = 0;  // all before it is done
+  const auto keep_rest = [&] { pending_.erase(0, at); };
+  for (;;) {
+    const std::string_view rest = std::string_view(pending_).substr(at);
+    switch (place_) {
+      case Place::preamble:
+      case Place::data: {
+        const std::size_t found = rest.find(delimiter_);
+        // Without the whole delimiter its beginning may still hide at the end.
+        const std::size_t sure = found != std::string_view::npos ? found
+                                 : rest.size() < delimiter_.size() ? 0
+                                                                   : rest.size() - delimiter_.size() + 1;
+        if (place_ == Place::data && sure > 0) VACUFORM_CHECK(sink_.data(rest.substr(0, sure)));
+        at += sure;
+        if (found == std::string_view::npos) return keep_rest(), Result<void>();
+        if (place_ == Place::data) VACUFORM_CHECK(sink_.end());
+        at += delimiter_.size();
+        place_ = Place::after_delimiter;
+        break;
+      }
+      case Place::after_delimiter:
+        if (rest.size() < 2) return keep_rest(), Result<void>();
+        at += 2;
+        if (rest.starts_with("--")) {
+          place_ = Place::epilogue;
+          pending_.clear();
+          return {};
+        }
+        if (!rest.starts_with("\r\n")) return malformed("a boundary is followed by neither a line end nor \"--\"");
+        place_ = Place::head;
+        break;
+      case Place::head: {
+        const std::size_t end = rest.find("\r\n\r\n");
+        if (end > longest_head && rest.size() > longest_head) return malformed("the head of a part is too long");
+        if (end == std::string_view::npos) return keep_rest(), Result<void>();
+        VACUFORM_CHECK(read_head(rest.substr(0, end)));
+        at += end + 4;
+        place_ = Place::data;
+        break;
+      }
+      case Place::epilogue: return {};
+    }
+  }
+}
+
+Result<void> MultipartParser::finish() const {
+  if (place_ != Place::epilogue) return malformed("the form ends before its last boundary");
+  return {};
+}
+
+Result<void> MultipartParser::read_head(std::string_view head) {
+  if (++parts_ > most_parts) return malformed("the form has more than " + std::to_string(most_parts) + " parts");
+  std::string name, file_name;
+  while (!head.empty()) {
+    const std::size_t end = std::min(head.find("\r\n"), head.size());
+    const std::string_view line = head.substr(0, end);
+    head.remove_prefix(std::min(end + 2, head.size()));
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos) return malformed("a line in the head of a part has no colon");
+    const std::string_view key = trimmed(line.substr(0, colon)), value = trimmed(line.substr(colon + 1));
+    if (same_word(key, "Content-Disposition")) {
+      parameter(value, "name", name);
+      parameter(value, "filename", file_name);
+    } else if (same_word(key, "Content-Transfer-Encoding") && !same_word(value, "binary") && !same_word(value, "8bit") &&
+               !same_word(value, "7bit")) {
+      return malformed("a part has a transfer encoding");
+    }
+  }
+  if (name.empty()) return malformed("a part has no name");
+  return sink_.begin(name, file_name);
+}
+
+Result<std::string> multipart_boundary(std::string_view content_type) {
+  const std::string_view kind = trimmed(content_type.substr(0, content_type.find(';')));
+  std::string boundary;
+  if (!same_word(kind, "multipart/form-data") || !parameter(content_type, "boundary", boundary) || boundary.empty() ||
+      boundary.size() > 70)
+    return fail(Code::unsupported_format, "the body is not multipart/form-data with a boundary", "Content-Type",
+                "send the form as multipart/form-data (curl -F)");
+  return boundary;
+}
+
+Result<void> read_multipart(Request& request, PartSink& sink) {
+  VACUFORM_TRY(boundary, multipart_boundary(request.header("Content-Type")));
+  MultipartParser parser(boundary, sink);
+  std::vector<char> piece(64 * 1024);
+  for (;;) {
+    VACUFORM_TRY(n, request.body->read(piece));
+    if (n == 0) return parser.finish();
+    VACUFORM_CHECK(parser.feed({piece.data(), n}));
+  }
+}
+
+std::string safe_extension(std::string_view file_name) {
+  const std::size_t dot = file_name.rfind('.');
+  if (dot == std::string_view::npos) return {};
+  std::string extension;
+  for (const char c : file_name.substr(dot + 1)) {
+    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (!((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) || extension.size() == 8) return {};
+    extension += lower;
+  }
+  return extension;
+}
+
+}  // namespace vacuform::http

@@ -1,0 +1,42 @@
+#include "server/http/origin.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+
+namespace vacuform::http {
+
+bool is_loopback_host(std::string_view host) {
+  std::string_view name = host, port;
+  if (host.starts_with('[')) {
+    const std::size_t end = host.find(']');
+    if (end == std::string_view::npos) return false;
+    name = host.substr(1, end - 1);
+    port = host.substr(end + 1);
+  } else if (const std::size_t colon = host.find(':'); colon != std::string_view::npos) {
+    name = host.substr(0, colon);
+    port = host.substr(colon);
+  }
+  if (!port.empty() && (port.front() != ':' || port.size() > 6 ||
+                        !std::all_of(port.begin() + 1, port.end(), [](char c) { return c >= '0' && c <= '9'; })))
+    return false;
+  in_addr four{};
+  const std::string text(name);
+  if (inet_pton(AF_INET, text.c_str(), &four) == 1) return (ntohl(four.s_addr) >> 24) == 127;
+  return text == "localhost" || text == "::1";
+}
+
+std::optional<Refusal> check_origin(const Request& request) {
+  const std::string_view host = request.header("Host");
+  if (!is_loopback_host(host))
+    return Refusal{421, {Code::bad_usage, "this server answers on loopback only", "Host",
+                         "address it as 127.0.0.1 or localhost"}};
+  if (request.method == "GET" || request.method == "HEAD" || request.method == "OPTIONS") return std::nullopt;
+  const std::string_view origin = request.header("Origin");
+  if (!origin.empty() && origin != "http://" + std::string(host) && origin != "https://" + std::string(host))
+    return Refusal{403, {Code::bad_usage, "the request comes from a page of another origin", "Origin",
+                         "use the pages of this server"}};
+  return std::nullopt;
+}
+
+}  // namespace vacuform::http

@@ -1,0 +1,212 @@
+// cpp-httplib 0.11 (Debian 12) and 0.18 (Debian 13). It brings the listener, the threads, the parsing of the request
+// line and the writing of responses. Its reading of heads and bodies is not used: 0.11 bounds neither, believes headers
+// about the peer, and takes what a refused body leaves behind for the next request. Connection does that instead, and
+// the library sees a request line and nothing else.
+#include "server/http/server.hpp"
+
+#include <httplib.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <thread>
+
+#include "server/http/origin.hpp"
+
+namespace vacuform::http {
+
+namespace {
+
+// The vetted request line in, the response out.
+class LineStream : public httplib::Stream {
+ public:
+  explicit LineStream(Connection& connection) : connection_(connection) {
+    text_ = connection.refusal() ? "GET / HTTP/1.1" : connection.head().request_line;
+    text_ += "\r\n\r\n";
+  }
+  bool is_readable() const override { return at_ < text_.size(); }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* into, std::size_t size) override {
+    const std::size_t n = text_.copy(into, size, at_);
+    at_ += n;
+    return static_cast<ssize_t>(n);
+  }
+  ssize_t write(const char* bytes, std::size_t size) override {
+    return connection_.write({bytes, size}) ? static_cast<ssize_t>(size) : -1;
+  }
+  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  // The library compares it with the limits of select(), which is not used here.
+  socket_t socket() const override { return 0; }
+
+ private:
+  Connection& connection_;
+  std::string text_;
+  std::size_t at_ = 0;
+};
+
+// The connection that this thread serves; the library's callbacks carry no context of their own.
+thread_local Connection* served = nullptr;
+
+// The two signatures that Debian's versions have.
+using Setup = std::function<void(httplib::Request&)>;
+template <class L>
+void process(L& library, httplib::Stream& stream, bool (httplib::Server::*request)(httplib::Stream&, bool, bool&, const Setup&)) {
+  bool closed = true;
+  (library.*request)(stream, true, closed, nullptr);
+}
+template <class L>
+void process(L& library, httplib::Stream& stream,
+             bool (httplib::Server::*request)(httplib::Stream&, const std::string&, int, const std::string&, int, bool,
+                                              bool&, const Setup&)) {
+  bool closed = true;
+  (library.*request)(stream, "", 0, "", 0, true, closed, nullptr);
+}
+
+void give(const Response& from, httplib::Response& to) {
+  to.status = from.status;
+  for (const Header& header : from.headers) to.set_header(header.name, header.value);
+  if (!from.file || from.file->bytes == 0) {
+    to.body = from.text;
+    if (!from.media_type.empty()) to.set_header("Content-Type", from.media_type);
+    return;
+  }
+  to.set_content_provider(
+      from.file->bytes, from.media_type,
+      [body = *from.file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        std::array<char, 64 * 1024> piece;
+        const auto n = body.file->read_at(body.offset + offset, {piece.data(), std::min(length, piece.size())});
+        return n && *n > 0 && sink.write(piece.data(), *n);
+      });
+}
+
+}  // namespace
+
+class Server::Library : public httplib::Server {
+ public:
+  Library(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {
+    new_task_queue = [threads = options_.threads] { return new httplib::ThreadPool(static_cast<std::size_t>(threads)); };
+    set_tcp_nodelay(true);
+    // Not the library's SO_REUSEPORT, with which two servers would share a port without a word.
+    set_socket_options([](socket_t socket) {
+      const int yes = 1;
+      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
+    set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+      answer(request, response);
+      return HandlerResponse::Handled;
+    });
+    // What the library itself refuses: a request line that it cannot read.
+    set_error_handler([this](const httplib::Request&, httplib::Response& response) {
+      if (response.has_header("Content-Type")) return;
+      const Refusal refusal{response.status, {Code::bad_usage, "the request line is malformed", {}, "send HTTP/1.1"}};
+      give(options_.refuse({}, refusal), response);
+    });
+  }
+
+  Result<void> begin() {
+    if (options_.port == 0)
+      port_ = bind_to_any_port(options_.host);
+    else
+      port_ = bind_to_port(options_.host, options_.port) ? options_.port : -1;
+    if (port_ <= 0)
+      return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port), "--listen",
+                  "see whether another program listens there, or give another port (0: any free one)");
+    ::listen(svr_sock_, 256);  // the library's backlog of 5 turns bursts of clients away
+    listener_ = std::thread([this] { listen_after_bind(); });
+    return {};
+  }
+
+  void end() {
+    using namespace std::chrono_literals;
+    if (!listener_.joinable()) return;
+    while (!is_running()) std::this_thread::sleep_for(1ms);
+    stop();
+    for (int i = 0; i < 500 && active_ > 0; ++i) std::this_thread::sleep_for(10ms);
+    stopping_ = true;
+    listener_.join();
+  }
+
+  int port() const { return port_; }
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    ++active_;
+    {
+      Connection connection(socket, options_.limits, stopping_);
+      if (connection.read_head()) {
+        served = &connection;
+        LineStream stream(connection);
+        process(*this, stream, &Library::process_request);
+        served = nullptr;
+        connection.finish();
+      }
+    }
+    --active_;
+    return true;
+  }
+
+  void answer(const httplib::Request& from, httplib::Response& to) {
+    const auto begun = std::chrono::steady_clock::now();
+    Answered answered;
+    Request request;
+    Response response;
+    try {
+      response = respond(from, request, answered);
+    } catch (const std::exception& fault) {
+      answered.fault = fault.what();
+      response = options_.refuse(request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
+    }
+    give(response, to);
+    answered.method = request.method;
+    answered.status = response.status;
+    answered.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    if (options_.observe) options_.observe(answered);
+  }
+
+  Response respond(const httplib::Request& from, Request& request, Answered& answered) {
+    if (served->refusal()) return options_.refuse(request, *served->refusal());
+    request.method = from.method == "HEAD" ? "GET" : from.method;
+    request.path = from.path;
+    for (const auto& [name, value] : from.params) request.query.emplace(name, value);
+    request.headers = served->head().headers;
+    request.content_length = served->head().content_length;
+    request.body = served;
+    if (const auto refusal = check_origin(request)) return options_.refuse(request, *refusal);
+    Router::Match match = router_.match(request.method, request.path);
+    if (!match.route && !match.allowed.empty()) {
+      Response response = options_.refuse(
+          request, {405, {Code::bad_usage, "this address does not answer to that method", {}, "use " + match.allowed}});
+      response.set("Allow", match.allowed);
+      return response;
+    }
+    if (!match.route)
+      return options_.refuse(request, {404, {Code::not_found, "there is nothing at this address", {}, "see /"}});
+    answered.route = match.route->pattern;
+    request.captures = std::move(match.captures);
+    auto result = match.route->handler(request);
+    if (result) return std::move(*result);
+    return options_.refuse(request, {meaning(result.error().code).http_status, result.error()});
+  }
+
+  ServerOptions options_;
+  Router router_;
+  std::atomic<bool> stopping_ = false;
+  std::atomic<int> active_ = 0;
+  int port_ = 0;
+  std::thread listener_;
+};
+
+Server::Server(std::unique_ptr<Library> library) : library_(std::move(library)) {}
+Server::~Server() { library_->end(); }
+int Server::port() const { return library_->port(); }
+
+Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router) {
+  auto library = std::make_unique<Library>(std::move(options), std::move(router));
+  VACUFORM_CHECK(library->begin());
+  return std::unique_ptr<Server>(new Server(std::move(library)));
+}
+
+}  // namespace vacuform::http

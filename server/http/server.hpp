@@ -1,0 +1,52 @@
+// The listener: accepts, vets, routes, answers. The one place behind which an HTTP library (cpp-httplib) stands.
+//
+// Every request passes, in this order: the limits of connection.hpp, the checks of origin.hpp, the router, the route.
+// A connection serves one request. Peer addresses are not looked at, and no header of a client reaches the library.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/http/connection.hpp"
+#include "server/http/router.hpp"
+
+namespace vacuform::http {
+
+struct Answered {
+  std::string method;
+  std::string route;  // the pattern; empty when there was none
+  int status = 0;
+  double seconds = 0;
+  std::string fault;  // what an exception said; for the log alone
+};
+
+struct ServerOptions {
+  std::string host = "127.0.0.1";
+  int port = 0;      // 0: any free one
+  int threads = 64;  // requests at a time; a thread waits for its client, so more than cores
+  Limits limits;
+  // Makes the answer to a refusal; `request` has a path only if the head could be read.
+  std::function<Response(const Request& request, const Refusal& refusal)> refuse;
+  // Called after each answer, from the thread that gave it.
+  std::function<void(const Answered&)> observe;
+};
+
+class Server {
+ public:
+  // Binds and serves. Errors: bad_usage when the address cannot be bound.
+  static Result<std::unique_ptr<Server>> start(ServerOptions options, Router router);
+  // Stops accepting, lets requests under way end within five seconds, then ends them.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  int port() const;
+
+ private:
+  class Library;
+  explicit Server(std::unique_ptr<Library> library);
+  std::unique_ptr<Library> library_;
+};
+
+}  // namespace vacuform::http

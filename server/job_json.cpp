@@ -1,0 +1,67 @@
+#include "server/job_json.hpp"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "server/problem.hpp"
+
+namespace vacuform {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+// Where each stage begins in the progress of the whole, by the seconds that they take on a head at default settings.
+constexpr std::array<double, stage_names.size() + 1> stage_begins{0, 0.1, 0.55, 0.65, 0.8, 1};
+
+ordered_json time_or_null(const std::optional<Millis>& time) { return time ? ordered_json(rfc3339(*time)) : ordered_json(); }
+
+}  // namespace
+
+double whole_progress(const Job& job) {
+  if (job.state == JobState::succeeded) return 1;
+  if (!job.stage) return 0;
+  const auto stage = static_cast<std::size_t>(*job.stage);
+  return stage_begins[stage] + job.stage_progress * (stage_begins[stage + 1] - stage_begins[stage]);
+}
+
+ordered_json input_json(const Input& input) {
+  return {{"bytes", input.blob.bytes}, {"sha256", input.blob.sha256}, {"extension", input.extension}};
+}
+
+ordered_json artifact_json(const Job& job, const StoredArtifact& artifact) {
+  const ArtifactKind* kind = artifact_kind(artifact.name);
+  return {{"name", artifact.name},
+          {"title", kind ? kind->title : ""},
+          {"media_type", kind ? kind->media_type : "application/octet-stream"},
+          {"bytes", artifact.blob.bytes},
+          {"sha256", artifact.blob.sha256},
+          {"href", "/api/v1/jobs/" + job.id + "/artifacts/" + artifact.name}};
+}
+
+ordered_json job_json(const Job& job) {
+  const std::string self = "/api/v1/jobs/" + job.id;
+  ordered_json artifacts = ordered_json::array();
+  for (const auto& artifact : job.artifacts) artifacts.push_back(artifact_json(job, artifact));
+  return {{"id", job.id},
+          {"state", name(job.state)},
+          {"stage", job.stage ? ordered_json(name(*job.stage)) : ordered_json()},
+          {"progress", whole_progress(job)},
+          {"stage_progress", job.stage_progress},
+          {"attempt", job.attempt},
+          {"created", rfc3339(job.created)},
+          {"started", time_or_null(job.started)},
+          {"ended", time_or_null(job.ended)},
+          {"settings", ordered_json::parse(job.settings)},
+          {"inputs", {{"scan", input_json(job.scan)}, {"pattern", input_json(job.pattern)}}},
+          {"artifacts", artifacts},
+          {"problem", job.error ? problem_json(*job.error) : ordered_json()},
+          {"links",
+           {{"self", self},
+            {"page", "/jobs/" + job.id},
+            {"artifacts", self + "/artifacts"},
+            {"zip", self + "/artifacts.zip"},
+            {"cancel", self + "/cancel"}}}};
+}
+
+}  // namespace vacuform

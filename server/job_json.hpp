@@ -1,0 +1,17 @@
+// A job as the API shows it (the schema Job of api/openapi.yaml).
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "server/store/store.hpp"
+
+namespace vacuform {
+
+nlohmann::ordered_json job_json(const Job& job);
+nlohmann::ordered_json artifact_json(const Job& job, const StoredArtifact& artifact);
+nlohmann::ordered_json input_json(const Input& input);
+
+// Progress of the whole job in 0..1, from the stage and the progress within it. It never falls while an attempt runs.
+double whole_progress(const Job& job);
+
+}  // namespace vacuform

@@ -1,0 +1,44 @@
+// The workers that the server starts itself: vacuform-worker beside its own executable, restarted when they die.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace vacuform {
+
+struct WorkerCommand {
+  std::filesystem::path program;
+  std::string server_url;
+  std::filesystem::path token_file;
+};
+
+// All functions are for one thread, which must live as long as the workers: the kernel ends a worker when the thread
+// that started it ends, so that none outlives the server however that dies.
+class LocalWorkers {
+ public:
+  LocalWorkers(WorkerCommand command, int count);
+  // Starts those that are due: at first all, later the dead ones after a pause that doubles from 1 s to 30 s with every
+  // death in less than a minute. Call it about every second and after SIGCHLD.
+  void tend();
+  // Asks all to end (they give their jobs back) and waits; kills what is left after ten seconds.
+  void stop();
+
+ private:
+  using Instant = std::chrono::steady_clock::time_point;
+  struct Worker {
+    pid_t process = 0;  // 0: not running
+    Instant started{}, due{};
+    std::chrono::seconds pause{1};
+  };
+  void start(Worker& worker, std::size_t number);
+  void reap();
+
+  WorkerCommand command_;
+  std::vector<Worker> workers_;
+};
+
+}  // namespace vacuform

@@ -1,0 +1,157 @@
+// vacuform-server: the options, the lifetime, the signals.
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "server/http/origin.hpp"
+#include "server/http/server.hpp"
+#include "server/local_workers.hpp"
+#include "server/log.hpp"
+#include "server/secrets.hpp"
+#include "server/service.hpp"
+
+namespace vacuform {
+namespace {
+
+struct Options {
+  std::string listen = "127.0.0.1:8080";
+  std::filesystem::path data = "vacuform-data";
+  int workers = 0;
+  std::filesystem::path worker_program;
+  std::filesystem::path port_file;
+};
+
+struct Address {
+  std::string host;
+  int port = 0;
+};
+
+Result<Address> loopback_address(const std::string& listen) {
+  const std::size_t colon = listen.rfind(':');
+  Address address;
+  address.host = listen.substr(0, colon);
+  const std::string port = colon == std::string::npos ? "" : listen.substr(colon + 1);
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
+  if (port.empty() || error != std::errc() || end != port.data() + port.size() || address.port < 0 || address.port > 65535)
+    return fail(Code::bad_usage, "not an address with a port: " + listen, "--listen", "give for example 127.0.0.1:8080");
+  if (!http::is_loopback_host(address.host))
+    return fail(Code::bad_usage, "refusing to listen on " + address.host + " without sign-in and a TLS front", "--listen",
+                "give 127.0.0.1, localhost or [::1]");
+  if (address.host == "localhost") address.host = "127.0.0.1";
+  if (address.host == "[::1]") address.host = "::1";
+  return address;
+}
+
+Result<std::string> worker_token(const std::filesystem::path& file) {
+  if (std::filesystem::exists(file)) {
+    VACUFORM_TRY(text, read_text_file(file, 4096));
+    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+    if (text.size() >= 32) return text;
+    return fail(Code::unreadable, "the worker token has fewer than 32 characters", file.string(),
+                "delete the file; the server makes a new one");
+  }
+  std::string token = random_hex(32);
+  VACUFORM_CHECK(write_text_file(file, token + "\n"));
+  return token;
+}
+
+void observe(const http::Answered& answered) {
+  if (answered.status < 400) return;  // what a job went through is logged by its own events
+  nlohmann::ordered_json fields = {{"method", answered.method},
+                                   {"route", answered.route},
+                                   {"status", answered.status},
+                                   {"seconds", answered.seconds}};
+  if (!answered.fault.empty()) fields["fault"] = answered.fault;
+  log_event(answered.status < 500 ? "request-refused" : "request-failed", fields);
+}
+
+// Serves until SIGTERM or SIGINT.
+Result<void> serve(const Options& options) {
+  VACUFORM_TRY(address, loopback_address(options.listen));
+  if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
+  const std::filesystem::path program = options.worker_program.empty()
+                                            ? std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vacuform-worker"
+                                            : std::filesystem::absolute(options.worker_program);
+  if (options.workers > 0 && ::access(program.c_str(), X_OK) != 0)
+    return fail(Code::bad_usage, "there is no worker program", program.string(), "give its path with --worker-program");
+
+  // Blocked before the first thread starts, so that only this thread hears them.
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGCHLD}) sigaddset(&signals, signal);
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+
+  const StoreOptions store_options;
+  VACUFORM_TRY(store, open_store(options.data, store_options));
+  const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
+  VACUFORM_TRY(token, worker_token(token_file));
+  Service service{*store, token, static_cast<int>(store_options.lease / 1000)};
+
+  http::ServerOptions listener;
+  listener.host = address.host;
+  listener.port = address.port;
+  listener.refuse = refuse;
+  listener.observe = observe;
+  VACUFORM_TRY(server, http::Server::start(std::move(listener), all_routes(service)));
+  const std::string host = address.host == "::1" ? "[::1]" : address.host;
+  const std::string url = "http://" + host + ":" + std::to_string(server->port());
+  if (!options.port_file.empty())
+    VACUFORM_CHECK(write_text_file(options.port_file, std::to_string(server->port()) + "\n"));
+  log_event("server-started", {{"url", url}, {"process", ::getpid()}, {"workers", options.workers}});
+
+  LocalWorkers workers({program, url, token_file}, options.workers);
+  for (;;) {
+    workers.tend();
+    const timespec second{1, 0};
+    const int signal = ::sigtimedwait(&signals, nullptr, &second);
+    if (signal == SIGTERM || signal == SIGINT) break;
+    const auto expired = store->expire();
+    if (!expired) log_event("store-failed", {{"problem", expired.error().text()}});
+    if (expired)
+      for (const Expired& e : *expired) log_event("lease-expired", {{"job", e.job}, {"state", name(e.state)}});
+  }
+  log_event("server-stopping", nlohmann::ordered_json::object());
+  workers.stop();  // they give their jobs back while the server still answers
+  server.reset();
+  log_event("server-stopped", nlohmann::ordered_json::object());
+  return {};
+}
+
+}  // namespace
+}  // namespace vacuform
+
+int main(int argc, char** argv) {
+  ::umask(0077);  // scans of patients are nobody else's to read
+  vacuform::Options options;
+  CLI::App app("The HTTP service of Vacuform: takes scans and patterns, hands jobs to workers, keeps the results.");
+  app.add_option("--listen", options.listen, "Loopback address and port; port 0 takes any free one")->capture_default_str();
+  app.add_option("--data", options.data, "Folder of the jobs, made when absent")->capture_default_str();
+  app.add_option("--workers", options.workers, "Workers to start on this machine")
+      ->check(CLI::Range(0, 256))->capture_default_str();
+  app.add_option("--worker-program", options.worker_program, "The worker (default: vacuform-worker beside this program)");
+  app.add_option("--port-file", options.port_file, "File that receives the port when the server is ready");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "vacuform-server: %s; see --help\n", error.what());
+    return 2;
+  }
+  try {
+    const auto served = vacuform::serve(options);
+    if (served) return 0;
+    std::fprintf(stderr, "vacuform-server: %s\n", served.error().text().c_str());
+    return vacuform::meaning(served.error().code).exit_code;
+  } catch (const std::exception& fault) {
+    std::fprintf(stderr, "vacuform-server: internal fault: %s\n", fault.what());
+    return 1;
+  }
+}

@@ -1,0 +1,150 @@
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "api/settings.hpp"
+#include "server/job_json.hpp"
+#include "server/pages/pages.hpp"
+
+namespace vacuform {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+// The groups as a user meets them: what changes from job to job first.
+constexpr std::array<std::string_view, 7> group_order{"pattern", "scan",       "sheet",  "machine",
+                                                      "print",   "flattening", "forming"};
+
+// "window_width_mm" -> "Window width"; the unit is shown beside the field.
+std::string label_of(std::string key) {
+  for (const std::string_view unit : {"_mm", "_deg", "_kpa"})
+    if (key.ends_with(unit)) key.erase(key.size() - unit.size());
+  std::replace(key.begin(), key.end(), '_', ' ');
+  if (key == "dpi") return "DPI";
+  key[0] = static_cast<char>(key[0] >= 'a' && key[0] <= 'z' ? key[0] - 'a' + 'A' : key[0]);
+  return key;
+}
+
+std::string plain(const ordered_json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.dump();
+  std::string text;
+  for (const auto& item : value) text += (text.empty() ? "" : ", ") + item.dump();
+  return text;
+}
+
+std::string choices(const std::vector<std::string>& values, const std::string& chosen) {
+  std::string html;
+  for (const auto& value : values)
+    html += "<option" + std::string(value == chosen ? " selected" : "") + ">" + escaped(value) + "</option>";
+  return html;
+}
+
+// One setting: a label, the control that its schema asks for, and its description.
+std::string field_html(const std::string& name, const std::string& key, const ordered_json& schema,
+                       const std::map<std::string, std::string>& fields) {
+  const std::string id = "f-" + name, fallback = plain(schema.at("default"));
+  const auto filled = fields.find(name);
+  const std::string value = filled == fields.end() ? "" : filled->second;
+  const ordered_json& numeric = schema.contains("oneOf") ? schema["oneOf"][0] : schema.contains("items") ? schema["items"]
+                                                                                                          : schema;
+  std::string unit = numeric.value("x-unit", "");
+  if (unit == "1") unit.clear();
+  const std::string common =
+      " id=\"" + escaped(id) + "\" name=\"" + escaped(name) + "\" aria-describedby=\"" + escaped(id) + "-hint\"";
+
+  std::string control;
+  if (schema.contains("enum")) {
+    control = "<select" + common + ">" +
+              choices(schema["enum"].get<std::vector<std::string>>(), value.empty() ? fallback : value) + "</select>";
+  } else if (schema.value("type", "") == "boolean") {
+    control = "<select" + common + ">" + choices({"true", "false"}, value.empty() ? fallback : value) + "</select>";
+  } else {
+    const bool pair = schema.value("type", "") == "array";
+    control = "<input" + common + " placeholder=\"" + escaped(fallback) + "\" value=\"" + escaped(value) + "\"";
+    if (pair)
+      control += " type=\"text\" inputmode=\"text\" autocomplete=\"off\"";
+    else
+      control += " type=\"number\" step=\"" + std::string(schema.value("type", "") == "integer" ? "1" : "any") +
+                 "\" min=\"" + numeric.at("minimum").dump() + "\" max=\"" + numeric.at("maximum").dump() + "\"";
+    control += ">";
+  }
+  std::string hint = escaped(schema.value("description", ""));
+  if (numeric.contains("minimum"))
+    hint += " (" + numeric["minimum"].dump() + " to " + numeric["maximum"].dump() + ")";
+  return "<div class=\"field\"><label for=\"" + escaped(id) + "\">" + escaped(label_of(key)) +
+         (unit.empty() ? "" : " <span class=\"unit\">" + escaped(unit) + "</span>") + "</label>" + control +
+         "<p class=\"hint\" id=\"" + escaped(id) + "-hint\">" + hint + "</p></div>\n";
+}
+
+std::string file_html(const char* name, const char* label, const char* accept, const char* hint) {
+  const std::string id = std::string("f-") + name;
+  return "<div class=\"field\"><label for=\"" + id + "\">" + label + "</label><input type=\"file\" required id=\"" + id +
+         "\" name=\"" + name + "\" accept=\"" + accept + "\" aria-describedby=\"" + id + "-hint\"><p class=\"hint\" id=\"" +
+         id + "-hint\">" + hint + "</p></div>\n";
+}
+
+std::string settings_html(const std::map<std::string, std::string>& fields) {
+  const ordered_json schema = settings_schema();
+  const ordered_json& groups = schema.at("properties");
+  std::string html;
+  const auto add = [&](const std::string& group) {
+    const ordered_json& description = groups.at(group);
+    const bool touched = std::any_of(fields.begin(), fields.end(), [&](const auto& field) {
+      return field.first.starts_with(group + ".") && !field.second.empty();
+    });
+    const bool open = group == "pattern" || touched;
+    html += std::string("<details") + (open ? " open" : "") + ">\n<summary>" + escaped(description.value("title", group)) +
+            "</summary>\n<fieldset>\n<legend>" + escaped(description.value("title", group)) + "</legend>\n";
+    for (const auto& [key, field] : description.at("properties").items())
+      html += field_html(group + "." + key, key, field, fields);
+    html += "</fieldset>\n</details>\n";
+  };
+  for (const auto group : group_order)
+    if (groups.contains(std::string(group))) add(std::string(group));
+  for (const auto& [group, description] : groups.items())  // groups that the order above does not know yet
+    if (std::find(group_order.begin(), group_order.end(), group) == group_order.end()) add(group);
+  return html;
+}
+
+std::string recent_html(const std::vector<Job>& recent) {
+  if (recent.empty()) return "<p>There are no jobs yet.</p>\n";
+  std::string html =
+      "<table>\n<thead><tr><th scope=\"col\">Created</th><th scope=\"col\">Job</th><th scope=\"col\">State</th></tr>"
+      "</thead>\n<tbody>\n";
+  for (const Job& job : recent) {
+    const std::string time = rfc3339(job.created), shown = time.substr(0, 10) + " " + time.substr(11, 5) + " UTC";
+    html += "<tr><td><time datetime=\"" + time + "\">" + shown + "</time></td><td><a href=\"/jobs/" + escaped(job.id) +
+            "\"><code>" + escaped(job.id) + "</code></a></td><td><span class=\"state " + std::string(name(job.state)) +
+            "\">" + std::string(name(job.state)) + "</span>";
+    if (job.state == JobState::running)
+      html += " " + std::to_string(static_cast<int>(100 * whole_progress(job))) + " %";
+    html += "</td></tr>\n";
+  }
+  return html + "</tbody>\n</table>\n";
+}
+
+}  // namespace
+
+Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error,
+               const std::map<std::string, std::string>& fields) {
+  Page page;
+  page.title = error ? "The job was not accepted" : "New job";
+  page.status = error ? meaning(error->code).http_status : 200;
+  page.main = "<h1>" + page.title + "</h1>\n";
+  if (error)
+    page.main += problem_box(*error) + "<p>Nothing was started. Your settings are kept below; choose the files again.</p>\n";
+  page.main +=
+      "<form method=\"post\" action=\"/jobs\" enctype=\"multipart/form-data\">\n<fieldset class=\"files\">\n"
+      "<legend>Files</legend>\n" +
+      file_html("scan", "Scan", ".stl,.obj,.ply,.off,.glb", "The head or model, as STL, OBJ, PLY, OFF or GLB, at most 1 GiB") +
+      file_html("pattern", "Pattern", ".svg,.png,.jpg,.jpeg",
+                "What shall appear on it, as SVG (true to size), PNG or JPEG, at most 256 MiB") +
+      "</fieldset>\n<h2>Settings</h2>\n<p>All have a default: an empty field keeps the value that it shows in grey.</p>\n" +
+      settings_html(fields) + "<p><button type=\"submit\">Start the job</button></p>\n</form>\n<h2>Recent jobs</h2>\n" +
+      recent_html(recent);
+  return page;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,30 @@
+// HTML for people: plain, complete without scripts, the same for keyboard, screen reader and phone.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "server/http/message.hpp"
+
+namespace vacuform {
+
+// Text for an element or a quoted attribute: & < > " ' become references.
+std::string escaped(std::string_view text);
+
+struct Page {
+  std::string title;   // plain text
+  std::string main;    // HTML
+  int status = 200;
+  int refresh_seconds = 0;  // 0: the page stays
+};
+
+// The whole document with the headers that keep scripts, frames and other origins out of it.
+http::Response html_response(const Page& page);
+
+// A problem as a box at the top of a page.
+std::string problem_box(const Error& error);
+
+// "3.4 MiB"
+std::string readable_bytes(std::uint64_t bytes);
+
+}  // namespace vacuform

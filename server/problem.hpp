@@ -1,0 +1,23 @@
+// Errors as RFC 9457 problems: the one way in which an error leaves the server.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string_view>
+
+#include "server/http/message.hpp"
+
+namespace vacuform {
+
+// {type, title, status, detail, what, where, mend}. `status` 0 takes the code's own.
+nlohmann::ordered_json problem_json(const Error& error, int status = 0);
+http::Response problem_response(const Error& error, int status = 0);
+
+// JSON text; bytes that are no UTF-8 become U+FFFD.
+std::string dump(const nlohmann::ordered_json& json);
+http::Response json_response(const nlohmann::ordered_json& json, int status = 200);
+
+// The code behind "/problems/<slug>".
+std::optional<Code> code_from_slug(std::string_view slug);
+
+}  // namespace vacuform

@@ -1,0 +1,129 @@
+// Jobs and their blobs, kept across crashes. The interface knows no SQL and no HTTP; sqlite_store.cpp stands behind it.
+//
+// Promises, each of them tested:
+//  - What create() returned survives a power cut: the files are flushed before the row that names them commits, and the
+//    row is flushed before create() returns.
+//  - A job has at most one lease. Every write of a worker names the job and the lease's token; when the token is not
+//    that of the current lease the write changes nothing and gives lease_lost. Ending a job twice under one token is
+//    harmless and gives the same answer, so that a worker may repeat a request whose answer it never saw.
+//  - A lease that is not renewed within `lease` ends. The job is queued again; when `losses` workers were lost with
+//    it, it fails with that reason.
+//  - Files that no job names are deleted: with the job, or at the next start when a crash came between.
+// Every function may be called from any thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/error.hpp"
+#include "api/job.hpp"
+#include "server/clock.hpp"
+#include "server/store/blobs.hpp"
+
+namespace vacuform {
+
+struct Input {
+  Blob blob;
+  std::string extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits; may be empty
+};
+
+struct StoredArtifact {
+  std::string name;  // one of api/job.hpp
+  Blob blob;
+};
+
+struct Job {
+  std::string id;  // 26 characters; later jobs have greater ids
+  JobState state = JobState::queued;
+  std::optional<Stage> stage;  // none before a worker has said so
+  double stage_progress = 0;   // 0..1 of that stage
+  int attempt = 0;             // leases so far
+  Millis created = 0;
+  std::optional<Millis> started, ended;  // start of the current attempt
+  std::optional<Error> error;            // why it failed
+  std::string settings;                  // JSON text, complete
+  Input scan, pattern;
+  std::vector<StoredArtifact> artifacts;  // in the order of api/job.hpp
+};
+
+struct NewJob {
+  std::string settings;
+  Upload scan;
+  std::string scan_extension;
+  Upload pattern;
+  std::string pattern_extension;
+};
+
+struct JobPage {
+  std::vector<Job> jobs;            // newest first
+  std::optional<std::string> next;  // cursor of the page after this one
+};
+
+// What a worker names in every write.
+struct LeaseKey {
+  std::string job, token;
+};
+
+struct LeasedJob {
+  Job job;
+  std::string token;  // 64 hexadecimal digits; the store keeps only its hash
+};
+
+// A job whose lease ran out, for the log.
+struct Expired {
+  std::string job;
+  JobState state;  // queued, failed or cancelled
+};
+
+class Store {
+ public:
+  virtual ~Store() = default;
+
+  // Starts a file that create() or put_artifact() takes over.
+  virtual Result<Upload> upload() = 0;
+  // A new name for a file of the caller's own; what is left there is deleted at the next start.
+  virtual std::filesystem::path temporary_path() = 0;
+  virtual Result<Job> create(NewJob job) = 0;
+  virtual Result<Job> job(const std::string& id) = 0;
+  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor begins with the newest.
+  virtual Result<JobPage> list(int limit, const std::string& cursor) = 0;
+  // A queued job is cancelled at once, a running one when its worker says so; a cancelled one stays so.
+  // Errors: not_found; conflict when it has succeeded or failed.
+  virtual Result<Job> cancel(const std::string& id) = 0;
+  // Errors: not_found; conflict unless the job has ended.
+  virtual Result<void> remove(const std::string& id) = 0;
+  // Opens a blob that a job names; it stays readable when the job is deleted meanwhile.
+  virtual Result<File> open(const Blob& blob) = 0;
+
+  // The oldest queued job, or none.
+  virtual Result<std::optional<LeasedJob>> lease(const std::string& worker) = 0;
+  // The job under a current lease.
+  virtual Result<Job> leased(const LeaseKey& key) = 0;
+  // Renews the lease and notes the progress; true when the job shall be cancelled.
+  virtual Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) = 0;
+  // A second file under the same name replaces the first.
+  virtual Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) = 0;
+  // Ends the attempt: done (cancelled when a cancel came first), failed (queued again when `retry` and not lost too
+  // often), cancelled, or given back unharmed. Gives the job as it then is.
+  virtual Result<Job> complete(const LeaseKey& key) = 0;
+  virtual Result<Job> fail_job(const LeaseKey& key, const Error& error, bool retry) = 0;
+  virtual Result<Job> cancelled(const LeaseKey& key) = 0;
+  virtual Result<Job> release(const LeaseKey& key) = 0;
+  // Ends the leases whose time is over. Every call of a worker does the same first.
+  virtual Result<std::vector<Expired>> expire() = 0;
+};
+
+struct StoreOptions {
+  Clock clock = wall_clock;
+  Millis lease = 30'000;
+  int losses = 3;  // workers that one job may take down
+};
+
+// Opens or makes the store in a folder; one process at a time (unavailable when another has it). Jobs that were running
+// when the last server ended keep their leases for another `lease`, so that workers which outlived it can go on.
+// Errors: unavailable, corrupt_file (not a store, or written by a newer version).
+Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options = {});
+
+}  // namespace vacuform

@@ -1,0 +1,161 @@
+// The protocol of the workers. A worker shows the server's worker token, asks for a lease, and names the lease's token in
+// everything that it does for the job. Whoever lacks the first gets 401, whoever lost the second gets lease-lost.
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "server/job_json.hpp"
+#include "server/log.hpp"
+#include "server/problem.hpp"
+#include "server/secrets.hpp"
+#include "server/service.hpp"
+
+namespace vacuform {
+
+using http::Request;
+using http::Response;
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::uint64_t largest_message = 64 << 10;
+constexpr std::uint64_t largest_artifact = 2ull << 30;
+
+// The body as a JSON object; an empty body is an empty object.
+Result<json> read_object(Request& request) {
+  VACUFORM_TRY(text, http::read_text(request, largest_message));
+  if (text.empty()) return json::object();
+  json object = json::parse(text, nullptr, false);
+  if (!object.is_object())
+    return fail(Code::bad_usage, "the body is not a JSON object", "request body", "see /api/v1/openapi.yaml");
+  return object;
+}
+
+// A string of the object, cut to what a log or a page can show.
+std::string text_of(const json& object, const char* key) {
+  const auto it = object.find(key);
+  return it != object.end() && it->is_string() ? it->get<std::string>().substr(0, 2000) : std::string();
+}
+
+LeaseKey key_of(const Request& request) {
+  return {request.at("job"), std::string(request.header("Vacuform-Lease"))};
+}
+
+Result<Response> take_lease(Service& service, Request& request) {
+  VACUFORM_TRY(body, read_object(request));
+  VACUFORM_TRY(lease, service.store.lease(text_of(body, "worker").substr(0, 64)));
+  if (!lease) {
+    Response response;
+    response.status = 204;
+    return response;
+  }
+  const Job& job = lease->job;
+  log_event("job-leased", {{"job", job.id}, {"attempt", job.attempt}});
+  return json_response({{"job", job.id},
+                        {"lease", lease->token},
+                        {"attempt", job.attempt},
+                        {"lease_seconds", service.lease_seconds},
+                        {"heartbeat_seconds", service.heartbeat_seconds},
+                        {"settings", ordered_json::parse(job.settings)},
+                        {"inputs", {{"scan", input_json(job.scan)}, {"pattern", input_json(job.pattern)}}}});
+}
+
+Result<Response> get_input(Service& service, const Request& request) {
+  VACUFORM_TRY(job, service.store.leased(key_of(request)));
+  const std::string& which = request.at("input");
+  if (which != "scan" && which != "pattern")
+    return fail(Code::not_found, "there is no such input", which, "ask for scan or pattern");
+  const Blob& blob = which == "scan" ? job.scan.blob : job.pattern.blob;
+  VACUFORM_TRY(file, service.store.open(blob));
+  return http::file_response(request, std::move(file), "application/octet-stream", blob.sha256);
+}
+
+Result<Response> heartbeat(Service& service, Request& request) {
+  VACUFORM_TRY(body, read_object(request));
+  std::optional<Stage> stage;
+  if (const std::string text = text_of(body, "stage"); !text.empty()) {
+    stage = stage_from(text);
+    if (!stage)
+      return fail(Code::bad_usage, "there is no such stage: " + text, "stage",
+                  "send scan, forming, flattening, printing or inspection");
+  }
+  const auto progress = body.find("progress");
+  const bool numeric = progress != body.end() && progress->is_number();
+  VACUFORM_TRY(cancel, service.store.heartbeat(key_of(request), stage, numeric ? progress->get<double>() : 0));
+  return json_response({{"cancel", cancel}});
+}
+
+Result<Response> put_artifact(Service& service, Request& request) {
+  const std::string& name = request.at("name");
+  if (!artifact_kind(name))
+    return fail(Code::bad_usage, "no artifact has this name", name.substr(0, 64), "see api/openapi.yaml for the names");
+  if (request.content_length > largest_artifact)
+    return fail(Code::too_large, "the artifact is larger than 2 GiB", name, "lower print.dpi");
+  if (request.header("Content-Length").empty())
+    return problem_response({Code::bad_usage, "there is no Content-Length", name, "send the number of bytes"}, 411);
+  const LeaseKey key = key_of(request);
+  VACUFORM_TRY(job, service.store.leased(key));  // before the bytes are taken in
+  VACUFORM_TRY(upload, service.store.upload());
+  std::vector<char> piece(64 * 1024);
+  for (;;) {
+    VACUFORM_TRY(n, request.body->read(piece));
+    if (n == 0) break;
+    VACUFORM_CHECK(upload.write({piece.data(), n}));
+  }
+  VACUFORM_CHECK(service.store.put_artifact(key, name, std::move(upload)));
+  return json_response(ordered_json::object());
+}
+
+Response ended_as(const char* event, const Job& job) {
+  ordered_json fields = {{"job", job.id}, {"state", name(job.state)}, {"attempt", job.attempt}};
+  if (job.error) fields["problem"] = meaning(job.error->code).slug;
+  log_event(event, fields);
+  return json_response({{"state", name(job.state)}});
+}
+
+Result<Response> fail_job(Service& service, Request& request) {
+  VACUFORM_TRY(body, read_object(request));
+  const auto code = code_from_slug(text_of(body, "code"));
+  if (!code)
+    return fail(Code::bad_usage, "there is no such problem type: " + text_of(body, "code"), "code",
+                "send the last piece of a type of /problems/");
+  const Error error{*code, text_of(body, "what"), text_of(body, "where"), text_of(body, "mend")};
+  const auto retry = body.find("retry");
+  VACUFORM_TRY(job, service.store.fail_job(key_of(request), error, retry != body.end() && *retry == json(true)));
+  return ended_as("job-failed", job);
+}
+
+}  // namespace
+
+void add_worker_routes(http::Router& router, Service& service) {
+  Service* const s = &service;
+  const auto add = [&](const char* method, const std::string& pattern, auto route) {
+    router.add(method, "/api/v1/leases" + pattern, [s, route](Request& request) -> Result<Response> {
+      constexpr std::string_view scheme = "Bearer ";
+      const std::string_view shown = request.header("Authorization");
+      if (!shown.starts_with(scheme) || !equal_secrets(shown.substr(scheme.size()), s->worker_token))
+        return problem_response({Code::bad_usage, "the worker token is missing or wrong", "Authorization",
+                                 "give the worker the file worker-token of the server's data folder"}, 401);
+      return route(*s, request);
+    });
+  };
+  add("POST", "", take_lease);
+  add("GET", "/{job}/inputs/{input}", get_input);
+  add("POST", "/{job}/heartbeat", heartbeat);
+  add("PUT", "/{job}/artifacts/{name}", put_artifact);
+  add("POST", "/{job}/fail", fail_job);
+  add("POST", "/{job}/complete", [](Service& service_, Request& request) -> Result<Response> {
+    VACUFORM_TRY(job, service_.store.complete(key_of(request)));
+    return ended_as("job-completed", job);
+  });
+  add("POST", "/{job}/cancelled", [](Service& service_, Request& request) -> Result<Response> {
+    VACUFORM_TRY(job, service_.store.cancelled(key_of(request)));
+    return ended_as("job-cancelled", job);
+  });
+  add("POST", "/{job}/release", [](Service& service_, Request& request) -> Result<Response> {
+    VACUFORM_TRY(job, service_.store.release(key_of(request)));
+    return ended_as("job-released", job);
+  });
+}
+
+}  // namespace vacuform
