@@ -16,4 +16,7 @@ void add_submit(CLI::App& app, int& exit_code);   // the same as run, through a 
 // Prints the error and gives its exit code.
 int refuse(const Error& error);
 
+// What std::bad_alloc means to the user.
+Error out_of_memory();
+
 }  // namespace vacuform::cli

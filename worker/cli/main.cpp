@@ -15,6 +15,11 @@ int refuse(const Error& error) {
   return meaning(error.code).exit_code;
 }
 
+Error out_of_memory() {
+  return {Code::out_of_time, "there is not enough memory", "",
+          "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi"};
+}
+
 namespace {
 
 // CLI11's complaint as one line that names the command to ask; `first` is the first word of the command line.
@@ -31,6 +36,8 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "vacuform " + std::string(version));
   app.require_subcommand(1);
   int exit_code = 0;
+  add_run(app, exit_code);
+  add_run(app, exit_code);
   add_sample(app, exit_code);
   add_submit(app, exit_code);
   try {
@@ -51,8 +58,7 @@ int main(int argc, char** argv) {
   try {
     return cli::run(argc, argv);
   } catch (const std::bad_alloc&) {
-    return cli::refuse({Code::out_of_time, "there is not enough memory", "",
-                        "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi"});
+    return cli::refuse(cli::out_of_memory());
   } catch (const std::exception& fault) {
     return cli::refuse({Code::internal, std::string("a fault of Vacuform's own: ") + fault.what(), "",
                         "please report it with the command that you gave"});

@@ -2,6 +2,7 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -24,12 +25,14 @@ extern "C" void cancel_running(int) {
   if (running) running->cancel();
 }
 
-Result<void> run(const RunOptions& o, const Context& context) {
+Result<void> run(const RunOptions& o, const Context& context) try {
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
   VACUFORM_TRY(pattern, read_file(o.pattern));
   return run_pipeline({scan, o.scan, pattern, o.pattern, settings}, o.out, context);
+} catch (const std::bad_alloc&) {
+  return tl::make_unexpected(out_of_memory());
 }
 
 int run_command(const RunOptions& o) {
