@@ -54,7 +54,7 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   VACUFORM_TRY(files, artifacts(job, context));
 
   nlohmann::ordered_json whole = {
-      {"vacuform", version}, {"print", label}, {"sha256", {{"scan", identity["scan"]}, {"pattern", identity["pattern"]}}}};
+      {"vacuform", version}, {"label", label}, {"sha256", {{"scan", identity["scan"]}, {"pattern", identity["pattern"]}}}};
   whole.update(report(job));
   const std::string text = whole.dump(2) + "\n";
 
