@@ -38,7 +38,7 @@ struct Reader {
   const json& root;
   Bytes binary;
   const std::string& where;
-  const Context& context;
+  const ScanProgress& progress;
   ScanFile scan;
 
   // Bytes of an accessor's elements and the stride between them, all inside of the BIN chunk.
@@ -205,7 +205,7 @@ struct Reader {
       sound = push(roots, Eigen::Affine3d::Identity());
     }
     while (sound && !open.empty()) {
-      VACUFORM_CHECK(context.step(Stage::scan, 0));
+      VACUFORM_CHECK(progress.tick());
       const auto [index, parent] = open.back();
       open.pop_back();
       const json* node = nth(root, "nodes", index);
@@ -236,7 +236,7 @@ bool harmless(std::string_view extension) {
 
 }  // namespace
 
-Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const Context& context) {
+Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress) {
   const auto damaged = [&](std::string otherwise) {
     const std::string damage = text_mode_damage(bytes);
     return corrupt(damage.empty() ? std::move(otherwise) : damage, where);
@@ -270,7 +270,7 @@ Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const Context& 
       return damaged("the binary chunk of the GLB file is not where its header says");
     binary = bytes.subspan(chunk + 8, size);
   }
-  Reader reader{root, binary, where, context, {}};
+  Reader reader{root, binary, where, progress, {}};
   reader.scan.format = "GLB";
   reader.scan.y_up = true;
   if (auto walked = reader.nodes(); !walked) {

@@ -20,9 +20,11 @@ namespace {
 
 constexpr double weld_share = 1e-6;       // of the scan's size: what the rounding of floats makes of one point
 constexpr double least_mold_mm = 20;      // height below which an automatic trim is refused
-constexpr double ray_spacing_mm = 1;
-constexpr double least_pocket_mm2 = 20;   // seen from above: smaller ones do not set the trim
-constexpr double reported_depth_mm = 1;   // shallower pockets are no news
+constexpr double ray_spacing_mm = 0.5;
+constexpr double undercut_mm = 1;         // shallower ones are noise, or give way when the part is lifted off
+constexpr double undercut_mm2 = 20;       // seen from above: smaller ones do not set the trim
+constexpr double reported_mm = 1.5;       // shallower ones lie within the grid of what the trim allows
+constexpr double reported_mm2 = 1;        // smaller ones are a ray between two facets
 
 std::string mm(double value) {
   char text[32];
@@ -40,13 +42,13 @@ void stand_on_floor(TriangleMesh& mesh, double floor) {
 
 // A new skin around a scan that cannot be closed as it is. The widest bridging that keeps the volume is taken: a
 // narrow one slips through the gaps of the scan and wraps its inside too.
-Result<TriangleMesh> rebuild(const TriangleMesh& skin, const Context& context) {
+Result<TriangleMesh> rebuild(const TriangleMesh& skin, const ScanProgress& progress) {
   constexpr double offset = 0.1;
   const double size = bounds(skin).size().norm();
-  VACUFORM_TRY(coarse, wrap(skin, 0.15 * size, offset, context));
+  VACUFORM_TRY(coarse, wrap(skin, 0.15 * size, offset, progress));
   const double volume = signed_volume(coarse);
   for (const double alpha : {0.012 * size, 0.03 * size, 0.075 * size}) {
-    VACUFORM_TRY(fine, wrap(skin, alpha, offset, context));
+    VACUFORM_TRY(fine, wrap(skin, alpha, offset, progress));
     if (signed_volume(fine) > 0.7 * volume) return fine;
   }
   return coarse;
@@ -94,51 +96,52 @@ std::optional<TriangleMesh> cut_near(const TriangleMesh& mesh, double height) {
 
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name, const ScanSettings& settings,
                        const Context& context) {
-  const auto step = [&](double fraction) { return context.step(Stage::scan, fraction); };
+  ScanProgress progress(context);
   Mold mold;
   auto& findings = mold.findings;
   const auto warn = [&](std::string code, std::string text) { mold.warnings.push_back({std::move(code), std::move(text)}); };
-  VACUFORM_CHECK(step(0));
+  VACUFORM_CHECK(progress.reach(0));
 
   // The outer skin, in the file's unit and axes.
-  VACUFORM_TRY(scan, read_scan(bytes, file_name, context));
+  VACUFORM_TRY(scan, read_scan(bytes, file_name, progress));
   findings.format = scan.format;
   findings.triangles_read = static_cast<std::int64_t>(scan.mesh.triangles.size());
-  VACUFORM_CHECK(step(0.1));
+  VACUFORM_CHECK(progress.reach(0.1));
   weld(scan.mesh, weld_share * robust_size(scan.mesh));
-  VACUFORM_CHECK(step(0.15));
-  VACUFORM_TRY(skin, outer_skin(scan.mesh, context));
+  VACUFORM_CHECK(progress.reach(0.15));
+  VACUFORM_TRY(skin, outer_skin(scan.mesh, progress));
   scan.mesh = {};
   findings.components = skin.components;
   findings.components_dropped = skin.components_dropped;
   findings.turned_inside_out = skin.turned_inside_out;
   if (skin.mesh.triangles.empty() || !(bounds(skin.mesh).size().maxCoeff() > 0))
     return fail(Code::unusable_scan, "all triangles of the scan are without area", file_name, "export the scan again");
-  VACUFORM_CHECK(step(0.3));
+  VACUFORM_CHECK(progress.reach(0.3));
 
   // Millimetres, upright, standing on z = 0.
   VACUFORM_CHECK(choose_unit(settings, file_name, bounds(skin.mesh).size().maxCoeff(), findings));
+  turn(skin.mesh, Eigen::Matrix3d::Identity(), millimetres(findings.unit));
   findings.up = settings.up;
   if (settings.up == UpAxis::automatic) {
-    const auto guess = guess_up(skin.mesh, scan.y_up);
+    VACUFORM_TRY(guess, guess_up(skin.mesh, scan.y_up, progress));
     findings.up = guess.axis;
     findings.up_guessed = true;
     if (!guess.told)
       warn("up-guessed", "The up axis was taken to be " + std::string(name(guess.axis)) + " because " + guess.why +
                              "; give scan.up if the mold stands wrong");
   }
-  turn(skin.mesh, upright_turn(findings.up, settings.roll_deg, settings.pitch_deg, settings.yaw_deg), millimetres(findings.unit));
+  turn(skin.mesh, upright_turn(findings.up, settings.roll_deg, settings.pitch_deg, settings.yaw_deg), 1);
   stand_on_floor(skin.mesh, bounds(skin.mesh).low.z());
   findings.size_mm = bounds(skin.mesh).size();
 
   // Closed.
   auto closing = skin.soup ? Closing{} : close_skin(skin.mesh);
-  VACUFORM_CHECK(step(0.4));
+  VACUFORM_CHECK(progress.reach(0.4));
   TriangleMesh closed = std::move(closing.mesh);
   findings.holes_closed = closing.holes_closed;
   findings.holes_capped = closing.holes_capped;
   const auto rebuild_skin = [&](const TriangleMesh& from) -> Result<void> {
-    VACUFORM_TRY(wrapped, rebuild(from, context));
+    VACUFORM_TRY(wrapped, rebuild(from, progress));
     closed = std::move(wrapped);
     findings.rebuilt = true;
     warn("rebuilt", "The scan's surface could not be closed as it is and was wrapped anew, up to 0.2 mm outside of it");
@@ -151,17 +154,17 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   double floor = 0;  // the scan's lowest point; walls and wraps reach below
   if (settings.clearance_mm > 0) {
     const double alpha = std::max(2.0, 0.01 * findings.size_mm.norm());
-    VACUFORM_TRY(padded, wrap(closed, alpha, settings.clearance_mm, context));
+    VACUFORM_TRY(padded, wrap(closed, alpha, settings.clearance_mm, progress));
     closed = std::move(padded);
   }
-  VACUFORM_CHECK(step(0.5));
+  VACUFORM_CHECK(progress.reach(0.5));
 
   // Trimmed.
   if (settings.trim_mm) {
     findings.trim_mm = *settings.trim_mm;
   } else {
-    VACUFORM_TRY(pockets, find_pockets(closed, floor, ray_spacing_mm, context));
-    findings.trim_mm = undercuts_begin(pockets, floor, least_pocket_mm2);
+    VACUFORM_TRY(space, CoveredSpace::measure(closed, floor, ray_spacing_mm, progress));
+    findings.trim_mm = space.lowest_cut(undercut_mm, undercut_mm2);
     findings.trim_chosen = true;
   }
   const double height = bounds(closed).high.z();
@@ -173,7 +176,7 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
                 mm(height - findings.trim_mm) + " of its " + mm(height) + " would remain as a mold", file_name,
                 "turn the scan (scan.up, scan.roll_deg), or accept undercuts by giving the trim, for example --set scan.trim_mm=" +
                     std::to_string(static_cast<int>(height / 2)));
-  VACUFORM_CHECK(step(0.8));
+  VACUFORM_CHECK(progress.reach(0.8));
   auto cut = cut_near(closed, floor + findings.trim_mm);
   if (cut) round_to_float(*cut);
   if ((!cut || !is_watertight(*cut)) && !findings.rebuilt) {
@@ -191,17 +194,20 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   round_to_float(*cut);
   mold.mesh = std::move(*cut);
   mold.top = top_of(mold.mesh);
-  VACUFORM_CHECK(step(0.9));
-  VACUFORM_TRY(pockets, find_pockets(mold.mesh, 0, ray_spacing_mm, context));
-  for (const auto& pocket : pockets)
-    if (pocket.undercut.depth_mm >= reported_depth_mm) mold.undercuts.push_back(pocket.undercut);
+  VACUFORM_CHECK(progress.reach(0.9));
+  VACUFORM_TRY(space, CoveredSpace::measure(mold.mesh, 0, ray_spacing_mm, progress));
+  for (const auto& undercut : space.undercuts(0))
+    if (undercut.depth_mm > reported_mm && undercut.area_mm2 > reported_mm2) mold.undercuts.push_back(undercut);
   if (!mold.undercuts.empty()) {
     const auto& worst = mold.undercuts.front();
-    warn("undercut", "The mold has " + std::to_string(mold.undercuts.size()) + " undercuts that the sheet cannot reach or that lock the part; " +
-                         "the deepest reaches " + mm(worst.depth_mm) + " under what overhangs it at x = " + mm(worst.place.x()) + ", y = " +
-                         mm(worst.place.y()) + ", z = " + mm(worst.place.z()));
+    const std::size_t count = mold.undercuts.size();
+    warn("undercut", (count == 1 ? "The mold has an undercut that the sheet cannot reach or that locks the part; it"
+                                 : "The mold has " + std::to_string(count) +
+                                       " undercuts that the sheet cannot reach or that lock the part; the deepest") +
+                         " reaches " + mm(worst.depth_mm) + " under what overhangs it at x = " + mm(worst.place.x()) +
+                         ", y = " + mm(worst.place.y()) + ", z = " + mm(worst.place.z()));
   }
-  VACUFORM_CHECK(step(1));
+  VACUFORM_CHECK(progress.reach(1));
   return mold;
 }
 

@@ -4,7 +4,7 @@
 
 namespace vacuform {
 
-Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const Context& context) {
+Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgress& progress) {
   ScanFile scan;
   scan.format = "OBJ";
   auto& [vertices, triangles] = scan.mesh;
@@ -14,7 +14,7 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const Context& 
   std::int64_t largest = -1;  // vertices may follow the faces that name them
   std::string largest_at;
   while (text.next_line(line)) {
-    if (text.line_number() % 65536 == 0) VACUFORM_CHECK(context.step(Stage::scan, 0));
+    if (text.line_number() % 65536 == 0) VACUFORM_CHECK(progress.tick());
     const auto word = take_word(line);
     if (word == "v") {
       double xyz[3];

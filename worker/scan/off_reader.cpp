@@ -7,7 +7,7 @@
 
 namespace vacuform {
 
-Result<ScanFile> read_off(Bytes bytes, const std::string& where, const Context& context) {
+Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgress& progress) {
   ScanFile scan;
   scan.format = "OFF";
   auto& [vertices, triangles] = scan.mesh;
@@ -49,7 +49,7 @@ Result<ScanFile> read_off(Bytes bytes, const std::string& where, const Context& 
 
   vertices.reserve(static_cast<std::size_t>(vertex_count));
   for (std::int64_t i = 0; i < vertex_count; ++i) {
-    if (i % 65536 == 0) VACUFORM_CHECK(context.step(Stage::scan, 0));
+    if (i % 65536 == 0) VACUFORM_CHECK(progress.tick());
     if (!next()) return corrupt("the file ends after " + std::to_string(i) + " of " + std::to_string(vertex_count) + " vertices", at());
     double xyz[3];
     for (double& x : xyz)
@@ -57,7 +57,7 @@ Result<ScanFile> read_off(Bytes bytes, const std::string& where, const Context& 
     vertices.emplace_back(xyz[0], xyz[1], xyz[2]);
   }
   for (std::int64_t i = 0; i < face_count; ++i) {
-    if (i % 65536 == 0) VACUFORM_CHECK(context.step(Stage::scan, 0));
+    if (i % 65536 == 0) VACUFORM_CHECK(progress.tick());
     if (!next()) return corrupt("the file ends after " + std::to_string(i) + " of " + std::to_string(face_count) + " faces", at());
     std::int64_t corners = 0, first = 0, last = 0;
     if (!parse_integer(take_word(line), corners) || corners < 0) return corrupt("a face does not say how many corners it has", at());

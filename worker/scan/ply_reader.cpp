@@ -154,7 +154,7 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
 
 }  // namespace
 
-Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const Context& context) {
+Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgress& progress) {
   VACUFORM_TRY(header, read_header(bytes, where));
   const bool ascii = header.encoding == Header::Encoding::ascii;
   ScanFile scan;
@@ -187,7 +187,7 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const Context& 
       vertices.reserve(vertices.size() + element.count);
     }
     for (std::uint64_t row = 0; row < element.count; ++row) {
-      if (row % 65536 == 0) VACUFORM_CHECK(context.step(Stage::scan, 0));
+      if (row % 65536 == 0) VACUFORM_CHECK(progress.tick());
       const auto at = [&] { return where + ", " + element.name.substr(0, 40) + " " + std::to_string(row); };
       const auto ended = [&] {
         return corrupt(values.remaining() == 0 || !ascii ? "the PLY file ends within its data" : "a word of the PLY data is no number", at());

@@ -95,14 +95,14 @@ std::optional<Format> recognise(Bytes bytes, const std::string& extension) {
   return std::nullopt;
 }
 
-Result<ScanFile> read_as(Format format, Bytes bytes, const std::string& where, const Context& context) {
+Result<ScanFile> read_as(Format format, Bytes bytes, const std::string& where, const ScanProgress& progress) {
   switch (format) {
-    case Format::stl_binary: return read_stl_binary(bytes, where, context);
-    case Format::stl_ascii: return read_stl_ascii(bytes, where, context);
-    case Format::obj: return read_obj(bytes, where, context);
-    case Format::ply: return read_ply(bytes, where, context);
-    case Format::off: return read_off(bytes, where, context);
-    case Format::glb: return read_glb(bytes, where, context);
+    case Format::stl_binary: return read_stl_binary(bytes, where, progress);
+    case Format::stl_ascii: return read_stl_ascii(bytes, where, progress);
+    case Format::obj: return read_obj(bytes, where, progress);
+    case Format::ply: return read_ply(bytes, where, progress);
+    case Format::off: return read_off(bytes, where, progress);
+    case Format::glb: return read_glb(bytes, where, progress);
   }
   return fail(Code::internal, "a format without a reader", where);
 }
@@ -125,7 +125,7 @@ std::string text_mode_damage(Bytes bytes) {
   return {};
 }
 
-Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const Context& context) {
+Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const ScanProgress& progress) {
   if (bytes.empty()) return fail(Code::corrupt_file, "the scan file is empty", file_name, "upload or export it again");
   if (bytes.size() > scan_limits.bytes)
     return fail(Code::too_large, "the scan file has " + std::to_string(bytes.size()) + " bytes, above the limit of 1 GiB", file_name,
@@ -136,7 +136,7 @@ Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const Cont
     return fail(Code::unsupported_format, kind.empty() ? "not a scan of a known format" : "the scan is " + std::string(kind), file_name,
                 "give STL, OBJ, PLY, OFF or GLB");
   }
-  VACUFORM_TRY(scan, read_as(*format, bytes, file_name, context));
+  VACUFORM_TRY(scan, read_as(*format, bytes, file_name, progress));
   for (std::size_t i = 0; i < scan.mesh.vertices.size(); ++i) {
     const auto& p = scan.mesh.vertices[i];
     if (!p.allFinite())

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "api/error.hpp"
-#include "worker/context.hpp"
+#include "worker/scan/scan_progress.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -33,16 +33,16 @@ struct ScanFile {
 // Recognises the format by the bytes and, where they do not tell, by the extension of `file_name`; then reads it.
 // Errors: unsupported_format, corrupt_file, too_large, unusable_scan (no triangles), cancelled. Messages name the
 // line, the byte or the element.
-Result<ScanFile> read_scan(std::span<const std::uint8_t> bytes, const std::string& file_name, const Context& context);
+Result<ScanFile> read_scan(std::span<const std::uint8_t> bytes, const std::string& file_name, const ScanProgress& progress);
 
 // The readers. `where` is the file's name, for messages.
 using Bytes = std::span<const std::uint8_t>;
-Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const Context& context);
-Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const Context& context);
-Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const Context& context);
-Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const Context& context);
-Result<ScanFile> read_off(Bytes bytes, const std::string& where, const Context& context);
-Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const Context& context);
+Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const ScanProgress& progress);
+Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const ScanProgress& progress);
+Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgress& progress);
+Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgress& progress);
+Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgress& progress);
+Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress);
 
 // If the bytes of a binary file show that it went through a text-mode copy, a sentence that says how; else empty.
 // Looks for bytes replaced by U+FFFD, for line feeds that all became CR LF and for Latin-1 turned into UTF-8.

@@ -155,12 +155,12 @@ double orient(TriangleMesh& mesh) {
 
 }  // namespace
 
-Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const Context& context) {
+Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progress) {
   OuterSkin skin;
   std::vector<int> piece_of;
   skin.components = connected_pieces(mesh, piece_of);
   const auto pieces = measure_pieces(mesh, piece_of, skin.components);
-  VACUFORM_CHECK(context.step(Stage::scan, 0.2));
+  VACUFORM_CHECK(progress.tick());
 
   if (pieces.empty()) return skin;
   if (skin.components > 1 && pieces.front().diagonal < soup_share * robust_size(mesh)) {
@@ -175,7 +175,7 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const Context& context) {
     std::optional<RayCaster> caster;
     for (std::size_t i = 1; i < pieces.size() && i < most_pieces_examined; ++i) {
       if (pieces[i].diagonal < debris_share * pieces.front().diagonal) break;
-      VACUFORM_CHECK(context.step(Stage::scan, 0.2));
+      VACUFORM_CHECK(progress.tick());
       if (!caster) caster.emplace(main);
       std::vector<char> one(static_cast<std::size_t>(skin.components), 0);
       one[static_cast<std::size_t>(pieces[i].number)] = 1;
@@ -185,7 +185,7 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const Context& context) {
     skin.components_dropped = static_cast<int>(std::count(keep.begin(), keep.end(), 0));
     skin.mesh = take_pieces(mesh, piece_of, keep);
   }
-  VACUFORM_CHECK(context.step(Stage::scan, 0.25));
+  VACUFORM_CHECK(progress.tick());
   skin.turned_inside_out = orient(skin.mesh) > 0.5;
   return skin;
 }

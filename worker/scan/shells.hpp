@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/error.hpp"
-#include "worker/context.hpp"
+#include "worker/scan/scan_progress.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -19,6 +19,6 @@ struct OuterSkin {
 // nearly every of its points hits the main piece. Within each piece the triangles' directions are made to agree over
 // edges that two of them share, then the whole is turned outwards (by its volume; an open piece is closed in thought
 // towards the middle of its border). O(n log n). Error: cancelled.
-Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const Context& context);
+Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progress);
 
 }  // namespace vacuform

@@ -19,7 +19,7 @@ float little_endian_float(const std::uint8_t* p) {
 
 }  // namespace
 
-Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const Context& context) {
+Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const ScanProgress& progress) {
   if (bytes.size() < header_bytes)
     return corrupt("the binary STL file ends within its header of 84 bytes", where);
   const std::uint64_t count = std::uint64_t{bytes[80]} | std::uint64_t{bytes[81]} << 8 | std::uint64_t{bytes[82]} << 16 |
@@ -38,7 +38,7 @@ Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const Co
   scan.mesh.vertices.reserve(3 * count);
   scan.mesh.triangles.reserve(count);
   for (std::uint64_t i = 0; i < count; ++i) {
-    if (i % 262144 == 0) VACUFORM_CHECK(context.step(Stage::scan, 0));
+    if (i % 262144 == 0) VACUFORM_CHECK(progress.tick());
     const std::uint8_t* record = bytes.data() + header_bytes + record_bytes * i + 12;
     const int first = static_cast<int>(3 * i);
     for (int corner = 0; corner < 3; ++corner, record += 12)
@@ -49,7 +49,7 @@ Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const Co
   return scan;
 }
 
-Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const Context& context) {
+Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const ScanProgress& progress) {
   ScanFile scan;
   scan.format = "STL (ASCII)";
   auto& vertices = scan.mesh.vertices;
@@ -59,7 +59,7 @@ Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const Con
   bool in_facet = false;
   const auto at = [&] { return where + ", line " + std::to_string(text.line_number()); };
   while (text.next_line(line)) {
-    if (text.line_number() % 65536 == 0) VACUFORM_CHECK(context.step(Stage::scan, 0));
+    if (text.line_number() % 65536 == 0) VACUFORM_CHECK(progress.tick());
     const auto word = take_word(line);
     if (word == "facet") {
       if (in_facet) return corrupt("a facet begins before the last one ended", at());

@@ -9,93 +9,83 @@
 
 namespace vacuform {
 namespace {
-
 constexpr double least_height_mm = 0.2;
-constexpr double least_depth_mm = 1.0;
+}
 
-struct Span {  // empty space under a ceiling
-  int column;
-  double low, high;
-};
+Eigen::Vector2d CoveredSpace::place(int column) const {
+  return {origin_.x() + (column % nx_ + 0.5) * spacing_, origin_.y() + (column / nx_ + 0.5) * spacing_};
+}
 
-class Columns {
- public:
-  Columns(const TriangleMesh& mesh, double floor, double spacing) : mesh_(mesh), floor_(floor), spacing_(spacing) {
-    const Box box = bounds(mesh);
-    // A ring of empty columns around, so that every depth has an open column to be measured from.
-    origin_ = {box.low.x() - 1.5 * spacing, box.low.y() - 1.5 * spacing};
-    nx = static_cast<int>(std::ceil(box.size().x() / spacing)) + 3;
-    ny = static_cast<int>(std::ceil(box.size().y() / spacing)) + 3;
-    ceiling_ = box.high.z() + 1;
-    top.assign(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny), -HUGE_VAL);
-  }
+Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, double floor, double spacing, const ScanProgress& progress) {
+  CoveredSpace space;
+  const Box box = bounds(mesh);
+  space.floor_ = floor;
+  space.ceiling_ = box.high.z();
+  space.spacing_ = spacing;
+  // A ring of empty columns around, so that every depth has an open column to be measured from.
+  space.origin_ = box.low.head<2>() - Eigen::Vector2d::Constant(1.5 * spacing);
+  space.nx_ = static_cast<int>(std::ceil(box.size().x() / spacing)) + 3;
+  space.ny_ = static_cast<int>(std::ceil(box.size().y() / spacing)) + 3;
+  const int columns = space.nx_ * space.ny_;
+  space.top_.assign(static_cast<std::size_t>(columns), -HUGE_VAL);
 
-  Eigen::Vector2d place(int column) const {
-    return {origin_.x() + (column % nx + 0.5) * spacing_, origin_.y() + (column / nx + 0.5) * spacing_};
-  }
-
-  Result<void> cast(const Context& context) {
-    const RayCaster caster(mesh_);
-    const double step = 1e-5 * bounds(mesh_).size().norm();  // beyond the rays' own error
-    for (int column = 0; column < nx * ny; ++column) {
-      if (column % (16 * nx) == 0) VACUFORM_CHECK(context.step(Stage::scan, 0.6));
-      const Eigen::Vector2d xy = place(column);
-      double z = ceiling_, opened = 0;
-      int depth = 0, last = -1;
-      bool met = false;
-      while (z > floor_) {
-        const double reach = z - floor_ + 1;
-        const auto hit = caster.first_hit({xy.x(), xy.y(), z}, {0, 0, -reach});
-        if (!hit) break;
-        const double at = z - hit->t * reach;
-        z = at - step;
-        if (hit->triangle == last) continue;
-        last = hit->triangle;
-        const double up = area_vector(mesh_, mesh_.triangles[static_cast<std::size_t>(hit->triangle)]).z();
-        if (up > 0) {
-          if (depth++ == 0) {
-            if (!met) top[static_cast<std::size_t>(column)] = at;
-            if (met && opened - at > least_height_mm) spans.push_back({column, at, opened});
-            met = true;
-          }
-        } else if (up < 0 && depth > 0 && --depth == 0) {
-          opened = at;
-        }
+  const RayCaster caster(mesh);
+  const double step = 1e-5 * box.size().norm();  // beyond the rays' own error
+  for (int column = 0; column < columns; ++column) {
+    if (column % 16384 == 0) VACUFORM_CHECK(progress.tick());
+    const Eigen::Vector2d xy = space.place(column);
+    double z = box.high.z() + 1, opened = 0;
+    int inside = 0, last = -1;  // inside of how many overlapping pieces
+    bool met = false;
+    while (z > floor) {
+      const double reach = z - floor + 1;
+      const auto hit = caster.first_hit({xy.x(), xy.y(), z}, {0, 0, -reach});
+      if (!hit) break;
+      const double at = z - hit->t * reach;
+      z = at - step;
+      if (hit->triangle == last) continue;
+      last = hit->triangle;
+      const double up = area_vector(mesh, mesh.triangles[static_cast<std::size_t>(hit->triangle)]).z();
+      if (up > 0 && inside++ == 0) {
+        if (!met) space.top_[static_cast<std::size_t>(column)] = at;
+        if (met && opened - at > least_height_mm) space.spans_.push_back({column, at, opened});
+        met = true;
+      } else if (up < 0 && inside > 0 && --inside == 0) {
+        opened = at;
       }
-      if (met && depth == 0 && opened - floor_ > least_height_mm) spans.push_back({column, floor_, opened});
     }
-    return {};
+    if (met && inside == 0 && opened - floor > least_height_mm) space.spans_.push_back({column, floor, opened});
   }
+  return space;
+}
 
-  // Horizontal distance from the column to the nearest one whose top lies below z.
-  double distance_to_open(int column, double z) const {
-    const int cx = column % nx, cy = column / nx;
-    double best = HUGE_VAL;
-    const auto look = [&](int x, int y) {
-      if (x < 0 || y < 0 || x >= nx || y >= ny) return;
-      if (top[static_cast<std::size_t>(y) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(x)] >= z) return;
-      best = std::min(best, std::hypot(x - cx, y - cy));
-    };
-    for (int r = 1; r <= std::max(nx, ny) && r < best; ++r) {
-      for (int d = -r; d <= r; ++d) look(cx + d, cy - r), look(cx + d, cy + r);
-      for (int d = -r + 1; d < r; ++d) look(cx - r, cy + d), look(cx + r, cy + d);
-    }
-    return std::max(0.0, best - 0.5) * spacing_;
+double CoveredSpace::depth_at(int column, double z, double enough) const {
+  const int cx = column % nx_, cy = column / nx_;
+  double best = HUGE_VAL;
+  const auto look = [&](int x, int y) {
+    if (x < 0 || y < 0 || x >= nx_ || y >= ny_) return;
+    if (top_[static_cast<std::size_t>(y) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(x)] >= z) return;
+    best = std::min(best, std::hypot(x - cx, y - cy));
+  };
+  const int farthest = static_cast<int>(std::min<double>(std::max(nx_, ny_), enough / spacing_ + 2));
+  for (int r = 1; r <= farthest && r < best; ++r) {
+    for (int d = -r; d <= r; ++d) look(cx + d, cy - r), look(cx + d, cy + r);
+    for (int d = -r + 1; d < r; ++d) look(cx - r, cy + d), look(cx + r, cy + d);
   }
+  return std::max(0.0, std::min<double>(best, farthest + 1) - 0.5) * spacing_;
+}
 
-  int nx = 0, ny = 0;
-  std::vector<double> top;  // of each column; -inf where nothing stands
-  std::vector<Span> spans;  // by column, from above
+std::vector<CoveredSpace::Span> CoveredSpace::above(double floor) const {
+  std::vector<Span> spans;
+  for (Span span : spans_) {
+    span.low = std::max(span.low, floor);
+    if (span.high - span.low > least_height_mm) spans.push_back(span);
+  }
+  return spans;
+}
 
- private:
-  const TriangleMesh& mesh_;
-  double floor_, spacing_, ceiling_ = 0;
-  Eigen::Vector2d origin_;
-};
-
-// Spans of neighbouring columns that overlap in height belong together.
-std::vector<int> cluster(const Columns& columns) {
-  const auto& spans = columns.spans;
+// Spans of neighbouring columns that overlap in height belong together; each is named after one of its cluster.
+std::vector<int> CoveredSpace::clusters(const std::vector<Span>& spans) const {
   std::vector<int> parent(spans.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int i) {
@@ -105,64 +95,86 @@ std::vector<int> cluster(const Columns& columns) {
     }
     return i;
   };
-  std::vector<int> first(columns.top.size() + 1, 0);  // span of each column
+  std::vector<int> first(top_.size() + 1, 0);  // span of each column
   for (const auto& span : spans) ++first[static_cast<std::size_t>(span.column) + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
   for (int i = 0; i < static_cast<int>(spans.size()); ++i) {
     const auto& a = spans[static_cast<std::size_t>(i)];
-    for (const int neighbour : {a.column + 1, a.column + columns.nx})  // the outer ring holds no spans: no wrapping
+    for (const int neighbour : {a.column + 1, a.column + nx_})  // the outer ring holds no spans: no wrapping around
       for (int j = first[static_cast<std::size_t>(neighbour)]; j < first[static_cast<std::size_t>(neighbour) + 1]; ++j) {
         const auto& b = spans[static_cast<std::size_t>(j)];
         if (a.low <= b.high && b.low <= a.high) parent[static_cast<std::size_t>(root(j))] = root(i);
       }
   }
-  std::vector<int> of(spans.size());
-  for (int i = 0; i < static_cast<int>(spans.size()); ++i) of[static_cast<std::size_t>(i)] = root(i);
-  return of;
+  std::vector<int> cluster(spans.size());
+  for (int i = 0; i < static_cast<int>(spans.size()); ++i) cluster[static_cast<std::size_t>(i)] = root(i);
+  return cluster;
 }
 
-}  // namespace
-
-Result<std::vector<Pocket>> find_pockets(const TriangleMesh& mesh, double floor, double spacing, const Context& context) {
-  Columns columns(mesh, floor, spacing);
-  VACUFORM_CHECK(columns.cast(context));
-  const auto cluster_of = cluster(columns);
-
-  std::vector<int> number(columns.spans.size(), -1), last_column;
-  std::vector<Pocket> pockets;
-  for (std::size_t i = 0; i < columns.spans.size(); ++i) {
-    if (i % 4096 == 0) VACUFORM_CHECK(context.step(Stage::scan, 0.7));
-    const auto& span = columns.spans[i];
-    int& n = number[static_cast<std::size_t>(cluster_of[i])];
+std::vector<Undercut> CoveredSpace::undercuts(double floor) const {
+  const auto spans = above(floor);
+  const auto cluster = clusters(spans);
+  std::vector<int> number(spans.size(), -1), last_column;
+  std::vector<Undercut> found;
+  for (std::size_t i = 0; i < spans.size(); ++i) {
+    int& n = number[static_cast<std::size_t>(cluster[i])];
     if (n < 0) {
-      n = static_cast<int>(pockets.size());
-      pockets.push_back({{Eigen::Vector3d::Zero(), -1, 0}, -HUGE_VAL});
+      n = static_cast<int>(found.size());
+      found.push_back({Eigen::Vector3d::Zero(), -1, 0});
       last_column.push_back(-1);
     }
-    auto& pocket = pockets[static_cast<std::size_t>(n)];
-    const double depth = columns.distance_to_open(span.column, span.low + least_height_mm / 2);
-    if (depth > pocket.undercut.depth_mm) {
-      const Eigen::Vector2d xy = columns.place(span.column);
-      pocket.undercut.place = {xy.x(), xy.y(), span.low};
-      pocket.undercut.depth_mm = depth;
+    auto& undercut = found[static_cast<std::size_t>(n)];
+    const double depth = depth_at(spans[i].column, spans[i].low + least_height_mm / 2, HUGE_VAL);
+    if (depth > undercut.depth_mm) {
+      const Eigen::Vector2d xy = place(spans[i].column);
+      undercut.place = {xy.x(), xy.y(), spans[i].low};
+      undercut.depth_mm = depth;
     }
-    if (last_column[static_cast<std::size_t>(n)] != span.column) pocket.undercut.area_mm2 += spacing * spacing;
-    last_column[static_cast<std::size_t>(n)] = span.column;
-    pocket.begins = std::max(pocket.begins, span.high);
+    if (last_column[static_cast<std::size_t>(n)] != spans[i].column) undercut.area_mm2 += spacing_ * spacing_;
+    last_column[static_cast<std::size_t>(n)] = spans[i].column;
   }
-  std::stable_sort(pockets.begin(), pockets.end(), [](const Pocket& a, const Pocket& b) {
-    if (a.undercut.depth_mm != b.undercut.depth_mm) return a.undercut.depth_mm > b.undercut.depth_mm;
-    return a.undercut.area_mm2 > b.undercut.area_mm2;
+  std::stable_sort(found.begin(), found.end(), [](const Undercut& a, const Undercut& b) {
+    if (a.depth_mm != b.depth_mm) return a.depth_mm > b.depth_mm;
+    return a.area_mm2 > b.area_mm2;
   });
-  return pockets;
+  return found;
 }
 
-double undercuts_begin(const std::vector<Pocket>& pockets, double floor, double least_area) {
-  double begins = floor;
-  for (const auto& pocket : pockets)
-    if (pocket.undercut.depth_mm >= least_depth_mm && pocket.undercut.area_mm2 >= least_area)
-      begins = std::max(begins, pocket.begins);
-  return begins;
+bool CoveredSpace::has_undercut(double floor, double depth, double area) const {
+  const auto spans = above(floor);
+  const auto cluster = clusters(spans);
+  std::vector<double> areas(spans.size(), 0);
+  for (const int c : cluster) areas[static_cast<std::size_t>(c)] += spacing_ * spacing_;
+  for (std::size_t i = 0; i < spans.size(); ++i)
+    if (areas[static_cast<std::size_t>(cluster[i])] > area &&
+        depth_at(spans[i].column, spans[i].low + least_height_mm / 2, depth) > depth)
+      return true;
+  return false;
+}
+
+double CoveredSpace::lowest_cut(double depth, double area) const {
+  if (!has_undercut(floor_, depth, area)) return floor_;
+  double low = floor_, high = ceiling_;  // a higher cut leaves less of every pocket
+  while (high - low > 0.1) {
+    const double middle = (low + high) / 2;
+    (has_undercut(middle, depth, area) ? low : high) = middle;
+  }
+  return high;
+}
+
+double CoveredSpace::domed_share(double floor, double reach) const {
+  const int d = std::max(1, static_cast<int>(std::lround(reach / spacing_)));
+  const double slack = 0.02 * d * spacing_;
+  std::int64_t seen = 0, domed = 0;
+  for (int y = d; y + d < ny_; ++y)
+    for (int x = d; x + d < nx_; ++x) {
+      const auto top = [&](int i, int j) { return top_[static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i)]; };
+      const double here = top(x, y), west = top(x - d, y), east = top(x + d, y), south = top(x, y - d), north = top(x, y + d);
+      if (std::min({here, west, east, south, north}) < floor) continue;
+      ++seen;
+      domed += here + slack >= (west + east) / 2 && here + slack >= (south + north) / 2;
+    }
+  return seen > 0 ? static_cast<double>(domed) / static_cast<double>(seen) : 0;
 }
 
 }  // namespace vacuform

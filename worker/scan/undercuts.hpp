@@ -1,28 +1,53 @@
 // Undercuts: what the sheet, coming from above, cannot reach. A grid of vertical rays finds the empty space that
 // something overhangs; columns side by side whose empty spans meet are one pocket.
+//
+// The depth at a place is the horizontal distance to the nearest column that nothing overhangs at that height, less
+// half a grid cell; a pocket's depth is its greatest. Pits without a roof are no undercuts.
 #pragma once
 
 #include <vector>
 
-#include "worker/context.hpp"
+#include "worker/scan/scan_progress.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
 
-struct Pocket {
-  Undercut undercut;
-  double begins;  // the highest place of its covered empty space, mm
+// The columns of a closed, outwards oriented mesh that stands on the plane z = floor.
+class CoveredSpace {
+ public:
+  // Casts the rays, `spacing` mm apart. Cost: columns times surfaces crossed. Error: cancelled.
+  static Result<CoveredSpace> measure(const TriangleMesh& mesh, double floor, double spacing, const ScanProgress& progress);
+
+  // The pockets above the plane z = floor, as if the mesh were cut there; deepest first (ties: larger area, then order
+  // on the grid). Spans lower than 0.2 mm are left out.
+  std::vector<Undercut> undercuts(double floor) const;
+
+  // The lowest plane above which no undercut is deeper than `depth` and larger than `area` (seen from above), to 0.1 mm;
+  // the floor given to measure() when there is none. On a sphere of radius R that is sqrt(2 R depth - depth^2) below
+  // the equator.
+  double lowest_cut(double depth, double area) const;
+
+  // How much of what stands above z = floor is a dome seen from above: the share of its columns that are no lower than
+  // the mean of their neighbours `reach` mm away on either side, along x and along y. 1 for anything convex.
+  double domed_share(double floor, double reach) const;
+
+ private:
+  struct Span {  // empty space under a ceiling
+    int column;
+    double low, high;
+  };
+  Eigen::Vector2d place(int column) const;
+  double depth_at(int column, double z, double enough) const;
+  std::vector<int> clusters(const std::vector<Span>& spans) const;
+  std::vector<Span> above(double floor) const;
+  bool has_undercut(double floor, double depth, double area) const;
+
+  double floor_ = 0, ceiling_ = 0, spacing_ = 1;
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  int nx_ = 0, ny_ = 0;
+  std::vector<double> top_;  // of each column; -inf where nothing stands
+  std::vector<Span> spans_;  // by column, from above
 };
-
-// Pockets of a closed, outwards oriented mesh that stands on the plane z = floor, deepest first (ties: larger area, then
-// order on the grid). Depth at a place is the horizontal distance to the nearest column that nothing overhangs there,
-// less half a grid cell; a pocket's depth is its greatest. Spans lower than 0.2 mm are no pockets.
-// `spacing`: of the rays, mm. Cost: columns times surfaces crossed, plus the search for depths.
-Result<std::vector<Pocket>> find_pockets(const TriangleMesh& mesh, double floor, double spacing, const Context& context);
-
-// The highest place at which a pocket begins that is worth trimming for: at least 1 mm deep and of at least `least_area`
-// mm2 seen from above. `floor` when there is none.
-double undercuts_begin(const std::vector<Pocket>& pockets, double floor, double least_area);
 
 }  // namespace vacuform

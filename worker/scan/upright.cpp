@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "worker/scan/topology.hpp"
+#include "worker/scan/undercuts.hpp"
 
 namespace vacuform {
 namespace {
@@ -63,12 +64,16 @@ Result<Unit> guess_unit(double longest_side, const std::string& where) {
   const std::string what = fitting.empty()
       ? "the scan's unit cannot be told: in none is its longest side 80 to 400 mm: " + all
       : "the scan's unit cannot be told: its longest side is plausible in " + candidates;
-  const std::string choice(name(fitting.empty() ? Unit::mm : fitting.front()));
-  return fail(Code::ambiguous_units, what, where, "say which, for example --set scan.units=" + choice +
-              (fitting.empty() ? ", or scale the scan to its true size before" : ""));
+  Unit nearest = units.front();  // to a head's 200 mm, as a ratio
+  for (const Unit unit : units)
+    if (std::abs(std::log(longest_side * millimetres(unit) / 200)) < std::abs(std::log(longest_side * millimetres(nearest) / 200)))
+      nearest = unit;
+  return fail(Code::ambiguous_units, what, where,
+              std::string(fitting.empty() ? "scale the scan to its true size, or " : "") + "say which, for example --set scan.units=" +
+                  std::string(name(fitting.empty() ? nearest : fitting.front())));
 }
 
-UpGuess guess_up(const TriangleMesh& skin, bool y_up) {
+Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress& progress) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double total = 0;
   for (const auto& t : skin.triangles) {
@@ -104,6 +109,23 @@ UpGuess guess_up(const TriangleMesh& skin, bool y_up) {
   }
   if (best.told) {
     best.why = "the scan is cut flat on the other side";
+    return best;
+  }
+  double highest = 0;
+  for (const UpAxis axis : axes) {
+    TriangleMesh turned = skin;
+    const Eigen::Matrix3d turn = upright_turn(axis, 0, 0, 0);
+    for (auto& p : turned.vertices) p = turn * p;
+    const Box stand = bounds(turned);
+    // Coarse rays do: what decides are tens of millimetres.
+    VACUFORM_TRY(space, CoveredSpace::measure(turned, stand.low.z(), std::max(2.0, stand.size().norm() / 200), progress));
+    const double cut = space.lowest_cut(1, 20);
+    const bool usual = axis == UpAxis::plus_z || axis == UpAxis::plus_y;
+    const double left = (stand.high.z() - cut) * space.domed_share(cut, 10) * (usual ? 1.2 : 1.0);
+    if (left > highest) highest = left, best.axis = axis;
+  }
+  if (highest >= 20) {
+    best.why = "most of the scan can be formed from there";
     return best;
   }
   best.axis = y_up ? UpAxis::plus_y : UpAxis::plus_z;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "api/settings.hpp"
+#include "worker/scan/scan_progress.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -16,15 +17,18 @@ Result<Unit> guess_unit(double longest_side, const std::string& where);
 
 struct UpGuess {
   UpAxis axis = UpAxis::plus_z;
-  bool told = false;  // the shape told; otherwise the axis is the format's or +z
+  bool told = false;  // the shape told; otherwise the user must be asked to look
   std::string why;    // one clause for people
 };
 
-// Looks for the side on which a scan stands, in this order:
+// Looks for the side on which a scan (in mm) stands, in this order:
 // 1. an opening: the missing face of an open skin (the sum of all area vectors points away from it);
 // 2. a flat cut: the side of the bounding box in whose plane most of the skin lies;
-// 3. otherwise nothing tells: +z, or +y where the format says so.
-UpGuess guess_up(const TriangleMesh& skin, bool y_up);
+// 3. otherwise the axis from which most can be formed: the height of the mold that the automatic trim leaves, times the
+//    share of it that is a dome (a skull, not a face), with an advantage of a fifth for +z and +y, which exporters use;
+// 4. where no axis leaves a mold, +z, or +y where the format says so.
+// The last two are guesses. Error: cancelled.
+Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress& progress);
 
 // The turn that brings `up` to +z: about the single axis that needs the least turn. Then roll, pitch and yaw about the
 // fixed axes x, y and z, in this order.

@@ -21,7 +21,7 @@ struct Stopped {
 
 // CGAL calls this between its steps; leaving by an exception is the one way out that both 5.5 and 6 know.
 struct Watch {
-  const Context* context;
+  const ScanProgress* progress;
   int steps = 0;
 
   template <class W> void on_alpha_wrapping_begin(const W&) {}
@@ -31,7 +31,7 @@ struct Watch {
   template <class W> constexpr bool go_further(const W&) { return true; }
   template <class W, class G> void before_facet_treatment(const W&, const G&) {
     if (++steps % 1024 != 0) return;
-    if (!context->step(Stage::scan, 0.5)) throw Stopped{true};
+    if (!progress->tick()) throw Stopped{true};
     if (steps > most_steps) throw Stopped{false};
   }
   template <class W, class P> void before_Steiner_point_insertion(const W&, const P&) {}
@@ -40,7 +40,7 @@ struct Watch {
 
 }  // namespace
 
-Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset, const Context& context) {
+Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset, const ScanProgress& progress) {
   std::vector<Kernel::Point_3> points;
   std::vector<std::array<std::size_t, 3>> faces;
   points.reserve(soup.vertices.size());
@@ -51,7 +51,7 @@ Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
     if (!CGAL::collinear(points[face[0]], points[face[1]], points[face[2]])) faces.push_back(face);
   }
   Surface surface;
-  Watch watch{&context};
+  Watch watch{&progress};
   try {
     // CGAL 5.5 looks for the visitor among the parameters of the output, 6 among those of the input.
     CGAL::alpha_wrap_3(points, faces, alpha, offset, surface, CGAL::parameters::visitor(watch), CGAL::parameters::visitor(watch));

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "api/error.hpp"
-#include "worker/context.hpp"
+#include "worker/scan/scan_progress.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -12,6 +12,6 @@ namespace vacuform {
 // offset: on a surface of radius R the facets' middles fall short by about alpha^2 / (6 R).
 // Alliez, Cohen-Steiner, Hemmer, Portaneri, Rouxel-Labbe 2022, "Alpha wrapping with an offset" (CGAL).
 // Deterministic. Memory and time grow with area / alpha^2. Errors: cancelled, unusable_scan.
-Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset, const Context& context);
+Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset, const ScanProgress& progress);
 
 }  // namespace vacuform
