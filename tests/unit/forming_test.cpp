@@ -1,0 +1,156 @@
+#include "worker/forming/formed_sheet.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "tests/unit/shapes.hpp"
+#include "worker/forming/contact.hpp"
+
+namespace vacuform {
+namespace {
+
+TEST(Obstacles, TouchIsTheFirstPlaceOnTheWay) {
+  const Mold mold = hemisphere(50);
+  const Obstacles obstacles(mold.mesh);
+  const auto top = obstacles.first_touch({0.3, 0.2, 60}, {0.3, 0.2, -10});
+  ASSERT_TRUE(top);
+  EXPECT_EQ(top->with, Contact::mold);
+  EXPECT_NEAR(top->place.z(), 50, 0.01);
+  EXPECT_NEAR(top->t, 10.0 / 70, 2e-4);
+  const auto beside = obstacles.first_touch({80, 0, 5}, {80, 0, -5});
+  ASSERT_TRUE(beside);
+  EXPECT_EQ(beside->with, Contact::platform);
+  EXPECT_EQ(beside->place.z(), 0);
+  EXPECT_NEAR(beside->t, 0.5, 1e-12);
+  EXPECT_FALSE(obstacles.first_touch({0, 0, 60}, {0, 0, 51}));
+  EXPECT_FALSE(obstacles.first_touch({0, 0, 49}, {0, 0, 60}));  // leaving the mold is no touch
+  EXPECT_FALSE(obstacles.first_touch({0, 0, 60}, {0, 0, 60}));
+}
+
+SheetSettings coarse() {
+  SheetSettings sheet;
+  sheet.resolution_mm = 5;
+  return sheet;
+}
+
+// Reference: a hemisphere of R = 85 mm under a ring of 1.5 R lowered to the platform, then vacuum.
+TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
+  constexpr double R = 85;
+  const Mold mold = hemisphere(R, 180, 360);
+  MachineSettings machine;
+  machine.window = WindowShape::circle;
+  machine.window_width_mm = 3 * R;
+  const auto formed = form(mold, coarse(), machine, {}, Context{});
+  ASSERT_TRUE(formed) << formed.error().text();
+
+  const std::array<std::array<double, 3>, 6> reference{
+      {{15, .2594, .974}, {30, .5032, .885}, {45, .7132, .719}, {60, .8913, .698}, {75, 1.0618, .668}, {85, 1.1586, .560}}};
+  const auto polar = [&](int v) {
+    const auto& p = formed->formed[v];
+    return std::atan2(std::hypot(p.x(), p.y()), p.z()) * 180 / std::numbers::pi;
+  };
+  for (const auto& [angle, radius, thickness] : reference) {
+    double sum_radius = 0, sum_thickness = 0;
+    int crossings = 0;
+    for (const Triangle& t : formed->triangles)
+      for (int e = 0; e < 3; ++e) {
+        const int a = t[e], b = t[(e + 1) % 3];
+        const double pa = polar(a) - angle, pb = polar(b) - angle;
+        if (formed->contact[a] != Contact::mold || formed->contact[b] != Contact::mold || pa * pb >= 0) continue;
+        const double w = pa / (pa - pb);
+        const double landed = (1 - w) * formed->rest[a].norm() + w * formed->rest[b].norm();
+        EXPECT_NEAR(landed, radius * R, 0.5) << angle << " degrees";
+        sum_radius += landed;
+        sum_thickness += (1 - w) * formed->thickness[a] + w * formed->thickness[b];
+        ++crossings;
+      }
+    ASSERT_GT(crossings, 20) << angle << " degrees";
+    EXPECT_NEAR(sum_radius / crossings, radius * R, 0.25) << angle << " degrees";
+    EXPECT_NEAR(sum_thickness / crossings, thickness, (angle < 80 ? 0.02 : 0.04) * thickness) << angle << " degrees";
+  }
+
+  const FormingSummary& s = formed->summary;
+  EXPECT_TRUE(s.converged);
+  EXPECT_LT(s.residual, 1e-3);
+  EXPECT_LT(s.mass_error, 1e-9);
+  EXPECT_LT(s.force_error, 1e-4);
+  EXPECT_NEAR(s.pressure_kpa, 85, 1e-9);
+
+  // What is said to touch touches, and the plastic is all there by the vertex values too.
+  double plastic = 0;
+  for (std::size_t i = 0; i < formed->formed.size(); ++i) {
+    const auto& p = formed->formed[i];
+    if (formed->contact[i] == Contact::mold) {
+      EXPECT_NEAR(p.norm(), R, 0.02);
+    } else if (formed->contact[i] == Contact::platform) {
+      EXPECT_EQ(p.z(), 0);
+    }
+    EXPECT_GE(p.z(), 0);
+  }
+  for (const Triangle& t : formed->triangles) {
+    const double area =
+        0.5 * (formed->formed[t[1]] - formed->formed[t[0]]).cross(formed->formed[t[2]] - formed->formed[t[0]]).norm();
+    plastic += area * (formed->thickness[t[0]] + formed->thickness[t[1]] + formed->thickness[t[2]]) / 3;
+  }
+  EXPECT_NEAR(plastic / 90000, 1, 1e-9);
+}
+
+TEST(Forming, SameInputSameBytes) {
+  const Mold mold = hemisphere(60);
+  const auto a = form(mold, coarse(), {}, {}, Context{}), b = form(mold, coarse(), {}, {}, Context{});
+  ASSERT_TRUE(a && b);
+  ASSERT_EQ(a->formed.size(), b->formed.size());
+  EXPECT_EQ(std::memcmp(a->formed.data(), b->formed.data(), a->formed.size() * sizeof(Eigen::Vector3d)), 0);
+}
+
+// A square window over a round mold: the result has the symmetry of both.
+TEST(Forming, KeepsTheSymmetryOfMoldAndFrame) {
+  const auto formed = form(hemisphere(60), coarse(), {}, {}, Context{});
+  ASSERT_TRUE(formed);
+  for (std::size_t i = 0; i < formed->rest.size(); ++i)
+    for (std::size_t j = 0; j < formed->rest.size(); ++j)
+      if ((formed->rest[i] + formed->rest[j]).norm() < 1e-9) {
+        const Eigen::Vector3d turned(-formed->formed[j].x(), -formed->formed[j].y(), formed->formed[j].z());
+        EXPECT_LT((formed->formed[i] - turned).norm(), 0.1);
+      }
+}
+
+// A frame that stops above the mold touches nothing until the vacuum; the sheet is drawn down all the same.
+TEST(Forming, DrapeHeightAboveTheMoldStillForms) {
+  MachineSettings machine;
+  machine.drape_height_mm = 70;
+  const auto formed = form(hemisphere(60), coarse(), machine, {}, Context{});
+  ASSERT_TRUE(formed) << formed.error().text();
+  EXPECT_EQ(formed->summary.drape_steps, 0);
+  int on_mold = 0;
+  for (std::size_t i = 0; i < formed->contact.size(); ++i)
+    if (formed->contact[i] == Contact::mold) {
+      ++on_mold;
+      EXPECT_GE(formed->contact_time[i], 1);
+    }
+  EXPECT_GT(on_mold, 300);
+}
+
+TEST(Forming, CancelEndsWithinASecond) {
+  Context context;
+  std::thread canceller([context]() mutable {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    context.cancel();
+  });
+  SheetSettings sheet;
+  sheet.resolution_mm = 1;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto formed = form(hemisphere(60), sheet, {}, {}, context);
+  const auto took = std::chrono::steady_clock::now() - begin;
+  canceller.join();
+  ASSERT_FALSE(formed);
+  EXPECT_EQ(formed.error().code, Code::cancelled);
+  EXPECT_LT(took, std::chrono::milliseconds(300) + std::chrono::seconds(2));
+}
+
+}  // namespace
+}  // namespace vacuform

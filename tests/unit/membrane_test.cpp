@@ -1,0 +1,139 @@
+#include "worker/forming/membrane.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "worker/forming/equilibrium.hpp"
+#include "worker/forming/sheet_grid.hpp"
+
+namespace vacuform {
+namespace {
+
+constexpr MembraneLaw laws[] = {MembraneLaw::neo_hookean, MembraneLaw::mooney_rivlin};
+
+TEST(Density, DerivativesMatchDifferences) {
+  for (const MembraneLaw law : laws)
+    for (const double l1 : {1.05, 1.4, 2.5})
+      for (const double l2 : {0.3, 0.7, 1.02}) {
+        constexpr double e = 1e-6;
+        const Density d = density(law, l1, l2);
+        const auto plus = density(law, l1 + e, l2), minus = density(law, l1 - e, l2);
+        const auto up = density(law, l1, l2 + e), down = density(law, l1, l2 - e);
+        EXPECT_NEAR(d.W1, (plus.W - minus.W) / (2 * e), 1e-7) << l1 << " " << l2;
+        EXPECT_NEAR(d.W2, (up.W - down.W) / (2 * e), 1e-7) << l1 << " " << l2;
+        EXPECT_NEAR(d.W11, (plus.W1 - minus.W1) / (2 * e), 1e-6) << l1 << " " << l2;
+        EXPECT_NEAR(d.W22, (up.W2 - down.W2) / (2 * e), 1e-6) << l1 << " " << l2;
+        EXPECT_NEAR(d.W12, (up.W1 - down.W1) / (2 * e), 1e-6) << l1 << " " << l2;
+      }
+}
+
+// The relaxed energy goes over smoothly where the sheet begins to wrinkle, and pushes nowhere.
+TEST(Density, WrinklesCarryTensionOnly) {
+  for (const MembraneLaw law : laws) {
+    const double l1 = 1.6, natural = 1 / std::sqrt(l1);
+    EXPECT_NEAR(density(law, l1, natural + 1e-9).W, density(law, l1, natural - 1e-9).W, 1e-9);
+    EXPECT_NEAR(density(law, l1, natural + 1e-9).W1, density(law, l1, natural - 1e-9).W1, 1e-7);
+    const Density wrinkled = density(law, l1, 0.5 * natural);
+    EXPECT_TRUE(wrinkled.slack);
+    EXPECT_GT(wrinkled.W1, 0.9);
+    EXPECT_NEAR(wrinkled.W2, 0, 0.02);
+    EXPECT_FALSE(density(law, l1, 1.0).slack);
+  }
+}
+
+TEST(Membrane, GradientMatchesDifferences) {
+  const std::vector<Eigen::Vector2d> rest{{0, 0}, {2, 0.1}, {2.2, 1.9}, {-0.1, 2}, {1, 1}};
+  const std::vector<Triangle> triangles{{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  const std::vector<int> all{0, 1, 2, 3};
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> noise(-0.3, 0.3);
+  for (const MembraneLaw law : laws) {
+    const Membrane membrane(rest, triangles, law);
+    Points x(3, 5), g(3, 5), unused(3, 5);
+    for (int i = 0; i < 5; ++i)
+      x.col(i) << 1.3 * rest[i].x() + noise(random), 0.8 * rest[i].y() + noise(random), noise(random);
+    membrane.energy(x, 0.37, all, g);
+    // The pressure's gradient is exact at vertices inside the sheet; vertex 4 is the one.
+    for (int k = 0; k < 3; ++k) {
+      constexpr double e = 1e-6;
+      Points plus = x, minus = x;
+      plus(k, 4) += e, minus(k, 4) -= e;
+      const double difference =
+          (membrane.energy(plus, 0.37, all, unused) - membrane.energy(minus, 0.37, all, unused)) / (2 * e);
+      EXPECT_NEAR(g(k, 4), difference, 1e-7 * (1 + std::abs(difference)));
+    }
+    // Without pressure it is exact everywhere, and no force or torque is left over.
+    membrane.energy(x, 0, all, g);
+    for (int v = 0; v < 5; ++v)
+      for (int k = 0; k < 3; ++k) {
+        constexpr double e = 1e-6;
+        Points plus = x, minus = x;
+        plus(k, v) += e, minus(k, v) -= e;
+        const double difference =
+            (membrane.energy(plus, 0, all, unused) - membrane.energy(minus, 0, all, unused)) / (2 * e);
+        EXPECT_NEAR(g(k, v), difference, 1e-7 * (1 + std::abs(difference)));
+      }
+    EXPECT_LT(g.rowwise().sum().norm(), 1e-12);
+  }
+}
+
+// A uniform biaxial stretch of the sheet by l costs A (l^2 + 1 / (2 l^4) - 3/2) with the neo-Hookean law.
+TEST(Membrane, UniformStretchCostsWhatTheLawSays) {
+  const auto grid = make_sheet_grid({}, {});
+  const Membrane membrane(grid.rest, grid.triangles, MembraneLaw::neo_hookean);
+  std::vector<int> all(grid.triangles.size());
+  std::iota(all.begin(), all.end(), 0);
+  Points x(3, static_cast<Eigen::Index>(grid.rest.size())), g = x;
+  const double l = 1.7;
+  for (std::size_t i = 0; i < grid.rest.size(); ++i) x.col(i) << l * grid.rest[i], 0;
+  const double area = 300.0 * 300.0;
+  EXPECT_NEAR(membrane.energy(x, 0, all, g) / area, l * l + 0.5 / std::pow(l, 4) - 1.5, 1e-12);
+  EXPECT_NEAR(membrane.area_stretch(x, 0), l * l, 1e-12);
+  EXPECT_FALSE(membrane.slack(x, 0));
+}
+
+// Reference of a clamped circular neo-Hookean membrane: at p a / (mu h0) = 1.1715 it rises to 0.5878 a, its pole is
+// thinned to 0.640 and its edge to 0.830 of h0; at 0.5278 to 0.3835, 0.826 and 0.906.
+class Inflation : public testing::TestWithParam<std::array<double, 4>> {};
+TEST_P(Inflation, RisesAndThinsAsTheReference) {
+  const auto [pressure, rise, pole, edge] = GetParam();
+  SheetSettings sheet;
+  sheet.width_mm = sheet.height_mm = 210;
+  sheet.resolution_mm = 5;
+  MachineSettings machine;
+  machine.window = WindowShape::circle;
+  machine.window_width_mm = 200;
+  const auto grid = make_sheet_grid(sheet, machine);
+  const Membrane membrane(grid.rest, grid.triangles, MembraneLaw::neo_hookean);
+  Equilibrium equilibrium(membrane, grid.triangles, grid.elimination_order);
+  Points x(3, static_cast<Eigen::Index>(grid.rest.size()));
+  for (std::size_t i = 0; i < grid.rest.size(); ++i) x.col(i) << grid.rest[i], 0;
+  Equilibrium::Outcome outcome;
+  for (int step = 1; step <= 10; ++step) {
+    equilibrium.hold(grid.clamped, x);
+    const double p = pressure / 100 * step / 10;
+    outcome = equilibrium.solve(x, p, 1e-5 * p * 25, 1e9, 2000, Context{});
+  }
+  EXPECT_TRUE(outcome.at_rest);
+  EXPECT_NEAR(-x.row(2).minCoeff() / 100, rise, 0.01 * rise);
+  double thinnest = 1, at_edge = 0;
+  int edge_triangles = 0;
+  for (std::size_t k = 0; k < grid.triangles.size(); ++k) {
+    const Triangle& t = grid.triangles[k];
+    const double thickness = 1 / membrane.area_stretch(x, static_cast<int>(k));
+    const double radius = ((grid.rest[t[0]] + grid.rest[t[1]] + grid.rest[t[2]]) / 3).norm();
+    thinnest = std::min(thinnest, thickness);
+    if (radius > 97 && radius < 100) at_edge += thickness, ++edge_triangles;
+  }
+  EXPECT_NEAR(thinnest, pole, 0.01 * pole);
+  EXPECT_NEAR(at_edge / edge_triangles, edge, 0.01 * edge);
+}
+INSTANTIATE_TEST_SUITE_P(Reference, Inflation,
+                         testing::Values(std::array{0.5278, 0.3835, 0.826, 0.906},
+                                         std::array{1.1715, 0.5878, 0.640, 0.830}));
+
+}  // namespace
+}  // namespace vacuform
