@@ -15,7 +15,7 @@ namespace {
 
 TEST(Obstacles, TouchIsTheFirstPlaceOnTheWay) {
   const Mold mold = hemisphere(50);
-  const Obstacles obstacles(mold.mesh);
+  const Obstacles obstacles(mold.mesh, {});
   const auto top = obstacles.first_touch({0.3, 0.2, 60}, {0.3, 0.2, -10});
   ASSERT_TRUE(top);
   EXPECT_EQ(top->with, Contact::mold);
@@ -26,6 +26,17 @@ TEST(Obstacles, TouchIsTheFirstPlaceOnTheWay) {
   EXPECT_EQ(beside->with, Contact::platform);
   EXPECT_EQ(beside->place.z(), 0);
   EXPECT_NEAR(beside->t, 0.5, 1e-12);
+  const auto wall = obstacles.first_touch({-130, 20, 30}, {-150, 10, 30});
+  ASSERT_TRUE(wall);
+  EXPECT_EQ(wall->with, Contact::clamp);
+  EXPECT_LT((wall->place - Eigen::Vector3d(-140, 15, 30)).norm(), 1e-12);
+  MachineSettings round;
+  round.window = WindowShape::circle;
+  round.window_width_mm = 200;
+  const auto ring = Obstacles(mold.mesh, round).first_touch({60, 70, 30}, {60, 90, 20});
+  ASSERT_TRUE(ring);
+  EXPECT_EQ(ring->with, Contact::clamp);
+  EXPECT_LT((ring->place - Eigen::Vector3d(60, 80, 25)).norm(), 1e-12);
   EXPECT_FALSE(obstacles.first_touch({0, 0, 60}, {0, 0, 51}));
   EXPECT_FALSE(obstacles.first_touch({0, 0, 49}, {0, 0, 60}));  // leaving the mold is no touch
   EXPECT_FALSE(obstacles.first_touch({0, 0, 60}, {0, 0, 60}));

@@ -1,6 +1,8 @@
 #include "worker/forming/contact.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 namespace vacuform {
 
@@ -8,6 +10,24 @@ namespace {
 // A ray starts this much early, mm: a point that rests against the mold within rounding must still meet it.
 constexpr double back_off = 0.02;
 }  // namespace
+
+std::optional<double> Obstacles::leaves_window(const Eigen::Vector3d& from, const Eigen::Vector3d& way) const {
+  double t = 2;
+  if (machine_.window == WindowShape::circle) {
+    // |from + t way| = radius in the plane: the larger root, as `from` lies inside.
+    const Eigen::Vector2d o = from.head<2>(), d = way.head<2>();
+    const double radius = machine_.window_width_mm / 2, a = d.squaredNorm();
+    if (a > 0) {
+      const double b = o.dot(d), c = std::min(0.0, o.squaredNorm() - radius * radius);
+      t = (std::sqrt(b * b - a * c) - b) / a;
+    }
+  } else {
+    const double half[2] = {machine_.window_width_mm / 2, machine_.window_height_mm / 2};
+    for (int k = 0; k < 2; ++k)
+      if (way[k] != 0) t = std::min(t, std::max(0.0, (std::copysign(half[k], way[k]) - from[k]) / way[k]));
+  }
+  return t <= 1 ? std::optional(t) : std::nullopt;
+}
 
 std::optional<Obstacles::Touch> Obstacles::first_touch(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
   const Eigen::Vector3d way = to - from;
@@ -19,6 +39,8 @@ std::optional<Obstacles::Touch> Obstacles::first_touch(const Eigen::Vector3d& fr
     touch = Touch{t, from + t * way, Contact::platform};
     touch->place.z() = 0;
   }
+  if (const auto t = leaves_window(from, way); t && (!touch || *t < touch->t))
+    touch = Touch{*t, from + *t * way, Contact::clamp};
 
   const double early = back_off / length;
   const Eigen::Vector3d origin = from - early * way, direction = (1 + early) * way;

@@ -1,4 +1,5 @@
-// What the descending sheet meets: the mold and the platform, found along the way from one place to the next.
+// What the sheet meets: the mold, the platform, and the wall that joins the clamp frame's window to the platform, found
+// along the way from one place to the next.
 #pragma once
 
 #include <optional>
@@ -12,18 +13,23 @@ class Obstacles {
  public:
   struct Touch {
     double t;               // along the way, in [0, 1]
-    Eigen::Vector3d place;  // exactly on the mold's triangle or on the platform
-    Contact with;
+    Eigen::Vector3d place;  // exactly on the mold's triangle, on the platform or on the wall
+    Contact with;           // the wall counts as the clamp
   };
 
-  explicit Obstacles(const TriangleMesh& mold) : mold_(mold), rays_(mold) {}
+  Obstacles(const TriangleMesh& mold, const MachineSettings& machine) : mold_(mold), rays_(mold), machine_(machine) {}
 
-  // The first place at which a point that moves straight from `from` to `to` enters the mold or passes the platform.
+  // The first place at which a point that moves straight from `from`, inside the window and not below the platform, to
+  // `to` enters the mold or leaves the space between platform and wall.
   std::optional<Touch> first_touch(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
 
  private:
+  // The smallest t in [0, 1] at which from + t way leaves the window, or nothing.
+  std::optional<double> leaves_window(const Eigen::Vector3d& from, const Eigen::Vector3d& way) const;
+
   const TriangleMesh& mold_;
   RayCaster rays_;
+  MachineSettings machine_;
 };
 
 }  // namespace vacuform

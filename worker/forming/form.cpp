@@ -28,7 +28,7 @@ class Process {
       : sheet_(sheet),
         machine_(machine),
         grid_(make_sheet_grid(sheet, machine)),
-        obstacles_(mold.mesh),
+        obstacles_(mold.mesh, machine),
         membrane_(grid_.rest, grid_.triangles, settings.law),
         equilibrium_(membrane_, grid_.triangles, grid_.elimination_order),
         context_(context),

@@ -11,6 +11,7 @@
 
 namespace vacuform {
 
+// What a vertex touches; the wall under the clamp frame's window counts as the clamp.
 enum class Contact : std::uint8_t { free = 0, mold = 1, platform = 2, clamp = 3 };
 
 // How the simulation went, for report.json.
