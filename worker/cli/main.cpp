@@ -37,6 +37,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = 0;
   add_run(app, exit_code);
+  add_inspect(app, exit_code);
   add_sample(app, exit_code);
   add_submit(app, exit_code);
   try {

@@ -4,6 +4,7 @@
 
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/mold_distance.hpp"
+#include "worker/scan/findings_json.hpp"
 
 namespace vacuform {
 namespace {
@@ -28,42 +29,6 @@ Json array(const Vector& v, int places) {
   Json out = Json::array();
   for (int k = 0; k < v.size(); ++k) out.push_back(rounded(v[k], places));
   return out;
-}
-
-Json scan_of(const ScanFindings& f) {
-  return {{"format", f.format},
-          {"triangles_read", f.triangles_read},
-          {"unit", name(f.unit)},
-          {"unit_guessed", f.unit_guessed},
-          {"up", name(f.up)},
-          {"up_guessed", f.up_guessed},
-          {"components", f.components},
-          {"components_dropped", f.components_dropped},
-          {"turned_inside_out", f.turned_inside_out},
-          {"holes_closed", f.holes_closed},
-          {"holes_capped", f.holes_capped},
-          {"rebuilt", f.rebuilt},
-          {"size_mm", array(f.size_mm, 2)},
-          {"trim_mm", rounded(f.trim_mm, 2)},
-          {"trim_chosen", f.trim_chosen}};
-}
-
-Json mold_of(const Mold& mold) {
-  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = low;
-  if (!mold.mesh.vertices.empty()) low = high = mold.mesh.vertices.front();
-  for (const auto& p : mold.mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  // Deepest first: what follows the first twenty is small beside them.
-  Json undercuts = Json::array();
-  for (std::size_t i = 0; i < std::min<std::size_t>(mold.undercuts.size(), 20); ++i) {
-    const auto& u = mold.undercuts[i];
-    undercuts.push_back(
-        {{"place_mm", array(u.place, 1)}, {"depth_mm", rounded(u.depth_mm, 2)}, {"area_mm2", rounded(u.area_mm2, 1)}});
-  }
-  return {{"triangles", mold.mesh.triangles.size()},
-          {"size_mm", array(Eigen::Vector3d(high - low), 2)},
-          {"top_mm", array(mold.top, 2)},
-          {"undercut_count", mold.undercuts.size()},
-          {"undercuts", undercuts}};
 }
 
 Json forming_of(const Finished& job) {
@@ -156,8 +121,8 @@ Json distortion_of(const Distortion& d) {
 Json report(const Finished& job) {
   Json out;
   out["settings"] = to_json(job.settings);
-  out["scan"] = scan_of(job.mold.findings);
-  out["mold"] = mold_of(job.mold);
+  out["scan"] = scan_json(job.mold.findings);
+  out["mold"] = mold_json(job.mold);
   out["forming"] = forming_of(job);
   out["thickness"] = thickness_of(job);
   out["flattening"] = flattening_of(job.flattening);
