@@ -135,3 +135,73 @@ class Case(unittest.TestCase):
         return value
 
     maxDiff = None
+
+
+class Server:
+    """The real vacuform-server on a port of its own; `workers` are its children."""
+
+    def __init__(self, folder, workers=2, options=()):
+        self.folder = folder
+        self.data = folder / "data"
+        self.port = free_port()
+        self.url = f"http://127.0.0.1:{self.port}"
+        self.api = self.url + "/api/v1"
+        self.workers, self.options = workers, options
+        self.program = None
+
+    def __enter__(self):
+        return self.start()
+
+    def __exit__(self, *_):
+        self.stop()
+
+    def start(self):
+        self.program = Program([BIN / "vacuform-server", "--listen", f"127.0.0.1:{self.port}", "--data", self.data,
+                                "--workers", self.workers, *self.options], self.folder / "server.log")
+        wait_for(self.answers, "the server")
+        return self
+
+    def answers(self):
+        if self.program.process.poll() is not None:
+            raise AssertionError("the server has ended:\n" + self.program.says())
+        with contextlib.suppress(ConnectionError):
+            return curl(self.url + "/healthz").status == 200
+
+    def stop(self, number=signal.SIGTERM):
+        return self.program.end(number)
+
+    def post(self, scan, pattern, settings=None, *more):
+        """The answer to a new job."""
+        words = ["-F", f"scan=@{scan}", "-F", f"pattern=@{pattern}", *more]
+        if settings is not None:
+            words += ["-F", "settings=" + json.dumps(settings)]
+        return curl(*words, self.api + "/jobs")
+
+    def submit(self, scan, pattern, settings=None):
+        """The id of a new job."""
+        answer = self.post(scan, pattern, settings)
+        assert answer.status == 202, answer
+        assert answer.headers["location"] == "/api/v1/jobs/" + answer.json["id"], answer.headers
+        return answer.json["id"]
+
+    def job(self, job):
+        answer = curl(f"{self.api}/jobs/{job}")
+        assert answer.status == 200, answer
+        return answer.json
+
+    def wait(self, job, condition=lambda j: j["state"] in ("succeeded", "failed", "cancelled"), what="the end of a job"):
+        """The job once the condition holds."""
+        def look():
+            found = self.job(job)
+            return found if condition(found) else None
+        return wait_for(look, what)
+
+    def jobs(self):
+        """All jobs, newest first, page by page."""
+        found, cursor = [], ""
+        while True:
+            page = curl(f"{self.api}/jobs?limit=100{cursor}").json
+            found += page["jobs"]
+            if not page["next"]:
+                return found
+            cursor = "&cursor=" + page["next"]

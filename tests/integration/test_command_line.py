@@ -1,0 +1,227 @@
+"""vacuform run and inspect: exit codes, one-line refusals, the same bytes twice, and the result read independently."""
+import json
+import math
+import pathlib
+import re
+import signal
+import struct
+import subprocess
+import unittest
+
+import meshes
+from harness import BIN, PATTERNS, SCANS, Case, Program, vacuform, wait_for
+
+NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-19x40mm.svg"
+
+
+class Refusals(Case):
+    """Exit 2 with one line: what, where, how to mend it."""
+
+    def assert_refused(self, done, *words):
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertEqual(done.stdout, "")
+        self.assertRegex(done.stderr, r"\Avacuform: [^\n]+\n\Z")
+        for word in words:
+            self.assertIn(word, done.stderr)
+
+    def run_with(self, *words, scan=NEONATE, pattern=RINGS):
+        return vacuform("run", "--scan", scan, "--pattern", pattern, "--out", self.folder / "out", *words)
+
+    def test_usage(self):
+        for words, says in [((), "vacuform --help"), (("print",), "no such command: print"),
+                            (("run",), "--scan"), (("run", "--scan", NEONATE), "vacuform run --help"),
+                            (("inspect",), "vacuform inspect --help"), (("run", "--dpi", "3"), "vacuform run --help"),
+                            (("submit", "--out", "x"), "--wait"), (("submit",), "--scan FILE and --pattern FILE"),
+                            (("submit", "--server", "localhost", "--job", "x"), "http://127.0.0.1:8080")]:
+            with self.subTest(words):
+                self.assert_refused(vacuform(*words), says)
+
+    def test_help_and_version(self):
+        for words in ["--help"], ["run", "--help"], ["inspect", "--help"], ["submit", "--help"], ["--version"]:
+            done = vacuform(*words)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertTrue(done.stdout)
+
+    def test_files_and_settings(self):
+        settings = self.folder / "settings.json"
+        settings.write_text('{"print": {"dip": 300}}')
+        broken = self.folder / "broken.json"
+        broken.write_text('{"print": ')
+        for done, words in [
+                (self.run_with(scan=self.folder / "none.stl"), ["none.stl", "check the name"]),
+                (self.run_with(pattern=self.folder / "none.svg"), ["none.svg"]),
+                (self.run_with(scan=self.folder), [str(self.folder)]),
+                (self.run_with("--set", "print.dpi=71"), ["out of range: 71", "print.dpi", "72.0 to 1200.0"]),
+                (self.run_with("--set", "dpi=300"), ["group.key=value", "dpi=300"]),
+                (self.run_with("--settings", settings), ["unknown setting", "print.dip", "dpi, marks, margin_mm"]),
+                (self.run_with("--settings", broken), ["not a JSON object", "broken.json"]),
+                (self.run_with("--settings", self.folder / "none.json"), ["none.json"]),
+                (self.run_with(scan=RINGS), ["rings-19x40mm.svg"]),
+                (self.run_with(pattern=NEONATE), ["neonate-40w.stl"]),
+                (vacuform("inspect", SCANS / "corrupt-head.glb"), ["corrupt-head.glb"])]:
+            with self.subTest(words):
+                self.assert_refused(done, *words)
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_folder_that_cannot_be_made(self):
+        (self.folder / "file").write_text("")
+        done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", self.folder / "file" / "out",
+                        "--set", "sheet.resolution_mm=10", "--set", "print.dpi=72")
+        self.assert_refused(done, "file/out")
+
+
+class Progress(Case):
+    def test_lines_of_json(self):
+        done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", self.folder / "out", "--progress", "json",
+                        "--set", "sheet.resolution_mm=10", "--set", "print.dpi=72")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        stages = ["scan", "forming", "flattening", "printing", "inspection"]
+        self.assertEqual(sorted({line["stage"] for line in lines}, key=stages.index), stages)
+        steps = [(stages.index(line["stage"]), line["progress"]) for line in lines]
+        self.assertEqual(steps, sorted(steps), "progress goes back")
+        self.assertTrue(all(0 <= fraction <= 1 for _, fraction in steps))
+
+    def test_problem_is_the_last_line_of_json(self):
+        done = vacuform("run", "--scan", SCANS / "corrupt-head.glb", "--pattern", RINGS, "--out", self.folder / "none",
+                        "--progress", "json")
+        self.assertEqual(done.returncode, 2)
+        problem = json.loads(done.stdout.splitlines()[-1])["problem"]
+        self.assertEqual(problem["code"], "corrupt-file")
+        self.assertIn("corrupt-head.glb", problem["where"])
+        self.assertTrue(problem["what"] and problem["mend"])
+
+    def test_interrupt_ends_it_without_artifacts(self):
+        out = self.folder / "interrupted"
+        process = subprocess.Popen([BIN / "vacuform", "run", "--scan", NEONATE, "--pattern", RINGS, "--out", out,
+                                    "--progress", "json", "--set", "sheet.resolution_mm=1"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        with process:
+            for line in process.stdout:
+                if json.loads(line).get("stage") == "forming":
+                    break
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.wait(timeout=60), 130)
+            self.assertEqual(process.stderr.read(), "vacuform: cancelled\n")
+        self.assertFalse(out.exists() and list(out.iterdir()))
+
+
+class Inspect(Case):
+    def test_every_scan_is_described_or_refused(self):
+        for scan in sorted(SCANS.iterdir()):
+            if scan.suffix == ".md":
+                continue
+            with self.subTest(scan.name):
+                done = vacuform("inspect", scan, "--json")
+                self.assertIn(done.returncode, (0, 2), done.stderr)
+                if done.returncode == 0:
+                    self.assertIsInstance(json.loads(done.stdout), dict)
+                else:
+                    self.assertRegex(done.stderr, r"\Avacuform: [^\n]+\([^\n]+\); [^\n]+\n\Z")
+
+
+class Neonate(Case):
+    """A newborn's head with nineteen 40 mm rings at default settings."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.out = cls.folder / "first"
+        cls.done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", cls.out)
+        cls.again = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", cls.folder / "second")
+        if cls.done.returncode == 0:
+            cls.ply = meshes.Ply((cls.out / "formed.ply").read_bytes())
+            cls.mold = meshes.read_stl((cls.out / "mold.stl").read_bytes())
+            cls.report = json.loads((cls.out / "report.json").read_text())
+            v = cls.ply.vertices
+            cls.chart = [f for f in cls.ply.faces if not any(math.isnan(v["u"][i]) for i in f)]
+
+    def test_succeeds_silently(self):
+        self.assertEqual((self.done.returncode, self.done.stdout, self.done.stderr), (0, "", ""))
+
+    def test_same_bytes_twice(self):
+        self.assertEqual(self.again.returncode, 0, self.again.stderr)
+        names = sorted(p.name for p in self.out.iterdir())
+        self.assertEqual(names, sorted(p.name for p in (self.folder / "second").iterdir()))
+        self.assertEqual(names, sorted(a["name"] for a in self.report["artifacts"]))
+        for name in names:
+            self.assertEqual((self.out / name).read_bytes(), (self.folder / "second" / name).read_bytes(), name)
+
+    def test_formed_ply_is_of_the_documented_form(self):
+        self.assertEqual(list(self.ply.types.items()),
+                         [(n, "f") for n in "x y z s t u v thickness temperature".split()] + [("contact", "B")])
+        self.assertEqual(self.ply.types["contact"], "B")
+        self.assertLessEqual(set(self.ply.vertices["contact"]), {0, 1, 2, 3})
+        for name in "x y z s t thickness temperature".split():
+            self.assertTrue(all(math.isfinite(x) for x in self.ply.vertices[name]), name)
+        self.assertTrue(all(math.isnan(u) == math.isnan(v) for u, v in zip(self.ply.vertices["u"], self.ply.vertices["v"])))
+        self.assertTrue(any(map(math.isnan, self.ply.vertices["u"])), "the chart is not the whole sheet")
+
+    def test_formed_vertices_lie_on_the_mold_or_the_platform(self):
+        near = meshes.Near(self.mold, 0.2)
+        touching = [(p, c) for p, c in zip(self.ply.points, self.ply.vertices["contact"]) if c in (1, 2)]
+        self.assertGreater(len(touching), len(self.ply.points) / 2)
+        worst = max(min(near(p), abs(p[2])) for p, _ in touching)
+        self.assertLessEqual(worst, 0.2)
+        for p, c in touching:
+            self.assertLessEqual(abs(p[2]) if c == 2 else near(p), 0.2)
+        self.assertLessEqual(self.report["forming"]["largest_gap_mm"], 0.2)
+
+    def test_plastic_is_conserved(self):
+        v, initial = self.ply.vertices, self.report["settings"]["sheet"]["thickness_mm"]
+        rest = list(zip(v["s"], v["t"]))
+        before = sum(meshes.flat_area(*(rest[i] for i in f)) for f in self.ply.faces) * initial
+        after = sum(meshes.area(*(self.ply.points[i] for i in f)) * sum(v["thickness"][i] for i in f) / 3
+                    for f in self.ply.faces)
+        self.assertAlmostEqual(after / before, 1, delta=0.01)
+        self.assertLess(self.report["forming"]["mass_error"], 1e-6)
+        self.assertLess(min(v["thickness"]), 0.8 * initial, "a sheet over a head is stretched")
+
+    def test_sheet_keeps_its_rest_shape_and_nothing_is_turned_over(self):
+        v = self.ply.vertices
+        rest = list(zip(v["s"], v["t"]))
+        areas = [meshes.flat_area(*(rest[i] for i in f)) for f in self.ply.faces]
+        self.assertGreater(min(areas), 0)
+        self.assertAlmostEqual(sum(areas), 280 * 280, delta=0.1 * 300 * 300)
+        uv = list(zip(v["u"], v["v"]))
+        turned = sum(meshes.flat_area(*(uv[i] for i in f)) <= 0 for f in self.chart)
+        self.assertLessEqual(turned, self.report["flattening"]["flipped"])
+
+    def test_pre_distortion_lowers_anisotropy_and_area_ratio(self):
+        v = self.ply.vertices
+        normals = meshes.vertex_normals(self.ply.points, self.ply.faces)
+        inked = [tuple(p[k] + n[k] * h for k in range(3)) for p, n, h in zip(self.ply.points, normals, v["thickness"])]
+        with_print = meshes.distortion(list(zip(v["u"], v["v"])), inked, self.chart)
+        without = meshes.distortion(list(zip(v["s"], v["t"])), inked, self.chart)
+        for figure in "anisotropy", "area_ratio":
+            for statistic in "mean", "p95":
+                with self.subTest(f"{figure} {statistic}"):
+                    self.assertLess(with_print[figure][statistic], without[figure][statistic])
+                    figures = self.report["figures"]
+                    self.assertLess(figures["with"][figure][statistic], figures["without"][figure][statistic])
+                    # The inked surface is rebuilt here from vertex normals alone: the figures agree to a percent or two.
+                    self.assertAlmostEqual(with_print[figure][statistic] / figures["with"][figure][statistic], 1, delta=0.03)
+                    self.assertAlmostEqual(without[figure][statistic] / figures["without"][figure][statistic], 1, delta=0.03)
+
+    def test_mold_is_watertight_and_stands_on_the_platform(self):
+        self.assertTrue(meshes.edges_closed(self.mold))
+        low = min(p[2] for t in self.mold for p in t)
+        self.assertAlmostEqual(low, 0, delta=1e-3)
+
+    def test_print_has_the_sheet_s_size_at_the_asked_resolution(self):
+        png = (self.out / "print.png").read_bytes()
+        self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
+        width, height = struct.unpack(">II", png[16:24])
+        at = png.index(b"pHYs")
+        per_metre = struct.unpack(">IIB", png[at + 4:at + 13])
+        self.assertEqual(per_metre, (11811, 11811, 1))  # 300 dpi
+        self.assertEqual((width, height), (math.ceil(300 / 25.4 * 300),) * 2)
+
+    def test_svg_is_the_sheet_in_millimetres(self):
+        head = (self.out / "print.svg").read_text()[:2000]
+        self.assertRegex(head, r'width="300mm"')
+        self.assertRegex(head, r'viewBox="-150 -150 300 300"')
+
+
+if __name__ == "__main__":
+    unittest.main()

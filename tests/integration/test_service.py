@@ -1,0 +1,201 @@
+"""The real server and its workers, driven by curl: every real scan, downloads, cancelling, deleting, the page."""
+import hashlib
+import html
+import io
+import json
+import re
+import time
+import unittest
+import zipfile
+
+from harness import PATTERNS, SCANS, Case, Server, curl, vacuform, wait_for
+
+RINGS = PATTERNS / "rings-7x40mm.svg"
+COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
+FINE = {"sheet": {"resolution_mm": 1}}  # long enough to be interrupted
+ARTIFACTS = ["print.png", "print.svg", "preview-without.png", "preview-with.png", "preview-anisotropy.png",
+             "preview-area.png", "preview-thickness.png", "formed.ply", "formed.obj", "formed.mtl", "uv-map.obj",
+             "mold.stl", "report.json"]
+
+
+def coarse(**groups):
+    return {**COARSE, **groups}
+
+
+class Service(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.server = cls.enterClass(Server(cls.folder))
+        cls.neonate = cls.server.submit(SCANS / "neonate-40w.stl", RINGS, COARSE)
+
+    def finished(self):
+        job = self.server.wait(self.neonate)
+        self.assertEqual(job["state"], "succeeded", job["problem"])
+        return job
+
+    def artifact(self, name, *words):
+        return curl(*words, f"{self.server.api}/jobs/{self.neonate}/artifacts/{name}")
+
+    def test_job_says_what_was_asked_and_what_came_out(self):
+        job = self.finished()
+        self.assertEqual([a["name"] for a in job["artifacts"]], ARTIFACTS)
+        self.assertEqual((job["progress"], job["attempt"], job["problem"]), (1, 1, None))
+        self.assertEqual(job["settings"]["sheet"]["resolution_mm"], 5)
+        self.assertEqual(job["settings"]["print"]["marks"], True)
+        self.assertLessEqual(job["created"], job["started"])
+        self.assertLessEqual(job["started"], job["ended"])
+        scan = (SCANS / "neonate-40w.stl").read_bytes()
+        self.assertEqual(job["inputs"]["scan"]["sha256"], hashlib.sha256(scan).hexdigest())
+        self.assertEqual(job["inputs"]["scan"]["bytes"], len(scan))
+        self.assertEqual(curl(f"{self.server.api}/jobs/{self.neonate}/artifacts").json["artifacts"], job["artifacts"])
+
+    def test_artifacts_are_those_of_the_command_line_byte_for_byte(self):
+        out = self.folder / "run"
+        done = vacuform("run", "--scan", SCANS / "neonate-40w.stl", "--pattern", RINGS, "--out", out, "--set",
+                        "sheet.resolution_mm=5", "--set", "print.dpi=100")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for a in self.finished()["artifacts"]:
+            with self.subTest(a["name"]):
+                answer = self.artifact(a["name"])
+                self.assertEqual(answer.status, 200)
+                self.assertEqual(answer.headers["content-type"], a["media_type"])
+                self.assertEqual(len(answer.body), a["bytes"])
+                self.assertEqual(hashlib.sha256(answer.body).hexdigest(), a["sha256"])
+                self.assertEqual(answer.headers["etag"], f'"{a["sha256"]}"')
+                self.assertEqual(answer.body, (out / a["name"]).read_bytes())
+
+    def test_ranges_and_etags(self):
+        self.finished()
+        whole = self.artifact("mold.stl")
+        part = self.artifact("mold.stl", "-r", "80-83")
+        self.assertEqual((part.status, part.body), (206, whole.body[80:84]))
+        self.assertEqual(part.headers["content-range"], f"bytes 80-83/{len(whole.body)}")
+        self.assertEqual(self.artifact("mold.stl", "-r", "-7").body, whole.body[-7:])
+        self.assertEqual(self.artifact("mold.stl", "-r", f"{len(whole.body) - 3}-").body, whole.body[-3:])
+        self.assertEqual(self.artifact("mold.stl", "-r", f"{len(whole.body)}-").status, 416)
+        etag = whole.headers["etag"]
+        known = self.artifact("mold.stl", "-H", f"If-None-Match: {etag}")
+        self.assertEqual((known.status, known.body), (304, b""))
+        same = self.artifact("mold.stl", "-r", "0-3", "-H", f"If-Range: {etag}")
+        self.assertEqual((same.status, len(same.body)), (206, 4))
+        other = self.artifact("mold.stl", "-r", "0-3", "-H", 'If-Range: "other"')
+        self.assertEqual((other.status, len(other.body)), (200, len(whole.body)))
+        head = self.artifact("mold.stl", "-I")
+        self.assertEqual((head.status, head.headers["content-length"]), (200, str(len(whole.body))))
+
+    def test_zip_holds_the_same_bytes(self):
+        job = self.finished()
+        answer = curl(f"{self.server.api}/jobs/{self.neonate}/artifacts.zip")
+        self.assertEqual((answer.status, answer.headers["content-type"]), (200, "application/zip"))
+        with zipfile.ZipFile(io.BytesIO(answer.body)) as archive:
+            self.assertIsNone(archive.testzip())
+            self.assertEqual({i.filename.rpartition("/")[2]: hashlib.sha256(archive.read(i)).hexdigest()
+                              for i in archive.infolist()}, {a["name"]: a["sha256"] for a in job["artifacts"]})
+
+    def test_submit_does_the_same_through_the_server(self):
+        out = self.folder / "submitted"
+        done = vacuform("submit", "--server", self.server.url, "--scan", SCANS / "neonate-40w.stl", "--pattern", RINGS,
+                        "--set", "sheet.resolution_mm=5", "--set", "print.dpi=100", "--wait", "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, rf"\A{re.escape(self.server.api)}/jobs/\w+\n\Z")
+        self.assertEqual({p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in out.iterdir()},
+                         {a["name"]: a["sha256"] for a in self.finished()["artifacts"]})
+        again = self.folder / "again"
+        done = vacuform("submit", "--server", self.server.url, "--job", self.neonate, "--wait", "--out", again)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(sorted(p.name for p in again.iterdir()), sorted(ARTIFACTS))
+
+    def test_submit_passes_a_refusal_on(self):
+        done = vacuform("submit", "--server", self.server.url, "--scan", SCANS / "corrupt-head.glb", "--pattern", RINGS,
+                        "--wait", "--out", self.folder / "refused")
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr.splitlines()[-1], r"\Avacuform: .+; .+")
+        self.assertFalse((self.folder / "refused").exists())
+
+    def test_cancel_ends_forming_within_two_seconds(self):
+        job = self.server.submit(SCANS / "neonate-40w.stl", RINGS, FINE)
+        self.server.wait(job, lambda j: j["stage"] == "forming" and j["stage_progress"] > 0, "forming")
+        asked = time.monotonic()
+        self.assertIn(curl("-X", "POST", f"{self.server.api}/jobs/{job}/cancel").json["state"], ("cancelling", "cancelled"))
+        ended = wait_for(lambda: self.server.job(job)["state"] == "cancelled", "the end of a cancelled job")
+        self.assertTrue(ended)
+        self.assertLess(time.monotonic() - asked, 2.0)
+        self.assertEqual(self.server.job(job)["artifacts"], [])
+        again = curl("-X", "POST", f"{self.server.api}/jobs/{job}/cancel")
+        self.assertEqual((again.status, again.json["state"]), (200, "cancelled"))
+
+    def test_delete_takes_everything_away(self):
+        job = self.server.submit(SCANS / "corrupt-head.glb", RINGS, COARSE)
+        self.server.wait(job)
+        self.assertEqual(curl("-X", "DELETE", f"{self.server.api}/jobs/{job}").status, 204)
+        for tail in "", "/artifacts", "/artifacts/report.json", "/artifacts.zip":
+            answer = curl(f"{self.server.api}/jobs/{job}{tail}")
+            self.assertEqual((answer.status, answer.json["type"]), (404, "/problems/not-found"))
+        self.assertNotIn(job, [j["id"] for j in self.server.jobs()])
+
+    def test_running_job_is_not_deleted(self):
+        job = self.server.submit(SCANS / "neonate-40w.stl", RINGS, FINE)
+        self.server.wait(job, lambda j: j["state"] == "running", "a worker")
+        answer = curl("-X", "DELETE", f"{self.server.api}/jobs/{job}")
+        self.assertEqual((answer.status, answer.json["type"]), (409, "/problems/conflict"))
+        self.assertTrue(answer.json["mend"])
+        curl("-X", "POST", f"{self.server.api}/jobs/{job}/cancel")
+        self.assertEqual(self.server.wait(job)["state"], "cancelled")
+
+    def test_list_is_paged_newest_first(self):
+        made = [self.server.submit(SCANS / "corrupt-head.glb", RINGS) for _ in range(5)]
+        ids, cursor = [], ""
+        while True:
+            page = curl(f"{self.server.api}/jobs?limit=2{cursor}").json
+            self.assertLessEqual(len(page["jobs"]), 2)
+            ids += [j["id"] for j in page["jobs"]]
+            if not page["next"]:
+                break
+            cursor = "&cursor=" + page["next"]
+        self.assertEqual(len(ids), len(set(ids)))
+        self.assertEqual([i for i in ids if i in made], made[::-1])
+        self.assertIn(self.neonate, ids)
+        for limit in "0", "101", "many":
+            answer = curl(f"{self.server.api}/jobs?limit={limit}")
+            self.assertEqual((answer.status, answer.json["type"]), (400, "/problems/bad-usage"))
+
+    def test_page_works_without_javascript(self):
+        front = curl(self.server.url + "/")
+        self.assertEqual(front.status, 200)
+        page = front.body.decode()
+        self.assertNotIn("<script", page)
+        form = re.search(r'<form[^>]*action="([^"]*)"[^>]*enctype="multipart/form-data"', page)
+        names = set(re.findall(r'name="([\w.]+)"', page))
+        self.assertLessEqual({"scan", "pattern", "print.dpi", "scan.units", "sheet.resolution_mm"}, names)
+        words = [f"-Fscan=@{SCANS / 'neonate-40w.stl'}", f"-Fpattern=@{RINGS}"]
+        for name in sorted(names - {"scan", "pattern", "viewport", "color-scheme"}):
+            words += ["-F", name + "=" + {"sheet.resolution_mm": "5", "print.dpi": "100"}.get(name, "")]
+        answer = curl(*words, self.server.url + form.group(1))
+        self.assertEqual(answer.status, 303, answer)
+        where = self.server.url + answer.headers["location"]
+
+        def finished():
+            text = curl(where).body.decode()
+            return text if "preview-with.png" in text else None
+        text = wait_for(finished, "the previews on the job's page")
+        self.assertNotIn("http-equiv=\"refresh\"", text)
+        pictures = [html.unescape(src) for src in re.findall(r'<img[^>]*src="([^"]+)"', text)]
+        self.assertEqual(len([p for p in pictures if "/preview-" in p]), 5)
+        self.assertTrue(all(re.search(r'alt="[^"]+"', img) for img in re.findall(r"<img[^>]*>", text)))
+        for picture in pictures:
+            self.assertEqual(curl(self.server.url + picture).body[:8], b"\x89PNG\r\n\x1a\n")
+        for name in ARTIFACTS:
+            self.assertIn(f"/artifacts/{name}\"", text)
+
+    def test_page_says_what_was_wrong(self):
+        answer = curl(f"-Fscan=@{SCANS / 'neonate-40w.stl'}", f"-Fpattern=@{RINGS}", "-F", "print.dpi=7",
+                      self.server.url + "/jobs", "-H", "Accept: text/html")
+        self.assertEqual(answer.status, 422)
+        page = answer.body.decode()
+        for words in "out of range: 7", "print.dpi", "72.0 to 1200.0":
+            self.assertIn(words, page)
+
+
+if __name__ == "__main__":
+    unittest.main()
