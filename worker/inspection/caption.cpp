@@ -13,11 +13,23 @@
 namespace vacuform {
 namespace {
 
-constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},    {72, 21, 104},  {72, 38, 119},  {69, 55, 129},
-                                                            {63, 71, 136},  {57, 85, 140},  {50, 100, 142}, {45, 113, 142},
-                                                            {40, 125, 142}, {35, 138, 141}, {31, 150, 139}, {41, 175, 127},
-                                                            {59, 187, 117}, {86, 198, 103}, {148, 216, 64}, {200, 224, 32},
+constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},    {72, 24, 106},  {71, 45, 123},  {66, 64, 134},
+                                                            {59, 82, 139},  {51, 99, 141},  {44, 114, 142}, {38, 130, 142},
+                                                            {33, 145, 140}, {31, 160, 136}, {40, 174, 128}, {63, 188, 115},
+                                                            {94, 201, 98},  {132, 212, 75}, {173, 220, 48}, {216, 226, 25},
                                                             {253, 231, 37}}};
+
+// A veil over the picture, so that words can be read on anything; solid up to one row and fading
+// out towards the other.
+void veil(cairo_t* cairo, double top, double bottom, double solid_end, double clear_end) {
+  const std::unique_ptr<cairo_pattern_t, void (*)(cairo_pattern_t*)> fade(
+      cairo_pattern_create_linear(0, solid_end, 0, clear_end), cairo_pattern_destroy);
+  cairo_pattern_add_color_stop_rgba(fade.get(), 0, 0.985, 0.985, 0.99, 0.88);
+  cairo_pattern_add_color_stop_rgba(fade.get(), 1, 0.985, 0.985, 0.99, 0);
+  cairo_set_source(cairo, fade.get());
+  cairo_rectangle(cairo, 0, top, 1e5, bottom - top);
+  cairo_fill(cairo);
+}
 
 void text(cairo_t* cairo, const std::string& words, double x, double y, double size, bool bold, double along, float gray) {
   cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
@@ -51,11 +63,13 @@ void write(const Caption& caption, Picture& picture) {
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
   const std::unique_ptr<cairo_t, void (*)(cairo_t*)> context(cairo_create(surface.get()), cairo_destroy);
   cairo_t* cairo = context.get();
+  veil(cairo, 0, caption_top + 40, caption_top - 10, caption_top + 40);
   text(cairo, caption.title, 40, 52, 27, true, 0, 0.13f);
   text(cairo, caption.figures, 40, 82, 17, false, 0, 0.32f);
   if (caption.scale) {
     const Scale& s = *caption.scale;
     const double left = 40, right = picture.width - 40.0, top = picture.height - 58.0, thick = 18;
+    veil(cairo, top - 70, picture.height, top - 30, top - 70);
     for (int x = static_cast<int>(left); x < static_cast<int>(right); ++x) {
       const Colour c = viridis((x + 0.5 - left) / (right - left));
       cairo_set_source_rgb(cairo, c.x(), c.y(), c.z());

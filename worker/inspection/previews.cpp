@@ -130,7 +130,7 @@ Colour hot(const Finished& job, const Heat& heat, const Seen& seen) {
   for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * heat.values[static_cast<std::size_t>(c[k])];
   if (!std::isfinite(value)) return seen.light * plastic + Colour::Constant(seen.gloss);
   // Lit more softly than the bare plastic, so that colours can be compared with the bar.
-  return (0.35f + 0.65f * seen.light) * viridis((value - heat.scale.low) / (heat.scale.high - heat.scale.low));
+  return (0.5f + 0.52f * seen.light) * viridis((value - heat.scale.low) / (heat.scale.high - heat.scale.low));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double azimuth = -28 * M_PI / 180, elevation = 36 * M_PI / 180;
+constexpr double azimuth = -28 * M_PI / 180, elevation = 42 * M_PI / 180;
 constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspective
 const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
 
@@ -58,8 +58,8 @@ void View::frame() {
   right_ = Vector3d(0, 0, 1).cross(back_).normalized();
   up_ = back_.cross(right_);
   tangent_ = std::tan(half_view);
-  const double room_x = 0.94 * tangent_;
-  const double room_y = 0.94 * tangent_ * (height_ - top_ - bottom_) / width_;
+  const double room_x = 0.88 * tangent_;
+  const double room_y = 0.88 * tangent_ * (height_ - top_ - bottom_) / width_;
 
   double highest = 0;
   for (const auto& p : sheet_.formed) highest = std::max(highest, p.z());
@@ -147,8 +147,8 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
         const double key = std::max(0.0, normal.dot(key_light));
         const Vector3d halfway = (key_light + view).normalized();
         Seen seen{hit->triangle, w, 0.5 * pixel * hit->t * reach_ / std::max(0.35, facing), 0, 0};
-        seen.light = static_cast<float>((0.25 + 0.75 * open) * (0.50 + 0.14 * normal.z()) + 0.46 * key * (0.4 + 0.6 * open));
-        seen.gloss = static_cast<float>(0.16 * std::pow(std::max(0.0, normal.dot(halfway)), 40) * open);
+        seen.light = static_cast<float>((0.25 + 0.75 * open) * (0.47 + 0.13 * normal.z()) + 0.40 * key * (0.4 + 0.6 * open));
+        seen.gloss = static_cast<float>(0.10 * std::pow(std::max(0.0, normal.dot(halfway)), 60) * open);
         shade(seen, colours.data());
         for (std::size_t k = 0; k < n; ++k) sums[k] += colours[k];
       }

@@ -45,6 +45,13 @@ double text_width(const std::string& text, double size) {
   return extents.x_advance * size / 100;
 }
 
+std::string upper_case(std::string_view word) {
+  std::string out(word);
+  for (char& c : out)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return out;
+}
+
 Line segment(const Vector2d& a, const Vector2d& b) { return {.points = {a, b}}; }
 
 Line rectangle(const Vector2d& half, bool dashed) {
@@ -181,7 +188,7 @@ Marks lay_out_marks(const Settings& settings, const std::string& label, const st
                            "   ·   scale 1:1, check with the ruler";
   const std::string job = "Vacuform " + label + "   ·   sheet " + short_decimal(sheet.width_mm) + " × " +
                           short_decimal(sheet.height_mm) + " × " + short_decimal(sheet.thickness_mm) + " mm " +
-                          std::string(name(sheet.material)) +
+                          upper_case(name(sheet.material)) +
                           (margin > 0 ? "   ·   frame " + short_decimal(margin) + " mm inside the sheet's edge" : "");
   const double widest = std::max(text_width(side, 2.4), text_width(job, 2.4));
   const double size = 2.4 * std::min(1.0, std::max(1.0, room) / widest);
