@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "api/settings.hpp"
@@ -26,11 +27,14 @@ std::string label_of(std::string key) {
   return key;
 }
 
+// A default or a bound as a person writes it: 300, not 300.0.
 std::string plain(const ordered_json& value) {
   if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float() && std::abs(value.get<double>()) < 1e9 && std::floor(value.get<double>()) == value.get<double>())
+    return std::to_string(value.get<std::int64_t>());
   if (!value.is_array()) return value.dump();
   std::string text;
-  for (const auto& item : value) text += (text.empty() ? "" : ", ") + item.dump();
+  for (const auto& item : value) text += (text.empty() ? "" : ", ") + plain(item);
   return text;
 }
 
@@ -67,12 +71,12 @@ std::string field_html(const std::string& name, const std::string& key, const or
       control += " type=\"text\" inputmode=\"text\" autocomplete=\"off\"";
     else
       control += " type=\"number\" step=\"" + std::string(schema.value("type", "") == "integer" ? "1" : "any") +
-                 "\" min=\"" + numeric.at("minimum").dump() + "\" max=\"" + numeric.at("maximum").dump() + "\"";
+                 "\" min=\"" + plain(numeric.at("minimum")) + "\" max=\"" + plain(numeric.at("maximum")) + "\"";
     control += ">";
   }
   std::string hint = escaped(schema.value("description", ""));
   if (numeric.contains("minimum"))
-    hint += " (" + numeric["minimum"].dump() + " to " + numeric["maximum"].dump() + ")";
+    hint += " (" + plain(numeric["minimum"]) + " to " + plain(numeric["maximum"]) + ")";
   return "<div class=\"field\"><label for=\"" + escaped(id) + "\">" + escaped(label_of(key)) +
          (unit.empty() ? "" : " <span class=\"unit\">" + escaped(unit) + "</span>") + "</label>" + control +
          "<p class=\"hint\" id=\"" + escaped(id) + "-hint\">" + hint + "</p></div>\n";

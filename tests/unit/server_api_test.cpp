@@ -1,0 +1,221 @@
+// The API, the worker protocol and the pages through a real server.
+#include <nlohmann/json.hpp>
+
+#include "server/pages/pages.hpp"
+#include "server_fixture.hpp"
+
+namespace vacuform {
+namespace {
+
+using nlohmann::json;
+
+class ServerApi : public ServerTest {
+ protected:
+  std::string created() {
+    const Answer answer = submit();
+    EXPECT_EQ(answer.status, 202) << answer.body;
+    return json::parse(answer.body)["id"];
+  }
+  json show(const std::string& id) { return json::parse(ask("GET", "/api/v1/jobs/" + id).body); }
+  json lease() { return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test"})").body); }
+  Answer worker(const std::string& method, const json& lease, const std::string& path, const std::string& body = "{}") {
+    return ask(method, "/api/v1/leases/" + lease["job"].get<std::string>() + path,
+               worker_headers(lease["lease"].get<std::string>()), body);
+  }
+};
+
+TEST_F(ServerApi, AJobFromItsFormToItsZip) {
+  const Answer made = submit(part("settings", "", R"({"print":{"dpi":150},"scan":{"units":"mm"}})") +
+                             part("print.dpi", "", "200") + part("pattern.offset_mm", "", " 3, -4 ") +
+                             part("pattern.scale", "", ""));
+  ASSERT_EQ(made.status, 202) << made.body;
+  const std::string id = json::parse(made.body)["id"];
+  EXPECT_EQ(made.header("Location"), "/api/v1/jobs/" + id);
+  json job = show(id);
+  EXPECT_EQ(job["state"], "queued");
+  EXPECT_EQ(job["settings"]["print"]["dpi"], 200);  // a field goes before the JSON text
+  EXPECT_EQ(job["settings"]["scan"]["units"], "mm");
+  EXPECT_EQ(job["settings"]["pattern"]["offset_mm"], (json{3, -4}));
+  EXPECT_EQ(job["settings"]["pattern"]["scale"], 1);
+  EXPECT_EQ(job["inputs"]["scan"]["extension"], "stl");
+  EXPECT_EQ(job["inputs"]["scan"]["bytes"], 5);
+
+  const json held = lease();
+  EXPECT_EQ(held["job"], id);
+  EXPECT_EQ(held["settings"], job["settings"]);
+  EXPECT_EQ(held["lease_seconds"], 30);
+  EXPECT_EQ(worker("GET", held, "/inputs/scan", "").body, "solid");
+  EXPECT_EQ(worker("GET", held, "/inputs/pattern", "").body, "<svg/>");
+  EXPECT_EQ(worker("GET", held, "/inputs/database", "").status, 404);
+  EXPECT_EQ(json::parse(worker("POST", held, "/heartbeat", R"({"stage":"forming","progress":0.5})").body)["cancel"], false);
+  job = show(id);
+  EXPECT_EQ(job["state"], "running");
+  EXPECT_EQ(job["stage"], "forming");
+  EXPECT_DOUBLE_EQ(job["stage_progress"], 0.5);
+  EXPECT_DOUBLE_EQ(job["progress"], 0.325);
+  EXPECT_EQ(worker("POST", held, "/heartbeat", R"({"stage":"cooking"})").status, 400);
+  EXPECT_EQ(worker("POST", held, "/heartbeat", "[").status, 400);
+  EXPECT_EQ(worker("PUT", held, "/artifacts/report.json", R"({"figures":{}})").status, 200);
+  EXPECT_EQ(worker("PUT", held, "/artifacts/print.png", std::string(200'000, 'p')).status, 200);
+  EXPECT_EQ(json::parse(worker("POST", held, "/complete").body)["state"], "succeeded");
+  EXPECT_EQ(worker("POST", held, "/complete").status, 200);
+  EXPECT_EQ(worker("PUT", held, "/artifacts/print.svg", "late").status, 409);
+
+  job = show(id);
+  EXPECT_EQ(job["state"], "succeeded");
+  EXPECT_EQ(job["progress"], 1);
+  ASSERT_EQ(job["artifacts"].size(), 2u);
+  EXPECT_EQ(job["artifacts"][0]["name"], "print.png");
+  EXPECT_EQ(job["artifacts"][0]["bytes"], 200'000);
+  const Answer zip = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip"), again = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip");
+  EXPECT_EQ(zip.status, 200);
+  EXPECT_EQ(zip.body.substr(0, 4), "PK\x03\x04");
+  EXPECT_EQ(zip.body, again.body);
+  EXPECT_EQ(ask("DELETE", "/api/v1/jobs/" + id).status, 204);
+  EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id).status, 404);
+}
+
+TEST_F(ServerApi, DownloadsKnowRangesAndEntityTags) {
+  const std::string id = created(), path = "/api/v1/jobs/" + id + "/artifacts/formed.ply";
+  const json held = lease();
+  std::string bytes;
+  for (std::uint32_t i = 0; i < 300'000; ++i) bytes += static_cast<char>(i * 7919u >> 3);
+  ASSERT_EQ(worker("PUT", held, "/artifacts/formed.ply", bytes).status, 200);
+  const Answer whole = ask("GET", path);
+  EXPECT_EQ(whole.body, bytes);
+  EXPECT_EQ(whole.header("ETag"), "\"" + text_hash(bytes) + "\"");
+  EXPECT_EQ(whole.header("Content-Length"), "300000");
+  EXPECT_EQ(whole.header("X-Content-Type-Options"), "nosniff");
+  const Answer part = ask("GET", path, "Range: bytes=100000-299998\r\n");
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.header("Content-Range"), "bytes 100000-299998/300000");
+  EXPECT_EQ(part.body, bytes.substr(100'000, 199'999));
+  const Answer beyond = ask("GET", path, "Range: bytes=300000-\r\n");
+  EXPECT_EQ(beyond.status, 416);
+  EXPECT_EQ(beyond.header("Content-Range"), "bytes */300000");
+  const std::string tag = whole.header("ETag");
+  const Answer known = ask("GET", path, "If-None-Match: " + tag + "\r\n");
+  EXPECT_EQ(known.status, 304);
+  EXPECT_TRUE(known.body.empty());
+  EXPECT_EQ(ask("GET", path, "Range: bytes=0-9\r\nIf-Range: " + tag + "\r\n").status, 206);
+  EXPECT_EQ(ask("GET", path, "Range: bytes=0-9\r\nIf-Range: \"old\"\r\n").status, 200);
+  const Answer head = ask("HEAD", path);
+  EXPECT_EQ(head.status, 200);
+  EXPECT_EQ(head.header("Content-Length"), "300000");
+  EXPECT_TRUE(head.body.empty());
+}
+
+TEST_F(ServerApi, WorkersNeedTheirToken) {
+  created();
+  EXPECT_EQ(ask("POST", "/api/v1/leases", "", "{}").status, 401);
+  EXPECT_EQ(ask("POST", "/api/v1/leases", "Authorization: Bearer " + std::string(64, 'b') + "\r\n", "{}").status, 401);
+  EXPECT_EQ(ask("POST", "/api/v1/leases", "Authorization: Basic " + token_ + "\r\n", "{}").status, 401);
+  EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), "{}").status, 200);
+  EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), "{}").status, 204);
+}
+
+TEST_F(ServerApi, AFailureReachesTheUserWithItsReason) {
+  const std::string id = created();
+  const json held = lease();
+  EXPECT_EQ(worker("POST", held, "/fail", R"({"code":"nonsense","what":"x"})").status, 400);
+  EXPECT_EQ(worker("POST", held, "/fail",
+                   R"({"code":"ambiguous-units","what":"cm or in","where":"scan","mend":"set <scan.units>","retry":false})")
+                .status, 200);
+  const json job = show(id);
+  EXPECT_EQ(job["state"], "failed");
+  EXPECT_EQ(job["problem"]["type"], "/problems/ambiguous-units");
+  EXPECT_EQ(job["problem"]["mend"], "set <scan.units>");
+  const Answer page = ask("GET", "/jobs/" + id);
+  EXPECT_NE(page.body.find("set &lt;scan.units&gt;"), std::string::npos);
+  EXPECT_EQ(page.body.find("refresh"), std::string::npos);
+  EXPECT_EQ(ask("GET", "/problems/ambiguous-units").status, 200);
+}
+
+TEST_F(ServerApi, BadSettingsAreNamedBeforeAJobExists) {
+  const Answer answer = submit(part("print.dpi", "", "9999"));
+  EXPECT_EQ(answer.status, 422);
+  EXPECT_EQ(json::parse(answer.body)["where"], "print.dpi");
+  EXPECT_EQ(json::parse(answer.body)["what"], "out of range: 9999");
+  EXPECT_EQ(submit(part("settings", "", "{\"a\":" + std::string(5000, '['))).status, 422);
+  EXPECT_EQ(submit(part("settings", "", "\xff\xfe")).status, 422);
+  EXPECT_EQ(submit(part("print.\xff", "", "1")).status, 422);
+  EXPECT_TRUE(json::parse(ask("GET", "/api/v1/jobs").body)["jobs"].empty());
+}
+
+TEST_F(ServerApi, CancellingThroughApiAndPage) {
+  const std::string first = created(), second = created();
+  const json held = lease();
+  EXPECT_EQ(json::parse(ask("POST", "/api/v1/jobs/" + first + "/cancel").body)["state"], "cancelling");
+  EXPECT_EQ(json::parse(worker("POST", held, "/heartbeat").body)["cancel"], true);
+  EXPECT_EQ(json::parse(worker("POST", held, "/cancelled").body)["state"], "cancelled");
+  const Answer page = ask("POST", "/jobs/" + second + "/cancel", "Origin: http://" + host() + "\r\n");
+  EXPECT_EQ(page.status, 303);
+  EXPECT_EQ(page.header("Location"), "/jobs/" + second);
+  EXPECT_EQ(show(second)["state"], "cancelled");
+  EXPECT_EQ(ask("POST", "/jobs/" + second + "/delete").header("Location"), "/");
+  EXPECT_EQ(ask("GET", "/jobs/" + second, "Accept: text/html\r\n").status, 404);
+}
+
+TEST_F(ServerApi, ListsInPages) {
+  for (int i = 0; i < 3; ++i) created();
+  const json first = json::parse(ask("GET", "/api/v1/jobs?limit=2").body);
+  ASSERT_EQ(first["jobs"].size(), 2u);
+  const json second = json::parse(ask("GET", "/api/v1/jobs?limit=2&cursor=" + first["next"].get<std::string>()).body);
+  EXPECT_EQ(second["jobs"].size(), 1u);
+  EXPECT_TRUE(second["next"].is_null());
+  for (const char* limit : {"0", "101", "x", "-1", "2x"})
+    EXPECT_EQ(ask("GET", std::string("/api/v1/jobs?limit=") + limit).status, 400) << limit;
+}
+
+TEST_F(ServerApi, TheFormComesBackWithTheProblemAndTheSettings) {
+  const Answer page = submit(part("print.dpi", "", "\"><script>alert(1)</script>"), "/jobs");
+  EXPECT_EQ(page.status, 422);
+  EXPECT_EQ(page.header("Content-Type"), "text/html; charset=utf-8");
+  EXPECT_EQ(page.body.find("<script"), std::string::npos);
+  EXPECT_NE(page.body.find("value=\"&quot;&gt;&lt;script&gt;"), std::string::npos);
+  EXPECT_NE(page.body.find("role=\"alert\""), std::string::npos);
+  const Answer good = submit(part("print.dpi", "", "150"), "/jobs");
+  EXPECT_EQ(good.status, 303);
+  const Answer job = ask("GET", good.header("Location"));
+  EXPECT_NE(job.body.find("http-equiv=\"refresh\" content=\"2\""), std::string::npos);
+  EXPECT_NE(job.header("Content-Security-Policy").find("frame-ancestors 'none'"), std::string::npos);
+}
+
+TEST_F(ServerApi, EverySettingHasALabelledField) {
+  const std::string page = ask("GET", "/").body;
+  const json schema = json::parse(ask("GET", "/api/v1/settings-schema").body);
+  int fields = 0;
+  for (const auto& [group, description] : schema["properties"].items())
+    for (const auto& [key, field] : description["properties"].items()) {
+      const std::string name = group + "." + key;
+      EXPECT_NE(page.find("<label for=\"f-" + name + "\">"), std::string::npos) << name;
+      EXPECT_NE(page.find(" name=\"" + name + "\""), std::string::npos) << name;
+      ++fields;
+    }
+  EXPECT_GT(fields, 25);
+}
+
+TEST_F(ServerApi, ServesItsDescriptionAndEveryProblemPage) {
+  EXPECT_TRUE(ask("GET", "/api/v1/openapi.yaml").body.starts_with("openapi: 3.1.0\n"));
+  EXPECT_EQ(ask("GET", "/style.css").header("Content-Type"), "text/css; charset=utf-8");
+  for (int i = 0; i <= static_cast<int>(Code::internal); ++i)
+    EXPECT_EQ(ask("GET", "/problems/" + std::string(meaning(static_cast<Code>(i)).slug)).status, 200);
+  EXPECT_EQ(ask("GET", "/problems/none").status, 404);
+  EXPECT_EQ(ask("GET", "/nowhere", "Accept: text/html\r\n").header("Content-Type"), "text/html; charset=utf-8");
+}
+
+TEST(Pages, AnHostileReportIsShownAsText) {
+  Job job;
+  job.id = "x";
+  job.state = JobState::succeeded;
+  job.settings = "{}";
+  const json report = {{"warnings", {{{"text", "<img src=x onerror=alert(1)>"}}, 7, nullptr}},
+                       {"figures", {{"with", {{"anisotropy", {{"mean", "</td>"}}}}}}}};
+  const std::string html = job_page(job, report).main;
+  EXPECT_EQ(html.find("<img src=x"), std::string::npos);
+  EXPECT_NE(html.find("&lt;img src=x onerror=alert(1)&gt;"), std::string::npos);
+  EXPECT_EQ(job_page(job, json::array({1, 2})).main.find("Figures"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace vacuform

@@ -1,0 +1,120 @@
+// A real server with its store on a free port, and a client that can send what no HTTP library would.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+#include "server/http/server.hpp"
+#include "server/secrets.hpp"
+#include "server/service.hpp"
+
+namespace vacuform {
+
+struct Answer {
+  int status = 0;     // 0: the connection ended without an answer
+  std::string head, body;
+  std::string header(const std::string& name) const {
+    const auto at = head.find("\r\n" + name + ": ");
+    if (at == std::string::npos) return {};
+    const auto begin = at + name.size() + 4;
+    return head.substr(begin, head.find("\r\n", begin) - begin);
+  }
+};
+
+class ServerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(start_secrets());
+    data_ = std::filesystem::temp_directory_path() / ("vacuform-server-" + random_hex(8));
+    store_ = std::move(*open_store(data_));
+    service_ = std::make_unique<Service>(Service{*store_, token_, 30, 1});
+    http::ServerOptions options;
+    options.refuse = refuse;
+    options.limits.head_time = std::chrono::milliseconds(700);
+    options.limits.wait = std::chrono::milliseconds(700);
+    http::Router router = all_routes(*service_);
+    router.add("GET", "/fault", [](http::Request&) -> Result<http::Response> { throw std::runtime_error("secret text"); });
+    auto server = http::Server::start(std::move(options), std::move(router));
+    ASSERT_TRUE(server) << server.error().text();
+    server_ = std::move(*server);
+  }
+  void TearDown() override {
+    server_.reset();
+    store_.reset();
+    std::filesystem::remove_all(data_);
+  }
+
+  int connected() const {
+    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(server_->port()));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    return socket;
+  }
+  static bool send_all(int socket, std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t n = ::send(socket, text.data(), text.size(), MSG_NOSIGNAL);
+      if (n <= 0) return false;
+      text.remove_prefix(static_cast<std::size_t>(n));
+    }
+    return true;
+  }
+  // Everything until the server closes.
+  static std::string receive_all(int socket) {
+    std::string text;
+    char piece[65536];
+    for (ssize_t n; (n = ::recv(socket, piece, sizeof piece, 0)) > 0;) text.append(piece, static_cast<std::size_t>(n));
+    ::close(socket);
+    return text;
+  }
+  static Answer parsed(std::string text) {
+    if (text.starts_with("HTTP/1.1 100")) text.erase(0, text.find("\r\n\r\n") + 4);
+    Answer answer;
+    const auto end = text.find("\r\n\r\n");
+    if (end == std::string::npos) return answer;
+    answer.status = std::stoi(text.substr(9, 3));
+    answer.head = text.substr(0, end) + "\r\n";
+    answer.body = text.substr(end + 4);
+    return answer;
+  }
+  Answer raw(std::string_view text) const {
+    const int socket = connected();
+    send_all(socket, text);
+    return parsed(receive_all(socket));
+  }
+  std::string host() const { return "127.0.0.1:" + std::to_string(server_->port()); }
+  // `headers` as lines that end with \r\n.
+  Answer ask(const std::string& method, const std::string& path, const std::string& headers = "",
+             const std::string& body = "") const {
+    return raw(method + " " + path + " HTTP/1.1\r\nHost: " + host() + "\r\n" + headers +
+               (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
+  }
+
+  static std::string part(const std::string& name, const std::string& file_name, const std::string& bytes) {
+    return "--XX\r\nContent-Disposition: form-data; name=\"" + name + "\"" +
+           (file_name.empty() ? "" : "; filename=\"" + file_name + "\"") + "\r\n\r\n" + bytes + "\r\n";
+  }
+  static constexpr const char* form_type = "Content-Type: multipart/form-data; boundary=XX\r\n";
+  Answer submit(const std::string& more = "", const std::string& path = "/api/v1/jobs") const {
+    return ask("POST", path, form_type,
+               part("scan", "Head.STL", "solid") + part("pattern", "p.svg", "<svg/>") + more + "--XX--\r\n");
+  }
+  std::string worker_headers(const std::string& lease = "") const {
+    return "Authorization: Bearer " + token_ + "\r\n" + (lease.empty() ? "" : "Vacuform-Lease: " + lease + "\r\n");
+  }
+
+  std::filesystem::path data_;
+  std::string token_ = std::string(64, 'a');
+  std::unique_ptr<Store> store_;
+  std::unique_ptr<Service> service_;
+  std::unique_ptr<http::Server> server_;
+};
+
+}  // namespace vacuform

@@ -1,0 +1,381 @@
+// The promises of server/store/store.hpp, held against the interface alone: whatever store stands behind open_store()
+// must pass. A crash is played by copying the files under a running store and opening the copy.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "server/secrets.hpp"
+#include "server/store/store.hpp"
+
+namespace vacuform {
+namespace {
+
+namespace fs = std::filesystem;
+
+class StoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(start_secrets());
+    folder_ = fs::temp_directory_path() / ("vacuform-store-" + random_hex(8));
+    reopen();
+  }
+  void TearDown() override {
+    store_.reset();
+    fs::remove_all(folder_);
+  }
+
+  fs::path data() const { return folder_ / "data"; }
+  void reopen() {
+    store_.reset();
+    auto store = open_store(data(), options());
+    ASSERT_TRUE(store) << store.error().text();
+    store_ = std::move(*store);
+  }
+  StoreOptions options() {
+    return {[this] { return now_; }, 30'000, 3};
+  }
+  // What the next start finds after the power went: the files as they are at this moment.
+  void crash() {
+    fs::copy(data(), folder_ / "after", fs::copy_options::recursive);
+    store_.reset();
+    fs::remove_all(data());
+    fs::rename(folder_ / "after", data());
+    reopen();
+  }
+
+  Upload upload(const std::string& bytes) {
+    auto upload = store_->upload();
+    EXPECT_TRUE(upload && upload->write(bytes));
+    return std::move(*upload);
+  }
+  Job create(const std::string& scan = "a scan", const std::string& pattern = "a pattern") {
+    auto job = store_->create({"{}", upload(scan), "stl", upload(pattern), "svg"});
+    EXPECT_TRUE(job) << job.error().text();
+    return *job;
+  }
+  LeaseKey lease() {
+    auto lease = store_->lease("tester");
+    EXPECT_TRUE(lease && *lease);
+    return {(*lease)->job.id, (*lease)->token};
+  }
+  Job job(const std::string& id) { return store_->job(id).value(); }
+  std::set<std::string> blobs() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(data() / "blobs"))
+      if (entry.is_regular_file()) names.insert(entry.path().filename().string());
+    return names;
+  }
+  std::string bytes_of(const Blob& blob) {
+    auto file = store_->open(blob);
+    if (!file) return "no file";
+    std::string text(blob.bytes, '\0');
+    EXPECT_EQ(file->read_at(0, text).value(), blob.bytes);
+    return text;
+  }
+
+  fs::path folder_;
+  Millis now_ = 1'800'000'000'000;
+  std::unique_ptr<Store> store_;
+};
+
+TEST_F(StoreTest, KeepsAJobWithItsFiles) {
+  const Job made = create("solid head", "<svg/>");
+  const Job found = job(made.id);
+  EXPECT_EQ(found.id.size(), 26u);
+  EXPECT_EQ(found.state, JobState::queued);
+  EXPECT_EQ(found.attempt, 0);
+  EXPECT_EQ(found.created, now_);
+  EXPECT_EQ(found.scan.extension, "stl");
+  EXPECT_EQ(found.scan.blob.bytes, 10u);
+  EXPECT_EQ(found.scan.blob.sha256, text_hash("solid head"));
+  EXPECT_EQ(bytes_of(found.scan.blob), "solid head");
+  EXPECT_EQ(bytes_of(found.pattern.blob), "<svg/>");
+}
+
+TEST_F(StoreTest, WhatWasCreatedSurvivesACrashAndWhatWasNotLeavesNothing) {
+  const Job made = create("kept", "kept too");
+  Upload unfinished = upload("half a scan");
+  crash();
+  EXPECT_EQ(bytes_of(job(made.id).scan.blob), "kept");
+  EXPECT_TRUE(fs::is_empty(data() / "incoming"));
+  EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("kept"), text_hash("kept too")}));
+}
+
+TEST_F(StoreTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
+  create("kept", "kept too");
+  const std::string orphan = text_hash("orphan");
+  fs::create_directories(data() / "blobs" / orphan.substr(0, 2));
+  std::ofstream(data() / "blobs" / orphan.substr(0, 2) / orphan) << "orphan";
+  reopen();
+  EXPECT_EQ(blobs().count(orphan), 0u);
+  EXPECT_EQ(blobs().size(), 2u);
+}
+
+TEST_F(StoreTest, AnAbandonedUploadLeavesNoFile) {
+  { const Upload gone = upload("nobody wants this"); }
+  EXPECT_TRUE(fs::is_empty(data() / "incoming"));
+}
+
+TEST_F(StoreTest, OneProcessAtATime) {
+  const auto second = open_store(data(), options());
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, Code::unavailable);
+  EXPECT_EQ(second.error().what, "another server uses this data folder");
+}
+
+TEST_F(StoreTest, RefusesAStoreThatIsNotItsOwn) {
+  store_.reset();
+  std::ofstream(data() / "jobs.sqlite", std::ios::trunc) << std::string(8192, 'x');
+  fs::remove(data() / "jobs.sqlite-wal");
+  const auto store = open_store(data(), options());
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Code::corrupt_file);
+}
+
+TEST_F(StoreTest, LeasesTheOldestJobOnceAndOnlyOnce) {
+  const Job first = create(), second = create();
+  EXPECT_LT(first.id, second.id);  // even within one millisecond
+  EXPECT_EQ(lease().job, first.id);
+  EXPECT_EQ(lease().job, second.id);
+  EXPECT_FALSE(store_->lease("third").value().has_value());
+  EXPECT_EQ(job(first.id).state, JobState::running);
+  EXPECT_EQ(job(first.id).attempt, 1);
+}
+
+TEST_F(StoreTest, EveryWriteNeedsTheTokenOfTheCurrentLease) {
+  const std::string id = create().id;
+  const LeaseKey good = lease(), bad{id, std::string(64, '0')}, empty{id, ""};
+  for (const LeaseKey& key : {bad, empty, LeaseKey{"no such job", good.token}}) {
+    EXPECT_EQ(store_->leased(key).error().code, Code::lease_lost);
+    EXPECT_EQ(store_->heartbeat(key, Stage::forming, 1).error().code, Code::lease_lost);
+    EXPECT_EQ(store_->put_artifact(key, "print.png", upload("x")).error().code, Code::lease_lost);
+    EXPECT_EQ(store_->complete(key).error().code, Code::lease_lost);
+    EXPECT_EQ(store_->fail_job(key, {Code::internal, "x", "", ""}, false).error().code, Code::lease_lost);
+    EXPECT_EQ(store_->cancelled(key).error().code, Code::lease_lost);
+    EXPECT_EQ(store_->release(key).error().code, Code::lease_lost);
+  }
+  EXPECT_EQ(job(id).state, JobState::running);
+  EXPECT_TRUE(job(id).artifacts.empty());
+  EXPECT_EQ(blobs().size(), 2u);  // the refused artifact left no file
+}
+
+TEST_F(StoreTest, AHeartbeatRenewsTheLeaseAndNotesTheProgress) {
+  const std::string id = create().id;
+  const LeaseKey key = lease();
+  for (int i = 1; i <= 5; ++i) {
+    now_ += 29'000;
+    EXPECT_FALSE(store_->heartbeat(key, Stage::forming, 0.2 * i).value());
+  }
+  EXPECT_EQ(job(id).stage, Stage::forming);
+  EXPECT_DOUBLE_EQ(job(id).stage_progress, 1.0);
+  now_ += 30'001;
+  EXPECT_EQ(store_->heartbeat(key, Stage::forming, 1).error().code, Code::lease_lost);
+}
+
+TEST_F(StoreTest, AnExpiredLeaseGoesToAnotherWorkerAndTheFirstIsRefused) {
+  const std::string id = create().id;
+  const LeaseKey first = lease();
+  ASSERT_TRUE(store_->put_artifact(first, "print.png", upload("of the first")));
+  now_ += 30'001;
+  const auto expired = store_->expire().value();
+  ASSERT_EQ(expired.size(), 1u);
+  EXPECT_EQ(expired[0].job, id);
+  EXPECT_EQ(expired[0].state, JobState::queued);
+  EXPECT_TRUE(job(id).artifacts.empty());
+  EXPECT_EQ(blobs().size(), 2u);
+  const LeaseKey second = lease();
+  EXPECT_EQ(second.job, id);
+  EXPECT_EQ(job(id).attempt, 2);
+  EXPECT_EQ(store_->complete(first).error().code, Code::lease_lost);
+  EXPECT_EQ(store_->put_artifact(first, "print.png", upload("late")).error().code, Code::lease_lost);
+  EXPECT_EQ(store_->complete(second).value().state, JobState::succeeded);
+  EXPECT_EQ(store_->complete(first).error().code, Code::lease_lost);
+}
+
+TEST_F(StoreTest, AJobThatTakesThreeWorkersDownFailsWithThatReason) {
+  const std::string id = create().id;
+  for (int i = 0; i < 3; ++i) {
+    lease();
+    now_ += 30'001;
+    store_->expire().value();
+  }
+  EXPECT_EQ(job(id).state, JobState::failed);
+  EXPECT_EQ(job(id).attempt, 3);
+  ASSERT_TRUE(job(id).error);
+  EXPECT_EQ(job(id).error->what, "3 workers were lost while they ran this job");
+  EXPECT_FALSE(store_->lease("fourth").value().has_value());
+}
+
+TEST_F(StoreTest, AReleasedJobIsNotALoss) {
+  const std::string id = create().id;
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(store_->release(lease()).value().state, JobState::queued);
+  EXPECT_EQ(job(id).state, JobState::queued);
+  EXPECT_EQ(job(id).attempt, 5);
+}
+
+TEST_F(StoreTest, EndingTwiceUnderOneTokenIsHarmless) {
+  create();
+  const LeaseKey key = lease();
+  const Job done = store_->complete(key).value();
+  now_ += 5'000;
+  const Job again = store_->complete(key).value();
+  EXPECT_EQ(again.state, JobState::succeeded);
+  EXPECT_EQ(again.ended, done.ended);
+  EXPECT_EQ(store_->fail_job(key, {Code::internal, "no", "", ""}, true).value().state, JobState::succeeded);
+  EXPECT_EQ(store_->heartbeat(key, {}, 0).error().code, Code::lease_lost);
+  EXPECT_EQ(store_->put_artifact(key, "print.png", upload("late")).error().code, Code::lease_lost);
+}
+
+TEST_F(StoreTest, AFailureKeepsItsReason) {
+  const std::string id = create().id;
+  ASSERT_TRUE(store_->fail_job(lease(), {Code::ambiguous_units, "cm or in", "scan", "set scan.units"}, false));
+  reopen();
+  EXPECT_EQ(job(id).state, JobState::failed);
+  EXPECT_EQ(job(id).error->code, Code::ambiguous_units);
+  EXPECT_EQ(job(id).error->text(), "cm or in (scan); set scan.units");
+}
+
+TEST_F(StoreTest, AFailureThatMayBeRetriedIsRetriedTwice) {
+  const std::string id = create().id;
+  const Error error{Code::internal, "out of memory", "", ""};
+  EXPECT_EQ(store_->fail_job(lease(), error, true).value().state, JobState::queued);
+  EXPECT_EQ(store_->fail_job(lease(), error, true).value().state, JobState::queued);
+  EXPECT_EQ(store_->fail_job(lease(), error, true).value().state, JobState::failed);
+  EXPECT_EQ(job(id).error->what, "out of memory");
+}
+
+TEST_F(StoreTest, CancellingAQueuedJobIsDoneAtOnce) {
+  const std::string id = create().id;
+  EXPECT_EQ(store_->cancel(id).value().state, JobState::cancelled);
+  EXPECT_EQ(store_->cancel(id).value().state, JobState::cancelled);
+  EXPECT_FALSE(store_->lease("worker").value().has_value());
+}
+
+TEST_F(StoreTest, CancellingARunningJobIsToldToItsWorker) {
+  const std::string id = create().id;
+  const LeaseKey key = lease();
+  EXPECT_EQ(store_->cancel(id).value().state, JobState::cancelling);
+  EXPECT_TRUE(store_->heartbeat(key, Stage::scan, 0.5).value());
+  EXPECT_EQ(store_->cancelled(key).value().state, JobState::cancelled);
+  EXPECT_TRUE(job(id).ended.has_value());
+}
+
+TEST_F(StoreTest, ACancelWinsOverACompletionThatDidNotHearOfIt) {
+  const std::string id = create().id;
+  const LeaseKey key = lease();
+  ASSERT_TRUE(store_->cancel(id));
+  EXPECT_EQ(store_->complete(key).value().state, JobState::cancelled);
+}
+
+TEST_F(StoreTest, ACancelledJobWhoseWorkerDiedIsCancelledNotRunAgain) {
+  const std::string id = create().id;
+  lease();
+  ASSERT_TRUE(store_->cancel(id));
+  now_ += 30'001;
+  EXPECT_EQ(store_->expire().value().at(0).state, JobState::cancelled);
+  EXPECT_EQ(job(id).state, JobState::cancelled);
+}
+
+TEST_F(StoreTest, AnEndedJobCannotBeCancelled) {
+  const std::string id = create().id;
+  ASSERT_TRUE(store_->complete(lease()));
+  EXPECT_EQ(store_->cancel(id).error().code, Code::conflict);
+  EXPECT_EQ(store_->cancel("nobody").error().code, Code::not_found);
+}
+
+TEST_F(StoreTest, OnlyEndedJobsAreDeleted) {
+  const std::string id = create().id;
+  EXPECT_EQ(store_->remove(id).error().code, Code::conflict);
+  const LeaseKey key = lease();
+  EXPECT_EQ(store_->remove(id).error().code, Code::conflict);
+  ASSERT_TRUE(store_->complete(key));
+  EXPECT_TRUE(store_->remove(id));
+  EXPECT_EQ(store_->job(id).error().code, Code::not_found);
+  EXPECT_EQ(store_->remove(id).error().code, Code::not_found);
+  EXPECT_TRUE(blobs().empty());
+}
+
+TEST_F(StoreTest, ASharedFileStaysAsLongAsAnyJobNamesIt) {
+  const std::string first = create("same scan", "one").id, second = create("same scan", "two").id;
+  EXPECT_EQ(blobs().size(), 3u);  // the scan is there once
+  const LeaseKey key = lease();
+  ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("one")));  // the bytes of a pattern
+  ASSERT_TRUE(store_->complete(key));
+  auto reading = store_->open(job(first).pattern.blob).value();
+  ASSERT_TRUE(store_->remove(first));
+  EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("same scan"), text_hash("two")}));
+  EXPECT_EQ(bytes_of(job(second).scan.blob), "same scan");
+  std::string text(3, '\0');
+  EXPECT_EQ(reading.read_at(0, text).value(), 3u);  // a download under way ends well
+  EXPECT_EQ(text, "one");
+}
+
+TEST_F(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
+  const std::string id = create().id;
+  const LeaseKey key = lease();
+  ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("first")));
+  ASSERT_TRUE(store_->put_artifact(key, "print.png", upload("ink")));
+  ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("second")));
+  const Job found = job(id);
+  ASSERT_EQ(found.artifacts.size(), 2u);
+  EXPECT_EQ(found.artifacts[0].name, "print.png");  // the order of api/job.hpp
+  EXPECT_EQ(bytes_of(found.artifacts[1].blob), "second");
+  EXPECT_EQ(blobs().count(text_hash("first")), 0u);
+}
+
+TEST_F(StoreTest, ARestartLeavesRunningJobsAWholeLeaseMore) {
+  const std::string id = create().id;
+  const LeaseKey key = lease();
+  now_ += 60'000;  // the server was away
+  crash();
+  EXPECT_EQ(job(id).state, JobState::running);
+  now_ += 29'000;
+  EXPECT_FALSE(store_->heartbeat(key, Stage::forming, 0.5).value());
+  now_ += 30'001;
+  EXPECT_EQ(store_->expire().value().size(), 1u);
+}
+
+TEST_F(StoreTest, ListsInPagesFromTheNewest) {
+  std::vector<std::string> made;
+  for (int i = 0; i < 7; ++i) made.insert(made.begin(), create("scan " + std::to_string(i)).id);
+  std::vector<std::string> listed;
+  std::string cursor;
+  for (int pages = 1;; ++pages) {
+    const JobPage page = store_->list(3, cursor).value();
+    for (const Job& j : page.jobs) listed.push_back(j.id);
+    if (!page.next) {
+      EXPECT_EQ(pages, 3);
+      break;
+    }
+    cursor = *page.next;
+  }
+  EXPECT_EQ(listed, made);
+}
+
+TEST_F(StoreTest, ManyWorkersShareTheJobsWithoutOneTwice) {
+  constexpr int jobs = 60;
+  for (int i = 0; i < jobs; ++i) create("scan " + std::to_string(i));
+  std::mutex mutex;
+  std::vector<std::string> done;
+  std::vector<std::thread> workers;
+  for (int i = 0; i < 6; ++i)
+    workers.emplace_back([&] {
+      for (;;) {
+        const auto leased = store_->lease("worker");
+        if (!leased || !*leased) return;
+        if (!store_->complete({(*leased)->job.id, (*leased)->token})) return;
+        const std::lock_guard hold(mutex);
+        done.push_back((*leased)->job.id);
+      }
+    });
+  for (auto& worker : workers) worker.join();
+  EXPECT_EQ(done.size(), static_cast<std::size_t>(jobs));
+  EXPECT_EQ(std::set<std::string>(done.begin(), done.end()).size(), static_cast<std::size_t>(jobs));
+}
+
+}  // namespace
+}  // namespace vacuform
