@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "worker/printing/rows_in_parallel.hpp"
+#include "worker/parallel.hpp"
 
 namespace vacuform {
 namespace {
@@ -63,12 +63,12 @@ TEST(ScanLines, DegenerateTrianglesOwnNothing) {
 
 TEST(RowsInParallel, CoversEveryRowOnceAndThrowsOn) {
   std::vector<int> seen(1000, 0);
-  rows_in_parallel(3, 997, [&](int first, int last) {
+  in_parallel(3, 997, [&](int first, int last) {
     for (int i = first; i < last; ++i) ++seen[static_cast<std::size_t>(i)];
   });
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(i)], i >= 3 && i < 997);
-  rows_in_parallel(5, 5, [](int first, int last) { EXPECT_EQ(first, last); });
-  EXPECT_THROW(rows_in_parallel(0, 9, [](int, int) { throw std::runtime_error("x"); }), std::runtime_error);
+  in_parallel(5, 5, [](int first, int last) { EXPECT_EQ(first, last); });
+  EXPECT_THROW(in_parallel(0, 9, [](int, int) { throw std::runtime_error("x"); }), std::runtime_error);
 }
 
 }  // namespace

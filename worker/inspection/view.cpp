@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/printing/rows_in_parallel.hpp"
+#include "worker/parallel.hpp"
 
 namespace vacuform {
 namespace {
@@ -98,7 +98,7 @@ void View::light() {
   // Enough directions for a smooth shade on coarse sheets, fewer on fine ones, where neighbours smooth it.
   const auto directions = sky(std::clamp(500'000 / std::max(1, vertices), 8, 32));
   open_.assign(sheet_.formed.size(), 1.0f);
-  rows_in_parallel(0, vertices, [&](int first, int last) {
+  in_parallel(0, vertices, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const Vector3d n = at(normals_, i);
       const Vector3d a = n.unitOrthogonal(), b = n.cross(a);
@@ -160,7 +160,7 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
   constexpr int band = 50;
   for (int y = 0; y < height_; y += band) {
     VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * y / height_));
-    rows_in_parallel(y, std::min(y + band, height_), [&](int first, int last) {
+    in_parallel(y, std::min(y + band, height_), [&](int first, int last) {
       for (int r = first; r < last; ++r) row(r);
     });
   }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/printing/rows_in_parallel.hpp"
+#include "worker/parallel.hpp"
 #include "worker/printing/scan_lines.hpp"
 
 namespace vacuform {
@@ -101,7 +101,7 @@ std::vector<std::uint8_t> SheetRaster::rows(int top, int bottom) const {
   const int box_width = box_.right - box_.left;
   std::vector<float> sums(static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top) * n, 0.0f);
   const float scale = 1.0f / static_cast<float>(samples_ * samples_);
-  rows_in_parallel(top, bottom, [&](int first, int last) {
+  in_parallel(top, bottom, [&](int first, int last) {
     for (const int i : patches) scan(patches_[static_cast<std::size_t>(i)], first, last, top, sums);
     for (int y = first; y < last; ++y) {
       const float* sum = sums.data() + static_cast<std::ptrdiff_t>(y - top) * box_width * channels_;

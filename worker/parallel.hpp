@@ -1,5 +1,5 @@
-// Rows of a picture shared out over threads. Every row is made by one thread from the same inputs, so the result does
-// not depend on their number.
+// Independent items (rows of a picture, triangles of a sheet) shared out over threads. Every item is made by one thread
+// from the same inputs, so the result does not depend on their number.
 #pragma once
 
 #include <algorithm>
@@ -12,13 +12,13 @@ namespace vacuform {
 // Calls work(begin, end) over disjoint ranges that cover [first, last), each on a thread of its own, and waits.
 // An exception of any range is thrown on.
 template <class Work>
-void rows_in_parallel(int first, int last, Work&& work) {
+void in_parallel(int first, int last, Work&& work) {
   const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, std::min(8, std::max(1, last - first)));
   std::vector<std::exception_ptr> faults(static_cast<std::size_t>(threads));
   const auto range = [&](int i) {
     try {
-      const auto rows = static_cast<long>(last - first);
-      work(first + static_cast<int>(rows * i / threads), first + static_cast<int>(rows * (i + 1) / threads));
+      const auto items = static_cast<long>(last - first);
+      work(first + static_cast<int>(items * i / threads), first + static_cast<int>(items * (i + 1) / threads));
     } catch (...) {
       faults[static_cast<std::size_t>(i)] = std::current_exception();
     }
