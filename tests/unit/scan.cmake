@@ -1,0 +1,4 @@
+vacuform_test(scan_test
+  SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/scan_formats_test.cpp
+  LINKS vacuform_scan)
