@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <new>
+#include <utility>
 
 #include "worker/printing/decimal.hpp"
 
@@ -19,15 +20,13 @@ constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},    {72,
                                                             {94, 201, 98},  {132, 212, 75}, {173, 220, 48}, {216, 226, 25},
                                                             {253, 231, 37}}};
 
-// A veil over the picture, so that words can be read on anything; solid up to one row and fading
-// out towards the other.
-void veil(cairo_t* cairo, double top, double bottom, double solid_end, double clear_end) {
-  const std::unique_ptr<cairo_pattern_t, void (*)(cairo_pattern_t*)> fade(
-      cairo_pattern_create_linear(0, solid_end, 0, clear_end), cairo_pattern_destroy);
-  cairo_pattern_add_color_stop_rgba(fade.get(), 0, 0.985, 0.985, 0.99, 0.88);
-  cairo_pattern_add_color_stop_rgba(fade.get(), 1, 0.985, 0.985, 0.99, 0);
-  cairo_set_source(cairo, fade.get());
+// Paper for words to stand on.
+void band(cairo_t* cairo, double top, double bottom, double line) {
+  cairo_set_source_rgb(cairo, 0.985, 0.985, 0.99);
   cairo_rectangle(cairo, 0, top, 1e5, bottom - top);
+  cairo_fill(cairo);
+  cairo_set_source_rgb(cairo, 0.78, 0.79, 0.81);
+  cairo_rectangle(cairo, 0, line, 1e5, 1);
   cairo_fill(cairo);
 }
 
@@ -55,6 +54,15 @@ Colour viridis(double fraction) {
   return c;
 }
 
+Scale round_scale(double low, double high, bool fixed_low, std::string quantity) {
+  const double wanted = std::max(high - low, 1e-3) / 6, decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  double step = 10 * decade;
+  for (const double factor : {5.0, 2.5, 2.0, 1.0})
+    if (factor * decade >= wanted * (1 - 1e-9)) step = factor * decade;
+  const double start = fixed_low ? low : step * std::floor(low / step + 1e-9);
+  return {start, start + step * std::max(1.0, std::ceil((high - start) / step - 1e-9)), step, std::move(quantity)};
+}
+
 void write(const Caption& caption, Picture& picture) {
   const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
       cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(picture.pixels.data()), CAIRO_FORMAT_RGB24,
@@ -63,30 +71,35 @@ void write(const Caption& caption, Picture& picture) {
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
   const std::unique_ptr<cairo_t, void (*)(cairo_t*)> context(cairo_create(surface.get()), cairo_destroy);
   cairo_t* cairo = context.get();
-  veil(cairo, 0, caption_top + 40, caption_top - 10, caption_top + 40);
-  text(cairo, caption.title, 40, 52, 27, true, 0, 0.13f);
+  band(cairo, 0, caption_top, caption_top - 1);
+  text(cairo, caption.title, 40, 50, 27, true, 0, 0.13f);
   text(cairo, caption.figures, 40, 82, 17, false, 0, 0.32f);
-  if (caption.scale) {
+  if (caption.scale || !caption.note.empty())
+    band(cairo, picture.height - caption_bottom, picture.height, picture.height - caption_bottom);
+  if (!caption.scale) {
+    text(cairo, caption.note, 40, picture.height - 40, 17, false, 0, 0.2f);
+  } else {
     const Scale& s = *caption.scale;
-    const double left = 40, right = picture.width - 40.0, top = picture.height - 58.0, thick = 18;
-    veil(cairo, top - 70, picture.height, top - 30, top - 70);
+    const double left = 40, right = picture.width - 40.0, top = picture.height - 55.0, thick = 18;
     for (int x = static_cast<int>(left); x < static_cast<int>(right); ++x) {
       const Colour c = viridis((x + 0.5 - left) / (right - left));
       cairo_set_source_rgb(cairo, c.x(), c.y(), c.z());
       cairo_rectangle(cairo, x, top, 1, thick);
       cairo_fill(cairo);
     }
-    text(cairo, s.quantity, left, top - 9, 17, false, 0, 0.2f);
-    constexpr int steps = 5;
+    text(cairo, s.quantity, left, top - 10, 17, false, 0, 0.2f);
+    const int steps = static_cast<int>(std::lround((s.high - s.low) / s.step));
+    // As many digits as the step needs: 0.25 two, 0.2 one.
+    int places = 0;
+    for (double step = s.step; places < 6 && std::abs(step - std::round(step)) > 1e-6; step *= 10) ++places;
     for (int i = 0; i <= steps; ++i) {
       const double x = left + (right - left) * i / steps;
       cairo_set_source_rgb(cairo, 0.25, 0.25, 0.27);
       cairo_rectangle(cairo, std::clamp(std::round(x), left, right - 1), top + thick, 1, 6);
       cairo_fill(cairo);
-      const std::string value = decimal(s.low + (s.high - s.low) * i / steps, s.places);
+      const std::string value = decimal(s.low + s.step * i, places);
       const bool first = i == 0, last = i == steps;
-      const std::string sign = first && s.open_below ? "≤ " : last && s.open_above ? "≥ " : "";
-      text(cairo, sign + value, x, top + thick + 25, 17, false, first ? 0 : last ? 1 : 0.5, 0.2f);
+      text(cairo, (last && s.open_above ? "≥ " : "") + value, x, top + thick + 24, 17, false, first ? 0 : last ? 1 : 0.5, 0.2f);
     }
   }
   cairo_surface_flush(surface.get());

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 constexpr int side = 1000;
-const Colour plastic(0.86f, 0.895f, 0.92f);
+const Colour plastic(0.90f, 0.925f, 0.945f);
 const Colour black_ink(0.07f, 0.08f, 0.10f);
 
 std::vector<std::uint8_t> png_of(const Picture& picture) {
@@ -59,26 +59,20 @@ std::vector<double> over_vertices(const Finished& job, Figure&& figure) {
   return sum;
 }
 
-// The scale ends at a round number at or above `reach`, of about a twentieth of the span.
-double round_up(double low, double reach) {
-  const double span = std::max(reach - low, 0.02);
-  const double step = std::pow(10.0, std::floor(std::log10(span / 4)));
-  return low + std::ceil(span / (5 * step) - 1e-9) * 5 * step;
-}
-
+// The scale ends at the 99th percentile, so that one crumpled triangle does not take the colours from all others.
 Heat heat_of(std::vector<double> values, const Statistics& statistics, const std::string& quantity) {
-  double largest = 0;
+  double largest = 1;
   for (const double v : values)
     if (std::isfinite(v)) largest = std::max(largest, v);
-  const double high = round_up(1, std::min(statistics.p99, std::max(largest, 1.02)));
-  return {std::move(values), {.low = 1, .high = high, .places = 2, .quantity = quantity, .open_below = false, .open_above = largest > high}};
+  Scale scale = round_scale(1, std::max(1.02, std::min(statistics.p99, largest)), true, quantity);
+  scale.open_above = largest > scale.high;
+  return {std::move(values), std::move(scale)};
 }
 
 Heat thickness_heat(const Finished& job) {
   double least = INFINITY, most = 0;
   for (const double h : job.sheet.thickness) least = std::min(least, h), most = std::max(most, h);
-  const double low = std::floor(least * 20) / 20, high = std::max(low + 0.05, std::ceil(most * 20 - 1e-6) / 20);
-  return {job.sheet.thickness, {.low = low, .high = high, .places = 2, .quantity = "thickness, mm"}};
+  return {job.sheet.thickness, round_scale(least, most, false, "thickness, mm")};
 }
 
 std::string figures_of(const Distortion& d) {
@@ -143,12 +137,12 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   const Distortion before = distortion(job.sheet, job.flattening, job.sheet.rest);
   const Distortion after = distortion(job.sheet, job.flattening, job.flattening.chart);
   const Heat anisotropy = heat_of(over_vertices(job, [](SingularValues s) { return s.largest / s.smallest; }),
-                                  before.anisotropy, "anisotropy σ1 / σ2 (1 is undistorted)");
+                                  before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
   const Heat area = heat_of(over_vertices(job, [](SingularValues s) {
                               const double a = s.largest * s.smallest;
                               return std::max(a, 1 / a);
                             }),
-                            before.area_ratio, "area ratio (1 is undistorted)");
+                            before.area_ratio, "area ratio (1: undistorted)");
   const Heat thickness = thickness_heat(job);
 
   const View view(job.sheet, side, side, caption_top, caption_bottom);
@@ -162,13 +156,16 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
 
   double least = INFINITY;
   for (const double h : job.sheet.element_thickness) least = std::min(least, h);
+  const std::string lost = job.print.ink_printed < 0.9995
+                               ? decimal(100 * (1 - job.print.ink_printed), 1) + " % of the drawing's ink lies off the formed part and is not printed"
+                               : "";
   const Caption captions[] = {
-      {"The plain pattern, printed as drawn, then formed", figures_of(before), {}},
-      {"The pre-distorted print, formed", figures_of(after), {}},
-      {"Change of shape that the print makes good", figures_of(before.anisotropy), anisotropy.scale},
-      {"Change of area that the print makes good", figures_of(before.area_ratio), area.scale},
+      {"The plain pattern, printed as drawn, then formed", figures_of(before), {}, ""},
+      {"The pre-distorted print, formed", figures_of(after), {}, lost},
+      {"Change of shape that the print makes good", figures_of(before.anisotropy), anisotropy.scale, ""},
+      {"Change of area that the print makes good", figures_of(before.area_ratio), area.scale, ""},
       {"Thickness of the formed sheet",
-       "from " + decimal(job.settings.sheet.thickness_mm, 2) + " mm; thinnest element " + decimal(least, 3) + " mm", thickness.scale}};
+       "from " + decimal(job.settings.sheet.thickness_mm, 2) + " mm; thinnest element " + decimal(least, 3) + " mm", thickness.scale, ""}};
   const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png", "preview-area.png",
                          "preview-thickness.png"};
   std::vector<Artifact> files;

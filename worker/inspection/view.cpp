@@ -10,7 +10,7 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double azimuth = -28 * M_PI / 180, elevation = 42 * M_PI / 180;
+constexpr double azimuth = -28 * M_PI / 180, elevation = 52 * M_PI / 180;
 constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspective
 const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
 
