@@ -6,16 +6,15 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "worker/parallel.hpp"
+
 namespace vacuform {
 
 Equilibrium::Equilibrium(const Membrane& membrane, const std::vector<Triangle>& triangles,
                          std::vector<int> elimination_order)
-    : membrane_(membrane), triangles_(triangles), order_(std::move(elimination_order)), all_(triangles.size()) {
-  std::iota(all_.begin(), all_.end(), 0);
-}
+    : membrane_(membrane), triangles_(triangles), order_(std::move(elimination_order)) {}
 
 void Equilibrium::hold(const std::vector<char>& held, const Points& x) {
-  held_ = held;
   free_.clear();
   index_.assign(held.size(), -1);
   for (std::size_t i = 0; i < held.size(); ++i)
@@ -27,6 +26,18 @@ void Equilibrium::hold(const std::vector<char>& held, const Points& x) {
   for (std::size_t k = 0; k < triangles_.size(); ++k)
     if (std::any_of(triangles_[k].begin(), triangles_[k].end(), [&](int v) { return !held[v]; }))
       active_.push_back(static_cast<int>(k));
+  corner_start_.assign(free_.size() + 1, 0);
+  for (const int k : active_)
+    for (int v : triangles_[k])
+      if (index_[v] >= 0) ++corner_start_[index_[v] + 1];
+  std::partial_sum(corner_start_.begin(), corner_start_.end(), corner_start_.begin());
+  corner_.resize(static_cast<std::size_t>(corner_start_.back()));
+  std::vector<int> next(corner_start_.begin(), corner_start_.end() - 1);
+  for (int n = 0; n < static_cast<int>(active_.size()); ++n)
+    for (int c = 0; c < 3; ++c)
+      if (const int row = index_[triangles_[active_[n]][c]]; row >= 0) corner_[next[row]++] = 3 * n + c;
+  corners_.resize(active_.size());
+  energies_.resize(active_.size());
   if (free_.empty()) return;
 
   struct Entry {
@@ -73,22 +84,35 @@ void Equilibrium::hold(const std::vector<char>& held, const Points& x) {
   rhs_.resize(matrix.size, 3);
 }
 
-double Equilibrium::energy(const Points& x, double p, Points& gradient) const {
-  const double e = membrane_.energy(x, p, active_, gradient);
-  for (Eigen::Index i = 0; i < gradient.cols(); ++i)
-    if (held_[i]) gradient.col(i).setZero();
-  return e;
+double Equilibrium::energy(const Points& x, double p, Points& gradient) {
+  // Each triangle writes its own place and each vertex gathers its own corners, in a fixed order: the sums are the
+  // same on any number of threads.
+  const auto triangles = [&](int begin, int end) {
+    for (int n = begin; n < end; ++n) energies_[n] = membrane_.element_energy(x, p, active_[n], corners_[n]);
+  };
+  const auto vertices = [&](int begin, int end) {
+    for (int r = begin; r < end; ++r) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (int k = corner_start_[r]; k < corner_start_[r + 1]; ++k) sum += corners_[corner_[k] / 3].col(corner_[k] % 3);
+      gradient.col(r) = sum;
+    }
+  };
+  constexpr int worth_threads = 8000;
+  const int n = static_cast<int>(active_.size()), m = static_cast<int>(free_.size());
+  if (n < worth_threads) {
+    triangles(0, n);
+    vertices(0, m);
+  } else {
+    in_parallel(0, n, triangles);
+    in_parallel(0, m, vertices);
+  }
+  return std::accumulate(energies_.begin(), energies_.end(), 0.0);
 }
 
-double Equilibrium::forces(const Points& x, double p, Points& gradient) const {
-  return membrane_.energy(x, p, all_, gradient);
-}
-
-void Equilibrium::precondition(const Points& g, Points& out) {
-  for (std::size_t r = 0; r < free_.size(); ++r) rhs_.row(r) = g.col(free_[r]).transpose();
+void Equilibrium::precondition(const Points& gradient, Points& direction) {
+  rhs_ = gradient.transpose();
   cholesky_.solve(rhs_, solution_);
-  out.setZero();
-  for (std::size_t r = 0; r < free_.size(); ++r) out.col(free_[r]) = solution_.row(r).transpose();
+  direction = solution_.transpose();
 }
 
 Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, double cap, int iterations,
@@ -98,16 +122,21 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
     outcome.at_rest = true;
     return outcome;
   }
-  constexpr std::size_t memory = 10;
+  constexpr std::size_t memory = 8;
   struct Pair {
     Points s, y;
     double rho;
   };
   std::deque<Pair> pairs;
-  const Points start = x;
-  Points g(3, x.cols()), trial(3, x.cols()), trial_g(3, x.cols()), q, d(3, x.cols());
+  const Eigen::Index n = static_cast<Eigen::Index>(free_.size());
+  Points f(3, n), trial(3, n), g(3, n), trial_g(3, n), q(3, n), d(3, n);  // over the free vertices
+  const auto place = [&](const Points& at) {
+    for (Eigen::Index r = 0; r < n; ++r) x.col(free_[r]) = at.col(r);
+  };
+  for (Eigen::Index r = 0; r < n; ++r) f.col(r) = x.col(free_[r]);
+  const Points start = f;
   double e = energy(x, p, g);
-  const auto largest = [](const Points& f) { return std::sqrt(f.colwise().squaredNorm().maxCoeff()); };
+  const auto largest = [](const Points& v) { return std::sqrt(v.colwise().squaredNorm().maxCoeff()); };
 
   for (;; ++outcome.iterations) {
     outcome.residual = largest(g);
@@ -138,8 +167,9 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
     bool accepted = false;
     double trial_e = 0;
     for (int halving = 0; halving < 30; ++halving, step *= 0.5) {
-      trial = x + step * d;
-      trial_e = energy(trial, p, trial_g);
+      trial = f + step * d;
+      place(trial);
+      trial_e = energy(x, p, trial_g);
       const double rise = trial_g.cwiseProduct(d).sum();
       const bool decrease = trial_e <= e + 1e-4 * step * slope;
       // Near rest the energies differ by rounding alone: judge by the slopes (Hager & Zhang 2005).
@@ -150,21 +180,22 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
       }
     }
     if (!accepted) {
+      place(f);
       if (pairs.empty()) return outcome;
       pairs.clear();
       continue;
     }
-    Pair pair{trial - x, trial_g - g, 0};
+    Pair pair{trial - f, trial_g - g, 0};
     const double curvature = pair.s.cwiseProduct(pair.y).sum();
     if (curvature > 1e-12 * std::sqrt(pair.s.squaredNorm() * pair.y.squaredNorm())) {
       pair.rho = 1 / curvature;
       if (pairs.size() == memory) pairs.pop_front();
       pairs.push_back(std::move(pair));
     }
-    x.swap(trial);
+    f.swap(trial);
     g.swap(trial_g);
     e = trial_e;
-    if (largest(x - start) >= 0.999 * cap) {
+    if (largest(f - start) >= 0.999 * cap) {
       outcome.capped = true;
       ++outcome.iterations;
       outcome.residual = largest(g);

@@ -31,18 +31,19 @@ class Equilibrium {
   // was on entry (then stops). At most `iterations` steps; looks at the cancellation at every one.
   Outcome solve(Points& x, double p, double tolerance, double cap, int iterations, const Context& context);
 
-  // Forces at every vertex, held ones included: the gradient of the energy over all triangles.
-  double forces(const Points& x, double p, Points& gradient) const;
-
  private:
-  double energy(const Points& x, double p, Points& gradient) const;  // held components zero
-  void precondition(const Points& g, Points& out);
+  // Positions of all vertices in, gradient at the free ones out (3 x free).
+  double energy(const Points& x, double p, Points& gradient);
+  void precondition(const Points& gradient, Points& direction);
 
   const Membrane& membrane_;
   const std::vector<Triangle>& triangles_;
-  std::vector<int> order_, all_, active_;
-  std::vector<char> held_;
-  std::vector<int> index_, free_;  // vertex to row and back
+  std::vector<int> order_;
+  std::vector<int> index_, free_;   // vertex to row among the free ones (-1: held) and back
+  std::vector<int> active_;         // triangles with a free corner
+  std::vector<int> corner_start_, corner_;  // per free vertex: its corners, 3 x (place in active_) + corner
+  std::vector<Eigen::Matrix3d> corners_;    // gradients of the active triangles
+  std::vector<double> energies_;            // of the active triangles
   SparseCholesky cholesky_;
   Eigen::MatrixXd rhs_, solution_;
 };

@@ -167,7 +167,7 @@ class Process {
     for (std::size_t i = 0; i < n; ++i) out.thickness.push_back(volume[i] / area[i]);
 
     Points force(3, x_.cols());
-    equilibrium_.forces(x_, pressure_, force);
+    membrane_.energy(x_, pressure_, force);
     double support = 0, largest_free = 0;
     for (std::size_t i = 0; i < n; ++i)
       if (held_[i])

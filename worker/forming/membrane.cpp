@@ -82,7 +82,7 @@ Density density(MembraneLaw law, double l1, double l2) {
 }
 
 Membrane::Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<Triangle>& triangles, MembraneLaw law)
-    : triangles_(triangles), law_(law) {
+    : triangles_(triangles), law_(law), c1_(coefficients(law).c1), c2_(coefficients(law).c2) {
   for (const Triangle& t : triangles_) {
     Eigen::Matrix2d D;
     D << rest[t[1]] - rest[t[0]], rest[t[2]] - rest[t[0]];
@@ -102,32 +102,47 @@ Eigen::Matrix<double, 3, 2> Membrane::deformation(const Points& x, int triangle)
   return (x.col(t[1]) - x.col(t[0])) * g.col(1).transpose() + (x.col(t[2]) - x.col(t[0])) * g.col(2).transpose();
 }
 
-double Membrane::energy(const Points& x, double p, const std::vector<int>& active, Points& gradient) const {
-  gradient.setZero();
-  double elastic = 0, volume = 0;
-  for (const int k : active) {
-    const Triangle& t = triangles_[k];
-    const auto F = deformation(x, k);
-    const Principal q = principal(F);
+double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::Matrix3d& gradient) const {
+  const Triangle& t = triangles_[triangle];
+  const auto& g = shape_[triangle];
+  const Eigen::Vector3d a = x.col(t[0]), e1 = x.col(t[1]) - a, e2 = x.col(t[2]) - a;
+  const Eigen::Vector3d F1 = g(0, 1) * e1 + g(0, 2) * e2, F2 = g(1, 1) * e1 + g(1, 2) * e2;
+  const double c11 = F1.squaredNorm(), c12 = F1.dot(F2), c22 = F2.squaredNorm(), trace = c11 + c22;
+  const double J = F1.cross(F2).squaredNorm();  // det C
+  const double half = 0.5 * (c11 - c22), l1_squared = 0.5 * trace + std::sqrt(half * half + c12 * c12);
+
+  // The second Piola-Kirchhoff stress S = 2 dW/dC as (s11, s12, s22).
+  double W, s11, s12, s22;
+  if (l1_squared >= 1 && J * J >= l1_squared) {  // tight both ways: by the invariants of C
+    const double i = 1 / J, identity = 2 * (c1_ + c2_ * i), adjugate = 2 * (c2_ - (c1_ + c2_ * trace) * i * i);
+    W = c1_ * (trace + i - 3) + c2_ * (J + trace * i - 3);
+    s11 = identity + adjugate * c22, s12 = -adjugate * c12, s22 = identity + adjugate * c11;
+  } else {
+    const Principal q = principal(deformation(x, triangle));
     const Density d = density(law_, q.l1, q.l2);
-    elastic += area_[k] * d.W;
-    // Second Piola-Kirchhoff stress S = sum (W_i / l_i) v_i v_i', forces A F S g.
-    const Eigen::Vector3d S = area_[k] * along_principal(q, d.W1 / q.l1, d.W2 / q.l2);
-    const Eigen::Vector3d P1 = S[0] * F.col(0) + S[1] * F.col(1), P2 = S[1] * F.col(0) + S[2] * F.col(1);
-    const auto& g = shape_[k];
-    Eigen::Vector3d f1 = g(0, 1) * P1 + g(1, 1) * P2, f2 = g(0, 2) * P1 + g(1, 2) * P2;
-    Eigen::Vector3d f0 = -f1 - f2;
-    if (p != 0) {
-      const Eigen::Vector3d a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]);
-      const Eigen::Vector3d share = (p / 6) * (b - a).cross(c - a);
-      volume += (b - a).cross(c - a).z() * (a.z() + b.z() + c.z()) / 6;
-      f0 += share, f1 += share, f2 += share;
-    }
-    gradient.col(t[0]) += f0;
-    gradient.col(t[1]) += f1;
-    gradient.col(t[2]) += f2;
+    const Eigen::Vector3d S = along_principal(q, d.W1 / q.l1, d.W2 / q.l2);
+    W = d.W, s11 = S[0], s12 = S[1], s22 = S[2];
   }
-  return elastic + p * volume;
+  const double area = area_[triangle];
+  const Eigen::Vector3d P1 = area * (s11 * F1 + s12 * F2), P2 = area * (s12 * F1 + s22 * F2);
+  gradient.col(1) = g(0, 1) * P1 + g(1, 1) * P2;
+  gradient.col(2) = g(0, 2) * P1 + g(1, 2) * P2;
+  gradient.col(0) = -gradient.col(1) - gradient.col(2);
+  if (p == 0) return area * W;
+  const Eigen::Vector3d normal = e1.cross(e2);
+  gradient.colwise() += (p / 6) * normal;
+  return area * W + p / 6 * normal.z() * (3 * a.z() + e1.z() + e2.z());
+}
+
+double Membrane::energy(const Points& x, double p, Points& gradient) const {
+  gradient.setZero();
+  double sum = 0;
+  Eigen::Matrix3d corners;
+  for (int k = 0; k < static_cast<int>(triangles_.size()); ++k) {
+    sum += element_energy(x, p, k, corners);
+    for (int c = 0; c < 3; ++c) gradient.col(triangles_[k][c]) += corners.col(c);
+  }
+  return sum;
 }
 
 Eigen::Vector3d Membrane::scalar_stiffness(const Points& x, int triangle) const {

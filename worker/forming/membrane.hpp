@@ -31,9 +31,11 @@ class Membrane {
 
   std::size_t triangle_count() const { return triangles_.size(); }
 
-  // The energy of the triangles in `active` (indices), elastic plus p times the volume under them, and its gradient
-  // (3 x vertices, overwritten). The pressure pushes against the normal that counter-clockwise triangles show.
-  double energy(const Points& x, double p, const std::vector<int>& active, Points& gradient) const;
+  // The energy of one triangle, elastic plus p times the volume under it, and its gradient at the three corners (one a
+  // column). The pressure pushes against the normal that counter-clockwise triangles show.
+  double element_energy(const Points& x, double p, int triangle, Eigen::Matrix3d& gradient) const;
+  // The same for the whole sheet; the gradient (3 x vertices) is overwritten.
+  double energy(const Points& x, double p, Points& gradient) const;
 
   // The coefficients (t11, t12, t22) of the scalar form that has, per pair of vertices, a third of the trace of the
   // elastic Hessian's block: a symmetric positive definite stand-in for it, in the triangle's rest frame.
@@ -54,6 +56,7 @@ class Membrane {
   std::vector<Eigen::Matrix<double, 2, 3>> shape_;
   std::vector<double> area_;
   MembraneLaw law_;
+  double c1_, c2_;  // coefficients of the law
 };
 
 }  // namespace vacuform
