@@ -24,6 +24,7 @@ struct Options {
   std::string listen = "127.0.0.1:8080";
   std::filesystem::path data = "vacuform-data";
   int workers = 0;
+  int lease_seconds = 30;
   std::filesystem::path worker_program;
   std::filesystem::path port_file;
 };
@@ -89,7 +90,8 @@ Result<void> serve(const Options& options) {
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
 
-  const StoreOptions store_options;
+  StoreOptions store_options;
+  store_options.lease = options.lease_seconds * Millis{1000};
   VACUFORM_TRY(store, open_store(options.data, store_options));
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
   VACUFORM_TRY(token, worker_token(token_file));
@@ -136,6 +138,9 @@ int main(int argc, char** argv) {
   app.add_option("--data", options.data, "Folder of the jobs, made when absent")->capture_default_str();
   app.add_option("--workers", options.workers, "Workers to start on this machine")
       ->check(CLI::Range(0, 256))->capture_default_str();
+  app.add_option("--lease-seconds", options.lease_seconds,
+                 "Silence of a worker after which its job is given to another; workers give a sign of life every second")
+      ->check(CLI::Range(3, 3600))->capture_default_str();
   app.add_option("--worker-program", options.worker_program, "The worker (default: vacuform-worker beside this program)");
   app.add_option("--port-file", options.port_file, "File that receives the port when the server is ready");
   try {
