@@ -20,7 +20,6 @@ namespace {
 
 constexpr double weld_share = 1e-6;       // of the scan's size: what the rounding of floats makes of one point
 constexpr double least_mold_mm = 20;      // height below which an automatic trim is refused
-constexpr double ray_spacing_mm = 0.5;
 constexpr double undercut_mm = 1;         // shallower ones are noise, or give way when the part is lifted off
 constexpr double undercut_mm2 = 20;       // seen from above: smaller ones do not set the trim
 constexpr double reported_mm = 1.5;       // shallower ones lie within the grid of what the trim allows
@@ -31,6 +30,9 @@ std::string mm(double value) {
   const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, 1).ptr;
   return std::string(text, end) + " mm";
 }
+
+// Half a millimetre on heads; coarser where a scan is so large that the grid would pass 800 columns a side.
+double ray_spacing(const TriangleMesh& mesh) { return std::max(0.5, bounds(mesh).size().head<2>().maxCoeff() / 800); }
 
 void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
   for (auto& p : mesh.vertices) p = scale * (rotation * p);
@@ -163,7 +165,7 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   if (settings.trim_mm) {
     findings.trim_mm = *settings.trim_mm;
   } else {
-    VACUFORM_TRY(space, CoveredSpace::measure(closed, floor, ray_spacing_mm, progress));
+    VACUFORM_TRY(space, CoveredSpace::measure(closed, floor, ray_spacing(closed), progress));
     findings.trim_mm = space.lowest_cut(undercut_mm, undercut_mm2);
     findings.trim_chosen = true;
   }
@@ -195,7 +197,7 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   mold.mesh = std::move(*cut);
   mold.top = top_of(mold.mesh);
   VACUFORM_CHECK(progress.reach(0.9));
-  VACUFORM_TRY(space, CoveredSpace::measure(mold.mesh, 0, ray_spacing_mm, progress));
+  VACUFORM_TRY(space, CoveredSpace::measure(mold.mesh, 0, ray_spacing(mold.mesh), progress));
   for (const auto& undercut : space.undercuts(0))
     if (undercut.depth_mm > reported_mm && undercut.area_mm2 > reported_mm2) mold.undercuts.push_back(undercut);
   if (!mold.undercuts.empty()) {

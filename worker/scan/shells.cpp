@@ -12,7 +12,8 @@ namespace vacuform {
 namespace {
 
 constexpr double debris_share = 0.05;     // of the main piece's diagonal
-constexpr double soup_share = 0.5;        // a main piece smaller than this share of everything is a scrap
+constexpr double soup_size = 0.5;         // a main piece smaller than this share of everything and with
+constexpr double soup_area = 0.2;         // less than this share of the area is a scrap
 constexpr int most_pieces_examined = 64;  // the largest ones; real scans keep a handful
 
 struct Piece {
@@ -163,7 +164,9 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progr
   VACUFORM_CHECK(progress.tick());
 
   if (pieces.empty()) return skin;
-  if (skin.components > 1 && pieces.front().diagonal < soup_share * robust_size(mesh)) {
+  double area = 0;
+  for (const auto& piece : pieces) area += piece.area;
+  if (pieces.front().area < soup_area * area && pieces.front().diagonal < soup_size * robust_size(mesh)) {
     skin.soup = true;
     skin.mesh = mesh;
   } else if (skin.components == 1) {

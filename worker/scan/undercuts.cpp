@@ -56,23 +56,56 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, double floo
     }
     if (met && inside == 0 && opened - floor > least_height_mm) space.spans_.push_back({column, floor, opened});
   }
+  space.build_pyramid();
   return space;
 }
 
-double CoveredSpace::depth_at(int column, double z, double enough) const {
-  const int cx = column % nx_, cy = column / nx_;
-  double best = HUGE_VAL;
-  const auto look = [&](int x, int y) {
-    if (x < 0 || y < 0 || x >= nx_ || y >= ny_) return;
-    if (top_[static_cast<std::size_t>(y) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(x)] >= z) return;
-    best = std::min(best, std::hypot(x - cx, y - cy));
-  };
-  const int farthest = static_cast<int>(std::min<double>(std::max(nx_, ny_), enough / spacing_ + 2));
-  for (int r = 1; r <= farthest && r < best; ++r) {
-    for (int d = -r; d <= r; ++d) look(cx + d, cy - r), look(cx + d, cy + r);
-    for (int d = -r + 1; d < r; ++d) look(cx - r, cy + d), look(cx + r, cy + d);
+void CoveredSpace::build_pyramid() {
+  const std::vector<double>* below = &top_;
+  for (int bx = nx_, by = ny_; bx > 1 || by > 1;) {
+    const int cx = (bx + 1) / 2, cy = (by + 1) / 2;
+    Level level{cx, cy, std::vector<double>(static_cast<std::size_t>(cx) * static_cast<std::size_t>(cy), HUGE_VAL)};
+    for (int y = 0; y < by; ++y)
+      for (int x = 0; x < bx; ++x) {
+        auto& lowest = level.lowest[static_cast<std::size_t>(y / 2) * static_cast<std::size_t>(cx) + static_cast<std::size_t>(x / 2)];
+        lowest = std::min(lowest, (*below)[static_cast<std::size_t>(y) * static_cast<std::size_t>(bx) + static_cast<std::size_t>(x)]);
+      }
+    pyramid_.push_back(std::move(level));
+    below = &pyramid_.back().lowest;
+    bx = cx, by = cy;
   }
-  return std::max(0.0, std::min<double>(best, farthest + 1) - 0.5) * spacing_;
+}
+
+struct CoveredSpace::Search {
+  int x, y;     // the column asked about
+  double z;     // open: its top lies below
+  double best;  // squared distance in columns
+};
+
+// Descends into the blocks that hold an open column nearer than the best so far, the nearest block first.
+void CoveredSpace::search(Search& s, std::size_t level, int x, int y) const {
+  const int nx = level == 0 ? nx_ : pyramid_[level - 1].nx, ny = level == 0 ? ny_ : pyramid_[level - 1].ny;
+  if (x >= nx || y >= ny) return;
+  const auto& lowest = level == 0 ? top_ : pyramid_[level - 1].lowest;
+  if (lowest[static_cast<std::size_t>(y) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(x)] >= s.z) return;
+  const int side = 1 << level;
+  const double dx = std::max({0, x * side - s.x, s.x - (x * side + side - 1)});
+  const double dy = std::max({0, y * side - s.y, s.y - (y * side + side - 1)});
+  const double squared = dx * dx + dy * dy;
+  if (squared >= s.best) return;
+  if (level == 0) {
+    s.best = squared;
+    return;
+  }
+  const int right = s.x >= x * side + side / 2, upper = s.y >= y * side + side / 2;
+  for (const int k : {0, 1, 2, 3}) search(s, level - 1, 2 * x + (right ^ (k & 1)), 2 * y + (upper ^ (k >> 1)));
+}
+
+double CoveredSpace::depth_at(int column, double z, double enough) const {
+  const double farthest = enough / spacing_ + 2;
+  Search s{column % nx_, column / nx_, z, farthest * farthest};
+  search(s, pyramid_.size(), 0, 0);
+  return std::max(0.0, std::sqrt(s.best) - 0.5) * spacing_;
 }
 
 std::vector<CoveredSpace::Span> CoveredSpace::above(double floor) const {

@@ -38,6 +38,9 @@ class CoveredSpace {
     double low, high;
   };
   Eigen::Vector2d place(int column) const;
+  struct Search;
+  void build_pyramid();
+  void search(Search& s, std::size_t level, int x, int y) const;
   double depth_at(int column, double z, double enough) const;
   std::vector<int> clusters(const std::vector<Span>& spans) const;
   std::vector<Span> above(double floor) const;
@@ -48,6 +51,11 @@ class CoveredSpace {
   int nx_ = 0, ny_ = 0;
   std::vector<double> top_;  // of each column; -inf where nothing stands
   std::vector<Span> spans_;  // by column, from above
+  struct Level {             // lowest top of each block of 2^k x 2^k columns
+    int nx, ny;
+    std::vector<double> lowest;
+  };
+  std::vector<Level> pyramid_;  // from k = 1 on
 };
 
 }  // namespace vacuform

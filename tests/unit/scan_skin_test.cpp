@@ -1,0 +1,269 @@
+// From triangles to one upright skin in millimetres: pieces, orientation, unit, up axis.
+#include <gtest/gtest.h>
+
+#include "tests/unit/scan_shapes.hpp"
+#include "worker/scan/shells.hpp"
+#include "worker/scan/upright.hpp"
+#include "worker/scan/welding.hpp"
+
+namespace vacuform {
+namespace {
+
+using namespace shapes;
+
+constexpr double pi = std::numbers::pi;
+const Context quiet;
+
+Result<Mold> mold_of(const TriangleMesh& mesh, const ScanSettings& settings = {}) { return make_mold(stl(mesh), "scan.stl", settings, quiet); }
+// Trimmed at nothing, so that volumes and sizes are the scan's own.
+ScanSettings whole() {
+  ScanSettings settings;
+  settings.trim_mm = 0;
+  settings.up = UpAxis::plus_z;
+  settings.units = Unit::mm;
+  return settings;
+}
+bool warns(const Mold& mold, const std::string& code) {
+  for (const auto& w : mold.warnings)
+    if (w.code == code) return true;
+  return false;
+}
+
+TEST(Welding, JoinsWithinTheToleranceOnly) {
+  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.0009, 0, 0}, {1, 0, 0.0009}, {0, 1.002, 0}}, {{0, 1, 2}, {3, 5, 4}}};
+  weld(mesh, 0.001);
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 3, 1}}));
+}
+
+TEST(Welding, DropsTrianglesWithoutAreaAndRepeatedOnes) {
+  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {9, 9, 9}}, {{0, 1, 2}, {1, 2, 3}, {2, 1, 0}, {0, 3, 1}}};
+  weld(mesh, 0);
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}}));
+  EXPECT_EQ(mesh.vertices.size(), 3u);
+}
+
+TEST(Topology, BorderLoopsCloseWithTheirOwnTriangle) {
+  auto mesh = cube(1);
+  mesh.triangles.pop_back();
+  const auto loops = border_loops(mesh);
+  ASSERT_EQ(loops.size(), 1u);
+  ASSERT_EQ(loops[0].size(), 3u);
+  mesh.triangles.push_back({loops[0][0], loops[0][1], loops[0][2]});
+  EXPECT_TRUE(is_watertight(mesh));
+}
+
+TEST(Topology, ABowTieGivesTwoLoops) {
+  // Two triangles that share one corner: five edges of... each is a loop of its own.
+  const TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
+  const auto loops = border_loops(mesh);
+  ASSERT_EQ(loops.size(), 2u);
+  EXPECT_EQ(loops[0].size(), 3u);
+  EXPECT_EQ(loops[1].size(), 3u);
+}
+
+TEST(Topology, WatertightMeansEveryEdgeTwiceInOppositeDirections) {
+  EXPECT_TRUE(is_watertight(cube(1)));
+  EXPECT_FALSE(is_watertight({}));
+  auto open = cube(1);
+  open.triangles.pop_back();
+  EXPECT_FALSE(is_watertight(open));
+  auto turned = cube(1);
+  std::swap(turned.triangles[3][0], turned.triangles[3][1]);
+  EXPECT_FALSE(is_watertight(turned));
+  auto doubled = cube(1);
+  doubled.triangles.insert(doubled.triangles.end(), doubled.triangles.begin(), doubled.triangles.begin() + 12);
+  EXPECT_FALSE(is_watertight(doubled));
+}
+
+TEST(Skin, InsideOutIsTurned) {
+  const auto right = mold_of(sphere(50), whole()), wrong = mold_of(turned_over(sphere(50)), whole());
+  ASSERT_TRUE(right && wrong);
+  EXPECT_FALSE(right->findings.turned_inside_out);
+  EXPECT_TRUE(wrong->findings.turned_inside_out);
+  EXPECT_GT(signed_volume(wrong->mesh), 0);
+  EXPECT_NEAR(signed_volume(wrong->mesh), signed_volume(right->mesh), 1);
+}
+
+TEST(Skin, MixedDirectionsAreMadeToAgree) {
+  auto mesh = sphere(50);
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
+  const auto mold = mold_of(mesh, whole());
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_FALSE(mold->findings.turned_inside_out);
+  EXPECT_FALSE(mold->findings.rebuilt);
+  EXPECT_TRUE(is_watertight(mold->mesh));
+  EXPECT_NEAR(signed_volume(mold->mesh), 4.0 / 3 * pi * 125000, 0.01 * 4.0 / 3 * pi * 125000);
+}
+
+TEST(Skin, AnOpenSkinThatIsInsideOutIsTurnedToo) {
+  const auto bowl = without(sphere(80), [](const auto& p) { return p.z() < -20; });
+  const auto mold = mold_of(turned_over(bowl));
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_TRUE(mold->findings.turned_inside_out);
+  EXPECT_EQ(mold->findings.up, UpAxis::plus_z);
+  EXPECT_EQ(mold->findings.holes_capped, 1);
+}
+
+TEST(Skin, DebrisIsDroppedAndDoesNotCountForTheSize) {
+  auto mesh = sphere(100);
+  for (int i = 0; i < 1000; ++i) mesh = joined(std::move(mesh), shifted(scaled(cube(1), 2), 300 + 9.0 * i, -400, 10 * (i % 7)));
+  const auto mold = mold_of(mesh);
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.components, 1001);
+  EXPECT_EQ(mold->findings.components_dropped, 1000);
+  EXPECT_EQ(mold->findings.unit, Unit::mm);
+  EXPECT_NEAR(mold->findings.size_mm.z(), 200, 1e-3);
+}
+
+TEST(Skin, InnerSkinsAreDropped) {  // scalp, skull turned the other way, brain, and a tumour outside of its middle
+  const auto mesh = joined(joined(joined(sphere(90, 24), turned_over(sphere(80, 24))), sphere(70, 40)), shifted(sphere(20), 20, 10, 0));
+  const auto mold = mold_of(mesh, whole());
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.components, 4);
+  EXPECT_EQ(mold->findings.components_dropped, 3);
+  EXPECT_EQ(mold->mesh.triangles.size(), sphere(90, 24).triangles.size());
+}
+
+TEST(Skin, InnerSkinsOfAHeadCutOpenBelowAreDropped) {
+  const auto cut = [](const auto& p) { return p.z() < -50; };
+  const auto mold = mold_of(joined(without(sphere(90), cut), without(sphere(75), cut)));
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.components_dropped, 1);
+  EXPECT_EQ(mold->findings.up, UpAxis::plus_z);
+}
+
+TEST(Skin, TwoPartsSideBySideAreBothKept) {
+  const auto mesh = joined(box({0, 0, 0}, {60, 60, 60}), box({80, 0, 0}, {160, 60, 50}));
+  const auto mold = mold_of(mesh);
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.components_dropped, 0);
+  EXPECT_TRUE(is_watertight(mold->mesh));
+  EXPECT_NEAR(signed_volume(mold->mesh), 60 * 60 * 60 + 80 * 60 * 50, 1);
+  EXPECT_EQ(mold->undercuts.size(), 0u);
+}
+
+TEST(Skin, AMillionPieces) {
+  auto mesh = sphere(100, 64);
+  mesh.vertices.reserve(3'100'000);
+  for (int i = 0; i < 1'000'000; ++i) {
+    const Eigen::Vector3d at(i % 100, i / 100 % 100, i / 10000 + 150);
+    const int first = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {at, at + Eigen::Vector3d(0.3, 0, 0), at + Eigen::Vector3d(0, 0.3, 0)});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  const auto skin = outer_skin(mesh, ScanProgress(quiet));
+  ASSERT_TRUE(skin);
+  EXPECT_EQ(skin->components, 1'000'001);
+  EXPECT_EQ(skin->components_dropped, 1'000'000);
+  EXPECT_EQ(skin->mesh.triangles.size(), sphere(100, 64).triangles.size());
+}
+
+struct Size {
+  double longest;
+  Unit unit;
+};
+class GuessedUnit : public testing::TestWithParam<Size> {};
+
+TEST_P(GuessedUnit, IsTheOnlyPlausibleOne) {
+  const auto mold = mold_of(scaled(sphere(0.5), GetParam().longest));
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.unit, GetParam().unit);
+  EXPECT_TRUE(mold->findings.unit_guessed);
+  EXPECT_NEAR(mold->findings.size_mm.z(), GetParam().longest * millimetres(GetParam().unit), 0.01);
+}
+INSTANTIATE_TEST_SUITE_P(All, GuessedUnit,
+                         testing::Values(Size{200, Unit::mm}, Size{85, Unit::mm}, Size{390, Unit::mm}, Size{20, Unit::cm},
+                                         Size{0.2, Unit::m}, Size{0.39, Unit::m}, Size{7.5, Unit::in}, Size{3.2, Unit::in}));
+
+TEST(Units, TwoPlausibleOnesAreNamedWithTheirSizes) {
+  const auto mold = mold_of(scaled(sphere(0.5), 10));
+  ASSERT_FALSE(mold);
+  EXPECT_EQ(mold.error().code, Code::ambiguous_units);
+  EXPECT_EQ(mold.error().text(),
+            "the scan's unit cannot be told: its longest side is plausible in cm (100 mm), in (254 mm) (scan.stl); say which, for example --set "
+            "scan.units=cm");
+}
+
+TEST(Units, NoPlausibleOneNamesAll) {
+  for (const double side : {1.0, 60.0, 450.0, 1e-4, 1e6}) {
+    const auto mold = mold_of(scaled(sphere(0.5), side));
+    ASSERT_FALSE(mold) << side;
+    EXPECT_EQ(mold.error().code, Code::ambiguous_units);
+    EXPECT_NE(mold.error().what.find("in none is its longest side 80 to 400 mm: mm ("), std::string::npos) << mold.error().text();
+  }
+}
+
+TEST(Units, AGivenUnitWinsUnlessItIsAbsurd) {
+  ScanSettings settings;
+  settings.units = Unit::in;
+  const auto mold = mold_of(scaled(sphere(0.5), 10), settings);
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_FALSE(mold->findings.unit_guessed);
+  EXPECT_NEAR(mold->findings.size_mm.z(), 254, 0.01);
+  settings.units = Unit::m;
+  const auto absurd = mold_of(sphere(100), settings);
+  ASSERT_FALSE(absurd);
+  EXPECT_EQ(absurd.error().code, Code::unusable_scan);
+  EXPECT_NE(absurd.error().text().find("in m the scan's longest side is 200000.0 mm"), std::string::npos) << absurd.error().text();
+}
+
+const std::array<std::pair<UpAxis, Eigen::Vector3d>, 6> axes{{{UpAxis::plus_x, {1, 0, 0}}, {UpAxis::minus_x, {-1, 0, 0}},
+                                                             {UpAxis::plus_y, {0, 1, 0}}, {UpAxis::minus_y, {0, -1, 0}},
+                                                             {UpAxis::plus_z, {0, 0, 1}}, {UpAxis::minus_z, {0, 0, -1}}}};
+
+// The mesh with its +z turned to `up`.
+TriangleMesh fallen(const TriangleMesh& mesh, const Eigen::Vector3d& up) {
+  return moved(mesh, Eigen::Affine3d(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up)));
+}
+
+TEST(Up, TheTurnIsARotationThatBringsTheAxisUp) {
+  for (const auto& [axis, direction] : axes) {
+    const Eigen::Matrix3d turn = upright_turn(axis, 0, 0, 0);
+    EXPECT_EQ(turn * direction, Eigen::Vector3d(0, 0, 1)) << name(axis);
+    EXPECT_EQ(turn.determinant(), 1) << name(axis);
+  }
+  // Roll about x, then pitch about y, then yaw about z.
+  EXPECT_NEAR((upright_turn(UpAxis::plus_z, 90, 0, 0) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), 0, 1e-12);
+  EXPECT_NEAR((upright_turn(UpAxis::plus_z, 90, 90, 0) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitX()).norm(), 0, 1e-12);
+  EXPECT_NEAR((upright_turn(UpAxis::plus_z, 90, 90, 90) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitY()).norm(), 0, 1e-12);
+}
+
+TEST(Up, AnOpeningLiesOnThePlatform) {
+  const auto bowl = without(sphere(80), [](const auto& p) { return p.z() < -30; });
+  for (const auto& [axis, direction] : axes) {
+    const auto mold = mold_of(fallen(bowl, direction));
+    ASSERT_TRUE(mold) << mold.error().text();
+    EXPECT_EQ(mold->findings.up, axis) << name(axis);
+    EXPECT_TRUE(mold->findings.up_guessed);
+    EXPECT_FALSE(warns(*mold, "up-guessed"));
+    EXPECT_EQ(mold->findings.holes_capped, 1);
+  }
+}
+
+TEST(Up, AFlatCutLiesOnThePlatform) {
+  const auto cut = lathe({{0, -40}, {60, -40}, {75, 0}, {70, 40}, {50, 70}, {20, 85}, {0, 87}}, 64);
+  for (const auto& [axis, direction] : axes) {
+    const auto mold = mold_of(fallen(cut, direction));
+    ASSERT_TRUE(mold) << mold.error().text();
+    EXPECT_EQ(mold->findings.up, axis) << name(axis);
+    EXPECT_FALSE(warns(*mold, "up-guessed"));
+  }
+}
+
+TEST(Up, WhatTheShapeDoesNotTellIsWarnedOf) {
+  const auto mold = mold_of(sphere(100));
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.up, UpAxis::plus_z);
+  EXPECT_TRUE(warns(*mold, "up-guessed"));
+  ScanSettings settings;
+  settings.up = UpAxis::minus_x;
+  const auto given = mold_of(sphere(100), settings);
+  ASSERT_TRUE(given) << given.error().text();
+  EXPECT_EQ(given->findings.up, UpAxis::minus_x);
+  EXPECT_FALSE(given->findings.up_guessed);
+  EXPECT_FALSE(warns(*given, "up-guessed"));
+}
+
+}  // namespace
+}  // namespace vacuform
