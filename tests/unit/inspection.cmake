@@ -1,0 +1,7 @@
+find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
+find_package(ZLIB REQUIRED)
+
+vacuform_test(inspection_test
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/inspection_test.cpp
+  LINKS vacuform_inspection PNG::PNG JPEG::JPEG ZLIB::ZLIB)

@@ -55,7 +55,8 @@ Colour viridis(double fraction) {
 }
 
 Scale round_scale(double low, double high, bool fixed_low, std::string quantity) {
-  const double wanted = std::max(high - low, 1e-3) / 6, decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  high = std::max(high, low + 1e-3);
+  const double wanted = (high - low) / 6, decade = std::pow(10.0, std::floor(std::log10(wanted)));
   double step = 10 * decade;
   for (const double factor : {5.0, 2.5, 2.0, 1.0})
     if (factor * decade >= wanted * (1 - 1e-9)) step = factor * decade;
@@ -74,8 +75,7 @@ void write(const Caption& caption, Picture& picture) {
   band(cairo, 0, caption_top, caption_top - 1);
   text(cairo, caption.title, 40, 50, 27, true, 0, 0.13f);
   text(cairo, caption.figures, 40, 82, 17, false, 0, 0.32f);
-  if (caption.scale || !caption.note.empty())
-    band(cairo, picture.height - caption_bottom, picture.height, picture.height - caption_bottom);
+  band(cairo, picture.height - caption_bottom, picture.height, picture.height - caption_bottom);
   if (!caption.scale) {
     text(cairo, caption.note, 40, picture.height - 40, 17, false, 0, 0.2f);
   } else {

@@ -26,7 +26,7 @@ struct Caption {
   std::string note;            // one line in the scale's place
 };
 
-// Rows that a caption needs above and below the picture.
+// Rows that a caption takes above and below the picture.
 inline constexpr int caption_top = 104, caption_bottom = 92;
 void write(const Caption& caption, Picture& picture);
 

@@ -157,10 +157,10 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   double least = INFINITY;
   for (const double h : job.sheet.element_thickness) least = std::min(least, h);
   const std::string lost = job.print.ink_printed < 0.9995
-                               ? decimal(100 * (1 - job.print.ink_printed), 1) + " % of the drawing's ink lies off the formed part and is not printed"
-                               : "";
+                               ? decimal(100 * (1 - job.print.ink_printed), 1) + " % of the drawing's ink lies off the formed part and is not printed."
+                               : "All of the drawing's ink lies on the formed part.";
   const Caption captions[] = {
-      {"The plain pattern, printed as drawn, then formed", figures_of(before), {}, ""},
+      {"The plain pattern, printed as drawn, then formed", figures_of(before), {}, "Its centre lies where the top of the mold comes to lie, as for the pre-distorted print."},
       {"The pre-distorted print, formed", figures_of(after), {}, lost},
       {"Change of shape that the print makes good", figures_of(before.anisotropy), anisotropy.scale, ""},
       {"Change of area that the print makes good", figures_of(before.area_ratio), area.scale, ""},
