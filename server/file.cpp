@@ -45,8 +45,8 @@ Result<File> File::create(const std::filesystem::path& path) {
 Result<File> File::open(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0)
-    return fail(errno == ENOENT ? Code::not_found : Code::unreadable, "opening a file failed: " + reason(errno),
-                path.filename().string());
+    return fail(errno == ENOENT ? Code::not_found : Code::unreadable,
+                "opening a file failed: " + reason(errno), path.filename().string());
   return File(descriptor);
 }
 
@@ -70,7 +70,8 @@ Result<std::size_t> File::read_at(std::uint64_t offset, std::span<char> into) co
 
 Result<std::uint64_t> File::size() const {
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0) return fail(Code::unreadable, "reading a file failed: " + reason(errno));
+  if (::fstat(descriptor_, &status) != 0)
+    return fail(Code::unreadable, "reading a file failed: " + reason(errno));
   return static_cast<std::uint64_t>(status.st_size);
 }
 
@@ -82,7 +83,8 @@ Result<void> File::sync() {
 Result<void> make_directory(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (!error && !std::filesystem::is_directory(path, error)) error = std::make_error_code(std::errc::not_a_directory);
+  if (!error && !std::filesystem::is_directory(path, error))
+    error = std::make_error_code(std::errc::not_a_directory);
   if (!error) std::filesystem::permissions(path, std::filesystem::perms::owner_all, error);
   if (error)
     return fail(Code::unavailable, "making a folder failed: " + error.message(), path.string(),
@@ -100,7 +102,8 @@ Result<void> sync_directory(const std::filesystem::path& path) {
 Result<std::string> read_text_file(const std::filesystem::path& path, std::uint64_t limit) {
   VACUFORM_TRY(file, File::open(path));
   VACUFORM_TRY(bytes, file.size());
-  if (bytes > limit) return fail(Code::too_large, "the file is larger than expected", path.filename().string());
+  if (bytes > limit)
+    return fail(Code::too_large, "the file is larger than expected", path.filename().string());
   std::string text(bytes, '\0');
   VACUFORM_TRY(n, file.read_at(0, text));
   text.resize(n);

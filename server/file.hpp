@@ -1,5 +1,5 @@
-// Files as the server needs them: an owned descriptor, whole writes, and writes that are on the disk when they return.
-// Every file and folder is private to the user that runs the server (0600, 0700).
+// Files as the server needs them: an owned descriptor, whole writes, and writes that are on the disk when
+// they return. Every file and folder is private to the user that runs the server (0600, 0700).
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,8 @@ class File {
   File& operator=(File&& other) noexcept;
   ~File();
 
-  // Makes a new file for writing and reading; refuses one that exists. Errors: unavailable (disk full, no permission).
+  // Makes a new file for writing and reading; refuses one that exists. Errors: unavailable (disk full, no
+  // permission).
   static Result<File> create(const std::filesystem::path& path);
   // Opens a file for reading. Errors: not_found, unreadable.
   static Result<File> open(const std::filesystem::path& path);
@@ -41,7 +42,8 @@ class File {
 
 // Makes a folder and those above it. Errors: unavailable.
 Result<void> make_directory(const std::filesystem::path& path);
-// Returns when the names in the folder are on the disk: after a rename, so that the name survives a power cut.
+// Returns when the names in the folder are on the disk: after a rename, so that the name survives a power
+// cut.
 Result<void> sync_directory(const std::filesystem::path& path);
 
 // A whole small file. Errors: not_found, unreadable, too_large.

@@ -11,10 +11,13 @@ using nlohmann::ordered_json;
 
 namespace {
 
-// Where each stage begins in the progress of the whole, by the seconds that they take on a head at default settings.
+// Where each stage begins in the progress of the whole, by the seconds that they take on a head at default
+// settings.
 constexpr std::array<double, stage_names.size() + 1> stage_begins{0, 0.1, 0.55, 0.65, 0.8, 1};
 
-ordered_json time_or_null(const std::optional<Millis>& time) { return time ? ordered_json(rfc3339(*time)) : ordered_json(); }
+ordered_json time_or_null(const std::optional<Millis>& time) {
+  return time ? ordered_json(rfc3339(*time)) : ordered_json();
+}
 
 }  // namespace
 

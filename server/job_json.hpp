@@ -11,7 +11,8 @@ nlohmann::ordered_json job_json(const Job& job);
 nlohmann::ordered_json artifact_json(const Job& job, const StoredArtifact& artifact);
 nlohmann::ordered_json input_json(const Input& input);
 
-// Progress of the whole job in 0..1, from the stage and the progress within it. It never falls while an attempt runs.
+// Progress of the whole job in 0..1, from the stage and the progress within it. It never falls while an
+// attempt runs.
 double whole_progress(const Job& job);
 
 }  // namespace vacuform

@@ -34,7 +34,8 @@ Result<Response> list_jobs(Service& service, const Request& request) {
   if (const std::string text = request.query_value("limit"); !text.empty()) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
     if (error != std::errc() || end != text.data() + text.size() || limit < 1 || limit > 100)
-      return fail(Code::bad_usage, "limit is not a number from 1 to 100: " + text, "limit", "give for example 20");
+      return fail(Code::bad_usage, "limit is not a number from 1 to 100: " + text, "limit",
+                  "give for example 20");
   }
   VACUFORM_TRY(page, service.store.list(limit, request.query_value("cursor")));
   ordered_json jobs = ordered_json::array();
@@ -55,11 +56,12 @@ Result<Response> get_artifact(Service& service, const Request& request) {
   for (const auto& artifact : job.artifacts) {
     if (!kind || artifact.name != kind->name) continue;
     VACUFORM_TRY(file, service.store.open(artifact.blob));
-    VACUFORM_TRY(response,
-                 http::file_response(request, std::move(file), std::string(kind->media_type), artifact.blob.sha256));
+    VACUFORM_TRY(response, http::file_response(request, std::move(file), std::string(kind->media_type),
+                                               artifact.blob.sha256));
     response.set("X-Content-Type-Options", "nosniff");
     // An SVG opened on its own must not run what a pattern brought along.
-    response.set("Content-Security-Policy", "default-src 'none'; img-src data:; style-src 'unsafe-inline'; sandbox");
+    response.set("Content-Security-Policy",
+                 "default-src 'none'; img-src data:; style-src 'unsafe-inline'; sandbox");
     return response;
   }
   return fail(Code::not_found, "the job has no such artifact", request.at("id"),
@@ -99,9 +101,12 @@ void add_job_routes(http::Router& router, Service& service) {
     response.status = 204;
     return response;
   });
-  router.add("GET", "/api/v1/jobs/{id}/artifacts", [s](Request& request) { return list_artifacts(*s, request); });
-  router.add("GET", "/api/v1/jobs/{id}/artifacts/{name}", [s](Request& request) { return get_artifact(*s, request); });
-  router.add("GET", "/api/v1/jobs/{id}/artifacts.zip", [s](Request& request) { return get_zip(*s, request); });
+  router.add("GET", "/api/v1/jobs/{id}/artifacts",
+             [s](Request& request) { return list_artifacts(*s, request); });
+  router.add("GET", "/api/v1/jobs/{id}/artifacts/{name}",
+             [s](Request& request) { return get_artifact(*s, request); });
+  router.add("GET", "/api/v1/jobs/{id}/artifacts.zip",
+             [s](Request& request) { return get_zip(*s, request); });
   router.add("GET", "/api/v1/settings-schema", [](Request&) -> Result<Response> {
     Response response = json_response(settings_schema());
     response.media_type = "application/schema+json";
@@ -110,7 +115,9 @@ void add_job_routes(http::Router& router, Service& service) {
   router.add("GET", "/api/v1/openapi.yaml", [](Request&) -> Result<Response> {
     return http::text_response("application/yaml", std::string(openapi_yaml()));
   });
-  router.add("GET", "/healthz", [](Request&) -> Result<Response> { return json_response({{"status", "ok"}}); });
+  router.add("GET", "/healthz", [](Request&) -> Result<Response> {
+    return json_response({{"status", "ok"}});
+  });
 }
 
 http::Router all_routes(Service& service) {

@@ -22,8 +22,8 @@ LocalWorkers::LocalWorkers(WorkerCommand command, int count)
 void LocalWorkers::start(Worker& worker, std::size_t number) {
   // Everything that allocates comes before the fork: other threads may hold the allocator's locks.
   const std::string name = "local-" + std::to_string(number + 1), program = command_.program.string();
-  const std::vector<std::string> words{program,  "--server", command_.server_url, "--token-file",
-                                       command_.token_file.string(), "--name", name};
+  const std::vector<std::string> words{
+      program, "--server", command_.server_url, "--token-file", command_.token_file.string(), "--name", name};
   std::vector<char*> arguments;
   for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);

@@ -1,4 +1,5 @@
-// The workers that the server starts itself: vacuform-worker beside its own executable, restarted when they die.
+// The workers that the server starts itself: vacuform-worker beside its own executable, restarted when they
+// die.
 #pragma once
 
 #include <sys/types.h>
@@ -16,13 +17,13 @@ struct WorkerCommand {
   std::filesystem::path token_file;
 };
 
-// All functions are for one thread, which must live as long as the workers: the kernel ends a worker when the thread
-// that started it ends, so that none outlives the server however that dies.
+// All functions are for one thread, which must live as long as the workers: the kernel ends a worker when the
+// thread that started it ends, so that none outlives the server however that dies.
 class LocalWorkers {
  public:
   LocalWorkers(WorkerCommand command, int count);
-  // Starts those that are due: at first all, later the dead ones after a pause that doubles from 1 s to 30 s with every
-  // death in less than a minute. Call it about every second and after SIGCHLD.
+  // Starts those that are due: at first all, later the dead ones after a pause that doubles from 1 s to 30 s
+  // with every death in less than a minute. Call it about every second and after SIGCHLD.
   void tend();
   // Asks all to end (they give their jobs back) and waits; kills what is left after ten seconds.
   void stop();

@@ -1,5 +1,5 @@
-// The server's log: one JSON object a line on stderr. It names jobs by their ids and routes by their patterns; names of
-// files, settings, addresses and tokens never reach it.
+// The server's log: one JSON object a line on stderr. It names jobs by their ids and routes by their
+// patterns; names of files, settings, addresses and tokens never reach it.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

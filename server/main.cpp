@@ -40,11 +40,13 @@ Result<Address> loopback_address(const std::string& listen) {
   address.host = listen.substr(0, colon);
   const std::string port = colon == std::string::npos ? "" : listen.substr(colon + 1);
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
-  if (port.empty() || error != std::errc() || end != port.data() + port.size() || address.port < 0 || address.port > 65535)
-    return fail(Code::bad_usage, "not an address with a port: " + listen, "--listen", "give for example 127.0.0.1:8080");
+  if (port.empty() || error != std::errc() || end != port.data() + port.size() || address.port < 0 ||
+      address.port > 65535)
+    return fail(Code::bad_usage, "not an address with a port: " + listen, "--listen",
+                "give for example 127.0.0.1:8080");
   if (!http::is_loopback_host(address.host))
-    return fail(Code::bad_usage, "refusing to listen on " + address.host + " without sign-in and a TLS front", "--listen",
-                "give 127.0.0.1, localhost or [::1]");
+    return fail(Code::bad_usage, "refusing to listen on " + address.host + " without sign-in and a TLS front",
+                "--listen", "give 127.0.0.1, localhost or [::1]");
   if (address.host == "localhost") address.host = "127.0.0.1";
   if (address.host == "[::1]") address.host = "::1";
   return address;
@@ -77,11 +79,13 @@ void observe(const http::Answered& answered) {
 Result<void> serve(const Options& options) {
   VACUFORM_TRY(address, loopback_address(options.listen));
   if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
-  const std::filesystem::path program = options.worker_program.empty()
-                                            ? std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vacuform-worker"
-                                            : std::filesystem::absolute(options.worker_program);
+  const std::filesystem::path program =
+      options.worker_program.empty()
+          ? std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vacuform-worker"
+          : std::filesystem::absolute(options.worker_program);
   if (options.workers > 0 && ::access(program.c_str(), X_OK) != 0)
-    return fail(Code::bad_usage, "there is no worker program", program.string(), "give its path with --worker-program");
+    return fail(Code::bad_usage, "there is no worker program", program.string(),
+                "give its path with --worker-program");
 
   // Blocked before the first thread starts, so that only this thread hears them.
   sigset_t signals;
@@ -118,7 +122,8 @@ Result<void> serve(const Options& options) {
     const auto expired = store->expire();
     if (!expired) log_event("store-failed", {{"problem", expired.error().text()}});
     if (expired)
-      for (const Expired& e : *expired) log_event("lease-expired", {{"job", e.job}, {"state", name(e.state)}});
+      for (const Expired& e : *expired)
+        log_event("lease-expired", {{"job", e.job}, {"state", name(e.state)}});
   }
   log_event("server-stopping", nlohmann::ordered_json::object());
   workers.stop();  // they give their jobs back while the server still answers
@@ -133,15 +138,21 @@ Result<void> serve(const Options& options) {
 int main(int argc, char** argv) {
   ::umask(0077);  // scans of patients are nobody else's to read
   vacuform::Options options;
-  CLI::App app("The HTTP service of Vacuform: takes scans and patterns, hands jobs to workers, keeps the results.");
-  app.add_option("--listen", options.listen, "Loopback address and port; port 0 takes any free one")->capture_default_str();
+  CLI::App app(
+      "The HTTP service of Vacuform: takes scans and patterns, hands jobs to workers, keeps the results.");
+  app.add_option("--listen", options.listen, "Loopback address and port; port 0 takes any free one")
+      ->capture_default_str();
   app.add_option("--data", options.data, "Folder of the jobs, made when absent")->capture_default_str();
   app.add_option("--workers", options.workers, "Workers to start on this machine")
-      ->check(CLI::Range(0, 256))->capture_default_str();
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
   app.add_option("--lease-seconds", options.lease_seconds,
-                 "Silence of a worker after which its job is given to another; workers give a sign of life every second")
-      ->check(CLI::Range(3, 3600))->capture_default_str();
-  app.add_option("--worker-program", options.worker_program, "The worker (default: vacuform-worker beside this program)");
+                 "Silence of a worker after which its job is given to another; workers give a sign of life "
+                 "every second")
+      ->check(CLI::Range(3, 3600))
+      ->capture_default_str();
+  app.add_option("--worker-program", options.worker_program,
+                 "The worker (default: vacuform-worker beside this program)");
   app.add_option("--port-file", options.port_file, "File that receives the port when the server is ready");
   try {
     app.parse(argc, argv);

@@ -19,7 +19,8 @@ ordered_json problem_json(const Error& error, int status) {
 
 http::Response problem_response(const Error& error, int status) {
   const int given = status != 0 ? status : meaning(error.code).http_status;
-  http::Response response = http::text_response("application/problem+json", dump(problem_json(error, given)), given);
+  http::Response response =
+      http::text_response("application/problem+json", dump(problem_json(error, given)), given);
   response.set("Cache-Control", "no-store");
   response.set("X-Content-Type-Options", "nosniff");
   if (given == 503) response.set("Retry-After", "5");
@@ -36,12 +37,6 @@ http::Response json_response(const ordered_json& json, int status) {
   response.set("Cache-Control", "no-store");
   response.set("X-Content-Type-Options", "nosniff");
   return response;
-}
-
-std::optional<Code> code_from_slug(std::string_view slug) {
-  for (int i = 0; i <= static_cast<int>(Code::internal); ++i)
-    if (meaning(static_cast<Code>(i)).slug == slug) return static_cast<Code>(i);
-  return std::nullopt;
 }
 
 }  // namespace vacuform

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
-#include <string_view>
+#include <string>
 
 #include "server/http/message.hpp"
 
@@ -16,8 +15,5 @@ http::Response problem_response(const Error& error, int status = 0);
 // JSON text; bytes that are no UTF-8 become U+FFFD.
 std::string dump(const nlohmann::ordered_json& json);
 http::Response json_response(const nlohmann::ordered_json& json, int status = 200);
-
-// The code behind "/problems/<slug>".
-std::optional<Code> code_from_slug(std::string_view slug);
 
 }  // namespace vacuform

@@ -1,5 +1,6 @@
 #include "server/submission.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -35,8 +36,8 @@ class Form : public http::PartSink {
     } else if (name.find('.') != std::string::npos && fields_.find(name) == fields_.end()) {
       text_ = &fields_[name];
     } else {
-      return fail(Code::bad_usage, "an unknown or doubled part of the form: " + name.substr(0, 64), "request body",
-                  "send scan, pattern, settings, and fields named group.key, each once");
+      return fail(Code::bad_usage, "an unknown or doubled part of the form: " + name.substr(0, 64),
+                  "request body", "send scan, pattern, settings, and fields named group.key, each once");
     }
     return {};
   }
@@ -44,7 +45,8 @@ class Form : public http::PartSink {
   Result<void> data(std::string_view bytes) override {
     if (file_) {
       if (file_->upload->bytes() + bytes.size() > limit_)
-        return fail(Code::too_large, "the " + part_ + " is larger than " + std::to_string(limit_ >> 20) + " MiB", part_,
+        return fail(Code::too_large,
+                    "the " + part_ + " is larger than " + std::to_string(limit_ >> 20) + " MiB", part_,
                     "send a smaller file");
       return file_->upload->write(bytes);
     }
@@ -64,7 +66,7 @@ class Form : public http::PartSink {
   Store& store_;
   std::map<std::string, std::string>& fields_;
   std::string part_;
-  UploadedFile* file_ = nullptr;   // where the current part goes
+  UploadedFile* file_ = nullptr;  // where the current part goes
   std::string* text_ = nullptr;
   std::uint64_t limit_ = 0, text_bytes_ = 0;
 };
@@ -84,26 +86,41 @@ Result<Settings> merged_settings(const std::string& text, const std::map<std::st
     const std::size_t begin = value.find_first_not_of(" \t\r\n");
     if (begin == std::string::npos) continue;
     std::string given = value.substr(begin, value.find_last_not_of(" \t\r\n") + 1 - begin);
-    if (given.find(',') != std::string::npos && given.front() != '[') given = "[" + given + "]";  // "3, 4" is a pair
+    if (given.find(',') != std::string::npos && given.front() != '[')
+      given = "[" + given + "]";  // "3, 4" is a pair
     VACUFORM_CHECK(set_in_json(object, name + "=" + given));
   }
   return settings_from_json(object);
 }
 
+// The Idempotency-Key of a request; empty when it has none.
+Result<std::string> client_key_of(const http::Request& request) {
+  std::string key(request.header("Idempotency-Key"));
+  const bool visible = std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c <= '~'; });
+  if (!key.empty() && (key.size() < 8 || key.size() > 128 || !visible))
+    return fail(Code::bad_usage, "the key has not 8 to 128 visible ASCII characters", "Idempotency-Key",
+                "send for example a random UUID");
+  return key;
+}
+
 }  // namespace
 
-Result<NewJob> read_submission(http::Request& request, Store& store, std::map<std::string, std::string>& fields) {
-  constexpr std::uint64_t most = largest_scan + largest_pattern + largest_settings + (1u << 20);  // and the part heads
+Result<NewJob> read_submission(http::Request& request, Store& store,
+                               std::map<std::string, std::string>& fields) {
+  constexpr std::uint64_t most =
+      largest_scan + largest_pattern + largest_settings + (1u << 20);  // and the part heads
   if (request.content_length > most)
-    return fail(Code::too_large, "the form is larger than " + std::to_string(most >> 20) + " MiB", "request body",
-                "send a smaller scan");
+    return fail(Code::too_large, "the form is larger than " + std::to_string(most >> 20) + " MiB",
+                "request body", "send a smaller scan");
+  VACUFORM_TRY(client_key, client_key_of(request));
   Form form(store, fields);
   VACUFORM_CHECK(http::read_multipart(request, form));
   VACUFORM_CHECK(check_file(form.scan, "scan", "STL, OBJ, PLY, OFF or GLB"));
   VACUFORM_CHECK(check_file(form.pattern, "pattern", "SVG, PNG or JPEG"));
   VACUFORM_TRY(settings, merged_settings(form.settings.value_or(""), fields));
-  return NewJob{to_json(settings).dump(), std::move(*form.scan.upload), std::move(form.scan.extension),
-                std::move(*form.pattern.upload), std::move(form.pattern.extension)};
+  return NewJob{to_json(settings).dump(),          std::move(*form.scan.upload),
+                std::move(form.scan.extension),    std::move(*form.pattern.upload),
+                std::move(form.pattern.extension), std::move(client_key)};
 }
 
 }  // namespace vacuform

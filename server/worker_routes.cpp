@@ -1,5 +1,6 @@
-// The protocol of the workers. A worker shows the server's worker token, asks for a lease, and names the lease's token in
-// everything that it does for the job. Whoever lacks the first gets 401, whoever lost the second gets lease-lost.
+// The protocol of the workers. A worker shows the server's worker token, asks for a lease, and names the
+// lease's token in everything that it does for the job. Whoever lacks the first gets 401, whoever lost the
+// second gets lease-lost.
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -81,18 +82,21 @@ Result<Response> heartbeat(Service& service, Request& request) {
   }
   const auto progress = body.find("progress");
   const bool numeric = progress != body.end() && progress->is_number();
-  VACUFORM_TRY(cancel, service.store.heartbeat(key_of(request), stage, numeric ? progress->get<double>() : 0));
+  VACUFORM_TRY(cancel,
+               service.store.heartbeat(key_of(request), stage, numeric ? progress->get<double>() : 0));
   return json_response({{"cancel", cancel}});
 }
 
 Result<Response> put_artifact(Service& service, Request& request) {
   const std::string& name = request.at("name");
   if (!artifact_kind(name))
-    return fail(Code::bad_usage, "no artifact has this name", name.substr(0, 64), "see api/openapi.yaml for the names");
+    return fail(Code::bad_usage, "no artifact has this name", name.substr(0, 64),
+                "see api/openapi.yaml for the names");
   if (request.content_length > largest_artifact)
     return fail(Code::too_large, "the artifact is larger than 2 GiB", name, "lower print.dpi");
   if (request.header("Content-Length").empty())
-    return problem_response({Code::bad_usage, "there is no Content-Length", name, "send the number of bytes"}, 411);
+    return problem_response({Code::bad_usage, "there is no Content-Length", name, "send the number of bytes"},
+                            411);
   const LeaseKey key = key_of(request);
   VACUFORM_TRY(job, service.store.leased(key));  // before the bytes are taken in
   VACUFORM_TRY(upload, service.store.upload());
@@ -115,13 +119,14 @@ Response ended_as(const char* event, const Job& job) {
 
 Result<Response> fail_job(Service& service, Request& request) {
   VACUFORM_TRY(body, read_object(request));
-  const auto code = code_from_slug(text_of(body, "code"));
+  const auto code = code_from(text_of(body, "code"));
   if (!code)
     return fail(Code::bad_usage, "there is no such problem type: " + text_of(body, "code"), "code",
                 "send the last piece of a type of /problems/");
   const Error error{*code, text_of(body, "what"), text_of(body, "where"), text_of(body, "mend")};
   const auto retry = body.find("retry");
-  VACUFORM_TRY(job, service.store.fail_job(key_of(request), error, retry != body.end() && *retry == json(true)));
+  VACUFORM_TRY(job,
+               service.store.fail_job(key_of(request), error, retry != body.end() && *retry == json(true)));
   return ended_as("job-failed", job);
 }
 
@@ -135,7 +140,8 @@ void add_worker_routes(http::Router& router, Service& service) {
       const std::string_view shown = request.header("Authorization");
       if (!shown.starts_with(scheme) || !equal_secrets(shown.substr(scheme.size()), s->worker_token))
         return problem_response({Code::bad_usage, "the worker token is missing or wrong", "Authorization",
-                                 "give the worker the file worker-token of the server's data folder"}, 401);
+                                 "give the worker the file worker-token of the server's data folder"},
+                                401);
       return route(*s, request);
     });
   };

@@ -60,7 +60,8 @@ Result<File> make_zip(Store& store, const Job& job) {
     // PNG is compressed already; level 1 takes most of what meshes give at a tenth of the time.
     const bool packed = artifact.name.ends_with(".png");
     zip_set_file_compression(archive.get(), entry, packed ? ZIP_CM_STORE : ZIP_CM_DEFLATE, packed ? 0 : 1);
-    zip_file_set_dostime(archive.get(), entry, 0, 0x21, 0);  // 1980-01-01: no clock and no time zone in the bytes
+    zip_file_set_dostime(archive.get(), entry, 0, 0x21,
+                         0);  // 1980-01-01: no clock and no time zone in the bytes
   }
   if (zip_close(archive.get()) != 0) {
     const std::string why = zip_strerror(archive.get());

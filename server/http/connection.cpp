@@ -30,7 +30,8 @@ bool token(std::string_view text) {
 }
 
 bool printable(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) >= 32 || c == '\t'; });
+  return std::all_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) >= 32 || c == '\t'; });
 }
 
 }  // namespace
@@ -46,7 +47,8 @@ Connection::Wait Connection::wait_for(short events, Instant deadline) const {
     if (left <= 0ms) return Wait::late;
     if (stopping_) return Wait::gone;
     pollfd watched{socket_, events, 0};
-    const int n = ::poll(&watched, 1, static_cast<int>(std::min(left, std::chrono::milliseconds(500)).count()));
+    const int n =
+        ::poll(&watched, 1, static_cast<int>(std::min(left, std::chrono::milliseconds(500)).count()));
     if (n > 0) return (watched.revents & (events | POLLHUP)) != 0 ? Wait::ready : Wait::gone;
     if (n < 0 && errno != EINTR) return Wait::gone;
   }
@@ -74,8 +76,10 @@ bool Connection::read_head() {
     text.append(piece.data(), static_cast<std::size_t>(n));
     const std::size_t end = text.find("\r\n\r\n", searched);
     if (std::min(end, text.size()) > limits_.head_bytes)
-      return refuse(431, "the head of the request is longer than " + std::to_string(limits_.head_bytes) + " bytes",
-                    "send fewer or shorter header lines"), true;
+      return refuse(431,
+                    "the head of the request is longer than " + std::to_string(limits_.head_bytes) + " bytes",
+                    "send fewer or shorter header lines"),
+             true;
     if (end == std::string::npos) continue;
     early_ = text.substr(end + 4);
     parse_head(std::string_view(text).substr(0, end + 2));
@@ -104,13 +108,17 @@ void Connection::parse_head(std::string_view text) {
     while (!value.empty() && (value.front() == ' ' || value.front() == '\t')) value.remove_prefix(1);
     while (!value.empty() && (value.back() == ' ' || value.back() == '\t')) value.remove_suffix(1);
     if (head_.headers.size() >= limits_.head_lines)
-      return refuse(431, "the request has more than " + std::to_string(limits_.head_lines) + " header lines", "send fewer");
+      return refuse(431, "the request has more than " + std::to_string(limits_.head_lines) + " header lines",
+                    "send fewer");
     if (named(name, "Transfer-Encoding"))
-      return refuse(411, "a body without Content-Length is not accepted", "send Content-Length in place of chunks");
+      return refuse(411, "a body without Content-Length is not accepted",
+                    "send Content-Length in place of chunks");
     if (named(name, "Content-Encoding") && !named(value, "identity"))
-      return refuse(501, "an encoded body is not accepted", "send the body as it is, without Content-Encoding");
+      return refuse(501, "an encoded body is not accepted",
+                    "send the body as it is, without Content-Encoding");
     if (named(name, "Content-Length")) {
-      const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), head_.content_length);
+      const auto [stop, error] =
+          std::from_chars(value.data(), value.data() + value.size(), head_.content_length);
       if (++lengths > 1 || value.empty() || error != std::errc() || stop != value.data() + value.size()) {
         head_.content_length = 0;
         return refuse(400, "Content-Length is not one whole number", "send the number of bytes of the body");
@@ -118,7 +126,8 @@ void Connection::parse_head(std::string_view text) {
     }
     if (named(name, "Host") && ++hosts > 1) return refuse(400, "there is more than one Host", "send one");
     if (named(name, "Expect")) {
-      if (!named(value, "100-continue")) return refuse(417, "an unknown expectation", "send no Expect header");
+      if (!named(value, "100-continue"))
+        return refuse(417, "an unknown expectation", "send no Expect header");
       continue_due_ = true;
     }
     head_.headers.push_back({std::string(name), std::string(value)});
@@ -142,15 +151,19 @@ Result<std::size_t> Connection::read(std::span<char> into) {
     write("HTTP/1.1 100 Continue\r\n\r\n");
   }
   const Instant now = steady_clock::now();
-  const Instant slowest = body_started_ + limits_.wait + std::chrono::seconds(body_read_ / limits_.slowest_body + 1);
+  const Instant slowest =
+      body_started_ + limits_.wait + std::chrono::seconds(body_read_ / limits_.slowest_body + 1);
   for (;;) {
     const Wait wait = wait_for(POLLIN, std::min(now + limits_.wait, slowest));
-    if (wait == Wait::late) return fail(Code::out_of_time, "the body of the request came too slowly", {}, "try again");
+    if (wait == Wait::late)
+      return fail(Code::out_of_time, "the body of the request came too slowly", {}, "try again");
     const ssize_t n = wait == Wait::gone ? 0 : ::recv(socket_, into.data(), wanted, 0);
     if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (n <= 0)
-      return fail(Code::bad_usage, "the body of the request ended after " + std::to_string(body_read_) + " of " +
-                  std::to_string(head_.content_length) + " bytes", {}, "send it again");
+      return fail(Code::bad_usage,
+                  "the body of the request ended after " + std::to_string(body_read_) + " of " +
+                      std::to_string(head_.content_length) + " bytes",
+                  {}, "send it again");
     body_read_ += static_cast<std::uint64_t>(n);
     return static_cast<std::size_t>(n);
   }

@@ -23,7 +23,8 @@ std::string Request::query_value(const std::string& name) const {
 
 Result<std::string> read_text(Request& request, std::uint64_t limit) {
   const auto too_large = [&] {
-    return fail(Code::too_large, "the body has more than " + std::to_string(limit) + " bytes", {}, "send less");
+    return fail(Code::too_large, "the body has more than " + std::to_string(limit) + " bytes", {},
+                "send less");
   };
   if (request.content_length > limit) return too_large();
   std::string text;
@@ -44,7 +45,8 @@ Response text_response(std::string media_type, std::string text, int status) {
   return response;
 }
 
-Result<Response> file_response(const Request& request, File file, std::string media_type, const std::string& etag) {
+Result<Response> file_response(const Request& request, File file, std::string media_type,
+                               const std::string& etag) {
   VACUFORM_TRY(bytes, file.size());
   const std::string quoted = "\"" + etag + "\"";
   Response response;
@@ -70,8 +72,8 @@ Result<Response> file_response(const Request& request, File file, std::string me
       response.status = 206;
       body.offset = answer.first;
       body.bytes = answer.last - answer.first + 1;
-      response.set("Content-Range", "bytes " + std::to_string(answer.first) + "-" + std::to_string(answer.last) + "/" +
-                                        std::to_string(bytes));
+      response.set("Content-Range", "bytes " + std::to_string(answer.first) + "-" +
+                                        std::to_string(answer.last) + "/" + std::to_string(bytes));
     }
   }
   response.file = std::move(body);

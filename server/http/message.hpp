@@ -24,8 +24,8 @@ struct Header {
 class Body {
  public:
   virtual ~Body() = default;
-  // At least one byte, or 0 at the end of the body. Errors: bad_usage when the client went away, out_of_time when it
-  // is too slow.
+  // At least one byte, or 0 at the end of the body. Errors: bad_usage when the client went away, out_of_time
+  // when it is too slow.
   virtual Result<std::size_t> read(std::span<char> into) = 0;
 };
 
@@ -66,9 +66,11 @@ struct Response {
 
 Response text_response(std::string media_type, std::string text, int status = 200);
 
-// A whole file, or the range of it that the request asks for (206, 416), or 304 when the client has it already.
-// `etag` without quotes. One range at a time; a request for several gets the whole file, as RFC 9110 allows.
-Result<Response> file_response(const Request& request, File file, std::string media_type, const std::string& etag);
+// A whole file, or the range of it that the request asks for (206, 416), or 304 when the client has it
+// already. `etag` without quotes. One range at a time; a request for several gets the whole file, as RFC 9110
+// allows.
+Result<Response> file_response(const Request& request, File file, std::string media_type,
+                               const std::string& etag);
 
 // A refusal before or beside the routes: an HTTP status of its own with the error behind it.
 struct Refusal {

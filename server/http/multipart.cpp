@@ -13,7 +13,8 @@ constexpr std::size_t longest_head = 8192;
 constexpr int most_parts = 128;
 
 tl::unexpected<Error> malformed(std::string what) {
-  return fail(Code::bad_usage, std::move(what), "request body", "send the form as multipart/form-data (curl -F)");
+  return fail(Code::bad_usage, std::move(what), "request body",
+              "send the form as multipart/form-data (curl -F)");
 }
 
 bool same_word(std::string_view a, std::string_view b) {
@@ -37,7 +38,8 @@ bool parameter(std::string_view value, std::string_view wanted, std::string& out
     at = equals + 1;
     if (at < value.size() && value[at] == '"') {
       for (++at; at < value.size() && value[at] != '"'; ++at) {
-        if (value[at] == '\\' && at + 1 < value.size() && (value[at + 1] == '"' || value[at + 1] == '\\')) ++at;
+        if (value[at] == '\\' && at + 1 < value.size() && (value[at + 1] == '"' || value[at + 1] == '\\'))
+          ++at;
         text += value[at];
       }
       if (at >= value.size()) return false;  // the quote never ends
@@ -73,7 +75,7 @@ Result<void> MultipartParser::feed(std::string_view bytes) {
       case Place::data: {
         const std::size_t found = rest.find(delimiter_);
         // Without the whole delimiter its beginning may still hide at the end.
-        const std::size_t sure = found != std::string_view::npos ? found
+        const std::size_t sure = found != std::string_view::npos   ? found
                                  : rest.size() < delimiter_.size() ? 0
                                                                    : rest.size() - delimiter_.size() + 1;
         if (place_ == Place::data && sure > 0) VACUFORM_CHECK(sink_.data(rest.substr(0, sure)));
@@ -92,19 +94,22 @@ Result<void> MultipartParser::feed(std::string_view bytes) {
           pending_.clear();
           return {};
         }
-        if (!rest.starts_with("\r\n")) return malformed("a boundary is followed by neither a line end nor \"--\"");
+        if (!rest.starts_with("\r\n"))
+          return malformed("a boundary is followed by neither a line end nor \"--\"");
         place_ = Place::head;
         break;
       case Place::head: {
         const std::size_t end = rest.find("\r\n\r\n");
-        if (end > longest_head && rest.size() > longest_head) return malformed("the head of a part is too long");
+        if (end > longest_head && rest.size() > longest_head)
+          return malformed("the head of a part is too long");
         if (end == std::string_view::npos) return keep_rest(), Result<void>();
         VACUFORM_CHECK(read_head(rest.substr(0, end)));
         at += end + 4;
         place_ = Place::data;
         break;
       }
-      case Place::epilogue: return {};
+      case Place::epilogue:
+        return {};
     }
   }
 }
@@ -115,7 +120,8 @@ Result<void> MultipartParser::finish() const {
 }
 
 Result<void> MultipartParser::read_head(std::string_view head) {
-  if (++parts_ > most_parts) return malformed("the form has more than " + std::to_string(most_parts) + " parts");
+  if (++parts_ > most_parts)
+    return malformed("the form has more than " + std::to_string(most_parts) + " parts");
   std::string name, file_name;
   while (!head.empty()) {
     const std::size_t end = std::min(head.find("\r\n"), head.size());
@@ -127,8 +133,8 @@ Result<void> MultipartParser::read_head(std::string_view head) {
     if (same_word(key, "Content-Disposition")) {
       parameter(value, "name", name);
       parameter(value, "filename", file_name);
-    } else if (same_word(key, "Content-Transfer-Encoding") && !same_word(value, "binary") && !same_word(value, "8bit") &&
-               !same_word(value, "7bit")) {
+    } else if (same_word(key, "Content-Transfer-Encoding") && !same_word(value, "binary") &&
+               !same_word(value, "8bit") && !same_word(value, "7bit")) {
       return malformed("a part has a transfer encoding");
     }
   }
@@ -139,10 +145,10 @@ Result<void> MultipartParser::read_head(std::string_view head) {
 Result<std::string> multipart_boundary(std::string_view content_type) {
   const std::string_view kind = trimmed(content_type.substr(0, content_type.find(';')));
   std::string boundary;
-  if (!same_word(kind, "multipart/form-data") || !parameter(content_type, "boundary", boundary) || boundary.empty() ||
-      boundary.size() > 70)
-    return fail(Code::unsupported_format, "the body is not multipart/form-data with a boundary", "Content-Type",
-                "send the form as multipart/form-data (curl -F)");
+  if (!same_word(kind, "multipart/form-data") || !parameter(content_type, "boundary", boundary) ||
+      boundary.empty() || boundary.size() > 70)
+    return fail(Code::unsupported_format, "the body is not multipart/form-data with a boundary",
+                "Content-Type", "send the form as multipart/form-data (curl -F)");
   return boundary;
 }
 
@@ -163,7 +169,8 @@ std::string safe_extension(std::string_view file_name) {
   std::string extension;
   for (const char c : file_name.substr(dot + 1)) {
     const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if (!((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) || extension.size() == 8) return {};
+    if (!((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) || extension.size() == 8)
+      return {};
     extension += lower;
   }
   return extension;

@@ -22,7 +22,8 @@ class PartSink {
 class MultipartParser {
  public:
   MultipartParser(std::string_view boundary, PartSink& sink);
-  // Errors: bad_usage when the text is not multipart, and those of the sink. After an error the parser is of no use.
+  // Errors: bad_usage when the text is not multipart, and those of the sink. After an error the parser is of
+  // no use.
   Result<void> feed(std::string_view bytes);
   // Call at the end of the body. Errors: bad_usage when the last boundary has not come.
   Result<void> finish() const;
@@ -43,8 +44,8 @@ Result<std::string> multipart_boundary(std::string_view content_type);
 // Reads a whole multipart body into the sink. Errors: as above, and those of Body::read.
 Result<void> read_multipart(Request& request, PartSink& sink);
 
-// "C:\scans\Head 3.STL" -> "stl": the extension of a file's name, at most 8 letters and digits in lower case, or
-// nothing. No other part of a client's file name is ever used.
+// "C:\scans\Head 3.STL" -> "stl": the extension of a file's name, at most 8 letters and digits in lower case,
+// or nothing. No other part of a client's file name is ever used.
 std::string safe_extension(std::string_view file_name);
 
 }  // namespace vacuform::http

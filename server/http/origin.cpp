@@ -17,8 +17,9 @@ bool is_loopback_host(std::string_view host) {
     name = host.substr(0, colon);
     port = host.substr(colon);
   }
-  if (!port.empty() && (port.front() != ':' || port.size() > 6 ||
-                        !std::all_of(port.begin() + 1, port.end(), [](char c) { return c >= '0' && c <= '9'; })))
+  if (!port.empty() &&
+      (port.front() != ':' || port.size() > 6 ||
+       !std::all_of(port.begin() + 1, port.end(), [](char c) { return c >= '0' && c <= '9'; })))
     return false;
   in_addr four{};
   const std::string text(name);
@@ -29,13 +30,15 @@ bool is_loopback_host(std::string_view host) {
 std::optional<Refusal> check_origin(const Request& request) {
   const std::string_view host = request.header("Host");
   if (!is_loopback_host(host))
-    return Refusal{421, {Code::bad_usage, "this server answers on loopback only", "Host",
-                         "address it as 127.0.0.1 or localhost"}};
+    return Refusal{421,
+                   {Code::bad_usage, "this server answers on loopback only", "Host",
+                    "address it as 127.0.0.1 or localhost"}};
   if (request.method == "GET" || request.method == "HEAD" || request.method == "OPTIONS") return std::nullopt;
   const std::string_view origin = request.header("Origin");
   if (!origin.empty() && origin != "http://" + std::string(host) && origin != "https://" + std::string(host))
-    return Refusal{403, {Code::bad_usage, "the request comes from a page of another origin", "Origin",
-                         "use the pages of this server"}};
+    return Refusal{403,
+                   {Code::bad_usage, "the request comes from a page of another origin", "Origin",
+                    "use the pages of this server"}};
   return std::nullopt;
 }
 

@@ -1,5 +1,6 @@
-// Whom a server on loopback may believe. A web page anywhere can make a browser send requests to 127.0.0.1: by a name
-// that it points there (DNS rebinding), which Host gives away, or by a form of its own, which Origin gives away.
+// Whom a server on loopback may believe. A web page anywhere can make a browser send requests to 127.0.0.1:
+// by a name that it points there (DNS rebinding), which Host gives away, or by a form of its own, which
+// Origin gives away.
 #pragma once
 
 #include <optional>
@@ -11,8 +12,8 @@ namespace vacuform::http {
 // "127.0.0.1:8080", "localhost", "[::1]:80": a loopback name with or without a port.
 bool is_loopback_host(std::string_view host);
 
-// Refuses a Host that is not loopback (421) and an unsafe request whose Origin is not that Host (403). Programs send no
-// Origin and pass.
+// Refuses a Host that is not loopback (421) and an unsafe request whose Origin is not that Host (403).
+// Programs send no Origin and pass.
 std::optional<Refusal> check_origin(const Request& request);
 
 }  // namespace vacuform::http

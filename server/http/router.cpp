@@ -39,7 +39,8 @@ Router::Match Router::match(std::string_view method, std::string_view path) cons
       match.route = &route;
       return match;
     }
-    match.allowed += (match.allowed.empty() ? "" : ", ") + route.method + (route.method == "GET" ? ", HEAD" : "");
+    match.allowed +=
+        (match.allowed.empty() ? "" : ", ") + route.method + (route.method == "GET" ? ", HEAD" : "");
   }
   return match;
 }

@@ -1,7 +1,7 @@
-// cpp-httplib 0.11 (Debian 12) and 0.18 (Debian 13). It brings the listener, the threads, the parsing of the request
-// line and the writing of responses. Its reading of heads and bodies is not used: 0.11 bounds neither, believes headers
-// about the peer, and takes what a refused body leaves behind for the next request. Connection does that instead, and
-// the library sees a request line and nothing else.
+// cpp-httplib 0.11 (Debian 12) and 0.18 (Debian 13). It brings the listener, the threads, the parsing of the
+// request line and the writing of responses. Its reading of heads and bodies is not used: 0.11 bounds
+// neither, believes headers about the peer, and takes what a refused body leaves behind for the next request.
+// Connection does that instead, and the library sees a request line and nothing else.
 #include "server/http/server.hpp"
 
 #include <httplib.h>
@@ -53,14 +53,15 @@ thread_local Connection* served = nullptr;
 // The two signatures that Debian's versions have.
 using Setup = std::function<void(httplib::Request&)>;
 template <class L>
-void process(L& library, httplib::Stream& stream, bool (httplib::Server::*request)(httplib::Stream&, bool, bool&, const Setup&)) {
+void process(L& library, httplib::Stream& stream,
+             bool (httplib::Server::*request)(httplib::Stream&, bool, bool&, const Setup&)) {
   bool closed = true;
   (library.*request)(stream, true, closed, nullptr);
 }
 template <class L>
 void process(L& library, httplib::Stream& stream,
-             bool (httplib::Server::*request)(httplib::Stream&, const std::string&, int, const std::string&, int, bool,
-                                              bool&, const Setup&)) {
+             bool (httplib::Server::*request)(httplib::Stream&, const std::string&, int, const std::string&,
+                                              int, bool, bool&, const Setup&)) {
   bool closed = true;
   (library.*request)(stream, "", 0, "", 0, true, closed, nullptr);
 }
@@ -77,7 +78,8 @@ void give(const Response& from, httplib::Response& to) {
       from.file->bytes, from.media_type,
       [body = *from.file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
         std::array<char, 64 * 1024> piece;
-        const auto n = body.file->read_at(body.offset + offset, {piece.data(), std::min(length, piece.size())});
+        const auto n =
+            body.file->read_at(body.offset + offset, {piece.data(), std::min(length, piece.size())});
         return n && *n > 0 && sink.write(piece.data(), *n);
       });
 }
@@ -87,7 +89,9 @@ void give(const Response& from, httplib::Response& to) {
 class Server::Library : public httplib::Server {
  public:
   Library(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {
-    new_task_queue = [threads = options_.threads] { return new httplib::ThreadPool(static_cast<std::size_t>(threads)); };
+    new_task_queue = [threads = options_.threads] {
+      return new httplib::ThreadPool(static_cast<std::size_t>(threads));
+    };
     set_tcp_nodelay(true);
     // Not the library's SO_REUSEPORT, with which two servers would share a port without a word.
     set_socket_options([](socket_t socket) {
@@ -101,7 +105,8 @@ class Server::Library : public httplib::Server {
     // What the library itself refuses: a request line that it cannot read.
     set_error_handler([this](const httplib::Request&, httplib::Response& response) {
       if (response.has_header("Content-Type")) return;
-      const Refusal refusal{response.status, {Code::bad_usage, "the request line is malformed", {}, "send HTTP/1.1"}};
+      const Refusal refusal{response.status,
+                            {Code::bad_usage, "the request line is malformed", {}, "send HTTP/1.1"}};
       give(options_.refuse({}, refusal), response);
     });
   }
@@ -112,7 +117,8 @@ class Server::Library : public httplib::Server {
     else
       port_ = bind_to_port(options_.host, options_.port) ? options_.port : -1;
     if (port_ <= 0)
-      return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port), "--listen",
+      return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port),
+                  "--listen",
                   "see whether another program listens there, or give another port (0: any free one)");
     ::listen(svr_sock_, 256);  // the library's backlog of 5 turns bursts of clients away
     listener_ = std::thread([this] { listen_after_bind(); });
@@ -157,7 +163,8 @@ class Server::Library : public httplib::Server {
       response = respond(from, request, answered);
     } catch (const std::exception& fault) {
       answered.fault = fault.what();
-      response = options_.refuse(request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
+      response = options_.refuse(
+          request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
     }
     give(response, to);
     answered.method = request.method;
@@ -178,12 +185,15 @@ class Server::Library : public httplib::Server {
     Router::Match match = router_.match(request.method, request.path);
     if (!match.route && !match.allowed.empty()) {
       Response response = options_.refuse(
-          request, {405, {Code::bad_usage, "this address does not answer to that method", {}, "use " + match.allowed}});
+          request,
+          {405,
+           {Code::bad_usage, "this address does not answer to that method", {}, "use " + match.allowed}});
       response.set("Allow", match.allowed);
       return response;
     }
     if (!match.route)
-      return options_.refuse(request, {404, {Code::not_found, "there is nothing at this address", {}, "see /"}});
+      return options_.refuse(request,
+                             {404, {Code::not_found, "there is nothing at this address", {}, "see /"}});
     answered.route = match.route->pattern;
     request.captures = std::move(match.captures);
     auto result = match.route->handler(request);

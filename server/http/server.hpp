@@ -1,7 +1,9 @@
-// The listener: accepts, vets, routes, answers. The one place behind which an HTTP library (cpp-httplib) stands.
+// The listener: accepts, vets, routes, answers. The one place behind which an HTTP library (cpp-httplib)
+// stands.
 //
-// Every request passes, in this order: the limits of connection.hpp, the checks of origin.hpp, the router, the route.
-// A connection serves one request. Peer addresses are not looked at, and no header of a client reaches the library.
+// Every request passes, in this order: the limits of connection.hpp, the checks of origin.hpp, the router,
+// the route. A connection serves one request. Peer addresses are not looked at, and no header of a client
+// reaches the library.
 #pragma once
 
 #include <functional>

@@ -30,7 +30,8 @@ std::string label_of(std::string key) {
 // A default or a bound as a person writes it: 300, not 300.0.
 std::string plain(const ordered_json& value) {
   if (value.is_string()) return value.get<std::string>();
-  if (value.is_number_float() && std::abs(value.get<double>()) < 1e9 && std::floor(value.get<double>()) == value.get<double>())
+  if (value.is_number_float() && std::abs(value.get<double>()) < 1e9 &&
+      std::floor(value.get<double>()) == value.get<double>())
     return std::to_string(value.get<std::int64_t>());
   if (!value.is_array()) return value.dump();
   std::string text;
@@ -51,27 +52,32 @@ std::string field_html(const std::string& name, const std::string& key, const or
   const std::string id = "f-" + name, fallback = plain(schema.at("default"));
   const auto filled = fields.find(name);
   const std::string value = filled == fields.end() ? "" : filled->second;
-  const ordered_json& numeric = schema.contains("oneOf") ? schema["oneOf"][0] : schema.contains("items") ? schema["items"]
-                                                                                                          : schema;
+  const ordered_json& numeric = schema.contains("oneOf")   ? schema["oneOf"][0]
+                                : schema.contains("items") ? schema["items"]
+                                                           : schema;
   std::string unit = numeric.value("x-unit", "");
   if (unit == "1") unit.clear();
-  const std::string common =
-      " id=\"" + escaped(id) + "\" name=\"" + escaped(name) + "\" aria-describedby=\"" + escaped(id) + "-hint\"";
+  const std::string common = " id=\"" + escaped(id) + "\" name=\"" + escaped(name) +
+                             "\" aria-describedby=\"" + escaped(id) + "-hint\"";
 
   std::string control;
   if (schema.contains("enum")) {
     control = "<select" + common + ">" +
-              choices(schema["enum"].get<std::vector<std::string>>(), value.empty() ? fallback : value) + "</select>";
+              choices(schema["enum"].get<std::vector<std::string>>(), value.empty() ? fallback : value) +
+              "</select>";
   } else if (schema.value("type", "") == "boolean") {
-    control = "<select" + common + ">" + choices({"true", "false"}, value.empty() ? fallback : value) + "</select>";
+    control =
+        "<select" + common + ">" + choices({"true", "false"}, value.empty() ? fallback : value) + "</select>";
   } else {
     const bool pair = schema.value("type", "") == "array";
-    control = "<input" + common + " placeholder=\"" + escaped(fallback) + "\" value=\"" + escaped(value) + "\"";
+    control =
+        "<input" + common + " placeholder=\"" + escaped(fallback) + "\" value=\"" + escaped(value) + "\"";
     if (pair)
       control += " type=\"text\" inputmode=\"text\" autocomplete=\"off\"";
     else
-      control += " type=\"number\" step=\"" + std::string(schema.value("type", "") == "integer" ? "1" : "any") +
-                 "\" min=\"" + plain(numeric.at("minimum")) + "\" max=\"" + plain(numeric.at("maximum")) + "\"";
+      control += " type=\"number\" step=\"" +
+                 std::string(schema.value("type", "") == "integer" ? "1" : "any") + "\" min=\"" +
+                 plain(numeric.at("minimum")) + "\" max=\"" + plain(numeric.at("maximum")) + "\"";
     control += ">";
   }
   std::string hint = escaped(schema.value("description", ""));
@@ -84,9 +90,10 @@ std::string field_html(const std::string& name, const std::string& key, const or
 
 std::string file_html(const char* name, const char* label, const char* accept, const char* hint) {
   const std::string id = std::string("f-") + name;
-  return "<div class=\"field\"><label for=\"" + id + "\">" + label + "</label><input type=\"file\" required id=\"" + id +
-         "\" name=\"" + name + "\" accept=\"" + accept + "\" aria-describedby=\"" + id + "-hint\"><p class=\"hint\" id=\"" +
-         id + "-hint\">" + hint + "</p></div>\n";
+  return "<div class=\"field\"><label for=\"" + id + "\">" + label +
+         "</label><input type=\"file\" required id=\"" + id + "\" name=\"" + name + "\" accept=\"" + accept +
+         "\" aria-describedby=\"" + id + "-hint\"><p class=\"hint\" id=\"" + id + "-hint\">" + hint +
+         "</p></div>\n";
 }
 
 std::string settings_html(const std::map<std::string, std::string>& fields) {
@@ -99,8 +106,9 @@ std::string settings_html(const std::map<std::string, std::string>& fields) {
       return field.first.starts_with(group + ".") && !field.second.empty();
     });
     const bool open = group == "pattern" || touched;
-    html += std::string("<details") + (open ? " open" : "") + ">\n<summary>" + escaped(description.value("title", group)) +
-            "</summary>\n<fieldset>\n<legend>" + escaped(description.value("title", group)) + "</legend>\n";
+    html += std::string("<details") + (open ? " open" : "") + ">\n<summary>" +
+            escaped(description.value("title", group)) + "</summary>\n<fieldset>\n<legend>" +
+            escaped(description.value("title", group)) + "</legend>\n";
     for (const auto& [key, field] : description.at("properties").items())
       html += field_html(group + "." + key, key, field, fields);
     html += "</fieldset>\n</details>\n";
@@ -115,13 +123,15 @@ std::string settings_html(const std::map<std::string, std::string>& fields) {
 std::string recent_html(const std::vector<Job>& recent) {
   if (recent.empty()) return "<p>There are no jobs yet.</p>\n";
   std::string html =
-      "<table>\n<thead><tr><th scope=\"col\">Created</th><th scope=\"col\">Job</th><th scope=\"col\">State</th></tr>"
+      "<table>\n<thead><tr><th scope=\"col\">Created</th><th scope=\"col\">Job</th><th "
+      "scope=\"col\">State</th></tr>"
       "</thead>\n<tbody>\n";
   for (const Job& job : recent) {
-    const std::string time = rfc3339(job.created), shown = time.substr(0, 10) + " " + time.substr(11, 5) + " UTC";
-    html += "<tr><td><time datetime=\"" + time + "\">" + shown + "</time></td><td><a href=\"/jobs/" + escaped(job.id) +
-            "\"><code>" + escaped(job.id) + "</code></a></td><td><span class=\"state " + std::string(name(job.state)) +
-            "\">" + std::string(name(job.state)) + "</span>";
+    const std::string time = rfc3339(job.created),
+                      shown = time.substr(0, 10) + " " + time.substr(11, 5) + " UTC";
+    html += "<tr><td><time datetime=\"" + time + "\">" + shown + "</time></td><td><a href=\"/jobs/" +
+            escaped(job.id) + "\"><code>" + escaped(job.id) + "</code></a></td><td><span class=\"state " +
+            std::string(name(job.state)) + "\">" + std::string(name(job.state)) + "</span>";
     if (job.state == JobState::running)
       html += " " + std::to_string(static_cast<int>(100 * whole_progress(job))) + " %";
     html += "</td></tr>\n";
@@ -138,15 +148,19 @@ Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error
   page.status = error ? meaning(error->code).http_status : 200;
   page.main = "<h1>" + page.title + "</h1>\n";
   if (error)
-    page.main += problem_box(*error) + "<p>Nothing was started. Your settings are kept below; choose the files again.</p>\n";
+    page.main += problem_box(*error) +
+                 "<p>Nothing was started. Your settings are kept below; choose the files again.</p>\n";
   page.main +=
       "<form method=\"post\" action=\"/jobs\" enctype=\"multipart/form-data\">\n<fieldset class=\"files\">\n"
       "<legend>Files</legend>\n" +
-      file_html("scan", "Scan", ".stl,.obj,.ply,.off,.glb", "The head or model, as STL, OBJ, PLY, OFF or GLB, at most 1 GiB") +
+      file_html("scan", "Scan", ".stl,.obj,.ply,.off,.glb",
+                "The head or model, as STL, OBJ, PLY, OFF or GLB, at most 1 GiB") +
       file_html("pattern", "Pattern", ".svg,.png,.jpg,.jpeg",
                 "What shall appear on it, as SVG (true to size), PNG or JPEG, at most 256 MiB") +
-      "</fieldset>\n<h2>Settings</h2>\n<p>All have a default: an empty field keeps the value that it shows in grey.</p>\n" +
-      settings_html(fields) + "<p><button type=\"submit\">Start the job</button></p>\n</form>\n<h2>Recent jobs</h2>\n" +
+      "</fieldset>\n<h2>Settings</h2>\n<p>All have a default: an empty field keeps the value that it shows "
+      "in grey.</p>\n" +
+      settings_html(fields) +
+      "<p><button type=\"submit\">Start the job</button></p>\n</form>\n<h2>Recent jobs</h2>\n" +
       recent_html(recent);
   return page;
 }

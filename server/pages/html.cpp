@@ -8,21 +8,31 @@ std::string escaped(std::string_view text) {
   std::string out;
   out.reserve(text.size());
   for (const char c : text) switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
     }
   return out;
 }
 
 http::Response html_response(const Page& page) {
-  const std::string refresh =
-      page.refresh_seconds > 0
-          ? "<meta http-equiv=\"refresh\" content=\"" + std::to_string(page.refresh_seconds) + "\">\n"
-          : "";
+  const std::string refresh = page.refresh_seconds > 0 ? "<meta http-equiv=\"refresh\" content=\"" +
+                                                             std::to_string(page.refresh_seconds) + "\">\n"
+                                                       : "";
   const std::string text =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -30,14 +40,18 @@ http::Response html_response(const Page& page) {
       refresh + "<title>" + escaped(page.title) + " - Vacuform</title>\n" +
       "<link rel=\"stylesheet\" href=\"/style.css\">\n<link rel=\"icon\" href=\"data:,\">\n</head>\n<body>\n"
       "<a class=\"skip\" href=\"#main\">Skip to the content</a>\n"
-      "<header><a href=\"/\">Vacuform</a> <span>pre-distorted prints for vacuum-formed sheets</span></header>\n"
+      "<header><a href=\"/\">Vacuform</a> <span>pre-distorted prints for vacuum-formed "
+      "sheets</span></header>\n"
       "<main id=\"main\">\n" +
-      page.main + "</main>\n<footer><a href=\"/api/v1/openapi.yaml\">API</a> <a href=\"/problems/\">Problems explained</a>"
+      page.main +
+      "</main>\n<footer><a href=\"/api/v1/openapi.yaml\">API</a> <a href=\"/problems/\">Problems "
+      "explained</a>"
       "</footer>\n</body>\n</html>\n";
   http::Response response = http::text_response("text/html; charset=utf-8", text, page.status);
-  response.set("Content-Security-Policy",
-               "default-src 'self'; script-src 'none'; object-src 'none'; img-src 'self' data:; form-action 'self'; "
-               "base-uri 'none'; frame-ancestors 'none'");
+  response.set(
+      "Content-Security-Policy",
+      "default-src 'self'; script-src 'none'; object-src 'none'; img-src 'self' data:; form-action 'self'; "
+      "base-uri 'none'; frame-ancestors 'none'");
   response.set("X-Content-Type-Options", "nosniff");
   response.set("X-Frame-Options", "DENY");
   response.set("Referrer-Policy", "same-origin");  // "no-referrer" would take the Origin off our own forms
@@ -49,11 +63,13 @@ http::Response html_response(const Page& page) {
 
 std::string problem_box(const Error& error) {
   const CodeMeaning code = meaning(error.code);
-  std::string box = "<section class=\"problem\" role=\"alert\" aria-labelledby=\"problem\">\n<h2 id=\"problem\">" +
-                    escaped(code.title) + "</h2>\n<p>" + escaped(error.what) + "</p>\n";
+  std::string box =
+      "<section class=\"problem\" role=\"alert\" aria-labelledby=\"problem\">\n<h2 id=\"problem\">" +
+      escaped(code.title) + "</h2>\n<p>" + escaped(error.what) + "</p>\n";
   if (!error.where.empty()) box += "<p><strong>Where:</strong> " + escaped(error.where) + "</p>\n";
   if (!error.mend.empty()) box += "<p><strong>What to do:</strong> " + escaped(error.mend) + "</p>\n";
-  return box + "<p><a href=\"/problems/" + std::string(code.slug) + "\">More about this problem</a></p>\n</section>\n";
+  return box + "<p><a href=\"/problems/" + std::string(code.slug) +
+         "\">More about this problem</a></p>\n</section>\n";
 }
 
 std::string readable_bytes(std::uint64_t bytes) {

@@ -12,8 +12,8 @@ namespace vacuform {
 std::string escaped(std::string_view text);
 
 struct Page {
-  std::string title;   // plain text
-  std::string main;    // HTML
+  std::string title;  // plain text
+  std::string main;   // HTML
   int status = 200;
   int refresh_seconds = 0;  // 0: the page stays
 };

@@ -39,20 +39,25 @@ std::string progress_html(const Job& job) {
   if (job.state == JobState::cancelling) text = "The worker is told to stop.";
   if (job.attempt > 1) text += " Attempt " + std::to_string(job.attempt) + ".";
   return "<p id=\"progress-text\">" + escaped(text) + " " + std::to_string(percent) +
-         " % done. This page follows by itself.</p>\n<progress max=\"100\" value=\"" + std::to_string(percent) +
-         "\" aria-labelledby=\"progress-text\">" + std::to_string(percent) + " %</progress>\n";
+         " % done. This page follows by itself.</p>\n<progress max=\"100\" value=\"" +
+         std::to_string(percent) + "\" aria-labelledby=\"progress-text\">" + std::to_string(percent) +
+         " %</progress>\n";
 }
 
 std::string figures_html(const json& report) {
   const json& figures = at(report, {"figures"});
   if (!figures.is_object()) return "";
   std::string html =
-      "<h2>Figures</h2>\n<table>\n<caption>Distortion of the pattern on the formed part, over the inked surface; "
+      "<h2>Figures</h2>\n<table>\n<caption>Distortion of the pattern on the formed part, over the inked "
+      "surface; "
       "1 is none</caption>\n<thead><tr><th scope=\"col\">Figure</th><th scope=\"col\">Print</th>"
-      "<th scope=\"col\">Mean</th><th scope=\"col\">95 %</th><th scope=\"col\">99 %</th><th scope=\"col\">Worst</th></tr>"
+      "<th scope=\"col\">Mean</th><th scope=\"col\">95 %</th><th scope=\"col\">99 %</th><th "
+      "scope=\"col\">Worst</th></tr>"
       "</thead>\n<tbody>\n";
-  for (const auto& [key, title] : {std::pair{"anisotropy", "Shape (anisotropy)"}, std::pair{"area_ratio", "Area ratio"}})
-    for (const auto& [which, print] : {std::pair{"without", "plain pattern"}, std::pair{"with", "pre-distorted"}}) {
+  for (const auto& [key, title] :
+       {std::pair{"anisotropy", "Shape (anisotropy)"}, std::pair{"area_ratio", "Area ratio"}})
+    for (const auto& [which, print] :
+         {std::pair{"without", "plain pattern"}, std::pair{"with", "pre-distorted"}}) {
       html += std::string("<tr><th scope=\"row\">") + title + "</th><td>" + print + "</td>";
       for (const char* column : {"mean", "p95", "p99", "max"})
         html += "<td class=\"number\">" + number(at(figures, {which, key, column})) + "</td>";
@@ -87,21 +92,22 @@ std::string previews_html(const Job& job) {
 std::string downloads_html(const Job& job) {
   if (job.artifacts.empty()) return "";
   const std::string base = "/api/v1/jobs/" + escaped(job.id);
-  std::string html = "<h2>Downloads</h2>\n<p><a class=\"button\" href=\"" + base +
-                     "/artifacts.zip\" download>All files (zip)</a></p>\n<table>\n<thead><tr><th scope=\"col\">File</th>"
-                     "<th scope=\"col\">What it is</th><th scope=\"col\">Size</th></tr></thead>\n<tbody>\n";
+  std::string html =
+      "<h2>Downloads</h2>\n<p><a class=\"button\" href=\"" + base +
+      "/artifacts.zip\" download>All files (zip)</a></p>\n<table>\n<thead><tr><th scope=\"col\">File</th>"
+      "<th scope=\"col\">What it is</th><th scope=\"col\">Size</th></tr></thead>\n<tbody>\n";
   for (const auto& artifact : job.artifacts) {
     const ArtifactKind* kind = artifact_kind(artifact.name);
-    html += "<tr><th scope=\"row\"><a href=\"" + base + "/artifacts/" + escaped(artifact.name) + "\" download>" +
-            escaped(artifact.name) + "</a></th><td>" + escaped(kind ? kind->title : "") + "</td><td class=\"number\">" +
-            readable_bytes(artifact.blob.bytes) + "</td></tr>\n";
+    html += "<tr><th scope=\"row\"><a href=\"" + base + "/artifacts/" + escaped(artifact.name) +
+            "\" download>" + escaped(artifact.name) + "</a></th><td>" + escaped(kind ? kind->title : "") +
+            "</td><td class=\"number\">" + readable_bytes(artifact.blob.bytes) + "</td></tr>\n";
   }
   return html + "</tbody>\n</table>\n";
 }
 
 std::string button_html(const Job& job, const char* action, const char* label) {
-  return "<form method=\"post\" action=\"/jobs/" + escaped(job.id) + "/" + action + "\"><button type=\"submit\">" + label +
-         "</button></form>\n";
+  return "<form method=\"post\" action=\"/jobs/" + escaped(job.id) + "/" + action +
+         "\"><button type=\"submit\">" + label + "</button></form>\n";
 }
 
 std::string facts_html(const Job& job) {
@@ -109,17 +115,20 @@ std::string facts_html(const Job& job) {
     return "<dt>" + key + "</dt><dd>" + value + "</dd>\n";
   };
   const auto file = [](const Input& input) {
-    return escaped(input.extension.empty() ? "file" : input.extension) + ", " + readable_bytes(input.blob.bytes);
+    return escaped(input.extension.empty() ? "file" : input.extension) + ", " +
+           readable_bytes(input.blob.bytes);
   };
   std::string html = "<h2>This job</h2>\n<dl>\n" + row("Job", "<code>" + escaped(job.id) + "</code>") +
-                     row("Created", rfc3339(job.created)) + row("Scan", file(job.scan)) + row("Pattern", file(job.pattern));
+                     row("Created", rfc3339(job.created)) + row("Scan", file(job.scan)) +
+                     row("Pattern", file(job.pattern));
   if (job.ended && job.started) {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%.1f s", static_cast<double>(*job.ended - *job.started) / 1000);
     html += row("Took", seconds);
   }
   const json settings = json::parse(job.settings, nullptr, false);
-  return html + "</dl>\n<details>\n<summary>Settings</summary>\n<pre>" + escaped(settings.dump(2)) + "</pre>\n</details>\n";
+  return html + "</dl>\n<details>\n<summary>Settings</summary>\n<pre>" + escaped(settings.dump(2)) +
+         "</pre>\n</details>\n";
 }
 
 }  // namespace
@@ -134,7 +143,8 @@ Page job_page(const Job& job, const json& report) {
     page.main += progress_html(job);
   }
   if (job.error) page.main += problem_box(*job.error);
-  page.main += warnings_html(report) + previews_html(job) + figures_html(report) + downloads_html(job) + facts_html(job);
+  page.main += warnings_html(report) + previews_html(job) + figures_html(report) + downloads_html(job) +
+               facts_html(job);
   page.main += "<div class=\"actions\">\n";
   if (job.state == JobState::queued || job.state == JobState::running)
     page.main += button_html(job, "cancel", "Cancel this job");

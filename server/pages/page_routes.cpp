@@ -60,7 +60,8 @@ Result<Response> show_job(Service& service, const Request& request) {
 
 void add_page_routes(http::Router& router, Service& service) {
   Service* const s = &service;
-  router.add("GET", "/", [s](Request&) -> Result<Response> { return html_response(form_page(recent_jobs(s->store))); });
+  router.add("GET", "/",
+             [s](Request&) -> Result<Response> { return html_response(form_page(recent_jobs(s->store))); });
   router.add("GET", "/jobs", [](Request&) -> Result<Response> { return see_other("/"); });
   router.add("POST", "/jobs", [s](Request& request) { return submit(*s, request); });
   router.add("GET", "/jobs/{id}", [s](Request& request) { return show_job(*s, request); });
@@ -74,9 +75,10 @@ void add_page_routes(http::Router& router, Service& service) {
     log_event("job-deleted", {{"job", request.at("id")}});
     return see_other("/");
   });
-  router.add("GET", "/problems/", [](Request&) -> Result<Response> { return html_response(problems_page()); });
+  router.add("GET", "/problems/",
+             [](Request&) -> Result<Response> { return html_response(problems_page()); });
   router.add("GET", "/problems/{slug}", [](Request& request) -> Result<Response> {
-    const auto code = code_from_slug(request.at("slug"));
+    const auto code = code_from(request.at("slug"));
     if (!code) return fail(Code::not_found, "there is no such problem type", {}, "see /problems/");
     return html_response(problem_page(*code));
   });
@@ -88,12 +90,14 @@ void add_page_routes(http::Router& router, Service& service) {
 }
 
 Response refuse(const Request& request, const http::Refusal& refusal) {
-  const bool page = !request.path.starts_with("/api/") && request.header("Accept").find("text/html") != std::string::npos;
+  const bool page =
+      !request.path.starts_with("/api/") && request.header("Accept").find("text/html") != std::string::npos;
   if (!page) return problem_response(refusal.error, refusal.status);
   Page shown;
   shown.title = std::string(meaning(refusal.error.code).title);
   shown.status = refusal.status;
-  shown.main = "<h1>This did not work</h1>\n" + problem_box(refusal.error) + "<p><a href=\"/\">To the start</a></p>\n";
+  shown.main =
+      "<h1>This did not work</h1>\n" + problem_box(refusal.error) + "<p><a href=\"/\">To the start</a></p>\n";
   return html_response(shown);
 }
 

@@ -12,13 +12,14 @@
 
 namespace vacuform {
 
-// The form for a new job, made from settings_schema(), with the newest jobs below. After a refusal `error` stands above
-// it and `fields` (group.key -> text) fill it again; files cannot be filled again, the page says so.
+// The form for a new job, made from settings_schema(), with the newest jobs below. After a refusal `error`
+// stands above it and `fields` (group.key -> text) fill it again; files cannot be filled again, the page says
+// so.
 Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error = std::nullopt,
                const std::map<std::string, std::string>& fields = {});
 
-// A job: progress while it runs, then previews, figures and downloads. `report` is report.json, null when there is none;
-// parts that it lacks are left out.
+// A job: progress while it runs, then previews, figures and downloads. `report` is report.json, null when
+// there is none; parts that it lacks are left out.
 Page job_page(const Job& job, const nlohmann::json& report);
 
 // What each problem means and what helps; an empty slug gives the list of all.

@@ -12,59 +12,80 @@ struct Explanation {
 Explanation explanation(Code code) {
   switch (code) {
     case Code::bad_usage:
-      return {"The command line or the request has a form that Vacuform does not know: a missing file, an unknown option, "
-              "a header that is not accepted.",
-              "Compare it with the API description or the program's --help."};
+      return {
+          "The command line or the request has a form that Vacuform does not know: a missing file, an "
+          "unknown option, "
+          "a header that is not accepted.",
+          "Compare it with the API description or the program's --help."};
     case Code::unreadable:
-      return {"A file could not be opened, read or written.", "See that the file exists and that the program may use it."};
+      return {"A file could not be opened, read or written.",
+              "See that the file exists and that the program may use it."};
     case Code::unsupported_format:
-      return {"The file is of a kind that Vacuform does not read. Scans are STL, OBJ, PLY, OFF or GLB; patterns are SVG, "
-              "PNG or JPEG.",
-              "Export the file again in one of these formats."};
+      return {
+          "The file is of a kind that Vacuform does not read. Scans are STL, OBJ, PLY, OFF or GLB; patterns "
+          "are SVG, "
+          "PNG or JPEG.",
+          "Export the file again in one of these formats."};
     case Code::corrupt_file:
-      return {"The file says that it is of a known format and then breaks that format's rules. Often a transfer was cut.",
-              "Copy or export the file again, and compare its size with the original."};
+      return {
+          "The file says that it is of a known format and then breaks that format's rules. Often a transfer "
+          "was cut.",
+          "Copy or export the file again, and compare its size with the original."};
     case Code::too_large:
       return {"A limit on bytes, triangles, pixels or components is passed.",
-              "Reduce the scan to about a million triangles, or the pattern to the resolution that will be printed."};
+              "Reduce the scan to about a million triangles, or the pattern to the resolution that will be "
+              "printed."};
     case Code::ambiguous_units:
-      return {"Most scan formats do not say their unit. Vacuform guesses only when exactly one unit makes a plausible size.",
-              "Set scan.units to mm, cm, m or in."};
+      return {
+          "Most scan formats do not say their unit. Vacuform guesses only when exactly one unit makes a "
+          "plausible size.",
+          "Set scan.units to mm, cm, m or in."};
     case Code::unusable_scan:
-      return {"The scan was read, but no mold can be made of it: it is empty, flat, or nothing is left above the trim "
-              "height.",
-              "Look at the scan in a mesh viewer; set scan.up and scan.trim_mm."};
+      return {
+          "The scan was read, but no mold can be made of it: it is empty, flat, or nothing is left above the "
+          "trim "
+          "height.",
+          "Look at the scan in a mesh viewer; set scan.up and scan.trim_mm."};
     case Code::does_not_fit:
       return {"The mold does not fit the sheet, the clamp frame's window or the draw.",
               "Give a larger sheet and window, raise scan.trim_mm, or turn the scan with scan.yaw_deg."};
     case Code::bad_settings:
-      return {"A setting is unknown, of the wrong type or out of its range. The message names it and the range.",
-              "Correct it; the settings schema lists all of them with their defaults."};
+      return {
+          "A setting is unknown, of the wrong type or out of its range. The message names it and the range.",
+          "Correct it; the settings schema lists all of them with their defaults."};
     case Code::unusable_pattern:
       return {"The pattern was read, but there is nothing in it to print, or its size is unknown.",
               "See that it is not empty, and set pattern.width_mm."};
     case Code::no_equilibrium:
-      return {"The simulated sheet did not come to rest.",
-              "Use a coarser sheet.resolution_mm or less machine.vacuum_kpa, and report the scan that does it."};
+      return {
+          "The simulated sheet did not come to rest.",
+          "Use a coarser sheet.resolution_mm or less machine.vacuum_kpa, and report the scan that does it."};
     case Code::unusable_surface:
       return {"The formed sheet holds no region that a pattern can be laid on.",
               "Lower scan.trim_mm, or see that the scan stands upright."};
-    case Code::cancelled: return {"Somebody cancelled the job.", "Submit it again."};
+    case Code::cancelled:
+      return {"Somebody cancelled the job.", "Submit it again."};
     case Code::out_of_time:
-      return {"A limit on time or memory ended the work.", "Use a coarser sheet.resolution_mm or a lower print.dpi."};
+      return {"A limit on time or memory ended the work.",
+              "Use a coarser sheet.resolution_mm or a lower print.dpi."};
     case Code::not_found:
-      return {"There is no such job, file or page. Deleted jobs are gone with their files.", "See the list of jobs."};
+      return {"There is no such job, file or page. Deleted jobs are gone with their files.",
+              "See the list of jobs."};
     case Code::conflict:
-      return {"The job's state does not allow this: only jobs that have ended can be deleted, only others can be "
-              "cancelled.",
-              "Look at the job's state first."};
+      return {
+          "The job's state does not allow this: only jobs that have ended can be deleted, only others can be "
+          "cancelled.",
+          "Look at the job's state first."};
     case Code::lease_lost:
-      return {"A worker was too late with its sign of life, and the job was given to another.",
-              "Nothing is lost. If it happens often, the worker's machine is overloaded or its network is slow."};
+      return {
+          "A worker was too late with its sign of life, and the job was given to another.",
+          "Nothing is lost. If it happens often, the worker's machine is overloaded or its network is slow."};
     case Code::unavailable:
-      return {"The service cannot do this now: the disk is full, or it is just stopping.", "Try again a little later."};
+      return {"The service cannot do this now: the disk is full, or it is just stopping.",
+              "Try again a little later."};
     case Code::internal:
-      return {"A fault of Vacuform's own.", "Try again; if it stays, report it with the job's settings and the log."};
+      return {"A fault of Vacuform's own.",
+              "Try again; if it stays, report it with the job's settings and the log."};
   }
   return {};
 }
@@ -75,8 +96,9 @@ Page problem_page(Code code) {
   const Explanation text = explanation(code);
   Page page;
   page.title = std::string(meaning(code).title);
-  page.main = "<h1>" + escaped(page.title) + "</h1>\n<p>" + escaped(text.why) + "</p>\n<h2>What to do</h2>\n<p>" +
-              escaped(text.help) + "</p>\n<p><code>" + std::string(meaning(code).slug) +
+  page.main = "<h1>" + escaped(page.title) + "</h1>\n<p>" + escaped(text.why) +
+              "</p>\n<h2>What to do</h2>\n<p>" + escaped(text.help) + "</p>\n<p><code>" +
+              std::string(meaning(code).slug) +
               "</code></p>\n<p><a href=\"/problems/\">All problems</a></p>\n";
   return page;
 }
@@ -87,7 +109,8 @@ Page problems_page() {
   page.main = "<h1>Problems explained</h1>\n<ul>\n";
   for (int i = 0; i <= static_cast<int>(Code::internal); ++i) {
     const CodeMeaning code = meaning(static_cast<Code>(i));
-    page.main += "<li><a href=\"/problems/" + std::string(code.slug) + "\">" + escaped(code.title) + "</a></li>\n";
+    page.main +=
+        "<li><a href=\"/problems/" + std::string(code.slug) + "\">" + escaped(code.title) + "</a></li>\n";
   }
   page.main += "</ul>\n";
   return page;

@@ -76,7 +76,8 @@ Result<void> Blobs::sweep(const std::function<bool(const std::string&)>& wanted)
   std::error_code error;
   std::vector<fs::path> unwanted;
   for (const auto& entry : fs::recursive_directory_iterator(blobs_, error))
-    if (!entry.is_directory(error) && !wanted(entry.path().filename().string())) unwanted.push_back(entry.path());
+    if (!entry.is_directory(error) && !wanted(entry.path().filename().string()))
+      unwanted.push_back(entry.path());
   if (error) return fail(Code::unavailable, "reading the blobs' folder failed: " + error.message(), "blobs");
   for (const auto& path : unwanted) ::unlink(path.c_str());
   return {};

@@ -1,8 +1,10 @@
-// Files under the hash of their bytes: DATA/blobs/ab/<sha256>. A blob never changes; who names it is the store's affair.
+// Files under the hash of their bytes: DATA/blobs/ab/<sha256>. A blob never changes; who names it is the
+// store's affair.
 //
-// An upload is written to DATA/incoming while it arrives and hashed on the way, so memory does not grow with its size.
-// seal() flushes it; keep() gives it its final name and flushes the folder, after which it survives a power cut.
-// What is never kept disappears with the Upload, and what a crash left in incoming is deleted at the next start.
+// An upload is written to DATA/incoming while it arrives and hashed on the way, so memory does not grow with
+// its size. seal() flushes it; keep() gives it its final name and flushes the folder, after which it survives
+// a power cut. What is never kept disappears with the Upload, and what a crash left in incoming is deleted at
+// the next start.
 #pragma once
 
 #include <cstdint>
@@ -60,7 +62,9 @@ class Blobs {
 
  private:
   explicit Blobs(std::filesystem::path data) : blobs_(data / "blobs"), incoming_(data / "incoming") {}
-  std::filesystem::path place(const std::string& sha256) const { return blobs_ / sha256.substr(0, 2) / sha256; }
+  std::filesystem::path place(const std::string& sha256) const {
+    return blobs_ / sha256.substr(0, 2) / sha256;
+  }
 
   std::filesystem::path blobs_, incoming_;
 };

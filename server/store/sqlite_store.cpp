@@ -1,16 +1,15 @@
-// The store on SQLite. One process and one connection own the database: SQLite before 3.51.3 can lose committed rows in
-// WAL mode when one connection checkpoints while another writes. A file lock keeps a second server out with a plain
-// message, exclusive locking keeps everything else out.
+// The store on SQLite. One process and one connection own the database: SQLite before 3.51.3 can lose
+// committed rows in WAL mode when one connection checkpoints while another writes. A file lock keeps a second
+// server out with a plain message, exclusive locking keeps everything else out.
 #include <fcntl.h>
-#include <sqlite3.h>
 #include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <mutex>
-#include <unordered_map>
 
 #include "server/secrets.hpp"
+#include "server/store/job_id.hpp"
+#include "server/store/sqlite.hpp"
 #include "server/store/store.hpp"
 
 namespace vacuform {
@@ -21,7 +20,7 @@ constexpr int application = 0x56666d31;  // "Vfm1": the file is ours
 constexpr int schema_version = 1;
 constexpr const char* schema = R"sql(
 CREATE TABLE job(
-  id TEXT PRIMARY KEY, state TEXT NOT NULL, stage TEXT, progress REAL NOT NULL DEFAULT 0,
+  id TEXT PRIMARY KEY, client_key TEXT UNIQUE, state TEXT NOT NULL, stage TEXT, progress REAL NOT NULL DEFAULT 0,
   attempt INTEGER NOT NULL DEFAULT 0, losses INTEGER NOT NULL DEFAULT 0,
   created INTEGER NOT NULL, started INTEGER, ended INTEGER,
   worker TEXT, lease_hash TEXT, lease_ends INTEGER,
@@ -40,114 +39,6 @@ CREATE TABLE artifact(
 CREATE INDEX artifact_by_blob ON artifact(blob);
 )sql";
 
-// 26 characters of Crockford's base 32: 48 bits of time, then 80 random ones.
-std::string make_id(Millis time) {
-  constexpr char digits[] = "0123456789abcdefghjkmnpqrstvwxyz";
-  std::string id(26, '0');
-  for (int i = 9; i >= 0; --i, time >>= 5) id[static_cast<std::size_t>(i)] = digits[time & 31];
-  std::uint64_t high = random_number(), low = random_number();
-  for (std::size_t i = 10; i < 18; ++i, high >>= 5) id[i] = digits[high & 31];
-  for (std::size_t i = 18; i < 26; ++i, low >>= 5) id[i] = digits[low & 31];
-  return id;
-}
-
-std::optional<Code> code_from(std::string_view slug) {
-  for (int i = 0; i <= static_cast<int>(Code::internal); ++i)
-    if (meaning(static_cast<Code>(i)).slug == slug) return static_cast<Code>(i);
-  return std::nullopt;
-}
-
-class Database {
- public:
-  ~Database() {
-    for (const auto& [sql, statement] : statements_) sqlite3_finalize(statement);
-    sqlite3_close(db_);
-  }
-
-  Result<void> open(const std::string& path) {
-    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
-    if (sqlite3_open_v2(path.c_str(), &db_, flags, nullptr) != SQLITE_OK) return error();
-    return {};
-  }
-  Result<void> execute(const char* sql) {
-    if (sqlite3_exec(db_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) return error();
-    return {};
-  }
-  tl::unexpected<Error> error() const {
-    const int code = sqlite3_errcode(db_) & 0xff;
-    const std::string text = sqlite3_errmsg(db_);
-    if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)
-      return fail(Code::corrupt_file, "the job store is damaged: " + text, "jobs.sqlite",
-                  "restore the data folder from a backup, or start with an empty one");
-    return fail(Code::unavailable, "the job store cannot be used: " + text, "jobs.sqlite",
-                code == SQLITE_FULL ? "free some space on the server's disk and try again" : "see the server's disk");
-  }
-  // Statements live as long as the connection; `sql` is a literal, so its address identifies it.
-  Result<sqlite3_stmt*> prepared(const char* sql) {
-    sqlite3_stmt*& statement = statements_[sql];
-    if (!statement && sqlite3_prepare_v3(db_, sql, -1, SQLITE_PREPARE_PERSISTENT, &statement, nullptr) != SQLITE_OK)
-      return error();
-    return statement;
-  }
-
- private:
-  sqlite3* db_ = nullptr;
-  std::unordered_map<const char*, sqlite3_stmt*> statements_;
-};
-
-// One use of a prepared statement: arguments in, rows out.
-class Query {
- public:
-  template <class... Arguments>
-  Query(Database& db, const char* sql, const Arguments&... arguments) : db_(db), prepared_(db.prepared(sql)) {
-    if (!prepared_) return;
-    int index = 0;
-    (bind(++index, arguments), ...);
-  }
-  Query(const Query&) = delete;
-  Query& operator=(const Query&) = delete;
-  ~Query() {
-    if (prepared_) sqlite3_reset(*prepared_), sqlite3_clear_bindings(*prepared_);
-  }
-
-  // Steps to the next row; false after the last.
-  Result<bool> row() {
-    if (!prepared_) return tl::make_unexpected(prepared_.error());
-    const int code = sqlite3_step(*prepared_);
-    if (code != SQLITE_ROW && code != SQLITE_DONE) return db_.error();
-    return code == SQLITE_ROW;
-  }
-  Result<void> run() {
-    VACUFORM_TRY(more, row());
-    (void)more;
-    return {};
-  }
-  bool null(int column) { return sqlite3_column_type(*prepared_, column) == SQLITE_NULL; }
-  std::int64_t integer(int column) { return sqlite3_column_int64(*prepared_, column); }
-  double real(int column) { return sqlite3_column_double(*prepared_, column); }
-  std::string text(int column) {
-    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(*prepared_, column));
-    return bytes ? std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(*prepared_, column))) : "";
-  }
-
- private:
-  void bind(int index, const std::string& value) { bind(index, std::string_view(value)); }
-  void bind(int index, std::string_view value) {
-    sqlite3_bind_text(*prepared_, index, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT);
-  }
-  void bind(int index, std::int64_t value) { sqlite3_bind_int64(*prepared_, index, value); }
-  void bind(int index, std::uint64_t value) { bind(index, static_cast<std::int64_t>(value)); }
-  void bind(int index, int value) { bind(index, static_cast<std::int64_t>(value)); }
-  void bind(int index, double value) { sqlite3_bind_double(*prepared_, index, value); }
-  template <class T>
-  void bind(int index, const std::optional<T>& value) {
-    if (value) bind(index, *value);
-  }
-
-  Database& db_;
-  Result<sqlite3_stmt*> prepared_;
-};
-
 class SqliteStore : public Store {
  public:
   SqliteStore(StoreOptions options, Blobs blobs, File lock)
@@ -155,8 +46,9 @@ class SqliteStore : public Store {
 
   Result<void> open(const std::filesystem::path& data) {
     VACUFORM_CHECK(db_.open((data / "jobs.sqlite").string()));
-    VACUFORM_CHECK(db_.execute("PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
-                               "PRAGMA foreign_keys=ON; PRAGMA trusted_schema=OFF"));
+    VACUFORM_CHECK(
+        db_.execute("PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
+                    "PRAGMA foreign_keys=ON; PRAGMA trusted_schema=OFF"));
     VACUFORM_CHECK(check_schema());
     VACUFORM_CHECK(sync_directory(data));
     {
@@ -165,7 +57,8 @@ class SqliteStore : public Store {
       if (found) last_id_time_ = newest.integer(0);
     }
     VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_ends=? WHERE state IN ('running','cancelling')",
-                         options_.clock() + options_.lease).run());
+                         options_.clock() + options_.lease)
+                       .run());
     // A crash may have come between a file and the row that names it.
     return blobs_.sweep([&](const std::string& sha256) { return named(sha256).value_or(true); });
   }
@@ -178,18 +71,26 @@ class SqliteStore : public Store {
     VACUFORM_TRY(scan, job.scan.seal());
     VACUFORM_TRY(pattern, job.pattern.seal());
     return write([&]() -> Result<Job> {
+      if (!job.client_key.empty()) {
+        VACUFORM_TRY(earlier, made_before(job, scan, pattern));
+        if (earlier) return *earlier;
+      }
       // Under the lock, so that a job deleted at the same time does not take the files away again.
       garbage_ = {scan.sha256, pattern.sha256};
       VACUFORM_CHECK(blobs_.keep(job.scan));
       VACUFORM_CHECK(blobs_.keep(job.pattern));
       const Millis now = options_.clock();
       last_id_time_ = std::max(now, last_id_time_ + 1);
-      const std::string id = make_id(last_id_time_);
+      const std::string id = make_job_id(last_id_time_);
+      std::optional<std::string> client_key;
+      if (!job.client_key.empty()) client_key = job.client_key;
       VACUFORM_CHECK(Query(db_,
-                           "INSERT INTO job(id, state, created, settings, scan, scan_bytes, scan_extension, pattern,"
-                           " pattern_bytes, pattern_extension) VALUES(?,'queued',?,?,?,?,?,?,?,?)",
-                           id, now, job.settings, scan.sha256, scan.bytes, job.scan_extension, pattern.sha256,
-                           pattern.bytes, job.pattern_extension).run());
+                           "INSERT INTO job(id, client_key, state, created, settings, scan, scan_bytes, "
+                           "scan_extension, pattern,"
+                           " pattern_bytes, pattern_extension) VALUES(?,?,'queued',?,?,?,?,?,?,?,?)",
+                           id, client_key, now, job.settings, scan.sha256, scan.bytes, job.scan_extension,
+                           pattern.sha256, pattern.bytes, job.pattern_extension)
+                         .run());
       return find(id);
     });
   }
@@ -204,8 +105,8 @@ class SqliteStore : public Store {
     limit = std::clamp(limit, 1, 100);
     std::vector<std::string> ids;
     {
-      Query query(db_, "SELECT id FROM job WHERE id < ? ORDER BY id DESC LIMIT ?", cursor.empty() ? "~" : cursor,
-                  limit + 1);
+      Query query(db_, "SELECT id FROM job WHERE id < ? ORDER BY id DESC LIMIT ?",
+                  cursor.empty() ? "~" : cursor, limit + 1);
       for (;;) {
         VACUFORM_TRY(more, query.row());
         if (!more) break;
@@ -260,10 +161,12 @@ class SqliteStore : public Store {
       if (!found) return std::optional<LeasedJob>();
       const std::string id = oldest.text(0), token = random_hex(32);
       const Millis now = options_.clock();
-      VACUFORM_CHECK(Query(db_,
-                           "UPDATE job SET state='running', attempt=attempt+1, started=?, stage=NULL, progress=0,"
-                           " worker=?, lease_hash=?, lease_ends=? WHERE id=?",
-                           now, worker, text_hash(token), now + options_.lease, id).run());
+      VACUFORM_CHECK(
+          Query(db_,
+                "UPDATE job SET state='running', attempt=attempt+1, started=?, stage=NULL, progress=0,"
+                " worker=?, lease_hash=?, lease_ends=? WHERE id=?",
+                now, worker, text_hash(token), now + options_.lease, id)
+              .run());
       VACUFORM_TRY(job, find(id));
       return std::optional<LeasedJob>(LeasedJob{std::move(job), token});
     });
@@ -279,7 +182,9 @@ class SqliteStore : public Store {
       std::optional<std::string_view> stage_name;
       if (stage) stage_name = name(*stage);
       VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_ends=?, stage=?, progress=? WHERE id=?",
-                           options_.clock() + options_.lease, stage_name, std::clamp(progress, 0.0, 1.0), job.id).run());
+                           options_.clock() + options_.lease, stage_name, std::clamp(progress, 0.0, 1.0),
+                           job.id)
+                         .run());
       return job.state == JobState::cancelling;
     });
   }
@@ -292,8 +197,9 @@ class SqliteStore : public Store {
       for (const auto& old : job.artifacts)
         if (old.name == name) garbage_.push_back(old.blob.sha256);
       VACUFORM_CHECK(blobs_.keep(upload));
-      return Query(db_, "INSERT OR REPLACE INTO artifact(job, name, blob, bytes) VALUES(?,?,?,?)", job.id, name,
-                   blob.sha256, blob.bytes).run();
+      return Query(db_, "INSERT OR REPLACE INTO artifact(job, name, blob, bytes) VALUES(?,?,?,?)", job.id,
+                   name, blob.sha256, blob.bytes)
+          .run();
     });
   }
 
@@ -320,8 +226,8 @@ class SqliteStore : public Store {
   }
 
  private:
-  // Runs `change` in a transaction, which holds only if `change` succeeds and reaches the disk. Files that the change
-  // may have orphaned (garbage_) are deleted afterwards when no row names them.
+  // Runs `change` in a transaction, which holds only if `change` succeeds and reaches the disk. Files that
+  // the change may have orphaned (garbage_) are deleted afterwards when no row names them.
   template <class Change>
   auto write(Change change) -> decltype(change()) {
     const std::lock_guard hold(mutex_);
@@ -331,7 +237,8 @@ class SqliteStore : public Store {
     if (result) {
       if (auto committed = db_.execute("COMMIT"); !committed) result = tl::make_unexpected(committed.error());
     }
-    if (!result) (void)db_.execute("ROLLBACK");  // after a failed COMMIT there may be nothing left to roll back
+    if (!result)
+      (void)db_.execute("ROLLBACK");  // after a failed COMMIT there may be nothing left to roll back
     for (const auto& sha256 : garbage_)
       if (const auto used = named(sha256); used && !*used) blobs_.remove(sha256);
     return result;
@@ -340,36 +247,56 @@ class SqliteStore : public Store {
   Result<void> check_schema() {
     std::int64_t app = 0, version = 0, tables = 0;
     {
-      Query query(db_, "SELECT application_id, user_version, (SELECT count(*) FROM sqlite_schema)"
-                       " FROM pragma_application_id, pragma_user_version");
+      Query query(db_,
+                  "SELECT application_id, user_version, (SELECT count(*) FROM sqlite_schema)"
+                  " FROM pragma_application_id, pragma_user_version");
       VACUFORM_TRY(found, query.row());
       if (found) app = query.integer(0), version = query.integer(1), tables = query.integer(2);
     }
     if (app == 0 && version == 0 && tables == 0)
-      return db_.execute((std::string("BEGIN IMMEDIATE;") + schema + "PRAGMA application_id=" +
-                          std::to_string(application) + ";PRAGMA user_version=" + std::to_string(schema_version) +
-                          ";COMMIT").c_str());
+      return db_.execute(std::string("BEGIN IMMEDIATE;") + schema +
+                         "PRAGMA application_id=" + std::to_string(application) +
+                         ";PRAGMA user_version=" + std::to_string(schema_version) + ";COMMIT");
     if (app != application)
       return fail(Code::corrupt_file, "the file is not a job store of Vacuform", "jobs.sqlite",
                   "give another folder with --data");
     if (version != schema_version)
-      return fail(Code::corrupt_file, "the job store has version " + std::to_string(version) +
-                  ", this server knows " + std::to_string(schema_version), "jobs.sqlite",
-                  "start the server that wrote it, or give another folder with --data");
+      return fail(Code::corrupt_file,
+                  "the job store has version " + std::to_string(version) + ", this server knows " +
+                      std::to_string(schema_version),
+                  "jobs.sqlite", "start the server that wrote it, or give another folder with --data");
     return {};
   }
 
   // Whether any row names the blob.
   Result<bool> named(const std::string& sha256) {
-    Query query(db_, "SELECT 1 FROM job WHERE scan=?1 UNION ALL SELECT 1 FROM job WHERE pattern=?1"
-                     " UNION ALL SELECT 1 FROM artifact WHERE blob=?1 LIMIT 1", sha256);
+    Query query(db_,
+                "SELECT 1 FROM job WHERE scan=?1 UNION ALL SELECT 1 FROM job WHERE pattern=?1"
+                " UNION ALL SELECT 1 FROM artifact WHERE blob=?1 LIMIT 1",
+                sha256);
     return query.row();
   }
 
+  // The job that an earlier submission under the same key made.
+  Result<std::optional<Job>> made_before(const NewJob& job, const Blob& scan, const Blob& pattern) {
+    Query query(db_, "SELECT id FROM job WHERE client_key=?", job.client_key);
+    VACUFORM_TRY(found, query.row());
+    if (!found) return std::optional<Job>();
+    VACUFORM_TRY(earlier, find(query.text(0)));
+    if (earlier.scan.blob.sha256 != scan.sha256 || earlier.pattern.blob.sha256 != pattern.sha256 ||
+        earlier.settings != job.settings)
+      return fail(Code::conflict, "the idempotency key was used for another submission", earlier.id,
+                  "take a new key");
+    return std::optional<Job>(std::move(earlier));
+  }
+
   Result<Job> find(const std::string& id) {
-    Query query(db_, "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
-                     " error_where, error_mend, settings, scan, scan_bytes, scan_extension, pattern, pattern_bytes,"
-                     " pattern_extension FROM job WHERE id=?", id);
+    Query query(
+        db_,
+        "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
+        " error_where, error_mend, settings, scan, scan_bytes, scan_extension, pattern, pattern_bytes,"
+        " pattern_extension FROM job WHERE id=?",
+        id);
     VACUFORM_TRY(found, query.row());
     if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
     const auto state = job_state_from(query.text(1));
@@ -384,7 +311,8 @@ class SqliteStore : public Store {
     if (!query.null(6)) job.started = query.integer(6);
     if (!query.null(7)) job.ended = query.integer(7);
     if (!query.null(8))
-      job.error = Error{code_from(query.text(8)).value_or(Code::internal), query.text(9), query.text(10), query.text(11)};
+      job.error = Error{code_from(query.text(8)).value_or(Code::internal), query.text(9), query.text(10),
+                        query.text(11)};
     job.settings = query.text(12);
     job.scan = {{query.text(13), static_cast<std::uint64_t>(query.integer(14))}, query.text(15)};
     job.pattern = {{query.text(16), static_cast<std::uint64_t>(query.integer(17))}, query.text(18)};
@@ -392,11 +320,13 @@ class SqliteStore : public Store {
     for (;;) {
       VACUFORM_TRY(more, artifacts.row());
       if (!more) break;
-      job.artifacts.push_back({artifacts.text(0), {artifacts.text(1), static_cast<std::uint64_t>(artifacts.integer(2))}});
+      job.artifacts.push_back(
+          {artifacts.text(0), {artifacts.text(1), static_cast<std::uint64_t>(artifacts.integer(2))}});
     }
-    std::sort(job.artifacts.begin(), job.artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
-      return artifact_kind(a.name) < artifact_kind(b.name);  // places in one table
-    });
+    std::sort(job.artifacts.begin(), job.artifacts.end(),
+              [](const StoredArtifact& a, const StoredArtifact& b) {
+                return artifact_kind(a.name) < artifact_kind(b.name);  // places in one table
+              });
     return job;
   }
 
@@ -435,23 +365,32 @@ class SqliteStore : public Store {
   Result<void> end(const std::string& id, JobState state, const std::optional<Error>& error) {
     std::optional<std::string_view> code, what, where, mend;
     if (error) code = meaning(error->code).slug, what = error->what, where = error->where, mend = error->mend;
-    return Query(db_, "UPDATE job SET state=?, ended=?, lease_ends=NULL, error_code=?, error_what=?, error_where=?,"
-                      " error_mend=? WHERE id=?", name(state), options_.clock(), code, what, where, mend, id).run();
+    return Query(
+               db_,
+               "UPDATE job SET state=?, ended=?, lease_ends=NULL, error_code=?, error_what=?, error_where=?,"
+               " error_mend=? WHERE id=?",
+               name(state), options_.clock(), code, what, where, mend, id)
+        .run();
   }
 
   // Back to the queue; what the attempt left behind is dropped.
   Result<void> queue_again(const Job& job, int losses) {
     for (const auto& artifact : job.artifacts) garbage_.push_back(artifact.blob.sha256);
     VACUFORM_CHECK(Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run());
-    return Query(db_, "UPDATE job SET state='queued', stage=NULL, progress=0, started=NULL, worker=NULL,"
-                      " lease_hash=NULL, lease_ends=NULL, losses=losses+? WHERE id=?", losses, job.id).run();
+    return Query(db_,
+                 "UPDATE job SET state='queued', stage=NULL, progress=0, started=NULL, worker=NULL,"
+                 " lease_hash=NULL, lease_ends=NULL, losses=losses+? WHERE id=?",
+                 losses, job.id)
+        .run();
   }
 
   Result<std::vector<Expired>> expire_now() {
     std::vector<std::pair<std::string, std::int64_t>> over;  // id, losses before this one
     {
-      Query query(db_, "SELECT id, losses FROM job WHERE state IN ('running','cancelling') AND lease_ends <= ?"
-                       " ORDER BY id", options_.clock());
+      Query query(db_,
+                  "SELECT id, losses FROM job WHERE state IN ('running','cancelling') AND lease_ends <= ?"
+                  " ORDER BY id",
+                  options_.clock());
       for (;;) {
         VACUFORM_TRY(more, query.row());
         if (!more) break;
@@ -467,9 +406,10 @@ class SqliteStore : public Store {
         VACUFORM_CHECK(end(id, state, {}));
       } else if (losses + 1 >= options_.losses) {
         state = JobState::failed;
-        VACUFORM_CHECK(end(id, state, Error{Code::internal,
-                           std::to_string(losses + 1) + " workers were lost while they ran this job", id,
-                           "look at the workers' logs; a coarser sheet.resolution_mm needs less memory"}));
+        VACUFORM_CHECK(end(
+            id, state,
+            Error{Code::internal, std::to_string(losses + 1) + " workers were lost while they ran this job",
+                  id, "look at the workers' logs; a coarser sheet.resolution_mm needs less memory"}));
       } else {
         VACUFORM_CHECK(queue_again(job, 1));
       }

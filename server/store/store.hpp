@@ -1,12 +1,17 @@
-// Jobs and their blobs, kept across crashes. The interface knows no SQL and no HTTP; sqlite_store.cpp stands behind it.
+// Jobs and their blobs, kept across crashes. The interface knows no SQL and no HTTP; sqlite_store.cpp stands
+// behind it.
 //
 // Promises, each of them tested:
-//  - What create() returned survives a power cut: the files are flushed before the row that names them commits, and the
+//  - What create() returned survives a power cut: the files are flushed before the row that names them
+//  commits, and the
 //    row is flushed before create() returns.
-//  - A job has at most one lease. Every write of a worker names the job and the lease's token; when the token is not
-//    that of the current lease the write changes nothing and gives lease_lost. Ending a job twice under one token is
-//    harmless and gives the same answer, so that a worker may repeat a request whose answer it never saw.
-//  - A lease that is not renewed within `lease` ends. The job is queued again; when `losses` workers were lost with
+//  - A job has at most one lease. Every write of a worker names the job and the lease's token; when the token
+//  is not
+//    that of the current lease the write changes nothing and gives lease_lost. Ending a job twice under one
+//    token is harmless and gives the same answer, so that a worker may repeat a request whose answer it never
+//    saw.
+//  - A lease that is not renewed within `lease` ends. The job is queued again; when `losses` workers were
+//  lost with
 //    it, it fails with that reason.
 //  - Files that no job names are deleted: with the job, or at the next start when a crash came between.
 // Every function may be called from any thread.
@@ -26,7 +31,8 @@ namespace vacuform {
 
 struct Input {
   Blob blob;
-  std::string extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits; may be empty
+  std::string
+      extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits; may be empty
 };
 
 struct StoredArtifact {
@@ -54,6 +60,7 @@ struct NewJob {
   std::string scan_extension;
   Upload pattern;
   std::string pattern_extension;
+  std::string client_key = {};  // the client's own name for this submission; may be empty
 };
 
 struct JobPage {
@@ -85,6 +92,8 @@ class Store {
   virtual Result<Upload> upload() = 0;
   // A new name for a file of the caller's own; what is left there is deleted at the next start.
   virtual std::filesystem::path temporary_path() = 0;
+  // A job that was made under the same client key is given in place of a second one; conflict when that key
+  // came with other files or settings.
   virtual Result<Job> create(NewJob job) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
   // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor begins with the newest.
@@ -105,8 +114,8 @@ class Store {
   virtual Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) = 0;
   // A second file under the same name replaces the first.
   virtual Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) = 0;
-  // Ends the attempt: done (cancelled when a cancel came first), failed (queued again when `retry` and not lost too
-  // often), cancelled, or given back unharmed. Gives the job as it then is.
+  // Ends the attempt: done (cancelled when a cancel came first), failed (queued again when `retry` and not
+  // lost too often), cancelled, or given back unharmed. Gives the job as it then is.
   virtual Result<Job> complete(const LeaseKey& key) = 0;
   virtual Result<Job> fail_job(const LeaseKey& key, const Error& error, bool retry) = 0;
   virtual Result<Job> cancelled(const LeaseKey& key) = 0;
@@ -121,9 +130,9 @@ struct StoreOptions {
   int losses = 3;  // workers that one job may take down
 };
 
-// Opens or makes the store in a folder; one process at a time (unavailable when another has it). Jobs that were running
-// when the last server ended keep their leases for another `lease`, so that workers which outlived it can go on.
-// Errors: unavailable, corrupt_file (not a store, or written by a newer version).
+// Opens or makes the store in a folder; one process at a time (unavailable when another has it). Jobs that
+// were running when the last server ended keep their leases for another `lease`, so that workers which
+// outlived it can go on. Errors: unavailable, corrupt_file (not a store, or written by a newer version).
 Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options = {});
 
 }  // namespace vacuform

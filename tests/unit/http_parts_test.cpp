@@ -26,7 +26,8 @@ struct Collected : PartSink {
 };
 
 const std::string form =
-    "--B\r\nContent-Disposition: form-data; name=\"scan\"; filename=\"a \\\"b\\\".stl\"\r\nContent-Type: model/stl\r\n\r\n"
+    "--B\r\nContent-Disposition: form-data; name=\"scan\"; filename=\"a \\\"b\\\".stl\"\r\nContent-Type: "
+    "model/stl\r\n\r\n"
     "line\r\n--bogus\r\n--\r\n-B\r\n--B\r\nContent-Disposition: form-data; name=\"empty\"\r\n\r\n\r\n"
     "--B\r\ncontent-disposition: form-data; name=print.dpi\r\n\r\n600\r\n--B--\r\nepilogue";
 
@@ -38,7 +39,8 @@ TEST(Multipart, GivesTheSamePartsHoweverTheBytesArrive) {
       ASSERT_TRUE(parser.feed(std::string_view(form).substr(at, step))) << step;
     ASSERT_TRUE(parser.finish()) << step;
     ASSERT_EQ(sink.parts.size(), 3u) << step;
-    EXPECT_EQ(sink.parts[0], std::make_pair(std::string("scan"), std::string("line\r\n--bogus\r\n--\r\n-B"))) << step;
+    EXPECT_EQ(sink.parts[0], std::make_pair(std::string("scan"), std::string("line\r\n--bogus\r\n--\r\n-B")))
+        << step;
     EXPECT_EQ(sink.parts[1], std::make_pair(std::string("empty"), std::string())) << step;
     EXPECT_EQ(sink.parts[2], std::make_pair(std::string("print.dpi"), std::string("600"))) << step;
     EXPECT_EQ(sink.file_names[0], "a \"b\".stl");
@@ -68,8 +70,10 @@ TEST(Multipart, RefusesHostileHeads) {
             "a boundary is followed by neither a line end nor \"--\"");
   EXPECT_EQ(refuse("--B\r\nno colon here\r\n\r\nx\r\n--B--"), "a line in the head of a part has no colon");
   EXPECT_EQ(refuse("--B\r\nX: " + std::string(20000, 'x')), "the head of a part is too long");
-  EXPECT_EQ(refuse("--B\r\nContent-Disposition: form-data; name=\"a\r\n\r\nx\r\n--B--"), "a part has no name");
-  EXPECT_EQ(refuse("--B\r\nContent-Disposition: form-data; name=a\r\nContent-Transfer-Encoding: base64\r\n\r\nx\r\n--B--"),
+  EXPECT_EQ(refuse("--B\r\nContent-Disposition: form-data; name=\"a\r\n\r\nx\r\n--B--"),
+            "a part has no name");
+  EXPECT_EQ(refuse("--B\r\nContent-Disposition: form-data; name=a\r\nContent-Transfer-Encoding: "
+                   "base64\r\n\r\nx\r\n--B--"),
             "a part has a transfer encoding");
   std::string many;
   for (int i = 0; i < 200; ++i) many += "--B\r\nContent-Disposition: form-data; name=a\r\n\r\nx\r\n";
@@ -111,8 +115,8 @@ TEST(Range, FollowsTheSpecification) {
   EXPECT_EQ(answer("bytes=100-", 100), "unsatisfiable");
   EXPECT_EQ(answer("bytes=-0", 100), "unsatisfiable");
   EXPECT_EQ(answer("bytes=0-", 0), "unsatisfiable");
-  for (const char* malformed : {"bytes=", "bytes=-", "bytes=5-4", "bytes=a-b", "bytes=1-2x", "items=0-1", "bytes=0-1,3-4",
-                                "bytes=99999999999999999999-", "bytes=+1-2"})
+  for (const char* malformed : {"bytes=", "bytes=-", "bytes=5-4", "bytes=a-b", "bytes=1-2x", "items=0-1",
+                                "bytes=0-1,3-4", "bytes=99999999999999999999-", "bytes=+1-2"})
     EXPECT_EQ(answer(malformed, 100), "whole") << malformed;
 }
 
@@ -125,10 +129,12 @@ TEST(Range, ReadsListsOfEntityTags) {
 }
 
 TEST(Origin, OnlyLoopbackNamesAreBelieved) {
-  for (const char* host : {"127.0.0.1", "127.0.0.1:8080", "127.1.2.3:1", "localhost", "localhost:80", "[::1]", "[::1]:8080"})
+  for (const char* host :
+       {"127.0.0.1", "127.0.0.1:8080", "127.1.2.3:1", "localhost", "localhost:80", "[::1]", "[::1]:8080"})
     EXPECT_TRUE(is_loopback_host(host)) << host;
-  for (const char* host : {"", "example.org", "127.0.0.1.example.org", "localhost.example.org", "10.0.0.1", "0.0.0.0", "[::]",
-                           "[::1", "127.0.0.1:80x", "127.0.0.1:1234567", "2130706433", "127.1"})
+  for (const char* host :
+       {"", "example.org", "127.0.0.1.example.org", "localhost.example.org", "10.0.0.1", "0.0.0.0", "[::]",
+        "[::1", "127.0.0.1:80x", "127.0.0.1:1234567", "2130706433", "127.1"})
     EXPECT_FALSE(is_loopback_host(host)) << host;
 }
 
@@ -139,7 +145,8 @@ TEST(Origin, AFormOnAnotherPageIsRefused) {
   EXPECT_FALSE(check_origin(request));  // a program
   request.headers.push_back({"Origin", "http://127.0.0.1:8080"});
   EXPECT_FALSE(check_origin(request));
-  for (const char* origin : {"http://example.org", "null", "http://127.0.0.1:9999", "http://localhost:8080"}) {
+  for (const char* origin :
+       {"http://example.org", "null", "http://127.0.0.1:9999", "http://localhost:8080"}) {
     request.headers.back().value = origin;
     EXPECT_EQ(check_origin(request).value().status, 403) << origin;
   }
@@ -161,7 +168,8 @@ TEST(Router, CapturesPiecesAndKnowsTheMethods) {
   EXPECT_TRUE(router.match("GET", "/").route);
   EXPECT_FALSE(router.match("POST", "/jobs/7").route);
   EXPECT_EQ(router.match("POST", "/jobs/7").allowed, "GET, HEAD, DELETE");
-  for (const char* path : {"", "/jobs", "/jobs/", "/jobs//", "/jobs/7/", "/jobs/7/8", "//", "/jobs/7/artifacts//"})
+  for (const char* path :
+       {"", "/jobs", "/jobs/", "/jobs//", "/jobs/7/", "/jobs/7/8", "//", "/jobs/7/artifacts//"})
     EXPECT_FALSE(router.match("GET", path).route) << path;
 }
 

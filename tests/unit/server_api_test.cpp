@@ -17,8 +17,11 @@ class ServerApi : public ServerTest {
     return json::parse(answer.body)["id"];
   }
   json show(const std::string& id) { return json::parse(ask("GET", "/api/v1/jobs/" + id).body); }
-  json lease() { return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test"})").body); }
-  Answer worker(const std::string& method, const json& lease, const std::string& path, const std::string& body = "{}") {
+  json lease() {
+    return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test"})").body);
+  }
+  Answer worker(const std::string& method, const json& lease, const std::string& path,
+                const std::string& body = "{}") {
     return ask(method, "/api/v1/leases/" + lease["job"].get<std::string>() + path,
                worker_headers(lease["lease"].get<std::string>()), body);
   }
@@ -47,7 +50,9 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   EXPECT_EQ(worker("GET", held, "/inputs/scan", "").body, "solid");
   EXPECT_EQ(worker("GET", held, "/inputs/pattern", "").body, "<svg/>");
   EXPECT_EQ(worker("GET", held, "/inputs/database", "").status, 404);
-  EXPECT_EQ(json::parse(worker("POST", held, "/heartbeat", R"({"stage":"forming","progress":0.5})").body)["cancel"], false);
+  EXPECT_EQ(
+      json::parse(worker("POST", held, "/heartbeat", R"({"stage":"forming","progress":0.5})").body)["cancel"],
+      false);
   job = show(id);
   EXPECT_EQ(job["state"], "running");
   EXPECT_EQ(job["stage"], "forming");
@@ -67,7 +72,8 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   ASSERT_EQ(job["artifacts"].size(), 2u);
   EXPECT_EQ(job["artifacts"][0]["name"], "print.png");
   EXPECT_EQ(job["artifacts"][0]["bytes"], 200'000);
-  const Answer zip = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip"), again = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip");
+  const Answer zip = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip"),
+               again = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip");
   EXPECT_EQ(zip.status, 200);
   EXPECT_EQ(zip.body.substr(0, 4), "PK\x03\x04");
   EXPECT_EQ(zip.body, again.body);
@@ -108,7 +114,9 @@ TEST_F(ServerApi, DownloadsKnowRangesAndEntityTags) {
 TEST_F(ServerApi, WorkersNeedTheirToken) {
   created();
   EXPECT_EQ(ask("POST", "/api/v1/leases", "", "{}").status, 401);
-  EXPECT_EQ(ask("POST", "/api/v1/leases", "Authorization: Bearer " + std::string(64, 'b') + "\r\n", "{}").status, 401);
+  EXPECT_EQ(
+      ask("POST", "/api/v1/leases", "Authorization: Bearer " + std::string(64, 'b') + "\r\n", "{}").status,
+      401);
   EXPECT_EQ(ask("POST", "/api/v1/leases", "Authorization: Basic " + token_ + "\r\n", "{}").status, 401);
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), "{}").status, 200);
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), "{}").status, 204);
@@ -118,9 +126,12 @@ TEST_F(ServerApi, AFailureReachesTheUserWithItsReason) {
   const std::string id = created();
   const json held = lease();
   EXPECT_EQ(worker("POST", held, "/fail", R"({"code":"nonsense","what":"x"})").status, 400);
-  EXPECT_EQ(worker("POST", held, "/fail",
-                   R"({"code":"ambiguous-units","what":"cm or in","where":"scan","mend":"set <scan.units>","retry":false})")
-                .status, 200);
+  EXPECT_EQ(
+      worker(
+          "POST", held, "/fail",
+          R"({"code":"ambiguous-units","what":"cm or in","where":"scan","mend":"set <scan.units>","retry":false})")
+          .status,
+      200);
   const json job = show(id);
   EXPECT_EQ(job["state"], "failed");
   EXPECT_EQ(job["problem"]["type"], "/problems/ambiguous-units");
@@ -129,6 +140,16 @@ TEST_F(ServerApi, AFailureReachesTheUserWithItsReason) {
   EXPECT_NE(page.body.find("set &lt;scan.units&gt;"), std::string::npos);
   EXPECT_EQ(page.body.find("refresh"), std::string::npos);
   EXPECT_EQ(ask("GET", "/problems/ambiguous-units").status, 200);
+}
+
+TEST_F(ServerApi, ARepeatedSubmissionMakesOneJob) {
+  const std::string form = part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n";
+  const auto send = [&](const std::string& key) {
+    return ask("POST", "/api/v1/jobs", form_type + ("Idempotency-Key: " + key + "\r\n"), form);
+  };
+  EXPECT_EQ(json::parse(send("3f0c9a52").body)["id"], json::parse(send("3f0c9a52").body)["id"]);
+  EXPECT_EQ(send("short").status, 400);
+  EXPECT_EQ(json::parse(ask("GET", "/api/v1/jobs").body)["jobs"].size(), 1u);
 }
 
 TEST_F(ServerApi, BadSettingsAreNamedBeforeAJobExists) {
@@ -160,7 +181,8 @@ TEST_F(ServerApi, ListsInPages) {
   for (int i = 0; i < 3; ++i) created();
   const json first = json::parse(ask("GET", "/api/v1/jobs?limit=2").body);
   ASSERT_EQ(first["jobs"].size(), 2u);
-  const json second = json::parse(ask("GET", "/api/v1/jobs?limit=2&cursor=" + first["next"].get<std::string>()).body);
+  const json second =
+      json::parse(ask("GET", "/api/v1/jobs?limit=2&cursor=" + first["next"].get<std::string>()).body);
   EXPECT_EQ(second["jobs"].size(), 1u);
   EXPECT_TRUE(second["next"].is_null());
   for (const char* limit : {"0", "101", "x", "-1", "2x"})
@@ -201,7 +223,8 @@ TEST_F(ServerApi, ServesItsDescriptionAndEveryProblemPage) {
   for (int i = 0; i <= static_cast<int>(Code::internal); ++i)
     EXPECT_EQ(ask("GET", "/problems/" + std::string(meaning(static_cast<Code>(i)).slug)).status, 200);
   EXPECT_EQ(ask("GET", "/problems/none").status, 404);
-  EXPECT_EQ(ask("GET", "/nowhere", "Accept: text/html\r\n").header("Content-Type"), "text/html; charset=utf-8");
+  EXPECT_EQ(ask("GET", "/nowhere", "Accept: text/html\r\n").header("Content-Type"),
+            "text/html; charset=utf-8");
 }
 
 TEST(Pages, AnHostileReportIsShownAsText) {

@@ -16,7 +16,7 @@
 namespace vacuform {
 
 struct Answer {
-  int status = 0;     // 0: the connection ended without an answer
+  int status = 0;  // 0: the connection ended without an answer
   std::string head, body;
   std::string header(const std::string& name) const {
     const auto at = head.find("\r\n" + name + ": ");
@@ -38,7 +38,8 @@ class ServerTest : public testing::Test {
     options.limits.head_time = std::chrono::milliseconds(700);
     options.limits.wait = std::chrono::milliseconds(700);
     http::Router router = all_routes(*service_);
-    router.add("GET", "/fault", [](http::Request&) -> Result<http::Response> { throw std::runtime_error("secret text"); });
+    router.add("GET", "/fault",
+               [](http::Request&) -> Result<http::Response> { throw std::runtime_error("secret text"); });
     auto server = http::Server::start(std::move(options), std::move(router));
     ASSERT_TRUE(server) << server.error().text();
     server_ = std::move(*server);
@@ -70,7 +71,8 @@ class ServerTest : public testing::Test {
   static std::string receive_all(int socket) {
     std::string text;
     char piece[65536];
-    for (ssize_t n; (n = ::recv(socket, piece, sizeof piece, 0)) > 0;) text.append(piece, static_cast<std::size_t>(n));
+    for (ssize_t n; (n = ::recv(socket, piece, sizeof piece, 0)) > 0;)
+      text.append(piece, static_cast<std::size_t>(n));
     ::close(socket);
     return text;
   }
@@ -94,7 +96,8 @@ class ServerTest : public testing::Test {
   Answer ask(const std::string& method, const std::string& path, const std::string& headers = "",
              const std::string& body = "") const {
     return raw(method + " " + path + " HTTP/1.1\r\nHost: " + host() + "\r\n" + headers +
-               (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
+               (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" +
+               body);
   }
 
   static std::string part(const std::string& name, const std::string& file_name, const std::string& bytes) {
@@ -107,7 +110,8 @@ class ServerTest : public testing::Test {
                part("scan", "Head.STL", "solid") + part("pattern", "p.svg", "<svg/>") + more + "--XX--\r\n");
   }
   std::string worker_headers(const std::string& lease = "") const {
-    return "Authorization: Bearer " + token_ + "\r\n" + (lease.empty() ? "" : "Vacuform-Lease: " + lease + "\r\n");
+    return "Authorization: Bearer " + token_ + "\r\n" +
+           (lease.empty() ? "" : "Vacuform-Lease: " + lease + "\r\n");
   }
 
   std::filesystem::path data_;

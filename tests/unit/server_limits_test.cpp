@@ -26,12 +26,13 @@ class ServerLimits : public ServerTest {
 };
 
 TEST_F(ServerLimits, ChunkedBodiesAreRefused) {
-  expect_problem(ask("POST", "/api/v1/jobs", std::string("Transfer-Encoding: chunked\r\n") + form_type),
-                 411, "a body without Content-Length is not accepted");
+  expect_problem(ask("POST", "/api/v1/jobs", std::string("Transfer-Encoding: chunked\r\n") + form_type), 411,
+                 "a body without Content-Length is not accepted");
   expect_problem(raw("POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() +
                      "\r\nTransfer-Encoding: chunked\r\nContent-Length: 5\r\n\r\n0\r\n\r\n"),
                  411, "a body without Content-Length is not accepted");
-  expect_problem(ask("POST", "/api/v1/jobs", "Content-Encoding: gzip\r\n", "x"), 501, "an encoded body is not accepted");
+  expect_problem(ask("POST", "/api/v1/jobs", "Content-Encoding: gzip\r\n", "x"), 501,
+                 "an encoded body is not accepted");
 }
 
 TEST_F(ServerLimits, HeadsAreBoundedInBytesAndLines) {
@@ -49,7 +50,8 @@ TEST_F(ServerLimits, MalformedHeadsAreRefused) {
   expect_problem(ask("GET", "/healthz", "Spaced : x\r\n"), 400, "a header line is malformed");
   expect_problem(ask("GET", "/healthz", std::string("X: a\0b\r\n", 8)), 400, "a header line is malformed");
   expect_problem(ask("GET", "/healthz", " folded: x\r\n"), 400, "a header line is malformed");
-  expect_problem(ask("GET", "/healthz", "Content-Length: -1\r\n"), 400, "Content-Length is not one whole number");
+  expect_problem(ask("GET", "/healthz", "Content-Length: -1\r\n"), 400,
+                 "Content-Length is not one whole number");
   expect_problem(ask("GET", "/healthz", "Content-Length: 1\r\nContent-Length: 2\r\n"), 400,
                  "Content-Length is not one whole number");
   expect_problem(ask("GET", "/healthz", "Content-Length: 99999999999999999999\r\n"), 400,
@@ -68,16 +70,16 @@ TEST_F(ServerLimits, ASlowHeadIsEnded) {
 
 TEST_F(ServerLimits, ASlowBodyIsEndedAndLeavesNothing) {
   const int socket = connected();
-  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type + "Content-Length: 1000\r\n\r\n" +
-                       part("scan", "a.stl", "half"));
+  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type +
+                       "Content-Length: 1000\r\n\r\n" + part("scan", "a.stl", "half"));
   expect_problem(parsed(receive_all(socket)), 422, "the body of the request came too slowly");
   EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
 }
 
 TEST_F(ServerLimits, ABodyThatBreaksOffMakesNoJob) {
   const int socket = connected();
-  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type + "Content-Length: 1000\r\n\r\n" +
-                       part("scan", "a.stl", "half"));
+  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type +
+                       "Content-Length: 1000\r\n\r\n" + part("scan", "a.stl", "half"));
   ::shutdown(socket, SHUT_WR);
   EXPECT_EQ(parsed(receive_all(socket)).status, 400);
   EXPECT_EQ(jobs(), 0);
@@ -91,7 +93,8 @@ TEST_F(ServerLimits, AFormThatAnnouncesTooMuchIsRefusedBeforeItsBytes) {
 }
 
 TEST_F(ServerLimits, SettingsAreBounded) {
-  expect_problem(submit(part("settings", "", std::string(70'000, ' '))), 413, "the settings are longer than 64 KiB");
+  expect_problem(submit(part("settings", "", std::string(70'000, ' '))), 413,
+                 "the settings are longer than 64 KiB");
   expect_problem(submit(part("print.dpi", "", "300") + part("print.dpi", "", "300")), 400,
                  "an unknown or doubled part of the form: print.dpi");
   expect_problem(submit(part("virus", "x.exe", "MZ")), 400, "an unknown or doubled part of the form: virus");
@@ -105,10 +108,12 @@ TEST_F(ServerLimits, NothingBehindARequestIsReadAsAnother) {
   const std::string body = part("scan", "a.stl", "x") + part("pattern", "p.svg", "x") + "--XX--\r\n";
   const std::string smuggled = second + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
   for (const std::string& first :
-       {"GET /nowhere HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n",
+       {"GET /nowhere HTTP/1.1\r\nHost: " + host() +
+            "\r\nContent-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n",
         "GET /healthz HTTP/1.1\r\nHost: " + host() + "\r\nConnection: keep-alive\r\n\r\n",
         "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\nTransfer-Encoding: chunked\r\n\r\n",
-        "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 9000000000\r\n" + form_type + "\r\n"}) {
+        "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 9000000000\r\n" + form_type +
+            "\r\n"}) {
     const int socket = connected();
     send_all(socket, first + smuggled);
     const std::string all = receive_all(socket);
@@ -128,12 +133,13 @@ TEST_F(ServerLimits, NamesThatPointHereAreNotBelieved) {
 TEST_F(ServerLimits, PathsLeadNowhereElse) {
   const json job = json::parse(submit().body);
   const std::string base = "/api/v1/jobs/" + job["id"].get<std::string>() + "/artifacts/";
-  for (const char* name : {"..%2f..%2fworker-token", "%2e%2e/%2e%2e/jobs.sqlite", "../../../jobs.sqlite", "print.png%00",
-                           "print.png/", "%2fetc%2fpasswd", "report.json"})
+  for (const char* name : {"..%2f..%2fworker-token", "%2e%2e/%2e%2e/jobs.sqlite", "../../../jobs.sqlite",
+                           "print.png%00", "print.png/", "%2fetc%2fpasswd", "report.json"})
     EXPECT_EQ(ask("GET", base + name).status, 404) << name;
   for (const char* name : {"..%2f..%2fevil", "evil.sh", "print.png%00.sh", "%2ftmp%2fevil"}) {
     const int status = ask("PUT", "/api/v1/leases/" + job["id"].get<std::string>() + "/artifacts/" + name,
-                           worker_headers(std::string(64, 'b')), "x").status;
+                           worker_headers(std::string(64, 'b')), "x")
+                           .status;
     EXPECT_TRUE(status == 400 || status == 404) << name << " " << status;
   }
 }

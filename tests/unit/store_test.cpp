@@ -1,5 +1,5 @@
-// The promises of server/store/store.hpp, held against the interface alone: whatever store stands behind open_store()
-// must pass. A crash is played by copying the files under a running store and opening the copy.
+// The promises of server/store/store.hpp, held against the interface alone: whatever store stands behind
+// open_store() must pass. A crash is played by copying the files under a running store and opening the copy.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -232,7 +232,8 @@ TEST_F(StoreTest, EndingTwiceUnderOneTokenIsHarmless) {
 
 TEST_F(StoreTest, AFailureKeepsItsReason) {
   const std::string id = create().id;
-  ASSERT_TRUE(store_->fail_job(lease(), {Code::ambiguous_units, "cm or in", "scan", "set scan.units"}, false));
+  ASSERT_TRUE(
+      store_->fail_job(lease(), {Code::ambiguous_units, "cm or in", "scan", "set scan.units"}, false));
   reopen();
   EXPECT_EQ(job(id).state, JobState::failed);
   EXPECT_EQ(job(id).error->code, Code::ambiguous_units);
@@ -337,6 +338,21 @@ TEST_F(StoreTest, ARestartLeavesRunningJobsAWholeLeaseMore) {
   EXPECT_FALSE(store_->heartbeat(key, Stage::forming, 0.5).value());
   now_ += 30'001;
   EXPECT_EQ(store_->expire().value().size(), 1u);
+}
+
+TEST_F(StoreTest, OneKeyMakesOneJob) {
+  const auto submit = [&](const std::string& scan, const std::string& key) {
+    return store_->create({"{}", upload(scan), "stl", upload("a pattern"), "svg", key});
+  };
+  const std::string id = submit("a scan", "key-0001")->id;
+  EXPECT_EQ(submit("a scan", "key-0001")->id, id);
+  reopen();
+  EXPECT_EQ(submit("a scan", "key-0001")->id, id);
+  EXPECT_EQ(submit("another", "key-0001").error().code, Code::conflict);
+  EXPECT_EQ(blobs().size(), 2u);
+  EXPECT_NE(submit("a scan", "key-0002")->id, id);
+  EXPECT_NE(submit("a scan", "")->id, submit("a scan", "")->id);
+  EXPECT_EQ(store_->list(100, "")->jobs.size(), 4u);
 }
 
 TEST_F(StoreTest, ListsInPagesFromTheNewest) {
