@@ -1,4 +1,4 @@
 vacuform_test(forming_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/sheet_grid_test.cpp ${CMAKE_CURRENT_LIST_DIR}/membrane_test.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/forming_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/findings_test.cpp ${CMAKE_CURRENT_LIST_DIR}/forming_test.cpp
   LINKS vacuform_forming)

@@ -11,6 +11,7 @@
 
 #include "worker/forming/contact.hpp"
 #include "worker/forming/equilibrium.hpp"
+#include "worker/forming/findings.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/material.hpp"
 #include "worker/forming/sheet_grid.hpp"
@@ -179,6 +180,7 @@ class Process {
     summary_.force_error = std::abs(support / (pressure_ * projected) - 1);
     summary_.pressure_kpa = pressure_ * summary_.shear_modulus_kpa * sheet_.thickness_mm;
     out.summary = summary_;
+    out.warnings = forming_findings(out, sheet_.thickness_mm);
     return out;
   }
 

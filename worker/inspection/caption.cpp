@@ -9,7 +9,7 @@
 #include <new>
 #include <utility>
 
-#include "worker/printing/decimal.hpp"
+#include "worker/decimal.hpp"
 
 namespace vacuform {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include "worker/printing/decimal.hpp"
+#include "worker/decimal.hpp"
 
 namespace vacuform {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/view.hpp"
-#include "worker/printing/decimal.hpp"
+#include "worker/decimal.hpp"
 #include "worker/printing/png_writer.hpp"
 
 namespace vacuform {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <new>
 
-#include "worker/printing/decimal.hpp"
+#include "worker/decimal.hpp"
 
 namespace vacuform {
 namespace {

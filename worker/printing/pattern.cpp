@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "worker/printing/decimal.hpp"
+#include "worker/decimal.hpp"
 #include "worker/printing/raster.hpp"
 
 namespace vacuform {

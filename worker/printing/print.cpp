@@ -8,7 +8,7 @@
 #include <limits>
 #include <memory>
 
-#include "worker/printing/decimal.hpp"
+#include "worker/decimal.hpp"
 #include "worker/printing/ink_on_chart.hpp"
 #include "worker/printing/marks.hpp"
 #include "worker/printing/png_writer.hpp"

@@ -1,0 +1,71 @@
+#include "worker/forming/findings.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vacuform {
+namespace {
+
+// A flat sheet of 20 x 20 cells of 4 mm, 1 mm thick, all of it on the mold.
+FormedSheet sheet_on_mold() {
+  FormedSheet sheet;
+  for (int j = 0; j <= 20; ++j)
+    for (int i = 0; i <= 20; ++i) {
+      sheet.rest.emplace_back(4 * i - 40, 4 * j - 40);
+      sheet.formed.emplace_back(4 * i - 40, 4 * j - 40, 30);
+    }
+  for (int j = 0; j < 20; ++j)
+    for (int i = 0; i < 20; ++i) {
+      const int a = 21 * j + i, b = a + 1, c = b + 21, d = a + 21;
+      sheet.triangles.push_back({a, b, c});
+      sheet.triangles.push_back({a, c, d});
+    }
+  sheet.contact.assign(sheet.rest.size(), Contact::mold);
+  sheet.element_thickness.assign(sheet.triangles.size(), 1.0);
+  sheet.element_slack.assign(sheet.triangles.size(), 0);
+  return sheet;
+}
+
+std::string codes(const FormedSheet& sheet) {
+  std::string all;
+  for (const Warning& w : forming_findings(sheet, 1.0)) all += w.code + " ";
+  return all;
+}
+
+TEST(FormingFindings, NothingToSayOfAGoodSheet) { EXPECT_EQ(codes(sheet_on_mold()), ""); }
+
+TEST(FormingFindings, APocketIsSaidWithPlaceAndArea) {
+  FormedSheet sheet = sheet_on_mold();
+  for (int j : {5, 6})
+    for (int i : {15, 16}) sheet.contact[21 * j + i] = Contact::free;
+  const auto found = forming_findings(sheet, 1.0);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].code, "not-reached");
+  // The triangles with a free corner: nine cells without two corner triangles, 9 x 16 - 2 x 8 mm2.
+  EXPECT_NE(found[0].text.find("over 128 mm2 at x = 22 mm, y = -18 mm, z = 30 mm;"), std::string::npos) << found[0].text;
+}
+
+// The fillet between mold and platform is free too, and no pocket.
+TEST(FormingFindings, WhatReachesThePlatformIsNoPocket) {
+  FormedSheet sheet = sheet_on_mold();
+  for (int j : {5, 6})
+    for (int i : {15, 16}) sheet.contact[21 * j + i] = Contact::free;
+  sheet.contact[21 * 5 + 17] = Contact::platform;
+  EXPECT_EQ(codes(sheet), "");
+}
+
+TEST(FormingFindings, WebsAndThinPlacesAreSaid) {
+  FormedSheet sheet = sheet_on_mold();
+  sheet.element_slack[0] = sheet.element_slack[1] = 1;  // 16 mm2: too small to speak of
+  EXPECT_EQ(codes(sheet), "");
+  for (int k = 100; k < 110; ++k) sheet.element_slack[k] = 1;
+  sheet.element_thickness[7] = 0.29;
+  const auto found = forming_findings(sheet, 1.0);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].code, "webbing");
+  EXPECT_NE(found[0].text.find("over 80 mm2"), std::string::npos) << found[0].text;
+  EXPECT_EQ(found[1].code, "thin");
+  EXPECT_NE(found[1].text.find("0.29 mm, 29 %"), std::string::npos) << found[1].text;
+}
+
+}  // namespace
+}  // namespace vacuform
