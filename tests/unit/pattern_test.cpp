@@ -1,5 +1,6 @@
 #include "worker/printing/pattern.hpp"
 
+#include <glib.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -253,6 +254,13 @@ Bytes cut(Bytes bytes, double part) {
   return bytes;
 }
 
+std::string holding(const std::string& type, const Bytes& picture) {
+  gchar* text = g_base64_encode(picture.data(), picture.size());
+  const std::string address = "data:" + type + ";base64," + text;
+  g_free(text);
+  return svg("width='20mm' height='10mm' viewBox='0 0 20 10'", "<image width='20' height='10' xlink:href='" + address + "'/>");
+}
+
 std::vector<Refusal> refusals() {
   const Bytes good_png = gray_png(200, 200, 10000, [](int x, int y) { return (x * y) % 251; });
   const Bytes good_jpeg = jpeg(200, 200, 3, [](int x, int y, int c) { return (x * y * (c + 1)) % 251; });
@@ -291,6 +299,12 @@ std::vector<Refusal> refusals() {
        Code::unusable_pattern, "the SVG refers to another file: file:///etc/hostname (x); embed the picture in the drawing, or give the picture itself"},
       {"SVG that uses a shape elsewhere", bytes_of(svg("width='9mm' height='9mm'", "<use href='other.svg#a'/>")), Code::unusable_pattern,
        "the SVG refers to another file: other.svg#a (x); embed the picture in the drawing, or give the picture itself"},
+      {"SVG that hides elements in an entity", bytes_of("<!DOCTYPE svg [<!ENTITY e '<image/>'>]>" + svg("width='9mm' height='9mm'", "&e;")),
+       Code::unsupported_format, "the SVG's document type declares parts of the drawing (x); save it as plain SVG"},
+      {"SVG around a PNG bomb", bytes_of(holding("image/png", png(0x7fffffff, 0x7fffffff, 8, 0, {{0}}))), Code::too_large,
+       "the drawing has 2147483647 x 2147483647 pixels (x, embedded picture); give one of at most 64 million pixels, or an SVG"},
+      {"SVG around another SVG", bytes_of(holding("image/svg+xml", bytes_of(svg("")))), Code::unsupported_format,
+       "the SVG holds a picture that is neither PNG nor JPEG (x); embed it as PNG or JPEG"},
       {"SVG nested beyond reason", nested, Code::corrupt_file, "the SVG cannot be read: its elements are nested more than 200 deep (x); export the drawing again as plain SVG"},
   };
 }
@@ -305,6 +319,24 @@ TEST(Pattern, RefusesWhatItCannotTrustAndSaysWhy) {
     }
     EXPECT_FALSE(pattern.error().mend.empty()) << r.what;
   }
+}
+
+TEST(Pattern, DrawsThePicturesInsideAnSvg) {
+  for (const auto& text : {holding("image/png", gray_png(200, 100, 10000, [](int x, int) { return x < 100 ? 0 : 255; })),
+                           holding("image/jpeg", jpeg(200, 100, 1, [](int x, int, int) { return x < 100 ? 0 : 255; }))}) {
+    const auto pattern = read(text);
+    ASSERT_TRUE(pattern) << pattern.error().text();
+    EXPECT_NEAR(pattern->ink_mm2(), 100, 1);
+    EXPECT_NEAR(pattern->sample({-5, 0}, 1).coverage(), 1, 0.01);
+  }
+}
+
+TEST(Pattern, EntitiesForNamesAreUnderstood) {
+  const auto pattern = read("<!DOCTYPE svg PUBLIC '-//W3C//DTD SVG 1.1//EN' 'http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd' "
+                            "[<!ENTITY ns 'http://www.w3.org/2000/svg'>]><svg xmlns='&ns;' width='9mm' height='9mm'>"
+                            "<rect width='90' height='90'/></svg>");
+  ASSERT_TRUE(pattern) << pattern.error().text();
+  EXPECT_NEAR(pattern->ink_mm2(), 81, 0.1);
 }
 
 TEST(Pattern, EntitiesThatGrowWithoutEndAreRefusedQuickly) {

@@ -333,6 +333,37 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
   }
 }
 
+TEST(Print, TheSvgLooksLikeThePng) {
+  // Drawn by librsvg, marks and texts included, both mirrored and not.
+  for (const InkedFace face : {InkedFace::outer, InkedFace::inner}) {
+    Sample made = hand_made::flat(200, 40, 60);
+    made.settings.pattern.inked_face = face;
+    const Print print = print_of(made, svg_pattern("<path d='M0,0 L30,0 L30,10 Z'/>", 70, made.settings));
+    const Decoded image = decode_png(print.png);
+    const auto drawn = Pattern::read(bytes_of(print.svg), "print.svg", PatternSettings{}, 300);
+    ASSERT_TRUE(drawn) << drawn.error().text();
+    // In blocks of a third of a millimetre: edges may be drawn a little softer, but everything lies at its place. The
+    // texts in front and at the back are spaced by other rules there.
+    const int strip = static_cast<int>(10 / print.pixel_mm);
+    constexpr int block = 4;
+    double differing = 0, inked = 0;
+    for (int j = strip; j + block <= image.height - strip; j += block)
+      for (int i = 0; i + block <= image.width; i += block) {
+        double png = 0, svg = 0;
+        for (int y = j; y < j + block; ++y)
+          for (int x = i; x < i + block; ++x) {
+            const Eigen::Vector2d at((x + 0.5 - 0.5 * image.width) * print.pixel_mm, (0.5 * image.height - y - 0.5) * print.pixel_mm);
+            png += 1 - image.at(x, y) / 255.0;
+            svg += drawn->sample(at, 0).coverage();
+          }
+        inked += png;
+        differing += std::abs(png - svg);
+      }
+    EXPECT_GT(inked, 20'000);
+    EXPECT_LT(differing / inked, 0.05);
+  }
+}
+
 TEST(Print, ALabelCannotBreakTheSvg) {
   const Sample x = hand_made::flat(200, 20, 60);
   const Pattern pattern = svg_pattern("<circle r='30'/>", 70, x.settings);

@@ -148,7 +148,9 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
         const Vector3d halfway = (key_light + view).normalized();
         Seen seen{hit->triangle, w, 0.5 * pixel * hit->t * reach_ / std::max(0.35, facing), 0, 0};
         seen.light = static_cast<float>((0.25 + 0.75 * open) * (0.47 + 0.13 * normal.z()) + 0.40 * key * (0.4 + 0.6 * open));
-        seen.gloss = static_cast<float>(0.10 * std::pow(std::max(0.0, normal.dot(halfway)), 60) * open);
+        double gloss = std::max(0.0, normal.dot(halfway));
+        for (int power = 1; power < 64; power *= 2) gloss *= gloss;
+        seen.gloss = static_cast<float>(0.10 * gloss * open);
         shade(seen, colours.data());
         for (std::size_t k = 0; k < n; ++k) sums[k] += colours[k];
       }

@@ -51,25 +51,66 @@ std::optional<double> millimetres(const RsvgLength& length) {
   }
 }
 
+// A picture inside the drawing is decoded by a library of many formats and no limits. So it is decoded here first,
+// where sizes are checked, and only what passes is left in. `pixels` counts over the whole drawing.
+Result<void> check_embedded(std::string_view address, const std::string& file_name, std::int64_t& pixels) {
+  const auto comma = address.find(',');
+  const std::string_view kind = address.substr(0, comma);
+  const bool png = kind == "data:image/png;base64", jpeg = kind == "data:image/jpeg;base64" || kind == "data:image/jpg;base64";
+  if (comma == std::string_view::npos || (!png && !jpeg))
+    return fail(Code::unsupported_format, "the SVG holds a picture that is neither PNG nor JPEG", file_name,
+                "embed it as PNG or JPEG");
+  const std::string text(address.substr(comma + 1));
+  gsize size = 0;
+  const std::unique_ptr<guchar, void (*)(gpointer)> data(g_base64_decode(text.c_str(), &size), g_free);
+  const std::span<const std::uint8_t> bytes(data.get(), size);
+  const std::string name = file_name + ", embedded picture";
+  VACUFORM_TRY(raster, png ? read_png(bytes, name, 4) : read_jpeg(bytes, name, 4));
+  pixels += std::int64_t{raster.width} * raster.height;
+  if (pixels > largest_raster / 4)
+    return fail(Code::too_large, "the pictures inside the SVG have more than 16 million pixels", file_name,
+                "reduce them, or give the picture itself");
+  return {};
+}
+
 // librsvg would silently leave out what it may not load; a drawing with a hole is worse than a refusal.
 Result<void> check_references(std::span<const std::uint8_t> bytes, const std::string& file_name) {
   pugi::xml_document document;
-  const auto parsed = document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default, pugi::encoding_auto);
+  const auto parsed = document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default | pugi::parse_doctype);
   if (!parsed) return corrupt(parsed.description(), file_name);
   const std::string_view root = document.document_element().name();
   if (root != "svg" && !root.ends_with(":svg"))
     return fail(Code::unsupported_format, "the drawing is XML, but not SVG", file_name, "give a PNG, JPEG or SVG file");
 
+  // Entities may stand for names (drawing programs declare their namespaces so), but not for elements or attributes
+  // that this walk would not see.
+  for (const pugi::xml_node node : document.children()) {
+    if (node.type() != pugi::node_doctype) continue;
+    const std::string_view declared = node.value();
+    bool markup = declared.find("&#") != declared.npos || declared.find("data:") != declared.npos ||
+                  declared.find("<!ATTLIST") != declared.npos;
+    for (auto at = declared.find('<'); at != declared.npos; at = declared.find('<', at + 1))
+      markup |= at + 1 == declared.size() || declared[at + 1] != '!';
+    if (markup)
+      return fail(Code::unsupported_format, "the SVG's document type declares parts of the drawing", file_name,
+                  "save it as plain SVG");
+  }
+
   int depth = 0;
+  std::int64_t pixels = 0;
   for (pugi::xml_node node = document.document_element(); node;) {
-    const std::string_view tag = node.name();
-    if (tag == "image" || tag == "use" || tag == "feImage" || tag.ends_with(":image") || tag.ends_with(":use"))
-      for (const char* key : {"href", "xlink:href"}) {
-        const std::string_view target = node.attribute(key).value();
-        if (!target.empty() && !target.starts_with('#') && !target.starts_with("data:"))
+    const std::string_view tag = node.name(), local = tag.substr(tag.find(':') + 1);
+    if (local == "image" || local == "use" || local == "feImage")
+      for (const pugi::xml_attribute attribute : node.attributes()) {
+        const std::string_view key = attribute.name(), target = attribute.value();
+        if (key != "href" && !key.ends_with(":href")) continue;
+        if (target.starts_with("data:")) {
+          VACUFORM_CHECK(check_embedded(target, file_name, pixels));
+        } else if (!target.empty() && !target.starts_with('#')) {
           return fail(Code::unusable_pattern,
                       "the SVG refers to another file: " + std::string(target.substr(0, 80)), file_name,
                       "embed the picture in the drawing, or give the picture itself");
+        }
       }
     if (node.first_child()) {
       if (++depth > 200) return corrupt("its elements are nested more than 200 deep", file_name);
