@@ -1,0 +1,185 @@
+"""What a killed or frozen worker and a killed server leave behind: nothing lost, nothing done twice, nothing half done."""
+import hashlib
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import unittest
+
+from harness import BIN, PATTERNS, SCANS, Case, Program, Server, children, curl, runs, wait_for
+
+NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-7x40mm.svg"
+COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
+LONG = {"sheet": {"resolution_mm": 2}, "print": {"dpi": 100}}  # some seconds of forming
+LEASE = 4
+
+
+class Crashes(Case):
+    def setUp(self):
+        self.here = self.folder / self._testMethodName
+        self.here.mkdir()
+
+    def server(self, workers=0):
+        server = Server(self.here, workers, ["--lease-seconds", LEASE]).start()
+        self.addCleanup(server.stop)
+        return server
+
+    def worker(self, server, name):
+        worker = Program([BIN / "vacuform-worker", "--server", server.url, "--token-file", server.data / "worker-token",
+                          "--name", name, "--work", self.here / "work", "--poll-seconds", "0.1"], self.here / f"{name}.log")
+        self.addCleanup(worker.end)
+        return worker
+
+    def wait_forming(self, server, job, attempt=1):
+        return server.wait(job, lambda j: j["attempt"] == attempt and j["stage"] == "forming" and j["stage_progress"] > 0,
+                           "forming")
+
+    def assert_one_whole_set(self, server, job):
+        """Every artifact once, whole, and as the hash says."""
+        found = server.job(job)
+        names = [a["name"] for a in found["artifacts"]]
+        self.assertEqual(len(names), 13)
+        self.assertEqual(len(set(names)), 13)
+        for a in found["artifacts"]:
+            body = curl(f"{server.api}/jobs/{job}/artifacts/{a['name']}").body
+            self.assertEqual(hashlib.sha256(body).hexdigest(), a["sha256"], a["name"])
+
+    def blobs(self, server):
+        """The files that hold uploads, whole or half, each with its digest."""
+        return sorted((str(p), hashlib.sha256(p.read_bytes()).hexdigest())
+                      for folder in ("blobs", "incoming") for p in (server.data / folder).rglob("*") if p.is_file())
+
+    def events(self, program, event):
+        return [e for e in map(json.loads, program.says().splitlines()) if e["event"] == event]
+
+    def test_killed_worker_s_job_is_done_by_another_once(self):
+        server = self.server()
+        first = self.worker(server, "first")
+        job = server.submit(NEONATE, RINGS, LONG)
+        self.wait_forming(server, job)
+        (child,) = children(first.pid)
+        first.end(signal.SIGKILL)
+        wait_for(lambda: not runs(child), "the child's end")
+        second = self.worker(server, "second")
+        ended = server.wait(job)
+        self.assertEqual((ended["state"], ended["attempt"]), ("succeeded", 2), ended["problem"])
+        self.assert_one_whole_set(server, job)
+        self.assertEqual([e["job"] for e in self.events(server.program, "job-completed")], [job])
+        wait_for(lambda: self.events(second, "job-left"), "the worker's own last word")
+        self.assertEqual(list((self.here / "work").iterdir()), [])
+
+    def test_frozen_worker_s_late_words_change_nothing(self):
+        server = self.server()
+        first = self.worker(server, "first")
+        job = server.submit(NEONATE, RINGS, LONG)
+        self.wait_forming(server, job)
+        (child,) = children(first.pid)
+        first.send(signal.SIGSTOP)
+        os.kill(child, signal.SIGSTOP)
+        self.worker(server, "second")
+        server.wait(job, lambda j: j["attempt"] == 2, "the second attempt")
+        first.send(signal.SIGCONT)  # it wakes while the other one works
+        os.kill(child, signal.SIGCONT)
+        (left,) = wait_for(lambda: self.events(first, "job-left"), "the frozen worker's insight")
+        self.assertEqual((left["job"], left["verdict"]), (job, "lost"))
+        self.assertFalse(runs(child))
+        ended = server.wait(job)
+        self.assertEqual((ended["state"], ended["attempt"]), ("succeeded", 2), ended["problem"])
+        self.assert_one_whole_set(server, job)
+        self.assertEqual(len(self.events(server.program, "job-completed")), 1)
+
+    def test_words_under_an_old_lease_are_refused(self):
+        server = self.server()
+        job = server.submit(NEONATE, RINGS, COARSE)
+        token = (server.data / "worker-token").read_text().strip()
+        bearer = ["-H", f"Authorization: Bearer {token}", "-H", "Content-Type: application/json"]
+        old = curl(*bearer, "-d", '{"worker":"old"}', f"{server.api}/leases").json
+        self.assertEqual((old["job"], old["lease_seconds"]), (job, LEASE))
+        server.wait(job, lambda j: j["state"] == "queued", "the end of the lease")
+        new = curl(*bearer, "-d", '{"worker":"new"}', f"{server.api}/leases").json
+        self.assertEqual((new["job"], new["attempt"]), (job, 2))
+        self.assertNotEqual(new["lease"], old["lease"])
+        for lease, status in (old, 409), (new, 200):
+            words = [*bearer, "-H", "Vacuform-Lease: " + lease["lease"]]
+            root = f"{server.api}/leases/{job}"
+            for answer in [curl(*words, "-d", '{"stage":"forming","progress":0.5}', root + "/heartbeat"),
+                           curl(*words, "-X", "PUT", "--data-binary", lease["lease"], root + "/artifacts/report.json"),
+                           curl(*words, "-d", "{}", root + "/complete")]:
+                if status == 409:
+                    self.assertEqual((answer.status, answer.json["type"]), (409, "/problems/lease-lost"))
+                else:
+                    self.assertEqual(answer.status // 100, 2, answer)
+        self.assertEqual(curl(f"{server.api}/jobs/{job}/artifacts/report.json").body.decode(), new["lease"])
+        self.assertEqual(curl("-d", "{}", f"{server.api}/leases").status, 401)
+
+    def test_server_killed_during_an_upload_keeps_what_it_accepted_and_nothing_else(self):
+        server = self.server()
+        accepted = [server.submit(NEONATE, RINGS, COARSE) for _ in range(3)]
+        before = self.blobs(server)
+        # Half an upload: the head promises more bytes than ever come, and the server holds what came on disk.
+        boundary = "abc"
+        part = (f'--{boundary}\r\nContent-Disposition: form-data; name="scan"; filename="half.stl"\r\n\r\n').encode()
+        half = part + NEONATE.read_bytes()
+        with socket.create_connection(("127.0.0.1", server.port)) as connection:
+            connection.sendall((f"POST /api/v1/jobs HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
+                                f"Content-Type: multipart/form-data; boundary={boundary}\r\n"
+                                f"Content-Length: {10 * len(half)}\r\n\r\n").encode() + half)
+            wait_for(lambda: len(self.blobs(server)) > len(before), "the half upload on disk")
+            self.assertEqual(server.stop(signal.SIGKILL), -signal.SIGKILL)
+        server.start()
+        self.assertEqual([j["id"] for j in server.jobs()], accepted[::-1])
+        self.assertEqual(self.blobs(server), before)
+        self.worker(server, "one")
+        self.worker(server, "two")
+        for job in accepted:
+            ended = server.wait(job)
+            self.assertEqual((ended["state"], ended["attempt"]), ("succeeded", 1), ended["problem"])
+            self.assert_one_whole_set(server, job)
+
+    def test_server_killed_while_its_worker_works_loses_nothing(self):
+        server = self.server()
+        worker = self.worker(server, "outlives")
+        job = server.submit(NEONATE, RINGS, LONG)
+        self.wait_forming(server, job)
+        server.stop(signal.SIGKILL)
+        server.start()
+        ended = server.wait(job)
+        self.assertEqual((ended["state"], ended["attempt"]), ("succeeded", 1), ended["problem"])
+        self.assert_one_whole_set(server, job)
+        self.assertIsNone(worker.process.poll())
+
+    def test_local_workers_die_with_their_server_and_are_replaced(self):
+        server = self.server(workers=1)
+        job = server.submit(NEONATE, RINGS, LONG)
+        self.wait_forming(server, job)
+        (worker,) = children(server.program.pid)
+        (child,) = children(worker)
+        os.kill(worker, signal.SIGKILL)
+        self.wait_forming(server, job, attempt=2)
+        (worker,) = children(server.program.pid)
+        (child,) = children(worker)
+        server.stop(signal.SIGKILL)
+        wait_for(lambda: not runs(worker) and not runs(child), "the end of the server's workers")
+        server.start()
+        ended = server.wait(job)
+        self.assertEqual((ended["state"], ended["attempt"]), ("succeeded", 3), ended["problem"])
+        self.assert_one_whole_set(server, job)
+
+    def test_stopping_gives_the_job_back(self):
+        server = self.server(workers=1)
+        job = server.submit(NEONATE, RINGS, LONG)
+        self.wait_forming(server, job)
+        (worker,) = children(server.program.pid)
+        self.assertEqual(server.stop(signal.SIGTERM), 0)
+        self.assertFalse(runs(worker))
+        self.assertEqual([e["job"] for e in self.events(server.program, "job-released")], [job])
+        server.start()
+        ended = server.wait(job)
+        self.assertEqual(ended["state"], "succeeded", ended["problem"])
+        self.assert_one_whole_set(server, job)
+
+
+if __name__ == "__main__":
+    unittest.main()
