@@ -144,6 +144,25 @@ TEST(Undercuts, PitsAreNone) {
   EXPECT_TRUE(mold->undercuts.empty());
 }
 
+TEST(Undercuts, TheInsideOfAHollowShellIsNone) {
+  // A half shell 1.5 mm thick, as it comes off a printer, standing on its rim; and the same with a window in its side.
+  std::vector<Eigen::Vector2d> profile{{0, 80}};
+  for (int k = 23; k >= 0; --k) profile.emplace_back(80 * std::cos(pi * k / 48), 80 * std::sin(pi * k / 48));
+  for (int k = 0; k < 24; ++k) profile.emplace_back(78.5 * std::cos(pi * k / 48), 78.5 * std::sin(pi * k / 48));
+  profile.emplace_back(0, 78.5);
+  const auto shell = turned_over(lathe(profile, 96));
+  const auto mold = mold_of(shell, upright());
+  ASSERT_TRUE(mold) << mold.error().text();
+  expect_sound(*mold);
+  EXPECT_EQ(mold->findings.trim_mm, 0);
+  EXPECT_TRUE(mold->undercuts.empty());
+  ScanSettings automatic;
+  const auto guessed = mold_of(fallen(shell, Eigen::Vector3d::UnitX()), automatic);
+  ASSERT_TRUE(guessed) << guessed.error().text();
+  EXPECT_EQ(guessed->findings.up, UpAxis::plus_x);
+  EXPECT_NEAR(guessed->top.z(), 80, 0.1);
+}
+
 TEST(Closing, ASmallHoleIsFilled) {
   auto mesh = sphere(60);
   mesh.triangles.erase(mesh.triangles.begin() + 2000, mesh.triangles.begin() + 2002);

@@ -95,6 +95,11 @@ inline TriangleMesh without(TriangleMesh mesh, const std::function<bool(const Ei
   return mesh;
 }
 
+// The mesh with its +z turned to `up`.
+inline TriangleMesh fallen(const TriangleMesh& mesh, const Eigen::Vector3d& up) {
+  return moved(mesh, Eigen::Affine3d(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up)));
+}
+
 inline FileBytes text_bytes(const std::string& text) { return {text.begin(), text.end()}; }
 inline std::string number(double x) {
   char text[40];

@@ -212,11 +212,6 @@ const std::array<std::pair<UpAxis, Eigen::Vector3d>, 6> axes{{{UpAxis::plus_x, {
                                                              {UpAxis::plus_y, {0, 1, 0}}, {UpAxis::minus_y, {0, -1, 0}},
                                                              {UpAxis::plus_z, {0, 0, 1}}, {UpAxis::minus_z, {0, 0, -1}}}};
 
-// The mesh with its +z turned to `up`.
-TriangleMesh fallen(const TriangleMesh& mesh, const Eigen::Vector3d& up) {
-  return moved(mesh, Eigen::Affine3d(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up)));
-}
-
 TEST(Up, TheTurnIsARotationThatBringsTheAxisUp) {
   for (const auto& [axis, direction] : axes) {
     const Eigen::Matrix3d turn = upright_turn(axis, 0, 0, 0);

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "worker/scan/ray_caster.hpp"
 #include "worker/scan/topology.hpp"
 
 namespace vacuform {
@@ -29,7 +28,8 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, double floo
   const int columns = space.nx_ * space.ny_;
   space.top_.assign(static_cast<std::size_t>(columns), -HUGE_VAL);
 
-  const RayCaster caster(mesh);
+  space.caster_ = std::make_shared<RayCaster>(mesh);
+  const RayCaster& caster = *space.caster_;
   const double step = 1e-5 * box.size().norm();  // beyond the rays' own error
   for (int column = 0; column < columns; ++column) {
     if (column % 16384 == 0) VACUFORM_CHECK(progress.tick());
@@ -117,8 +117,8 @@ std::vector<CoveredSpace::Span> CoveredSpace::above(double floor) const {
   return spans;
 }
 
-// Spans of neighbouring columns that overlap in height belong together; each is named after one of its cluster.
-std::vector<int> CoveredSpace::clusters(const std::vector<Span>& spans) const {
+// Spans of neighbouring columns that overlap in height belong together. Each pocket lists its spans in their order.
+std::vector<std::vector<int>> CoveredSpace::pockets(const std::vector<Span>& spans) const {
   std::vector<int> parent(spans.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int i) {
@@ -139,32 +139,54 @@ std::vector<int> CoveredSpace::clusters(const std::vector<Span>& spans) const {
         if (a.low <= b.high && b.low <= a.high) parent[static_cast<std::size_t>(root(j))] = root(i);
       }
   }
-  std::vector<int> cluster(spans.size());
-  for (int i = 0; i < static_cast<int>(spans.size()); ++i) cluster[static_cast<std::size_t>(i)] = root(i);
-  return cluster;
+  std::vector<int> number(spans.size(), -1);
+  std::vector<std::vector<int>> pockets;
+  for (int i = 0; i < static_cast<int>(spans.size()); ++i) {
+    int& n = number[static_cast<std::size_t>(root(i))];
+    if (n < 0) {
+      n = static_cast<int>(pockets.size());
+      pockets.emplace_back();
+    }
+    pockets[static_cast<std::size_t>(n)].push_back(i);
+  }
+  return pockets;
+}
+
+// Whether some span can be entered from the open air of the column beside it. A wall thinner than the grid may stand
+// between the two, so a ray makes sure.
+bool CoveredSpace::reaches_air(const std::vector<Span>& spans, const std::vector<int>& pocket) const {
+  for (const int i : pocket) {
+    const auto& span = spans[static_cast<std::size_t>(i)];
+    for (const int beside : {span.column - 1, span.column + 1, span.column - nx_, span.column + nx_}) {
+      const double low = std::max(span.low, top_[static_cast<std::size_t>(beside)]);
+      if (low >= span.high) continue;
+      const Eigen::Vector2d from = place(span.column), to = place(beside);
+      const double z = (low + span.high) / 2;
+      if (!caster_->first_hit({from.x(), from.y(), z}, {to.x() - from.x(), to.y() - from.y(), 0})) return true;
+    }
+  }
+  return false;
 }
 
 std::vector<Undercut> CoveredSpace::undercuts(double floor) const {
   const auto spans = above(floor);
-  const auto cluster = clusters(spans);
-  std::vector<int> number(spans.size(), -1), last_column;
   std::vector<Undercut> found;
-  for (std::size_t i = 0; i < spans.size(); ++i) {
-    int& n = number[static_cast<std::size_t>(cluster[i])];
-    if (n < 0) {
-      n = static_cast<int>(found.size());
-      found.push_back({Eigen::Vector3d::Zero(), -1, 0});
-      last_column.push_back(-1);
+  for (const auto& pocket : pockets(spans)) {
+    if (!reaches_air(spans, pocket)) continue;
+    Undercut undercut{Eigen::Vector3d::Zero(), -1, 0};
+    int last_column = -1;
+    for (const int i : pocket) {
+      const auto& span = spans[static_cast<std::size_t>(i)];
+      const double depth = depth_at(span.column, span.low + least_height_mm / 2, HUGE_VAL);
+      if (depth > undercut.depth_mm) {
+        const Eigen::Vector2d xy = place(span.column);
+        undercut.place = {xy.x(), xy.y(), span.low};
+        undercut.depth_mm = depth;
+      }
+      if (last_column != span.column) undercut.area_mm2 += spacing_ * spacing_;
+      last_column = span.column;
     }
-    auto& undercut = found[static_cast<std::size_t>(n)];
-    const double depth = depth_at(spans[i].column, spans[i].low + least_height_mm / 2, HUGE_VAL);
-    if (depth > undercut.depth_mm) {
-      const Eigen::Vector2d xy = place(spans[i].column);
-      undercut.place = {xy.x(), xy.y(), spans[i].low};
-      undercut.depth_mm = depth;
-    }
-    if (last_column[static_cast<std::size_t>(n)] != spans[i].column) undercut.area_mm2 += spacing_ * spacing_;
-    last_column[static_cast<std::size_t>(n)] = spans[i].column;
+    found.push_back(undercut);
   }
   std::stable_sort(found.begin(), found.end(), [](const Undercut& a, const Undercut& b) {
     if (a.depth_mm != b.depth_mm) return a.depth_mm > b.depth_mm;
@@ -175,13 +197,15 @@ std::vector<Undercut> CoveredSpace::undercuts(double floor) const {
 
 bool CoveredSpace::has_undercut(double floor, double depth, double area) const {
   const auto spans = above(floor);
-  const auto cluster = clusters(spans);
-  std::vector<double> areas(spans.size(), 0);
-  for (const int c : cluster) areas[static_cast<std::size_t>(c)] += spacing_ * spacing_;
-  for (std::size_t i = 0; i < spans.size(); ++i)
-    if (areas[static_cast<std::size_t>(cluster[i])] > area &&
-        depth_at(spans[i].column, spans[i].low + least_height_mm / 2, depth) > depth)
-      return true;
+  for (const auto& pocket : pockets(spans)) {
+    if (static_cast<double>(pocket.size()) * spacing_ * spacing_ <= area) continue;
+    for (const int i : pocket) {
+      const auto& span = spans[static_cast<std::size_t>(i)];
+      if (depth_at(span.column, span.low + least_height_mm / 2, depth) <= depth) continue;
+      if (reaches_air(spans, pocket)) return true;
+      break;
+    }
+  }
   return false;
 }
 

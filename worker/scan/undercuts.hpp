@@ -2,13 +2,16 @@
 // something overhangs; columns side by side whose empty spans meet are one pocket.
 //
 // The depth at a place is the horizontal distance to the nearest column that nothing overhangs at that height, less
-// half a grid cell; a pocket's depth is its greatest. Pits without a roof are no undercuts.
+// half a grid cell; a pocket's depth is its greatest. Pits without a roof are no undercuts, and neither is space that is
+// walled in on all sides: the inside of a hollow shell that stands on the platform is as good as solid.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "worker/scan/scan_progress.hpp"
 #include "worker/scan/mold.hpp"
+#include "worker/scan/ray_caster.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -42,10 +45,12 @@ class CoveredSpace {
   void build_pyramid();
   void search(Search& s, std::size_t level, int x, int y) const;
   double depth_at(int column, double z, double enough) const;
-  std::vector<int> clusters(const std::vector<Span>& spans) const;
+  std::vector<std::vector<int>> pockets(const std::vector<Span>& spans) const;
+  bool reaches_air(const std::vector<Span>& spans, const std::vector<int>& pocket) const;
   std::vector<Span> above(double floor) const;
   bool has_undercut(double floor, double depth, double area) const;
 
+  std::shared_ptr<const RayCaster> caster_;
   double floor_ = 0, ceiling_ = 0, spacing_ = 1;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   int nx_ = 0, ny_ = 0;

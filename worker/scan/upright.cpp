@@ -117,11 +117,12 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress
     const Eigen::Matrix3d turn = upright_turn(axis, 0, 0, 0);
     for (auto& p : turned.vertices) p = turn * p;
     const Box stand = bounds(turned);
-    // Coarse rays do: what decides are tens of millimetres.
-    VACUFORM_TRY(space, CoveredSpace::measure(turned, stand.low.z(), std::max(2.0, stand.size().norm() / 200), progress));
-    const double cut = space.lowest_cut(1, 20);
+    // Coarse rays do: what decides are tens of millimetres on a head, and as much in proportion on anything larger.
+    const double size = std::max(1.0, stand.size().norm() / 300);
+    VACUFORM_TRY(space, CoveredSpace::measure(turned, stand.low.z(), 2 * size, progress));
+    const double cut = space.lowest_cut(size, 20 * size * size);
     const bool usual = axis == UpAxis::plus_z || axis == UpAxis::plus_y;
-    const double left = (stand.high.z() - cut) * space.domed_share(cut, 10) * (usual ? 1.2 : 1.0);
+    const double left = (stand.high.z() - cut) * space.domed_share(cut, 10 * size) * (usual ? 1.2 : 1.0);
     if (left > highest) highest = left, best.axis = axis;
   }
   if (highest >= 20) {
