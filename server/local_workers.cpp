@@ -16,12 +16,14 @@ namespace vacuform {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
+std::string LocalWorkers::name_of(std::size_t number) { return "local-" + std::to_string(number + 1); }
+
 LocalWorkers::LocalWorkers(WorkerCommand command, int count)
     : command_(std::move(command)), workers_(static_cast<std::size_t>(count)) {}
 
 void LocalWorkers::start(Worker& worker, std::size_t number) {
   // Everything that allocates comes before the fork: other threads may hold the allocator's locks.
-  const std::string name = "local-" + std::to_string(number + 1), program = command_.program.string();
+  const std::string name = name_of(number), program = command_.program.string();
   const std::vector<std::string> words{
       program, "--server", command_.server_url, "--token-file", command_.token_file.string(), "--name", name};
   std::vector<char*> arguments;
@@ -45,7 +47,8 @@ void LocalWorkers::start(Worker& worker, std::size_t number) {
   log_event(child < 0 ? "worker-not-started" : "worker-started", {{"worker", name}, {"process", child}});
 }
 
-void LocalWorkers::reap() {
+std::vector<std::string> LocalWorkers::reap() {
+  std::vector<std::string> died;
   for (std::size_t i = 0; i < workers_.size(); ++i) {
     Worker& worker = workers_[i];
     int status = 0;
@@ -54,16 +57,19 @@ void LocalWorkers::reap() {
     worker.pause = now - worker.started > 1min ? 1s : std::min<std::chrono::seconds>(worker.pause * 2, 30s);
     worker.due = now + worker.pause;
     worker.process = 0;
-    log_event("worker-ended", {{"worker", "local-" + std::to_string(i + 1)},
+    died.push_back(name_of(i));
+    log_event("worker-ended", {{"worker", died.back()},
                                {WIFSIGNALED(status) ? "signal" : "exit",
                                 WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status)}});
   }
+  return died;
 }
 
-void LocalWorkers::tend() {
-  reap();
+std::vector<std::string> LocalWorkers::tend() {
+  std::vector<std::string> died = reap();
   for (std::size_t i = 0; i < workers_.size(); ++i)
     if (workers_[i].process == 0 && steady_clock::now() >= workers_[i].due) start(workers_[i], i);
+  return died;
 }
 
 void LocalWorkers::stop() {

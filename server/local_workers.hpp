@@ -28,6 +28,8 @@ class LocalWorkers {
   // Asks all to end (they give their jobs back) and waits; kills what is left after ten seconds.
   void stop();
 
+  static std::string name_of(std::size_t number);  // "local-1" for 0
+
  private:
   using Instant = std::chrono::steady_clock::time_point;
   struct Worker {
@@ -36,7 +38,7 @@ class LocalWorkers {
     std::chrono::seconds pause{1};
   };
   void start(Worker& worker, std::size_t number);
-  void reap();
+  std::vector<std::string> reap();
 
   WorkerCommand command_;
   std::vector<Worker> workers_;

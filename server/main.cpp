@@ -113,17 +113,20 @@ Result<void> serve(const Options& options) {
     VACUFORM_CHECK(write_text_file(options.port_file, std::to_string(server->port()) + "\n"));
   log_event("server-started", {{"url", url}, {"process", ::getpid()}, {"workers", options.workers}});
 
+  const auto log_expired = [](const Result<std::vector<Expired>>& expired) {
+    if (!expired) return log_event("store-failed", {{"problem", expired.error().text()}});
+    for (const Expired& e : *expired) log_event("lease-expired", {{"job", e.job}, {"state", name(e.state)}});
+  };
+  // Workers of an earlier run died with it; their jobs need not wait for the leases to end.
+  for (int i = 0; i < options.workers; ++i)
+    log_expired(store->bury(LocalWorkers::name_of(static_cast<std::size_t>(i))));
   LocalWorkers workers({program, url, token_file}, options.workers);
   for (;;) {
-    workers.tend();
+    for (const std::string& dead : workers.tend()) log_expired(store->bury(dead));
     const timespec second{1, 0};
     const int signal = ::sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGTERM || signal == SIGINT) break;
-    const auto expired = store->expire();
-    if (!expired) log_event("store-failed", {{"problem", expired.error().text()}});
-    if (expired)
-      for (const Expired& e : *expired)
-        log_event("lease-expired", {{"job", e.job}, {"state", name(e.state)}});
+    log_expired(store->expire());
   }
   log_event("server-stopping", nlohmann::ordered_json::object());
   workers.stop();  // they give their jobs back while the server still answers

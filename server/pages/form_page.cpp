@@ -123,7 +123,7 @@ std::string settings_html(const std::map<std::string, std::string>& fields) {
 std::string recent_html(const std::vector<Job>& recent) {
   if (recent.empty()) return "<p>There are no jobs yet.</p>\n";
   std::string html =
-      "<table>\n<thead><tr><th scope=\"col\">Created</th><th scope=\"col\">Job</th><th "
+      "<div class=\"wide\"><table>\n<thead><tr><th scope=\"col\">Created</th><th scope=\"col\">Job</th><th "
       "scope=\"col\">State</th></tr>"
       "</thead>\n<tbody>\n";
   for (const Job& job : recent) {
@@ -136,7 +136,7 @@ std::string recent_html(const std::vector<Job>& recent) {
       html += " " + std::to_string(static_cast<int>(100 * whole_progress(job))) + " %";
     html += "</td></tr>\n";
   }
-  return html + "</tbody>\n</table>\n";
+  return html + "</tbody>\n</table></div>\n";
 }
 
 }  // namespace

@@ -48,10 +48,12 @@ std::string figures_html(const json& report) {
   const json& figures = at(report, {"figures"});
   if (!figures.is_object()) return "";
   std::string html =
-      "<h2>Figures</h2>\n<table>\n<caption>Distortion of the pattern on the formed part, over the inked "
+      "<h2>Figures</h2>\n<div class=\"wide\"><table>\n<caption>Distortion of the pattern on the formed part, "
+      "over the inked "
       "surface; "
       "1 is none</caption>\n<thead><tr><th scope=\"col\">Figure</th><th scope=\"col\">Print</th>"
-      "<th scope=\"col\">Mean</th><th scope=\"col\">95 %</th><th scope=\"col\">99 %</th><th "
+      "<th scope=\"col\" class=\"number\">Mean</th><th scope=\"col\" class=\"number\">95 %</th><th "
+      "scope=\"col\" class=\"number\">99 %</th><th "
       "scope=\"col\">Worst</th></tr>"
       "</thead>\n<tbody>\n";
   for (const auto& [key, title] :
@@ -63,7 +65,7 @@ std::string figures_html(const json& report) {
         html += "<td class=\"number\">" + number(at(figures, {which, key, column})) + "</td>";
       html += "</tr>\n";
     }
-  return html + "</tbody>\n</table>\n";
+  return html + "</tbody>\n</table></div>\n";
 }
 
 std::string warnings_html(const json& report) {
@@ -94,15 +96,16 @@ std::string downloads_html(const Job& job) {
   const std::string base = "/api/v1/jobs/" + escaped(job.id);
   std::string html =
       "<h2>Downloads</h2>\n<p><a class=\"button\" href=\"" + base +
-      "/artifacts.zip\" download>All files (zip)</a></p>\n<table>\n<thead><tr><th scope=\"col\">File</th>"
-      "<th scope=\"col\">What it is</th><th scope=\"col\">Size</th></tr></thead>\n<tbody>\n";
+      "/artifacts.zip\" download>All files (zip)</a></p>\n<div class=\"wide\"><table>\n<thead><tr><th "
+      "scope=\"col\">File</th>"
+      "<th scope=\"col\">What it is</th><th scope=\"col\" class=\"number\">Size</th></tr></thead>\n<tbody>\n";
   for (const auto& artifact : job.artifacts) {
     const ArtifactKind* kind = artifact_kind(artifact.name);
     html += "<tr><th scope=\"row\"><a href=\"" + base + "/artifacts/" + escaped(artifact.name) +
             "\" download>" + escaped(artifact.name) + "</a></th><td>" + escaped(kind ? kind->title : "") +
             "</td><td class=\"number\">" + readable_bytes(artifact.blob.bytes) + "</td></tr>\n";
   }
-  return html + "</tbody>\n</table>\n";
+  return html + "</tbody>\n</table></div>\n";
 }
 
 std::string button_html(const Job& job, const char* action, const char* label) {

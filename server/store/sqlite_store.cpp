@@ -5,9 +5,11 @@
 #include <sys/file.h>
 
 #include <algorithm>
+#include <exception>
 #include <mutex>
 
 #include "server/secrets.hpp"
+#include "server/store/group_commit.hpp"
 #include "server/store/job_id.hpp"
 #include "server/store/sqlite.hpp"
 #include "server/store/store.hpp"
@@ -76,7 +78,8 @@ class SqliteStore : public Store {
         if (earlier) return *earlier;
       }
       // Under the lock, so that a job deleted at the same time does not take the files away again.
-      garbage_ = {scan.sha256, pattern.sha256};
+      maybe_garbage(scan.sha256);
+      maybe_garbage(pattern.sha256);
       VACUFORM_CHECK(blobs_.keep(job.scan));
       VACUFORM_CHECK(blobs_.keep(job.pattern));
       const Millis now = options_.clock();
@@ -96,12 +99,12 @@ class SqliteStore : public Store {
   }
 
   Result<Job> job(const std::string& id) override {
-    const std::lock_guard hold(mutex_);
+    const std::lock_guard hold(commits_.lock());
     return find(id);
   }
 
   Result<JobPage> list(int limit, const std::string& cursor) override {
-    const std::lock_guard hold(mutex_);
+    const std::lock_guard hold(commits_.lock());
     limit = std::clamp(limit, 1, 100);
     std::vector<std::string> ids;
     {
@@ -145,8 +148,9 @@ class SqliteStore : public Store {
       VACUFORM_TRY(job, find(id));
       if (!ended(job.state))
         return fail(Code::conflict, "the job is " + std::string(name(job.state)), id, "cancel it first");
-      garbage_ = {job.scan.blob.sha256, job.pattern.blob.sha256};
-      for (const auto& artifact : job.artifacts) garbage_.push_back(artifact.blob.sha256);
+      maybe_garbage(job.scan.blob.sha256);
+      maybe_garbage(job.pattern.blob.sha256);
+      for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
       return Query(db_, "DELETE FROM job WHERE id=?", id).run();
     });
   }
@@ -193,9 +197,9 @@ class SqliteStore : public Store {
     VACUFORM_TRY(blob, upload.seal());
     return write([&]() -> Result<void> {
       VACUFORM_TRY(job, holder(key, false));
-      garbage_ = {blob.sha256};
+      maybe_garbage(blob.sha256);
       for (const auto& old : job.artifacts)
-        if (old.name == name) garbage_.push_back(old.blob.sha256);
+        if (old.name == name) maybe_garbage(old.blob.sha256);
       VACUFORM_CHECK(blobs_.keep(upload));
       return Query(db_, "INSERT OR REPLACE INTO artifact(job, name, blob, bytes) VALUES(?,?,?,?)", job.id,
                    name, blob.sha256, blob.bytes)
@@ -225,23 +229,39 @@ class SqliteStore : public Store {
     return write([&] { return expire_now(); });
   }
 
+  Result<std::vector<Expired>> bury(const std::string& worker) override {
+    return write([&]() -> Result<std::vector<Expired>> {
+      VACUFORM_CHECK(Query(db_,
+                           "UPDATE job SET lease_ends=0 WHERE worker=? AND state IN ('running','cancelling')",
+                           worker)
+                         .run());
+      return expire_now();
+    });
+  }
+
  private:
-  // Runs `change` in a transaction, which holds only if `change` succeeds and reaches the disk. Files that
-  // the change may have orphaned (garbage_) are deleted afterwards when no row names them.
+  // Runs `change` in a transaction and returns when that is on the disk; an error of `change` undoes it.
   template <class Change>
   auto write(Change change) -> decltype(change()) {
-    const std::lock_guard hold(mutex_);
-    garbage_.clear();
-    VACUFORM_CHECK(db_.execute("BEGIN IMMEDIATE"));
-    auto result = change();
-    if (result) {
-      if (auto committed = db_.execute("COMMIT"); !committed) result = tl::make_unexpected(committed.error());
-    }
-    if (!result)
-      (void)db_.execute("ROLLBACK");  // after a failed COMMIT there may be nothing left to roll back
+    decltype(change()) result = fail(Code::internal, "the store met a fault of its own", {}, "try again");
+    const auto committed = commits_.run([&] {
+      try {
+        result = change();
+      } catch (const std::exception& fault) {  // a bug or no memory: one change fails, the others go on
+        result = fail(Code::internal, std::string("the store met a fault of its own: ") + fault.what());
+      }
+      return result.has_value();
+    });
+    if (!committed) result = tl::make_unexpected(committed.error());
+    return result;
+  }
+
+  // After the transaction, the file goes unless a row names it by then.
+  void maybe_garbage(const std::string& sha256) { garbage_.push_back(sha256); }
+  void remove_garbage() {
     for (const auto& sha256 : garbage_)
       if (const auto used = named(sha256); used && !*used) blobs_.remove(sha256);
-    return result;
+    garbage_.clear();
   }
 
   Result<void> check_schema() {
@@ -375,7 +395,7 @@ class SqliteStore : public Store {
 
   // Back to the queue; what the attempt left behind is dropped.
   Result<void> queue_again(const Job& job, int losses) {
-    for (const auto& artifact : job.artifacts) garbage_.push_back(artifact.blob.sha256);
+    for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
     VACUFORM_CHECK(Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run());
     return Query(db_,
                  "UPDATE job SET state='queued', stage=NULL, progress=0, started=NULL, worker=NULL,"
@@ -423,8 +443,9 @@ class SqliteStore : public Store {
   StoreOptions options_;
   File lock_;  // released last
   Blobs blobs_;
-  std::mutex mutex_;  // holds everything below
+  // Everything below is touched under commits_.lock() alone.
   Database db_;
+  GroupCommit commits_{db_, [this] { remove_garbage(); }};
   Millis last_id_time_ = 0;
   std::vector<std::string> garbage_;
 };

@@ -122,6 +122,8 @@ class Store {
   virtual Result<Job> release(const LeaseKey& key) = 0;
   // Ends the leases whose time is over. Every call of a worker does the same first.
   virtual Result<std::vector<Expired>> expire() = 0;
+  // Ends at once the leases of a worker that is known to be dead, by the name under which it took them.
+  virtual Result<std::vector<Expired>> bury(const std::string& worker) = 0;
 };
 
 struct StoreOptions {

@@ -210,6 +210,32 @@ TEST_F(StoreTest, AJobThatTakesThreeWorkersDownFailsWithThatReason) {
   EXPECT_FALSE(store_->lease("fourth").value().has_value());
 }
 
+TEST_F(StoreTest, ADeadWorkersJobsNeedNotWait) {
+  const std::string first = create().id, second = create().id;
+  ASSERT_TRUE(store_->lease("local-1"));
+  const auto other = store_->lease("local-2").value();
+  const auto expired = store_->bury("local-1").value();
+  ASSERT_EQ(expired.size(), 1u);
+  EXPECT_EQ(expired[0].job, first);
+  EXPECT_EQ(lease().job, first);
+  EXPECT_FALSE(store_->heartbeat({second, other->token}, Stage::scan, 0).value());
+}
+
+TEST_F(StoreTest, ARefusedChangeTakesNoOtherWithIt) {
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i)
+    threads.emplace_back([&, i] {
+      for (int k = 0; k < 5; ++k) {
+        EXPECT_FALSE(store_->complete({"no such job", "no such token"}));
+        create("scan " + std::to_string(10 * i + k), "pattern " + std::to_string(i));
+        EXPECT_FALSE(store_->remove("no such job"));
+      }
+    });
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(store_->list(100, "")->jobs.size(), 40u);
+  EXPECT_EQ(blobs().size(), 48u);
+}
+
 TEST_F(StoreTest, AReleasedJobIsNotALoss) {
   const std::string id = create().id;
   for (int i = 0; i < 5; ++i) EXPECT_EQ(store_->release(lease()).value().state, JobState::queued);

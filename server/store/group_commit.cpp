@@ -1,0 +1,43 @@
+#include "server/store/group_commit.hpp"
+
+namespace vacuform {
+
+Result<void> GroupCommit::run(const std::function<bool()>& change) {
+  Waiting self{change};
+  std::unique_lock queue(queue_mutex_);
+  queue_.push_back(&self);
+  ended_.wait(queue, [&] { return self.done || !leading_; });
+  if (self.done) return self.result;
+
+  std::vector<Waiting*> batch;
+  batch.swap(queue_);
+  leading_ = true;
+  queue.unlock();
+  run_together(batch);
+  queue.lock();
+  leading_ = false;
+  for (Waiting* waiting : batch) waiting->done = true;
+  ended_.notify_all();
+  return self.result;
+}
+
+void GroupCommit::run_together(const std::vector<Waiting*>& batch) {
+  const std::lock_guard hold(database_mutex_);
+  const auto all = [&]() -> Result<void> {
+    VACUFORM_CHECK(db_.execute("BEGIN IMMEDIATE"));
+    for (const Waiting* waiting : batch) {
+      VACUFORM_CHECK(db_.execute("SAVEPOINT change"));
+      if (!waiting->change()) VACUFORM_CHECK(db_.execute("ROLLBACK TO change"));
+      VACUFORM_CHECK(db_.execute("RELEASE change"));
+    }
+    return db_.execute("COMMIT");
+  };
+  if (const Result<void> result = all(); !result) {
+    (void)db_.execute(
+        "ROLLBACK");  // SQLite may have rolled back already; then this is refused and changes nothing
+    for (Waiting* waiting : batch) waiting->result = result;
+  }
+  committed_();
+}
+
+}  // namespace vacuform

@@ -1,0 +1,44 @@
+// One flush for many changes. A commit costs a flush of the disk; while one is under way the changes that
+// arrive queue up, and the first of their threads then runs them all in one transaction. Nobody waits for a
+// timer: alone, a change commits at once.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <vector>
+
+#include "server/store/sqlite.hpp"
+
+namespace vacuform {
+
+class GroupCommit {
+ public:
+  // `committed` is called after each transaction, committed or not, still under the lock.
+  GroupCommit(Database& db, std::function<void()> committed) : db_(db), committed_(std::move(committed)) {}
+
+  // Runs `change` under the lock inside a savepoint, and returns when it is on the disk, or undone. False
+  // from `change` undoes it alone and is no error. Errors: those of the transaction, which undid the change.
+  Result<void> run(const std::function<bool()>& change);
+
+  // Held while a transaction runs; hold it to read.
+  std::mutex& lock() { return database_mutex_; }
+
+ private:
+  struct Waiting {
+    const std::function<bool()>& change;
+    Result<void> result = {};
+    bool done = false;
+  };
+  void run_together(const std::vector<Waiting*>& batch);
+
+  Database& db_;
+  std::function<void()> committed_;
+  std::mutex database_mutex_;  // taken after the other, or alone
+  std::mutex queue_mutex_;
+  std::condition_variable ended_;
+  std::vector<Waiting*> queue_;
+  bool leading_ = false;  // a thread runs a transaction
+};
+
+}  // namespace vacuform
