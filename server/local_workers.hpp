@@ -23,8 +23,9 @@ class LocalWorkers {
  public:
   LocalWorkers(WorkerCommand command, int count);
   // Starts those that are due: at first all, later the dead ones after a pause that doubles from 1 s to 30 s
-  // with every death in less than a minute. Call it about every second and after SIGCHLD.
-  void tend();
+  // with every death in less than a minute. Gives the names of those that died since the last call. Call it
+  // about every second and after SIGCHLD.
+  std::vector<std::string> tend();
   // Asks all to end (they give their jobs back) and waits; kills what is left after ten seconds.
   void stop();
 
