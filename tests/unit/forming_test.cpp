@@ -42,6 +42,52 @@ TEST(Obstacles, TouchIsTheFirstPlaceOnTheWay) {
   EXPECT_FALSE(obstacles.first_touch({0, 0, 60}, {0, 0, 60}));
 }
 
+// A flat sheet at z = 10: what comes from below is stopped, half way if the sheet comes as far; from above nothing is.
+TEST(SheetAsObstacle, StopsWhatComesFromBelow) {
+  Points x(3, 4);
+  x << 0, 20, 20, 0, 0, 0, 20, 20, 10, 10, 10, 10;
+  const std::vector<Triangle> triangles{{0, 1, 2}, {0, 2, 3}};
+  const SheetAsObstacle sheet(x, triangles);
+  const auto stop = sheet.stops({5, 8, 4}, {5, 8, 12});
+  ASSERT_TRUE(stop);
+  EXPECT_NEAR(*stop, 0.375, 1e-6);  // 6 of 16 mm
+  EXPECT_FALSE(sheet.stops({5, 8, 4}, {5, 8, 6.9}));
+  EXPECT_FALSE(sheet.stops({5, 8, 12}, {5, 8, 4}));
+  EXPECT_FALSE(SheetAsObstacle::possible(x, triangles, {0, 0, 0, 0}));
+  x.col(3) << 30, 0, 5;  // the second triangle hangs over
+  EXPECT_TRUE(SheetAsObstacle::possible(x, triangles, {0, 0, 0, 0}));
+  EXPECT_FALSE(SheetAsObstacle::possible(x, triangles, {1, 1, 1, 1}));
+}
+
+// A mushroom: its sheet is drawn under the cap from all sides, and stays below where it was draped.
+TEST(Forming, UndercutsDoNotLetTheSheetOut) {
+  Mold mushroom = hemisphere(50);
+  for (auto& p : mushroom.mesh.vertices) p.z() += 40;
+  const int n = static_cast<int>(mushroom.mesh.vertices.size());
+  for (int k = 0; k < 36; ++k) {  // the cap's lower side and a stem of radius 8
+    const double a = k * std::numbers::pi / 18, b = (k + 1) * std::numbers::pi / 18;
+    const auto ring = [](double r, double at, double z) { return Eigen::Vector3d(r * std::cos(at), r * std::sin(at), z); };
+    for (const auto& p : {ring(50, a, 40), ring(50, b, 40), ring(8, a, 40), ring(8, b, 40), ring(8, a, 0), ring(8, b, 0)})
+      mushroom.mesh.vertices.push_back(p);
+    const int v = n + 6 * k;
+    for (const Triangle& t : {Triangle{v, v + 2, v + 1}, {v + 1, v + 2, v + 3}, {v + 2, v + 4, v + 3}, {v + 3, v + 4, v + 5}})
+      mushroom.mesh.triangles.push_back(t);
+  }
+  mushroom.top = {0, 0, 90};
+  SheetSettings sheet;
+  sheet.resolution_mm = 5;
+  const auto formed = form(mushroom, sheet, {}, {}, Context{});
+  ASSERT_TRUE(formed) << formed.error().text();
+  int under_the_cap = 0;
+  for (const auto& p : formed->formed) {
+    EXPECT_LE(p.z(), 90);
+    EXPECT_GE(p.z(), 0);
+    under_the_cap += p.z() > 1 && p.z() < 39 && p.head<2>().norm() < 45;
+  }
+  EXPECT_GT(under_the_cap, 50);
+  EXPECT_LT(formed->summary.mass_error, 1e-6);
+}
+
 SheetSettings coarse() {
   SheetSettings sheet;
   sheet.resolution_mm = 5;

@@ -55,4 +55,43 @@ std::optional<Obstacles::Touch> Obstacles::first_touch(const Eigen::Vector3d& fr
   return touch;
 }
 
+namespace {
+
+TriangleMesh mesh_of(const Points& x, const std::vector<Triangle>& triangles) {
+  TriangleMesh mesh{{}, triangles};
+  for (Eigen::Index i = 0; i < x.cols(); ++i) mesh.vertices.push_back(x.col(i));
+  return mesh;
+}
+
+}  // namespace
+
+SheetAsObstacle::SheetAsObstacle(const Points& x, const std::vector<Triangle>& triangles)
+    : mesh_(mesh_of(x, triangles)), rays_(mesh_) {}
+
+bool SheetAsObstacle::possible(const Points& x, const std::vector<Triangle>& triangles, const std::vector<char>& held) {
+  return std::any_of(triangles.begin(), triangles.end(), [&](const Triangle& t) {
+    const Eigen::Vector3d a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]);
+    return (b - a).cross(c - a).z() < 0 && !(held[t[0]] && held[t[1]] && held[t[2]]);
+  });
+}
+
+std::optional<double> SheetAsObstacle::stops(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+  const Eigen::Vector3d way = 2 * (to - from);
+  const double length = way.norm();
+  if (length == 0) return std::nullopt;
+  // The ray starts off its own triangles, and goes on through parts that it meets from above.
+  double begun = std::min(1.0, back_off / length);
+  for (int layer = 0; layer < 4; ++layer) {
+    const auto hit = rays_.first_hit(from + begun * way, (1 - begun) * way);
+    if (!hit) return std::nullopt;
+    const Triangle& t = mesh_.triangles[hit->triangle];
+    const Eigen::Vector3d &a = mesh_.vertices[t[0]], &b = mesh_.vertices[t[1]], &c = mesh_.vertices[t[2]];
+    const double at = begun + hit->t * (1 - begun);
+    if ((b - a).cross(c - a).dot(way) > 0) return std::min(1.0, at);
+    begun = at + back_off / length;
+    if (begun >= 1) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
 }  // namespace vacuform

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/forming/membrane.hpp"
 #include "worker/scan/ray_caster.hpp"
 
 namespace vacuform {
@@ -30,6 +31,25 @@ class Obstacles {
   const TriangleMesh& mold_;
   RayCaster rays_;
   MachineSettings machine_;
+};
+
+// The sheet as an obstacle to itself: under an overhang of the mold two parts of it can be drawn against each other
+// with their lower faces, where real sheet folds and stops.
+class SheetAsObstacle {
+ public:
+  // x: one column a vertex; triangles counter-clockwise seen from above.
+  SheetAsObstacle(const Points& x, const std::vector<Triangle>& triangles);
+
+  // Whether the sheet overhangs anywhere in a triangle with a vertex that is not held: without that no two lower faces can meet.
+  static bool possible(const Points& x, const std::vector<Triangle>& triangles, const std::vector<char>& held);
+
+  // The fraction of the way from `from` to `to` after which a point of the sheet must stop so as not to pass through
+  // another part of it from below, when that other part comes as far the other way; nothing when it is free to go.
+  std::optional<double> stops(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+
+ private:
+  TriangleMesh mesh_;
+  RayCaster rays_;
 };
 
 }  // namespace vacuform

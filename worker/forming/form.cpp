@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "worker/forming/contact.hpp"
 #include "worker/forming/equilibrium.hpp"
@@ -37,6 +38,7 @@ class Process {
         held_(grid_.clamped),
         contact_(grid_.rest.size(), Contact::free),
         time_(grid_.rest.size(), never),
+        folded_(grid_.rest.size(), 0),
         x_(3, static_cast<Eigen::Index>(grid_.rest.size())) {
     for (std::size_t i = 0; i < grid_.rest.size(); ++i) {
       x_.col(i) << grid_.rest[i], top_;
@@ -54,14 +56,23 @@ class Process {
   // Follows every free vertex from x_ to y; what touches is put there, held, and stamped with its time.
   int touch(Points& y, double from_time, double to_time) {
     int touched = 0;
+    std::optional<SheetAsObstacle> itself;
+    if (ceiling_ && SheetAsObstacle::possible(y, grid_.triangles, held_)) itself.emplace(x_, grid_.triangles);
     for (std::size_t i = 0; i < held_.size(); ++i) {
       if (held_[i]) continue;
       const auto hit = obstacles_.first_touch(x_.col(i), y.col(i));
-      if (!hit) continue;
-      y.col(i) = hit->place;
+      auto fold = itself ? itself->stops(x_.col(i), y.col(i)) : std::nullopt;
+      if (itself && !fold) fold = ceiling_->stops(x_.col(i), y.col(i));
+      if (!hit && !fold) continue;
+      if (hit && (!fold || hit->t <= *fold)) {
+        y.col(i) = hit->place;
+        contact_[i] = hit->with;
+        time_[i] = from_time + hit->t * (to_time - from_time);
+      } else {  // it touches nothing but itself
+        y.col(i) = x_.col(i) + *fold * (y.col(i) - x_.col(i));
+        folded_[i] = 1;
+      }
       held_[i] = 1;
-      contact_[i] = hit->with;
-      time_[i] = from_time + hit->t * (to_time - from_time);
       ++touched;
     }
     return touched;
@@ -103,6 +114,7 @@ class Process {
     const double h = sheet_.resolution_mm;
     const double first = std::min(limit, 0.1 / machine_.window_width_mm);
     double p = first;
+    ceiling_.emplace(x_, grid_.triangles);
     for (int step = 0; step < most_steps; ++step) {
       VACUFORM_CHECK(context_.step(Stage::forming, 0.5 + 0.5 * std::log(p / first) / std::log(limit / first + 1)));
       const bool last = p >= limit;
@@ -159,7 +171,8 @@ class Process {
       const Eigen::Vector3d normal =
           0.5 * (out.formed[t[1]] - out.formed[t[0]]).cross(out.formed[t[2]] - out.formed[t[0]]);
       out.element_thickness.push_back(thickness);
-      out.element_slack.push_back(membrane_.slack(x_, static_cast<int>(k)));
+      const bool folded = folded_[t[0]] || folded_[t[1]] || folded_[t[2]];
+      out.element_slack.push_back(folded || membrane_.slack(x_, static_cast<int>(k)));
       total_area += membrane_.rest_area(static_cast<int>(k));
       total_volume += normal.norm() * thickness;
       projected += normal.z();
@@ -201,6 +214,9 @@ class Process {
   std::vector<char> held_;
   std::vector<Contact> contact_;
   std::vector<double> time_;
+  std::vector<char> folded_;  // held by another part of the sheet
+  // The sheet as draped: the vacuum pulls it down from there, so no part of it ever comes through from below.
+  std::optional<SheetAsObstacle> ceiling_;
   Points x_;
   double pressure_ = 0;
   FormingSummary summary_;

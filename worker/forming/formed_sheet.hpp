@@ -37,7 +37,7 @@ struct FormedSheet {
   std::vector<Contact> contact;
   std::vector<double> contact_time;      // 0..1 while the frame descends, 1..2 on the vacuum ramp, NaN: never
   std::vector<double> element_thickness; // mm, exact by conservation of mass per triangle
-  std::vector<std::uint8_t> element_slack;  // 1 where the sheet is under compression across a fold
+  std::vector<std::uint8_t> element_slack;  // 1 where the sheet is compressed across its tension, or folds onto itself
   FormingSummary summary;
   std::vector<Warning> warnings;
 };
