@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -25,8 +26,14 @@ void in_parallel(int first, int last, Work&& work) {
   };
   {
     std::vector<std::jthread> others;
-    for (int i = 1; i < threads; ++i) others.emplace_back(range, i);
+    int started = 1;
+    try {
+      for (; started < threads; ++started) others.emplace_back(range, started);
+    } catch (const std::system_error&) {
+      // Under a limit on threads the caller's own does the rest.
+    }
     range(0);
+    for (int i = started; i < threads; ++i) range(i);
   }
   for (const auto& fault : faults)
     if (fault) std::rethrow_exception(fault);

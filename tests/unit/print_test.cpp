@@ -280,6 +280,27 @@ TEST(Print, AMarkThatWouldLieOnThePatternIsLeftOutAndNamed) {
   EXPECT_NE(print.warnings[0].text.find("ruler"), std::string::npos);
 }
 
+TEST(Print, TheLegendIsWrappedOnANarrowSheet) {
+  Sample x = hand_made::flat(100, 40, 25);
+  const Print print = print_of(x, svg_pattern("<circle r='10'/>", 30, x.settings));
+  EXPECT_TRUE(print.warnings.empty());
+  pugi::xml_document svg;
+  ASSERT_TRUE(svg.load_string(print.svg.c_str()));
+  const auto marks = svg.child("svg").find_child_by_attribute("g", "id", "marks");
+  std::vector<std::string> legend;
+  for (const auto& text : marks.find_child_by_attribute("g", "id", "mark-legend").children("text")) {
+    legend.push_back(text.child_value());
+    EXPECT_STREQ(text.attribute("font-size").value(), "2.4");
+  }
+  EXPECT_EQ(legend, (std::vector<std::string>{"outer face, seen from above   ·   scale 1:1, check with the ruler",
+                                              "Vacuform 3f9a12c4   ·   sheet 100 × 100 × 1 mm PETG",
+                                              "frame 3 mm inside the sheet's edge"}));
+  x.settings.print.margin_mm = 40;
+  const Print bare = print_of(x, svg_pattern("<circle r='10'/>", 30, x.settings));
+  ASSERT_EQ(bare.warnings.size(), 1u);
+  EXPECT_EQ(bare.warnings[0].text, "print.margin_mm leaves no room for marks on this sheet; none are printed.");
+}
+
 // The only <image> of a print's SVG, decoded.
 Decoded embedded(const pugi::xml_document& svg) {
   const std::string href = svg.child("svg").find_node([](const auto& n) { return std::string(n.name()) == "image"; }).attribute("xlink:href").value();

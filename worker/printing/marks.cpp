@@ -15,6 +15,7 @@ namespace {
 using Eigen::Vector2d;
 constexpr double line_mm = 0.15;
 constexpr double dash_mm = 1.5;
+constexpr double letter_mm = 2.4;
 constexpr char font[] = "DejaVu Sans";
 
 struct Release {
@@ -50,6 +51,19 @@ std::string upper_case(std::string_view word) {
   for (char& c : out)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
   return out;
+}
+
+// Joins parts into lines no wider than `room` where they can be.
+std::vector<std::string> wrapped(const std::vector<std::string>& parts, double room) {
+  std::vector<std::string> lines;
+  for (const auto& part : parts) {
+    const std::string longer = lines.empty() ? part : lines.back() + "   ·   " + part;
+    if (!lines.empty() && text_width(longer, letter_mm) <= room)
+      lines.back() = longer;
+    else
+      lines.push_back(part);
+  }
+  return lines;
 }
 
 Line segment(const Vector2d& a, const Vector2d& b) { return {.points = {a, b}}; }
@@ -92,7 +106,7 @@ Mark ruler(double length, double top) {
 Mark back_arrow(double x) {
   Mark mark{.name = "back", .lines = {segment({x, -10}, {x, 8})}, .circles = {}, .texts = {}};
   mark.lines.push_back({.points = {{x, 11}, {x - 1.2, 7.5}, {x + 1.2, 7.5}}, .closed = true, .filled = true});
-  mark.texts.push_back({.at = {x + 2.9, 0}, .size = 2.4, .centred = true, .upwards = true, .text = "back (+t)"});
+  mark.texts.push_back({.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "back (+t)"});
   return mark;
 }
 
@@ -160,17 +174,23 @@ Marks lay_out_marks(const Settings& settings, const std::string& label, const st
   const auto& sheet = settings.sheet;
   const auto& machine = settings.machine;
   const double margin = settings.print.margin_mm;
-  // On a sheet with hardly any room inside the margin the marks shrink to its middle rather than turn inside out.
-  const Vector2d half(std::max(10.0, sheet.width_mm / 2 - margin), std::max(10.0, sheet.height_mm / 2 - margin));
+  const Vector2d half(sheet.width_mm / 2 - margin, sheet.height_mm / 2 - margin);
+  Marks laid;
+  if (half.minCoeff() < 20) {
+    laid.warnings.push_back({"marks-left-out", "print.margin_mm leaves no room for marks on this sheet; none are printed."});
+    return laid;
+  }
   std::vector<Mark> all;
 
   all.push_back({.name = margin > 0 ? "frame" : "sheet-edge", .lines = {rectangle(half, false)}, .circles = {}, .texts = {}});
+  const bool circular = machine.window == WindowShape::circle;
+  const Vector2d opening(machine.window_width_mm / 2, (circular ? machine.window_width_mm : machine.window_height_mm) / 2);
   Mark window{.name = "window", .lines = {}, .circles = {}, .texts = {}};
-  if (machine.window == WindowShape::circle)
-    window.circles.push_back({.centre = {0, 0}, .radius = machine.window_width_mm / 2, .dashed = true});
+  if (circular)
+    window.circles.push_back({.centre = {0, 0}, .radius = opening.x(), .dashed = true});
   else
-    window.lines.push_back(rectangle({machine.window_width_mm / 2, machine.window_height_mm / 2}, true));
-  all.push_back(std::move(window));
+    window.lines.push_back(rectangle(opening, true));
+  if ((opening.array() < half.array()).all()) all.push_back(std::move(window));
 
   const Vector2d corner = half - Vector2d(3.5, 3.5);
   all.push_back(registration("registration-left-front", -corner, true));
@@ -183,20 +203,20 @@ Marks lay_out_marks(const Settings& settings, const std::string& label, const st
   all.push_back(back_arrow(-half.x() + 2.2));
 
   const bool mirrored = settings.pattern.inked_face == InkedFace::inner;
-  const std::string side = std::string(mirrored ? "inner face, MIRRORED: print on the side that touches the mold"
-                                                : "outer face, seen from above") +
-                           "   ·   scale 1:1, check with the ruler";
-  const std::string job = "Vacuform " + label + "   ·   sheet " + short_decimal(sheet.width_mm) + " × " +
-                          short_decimal(sheet.height_mm) + " × " + short_decimal(sheet.thickness_mm) + " mm " +
-                          upper_case(name(sheet.material)) +
-                          (margin > 0 ? "   ·   frame " + short_decimal(margin) + " mm inside the sheet's edge" : "");
-  const double widest = std::max(text_width(side, 2.4), text_width(job, 2.4));
-  const double size = 2.4 * std::min(1.0, std::max(1.0, room) / widest);
-  all.push_back({.name = "legend", .lines = {}, .circles = {},
-                 .texts = {{.at = {-half.x() + 8, -half.y() + 4.4}, .size = size, .text = side},
-                           {.at = {-half.x() + 8, -half.y() + 1.2}, .size = size, .text = job}}});
+  const std::string side = mirrored ? "inner face, MIRRORED: print on the side that touches the mold" : "outer face, seen from above";
+  std::vector<std::string> job{"Vacuform " + label, "sheet " + short_decimal(sheet.width_mm) + " × " + short_decimal(sheet.height_mm) +
+                                                        " × " + short_decimal(sheet.thickness_mm) + " mm " + upper_case(name(sheet.material))};
+  if (margin > 0) job.push_back("frame " + short_decimal(margin) + " mm inside the sheet's edge");
+  std::vector<std::string> lines = wrapped({side, "scale 1:1, check with the ruler"}, room);
+  for (auto& line : wrapped(job, room)) lines.push_back(std::move(line));
+  Mark legend{.name = "legend", .lines = {}, .circles = {}, .texts = {}};
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const double width = text_width(lines[i], letter_mm);
+    legend.texts.push_back({.at = {-half.x() + 8, -half.y() + 1.2 + 3.2 * static_cast<double>(lines.size() - 1 - i)},
+                            .size = letter_mm * std::min(1.0, room / width), .text = lines[i]});
+  }
+  all.push_back(std::move(legend));
 
-  Marks laid;
   std::string left_out;
   for (auto& mark : all) {
     // The frame and the window run around the chart; they touch it only where one of their lines does.
