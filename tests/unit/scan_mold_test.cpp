@@ -222,18 +222,23 @@ TEST(Closing, BoxesThatShareAnEdgeAreMadeSound) {
   EXPECT_NEAR(signed_volume(mold->mesh), 2 * 216'000, 0.02 * 432'000);
 }
 
-TEST(Rebuilding, ASoupOfLooseTrianglesBecomesOneSkin) {
-  const auto whole = sphere(60, 40);
+// Each triangle on its own, shrunk by a twentieth, every other one turned over.
+TriangleMesh loose(const TriangleMesh& mesh) {
   TriangleMesh soup;
-  for (const auto& t : whole.triangles) {
+  for (const auto& t : mesh.triangles) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const int v : t) middle += whole.vertices[static_cast<std::size_t>(v)] / 3;
+    for (const int v : t) middle += mesh.vertices[static_cast<std::size_t>(v)] / 3;
     const int first = static_cast<int>(soup.vertices.size());
-    for (const int v : t) soup.vertices.push_back(middle + 0.95 * (whole.vertices[static_cast<std::size_t>(v)] - middle));
+    for (const int v : t) soup.vertices.push_back(middle + 0.95 * (mesh.vertices[static_cast<std::size_t>(v)] - middle));
     soup.triangles.push_back({first, first + 1, first + 2});
     if (first % 2) std::swap(soup.triangles.back()[1], soup.triangles.back()[2]);
   }
-  const auto mold = mold_of(soup, upright(0.0));
+  return soup;
+}
+
+TEST(Rebuilding, ASoupOfLooseTrianglesBecomesOneSkin) {
+  const auto whole = sphere(60, 40);
+  const auto mold = mold_of(loose(whole), upright(0.0));
   ASSERT_TRUE(mold) << mold.error().text();
   expect_sound(*mold);
   EXPECT_TRUE(mold->findings.rebuilt);
@@ -241,6 +246,28 @@ TEST(Rebuilding, ASoupOfLooseTrianglesBecomesOneSkin) {
   EXPECT_NEAR(signed_volume(mold->mesh), signed_volume(whole), 0.01 * signed_volume(whole));
   const Eigen::Vector3d centre(0, 0, 60);
   for (const auto& p : mold->mesh.vertices) ASSERT_NEAR((p - centre).norm(), 60, 0.3);
+}
+
+TEST(Rebuilding, AnOpenBustInLoosePatchesIsSolidInside) {
+  const auto bust = without(sphere(70, 40), [](const auto& p) { return p.z() < -30; });
+  const auto mold = mold_of(loose(bust), upright(10.0));
+  ASSERT_TRUE(mold) << mold.error().text();
+  expect_sound(*mold);
+  EXPECT_TRUE(mold->findings.rebuilt);
+  const double exact = cap_volume(70, mold->top.z());
+  EXPECT_NEAR(signed_volume(mold->mesh), exact, 0.01 * exact);
+}
+
+TEST(Rebuilding, PatchesWithGapsAreWrapped) {
+  TriangleMesh patches;
+  for (const int x : {-1, 1})
+    for (const int y : {-1, 1})
+      patches = joined(patches, shifted(without(sphere(60, 40), [&](const auto& p) { return x * p.x() < 0 || y * p.y() < 0; }), 0.1 * x, 0.1 * y, 0));
+  const auto mold = mold_of(patches, upright(0.0));
+  ASSERT_TRUE(mold) << mold.error().text();
+  expect_sound(*mold);
+  EXPECT_TRUE(mold->findings.rebuilt);
+  EXPECT_NEAR(signed_volume(mold->mesh), signed_volume(sphere(60, 40)), 0.015 * signed_volume(sphere(60, 40)));
 }
 
 TEST(Clearance, IsAnOffsetWithinAPercent) {

@@ -98,11 +98,34 @@ void fill_with_fan(TriangleMesh& mesh, const std::vector<int>& loop) {
   for (std::size_t i = 0; i < loop.size(); ++i) mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], hub});
 }
 
+// Whether at least two pieces are open widely: then they are patches of one surface, with gaps between them.
+bool in_patches(const TriangleMesh& mesh) {
+  std::vector<int> piece_of;
+  const int count = connected_pieces(mesh, piece_of);
+  if (count < 2) return false;
+  std::vector<Box> boxes(static_cast<std::size_t>(count), {Eigen::Vector3d::Constant(HUGE_VAL), Eigen::Vector3d::Constant(-HUGE_VAL)});
+  std::vector<int> piece_of_vertex(mesh.vertices.size(), 0);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const int v : mesh.triangles[i]) {
+      auto& box = boxes[static_cast<std::size_t>(piece_of[i])];
+      const auto& p = mesh.vertices[static_cast<std::size_t>(v)];
+      box.low = box.low.cwiseMin(p), box.high = box.high.cwiseMax(p);
+      piece_of_vertex[static_cast<std::size_t>(v)] = piece_of[i];
+    }
+  std::vector<char> open(static_cast<std::size_t>(count), 0);
+  for (const auto& opening : openings(mesh)) {
+    const auto piece = static_cast<std::size_t>(piece_of_vertex[static_cast<std::size_t>(opening.loop.front())]);
+    if (opening.across > large_share * boxes[piece].size().norm()) open[piece] = 1;
+  }
+  return std::count(open.begin(), open.end(), 1) >= 2;
+}
+
 }  // namespace
 
 Closing close_skin(const TriangleMesh& skin) {
   Closing closing;
   closing.mesh = skin;
+  if (in_patches(skin)) return closing;
   const std::size_t given = skin.triangles.size();
   const Box box = bounds(skin);
   std::size_t dropped = drop_broken(closing.mesh);

@@ -16,6 +16,7 @@ struct Closing {
 // Closes an upright, oriented skin. An opening counts as large when it measures more than a quarter of the skin across,
 // and as lying over the platform when its missing face would look down by at least 30 degrees; such openings get walls
 // straight down to 1 mm below the skin's lowest point and a flat cap there. Every other opening is filled.
+// Pieces of which two or more are open widely are patches of one surface: they are not closed but left to be wrapped.
 // Triangles at edges that more than two share, or that two run along in the same direction, are removed first.
 Closing close_skin(const TriangleMesh& skin);
 

@@ -23,7 +23,9 @@ constexpr double least_mold_mm = 20;      // height below which an automatic tri
 constexpr double undercut_mm = 1;         // shallower ones are noise, or give way when the part is lifted off
 constexpr double undercut_mm2 = 20;       // seen from above: smaller ones do not set the trim
 constexpr double reported_mm = 1.5;       // shallower ones lie within the grid of what the trim allows
-constexpr double reported_mm2 = 1;        // smaller ones are a ray between two facets
+constexpr double wrap_offset_mm = 0.1;    // of a skin wrapped anew
+constexpr double plate_depth_mm = 0.5;
+constexpr double reported_mm2 = 4;        // smaller ones are a ray between two facets
 
 std::string mm(double value) {
   char text[32];
@@ -42,16 +44,30 @@ void stand_on_floor(TriangleMesh& mesh, double floor) {
   for (auto& p : mesh.vertices) p.z() -= floor;
 }
 
-// A new skin around a scan that cannot be closed as it is. The widest bridging that keeps the volume is taken: a
-// narrow one slips through the gaps of the scan and wraps its inside too.
+// A plate a little below the platform, as wide as the scan: it closes what is open below, and the cut takes it off.
+TriangleMesh with_plate(TriangleMesh skin) {
+  const Box box = bounds(skin);
+  const int first = static_cast<int>(skin.vertices.size());
+  for (const auto& [x, y] : {std::pair{box.low.x(), box.low.y()}, {box.high.x(), box.low.y()}, {box.high.x(), box.high.y()}, {box.low.x(), box.high.y()}})
+    skin.vertices.emplace_back(x, y, -plate_depth_mm);
+  skin.triangles.push_back({first, first + 1, first + 2});
+  skin.triangles.push_back({first, first + 2, first + 3});
+  return skin;
+}
+
+// A new skin around an upright scan that cannot be closed as it is. A wide bridging finds out what volume the scan
+// encloses, and whether it is open below. Then the narrowest bridging that keeps the volume is taken: one that is too
+// narrow slips through the scan's gaps and wraps its inside too.
 Result<TriangleMesh> rebuild(const TriangleMesh& skin, const ScanProgress& progress) {
-  constexpr double offset = 0.1;
   const double size = bounds(skin).size().norm();
-  VACUFORM_TRY(coarse, wrap(skin, 0.15 * size, offset, progress));
-  const double volume = signed_volume(coarse);
+  VACUFORM_TRY(coarse, wrap(skin, 0.15 * size, wrap_offset_mm, progress));
+  const TriangleMesh plated = with_plate(skin);
+  VACUFORM_TRY(coarse_plated, wrap(plated, 0.15 * size, wrap_offset_mm, progress));
+  const bool open_below = signed_volume(coarse) < 0.7 * signed_volume(coarse_plated);
+  if (open_below) coarse = std::move(coarse_plated);
   for (const double alpha : {0.012 * size, 0.03 * size, 0.075 * size}) {
-    VACUFORM_TRY(fine, wrap(skin, alpha, offset, progress));
-    if (signed_volume(fine) > 0.7 * volume) return fine;
+    VACUFORM_TRY(fine, wrap(open_below ? plated : skin, alpha, wrap_offset_mm, progress));
+    if (signed_volume(fine) > 0.7 * signed_volume(coarse)) return fine;
   }
   return coarse;
 }

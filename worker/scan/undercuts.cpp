@@ -15,9 +15,16 @@ Eigen::Vector2d CoveredSpace::place(int column) const {
   return {origin_.x() + (column % nx_ + 0.5) * spacing_, origin_.y() + (column / nx_ + 0.5) * spacing_};
 }
 
-Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, double floor, double spacing, const ScanProgress& progress) {
+Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared_ptr<const RayCaster> caster,
+                                           const Eigen::Matrix3d& turn, double floor, double spacing,
+                                           const ScanProgress& progress) {
   CoveredSpace space;
-  const Box box = bounds(mesh);
+  Box box{Eigen::Vector3d::Constant(HUGE_VAL), Eigen::Vector3d::Constant(-HUGE_VAL)};
+  for (const auto& p : mesh.vertices) {
+    const Eigen::Vector3d q = turn * p;
+    box.low = box.low.cwiseMin(q), box.high = box.high.cwiseMax(q);
+  }
+  space.back_ = turn.transpose();
   space.floor_ = floor;
   space.ceiling_ = box.high.z();
   space.spacing_ = spacing;
@@ -28,8 +35,8 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, double floo
   const int columns = space.nx_ * space.ny_;
   space.top_.assign(static_cast<std::size_t>(columns), -HUGE_VAL);
 
-  space.caster_ = std::make_shared<RayCaster>(mesh);
-  const RayCaster& caster = *space.caster_;
+  space.caster_ = std::move(caster);
+  const Eigen::Vector3d down = -space.back_.col(2);
   const double step = 1e-5 * box.size().norm();  // beyond the rays' own error
   for (int column = 0; column < columns; ++column) {
     if (column % 16384 == 0) VACUFORM_CHECK(progress.tick());
@@ -39,13 +46,13 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, double floo
     bool met = false;
     while (z > floor) {
       const double reach = z - floor + 1;
-      const auto hit = caster.first_hit({xy.x(), xy.y(), z}, {0, 0, -reach});
+      const auto hit = space.caster_->first_hit(space.back_ * Eigen::Vector3d(xy.x(), xy.y(), z), reach * down);
       if (!hit) break;
       const double at = z - hit->t * reach;
       z = at - step;
       if (hit->triangle == last) continue;
       last = hit->triangle;
-      const double up = area_vector(mesh, mesh.triangles[static_cast<std::size_t>(hit->triangle)]).z();
+      const double up = -down.dot(area_vector(mesh, mesh.triangles[static_cast<std::size_t>(hit->triangle)]));
       if (up > 0 && inside++ == 0) {
         if (!met) space.top_[static_cast<std::size_t>(column)] = at;
         if (met && opened - at > least_height_mm) space.spans_.push_back({column, at, opened});
@@ -162,7 +169,7 @@ bool CoveredSpace::reaches_air(const std::vector<Span>& spans, const std::vector
       if (low >= span.high) continue;
       const Eigen::Vector2d from = place(span.column), to = place(beside);
       const double z = (low + span.high) / 2;
-      if (!caster_->first_hit({from.x(), from.y(), z}, {to.x() - from.x(), to.y() - from.y(), 0})) return true;
+      if (!caster_->first_hit(back_ * Eigen::Vector3d(from.x(), from.y(), z), back_ * Eigen::Vector3d(to.x() - from.x(), to.y() - from.y(), 0))) return true;
     }
   }
   return false;

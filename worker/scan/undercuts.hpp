@@ -16,11 +16,18 @@
 
 namespace vacuform {
 
-// The columns of a closed, outwards oriented mesh that stands on the plane z = floor.
+// The columns of a closed, outwards oriented mesh, seen along some axis.
 class CoveredSpace {
  public:
-  // Casts the rays, `spacing` mm apart. Cost: columns times surfaces crossed. Error: cancelled.
-  static Result<CoveredSpace> measure(const TriangleMesh& mesh, double floor, double spacing, const ScanProgress& progress);
+  // Casts the rays, `spacing` mm apart, down onto the mesh as `turn` turns it, which stands on z = floor. `caster` is of
+  // the same mesh, unturned: one serves every turn. Heights, places and planes are those of the turned mesh. Cost:
+  // columns times surfaces crossed. Error: cancelled.
+  static Result<CoveredSpace> measure(const TriangleMesh& mesh, std::shared_ptr<const RayCaster> caster,
+                                      const Eigen::Matrix3d& turn, double floor, double spacing,
+                                      const ScanProgress& progress);
+  static Result<CoveredSpace> measure(const TriangleMesh& mesh, double floor, double spacing, const ScanProgress& progress) {
+    return measure(mesh, std::make_shared<RayCaster>(mesh), Eigen::Matrix3d::Identity(), floor, spacing, progress);
+  }
 
   // The pockets above the plane z = floor, as if the mesh were cut there; deepest first (ties: larger area, then order
   // on the grid). Spans lower than 0.2 mm are left out.
@@ -51,6 +58,7 @@ class CoveredSpace {
   bool has_undercut(double floor, double depth, double area) const;
 
   std::shared_ptr<const RayCaster> caster_;
+  Eigen::Matrix3d back_ = Eigen::Matrix3d::Identity();  // from the turned mesh to the caster's
   double floor_ = 0, ceiling_ = 0, spacing_ = 1;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   int nx_ = 0, ny_ = 0;

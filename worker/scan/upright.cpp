@@ -111,18 +111,17 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress
     best.why = "the scan is cut flat on the other side";
     return best;
   }
+  // Coarse rays do: what decides are tens of millimetres on a head, and as much in proportion on anything larger.
+  const double size = std::max(1.0, box.size().norm() / 300);
+  const auto caster = std::make_shared<RayCaster>(skin);
   double highest = 0;
   for (const UpAxis axis : axes) {
-    TriangleMesh turned = skin;
-    const Eigen::Matrix3d turn = upright_turn(axis, 0, 0, 0);
-    for (auto& p : turned.vertices) p = turn * p;
-    const Box stand = bounds(turned);
-    // Coarse rays do: what decides are tens of millimetres on a head, and as much in proportion on anything larger.
-    const double size = std::max(1.0, stand.size().norm() / 300);
-    VACUFORM_TRY(space, CoveredSpace::measure(turned, stand.low.z(), 2 * size, progress));
+    const Eigen::Vector3d up = direction(axis);
+    const double lowest = std::min(up.dot(box.low), up.dot(box.high)), height = std::abs(up.dot(box.size()));
+    VACUFORM_TRY(space, CoveredSpace::measure(skin, caster, upright_turn(axis, 0, 0, 0), lowest, 2 * size, progress));
     const double cut = space.lowest_cut(size, 20 * size * size);
     const bool usual = axis == UpAxis::plus_z || axis == UpAxis::plus_y;
-    const double left = (stand.high.z() - cut) * space.domed_share(cut, 10 * size) * (usual ? 1.2 : 1.0);
+    const double left = (lowest + height - cut) * space.domed_share(cut, 10 * size) * (usual ? 1.2 : 1.0);
     if (left > highest) highest = left, best.axis = axis;
   }
   if (highest >= 20) {
