@@ -1,6 +1,7 @@
 #include "server/job_json.hpp"
 
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "server/problem.hpp"
@@ -18,6 +19,9 @@ constexpr std::array<double, stage_names.size() + 1> stage_begins{0, 0.1, 0.55, 
 ordered_json time_or_null(const std::optional<Millis>& time) {
   return time ? ordered_json(rfc3339(*time)) : ordered_json();
 }
+
+// Four digits: a progress bar needs no more, and 0.34 reads better than 0.33999999999999997.
+double rounded(double progress) { return std::round(progress * 1e4) / 1e4; }
 
 }  // namespace
 
@@ -49,8 +53,8 @@ ordered_json job_json(const Job& job) {
   return {{"id", job.id},
           {"state", name(job.state)},
           {"stage", job.stage ? ordered_json(name(*job.stage)) : ordered_json()},
-          {"progress", whole_progress(job)},
-          {"stage_progress", job.stage_progress},
+          {"progress", rounded(whole_progress(job))},
+          {"stage_progress", rounded(job.stage_progress)},
           {"attempt", job.attempt},
           {"created", rfc3339(job.created)},
           {"started", time_or_null(job.started)},

@@ -54,8 +54,9 @@ std::vector<std::string> LocalWorkers::reap() {
     int status = 0;
     if (worker.process == 0 || ::waitpid(worker.process, &status, WNOHANG) != worker.process) continue;
     const auto now = steady_clock::now();
-    worker.pause = now - worker.started > 1min ? 1s : std::min<std::chrono::seconds>(worker.pause * 2, 30s);
+    if (now - worker.started > 1min) worker.pause = 1s;
     worker.due = now + worker.pause;
+    worker.pause = std::min<std::chrono::seconds>(worker.pause * 2, 30s);
     worker.process = 0;
     died.push_back(name_of(i));
     log_event("worker-ended", {{"worker", died.back()},
