@@ -234,7 +234,7 @@ TEST(Artifacts, CanBeCancelled) {
 TEST(Artifacts, ThePlyReadsBackExactly) {
   const Job job = small_dome();
   const auto files = artifacts(job.finished(), Context());
-  const Bytes& ply = file(*files, "formed.ply");
+  const Bytes ply = file(*files, "formed.ply");
   const std::string text(ply.begin(), ply.end());
   const auto body = text.find("end_header\n") + 11;
   const FormedSheet& sheet = job.sample.sheet;
@@ -293,7 +293,7 @@ TEST(Artifacts, TheTexturedObjShowsThePrintWhereItIs) {
     // One dot, 10 mm to the right of the middle and 5 mm to the back.
     const Job job(std::move(x), "<circle cx='10' cy='-5' r='3'/>");
     const auto files = artifacts(job.finished(), Context());
-    const Bytes& obj = file(*files, "formed.obj");
+    const Bytes obj = file(*files, "formed.obj");
     const auto v = lines(obj, "v"), vt = lines(obj, "vt");
     ASSERT_EQ(v.size(), job.sample.sheet.formed.size());
     ASSERT_EQ(vt.size(), v.size());
@@ -314,7 +314,7 @@ TEST(Artifacts, TheTexturedObjShowsThePrintWhereItIs) {
 TEST(Artifacts, TheUvMapHoldsTheChartAndNormalisedPatternCoordinates) {
   const Job job = small_dome();
   const auto files = artifacts(job.finished(), Context());
-  const Bytes& obj = file(*files, "uv-map.obj");
+  const Bytes obj = file(*files, "uv-map.obj");
   const auto v = lines(obj, "v"), vt = lines(obj, "vt"), f = lines(obj, "f");
   ASSERT_EQ(f.size(), job.sample.flattening.triangles.size());
   ASSERT_EQ(v.size(), vt.size());
