@@ -28,6 +28,7 @@ class Router {
     std::string allowed;  // the methods of the path, when it exists but not for this method
   };
   Match match(std::string_view method, std::string_view path) const;
+  const std::vector<Route>& routes() const { return routes_; }
 
  private:
   std::vector<Route> routes_;

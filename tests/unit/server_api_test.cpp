@@ -1,6 +1,9 @@
 // The API, the worker protocol and the pages through a real server.
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
+#include "server/assets.hpp"
 #include "server/pages/pages.hpp"
 #include "server_fixture.hpp"
 
@@ -225,6 +228,45 @@ TEST_F(ServerApi, ServesItsDescriptionAndEveryProblemPage) {
   EXPECT_EQ(ask("GET", "/problems/none").status, 404);
   EXPECT_EQ(ask("GET", "/nowhere", "Accept: text/html\r\n").header("Content-Type"),
             "text/html; charset=utf-8");
+}
+
+// The choices of an enumeration among the schemas of api/openapi.yaml.
+std::set<std::string> described(const std::string& schema) {
+  std::istringstream text{std::string(openapi_yaml())};
+  std::set<std::string> choices;
+  bool schemas = false, inside = false;
+  for (std::string line; std::getline(text, line);) {
+    if (line == "  schemas:") schemas = true;
+    if (line.starts_with("    ") && line[4] != ' ') inside = schemas && line == "    " + schema + ":";
+    if (inside && line.starts_with("        - ")) choices.insert(line.substr(10));
+  }
+  return choices;
+}
+
+TEST_F(ServerApi, TheDescriptionNamesEveryRouteAndNoOther) {
+  std::set<std::string> real, written;
+  const http::Router router = all_routes(*service_);
+  for (const auto& route : router.routes())
+    if (route.pattern.starts_with("/api/") || route.pattern == "/healthz")
+      real.insert(route.method + " " + route.pattern);
+  std::istringstream text{std::string(openapi_yaml())};
+  std::string path;
+  for (std::string line; std::getline(text, line) && line != "components:";) {
+    if (line.starts_with("  /")) path = line.substr(2, line.size() - 3);
+    for (const auto& [word, method] : {std::pair{"    get:", "GET"}, std::pair{"    post:", "POST"},
+                                       std::pair{"    put:", "PUT"}, std::pair{"    delete:", "DELETE"}})
+      if (line == word) written.insert(std::string(method) + " " + path);
+  }
+  EXPECT_EQ(written, real);
+}
+
+TEST(Description, NamesEveryArtifactAndEveryProblem) {
+  std::set<std::string> names, slugs;
+  for (const auto& kind : artifact_kinds) names.insert(std::string(kind.name));
+  for (int i = 0; i <= static_cast<int>(Code::internal); ++i)
+    slugs.insert(std::string(meaning(static_cast<Code>(i)).slug));
+  EXPECT_EQ(described("ArtifactName"), names);
+  EXPECT_EQ(described("ProblemSlug"), slugs);
 }
 
 TEST(Pages, AnHostileReportIsShownAsText) {
