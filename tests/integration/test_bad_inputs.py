@@ -1,6 +1,5 @@
 """Hostile and broken files and requests through the API: each ends with its own type of problem and a message that says
 what, where and how to mend it; the service goes on."""
-import json
 import socket
 import unittest
 

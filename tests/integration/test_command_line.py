@@ -1,7 +1,6 @@
 """vacuform run and inspect: exit codes, one-line refusals, the same bytes twice, and the result read independently."""
 import json
 import math
-import pathlib
 import re
 import signal
 import struct
@@ -9,7 +8,7 @@ import subprocess
 import unittest
 
 import meshes
-from harness import BIN, PATTERNS, SCANS, Case, Program, vacuform, wait_for
+from harness import BIN, PATTERNS, SCANS, Case, vacuform
 
 NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-19x40mm.svg"
 

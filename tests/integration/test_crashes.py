@@ -2,10 +2,8 @@
 import hashlib
 import json
 import os
-import pathlib
 import signal
 import socket
-import subprocess
 import unittest
 
 from harness import BIN, PATTERNS, SCANS, Case, Program, Server, children, curl, runs, wait_for

@@ -2,15 +2,13 @@
 import hashlib
 import http.server
 import json
-import os
-import pathlib
 import shutil
 import signal
 import threading
 import time
 import unittest
 
-from harness import BIN, Case, Program, children, runs, wait_for
+from harness import BIN, Case, Program, runs, wait_for
 
 SCAN, PATTERN = b"solid head " * 1000, b"<svg/>"
 

@@ -1,0 +1,156 @@
+"""vacuform submit against a scripted server: what it shows, what it fetches, and what it does not believe."""
+import hashlib
+import http.server
+import json
+import os
+import pty
+import signal
+import subprocess
+import threading
+import unittest
+
+from harness import BIN, Case, vacuform, wait_for
+
+PRINT = b"\x89PNG print"
+
+
+def artifact(name, body, sha256=None, size=None):
+    return {"name": name, "bytes": len(body) if size is None else size,
+            "sha256": sha256 or hashlib.sha256(body).hexdigest()}
+
+
+class ScriptedServer(http.server.ThreadingHTTPServer):
+    """`jobs` are the answers for the job in turn, the last one for ever; a tuple is a status and a body."""
+
+    daemon_threads = True
+
+    def __init__(self):
+        super().__init__(("127.0.0.1", 0), Handler)
+        self.url = f"http://127.0.0.1:{self.server_port}"
+        self.jobs, self.files, self.seen = [], {}, []
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+
+
+class Handler(http.server.BaseHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+    def do_POST(self):
+        self.rfile.read(int(self.headers["Content-Length"]))
+        self.answer(202, json.dumps({"id": "j1", "state": "queued"}).encode())
+
+    def do_GET(self):
+        s = self.server
+        s.seen.append(self.path)
+        if self.path == "/api/v1/jobs/j1":
+            found = s.jobs.pop(0) if len(s.jobs) > 1 else s.jobs[0]
+            status, body = found if isinstance(found, tuple) else (200, found)
+            self.answer(status, body if isinstance(body, bytes) else json.dumps({"id": "j1", **body}).encode())
+        else:
+            body = s.files.get(self.path.removeprefix("/api/v1/jobs/j1/artifacts/"))
+            self.answer(404 if body is None else 200, body or b"")
+
+    def answer(self, status, body):
+        self.send_response(status)
+        if status == 302:
+            self.send_header("Location", "/api/v1/jobs/j1/artifacts/print.png")
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        try:
+            self.wfile.write(body)
+        except ConnectionError:
+            pass
+
+
+class Submit(Case):
+    def setUp(self):
+        self.out = self.folder / self._testMethodName
+        self.server = ScriptedServer()
+        self.addCleanup(self.server.server_close)
+        self.addCleanup(self.server.shutdown)
+
+    def words(self):
+        return ["submit", "--server", self.server.url, "--job", "j1", "--wait", "--out", str(self.out)]
+
+    def submit(self, *jobs, files={}):
+        self.server.jobs, self.server.files = list(jobs), files
+        return vacuform(*self.words())
+
+    def assert_nothing_fetched(self):
+        self.assertEqual([p.name for p in self.out.iterdir()] if self.out.exists() else [], [])
+
+    def test_stages_are_shown_and_artifacts_fetched(self):
+        done = self.submit({"state": "queued"}, {"state": "running", "stage": "scan", "progress": 0.1}, (503, {}),
+                           {"state": "running", "stage": "forming", "progress": 0.4},
+                           {"state": "succeeded", "artifacts": [artifact("print.png", PRINT), artifact("report.json", b"{}")]},
+                           files={"print.png": PRINT, "report.json": b"{}"})
+        self.assertEqual((done.returncode, done.stderr), (0, "queued\nscan\nforming\ndownload\n"))
+        self.assertEqual(done.stdout, f"{self.server.url}/api/v1/jobs/j1\n")
+        self.assertEqual({p.name: p.read_bytes() for p in self.out.iterdir()}, {"print.png": PRINT, "report.json": b"{}"})
+
+    def test_names_that_are_no_artifacts_are_left_alone(self):
+        done = self.submit({"state": "succeeded", "artifacts": [
+            artifact(n, b"x") for n in ("../../evil", "/etc/passwd", "notes.txt", "", "print.png/..")] + [7, {}]},
+            files={"notes.txt": b"x"})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.server.seen, ["/api/v1/jobs/j1"])
+        self.assert_nothing_fetched()
+
+    def test_damaged_artifacts_are_not_kept(self):
+        for name, listed in [("hash", artifact("print.png", PRINT, sha256="0" * 64)),
+                             ("short", artifact("print.png", PRINT, size=len(PRINT) + 1)),
+                             ("long", artifact("print.png", PRINT, size=len(PRINT) - 1))]:
+            with self.subTest(name):
+                done = self.submit({"state": "succeeded", "artifacts": [listed]}, files={"print.png": PRINT})
+                self.assertEqual(done.returncode, 1)
+                self.assertTrue(done.stderr.endswith("vacuform: the file arrived damaged (print.png); try again\n"), done.stderr)
+                self.assert_nothing_fetched()
+
+    def test_how_the_job_ended_is_the_exit_status(self):
+        for slug, exit_status in ("does-not-fit", 2), ("internal", 1), ("out-of-time", 2):
+            done = self.submit({"state": "failed", "problem": {
+                "type": "/problems/" + slug, "what": "it is too wide", "where": "scan.stl", "mend": "turn it"}})
+            self.assertEqual((done.returncode, done.stderr), (exit_status, "vacuform: it is too wide (scan.stl); turn it\n"))
+        self.assertEqual(self.submit({"state": "cancelled"}).returncode, 130)
+        self.assertEqual(self.submit({"state": "failed", "problem": None}).returncode, 1)
+
+    def test_answers_that_make_no_sense(self):
+        for job in [(200, b"<html>"), (200, b"[]"), (200, b"{}"), (200, b'{"id":"j1","state":"melted"}'),
+                    (200, b'{"id":"../j1","state":"succeeded"}'), (200, b" " * 5000000), (302, b""), (404, b""), (418, b"")]:
+            with self.subTest(repr(job)[:60]):
+                done = self.submit(job)
+                self.assertIn(done.returncode, (1, 2))
+                self.assertRegex(done.stderr, r"\Avacuform: [^\n]+\n\Z")
+                self.assert_nothing_fetched()
+
+    def test_interrupt_leaves_the_job_and_says_how_to_come_back(self):
+        self.server.jobs = [{"state": "running", "stage": "forming", "progress": 0.4}]
+        with subprocess.Popen([BIN / "vacuform", *self.words()], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as p:
+            wait_for(lambda: self.server.seen, "the first question")
+            p.send_signal(signal.SIGINT)
+            out, err = p.communicate(timeout=60)
+        self.assertEqual(p.returncode, 130)
+        self.assertIn("the job goes on", err)
+        self.assertIn(f"vacuform submit --server {self.server.url} --job j1 --wait --out {self.out}", err)
+        self.assertNotIn("/api/v1/jobs/j1/cancel", self.server.seen)
+
+    def test_terminal_gets_one_line_that_is_redrawn(self):
+        self.server.jobs = [{"state": "running", "stage": "scan", "progress": 0.1},
+                            {"state": "running", "stage": "forming", "progress": 0.5}, {"state": "succeeded"}]
+        terminal, line = pty.openpty()
+        with subprocess.Popen([BIN / "vacuform", *self.words()], stdout=subprocess.PIPE, stderr=line) as p:
+            os.close(line)
+            shown = b""
+            try:
+                while piece := os.read(terminal, 4096):
+                    shown += piece
+            except OSError:  # how a terminal ends
+                pass
+        os.close(terminal)
+        self.assertEqual(p.returncode, 0)
+        self.assertNotIn(b"\n", shown)
+        self.assertRegex(shown, rb"\rscan +\[####  .*\]  10 %\rforming +\[#{20} {20}\]  50 %\r\x1b\[K\Z")
+
+
+if __name__ == "__main__":
+    unittest.main()
