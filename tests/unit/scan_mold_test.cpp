@@ -14,7 +14,9 @@ using namespace shapes;
 
 constexpr double pi = std::numbers::pi;
 
-Result<Mold> mold_of(const TriangleMesh& mesh, const ScanSettings& settings) { return make_mold(stl(mesh), "scan.stl", settings, Context()); }
+Result<Mold> mold_of(const TriangleMesh& mesh, const ScanSettings& settings) {
+  return make_mold(stl(mesh), "scan.stl", settings, Context());
+}
 
 ScanSettings upright(std::optional<double> trim = {}) {
   ScanSettings settings;
@@ -48,11 +50,13 @@ TEST(Trim, OfASphereLeavesAMillimetreOfUndercut) {
     expect_sound(*mold);
     EXPECT_TRUE(mold->findings.trim_chosen);
     // r - sqrt(r^2 - d^2) = 1 mm at d below the equator; half a cell of the grid more or less.
-    const double exact = radius - std::sqrt(2 * radius - 1), coarse = radius - std::sqrt(2.8 * radius), fine = radius - std::sqrt(1.2 * radius);
+    const double exact = radius - std::sqrt(2 * radius - 1), coarse = radius - std::sqrt(2.8 * radius),
+                 fine = radius - std::sqrt(1.2 * radius);
     EXPECT_GT(mold->findings.trim_mm, coarse) << exact;
     EXPECT_LT(mold->findings.trim_mm, fine) << exact;
     EXPECT_TRUE(mold->undercuts.empty());
-    EXPECT_NEAR(signed_volume(mold->mesh), cap_volume(radius, 2 * radius - mold->findings.trim_mm), 0.003 * cap_volume(radius, 2 * radius));
+    EXPECT_NEAR(signed_volume(mold->mesh), cap_volume(radius, 2 * radius - mold->findings.trim_mm),
+                0.003 * cap_volume(radius, 2 * radius));
   }
 }
 
@@ -72,7 +76,8 @@ TEST(Trim, AboveTheScanIsRefused) {
   ASSERT_FALSE(mold);
   EXPECT_EQ(mold.error().code, Code::unusable_scan);
   EXPECT_EQ(mold.error().where, "scan.trim_mm");
-  EXPECT_NE(mold.error().what.find("the scan is 100.0 mm high and trimming it at 150.0 mm leaves nothing"), std::string::npos);
+  EXPECT_NE(mold.error().what.find("the scan is 100.0 mm high and trimming it at 150.0 mm leaves nothing"),
+            std::string::npos);
 }
 
 TEST(Trim, ThroughVerticesAndFlatFacesStaysWatertight) {
@@ -145,10 +150,12 @@ TEST(Undercuts, PitsAreNone) {
 }
 
 TEST(Undercuts, TheInsideOfAHollowShellIsNone) {
-  // A half shell 1.5 mm thick, as it comes off a printer, standing on its rim; and the same with a window in its side.
+  // A half shell 1.5 mm thick, as it comes off a printer, standing on its rim; and the same with a window in
+  // its side.
   std::vector<Eigen::Vector2d> profile{{0, 80}};
   for (int k = 23; k >= 0; --k) profile.emplace_back(80 * std::cos(pi * k / 48), 80 * std::sin(pi * k / 48));
-  for (int k = 0; k < 24; ++k) profile.emplace_back(78.5 * std::cos(pi * k / 48), 78.5 * std::sin(pi * k / 48));
+  for (int k = 0; k < 24; ++k)
+    profile.emplace_back(78.5 * std::cos(pi * k / 48), 78.5 * std::sin(pi * k / 48));
   profile.emplace_back(0, 78.5);
   const auto shell = turned_over(lathe(profile, 96));
   const auto mold = mold_of(shell, upright());
@@ -192,7 +199,8 @@ TEST(Closing, AHeadCutByTheScanBoxIsClosedOnAllSides) {
 
 TEST(Closing, AMaskGetsWallsDownToThePlatform) {
   // A shallow open bowl, turned over, with a wavy rim: a mask without a back, lying on its rim.
-  auto mask = without(sphere(90, 64), [](const auto& p) { return p.z() < 30 + 8 * std::sin(3 * std::atan2(p.y(), p.x())); });
+  auto mask = without(sphere(90, 64),
+                      [](const auto& p) { return p.z() < 30 + 8 * std::sin(3 * std::atan2(p.y(), p.x())); });
   const auto mold = mold_of(mask, upright());
   ASSERT_TRUE(mold) << mold.error().text();
   expect_sound(*mold);
@@ -210,7 +218,8 @@ TEST(Closing, AMaskOnItsFaceIsFilledAcross) {
   expect_sound(*mold);
   EXPECT_EQ(mold->findings.holes_capped, 0);
   EXPECT_EQ(mold->findings.holes_closed, 1);
-  EXPECT_GT(signed_volume(mold->mesh), cap_volume(90, 70) - cap_volume(90, 5));  // a ring more or less at the rim
+  EXPECT_GT(signed_volume(mold->mesh),
+            cap_volume(90, 70) - cap_volume(90, 5));  // a ring more or less at the rim
   EXPECT_LT(signed_volume(mold->mesh), cap_volume(90, 75) - cap_volume(90, 5));
 }
 
@@ -229,7 +238,8 @@ TriangleMesh loose(const TriangleMesh& mesh) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const int v : t) middle += mesh.vertices[static_cast<std::size_t>(v)] / 3;
     const int first = static_cast<int>(soup.vertices.size());
-    for (const int v : t) soup.vertices.push_back(middle + 0.95 * (mesh.vertices[static_cast<std::size_t>(v)] - middle));
+    for (const int v : t)
+      soup.vertices.push_back(middle + 0.95 * (mesh.vertices[static_cast<std::size_t>(v)] - middle));
     soup.triangles.push_back({first, first + 1, first + 2});
     if (first % 2) std::swap(soup.triangles.back()[1], soup.triangles.back()[2]);
   }
@@ -262,12 +272,16 @@ TEST(Rebuilding, PatchesWithGapsAreWrapped) {
   TriangleMesh patches;
   for (const int x : {-1, 1})
     for (const int y : {-1, 1})
-      patches = joined(patches, shifted(without(sphere(60, 40), [&](const auto& p) { return x * p.x() < 0 || y * p.y() < 0; }), 0.1 * x, 0.1 * y, 0));
+      patches = joined(
+          patches,
+          shifted(without(sphere(60, 40), [&](const auto& p) { return x * p.x() < 0 || y * p.y() < 0; }),
+                  0.1 * x, 0.1 * y, 0));
   const auto mold = mold_of(patches, upright(0.0));
   ASSERT_TRUE(mold) << mold.error().text();
   expect_sound(*mold);
   EXPECT_TRUE(mold->findings.rebuilt);
-  EXPECT_NEAR(signed_volume(mold->mesh), signed_volume(sphere(60, 40)), 0.015 * signed_volume(sphere(60, 40)));
+  EXPECT_NEAR(signed_volume(mold->mesh), signed_volume(sphere(60, 40)),
+              0.015 * signed_volume(sphere(60, 40)));
 }
 
 TEST(Clearance, IsAnOffsetWithinAPercent) {
@@ -372,15 +386,19 @@ TEST(Fit, SaysWhatIsTooLargeByHowMuch) {
   ASSERT_FALSE(wide);
   EXPECT_EQ(wide.error().code, Code::does_not_fit);
   EXPECT_EQ(wide.error().where, "machine.window_width_mm");
-  EXPECT_NE(wide.error().text().find("the mold is 270.0 mm wide and with 7.0 mm of room on each side is 4.0 mm too large for the window of 280.0 mm"),
-            std::string::npos) << wide.error().text();
+  EXPECT_NE(wide.error().text().find("the mold is 270.0 mm wide and with 7.0 mm of room on each side is 4.0 "
+                                     "mm too large for the window of 280.0 mm"),
+            std::string::npos)
+      << wide.error().text();
   EXPECT_NE(wide.error().mend.find("at least 284.0 mm"), std::string::npos);
   EXPECT_EQ(check_fit(block(100, 270, 50), sheet, machine).error().where, "machine.window_height_mm");
 
   machine.window = WindowShape::circle;
   const auto round = check_fit(block(220, 220, 50), sheet, machine);  // reaches 155.6 mm
   ASSERT_FALSE(round);
-  EXPECT_NE(round.error().text().find("reaches 155.6 mm from the middle and with 7.0 mm of room is 22.6 mm too wide"), std::string::npos)
+  EXPECT_NE(round.error().text().find(
+                "reaches 155.6 mm from the middle and with 7.0 mm of room is 22.6 mm too wide"),
+            std::string::npos)
       << round.error().text();
   EXPECT_TRUE(check_fit(block(180, 180, 50), sheet, machine));
 }
@@ -391,15 +409,18 @@ TEST(Fit, KnowsTheDrawAndTheFrame) {
   const auto tall = check_fit(block(100, 100, 300), sheet, machine);
   ASSERT_FALSE(tall);
   EXPECT_EQ(tall.error().where, "scan.trim_mm");
-  EXPECT_NE(tall.error().text().find("300.0 mm to draw, 20.0 mm more"), std::string::npos) << tall.error().text();
+  EXPECT_NE(tall.error().text().find("300.0 mm to draw, 20.0 mm more"), std::string::npos)
+      << tall.error().text();
   machine.drape_height_mm = 60;
   const auto high = check_fit(block(100, 100, 50), sheet, machine);
   ASSERT_FALSE(high);
   EXPECT_EQ(high.error().where, "machine.drape_height_mm");
-  EXPECT_NE(high.error().text().find("10.0 mm above the mold's top"), std::string::npos) << high.error().text();
+  EXPECT_NE(high.error().text().find("10.0 mm above the mold's top"), std::string::npos)
+      << high.error().text();
   machine = {};
   machine.window_width_mm = 320;
-  EXPECT_NE(check_fit(block(10, 10, 10), sheet, machine).error().text().find("larger than the sheet"), std::string::npos);
+  EXPECT_NE(check_fit(block(10, 10, 10), sheet, machine).error().text().find("larger than the sheet"),
+            std::string::npos);
 }
 
 }  // namespace

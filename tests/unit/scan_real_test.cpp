@@ -25,8 +25,8 @@ struct Expected {
   const char* file;
   Unit unit;
   UpAxis up;
-  Eigen::Vector3d size;   // upright, mm
-  double least, most;     // height of the mold after the automatic trim
+  Eigen::Vector3d size;  // upright, mm
+  double least, most;    // height of the mold after the automatic trim
   int capped;
 };
 void PrintTo(const Expected& e, std::ostream* out) { *out << e.file; }
@@ -47,18 +47,21 @@ TEST_P(RealScan, MakesAMold) {
   EXPECT_EQ(mold->findings.holes_capped, expected.capped);
   EXPECT_EQ(mold->findings.components, 1);
   EXPECT_FALSE(mold->findings.rebuilt);
-  for (const auto& undercut : mold->undercuts) EXPECT_LT(undercut.area_mm2, 25);  // only what the trim passes over
+  for (const auto& undercut : mold->undercuts)
+    EXPECT_LT(undercut.area_mm2, 25);  // only what the trim passes over
   EXPECT_TRUE(check_fit(*mold, {}, {}));
 }
 
 INSTANTIATE_TEST_SUITE_P(
     All, RealScan,
-    testing::Values(Expected{"neonate-40w.stl", Unit::mm, UpAxis::plus_z, {89.46, 126.20, 103.36}, 50, 57, 0},
-                    Expected{"adult-scalp-ascii.ply", Unit::mm, UpAxis::plus_z, {170.8, 207.3, 186.9}, 115, 125, 0},
-                    Expected{"adult-fsaverage-metres.obj", Unit::m, UpAxis::plus_z, {169.07, 220.81, 263.37}, 102, 112, 0},
-                    Expected{"child-headform-metres.stl", Unit::m, UpAxis::plus_y, {107.95, 148.45, 151.87}, 76, 83, 0},
-                    Expected{"face-mask-open-cm.obj", Unit::cm, UpAxis::plus_z, {154.86, 176.65, 100.22}, 100, 101, 1},
-                    Expected{"figurine-goathead.obj", Unit::cm, UpAxis::minus_x, {115.58, 158.26, 120.85}, 50, 58, 0}));
+    testing::Values(
+        Expected{"neonate-40w.stl", Unit::mm, UpAxis::plus_z, {89.46, 126.20, 103.36}, 50, 57, 0},
+        Expected{"adult-scalp-ascii.ply", Unit::mm, UpAxis::plus_z, {170.8, 207.3, 186.9}, 115, 125, 0},
+        Expected{
+            "adult-fsaverage-metres.obj", Unit::m, UpAxis::plus_z, {169.07, 220.81, 263.37}, 102, 112, 0},
+        Expected{"child-headform-metres.stl", Unit::m, UpAxis::plus_y, {107.95, 148.45, 151.87}, 76, 83, 0},
+        Expected{"face-mask-open-cm.obj", Unit::cm, UpAxis::plus_z, {154.86, 176.65, 100.22}, 100, 101, 1},
+        Expected{"figurine-goathead.obj", Unit::cm, UpAxis::minus_x, {115.58, 158.26, 120.85}, 50, 58, 0}));
 
 TEST(RealScans, TheBustAsksForItsUnitAndIsCutAtItsShoulders) {
   const auto file = bytes_of(folder / "bust-demosthenes.obj");
@@ -83,12 +86,14 @@ TEST(RealScans, TheCorruptHeadIsRefusedWithWhatDestroyedIt) {
   const auto mold = make_mold(bytes_of(folder / "corrupt-head.glb"), "corrupt-head.glb", {}, Context());
   ASSERT_FALSE(mold);
   EXPECT_EQ(mold.error().code, Code::corrupt_file);
-  EXPECT_NE(mold.error().what.find("U+FFFD); it was destroyed by a text-mode copy"), std::string::npos) << mold.error().text();
+  EXPECT_NE(mold.error().what.find("U+FFFD); it was destroyed by a text-mode copy"), std::string::npos)
+      << mold.error().text();
 }
 
 TEST(RealScans, NoOtherFileIsThere) {
   int scans = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) scans += entry.path().extension() != ".md";
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    scans += entry.path().extension() != ".md";
   EXPECT_EQ(scans, 8) << "a scan has come that no test expects";
 }
 

@@ -17,8 +17,8 @@ namespace vacuform::shapes {
 
 using FileBytes = std::vector<std::uint8_t>;
 
-// A solid of revolution about z: the profile runs from the axis at the bottom to the axis at the top, as (radius, z);
-// its first and last radius are 0. `n` columns around.
+// A solid of revolution about z: the profile runs from the axis at the bottom to the axis at the top, as
+// (radius, z); its first and last radius are 0. `n` columns around.
 inline TriangleMesh lathe(const std::vector<Eigen::Vector2d>& profile, int n) {
   TriangleMesh mesh;
   mesh.vertices.emplace_back(0, 0, profile.front().y());
@@ -50,10 +50,17 @@ inline TriangleMesh sphere(double radius, int rings = 48) {
   return lathe(profile, 2 * rings);
 }
 
-// A stem of radius 15 under a cap of radius 40 whose flat underside lies at z = 40: the undercut is 25 mm deep and
-// pi (40^2 - 15^2) = 4320 mm2 large.
+// A stem of radius 15 under a cap of radius 40 whose flat underside lies at z = 40: the undercut is 25 mm
+// deep and pi (40^2 - 15^2) = 4320 mm2 large.
 inline TriangleMesh mushroom(double cap_height) {
-  return lathe({{0, 0}, {15, 0}, {15, 40}, {40, 40}, {40, 40 + cap_height / 2}, {20, 40 + cap_height}, {0, 40 + cap_height}}, 180);
+  return lathe({{0, 0},
+                {15, 0},
+                {15, 40},
+                {40, 40},
+                {40, 40 + cap_height / 2},
+                {20, 40 + cap_height},
+                {0, 40 + cap_height}},
+               180);
 }
 
 inline TriangleMesh box(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
@@ -64,7 +71,9 @@ inline TriangleMesh box(const Eigen::Vector3d& low, const Eigen::Vector3d& high)
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   return mesh;
 }
-inline TriangleMesh cube(double side) { return box(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(side)); }
+inline TriangleMesh cube(double side) {
+  return box(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(side));
+}
 
 inline TriangleMesh moved(TriangleMesh mesh, const Eigen::Affine3d& by) {
   for (auto& p : mesh.vertices) p = by * p;
@@ -73,7 +82,9 @@ inline TriangleMesh moved(TriangleMesh mesh, const Eigen::Affine3d& by) {
 inline TriangleMesh shifted(TriangleMesh mesh, double x, double y, double z) {
   return moved(std::move(mesh), Eigen::Affine3d(Eigen::Translation3d(x, y, z)));
 }
-inline TriangleMesh scaled(TriangleMesh mesh, double by) { return moved(std::move(mesh), Eigen::Affine3d(Eigen::Scaling(by))); }
+inline TriangleMesh scaled(TriangleMesh mesh, double by) {
+  return moved(std::move(mesh), Eigen::Affine3d(Eigen::Scaling(by)));
+}
 
 inline TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
   const int base = static_cast<int>(a.vertices.size());
@@ -85,7 +96,8 @@ inline TriangleMesh turned_over(TriangleMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }
-// Without the triangles for which `gone` holds of all three corners: a jagged border, as a scanner's box leaves.
+// Without the triangles for which `gone` holds of all three corners: a jagged border, as a scanner's box
+// leaves.
 inline TriangleMesh without(TriangleMesh mesh, const std::function<bool(const Eigen::Vector3d&)>& gone) {
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
     for (const int v : t)
@@ -107,7 +119,8 @@ inline std::string number(double x) {
   return text;
 }
 inline void put(FileBytes& bytes, std::uint64_t value, int size, bool big = false) {
-  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * (big ? size - 1 - i : i)));
+  for (int i = 0; i < size; ++i)
+    bytes.push_back(static_cast<std::uint8_t>(value >> 8 * (big ? size - 1 - i : i)));
 }
 inline void put_float(FileBytes& bytes, double x, bool big = false) {
   put(bytes, std::bit_cast<std::uint32_t>(static_cast<float>(x)), 4, big);
@@ -130,25 +143,33 @@ inline FileBytes stl_ascii(const TriangleMesh& mesh) {
 
 inline FileBytes obj(const TriangleMesh& mesh) {
   std::string text;
-  for (const auto& p : mesh.vertices) text += std::string("v ") + number(p.x()) + " " + number(p.y()) + " " + number(p.z()) + "\n";
+  for (const auto& p : mesh.vertices)
+    text += std::string("v ") + number(p.x()) + " " + number(p.y()) + " " + number(p.z()) + "\n";
   for (const auto& t : mesh.triangles)
-    text += "f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " + std::to_string(t[2] + 1) + "\n";
+    text += "f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " +
+            std::to_string(t[2] + 1) + "\n";
   return text_bytes(text);
 }
 
 inline FileBytes off(const TriangleMesh& mesh) {
-  std::string text = "OFF\n# a comment\n" + std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
-  for (const auto& p : mesh.vertices) text += number(p.x()) + " " + number(p.y()) + " " + number(p.z()) + "\n";
+  std::string text = "OFF\n# a comment\n" + std::to_string(mesh.vertices.size()) + " " +
+                     std::to_string(mesh.triangles.size()) + " 0\n";
+  for (const auto& p : mesh.vertices)
+    text += number(p.x()) + " " + number(p.y()) + " " + number(p.z()) + "\n";
   for (const auto& t : mesh.triangles)
-    text += "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]) + " 255 0 0\n";
+    text +=
+        "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]) + " 255 0 0\n";
   return text_bytes(text);
 }
 
 inline FileBytes ply_ascii(const TriangleMesh& mesh) {
-  std::string text = "ply\nformat ascii 1.0\ncomment made by a test\nelement vertex " + std::to_string(mesh.vertices.size()) +
-                     "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(mesh.triangles.size()) +
+  std::string text = "ply\nformat ascii 1.0\ncomment made by a test\nelement vertex " +
+                     std::to_string(mesh.vertices.size()) +
+                     "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
+                     std::to_string(mesh.triangles.size()) +
                      "\nproperty list uchar int vertex_indices\nend_header\n";
-  for (const auto& p : mesh.vertices) text += number(p.x()) + " " + number(p.y()) + " " + number(p.z()) + "\n";
+  for (const auto& p : mesh.vertices)
+    text += number(p.x()) + " " + number(p.y()) + " " + number(p.z()) + "\n";
   for (const auto& t : mesh.triangles)
     text += "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]) + "\n";
   return text_bytes(text);
@@ -156,11 +177,14 @@ inline FileBytes ply_ascii(const TriangleMesh& mesh) {
 
 // With properties that nobody asked for around those that matter, and a list of another type.
 inline FileBytes ply_binary(const TriangleMesh& mesh, bool big) {
-  FileBytes bytes = text_bytes(
-      std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\nelement camera 2\nproperty double f\nelement vertex " +
-      std::to_string(mesh.vertices.size()) +
-      "\nproperty uchar red\nproperty float32 z\nproperty list uchar short odd\nproperty double x\nproperty float y\nelement face " +
-      std::to_string(mesh.triangles.size()) + "\nproperty short flags\nproperty list uint ushort vertex_index\nend_header\n");
+  FileBytes bytes =
+      text_bytes(std::string("ply\nformat binary_") + (big ? "big" : "little") +
+                 "_endian 1.0\nelement camera 2\nproperty double f\nelement vertex " +
+                 std::to_string(mesh.vertices.size()) +
+                 "\nproperty uchar red\nproperty float32 z\nproperty list uchar short odd\nproperty double "
+                 "x\nproperty float y\nelement face " +
+                 std::to_string(mesh.triangles.size()) +
+                 "\nproperty short flags\nproperty list uint ushort vertex_index\nend_header\n");
   for (int i = 0; i < 2; ++i) put(bytes, 0x0A0D0A0D0A0D0A0D, 8, big);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const auto& p = mesh.vertices[i];
@@ -203,14 +227,21 @@ inline FileBytes glb(const TriangleMesh& mesh, const std::string& node = "", con
   for (const auto& t : mesh.triangles)
     for (const int v : t) put(binary, static_cast<std::uint64_t>(v), 2);
   const auto n = std::to_string(mesh.vertices.size()), m = std::to_string(3 * mesh.triangles.size());
-  return glb("{\"asset\":{\"version\":\"2.0\"}," + root + "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{" + node +
-                 "\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
-                 "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":" + n + ",\"type\":\"VEC3\"},"
-                 "{\"bufferView\":1,\"componentType\":5123,\"count\":" + m + ",\"type\":\"SCALAR\"}],"
-                 "\"bufferViews\":[{\"buffer\":0,\"byteLength\":" + std::to_string(index_start) + "},{\"buffer\":0,\"byteOffset\":" +
-                 std::to_string(index_start) + ",\"byteLength\":" + std::to_string(binary.size() - index_start) +
-                 "}],\"buffers\":[{\"byteLength\":" + std::to_string(binary.size()) + "}]}",
-             binary);
+  return glb(
+      "{\"asset\":{\"version\":\"2.0\"}," + root + "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{" +
+          node +
+          "\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
+          "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":" +
+          n +
+          ",\"type\":\"VEC3\"},"
+          "{\"bufferView\":1,\"componentType\":5123,\"count\":" +
+          m +
+          ",\"type\":\"SCALAR\"}],"
+          "\"bufferViews\":[{\"buffer\":0,\"byteLength\":" +
+          std::to_string(index_start) + "},{\"buffer\":0,\"byteOffset\":" + std::to_string(index_start) +
+          ",\"byteLength\":" + std::to_string(binary.size() - index_start) +
+          "}],\"buffers\":[{\"byteLength\":" + std::to_string(binary.size()) + "}]}",
+      binary);
 }
 
 }  // namespace vacuform::shapes

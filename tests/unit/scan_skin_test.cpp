@@ -14,7 +14,9 @@ using namespace shapes;
 constexpr double pi = std::numbers::pi;
 const Context quiet;
 
-Result<Mold> mold_of(const TriangleMesh& mesh, const ScanSettings& settings = {}) { return make_mold(stl(mesh), "scan.stl", settings, quiet); }
+Result<Mold> mold_of(const TriangleMesh& mesh, const ScanSettings& settings = {}) {
+  return make_mold(stl(mesh), "scan.stl", settings, quiet);
+}
 // Trimmed at nothing, so that volumes and sizes are the scan's own.
 ScanSettings whole() {
   ScanSettings settings;
@@ -30,14 +32,16 @@ bool warns(const Mold& mold, const std::string& code) {
 }
 
 TEST(Welding, JoinsWithinTheToleranceOnly) {
-  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.0009, 0, 0}, {1, 0, 0.0009}, {0, 1.002, 0}}, {{0, 1, 2}, {3, 5, 4}}};
+  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.0009, 0, 0}, {1, 0, 0.0009}, {0, 1.002, 0}},
+                    {{0, 1, 2}, {3, 5, 4}}};
   weld(mesh, 0.001);
   EXPECT_EQ(mesh.vertices.size(), 4u);
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 3, 1}}));
 }
 
 TEST(Welding, DropsTrianglesWithoutAreaAndRepeatedOnes) {
-  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {9, 9, 9}}, {{0, 1, 2}, {1, 2, 3}, {2, 1, 0}, {0, 3, 1}}};
+  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {9, 9, 9}},
+                    {{0, 1, 2}, {1, 2, 3}, {2, 1, 0}, {0, 3, 1}}};
   weld(mesh, 0);
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}}));
   EXPECT_EQ(mesh.vertices.size(), 3u);
@@ -72,7 +76,8 @@ TEST(Topology, WatertightMeansEveryEdgeTwiceInOppositeDirections) {
   std::swap(turned.triangles[3][0], turned.triangles[3][1]);
   EXPECT_FALSE(is_watertight(turned));
   auto doubled = cube(1);
-  doubled.triangles.insert(doubled.triangles.end(), doubled.triangles.begin(), doubled.triangles.begin() + 12);
+  doubled.triangles.insert(doubled.triangles.end(), doubled.triangles.begin(),
+                           doubled.triangles.begin() + 12);
   EXPECT_FALSE(is_watertight(doubled));
 }
 
@@ -87,7 +92,8 @@ TEST(Skin, InsideOutIsTurned) {
 
 TEST(Skin, MixedDirectionsAreMadeToAgree) {
   auto mesh = sphere(50);
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3)
+    std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
   const auto mold = mold_of(mesh, whole());
   ASSERT_TRUE(mold) << mold.error().text();
   EXPECT_FALSE(mold->findings.turned_inside_out);
@@ -107,7 +113,8 @@ TEST(Skin, AnOpenSkinThatIsInsideOutIsTurnedToo) {
 
 TEST(Skin, DebrisIsDroppedAndDoesNotCountForTheSize) {
   auto mesh = sphere(100);
-  for (int i = 0; i < 1000; ++i) mesh = joined(std::move(mesh), shifted(scaled(cube(1), 2), 300 + 9.0 * i, -400, 10 * (i % 7)));
+  for (int i = 0; i < 1000; ++i)
+    mesh = joined(std::move(mesh), shifted(scaled(cube(1), 2), 300 + 9.0 * i, -400, 10 * (i % 7)));
   const auto mold = mold_of(mesh);
   ASSERT_TRUE(mold) << mold.error().text();
   EXPECT_EQ(mold->findings.components, 1001);
@@ -116,8 +123,10 @@ TEST(Skin, DebrisIsDroppedAndDoesNotCountForTheSize) {
   EXPECT_NEAR(mold->findings.size_mm.z(), 200, 1e-3);
 }
 
-TEST(Skin, InnerSkinsAreDropped) {  // scalp, skull turned the other way, brain, and a tumour outside of its middle
-  const auto mesh = joined(joined(joined(sphere(90, 24), turned_over(sphere(80, 24))), sphere(70, 40)), shifted(sphere(20), 20, 10, 0));
+TEST(Skin,
+     InnerSkinsAreDropped) {  // scalp, skull turned the other way, brain, and a tumour outside of its middle
+  const auto mesh = joined(joined(joined(sphere(90, 24), turned_over(sphere(80, 24))), sphere(70, 40)),
+                           shifted(sphere(20), 20, 10, 0));
   const auto mold = mold_of(mesh, whole());
   ASSERT_TRUE(mold) << mold.error().text();
   EXPECT_EQ(mold->findings.components, 4);
@@ -149,7 +158,8 @@ TEST(Skin, AMillionPieces) {
   for (int i = 0; i < 1'000'000; ++i) {
     const Eigen::Vector3d at(i % 100, i / 100 % 100, i / 10000 + 150);
     const int first = static_cast<int>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), {at, at + Eigen::Vector3d(0.3, 0, 0), at + Eigen::Vector3d(0, 0.3, 0)});
+    mesh.vertices.insert(mesh.vertices.end(),
+                         {at, at + Eigen::Vector3d(0.3, 0, 0), at + Eigen::Vector3d(0, 0.3, 0)});
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
   const auto skin = outer_skin(mesh, ScanProgress(quiet));
@@ -173,15 +183,17 @@ TEST_P(GuessedUnit, IsTheOnlyPlausibleOne) {
   EXPECT_NEAR(mold->findings.size_mm.z(), GetParam().longest * millimetres(GetParam().unit), 0.01);
 }
 INSTANTIATE_TEST_SUITE_P(All, GuessedUnit,
-                         testing::Values(Size{200, Unit::mm}, Size{85, Unit::mm}, Size{390, Unit::mm}, Size{20, Unit::cm},
-                                         Size{0.2, Unit::m}, Size{0.39, Unit::m}, Size{7.5, Unit::in}, Size{3.2, Unit::in}));
+                         testing::Values(Size{200, Unit::mm}, Size{85, Unit::mm}, Size{390, Unit::mm},
+                                         Size{20, Unit::cm}, Size{0.2, Unit::m}, Size{0.39, Unit::m},
+                                         Size{7.5, Unit::in}, Size{3.2, Unit::in}));
 
 TEST(Units, TwoPlausibleOnesAreNamedWithTheirSizes) {
   const auto mold = mold_of(scaled(sphere(0.5), 10));
   ASSERT_FALSE(mold);
   EXPECT_EQ(mold.error().code, Code::ambiguous_units);
   EXPECT_EQ(mold.error().text(),
-            "the scan's unit cannot be told: its longest side is plausible in cm (100 mm), in (254 mm) (scan.stl); say which, for example --set "
+            "the scan's unit cannot be told: its longest side is plausible in cm (100 mm), in (254 mm) "
+            "(scan.stl); say which, for example --set "
             "scan.units=cm");
 }
 
@@ -190,7 +202,8 @@ TEST(Units, NoPlausibleOneNamesAll) {
     const auto mold = mold_of(scaled(sphere(0.5), side));
     ASSERT_FALSE(mold) << side;
     EXPECT_EQ(mold.error().code, Code::ambiguous_units);
-    EXPECT_NE(mold.error().what.find("in none is its longest side 80 to 400 mm: mm ("), std::string::npos) << mold.error().text();
+    EXPECT_NE(mold.error().what.find("in none is its longest side 80 to 400 mm: mm ("), std::string::npos)
+        << mold.error().text();
   }
 }
 
@@ -205,12 +218,16 @@ TEST(Units, AGivenUnitWinsUnlessItIsAbsurd) {
   const auto absurd = mold_of(sphere(100), settings);
   ASSERT_FALSE(absurd);
   EXPECT_EQ(absurd.error().code, Code::unusable_scan);
-  EXPECT_NE(absurd.error().text().find("in m the scan's longest side is 200000.0 mm"), std::string::npos) << absurd.error().text();
+  EXPECT_NE(absurd.error().text().find("in m the scan's longest side is 200000.0 mm"), std::string::npos)
+      << absurd.error().text();
 }
 
-const std::array<std::pair<UpAxis, Eigen::Vector3d>, 6> axes{{{UpAxis::plus_x, {1, 0, 0}}, {UpAxis::minus_x, {-1, 0, 0}},
-                                                             {UpAxis::plus_y, {0, 1, 0}}, {UpAxis::minus_y, {0, -1, 0}},
-                                                             {UpAxis::plus_z, {0, 0, 1}}, {UpAxis::minus_z, {0, 0, -1}}}};
+const std::array<std::pair<UpAxis, Eigen::Vector3d>, 6> axes{{{UpAxis::plus_x, {1, 0, 0}},
+                                                              {UpAxis::minus_x, {-1, 0, 0}},
+                                                              {UpAxis::plus_y, {0, 1, 0}},
+                                                              {UpAxis::minus_y, {0, -1, 0}},
+                                                              {UpAxis::plus_z, {0, 0, 1}},
+                                                              {UpAxis::minus_z, {0, 0, -1}}}};
 
 TEST(Up, TheTurnIsARotationThatBringsTheAxisUp) {
   for (const auto& [axis, direction] : axes) {
@@ -219,9 +236,15 @@ TEST(Up, TheTurnIsARotationThatBringsTheAxisUp) {
     EXPECT_EQ(turn.determinant(), 1) << name(axis);
   }
   // Roll about x, then pitch about y, then yaw about z.
-  EXPECT_NEAR((upright_turn(UpAxis::plus_z, 90, 0, 0) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), 0, 1e-12);
-  EXPECT_NEAR((upright_turn(UpAxis::plus_z, 90, 90, 0) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitX()).norm(), 0, 1e-12);
-  EXPECT_NEAR((upright_turn(UpAxis::plus_z, 90, 90, 90) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitY()).norm(), 0, 1e-12);
+  EXPECT_NEAR(
+      (upright_turn(UpAxis::plus_z, 90, 0, 0) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(),
+      0, 1e-12);
+  EXPECT_NEAR(
+      (upright_turn(UpAxis::plus_z, 90, 90, 0) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitX()).norm(),
+      0, 1e-12);
+  EXPECT_NEAR(
+      (upright_turn(UpAxis::plus_z, 90, 90, 90) * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitY()).norm(),
+      0, 1e-12);
 }
 
 TEST(Up, AnOpeningLiesOnThePlatform) {

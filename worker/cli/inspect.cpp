@@ -33,7 +33,9 @@ std::string fixed(double value, int places) {
 std::string box(const Json& size) {
   return fixed(size[0], 1) + " x " + fixed(size[1], 1) + " x " + fixed(size[2], 1) + " mm";
 }
-std::string count(int n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
+std::string count(int n, const char* one, const char* many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
 
 void print_text(const Mold& mold, const Result<void>& fit) {
   const auto& f = mold.findings;
@@ -43,18 +45,21 @@ void print_text(const Mold& mold, const Result<void>& fit) {
   line("up", std::string(name(f.up)) + (f.up_guessed ? " (guessed)" : " (given)"));
   line("size", box(scan["size_mm"]) + " upright");
   std::string pieces = count(f.components, "piece", "pieces");
-  if (f.components_dropped > 0) pieces += ", " + std::to_string(f.components_dropped) + " dropped (debris or inside)";
+  if (f.components_dropped > 0)
+    pieces += ", " + std::to_string(f.components_dropped) + " dropped (debris or inside)";
   if (f.turned_inside_out) pieces += ", turned inside out";
   line("pieces", pieces);
   line("openings", count(f.holes_closed, "hole closed, ", "holes closed, ") + std::to_string(f.holes_capped) +
                        " walled in down to the platform" + (f.rebuilt ? ", the skin wrapped anew" : ""));
-  line("trim", fixed(f.trim_mm, 1) + " mm above the lowest point" + (f.trim_chosen ? " (where undercuts begin)" : " (given)"));
+  line("trim", fixed(f.trim_mm, 1) + " mm above the lowest point" +
+                   (f.trim_chosen ? " (where undercuts begin)" : " (given)"));
   line("mold", box(made["size_mm"]) + ", " + std::to_string(mold.mesh.triangles.size()) + " triangles");
   if (mold.undercuts.empty()) line("undercuts", "none");
   for (std::size_t i = 0; i < mold.undercuts.size() && i < 20; ++i) {
     const auto& u = mold.undercuts[i];
-    line(i == 0 ? "undercuts" : "", fixed(u.depth_mm, 1) + " mm deep, " + fixed(u.area_mm2, 0) + " mm2, at (" + fixed(u.place.x(), 1) +
-                                        ", " + fixed(u.place.y(), 1) + ", " + fixed(u.place.z(), 1) + ")");
+    line(i == 0 ? "undercuts" : "", fixed(u.depth_mm, 1) + " mm deep, " + fixed(u.area_mm2, 0) +
+                                        " mm2, at (" + fixed(u.place.x(), 1) + ", " + fixed(u.place.y(), 1) +
+                                        ", " + fixed(u.place.z(), 1) + ")");
   }
   line("fits", fit ? "yes" : "no: " + fit.error().text());
   for (const auto& warning : mold.warnings) line("warning", warning.text);
@@ -63,9 +68,13 @@ void print_text(const Mold& mold, const Result<void>& fit) {
 void print_json(const Mold& mold, const Result<void>& fit) {
   Json out{{"scan", scan_json(mold.findings)}, {"mold", mold_json(mold)}, {"fits", fit.has_value()}};
   if (!fit)
-    out["problem"] = {{"code", meaning(fit.error().code).slug}, {"what", fit.error().what}, {"where", fit.error().where}, {"mend", fit.error().mend}};
+    out["problem"] = {{"code", meaning(fit.error().code).slug},
+                      {"what", fit.error().what},
+                      {"where", fit.error().where},
+                      {"mend", fit.error().mend}};
   out["warnings"] = Json::array();
-  for (const auto& warning : mold.warnings) out["warnings"].push_back({{"code", warning.code}, {"text", warning.text}});
+  for (const auto& warning : mold.warnings)
+    out["warnings"].push_back({{"code", warning.code}, {"text", warning.text}});
   std::printf("%s\n", out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
@@ -74,7 +83,8 @@ Result<void> inspect(const InspectOptions& o) try {
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(bytes, read_file(o.scan));
   ProgressBar bar(ProgressBar::Otherwise::silent);
-  const auto mold = make_mold(bytes, o.scan, settings.scan, Context([&](Stage stage, double fraction) { bar.show(stage, fraction); }));
+  const auto mold = make_mold(bytes, o.scan, settings.scan,
+                              Context([&](Stage stage, double fraction) { bar.show(stage, fraction); }));
   bar.clear();
   if (!mold) return tl::make_unexpected(mold.error());
   const auto fit = check_fit(*mold, settings.sheet, settings.machine);
@@ -88,7 +98,8 @@ Result<void> inspect(const InspectOptions& o) try {
 
 void add_inspect(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<InspectOptions>();
-  CLI::App* command = app.add_subcommand("inspect", "Say what is in a scan and what mold it makes, without forming anything");
+  CLI::App* command =
+      app.add_subcommand("inspect", "Say what is in a scan and what mold it makes, without forming anything");
   command->add_option("scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("SCAN");
   options->settings.add_to(*command);
   command->add_flag("--json", options->json, "JSON on standard output");

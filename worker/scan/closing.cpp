@@ -21,7 +21,9 @@ std::size_t drop_broken(TriangleMesh& mesh) {
   const auto uses = edge_uses(mesh);
   std::vector<char> drop(mesh.triangles.size(), 0);
   for (std::size_t i = 0, next; i < uses.size(); i = next) {
-    for (next = i + 1; next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;) ++next;
+    for (next = i + 1;
+         next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;)
+      ++next;
     if (next - i > 2 || (next - i == 2 && uses[i].forward == uses[i + 1].forward))
       for (std::size_t k = i; k < next; ++k) drop[static_cast<std::size_t>(uses[k].triangle)] = 1;
   }
@@ -36,15 +38,16 @@ std::size_t drop_broken(TriangleMesh& mesh) {
 
 struct Opening {
   std::vector<int> loop;
-  double across = 0;        // diagonal of its box
-  Eigen::Vector3d normal;   // of the missing face, outwards, by area
+  double across = 0;       // diagonal of its box
+  Eigen::Vector3d normal;  // of the missing face, outwards, by area
 };
 
 std::vector<Opening> openings(const TriangleMesh& mesh) {
   std::vector<Opening> found;
   for (auto& loop : border_loops(mesh)) {
     Opening opening;
-    Eigen::Vector3d low = mesh.vertices[static_cast<std::size_t>(loop.front())], high = low, sum = Eigen::Vector3d::Zero();
+    Eigen::Vector3d low = mesh.vertices[static_cast<std::size_t>(loop.front())], high = low,
+                    sum = Eigen::Vector3d::Zero();
     const Eigen::Vector3d first = low;
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const auto& p = mesh.vertices[static_cast<std::size_t>(loop[i])];
@@ -95,7 +98,8 @@ void fill_with_fan(TriangleMesh& mesh, const std::vector<int>& loop) {
   for (const int v : loop) middle += mesh.vertices[static_cast<std::size_t>(v)];
   const int hub = static_cast<int>(mesh.vertices.size());
   mesh.vertices.push_back(middle / static_cast<double>(loop.size()));
-  for (std::size_t i = 0; i < loop.size(); ++i) mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], hub});
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], hub});
 }
 
 // Whether at least two pieces are open widely: then they are patches of one surface, with gaps between them.
@@ -103,7 +107,8 @@ bool in_patches(const TriangleMesh& mesh) {
   std::vector<int> piece_of;
   const int count = connected_pieces(mesh, piece_of);
   if (count < 2) return false;
-  std::vector<Box> boxes(static_cast<std::size_t>(count), {Eigen::Vector3d::Constant(HUGE_VAL), Eigen::Vector3d::Constant(-HUGE_VAL)});
+  std::vector<Box> boxes(static_cast<std::size_t>(count),
+                         {Eigen::Vector3d::Constant(HUGE_VAL), Eigen::Vector3d::Constant(-HUGE_VAL)});
   std::vector<int> piece_of_vertex(mesh.vertices.size(), 0);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (const int v : mesh.triangles[i]) {
@@ -114,7 +119,8 @@ bool in_patches(const TriangleMesh& mesh) {
     }
   std::vector<char> open(static_cast<std::size_t>(count), 0);
   for (const auto& opening : openings(mesh)) {
-    const auto piece = static_cast<std::size_t>(piece_of_vertex[static_cast<std::size_t>(opening.loop.front())]);
+    const auto piece =
+        static_cast<std::size_t>(piece_of_vertex[static_cast<std::size_t>(opening.loop.front())]);
     if (opening.across > large_share * boxes[piece].size().norm()) open[piece] = 1;
   }
   return std::count(open.begin(), open.end(), 1) >= 2;
@@ -139,8 +145,10 @@ Closing close_skin(const TriangleMesh& skin) {
         ++closing.holes_capped;
         continue;
       }
-      // The second round fills with new vertices: a filling of the loop's own can repeat an edge that is there.
-      const auto filling = round == 0 ? fill_hole(closing.mesh.vertices, opening.loop) : std::vector<Triangle>{};
+      // The second round fills with new vertices: a filling of the loop's own can repeat an edge that is
+      // there.
+      const auto filling =
+          round == 0 ? fill_hole(closing.mesh.vertices, opening.loop) : std::vector<Triangle>{};
       if (filling.empty())
         fill_with_fan(closing.mesh, opening.loop);
       else

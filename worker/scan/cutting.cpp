@@ -30,13 +30,15 @@ std::optional<TriangleMesh> cut_above(const TriangleMesh& mesh, double height) {
   const std::size_t old_count = cut.vertices.size();
   cut.vertices.reserve(old_count + crossing.size());
   for (const auto& [a, b] : crossing) {
-    const Eigen::Vector3d p = cut.vertices[static_cast<std::size_t>(a)], q = cut.vertices[static_cast<std::size_t>(b)];
+    const Eigen::Vector3d p = cut.vertices[static_cast<std::size_t>(a)],
+                          q = cut.vertices[static_cast<std::size_t>(b)];
     Eigen::Vector3d x = p + (q - p) * ((height - p.z()) / (q.z() - p.z()));
     x.z() = height;
     cut.vertices.push_back(x);
   }
   const auto crossing_of = [&](int a, int b) {
-    const auto it = std::lower_bound(crossing.begin(), crossing.end(), std::pair{std::min(a, b), std::max(a, b)});
+    const auto it =
+        std::lower_bound(crossing.begin(), crossing.end(), std::pair{std::min(a, b), std::max(a, b)});
     return static_cast<int>(old_count + static_cast<std::size_t>(it - crossing.begin()));
   };
   for (const auto& t : mesh.triangles) {

@@ -40,7 +40,9 @@ Json mold_json(const Mold& mold) {
   Json undercuts = Json::array();
   for (std::size_t i = 0; i < std::min<std::size_t>(mold.undercuts.size(), 20); ++i) {
     const auto& u = mold.undercuts[i];
-    undercuts.push_back({{"place_mm", array(u.place, 10)}, {"depth_mm", rounded(u.depth_mm, 100)}, {"area_mm2", rounded(u.area_mm2, 10)}});
+    undercuts.push_back({{"place_mm", array(u.place, 10)},
+                         {"depth_mm", rounded(u.depth_mm, 100)},
+                         {"area_mm2", rounded(u.area_mm2, 10)}});
   }
   return {{"triangles", mold.mesh.triangles.size()},
           {"size_mm", array(bounds(mold.mesh).size(), 100)},

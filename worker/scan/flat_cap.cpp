@@ -11,9 +11,12 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
-using FaceBase = CGAL::Triangulation_face_base_with_info_2<int, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
+using FaceBase =
+    CGAL::Triangulation_face_base_with_info_2<int, Kernel,
+                                              CGAL::Constrained_triangulation_face_base_2<Kernel>>;
 using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_tag>;
+using Triangulation =
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_tag>;
 
 }  // namespace
 
@@ -39,7 +42,8 @@ std::optional<std::vector<Triangle>> flat_cap(const std::vector<Eigen::Vector3d>
   if (triangulation.dimension() < 2) return std::nullopt;
 
   // From outside inwards: each outline crossed adds one.
-  for (auto face = triangulation.all_faces_begin(); face != triangulation.all_faces_end(); ++face) face->info() = -1;
+  for (auto face = triangulation.all_faces_begin(); face != triangulation.all_faces_end(); ++face)
+    face->info() = -1;
   std::vector<Triangulation::Face_handle> level{triangulation.infinite_face()}, next;
   for (int depth = 0; !level.empty(); ++depth, level.swap(next)) {
     next.clear();
@@ -50,7 +54,8 @@ std::optional<std::vector<Triangle>> flat_cap(const std::vector<Eigen::Vector3d>
       face->info() = depth;
       for (int k = 0; k < 3; ++k) {
         const auto neighbour = face->neighbor(k);
-        if (neighbour->info() < 0) (triangulation.is_constrained({face, k}) ? next : level).push_back(neighbour);
+        if (neighbour->info() < 0)
+          (triangulation.is_constrained({face, k}) ? next : level).push_back(neighbour);
       }
     }
   }

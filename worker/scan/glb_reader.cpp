@@ -1,6 +1,6 @@
-// GLB, the binary container of glTF 2.0 (ISO/IEC 12113): the meshes of every node of the scene, in world coordinates.
-// Positions are floats; data outside of the file, sparse accessors and required extensions that change the geometry
-// (Draco, meshopt, quantization) are refused by name.
+// GLB, the binary container of glTF 2.0 (ISO/IEC 12113): the meshes of every node of the scene, in world
+// coordinates. Positions are floats; data outside of the file, sparse accessors and required extensions that
+// change the geometry (Draco, meshopt, quantization) are refused by name.
 #include <Eigen/Geometry>
 #include <bit>
 #include <cmath>
@@ -20,10 +20,12 @@ std::uint32_t u32(Bytes bytes, std::uint64_t at) {
 }
 
 // The whole number under `key`, or `absent`; nullopt when it is something else or beyond 2^53.
-std::optional<std::uint64_t> whole(const json& object, const char* key, std::optional<std::uint64_t> absent = {}) {
+std::optional<std::uint64_t> whole(const json& object, const char* key,
+                                   std::optional<std::uint64_t> absent = {}) {
   const auto it = object.find(key);
   if (it == object.end()) return absent;
-  if (it->is_number_unsigned() && it->get<std::uint64_t>() < std::uint64_t{1} << 53) return it->get<std::uint64_t>();
+  if (it->is_number_unsigned() && it->get<std::uint64_t>() < std::uint64_t{1} << 53)
+    return it->get<std::uint64_t>();
   return std::nullopt;
 }
 
@@ -53,24 +55,33 @@ struct Reader {
     const json* accessor = nth(root, "accessors", index);
     if (!accessor) return corrupt("the GLB file has no " + name, where);
     if (accessor->contains("sparse"))
-      return fail(Code::unsupported_format, name + " of the GLB file is sparse", where, "export the scan as STL");
-    if (accessor->value("type", json()) != type) return corrupt(name + " of the GLB file is not of type " + type, where);
+      return fail(Code::unsupported_format, name + " of the GLB file is sparse", where,
+                  "export the scan as STL");
+    if (accessor->value("type", json()) != type)
+      return corrupt(name + " of the GLB file is not of type " + type, where);
     const auto count = whole(*accessor, "count"), offset = whole(*accessor, "byteOffset", 0),
                component = whole(*accessor, "componentType");
-    if (!count || !offset || !component) return corrupt(name + " of the GLB file lacks its count or type", where);
-    const std::uint64_t size = *component == 5121 ? 1 : *component == 5123 ? 2 : *component == 5125 || *component == 5126 ? 4 : 0;
+    if (!count || !offset || !component)
+      return corrupt(name + " of the GLB file lacks its count or type", where);
+    const std::uint64_t size = *component == 5121                         ? 1
+                               : *component == 5123                       ? 2
+                               : *component == 5125 || *component == 5126 ? 4
+                                                                          : 0;
     if (size == 0)
-      return fail(Code::unsupported_format, name + " of the GLB file has component type " + std::to_string(*component), where,
+      return fail(Code::unsupported_format,
+                  name + " of the GLB file has component type " + std::to_string(*component), where,
                   "export the scan with float positions, or as STL");
     const json* buffer_view = nth(root, "bufferViews", whole(*accessor, "bufferView"));
     if (!buffer_view) return corrupt(name + " of the GLB file has no buffer view", where);
     const auto buffer = whole(*buffer_view, "buffer"), start = whole(*buffer_view, "byteOffset", 0),
-               length = whole(*buffer_view, "byteLength"), stride = whole(*buffer_view, "byteStride", size * components);
+               length = whole(*buffer_view, "byteLength"),
+               stride = whole(*buffer_view, "byteStride", size * components);
     const json* buffer_object = nth(root, "buffers", buffer);
     if (!buffer_object || !start || !length || !stride || *stride < size * components)
       return corrupt("the buffer view of " + name + " of the GLB file is not of the documented form", where);
     if (*buffer != 0 || buffer_object->contains("uri"))
-      return fail(Code::unsupported_format, "the geometry of the GLB file lies outside of it (buffer " + std::to_string(*buffer) + ")",
+      return fail(Code::unsupported_format,
+                  "the geometry of the GLB file lies outside of it (buffer " + std::to_string(*buffer) + ")",
                   where, "export one self-contained GLB, or STL");
     // Every sum below stays under 2^55, every product is checked by division.
     if (*start + *length > binary.size())
@@ -79,7 +90,9 @@ struct Reader {
                      where);
     if (*count > 0 && (*offset > *length || *length - *offset < size * components ||
                        *count - 1 > (*length - *offset - size * components) / *stride))
-      return corrupt(name + " of the GLB file has " + std::to_string(*count) + " elements, more than its buffer view holds", where);
+      return corrupt(name + " of the GLB file has " + std::to_string(*count) +
+                         " elements, more than its buffer view holds",
+                     where);
     return View{binary.data() + *start + *offset, *count, *stride, *component};
   }
 
@@ -88,8 +101,10 @@ struct Reader {
     if (!mode || *mode > 6) return corrupt("a primitive of the GLB file has no known mode", where);
     if (*mode < 4) return {};  // points and lines are no skin
     const auto attributes = p.find("attributes");
-    if (attributes == p.end() || !attributes->is_object()) return corrupt("a primitive of the GLB file has no attributes", where);
-    if (p.contains("extensions") && p["extensions"].contains("KHR_draco_mesh_compression") && !attributes->contains("POSITION"))
+    if (attributes == p.end() || !attributes->is_object())
+      return corrupt("a primitive of the GLB file has no attributes", where);
+    if (p.contains("extensions") && p["extensions"].contains("KHR_draco_mesh_compression") &&
+        !attributes->contains("POSITION"))
       return corrupt("a primitive of the GLB file has no positions", where);
     VACUFORM_TRY(positions, view(whole(*attributes, "POSITION"), "VEC3", 3));
     if (positions.component != 5126)
@@ -97,7 +112,8 @@ struct Reader {
                   "export the scan without quantization, or as STL");
     auto& [vertices, triangles] = scan.mesh;
     if (vertices.size() + positions.count > scan_limits.vertices)
-      return fail(Code::too_large, "the scan has more than " + std::to_string(scan_limits.vertices) + " vertices", where,
+      return fail(Code::too_large,
+                  "the scan has more than " + std::to_string(scan_limits.vertices) + " vertices", where,
                   "reduce it (quadric decimation) to a few hundred thousand triangles");
     View indices{nullptr, positions.count, 0, 0};
     if (p.contains("indices")) {
@@ -107,13 +123,15 @@ struct Reader {
     }
     const std::uint64_t n = indices.count;
     const std::uint64_t added = *mode == 4 ? n / 3 : n < 3 ? 0 : n - 2;
-    if (triangles.size() + added > scan_limits.triangles) return too_many_triangles(triangles.size() + added, where);
+    if (triangles.size() + added > scan_limits.triangles)
+      return too_many_triangles(triangles.size() + added, where);
 
     const std::size_t base = vertices.size();
     vertices.reserve(base + positions.count);
     for (std::uint64_t i = 0; i < positions.count; ++i) {
       const Bytes element(positions.data + i * positions.stride, 12);
-      const Eigen::Vector3d point(std::bit_cast<float>(u32(element, 0)), std::bit_cast<float>(u32(element, 4)),
+      const Eigen::Vector3d point(std::bit_cast<float>(u32(element, 0)),
+                                  std::bit_cast<float>(u32(element, 4)),
                                   std::bit_cast<float>(u32(element, 8)));
       vertices.push_back(transform * point);
     }
@@ -122,7 +140,7 @@ struct Reader {
       std::uint64_t index = i;
       if (indices.data) {
         const std::uint8_t* at = indices.data + i * indices.stride;
-        index = indices.component == 5121 ? at[0]
+        index = indices.component == 5121   ? at[0]
                 : indices.component == 5123 ? std::uint64_t{at[0]} | std::uint64_t{at[1]} << 8
                                             : u32(Bytes(at, 4), 0);
       }
@@ -139,12 +157,15 @@ struct Reader {
       triangles.push_back(t);
     }
     if (beyond)
-      return corrupt("a triangle of the GLB file names a vertex beyond the " + std::to_string(positions.count) + " of its mesh", where);
+      return corrupt("a triangle of the GLB file names a vertex beyond the " +
+                         std::to_string(positions.count) + " of its mesh",
+                     where);
     return {};
   }
 
   static std::optional<Eigen::Affine3d> local_transform(const json& node) {
-    const auto numbers = [&](const char* key, std::vector<double> absent) -> std::optional<std::vector<double>> {
+    const auto numbers = [&](const char* key,
+                             std::vector<double> absent) -> std::optional<std::vector<double>> {
       const auto it = node.find(key);
       if (it == node.end()) return absent;
       if (!it->is_array() || it->size() != absent.size()) return std::nullopt;
@@ -160,10 +181,12 @@ struct Reader {
       const auto m = numbers("matrix", std::vector<double>(16, 0.0));
       if (!m) return std::nullopt;
       for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 3; ++row) transform(row, column) = (*m)[static_cast<std::size_t>(4 * column + row)];
+        for (int row = 0; row < 3; ++row)
+          transform(row, column) = (*m)[static_cast<std::size_t>(4 * column + row)];
       return transform;
     }
-    const auto t = numbers("translation", {0, 0, 0}), r = numbers("rotation", {0, 0, 0, 1}), s = numbers("scale", {1, 1, 1});
+    const auto t = numbers("translation", {0, 0, 0}), r = numbers("rotation", {0, 0, 0, 1}),
+               s = numbers("scale", {1, 1, 1});
     if (!t || !r || !s) return std::nullopt;
     const Eigen::Quaterniond q((*r)[3], (*r)[0], (*r)[1], (*r)[2]);
     if (!(q.norm() > 1e-6)) return std::nullopt;
@@ -198,7 +221,8 @@ struct Reader {
       for (const auto& node : *list)
         if (node.is_object() && node.contains("children") && node["children"].is_array())
           for (const auto& child : node["children"])
-            if (child.is_number_unsigned() && child.get<std::uint64_t>() < is_child.size()) is_child[child.get<std::uint64_t>()] = 1;
+            if (child.is_number_unsigned() && child.get<std::uint64_t>() < is_child.size())
+              is_child[child.get<std::uint64_t>()] = 1;
       json roots = json::array();
       for (std::size_t i = 0; i < is_child.size(); ++i)
         if (!is_child[i]) roots.push_back(i);
@@ -211,13 +235,15 @@ struct Reader {
       const json* node = nth(root, "nodes", index);
       if (!node) return corrupt("node " + std::to_string(index) + " of the GLB file is no object", where);
       const auto local = local_transform(*node);
-      if (!local) return corrupt("node " + std::to_string(index) + " of the GLB file has no valid transform", where);
+      if (!local)
+        return corrupt("node " + std::to_string(index) + " of the GLB file has no valid transform", where);
       const Eigen::Affine3d transform = parent * *local;
       if (node->contains("children")) sound = push((*node)["children"], transform);
       if (!node->contains("mesh")) continue;
       const json* mesh = nth(root, "meshes", whole(*node, "mesh"));
       if (!mesh || !mesh->contains("primitives") || !(*mesh)["primitives"].is_array())
-        return corrupt("node " + std::to_string(index) + " of the GLB file names a mesh that is not there", where);
+        return corrupt("node " + std::to_string(index) + " of the GLB file names a mesh that is not there",
+                       where);
       for (const auto& p : (*mesh)["primitives"]) {
         if (!p.is_object()) return corrupt("a primitive of the GLB file is no object", where);
         VACUFORM_CHECK(primitive(p, transform));
@@ -231,7 +257,8 @@ struct Reader {
 // Extensions that leave the triangles where they are.
 bool harmless(std::string_view extension) {
   return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_texture_") ||
-         extension.starts_with("EXT_texture_") || extension == "KHR_lights_punctual" || extension == "KHR_xmp_json_ld";
+         extension.starts_with("EXT_texture_") || extension == "KHR_lights_punctual" ||
+         extension == "KHR_xmp_json_ld";
 }
 
 }  // namespace
@@ -244,9 +271,11 @@ Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgr
   if (bytes.size() < 20) return damaged("the GLB file ends within its header of 20 bytes");
   const std::uint32_t version = u32(bytes, 4), length = u32(bytes, 8), json_bytes = u32(bytes, 12);
   if (version != 2)
-    return fail(Code::unsupported_format, "a GLB file of version " + std::to_string(version), where, "export glTF 2.0, or STL");
+    return fail(Code::unsupported_format, "a GLB file of version " + std::to_string(version), where,
+                "export glTF 2.0, or STL");
   if (length > bytes.size() || u32(bytes, 16) != 0x4E4F534A || json_bytes > bytes.size() - 20)
-    return damaged("the GLB file says it has " + std::to_string(length) + " bytes, but it has " + std::to_string(bytes.size()));
+    return damaged("the GLB file says it has " + std::to_string(length) + " bytes, but it has " +
+                   std::to_string(bytes.size()));
   constexpr int deepest = 64;
   const auto shallow = [](int depth, json::parse_event_t, json&) { return depth <= deepest; };
   const json root = json::parse(bytes.begin() + 20, bytes.begin() + 20 + json_bytes, shallow, false);
@@ -255,10 +284,12 @@ Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgr
   if (const auto required = root.find("extensionsRequired"); required != root.end()) {
     if (!required->is_array()) return corrupt("extensionsRequired of the GLB file is no list", where);
     for (const auto& extension : *required) {
-      if (!extension.is_string()) return corrupt("extensionsRequired of the GLB file holds something else than names", where);
+      if (!extension.is_string())
+        return corrupt("extensionsRequired of the GLB file holds something else than names", where);
       const auto& name = extension.get_ref<const std::string&>();
       if (!harmless(name))
-        return fail(Code::unsupported_format, "the GLB file requires the extension " + name.substr(0, 80) + ", which is not read",
+        return fail(Code::unsupported_format,
+                    "the GLB file requires the extension " + name.substr(0, 80) + ", which is not read",
                     where, "export it without compression, or as STL");
     }
   }

@@ -19,7 +19,8 @@ std::vector<Triangle> fill_hole(const std::vector<Eigen::Vector3d>& vertices, co
     line.emplace_back(p.x(), p.y(), p.z());
   }
   std::vector<CGAL::Triple<int, int, int>> patch;
-  // The slow search over all triangulations is cubic: only for short loops when the Delaunay search finds none.
+  // The slow search over all triangulations is cubic: only for short loops when the Delaunay search finds
+  // none.
   CGAL::Polygon_mesh_processing::triangulate_hole_polyline(
       line, std::back_inserter(patch),
       CGAL::parameters::use_delaunay_triangulation(true).do_not_use_cubic_algorithm(loop.size() > 200));

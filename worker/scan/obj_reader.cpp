@@ -21,8 +21,9 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
       for (double& x : xyz)
         if (!parse_number(take_word(line), x)) return corrupt("a vertex does not have three numbers", at());
       if (vertices.size() >= scan_limits.vertices)
-        return fail(Code::too_large, "the scan has more than " + std::to_string(scan_limits.vertices) + " vertices",
-                    where, "reduce it (quadric decimation) to a few hundred thousand triangles");
+        return fail(Code::too_large,
+                    "the scan has more than " + std::to_string(scan_limits.vertices) + " vertices", where,
+                    "reduce it (quadric decimation) to a few hundred thousand triangles");
       vertices.emplace_back(xyz[0], xyz[1], xyz[2]);
     } else if (word == "f") {
       std::int64_t first = 0, last = 0;
@@ -40,7 +41,8 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
         const auto count = static_cast<std::int64_t>(vertices.size());
         index = index < 0 ? count + index : index - 1;
         if (index < 0 || index >= static_cast<std::int64_t>(scan_limits.vertices))
-          return corrupt("a face names vertex " + std::string(corner.substr(0, corner.find('/')).substr(0, 40)) +
+          return corrupt("a face names vertex " +
+                             std::string(corner.substr(0, corner.find('/')).substr(0, 40)) +
                              ", but there are " + std::to_string(count) + " so far",
                          at());
         if (index > largest) largest = index, largest_at = index >= count ? at() : std::string();

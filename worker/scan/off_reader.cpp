@@ -1,5 +1,6 @@
-// Object File Format: a header word (OFF, or with C, N, ST for what each vertex carries besides), counts, one line
-// a vertex and one a face. What follows the coordinates or the corners on a line is colour or normal, and is ignored.
+// Object File Format: a header word (OFF, or with C, N, ST for what each vertex carries besides), counts, one
+// line a vertex and one a face. What follows the coordinates or the corners on a line is colour or normal,
+// and is ignored.
 #include <algorithm>
 
 #include "worker/scan/scan_file.hpp"
@@ -26,7 +27,8 @@ Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgr
   if (!next()) return corrupt("the OFF file is empty", where);
   const auto header = take_word(line);
   if (header.find('4') != header.npos || header.find('n') != header.npos)
-    return fail(Code::unsupported_format, "an OFF file of another dimension than three (" + std::string(header.substr(0, 16)) + ")",
+    return fail(Code::unsupported_format,
+                "an OFF file of another dimension than three (" + std::string(header.substr(0, 16)) + ")",
                 where, "export the scan as STL, OBJ or PLY");
   auto rest = line;
   if (take_word(rest) == "BINARY")
@@ -39,9 +41,11 @@ Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgr
     return corrupt("the OFF file does not say how many vertices and faces it has", at());
   // A vertex takes at least "0 0 0" and a line end, a face "1 0": counts beyond the bytes are lies.
   const std::uint64_t left = text.remaining() + 1;
-  if (static_cast<std::uint64_t>(vertex_count) > left / 6 || static_cast<std::uint64_t>(face_count) > left / 4)
+  if (static_cast<std::uint64_t>(vertex_count) > left / 6 ||
+      static_cast<std::uint64_t>(face_count) > left / 4)
     return corrupt("the OFF file says it has " + std::to_string(vertex_count) + " vertices and " +
-                       std::to_string(face_count) + " faces, but only " + std::to_string(left - 1) + " bytes follow",
+                       std::to_string(face_count) + " faces, but only " + std::to_string(left - 1) +
+                       " bytes follow",
                    at());
   if (static_cast<std::uint64_t>(vertex_count) > scan_limits.vertices)
     return fail(Code::too_large, "the scan has " + std::to_string(vertex_count) + " vertices", where,
@@ -50,7 +54,10 @@ Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgr
   vertices.reserve(static_cast<std::size_t>(vertex_count));
   for (std::int64_t i = 0; i < vertex_count; ++i) {
     if (i % 65536 == 0) VACUFORM_CHECK(progress.tick());
-    if (!next()) return corrupt("the file ends after " + std::to_string(i) + " of " + std::to_string(vertex_count) + " vertices", at());
+    if (!next())
+      return corrupt(
+          "the file ends after " + std::to_string(i) + " of " + std::to_string(vertex_count) + " vertices",
+          at());
     double xyz[3];
     for (double& x : xyz)
       if (!parse_number(take_word(line), x)) return corrupt("a vertex does not have three numbers", at());
@@ -58,9 +65,12 @@ Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgr
   }
   for (std::int64_t i = 0; i < face_count; ++i) {
     if (i % 65536 == 0) VACUFORM_CHECK(progress.tick());
-    if (!next()) return corrupt("the file ends after " + std::to_string(i) + " of " + std::to_string(face_count) + " faces", at());
+    if (!next())
+      return corrupt(
+          "the file ends after " + std::to_string(i) + " of " + std::to_string(face_count) + " faces", at());
     std::int64_t corners = 0, first = 0, last = 0;
-    if (!parse_integer(take_word(line), corners) || corners < 0) return corrupt("a face does not say how many corners it has", at());
+    if (!parse_integer(take_word(line), corners) || corners < 0)
+      return corrupt("a face does not say how many corners it has", at());
     for (std::int64_t k = 0; k < corners; ++k) {
       std::int64_t index = 0;
       const auto word = take_word(line);

@@ -16,10 +16,10 @@ enum class Kind { i8, u8, i16, u16, i32, u32, f32, f64 };
 
 bool kind_from(std::string_view word, Kind& kind) {
   constexpr std::pair<std::string_view, Kind> names[] = {
-      {"char", Kind::i8},    {"int8", Kind::i8},    {"uchar", Kind::u8},   {"uint8", Kind::u8},
-      {"short", Kind::i16},  {"int16", Kind::i16},  {"ushort", Kind::u16}, {"uint16", Kind::u16},
-      {"int", Kind::i32},    {"int32", Kind::i32},  {"uint", Kind::u32},   {"uint32", Kind::u32},
-      {"float", Kind::f32},  {"float32", Kind::f32}, {"double", Kind::f64}, {"float64", Kind::f64}};
+      {"char", Kind::i8},   {"int8", Kind::i8},     {"uchar", Kind::u8},   {"uint8", Kind::u8},
+      {"short", Kind::i16}, {"int16", Kind::i16},   {"ushort", Kind::u16}, {"uint16", Kind::u16},
+      {"int", Kind::i32},   {"int32", Kind::i32},   {"uint", Kind::u32},   {"uint32", Kind::u32},
+      {"float", Kind::f32}, {"float32", Kind::f32}, {"double", Kind::f64}, {"float64", Kind::f64}};
   for (const auto& [name, value] : names)
     if (name == word) return kind = value, true;
   return false;
@@ -27,10 +27,18 @@ bool kind_from(std::string_view word, Kind& kind) {
 
 std::uint64_t size_of(Kind kind) {
   switch (kind) {
-    case Kind::i8: case Kind::u8: return 1;
-    case Kind::i16: case Kind::u16: return 2;
-    case Kind::i32: case Kind::u32: case Kind::f32: return 4;
-    case Kind::f64: return 8;
+    case Kind::i8:
+    case Kind::u8:
+      return 1;
+    case Kind::i16:
+    case Kind::u16:
+      return 2;
+    case Kind::i32:
+    case Kind::u32:
+    case Kind::f32:
+      return 4;
+    case Kind::f64:
+      return 8;
   }
   return 8;
 }
@@ -60,15 +68,30 @@ class Values {
     const std::uint64_t size = size_of(kind);
     if (bytes_.size() - at_ < size) return false;
     std::uint64_t raw = 0;
-    for (std::uint64_t i = 0; i < size; ++i) raw |= std::uint64_t{bytes_[at_ + (big_ ? size - 1 - i : i)]} << 8 * i;
+    for (std::uint64_t i = 0; i < size; ++i)
+      raw |= std::uint64_t{bytes_[at_ + (big_ ? size - 1 - i : i)]} << 8 * i;
     at_ += size;
     switch (kind) {
-      case Kind::i8: value = static_cast<std::int8_t>(raw); break;
-      case Kind::u8: case Kind::u16: case Kind::u32: value = static_cast<double>(raw); break;
-      case Kind::i16: value = static_cast<std::int16_t>(raw); break;
-      case Kind::i32: value = static_cast<std::int32_t>(raw); break;
-      case Kind::f32: value = std::bit_cast<float>(static_cast<std::uint32_t>(raw)); break;
-      case Kind::f64: value = std::bit_cast<double>(raw); break;
+      case Kind::i8:
+        value = static_cast<std::int8_t>(raw);
+        break;
+      case Kind::u8:
+      case Kind::u16:
+      case Kind::u32:
+        value = static_cast<double>(raw);
+        break;
+      case Kind::i16:
+        value = static_cast<std::int16_t>(raw);
+        break;
+      case Kind::i32:
+        value = static_cast<std::int32_t>(raw);
+        break;
+      case Kind::f32:
+        value = std::bit_cast<float>(static_cast<std::uint32_t>(raw));
+        break;
+      case Kind::f64:
+        value = std::bit_cast<double>(raw);
+        break;
     }
     return true;
   }
@@ -107,15 +130,20 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
     const auto word = take_word(line);
     if (word == "end_header") {
       header.bytes = text.position();
-      if (header.encoding == Header::Encoding::none) return corrupt("the PLY header does not name its format", where);
+      if (header.encoding == Header::Encoding::none)
+        return corrupt("the PLY header does not name its format", where);
       return header;
     }
     if (word == "format") {
       const auto format = take_word(line);
-      if (format == "ascii") header.encoding = Header::Encoding::ascii;
-      else if (format == "binary_little_endian") header.encoding = Header::Encoding::little;
-      else if (format == "binary_big_endian") header.encoding = Header::Encoding::big;
-      else return corrupt("unknown PLY format \"" + std::string(format.substr(0, 40)) + "\"", at());
+      if (format == "ascii")
+        header.encoding = Header::Encoding::ascii;
+      else if (format == "binary_little_endian")
+        header.encoding = Header::Encoding::little;
+      else if (format == "binary_big_endian")
+        header.encoding = Header::Encoding::big;
+      else
+        return corrupt("unknown PLY format \"" + std::string(format.substr(0, 40)) + "\"", at());
     } else if (word == "element") {
       Element element;
       element.name = take_word(line);
@@ -123,10 +151,12 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
       if (!parse_integer(take_word(line), count) || count < 0)
         return corrupt("an element of the PLY header does not say how many it has", at());
       element.count = static_cast<std::uint64_t>(count);
-      if (header.elements.size() == 256) return corrupt("the PLY header declares more than 256 elements", at());
+      if (header.elements.size() == 256)
+        return corrupt("the PLY header declares more than 256 elements", at());
       header.elements.push_back(std::move(element));
     } else if (word == "property") {
-      if (header.elements.empty()) return corrupt("a property of the PLY header stands before any element", at());
+      if (header.elements.empty())
+        return corrupt("a property of the PLY header stands before any element", at());
       auto& element = header.elements.back();
       Property property;
       auto type = take_word(line);
@@ -143,7 +173,8 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
         property.use = name == "x" ? Use::x : name == "y" ? Use::y : name == "z" ? Use::z : Use::none;
       if (element.name == "face" && property.list && (name == "vertex_indices" || name == "vertex_index"))
         property.use = Use::corners;
-      if (element.properties.size() == 1024) return corrupt("a PLY element declares more than 1024 properties", at());
+      if (element.properties.size() == 1024)
+        return corrupt("a PLY element declares more than 1024 properties", at());
       element.properties.push_back(property);
     } else if (word != "comment" && word != "obj_info" && !word.empty()) {
       return corrupt("\"" + std::string(word.substr(0, 40)) + "\" is no word of a PLY header", at());
@@ -158,8 +189,9 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
   VACUFORM_TRY(header, read_header(bytes, where));
   const bool ascii = header.encoding == Header::Encoding::ascii;
   ScanFile scan;
-  scan.format = ascii ? "PLY (ASCII)"
-                      : header.encoding == Header::Encoding::big ? "PLY (big-endian)" : "PLY (little-endian)";
+  scan.format = ascii                                      ? "PLY (ASCII)"
+                : header.encoding == Header::Encoding::big ? "PLY (big-endian)"
+                                                           : "PLY (little-endian)";
   auto& [vertices, triangles] = scan.mesh;
   Values values(bytes.subspan(header.bytes), ascii, header.encoding == Header::Encoding::big);
   std::vector<double> corners;
@@ -171,7 +203,8 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
     for (const auto& p : element.properties) row_bytes += ascii ? 2 : size_of(p.list ? p.count_kind : p.kind);
     if (row_bytes == 0) continue;  // no properties, no bytes
     if (element.count > (values.remaining() + 1) / row_bytes) {
-      if (const auto damage = ascii ? std::string() : text_mode_damage(bytes); !damage.empty()) return corrupt(damage, where);
+      if (const auto damage = ascii ? std::string() : text_mode_damage(bytes); !damage.empty())
+        return corrupt(damage, where);
       return corrupt("the PLY file says it has " + std::to_string(element.count) + " of element \"" +
                          element.name.substr(0, 40) + "\", but only " + std::to_string(values.remaining()) +
                          " bytes follow",
@@ -190,7 +223,9 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
       if (row % 65536 == 0) VACUFORM_CHECK(progress.tick());
       const auto at = [&] { return where + ", " + element.name.substr(0, 40) + " " + std::to_string(row); };
       const auto ended = [&] {
-        return corrupt(values.remaining() == 0 || !ascii ? "the PLY file ends within its data" : "a word of the PLY data is no number", at());
+        return corrupt(values.remaining() == 0 || !ascii ? "the PLY file ends within its data"
+                                                         : "a word of the PLY data is no number",
+                       at());
       };
       Eigen::Vector3d point = Eigen::Vector3d::Zero();
       for (const auto& p : element.properties) {
@@ -212,7 +247,8 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
         for (std::uint64_t k = 0; k < length; ++k) {
           double index = 0;
           if (!values.read(p.kind, index)) return ended();
-          if (!(index >= 0) || index != std::floor(index) || index >= static_cast<double>(scan_limits.vertices))
+          if (!(index >= 0) || index != std::floor(index) ||
+              index >= static_cast<double>(scan_limits.vertices))
             return corrupt("a face of the PLY file names a vertex that cannot be", at());
           largest = std::max(largest, index);
           corners.push_back(index);
@@ -220,14 +256,16 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
         if (triangles.size() + corners.size() > scan_limits.triangles + 2)
           return too_many_triangles(triangles.size() + corners.size() - 2, where);
         for (std::size_t k = 2; k < corners.size(); ++k)
-          triangles.push_back({static_cast<int>(corners[0]), static_cast<int>(corners[k - 1]), static_cast<int>(corners[k])});
+          triangles.push_back(
+              {static_cast<int>(corners[0]), static_cast<int>(corners[k - 1]), static_cast<int>(corners[k])});
       }
       if (element.name == "vertex") vertices.push_back(point);
     }
   }
   if (largest >= static_cast<double>(vertices.size()))
     return corrupt("a face names vertex " + std::to_string(static_cast<std::int64_t>(largest)) +
-                       ", but the PLY file has " + std::to_string(vertices.size()) + " vertices, counted from 0",
+                       ", but the PLY file has " + std::to_string(vertices.size()) +
+                       " vertices, counted from 0",
                    where);
   return scan;
 }

@@ -35,17 +35,19 @@ std::string_view foreign_kind(Bytes bytes) {
   if (head.starts_with("ISO-10303-21")) return "a STEP file";
   if (head.starts_with("# vtk DataFile")) return "a VTK file";
   if (head.size() > 132 && head.substr(128, 4) == "DICM") return "a DICOM image, not a surface";
-  if (head.size() > 348 && (head.substr(344, 3) == "n+1" || head.substr(344, 3) == "ni1")) return "a NIfTI image, not a surface";
+  if (head.size() > 348 && (head.substr(344, 3) == "n+1" || head.substr(344, 3) == "ni1"))
+    return "a NIfTI image, not a surface";
   if (head.starts_with("{") && head.find("\"asset\"") != head.npos) return "a glTF file in text form";
-  if (head.starts_with("<?xml") || head.starts_with("<COLLADA") || head.starts_with("<!DOCTYPE") || head.starts_with("<html"))
+  if (head.starts_with("<?xml") || head.starts_with("<COLLADA") || head.starts_with("<!DOCTYPE") ||
+      head.starts_with("<html"))
     return "an XML or HTML file";
   return {};
 }
 
 bool sizes_as_binary_stl(Bytes bytes) {
   if (bytes.size() < 84) return false;
-  const std::uint64_t count = std::uint64_t{bytes[80]} | std::uint64_t{bytes[81]} << 8 | std::uint64_t{bytes[82]} << 16 |
-                              std::uint64_t{bytes[83]} << 24;
+  const std::uint64_t count = std::uint64_t{bytes[80]} | std::uint64_t{bytes[81]} << 8 |
+                              std::uint64_t{bytes[82]} << 16 | std::uint64_t{bytes[83]} << 24;
   return 84 + 50 * count == bytes.size();
 }
 
@@ -71,7 +73,9 @@ bool looks_like_obj(Bytes bytes) {
     if (word.empty() || word.front() == '#') continue;
     double x = 0;
     if (word == "v") return parse_number(take_word(line), x);
-    if (word != "mtllib" && word != "o" && word != "g" && word != "s" && word != "usemtl" && word != "vn" && word != "vt") return false;
+    if (word != "mtllib" && word != "o" && word != "g" && word != "s" && word != "usemtl" && word != "vn" &&
+        word != "vt")
+      return false;
   }
   return false;
 }
@@ -84,8 +88,8 @@ std::optional<Format> recognise(Bytes bytes, const std::string& extension) {
   if (looks_like_ascii_stl(bytes)) return Format::stl_ascii;
   TextCursor text(bytes);
   const auto word = text.next_word();
-  if (word == "OFF" || word == "COFF" || word == "NOFF" || word == "CNOFF" || word == "STOFF" || word == "STCNOFF" ||
-      word == "4OFF" || word == "nOFF")
+  if (word == "OFF" || word == "COFF" || word == "NOFF" || word == "CNOFF" || word == "STOFF" ||
+      word == "STCNOFF" || word == "4OFF" || word == "nOFF")
     return Format::off;
   if (looks_like_obj(bytes)) return Format::obj;
   if (foreign_kind(bytes).empty()) {
@@ -97,12 +101,18 @@ std::optional<Format> recognise(Bytes bytes, const std::string& extension) {
 
 Result<ScanFile> read_as(Format format, Bytes bytes, const std::string& where, const ScanProgress& progress) {
   switch (format) {
-    case Format::stl_binary: return read_stl_binary(bytes, where, progress);
-    case Format::stl_ascii: return read_stl_ascii(bytes, where, progress);
-    case Format::obj: return read_obj(bytes, where, progress);
-    case Format::ply: return read_ply(bytes, where, progress);
-    case Format::off: return read_off(bytes, where, progress);
-    case Format::glb: return read_glb(bytes, where, progress);
+    case Format::stl_binary:
+      return read_stl_binary(bytes, where, progress);
+    case Format::stl_ascii:
+      return read_stl_ascii(bytes, where, progress);
+    case Format::obj:
+      return read_obj(bytes, where, progress);
+    case Format::ply:
+      return read_ply(bytes, where, progress);
+    case Format::off:
+      return read_off(bytes, where, progress);
+    case Format::glb:
+      return read_glb(bytes, where, progress);
   }
   return fail(Code::internal, "a format without a reader", where);
 }
@@ -115,38 +125,47 @@ std::string text_mode_damage(Bytes bytes) {
     if (bytes[i] >= 0x80) ++high;
     if (bytes[i] == '\n') ++feeds, returns_before += i > 0 && bytes[i - 1] == '\r';
     if (i + 2 < bytes.size() && bytes[i] == 0xEF && bytes[i + 1] == 0xBF && bytes[i + 2] == 0xBD) ++replaced;
-    if (i + 1 < bytes.size() && (bytes[i] == 0xC2 || bytes[i] == 0xC3) && bytes[i + 1] >= 0x80 && bytes[i + 1] < 0xC0) ++latin;
+    if (i + 1 < bytes.size() && (bytes[i] == 0xC2 || bytes[i] == 0xC3) && bytes[i + 1] >= 0x80 &&
+        bytes[i + 1] < 0xC0)
+      ++latin;
   }
   const std::string advice = "; it was destroyed by a text-mode copy and cannot be repaired";
   if (replaced >= 16 && 3 * replaced * 2 > high)
-    return std::to_string(replaced) + " groups of bytes of the file were replaced by the mark for unreadable text (U+FFFD)" + advice;
+    return std::to_string(replaced) +
+           " groups of bytes of the file were replaced by the mark for unreadable text (U+FFFD)" + advice;
   if (high >= 64 && latin * 2 == high) return "the file's bytes were turned from Latin-1 into UTF-8" + advice;
   if (feeds >= 16 && returns_before == feeds) return "every line feed of the file became CR LF" + advice;
   return {};
 }
 
 Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const ScanProgress& progress) {
-  if (bytes.empty()) return fail(Code::corrupt_file, "the scan file is empty", file_name, "upload or export it again");
+  if (bytes.empty())
+    return fail(Code::corrupt_file, "the scan file is empty", file_name, "upload or export it again");
   if (bytes.size() > scan_limits.bytes)
-    return fail(Code::too_large, "the scan file has " + std::to_string(bytes.size()) + " bytes, above the limit of 1 GiB", file_name,
-                "reduce the scan (quadric decimation) to a few hundred thousand triangles");
+    return fail(Code::too_large,
+                "the scan file has " + std::to_string(bytes.size()) + " bytes, above the limit of 1 GiB",
+                file_name, "reduce the scan (quadric decimation) to a few hundred thousand triangles");
   const auto format = recognise(bytes, extension_of(file_name));
   if (!format) {
     const auto kind = foreign_kind(bytes);
-    return fail(Code::unsupported_format, kind.empty() ? "not a scan of a known format" : "the scan is " + std::string(kind), file_name,
+    return fail(Code::unsupported_format,
+                kind.empty() ? "not a scan of a known format" : "the scan is " + std::string(kind), file_name,
                 "give STL, OBJ, PLY, OFF or GLB");
   }
   VACUFORM_TRY(scan, read_as(*format, bytes, file_name, progress));
   for (std::size_t i = 0; i < scan.mesh.vertices.size(); ++i) {
     const auto& p = scan.mesh.vertices[i];
     if (!p.allFinite())
-      return corrupt("a coordinate of the scan is not a finite number", file_name + ", vertex " + std::to_string(i + 1));
+      return corrupt("a coordinate of the scan is not a finite number",
+                     file_name + ", vertex " + std::to_string(i + 1));
     if (p.cwiseAbs().maxCoeff() > scan_limits.coordinate)
-      return corrupt("a coordinate of the scan is absurd, beyond 10,000,000", file_name + ", vertex " + std::to_string(i + 1));
+      return corrupt("a coordinate of the scan is absurd, beyond 10,000,000",
+                     file_name + ", vertex " + std::to_string(i + 1));
   }
   if (scan.mesh.triangles.empty())
     return fail(Code::unusable_scan,
-                scan.mesh.vertices.empty() ? "the scan holds no triangles" : "the scan holds points but no triangles (a point cloud)",
+                scan.mesh.vertices.empty() ? "the scan holds no triangles"
+                                           : "the scan holds points but no triangles (a point cloud)",
                 file_name, "export the surface as a mesh of triangles");
   return scan;
 }

@@ -1,4 +1,5 @@
-// Progress of the scan stage: the steps of the stage say how far it is, whatever runs long within a step only ticks.
+// Progress of the scan stage: the steps of the stage say how far it is, whatever runs long within a step only
+// ticks.
 #pragma once
 
 #include "worker/context.hpp"

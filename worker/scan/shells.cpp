@@ -47,7 +47,8 @@ std::vector<Piece> measure_pieces(const TriangleMesh& mesh, const std::vector<in
   return pieces;
 }
 
-TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of, const std::vector<char>& keep) {
+TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of,
+                         const std::vector<char>& keep) {
   TriangleMesh taken;
   taken.vertices = mesh.vertices;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
@@ -78,8 +79,8 @@ bool enclosed(const TriangleMesh& piece, const RayCaster& main, double reach) {
   return inside * 20 >= samples * 19;
 }
 
-// Makes the directions of triangles agree over edges that exactly two share; then turns each such patch outwards.
-// Returns the share of the area that was turned.
+// Makes the directions of triangles agree over edges that exactly two share; then turns each such patch
+// outwards. Returns the share of the area that was turned.
 double orient(TriangleMesh& mesh) {
   const auto uses = edge_uses(mesh);
   struct Neighbour {
@@ -90,7 +91,9 @@ double orient(TriangleMesh& mesh) {
   std::vector<int> filled(mesh.triangles.size(), 0);
   std::vector<std::pair<int, int>> border;  // (triangle, use)
   for (std::size_t i = 0, next; i < uses.size(); i = next) {
-    for (next = i + 1; next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;) ++next;
+    for (next = i + 1;
+         next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;)
+      ++next;
     if (next == i + 1) border.emplace_back(uses[i].triangle, static_cast<int>(i));
     if (next != i + 2) continue;
     const auto &a = uses[i], &b = uses[i + 1];
@@ -121,13 +124,15 @@ double orient(TriangleMesh& mesh) {
     ++patches;
   }
 
-  // The reference point of each patch: the middle of its border; of a closed patch any point, here its first vertex.
+  // The reference point of each patch: the middle of its border; of a closed patch any point, here its first
+  // vertex.
   std::vector<Eigen::Vector3d> reference(static_cast<std::size_t>(patches), Eigen::Vector3d::Zero());
   std::vector<double> weight(static_cast<std::size_t>(patches), 0), volume = weight;
   for (const auto& [triangle, use] : border) {
     const auto n = static_cast<std::size_t>(patch[static_cast<std::size_t>(triangle)]);
     const auto& u = uses[static_cast<std::size_t>(use)];
-    const Eigen::Vector3d &a = mesh.vertices[static_cast<std::size_t>(u.low)], &b = mesh.vertices[static_cast<std::size_t>(u.high)];
+    const Eigen::Vector3d &a = mesh.vertices[static_cast<std::size_t>(u.low)],
+                          &b = mesh.vertices[static_cast<std::size_t>(u.high)];
     const double length = (b - a).norm();
     reference[n] += length * (a + b) / 2;
     weight[n] += length;

@@ -1,5 +1,5 @@
-// STL, binary and ASCII. A binary file is 80 bytes of anything (often "solid ..."), a 32-bit count and 50 bytes a
-// triangle; the stored normals are often wrong and are ignored.
+// STL, binary and ASCII. A binary file is 80 bytes of anything (often "solid ..."), a 32-bit count and 50
+// bytes a triangle; the stored normals are often wrong and are ignored.
 #include <bit>
 #include <cstring>
 
@@ -12,8 +12,8 @@ namespace {
 constexpr std::uint64_t header_bytes = 84, record_bytes = 50;
 
 float little_endian_float(const std::uint8_t* p) {
-  const std::uint32_t bits = std::uint32_t{p[0]} | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 |
-                             std::uint32_t{p[3]} << 24;
+  const std::uint32_t bits =
+      std::uint32_t{p[0]} | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
   return std::bit_cast<float>(bits);
 }
 
@@ -22,14 +22,15 @@ float little_endian_float(const std::uint8_t* p) {
 Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const ScanProgress& progress) {
   if (bytes.size() < header_bytes)
     return corrupt("the binary STL file ends within its header of 84 bytes", where);
-  const std::uint64_t count = std::uint64_t{bytes[80]} | std::uint64_t{bytes[81]} << 8 | std::uint64_t{bytes[82]} << 16 |
-                              std::uint64_t{bytes[83]} << 24;
+  const std::uint64_t count = std::uint64_t{bytes[80]} | std::uint64_t{bytes[81]} << 8 |
+                              std::uint64_t{bytes[82]} << 16 | std::uint64_t{bytes[83]} << 24;
   const std::uint64_t needed = header_bytes + record_bytes * count;
   if (needed > bytes.size()) {
     const std::string damage = text_mode_damage(bytes);
     if (!damage.empty()) return corrupt(damage, where);
     return corrupt("the binary STL file says it has " + std::to_string(count) + " triangles, which take " +
-                       std::to_string(needed) + " bytes, but it has " + std::to_string(bytes.size()) + " bytes",
+                       std::to_string(needed) + " bytes, but it has " + std::to_string(bytes.size()) +
+                       " bytes",
                    where);
   }
   if (count > scan_limits.triangles) return too_many_triangles(count, where);
@@ -77,7 +78,8 @@ Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const Sca
       if (++facets > scan_limits.triangles) return too_many_triangles(facets, where);
       const int last = static_cast<int>(vertices.size());
       scan.mesh.triangles.push_back({last - 3, last - 2, last - 1});
-    } else if (word != "outer" && word != "endloop" && word != "solid" && word != "endsolid" && !word.empty()) {
+    } else if (word != "outer" && word != "endloop" && word != "solid" && word != "endsolid" &&
+               !word.empty()) {
       // Only "solid" may be followed by free text; some exporters let its name run over several lines.
       if (facets > 0 || in_facet)
         return corrupt("\"" + std::string(word.substr(0, 40)) + "\" is no word of an ASCII STL file", at());

@@ -14,7 +14,8 @@ class TextCursor {
   explicit TextCursor(std::span<const std::uint8_t> bytes)
       : at_(reinterpret_cast<const char*>(bytes.data())), begin_(at_), end_(at_ + bytes.size()) {}
 
-  // The next line without its end (LF, CR LF or a lone CR); false at the end of the text. The last line needs no end.
+  // The next line without its end (LF, CR LF or a lone CR); false at the end of the text. The last line needs
+  // no end.
   bool next_line(std::string_view& line) {
     if (at_ == end_) return false;
     const char* start = at_;
@@ -60,8 +61,8 @@ inline std::string_view take_word(std::string_view& line) {
   return word;
 }
 
-// The whole word must be the number. "nan" and "inf" parse; callers check for finite values. A number too small for
-// a double is 0, one too large is infinite.
+// The whole word must be the number. "nan" and "inf" parse; callers check for finite values. A number too
+// small for a double is 0, one too large is infinite.
 inline bool parse_number(std::string_view word, double& value) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);

@@ -30,7 +30,8 @@ bool is_watertight(const TriangleMesh& mesh) {
     if (i + 1 == uses.size() || uses[i].low == uses[i].high) return false;
     if (uses[i].low != uses[i + 1].low || uses[i].high != uses[i + 1].high) return false;
     if (uses[i].forward == uses[i + 1].forward) return false;
-    if (i + 2 < uses.size() && uses[i].low == uses[i + 2].low && uses[i].high == uses[i + 2].high) return false;
+    if (i + 2 < uses.size() && uses[i].low == uses[i + 2].low && uses[i].high == uses[i + 2].high)
+      return false;
   }
   return true;
 }
@@ -39,7 +40,9 @@ std::vector<std::vector<int>> border_loops(const TriangleMesh& mesh) {
   const auto uses = edge_uses(mesh);
   std::vector<std::pair<int, int>> border;  // from, to: against the triangle that is there
   for (std::size_t i = 0, next; i < uses.size(); i = next) {
-    for (next = i + 1; next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;) ++next;
+    for (next = i + 1;
+         next < uses.size() && uses[next].low == uses[i].low && uses[next].high == uses[i].high;)
+      ++next;
     if (next != i + 1) continue;
     if (uses[i].forward)
       border.emplace_back(uses[i].high, uses[i].low);
@@ -71,9 +74,11 @@ std::vector<std::vector<int>> border_loops(const TriangleMesh& mesh) {
       }
       taken[static_cast<std::size_t>(edge - border.begin())] = 1;
       const int to = edge->second;
-      if (const int at = place[static_cast<std::size_t>(to)]; at >= 0) {  // a loop has closed: take it off the path
+      if (const int at = place[static_cast<std::size_t>(to)];
+          at >= 0) {  // a loop has closed: take it off the path
         loops.emplace_back(path.begin() + at, path.end());
-        for (std::size_t i = static_cast<std::size_t>(at) + 1; i < path.size(); ++i) place[static_cast<std::size_t>(path[i])] = -1;
+        for (std::size_t i = static_cast<std::size_t>(at) + 1; i < path.size(); ++i)
+          place[static_cast<std::size_t>(path[i])] = -1;
         path.resize(static_cast<std::size_t>(at) + 1);
       } else {
         place[static_cast<std::size_t>(to)] = static_cast<int>(path.size());

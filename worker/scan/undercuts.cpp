@@ -46,7 +46,8 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
     bool met = false;
     while (z > floor) {
       const double reach = z - floor + 1;
-      const auto hit = space.caster_->first_hit(space.back_ * Eigen::Vector3d(xy.x(), xy.y(), z), reach * down);
+      const auto hit =
+          space.caster_->first_hit(space.back_ * Eigen::Vector3d(xy.x(), xy.y(), z), reach * down);
       if (!hit) break;
       const double at = z - hit->t * reach;
       z = at - step;
@@ -61,7 +62,8 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
         opened = at;
       }
     }
-    if (met && inside == 0 && opened - floor > least_height_mm) space.spans_.push_back({column, floor, opened});
+    if (met && inside == 0 && opened - floor > least_height_mm)
+      space.spans_.push_back({column, floor, opened});
   }
   space.build_pyramid();
   return space;
@@ -71,11 +73,14 @@ void CoveredSpace::build_pyramid() {
   const std::vector<double>* below = &top_;
   for (int bx = nx_, by = ny_; bx > 1 || by > 1;) {
     const int cx = (bx + 1) / 2, cy = (by + 1) / 2;
-    Level level{cx, cy, std::vector<double>(static_cast<std::size_t>(cx) * static_cast<std::size_t>(cy), HUGE_VAL)};
+    Level level{cx, cy,
+                std::vector<double>(static_cast<std::size_t>(cx) * static_cast<std::size_t>(cy), HUGE_VAL)};
     for (int y = 0; y < by; ++y)
       for (int x = 0; x < bx; ++x) {
-        auto& lowest = level.lowest[static_cast<std::size_t>(y / 2) * static_cast<std::size_t>(cx) + static_cast<std::size_t>(x / 2)];
-        lowest = std::min(lowest, (*below)[static_cast<std::size_t>(y) * static_cast<std::size_t>(bx) + static_cast<std::size_t>(x)]);
+        auto& lowest = level.lowest[static_cast<std::size_t>(y / 2) * static_cast<std::size_t>(cx) +
+                                    static_cast<std::size_t>(x / 2)];
+        lowest = std::min(lowest, (*below)[static_cast<std::size_t>(y) * static_cast<std::size_t>(bx) +
+                                           static_cast<std::size_t>(x)]);
       }
     pyramid_.push_back(std::move(level));
     below = &pyramid_.back().lowest;
@@ -94,7 +99,8 @@ void CoveredSpace::search(Search& s, std::size_t level, int x, int y) const {
   const int nx = level == 0 ? nx_ : pyramid_[level - 1].nx, ny = level == 0 ? ny_ : pyramid_[level - 1].ny;
   if (x >= nx || y >= ny) return;
   const auto& lowest = level == 0 ? top_ : pyramid_[level - 1].lowest;
-  if (lowest[static_cast<std::size_t>(y) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(x)] >= s.z) return;
+  if (lowest[static_cast<std::size_t>(y) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(x)] >= s.z)
+    return;
   const int side = 1 << level;
   const double dx = std::max({0, x * side - s.x, s.x - (x * side + side - 1)});
   const double dy = std::max({0, y * side - s.y, s.y - (y * side + side - 1)});
@@ -105,7 +111,8 @@ void CoveredSpace::search(Search& s, std::size_t level, int x, int y) const {
     return;
   }
   const int right = s.x >= x * side + side / 2, upper = s.y >= y * side + side / 2;
-  for (const int k : {0, 1, 2, 3}) search(s, level - 1, 2 * x + (right ^ (k & 1)), 2 * y + (upper ^ (k >> 1)));
+  for (const int k : {0, 1, 2, 3})
+    search(s, level - 1, 2 * x + (right ^ (k & 1)), 2 * y + (upper ^ (k >> 1)));
 }
 
 double CoveredSpace::depth_at(int column, double z, double enough) const {
@@ -124,7 +131,8 @@ std::vector<CoveredSpace::Span> CoveredSpace::above(double floor) const {
   return spans;
 }
 
-// Spans of neighbouring columns that overlap in height belong together. Each pocket lists its spans in their order.
+// Spans of neighbouring columns that overlap in height belong together. Each pocket lists its spans in their
+// order.
 std::vector<std::vector<int>> CoveredSpace::pockets(const std::vector<Span>& spans) const {
   std::vector<int> parent(spans.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -140,8 +148,10 @@ std::vector<std::vector<int>> CoveredSpace::pockets(const std::vector<Span>& spa
   std::partial_sum(first.begin(), first.end(), first.begin());
   for (int i = 0; i < static_cast<int>(spans.size()); ++i) {
     const auto& a = spans[static_cast<std::size_t>(i)];
-    for (const int neighbour : {a.column + 1, a.column + nx_})  // the outer ring holds no spans: no wrapping around
-      for (int j = first[static_cast<std::size_t>(neighbour)]; j < first[static_cast<std::size_t>(neighbour) + 1]; ++j) {
+    for (const int neighbour :
+         {a.column + 1, a.column + nx_})  // the outer ring holds no spans: no wrapping around
+      for (int j = first[static_cast<std::size_t>(neighbour)];
+           j < first[static_cast<std::size_t>(neighbour) + 1]; ++j) {
         const auto& b = spans[static_cast<std::size_t>(j)];
         if (a.low <= b.high && b.low <= a.high) parent[static_cast<std::size_t>(root(j))] = root(i);
       }
@@ -159,8 +169,8 @@ std::vector<std::vector<int>> CoveredSpace::pockets(const std::vector<Span>& spa
   return pockets;
 }
 
-// Whether some span can be entered from the open air of the column beside it. A wall thinner than the grid may stand
-// between the two, so a ray makes sure.
+// Whether some span can be entered from the open air of the column beside it. A wall thinner than the grid
+// may stand between the two, so a ray makes sure.
 bool CoveredSpace::reaches_air(const std::vector<Span>& spans, const std::vector<int>& pocket) const {
   for (const int i : pocket) {
     const auto& span = spans[static_cast<std::size_t>(i)];
@@ -169,7 +179,9 @@ bool CoveredSpace::reaches_air(const std::vector<Span>& spans, const std::vector
       if (low >= span.high) continue;
       const Eigen::Vector2d from = place(span.column), to = place(beside);
       const double z = (low + span.high) / 2;
-      if (!caster_->first_hit(back_ * Eigen::Vector3d(from.x(), from.y(), z), back_ * Eigen::Vector3d(to.x() - from.x(), to.y() - from.y(), 0))) return true;
+      if (!caster_->first_hit(back_ * Eigen::Vector3d(from.x(), from.y(), z),
+                              back_ * Eigen::Vector3d(to.x() - from.x(), to.y() - from.y(), 0)))
+        return true;
     }
   }
   return false;
@@ -232,8 +244,12 @@ double CoveredSpace::domed_share(double floor, double reach) const {
   std::int64_t seen = 0, domed = 0;
   for (int y = d; y + d < ny_; ++y)
     for (int x = d; x + d < nx_; ++x) {
-      const auto top = [&](int i, int j) { return top_[static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) + static_cast<std::size_t>(i)]; };
-      const double here = top(x, y), west = top(x - d, y), east = top(x + d, y), south = top(x, y - d), north = top(x, y + d);
+      const auto top = [&](int i, int j) {
+        return top_[static_cast<std::size_t>(j) * static_cast<std::size_t>(nx_) +
+                    static_cast<std::size_t>(i)];
+      };
+      const double here = top(x, y), west = top(x - d, y), east = top(x + d, y), south = top(x, y - d),
+                   north = top(x, y + d);
       if (std::min({here, west, east, south, north}) < floor) continue;
       ++seen;
       domed += here + slack >= (west + east) / 2 && here + slack >= (south + north) / 2;

@@ -1,17 +1,18 @@
-// Undercuts: what the sheet, coming from above, cannot reach. A grid of vertical rays finds the empty space that
-// something overhangs; columns side by side whose empty spans meet are one pocket.
+// Undercuts: what the sheet, coming from above, cannot reach. A grid of vertical rays finds the empty space
+// that something overhangs; columns side by side whose empty spans meet are one pocket.
 //
-// The depth at a place is the horizontal distance to the nearest column that nothing overhangs at that height, less
-// half a grid cell; a pocket's depth is its greatest. Pits without a roof are no undercuts, and neither is space that is
-// walled in on all sides: the inside of a hollow shell that stands on the platform is as good as solid.
+// The depth at a place is the horizontal distance to the nearest column that nothing overhangs at that
+// height, less half a grid cell; a pocket's depth is its greatest. Pits without a roof are no undercuts, and
+// neither is space that is walled in on all sides: the inside of a hollow shell that stands on the platform
+// is as good as solid.
 #pragma once
 
 #include <memory>
 #include <vector>
 
-#include "worker/scan/scan_progress.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/scan/ray_caster.hpp"
+#include "worker/scan/scan_progress.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -19,27 +20,30 @@ namespace vacuform {
 // The columns of a closed, outwards oriented mesh, seen along some axis.
 class CoveredSpace {
  public:
-  // Casts the rays, `spacing` mm apart, down onto the mesh as `turn` turns it, which stands on z = floor. `caster` is of
-  // the same mesh, unturned: one serves every turn. Heights, places and planes are those of the turned mesh. Cost:
-  // columns times surfaces crossed. Error: cancelled.
+  // Casts the rays, `spacing` mm apart, down onto the mesh as `turn` turns it, which stands on z = floor.
+  // `caster` is of the same mesh, unturned: one serves every turn. Heights, places and planes are those of
+  // the turned mesh. Cost: columns times surfaces crossed. Error: cancelled.
   static Result<CoveredSpace> measure(const TriangleMesh& mesh, std::shared_ptr<const RayCaster> caster,
                                       const Eigen::Matrix3d& turn, double floor, double spacing,
                                       const ScanProgress& progress);
-  static Result<CoveredSpace> measure(const TriangleMesh& mesh, double floor, double spacing, const ScanProgress& progress) {
-    return measure(mesh, std::make_shared<RayCaster>(mesh), Eigen::Matrix3d::Identity(), floor, spacing, progress);
+  static Result<CoveredSpace> measure(const TriangleMesh& mesh, double floor, double spacing,
+                                      const ScanProgress& progress) {
+    return measure(mesh, std::make_shared<RayCaster>(mesh), Eigen::Matrix3d::Identity(), floor, spacing,
+                   progress);
   }
 
-  // The pockets above the plane z = floor, as if the mesh were cut there; deepest first (ties: larger area, then order
-  // on the grid). Spans lower than 0.2 mm are left out.
+  // The pockets above the plane z = floor, as if the mesh were cut there; deepest first (ties: larger area,
+  // then order on the grid). Spans lower than 0.2 mm are left out.
   std::vector<Undercut> undercuts(double floor) const;
 
-  // The lowest plane above which no undercut is deeper than `depth` and larger than `area` (seen from above), to 0.1 mm;
-  // the floor given to measure() when there is none. On a sphere of radius R that is sqrt(2 R depth - depth^2) below
-  // the equator.
+  // The lowest plane above which no undercut is deeper than `depth` and larger than `area` (seen from above),
+  // to 0.1 mm; the floor given to measure() when there is none. On a sphere of radius R that is sqrt(2 R
+  // depth - depth^2) below the equator.
   double lowest_cut(double depth, double area) const;
 
-  // How much of what stands above z = floor is a dome seen from above: the share of its columns that are no lower than
-  // the mean of their neighbours `reach` mm away on either side, along x and along y. 1 for anything convex.
+  // How much of what stands above z = floor is a dome seen from above: the share of its columns that are no
+  // lower than the mean of their neighbours `reach` mm away on either side, along x and along y. 1 for
+  // anything convex.
   double domed_share(double floor, double reach) const;
 
  private:

@@ -23,28 +23,39 @@ std::string one_digit(double mm) {
 
 Eigen::Vector3d direction(UpAxis axis) {
   switch (axis) {
-    case UpAxis::plus_x: return {1, 0, 0};
-    case UpAxis::minus_x: return {-1, 0, 0};
-    case UpAxis::plus_y: return {0, 1, 0};
-    case UpAxis::minus_y: return {0, -1, 0};
-    case UpAxis::minus_z: return {0, 0, -1};
+    case UpAxis::plus_x:
+      return {1, 0, 0};
+    case UpAxis::minus_x:
+      return {-1, 0, 0};
+    case UpAxis::plus_y:
+      return {0, 1, 0};
+    case UpAxis::minus_y:
+      return {0, -1, 0};
+    case UpAxis::minus_z:
+      return {0, 0, -1};
     case UpAxis::plus_z:
-    case UpAxis::automatic: return {0, 0, 1};
+    case UpAxis::automatic:
+      return {0, 0, 1};
   }
   return {0, 0, 1};
 }
 
-constexpr std::array axes{UpAxis::plus_z, UpAxis::plus_y, UpAxis::minus_z, UpAxis::minus_y, UpAxis::plus_x, UpAxis::minus_x};
+constexpr std::array axes{UpAxis::plus_z,  UpAxis::plus_y, UpAxis::minus_z,
+                          UpAxis::minus_y, UpAxis::plus_x, UpAxis::minus_x};
 
 }  // namespace
 
 double millimetres(Unit unit) {
   switch (unit) {
-    case Unit::cm: return 10;
-    case Unit::m: return 1000;
-    case Unit::in: return 25.4;
+    case Unit::cm:
+      return 10;
+    case Unit::m:
+      return 1000;
+    case Unit::in:
+      return 25.4;
     case Unit::mm:
-    case Unit::automatic: return 1;
+    case Unit::automatic:
+      return 1;
   }
   return 1;
 }
@@ -61,15 +72,17 @@ Result<Unit> guess_unit(double longest_side, const std::string& where) {
     candidates += (candidates.empty() ? "" : ", ") + text;
   }
   if (fitting.size() == 1) return fitting.front();
-  const std::string what = fitting.empty()
-      ? "the scan's unit cannot be told: in none is its longest side 80 to 400 mm: " + all
-      : "the scan's unit cannot be told: its longest side is plausible in " + candidates;
+  const std::string what =
+      fitting.empty() ? "the scan's unit cannot be told: in none is its longest side 80 to 400 mm: " + all
+                      : "the scan's unit cannot be told: its longest side is plausible in " + candidates;
   Unit nearest = units.front();  // to a head's 200 mm, as a ratio
   for (const Unit unit : units)
-    if (std::abs(std::log(longest_side * millimetres(unit) / 200)) < std::abs(std::log(longest_side * millimetres(nearest) / 200)))
+    if (std::abs(std::log(longest_side * millimetres(unit) / 200)) <
+        std::abs(std::log(longest_side * millimetres(nearest) / 200)))
       nearest = unit;
   return fail(Code::ambiguous_units, what, where,
-              std::string(fitting.empty() ? "scale the scan to its true size, or " : "") + "say which, for example --set scan.units=" +
+              std::string(fitting.empty() ? "scale the scan to its true size, or " : "") +
+                  "say which, for example --set scan.units=" +
                   std::string(name(fitting.empty() ? nearest : fitting.front())));
 }
 
@@ -111,14 +124,16 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress
     best.why = "the scan is cut flat on the other side";
     return best;
   }
-  // Coarse rays do: what decides are tens of millimetres on a head, and as much in proportion on anything larger.
+  // Coarse rays do: what decides are tens of millimetres on a head, and as much in proportion on anything
+  // larger.
   const double size = std::max(1.0, box.size().norm() / 300);
   const auto caster = std::make_shared<RayCaster>(skin);
   double highest = 0;
   for (const UpAxis axis : axes) {
     const Eigen::Vector3d up = direction(axis);
     const double lowest = std::min(up.dot(box.low), up.dot(box.high)), height = std::abs(up.dot(box.size()));
-    VACUFORM_TRY(space, CoveredSpace::measure(skin, caster, upright_turn(axis, 0, 0, 0), lowest, 2 * size, progress));
+    VACUFORM_TRY(
+        space, CoveredSpace::measure(skin, caster, upright_turn(axis, 0, 0, 0), lowest, 2 * size, progress));
     const double cut = space.lowest_cut(size, 20 * size * size);
     const bool usual = axis == UpAxis::plus_z || axis == UpAxis::plus_y;
     const double left = (lowest + height - cut) * space.domed_share(cut, 10 * size) * (usual ? 1.2 : 1.0);
@@ -137,13 +152,24 @@ Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, doubl
   constexpr double radian = std::numbers::pi / 180;
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   switch (up) {  // exact quarter turns, so that a scan that stands upright is not touched
-    case UpAxis::plus_y: turn << 1, 0, 0, 0, 0, -1, 0, 1, 0; break;
-    case UpAxis::minus_y: turn << 1, 0, 0, 0, 0, 1, 0, -1, 0; break;
-    case UpAxis::plus_x: turn << 0, 0, -1, 0, 1, 0, 1, 0, 0; break;
-    case UpAxis::minus_x: turn << 0, 0, 1, 0, 1, 0, -1, 0, 0; break;
-    case UpAxis::minus_z: turn << 1, 0, 0, 0, -1, 0, 0, 0, -1; break;
+    case UpAxis::plus_y:
+      turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+      break;
+    case UpAxis::minus_y:
+      turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+      break;
+    case UpAxis::plus_x:
+      turn << 0, 0, -1, 0, 1, 0, 1, 0, 0;
+      break;
+    case UpAxis::minus_x:
+      turn << 0, 0, 1, 0, 1, 0, -1, 0, 0;
+      break;
+    case UpAxis::minus_z:
+      turn << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+      break;
     case UpAxis::plus_z:
-    case UpAxis::automatic: break;
+    case UpAxis::automatic:
+      break;
   }
   const auto about = [&](double degrees, const Eigen::Vector3d& axis) -> Eigen::Matrix3d {
     if (degrees == 0) return Eigen::Matrix3d::Identity();

@@ -11,8 +11,8 @@ namespace vacuform {
 
 double millimetres(Unit unit);  // in one unit
 
-// The unit in which the longest side measures 80 to 400 mm. Error: ambiguous_units when none does or more than one,
-// naming the candidates, the sizes that they would give and the setting.
+// The unit in which the longest side measures 80 to 400 mm. Error: ambiguous_units when none does or more
+// than one, naming the candidates, the sizes that they would give and the setting.
 Result<Unit> guess_unit(double longest_side, const std::string& where);
 
 struct UpGuess {
@@ -24,14 +24,16 @@ struct UpGuess {
 // Looks for the side on which a scan (in mm) stands, in this order:
 // 1. an opening: the missing face of an open skin (the sum of all area vectors points away from it);
 // 2. a flat cut: the side of the bounding box in whose plane most of the skin lies;
-// 3. otherwise the axis from which most can be formed: the height of the mold that the automatic trim leaves, times the
-//    share of it that is a dome (a skull, not a face), with an advantage of a fifth for +z and +y, which exporters use;
+// 3. otherwise the axis from which most can be formed: the height of the mold that the automatic trim leaves,
+// times the
+//    share of it that is a dome (a skull, not a face), with an advantage of a fifth for +z and +y, which
+//    exporters use;
 // 4. where no axis leaves a mold, +z, or +y where the format says so.
 // The last two are guesses. Error: cancelled.
 Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress& progress);
 
-// The turn that brings `up` to +z: about the single axis that needs the least turn. Then roll, pitch and yaw about the
-// fixed axes x, y and z, in this order.
+// The turn that brings `up` to +z: about the single axis that needs the least turn. Then roll, pitch and yaw
+// about the fixed axes x, y and z, in this order.
 Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, double yaw_deg);
 
 }  // namespace vacuform

@@ -11,8 +11,8 @@
 namespace vacuform {
 namespace {
 
-// An open-addressed table from grid cells to the chain of the vertices kept in them. Only looked up, never walked, so
-// its order reaches no result.
+// An open-addressed table from grid cells to the chain of the vertices kept in them. Only looked up, never
+// walked, so its order reaches no result.
 class CellTable {
  public:
   using Cell = std::array<std::int64_t, 3>;
@@ -58,7 +58,8 @@ std::vector<int> join_equal(const std::vector<Eigen::Vector3d>& vertices) {
   });
   for (std::size_t i = 0; i < order.size(); ++i) {
     const bool same = i > 0 && key(order[i]) == key(order[i - 1]);
-    first[static_cast<std::size_t>(order[i])] = same ? first[static_cast<std::size_t>(order[i - 1])] : order[i];
+    first[static_cast<std::size_t>(order[i])] =
+        same ? first[static_cast<std::size_t>(order[i - 1])] : order[i];
   }
   return first;
 }

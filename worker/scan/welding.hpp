@@ -5,13 +5,13 @@
 
 namespace vacuform {
 
-// The diagonal of the box that holds the middle 96 % of the vertices along each axis: the size of what matters, deaf to
-// stray points.
+// The diagonal of the box that holds the middle 96 % of the vertices along each axis: the size of what
+// matters, deaf to stray points.
 double robust_size(const TriangleMesh& mesh);
 
-// Joins every vertex to the first one within `tolerance` of it (in each coordinate), in the order of the file; with
-// tolerance 0 only equal ones. Drops triangles that name a vertex twice, all but the first of triangles with the same
-// three corners (in either direction), and unused vertices.
+// Joins every vertex to the first one within `tolerance` of it (in each coordinate), in the order of the
+// file; with tolerance 0 only equal ones. Drops triangles that name a vertex twice, all but the first of
+// triangles with the same three corners (in either direction), and unused vertices.
 void weld(TriangleMesh& mesh, double tolerance);
 
 }  // namespace vacuform

@@ -24,23 +24,34 @@ struct Watch {
   const ScanProgress* progress;
   int steps = 0;
 
-  template <class W> void on_alpha_wrapping_begin(const W&) {}
-  template <class W> void on_flood_fill_begin(const W&) {}
-  template <class W> void on_flood_fill_end(const W&) {}
-  template <class W> void on_alpha_wrapping_end(const W&) {}
-  template <class W> constexpr bool go_further(const W&) { return true; }
-  template <class W, class G> void before_facet_treatment(const W&, const G&) {
+  template <class W>
+  void on_alpha_wrapping_begin(const W&) {}
+  template <class W>
+  void on_flood_fill_begin(const W&) {}
+  template <class W>
+  void on_flood_fill_end(const W&) {}
+  template <class W>
+  void on_alpha_wrapping_end(const W&) {}
+  template <class W>
+  constexpr bool go_further(const W&) {
+    return true;
+  }
+  template <class W, class G>
+  void before_facet_treatment(const W&, const G&) {
     if (++steps % 1024 != 0) return;
     if (!progress->tick()) throw Stopped{true};
     if (steps > most_steps) throw Stopped{false};
   }
-  template <class W, class P> void before_Steiner_point_insertion(const W&, const P&) {}
-  template <class W, class V> void after_Steiner_point_insertion(const W&, V) {}
+  template <class W, class P>
+  void before_Steiner_point_insertion(const W&, const P&) {}
+  template <class W, class V>
+  void after_Steiner_point_insertion(const W&, V) {}
 };
 
 }  // namespace
 
-Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset, const ScanProgress& progress) {
+Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
+                          const ScanProgress& progress) {
   std::vector<Kernel::Point_3> points;
   std::vector<std::array<std::size_t, 3>> faces;
   points.reserve(soup.vertices.size());
@@ -54,7 +65,8 @@ Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
   Watch watch{&progress};
   try {
     // CGAL 5.5 looks for the visitor among the parameters of the output, 6 among those of the input.
-    CGAL::alpha_wrap_3(points, faces, alpha, offset, surface, CGAL::parameters::visitor(watch), CGAL::parameters::visitor(watch));
+    CGAL::alpha_wrap_3(points, faces, alpha, offset, surface, CGAL::parameters::visitor(watch),
+                       CGAL::parameters::visitor(watch));
   } catch (const Stopped& stopped) {
     if (stopped.cancelled) return fail(Code::cancelled, "cancelled");
     return fail(Code::unusable_scan, "the scan's surface is too intricate to be wrapped anew", "",

@@ -1,0 +1,45 @@
+#include "worker/scan/rebuilding.hpp"
+
+#include "worker/scan/topology.hpp"
+#include "worker/scan/wrapping.hpp"
+
+namespace vacuform {
+namespace {
+
+constexpr double offset_mm = 0.1;
+constexpr double plate_depth_mm = 0.5;
+constexpr double kept_volume = 0.7;  // of what the widest bridging encloses
+
+// A plate a little below the platform, as wide as the scan: the cut at the platform takes it off again.
+TriangleMesh with_plate(TriangleMesh skin) {
+  const Box box = bounds(skin);
+  const int first = static_cast<int>(skin.vertices.size());
+  skin.vertices.emplace_back(box.low.x(), box.low.y(), -plate_depth_mm);
+  skin.vertices.emplace_back(box.high.x(), box.low.y(), -plate_depth_mm);
+  skin.vertices.emplace_back(box.high.x(), box.high.y(), -plate_depth_mm);
+  skin.vertices.emplace_back(box.low.x(), box.high.y(), -plate_depth_mm);
+  skin.triangles.push_back({first, first + 1, first + 2});
+  skin.triangles.push_back({first, first + 2, first + 3});
+  return skin;
+}
+
+}  // namespace
+
+// A wide bridging finds out what volume the scan encloses, and whether it is open below. Then the narrowest
+// that keeps the volume is taken: one that is too narrow slips through the scan's gaps and wraps its inside
+// too.
+Result<TriangleMesh> rebuild(const TriangleMesh& skin, const ScanProgress& progress) {
+  const double size = bounds(skin).size().norm();
+  VACUFORM_TRY(coarse, wrap(skin, 0.15 * size, offset_mm, progress));
+  const TriangleMesh plated = with_plate(skin);
+  VACUFORM_TRY(coarse_plated, wrap(plated, 0.15 * size, offset_mm, progress));
+  const bool open_below = signed_volume(coarse) < kept_volume * signed_volume(coarse_plated);
+  if (open_below) coarse = std::move(coarse_plated);
+  for (const double share : {0.012, 0.03, 0.075}) {
+    VACUFORM_TRY(fine, wrap(open_below ? plated : skin, share * size, offset_mm, progress));
+    if (signed_volume(fine) > kept_volume * signed_volume(coarse)) return fine;
+  }
+  return coarse;
+}
+
+}  // namespace vacuform
