@@ -41,10 +41,10 @@ inline Bytes deflated(const Bytes& data) {
   return out;
 }
 
-// A PNG from its parts, right or wrong: `rows` are raw scan lines without their filter bytes; `extra` are chunks
-// between IHDR and IDAT, already packed.
-inline Bytes png(std::uint32_t width, std::uint32_t height, int depth, int color, const std::vector<Bytes>& rows,
-                 const Bytes& extra = {}) {
+// A PNG from its parts, right or wrong: `rows` are raw scan lines without their filter bytes; `extra` are
+// chunks between IHDR and IDAT, already packed.
+inline Bytes png(std::uint32_t width, std::uint32_t height, int depth, int color,
+                 const std::vector<Bytes>& rows, const Bytes& extra = {}) {
   Bytes out = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}, header, raw;
   put32(header, width);
   put32(header, height);
@@ -70,18 +70,21 @@ inline Bytes phys(std::uint32_t x, std::uint32_t y, int unit = 1) {
 }
 
 // An 8-bit gray PNG of `gray(x, y)`, row 0 at the top, at `per_metre` pixels a metre.
-inline Bytes gray_png(int width, int height, std::uint32_t per_metre, const std::function<int(int, int)>& gray) {
+inline Bytes gray_png(int width, int height, std::uint32_t per_metre,
+                      const std::function<int(int, int)>& gray) {
   std::vector<Bytes> rows;
   for (int y = 0; y < height; ++y) {
     Bytes row;
     for (int x = 0; x < width; ++x) row.push_back(static_cast<std::uint8_t>(gray(x, y)));
     rows.push_back(row);
   }
-  return png(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 8, 0, rows, phys(per_metre, per_metre));
+  return png(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 8, 0, rows,
+             phys(per_metre, per_metre));
 }
 
 // A JPEG of `channels` (1 gray, 3 RGB, 4 CMYK) at 254 dpi, with an Exif orientation when it is not 0.
-inline Bytes jpeg(int width, int height, int channels, const std::function<int(int, int, int)>& value, int orientation = 0) {
+inline Bytes jpeg(int width, int height, int channels, const std::function<int(int, int, int)>& value,
+                  int orientation = 0) {
   jpeg_compress_struct encoder{};
   jpeg_error_mgr errors{};
   encoder.err = jpeg_std_error(&errors);
@@ -99,14 +102,16 @@ inline Bytes jpeg(int width, int height, int channels, const std::function<int(i
   encoder.X_density = encoder.Y_density = 254;
   jpeg_start_compress(&encoder, TRUE);
   if (orientation) {
-    Bytes exif = {'E', 'x', 'i', 'f', 0, 0, 'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 0x01, 0x12, 0, 3, 0, 0, 0, 1, 0,
-                  static_cast<std::uint8_t>(orientation), 0, 0, 0, 0, 0, 0};
+    Bytes exif = {'E', 'x', 'i', 'f',  0,    0, 'M', 'M', 0, 42, 0, 0, 0,
+                  8,   0,   1,   0x01, 0x12, 0, 3,   0,   0, 0,  1, 0, static_cast<std::uint8_t>(orientation),
+                  0,   0,   0,   0,    0,    0};
     jpeg_write_marker(&encoder, JPEG_APP0 + 1, exif.data(), static_cast<unsigned>(exif.size()));
   }
   Bytes row(static_cast<std::size_t>(width * channels));
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x)
-      for (int c = 0; c < channels; ++c) row[static_cast<std::size_t>(x * channels + c)] = static_cast<std::uint8_t>(value(x, y, c));
+      for (int c = 0; c < channels; ++c)
+        row[static_cast<std::size_t>(x * channels + c)] = static_cast<std::uint8_t>(value(x, y, c));
     JSAMPROW rows[1] = {row.data()};
     jpeg_write_scanlines(&encoder, rows, 1);
   }
@@ -125,10 +130,12 @@ struct Decoded {
 inline Decoded decode_png(std::span<const std::uint8_t> bytes) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
-  if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size())) throw std::runtime_error(image.message);
+  if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()))
+    throw std::runtime_error(image.message);
   image.format = PNG_FORMAT_RGBA;
   Decoded out{static_cast<int>(image.width), static_cast<int>(image.height), Bytes(PNG_IMAGE_SIZE(image))};
-  if (!png_image_finish_read(&image, nullptr, out.rgba.data(), 0, nullptr)) throw std::runtime_error(image.message);
+  if (!png_image_finish_read(&image, nullptr, out.rgba.data(), 0, nullptr))
+    throw std::runtime_error(image.message);
   return out;
 }
 

@@ -26,13 +26,18 @@ using hand_made::Sample;
 
 // A job with its pattern and print.
 struct Job {
-  explicit Job(Sample made, const std::string& body = "<circle r='20' fill='none' stroke='#000' stroke-width='3'/>")
+  explicit Job(Sample made,
+               const std::string& body = "<circle r='20' fill='none' stroke='#000' stroke-width='3'/>")
       : sample(std::move(made)),
         pattern(*Pattern::read(bytes_of("<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='50mm' "
-                                        "viewBox='-30 -25 60 50'>" + body + "</svg>"),
+                                        "viewBox='-30 -25 60 50'>" +
+                                        body + "</svg>"),
                                "drawing", sample.settings.pattern, sample.settings.print.dpi)),
-        print(*make_print(sample.sheet, sample.flattening, pattern, sample.settings, "3f9a12c4", Context())) {}
-  Finished finished() const { return {sample.settings, sample.mold, sample.sheet, sample.flattening, pattern, print}; }
+        print(*make_print(sample.sheet, sample.flattening, pattern, sample.settings, "3f9a12c4", Context())) {
+  }
+  Finished finished() const {
+    return {sample.settings, sample.mold, sample.sheet, sample.flattening, pattern, print};
+  }
 
   Sample sample;
   Pattern pattern;
@@ -46,7 +51,8 @@ Job small_dome() {
 }
 
 const Bytes& file(const std::vector<Artifact>& files, const std::string& name) {
-  const auto found = std::find_if(files.begin(), files.end(), [&](const Artifact& a) { return a.name == name; });
+  const auto found =
+      std::find_if(files.begin(), files.end(), [&](const Artifact& a) { return a.name == name; });
   if (found == files.end()) throw std::runtime_error("no " + name);
   return found->bytes;
 }
@@ -54,7 +60,8 @@ const Bytes& file(const std::vector<Artifact>& files, const std::string& name) {
 TEST(SingularValues, AreThoseOfKnownMaps) {
   const std::array<Vector2d, 3> from{Vector2d(1, 2), Vector2d(4, 2), Vector2d(2, 5)};
   const auto mapped = [&](const Eigen::Matrix<double, 3, 2>& J) {
-    return std::array<Vector3d, 3>{J * from[0] + Vector3d(7, 8, 9), J * from[1] + Vector3d(7, 8, 9), J * from[2] + Vector3d(7, 8, 9)};
+    return std::array<Vector3d, 3>{J * from[0] + Vector3d(7, 8, 9), J * from[1] + Vector3d(7, 8, 9),
+                                   J * from[2] + Vector3d(7, 8, 9)};
   };
   Eigen::Matrix<double, 3, 2> J;
   J << 3, 0, 0, 0.5, 0, 0;
@@ -83,7 +90,8 @@ TEST(Distortion, OfAStretchIsThatStretch) {
   const Sample x = hand_made::stretched(100, 10, stretch);
   const Vector2d s = Eigen::JacobiSVD<Matrix2d>(stretch).singularValues();
   const Distortion without = distortion(x.sheet, x.flattening, x.sheet.rest);
-  for (const double v : {without.anisotropy.mean, without.anisotropy.p95, without.anisotropy.p99, without.anisotropy.max})
+  for (const double v :
+       {without.anisotropy.mean, without.anisotropy.p95, without.anisotropy.p99, without.anisotropy.max})
     EXPECT_NEAR(v, s[0] / s[1], 1e-9);
   for (const double v : {without.area_ratio.mean, without.area_ratio.max}) EXPECT_NEAR(v, 2.5, 1e-9);
   const Distortion with = distortion(x.sheet, x.flattening, x.flattening.chart);
@@ -91,7 +99,8 @@ TEST(Distortion, OfAStretchIsThatStretch) {
   EXPECT_NEAR(with.area_ratio.max, 1, 1e-9);
   // A shrunken area counts like a grown one, and neither a turn nor a shift of the pattern counts at all.
   std::vector<Vector2d> uv;
-  for (const auto& st : x.sheet.rest) uv.push_back(2 * Vector2d(-(stretch * st).y(), (stretch * st).x()) + Vector2d(5, 9));
+  for (const auto& st : x.sheet.rest)
+    uv.push_back(2 * Vector2d(-(stretch * st).y(), (stretch * st).x()) + Vector2d(5, 9));
   const Distortion shrunk = distortion(x.sheet, x.flattening, uv);
   EXPECT_NEAR(shrunk.area_ratio.mean, 4, 1e-9);
   EXPECT_NEAR(shrunk.anisotropy.mean, 1, 1e-6);
@@ -153,8 +162,9 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   const nlohmann::ordered_json r = report(job.finished());
   std::vector<std::string> groups;
   for (const auto& [key, value] : r.items()) groups.push_back(key);
-  EXPECT_EQ(groups, (std::vector<std::string>{"settings", "scan", "mold", "forming", "thickness", "flattening", "pattern",
-                                              "print", "figures", "warnings", "artifacts"}));
+  EXPECT_EQ(groups,
+            (std::vector<std::string>{"settings", "scan", "mold", "forming", "thickness", "flattening",
+                                      "pattern", "print", "figures", "warnings", "artifacts"}));
   EXPECT_EQ(r["pattern"]["format"], "SVG");
   EXPECT_EQ(r["pattern"]["size_mm"], (nlohmann::json{60.0, 50.0}));
   EXPECT_NEAR(r["pattern"]["ink_area_mm2"].get<double>(), 2 * M_PI * 20 * 3, 0.5);
@@ -163,21 +173,28 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   // The dome's own figures: on the meridian 1.197, around it falling to 0.844 at its foot.
   const auto& figures = r["figures"];
   EXPECT_NEAR(figures["without"]["area_ratio"]["max"].get<double>(), 1.43, 0.01);
-  EXPECT_GT(figures["without"]["area_ratio"]["mean"].get<double>(), figures["with"]["area_ratio"]["mean"].get<double>());
+  EXPECT_GT(figures["without"]["area_ratio"]["mean"].get<double>(),
+            figures["with"]["area_ratio"]["mean"].get<double>());
   for (const char* side : {"with", "without"})
     for (const char* figure : {"anisotropy", "area_ratio"})
-      for (const char* statistic : {"mean", "p95", "p99", "max"}) EXPECT_GE(figures[side][figure][statistic], 1.0);
+      for (const char* statistic : {"mean", "p95", "p99", "max"})
+        EXPECT_GE(figures[side][figure][statistic], 1.0);
   const auto& thickness = job.sample.sheet.element_thickness;
-  EXPECT_NEAR(r["thickness"]["least_ratio"].get<double>(), *std::min_element(thickness.begin(), thickness.end()), 1e-4);
-  EXPECT_EQ(r["warnings"], (nlohmann::ordered_json{{{"stage", "scan"}, {"code", "undercut"}, {"text", "There is an undercut."}},
-                                           {{"stage", "printing"}, {"code", "ink-off-chart"}, {"text", "5 % is lost."}}}));
+  EXPECT_NEAR(r["thickness"]["least_ratio"].get<double>(),
+              *std::min_element(thickness.begin(), thickness.end()), 1e-4);
+  EXPECT_EQ(
+      r["warnings"],
+      (nlohmann::ordered_json{{{"stage", "scan"}, {"code", "undercut"}, {"text", "There is an undercut."}},
+                              {{"stage", "printing"}, {"code", "ink-off-chart"}, {"text", "5 % is lost."}}}));
   ASSERT_EQ(r["artifacts"].size(), artifact_kinds.size());
-  for (std::size_t i = 0; i < artifact_kinds.size(); ++i) EXPECT_EQ(r["artifacts"][i]["name"], artifact_kinds[i].name);
+  for (std::size_t i = 0; i < artifact_kinds.size(); ++i)
+    EXPECT_EQ(r["artifacts"][i]["name"], artifact_kinds[i].name);
 }
 
 TEST(Report, MeasuresHowFarFormedVerticesLieFromTheMold) {
   Job job = small_dome();
-  // The vertices lie on the sphere, the mold's facets of 2 degrees inside it: at most R (1 - cos 2.24) = 0.046 mm apart.
+  // The vertices lie on the sphere, the mold's facets of 2 degrees inside it: at most R (1 - cos 2.24) =
+  // 0.046 mm apart.
   auto forming = report(job.finished())["forming"];
   EXPECT_GT(forming["largest_gap_mm"], 0.001);
   EXPECT_LT(forming["largest_gap_mm"], 0.046);
@@ -186,7 +203,8 @@ TEST(Report, MeasuresHowFarFormedVerticesLieFromTheMold) {
   EXPECT_EQ(forming["vertices_by_contact"]["mold"], on_mold);
   // One vertex off by half a millimetre is found.
   const auto top = std::min_element(job.sample.sheet.rest.begin(), job.sample.sheet.rest.end(),
-                                    [](const auto& a, const auto& b) { return a.norm() < b.norm(); }) - job.sample.sheet.rest.begin();
+                                    [](const auto& a, const auto& b) { return a.norm() < b.norm(); }) -
+                   job.sample.sheet.rest.begin();
   job.sample.sheet.formed[static_cast<std::size_t>(top)].z() += 0.5;
   EXPECT_NEAR(report(job.finished())["forming"]["largest_gap_mm"].get<double>(), 0.5, 0.001);
 }
@@ -239,19 +257,23 @@ TEST(Artifacts, ThePlyReadsBackExactly) {
   const auto body = text.find("end_header\n") + 11;
   const FormedSheet& sheet = job.sample.sheet;
   EXPECT_EQ(text.substr(0, body),
-            "ply\nformat binary_little_endian 1.0\ncomment Vacuform formed sheet, mm, degrees Celsius\nelement vertex 1681\n"
-            "property float x\nproperty float y\nproperty float z\nproperty float s\nproperty float t\nproperty float u\n"
+            "ply\nformat binary_little_endian 1.0\ncomment Vacuform formed sheet, mm, degrees "
+            "Celsius\nelement vertex 1681\n"
+            "property float x\nproperty float y\nproperty float z\nproperty float s\nproperty float "
+            "t\nproperty float u\n"
             "property float v\nproperty float thickness\nproperty float temperature\nproperty uchar contact\n"
             "element face 3200\nproperty list uchar int vertex_indices\nend_header\n");
   ASSERT_EQ(ply.size(), body + 37 * sheet.formed.size() + 13 * sheet.triangles.size());
   const auto word = [&](std::size_t at) {
-    return std::uint32_t{ply[at]} | std::uint32_t{ply[at + 1]} << 8 | std::uint32_t{ply[at + 2]} << 16 | std::uint32_t{ply[at + 3]} << 24;
+    return std::uint32_t{ply[at]} | std::uint32_t{ply[at + 1]} << 8 | std::uint32_t{ply[at + 2]} << 16 |
+           std::uint32_t{ply[at + 3]} << 24;
   };
   int off_chart = 0;
   for (std::size_t i = 0; i < sheet.formed.size(); ++i) {
     const std::size_t at = body + 37 * i;
     const auto value = [&](std::size_t k) { return std::bit_cast<float>(word(at + 4 * k)); };
-    for (int k = 0; k < 3; ++k) ASSERT_EQ(value(static_cast<std::size_t>(k)), static_cast<float>(sheet.formed[i][k]));
+    for (int k = 0; k < 3; ++k)
+      ASSERT_EQ(value(static_cast<std::size_t>(k)), static_cast<float>(sheet.formed[i][k]));
     ASSERT_EQ(value(3), static_cast<float>(sheet.rest[i].x()));
     ASSERT_EQ(value(4), static_cast<float>(sheet.rest[i].y()));
     if (job.print.pattern_uv[i].allFinite()) {
@@ -268,7 +290,8 @@ TEST(Artifacts, ThePlyReadsBackExactly) {
   const std::size_t faces = body + 37 * sheet.formed.size();
   for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
     ASSERT_EQ(ply[faces + 13 * t], 3);
-    for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(word(faces + 13 * t + 1 + 4 * k), static_cast<std::uint32_t>(sheet.triangles[t][k]));
+    for (std::size_t k = 0; k < 3; ++k)
+      ASSERT_EQ(word(faces + 13 * t + 1 + 4 * k), static_cast<std::uint32_t>(sheet.triangles[t][k]));
   }
 }
 
@@ -341,7 +364,8 @@ TEST(Previews, ShowTheDrawingAndTheHeat) {
     EXPECT_EQ(image.height, 1000);
     int count = 0;
     for (int y = caption_top; y < 1000 - caption_bottom; ++y)
-      for (int x = 0; x < 1000; ++x) count += image.at(x, y, 0) < 60 && image.at(x, y, 1) < 60 && image.at(x, y, 2) < 60;
+      for (int x = 0; x < 1000; ++x)
+        count += image.at(x, y, 0) < 60 && image.at(x, y, 1) < 60 && image.at(x, y, 2) < 60;
     return count;
   };
   // Undistorted, the same ring comes out smaller: the dome stretches the plain one by a fifth.
@@ -352,7 +376,8 @@ TEST(Previews, ShowTheDrawingAndTheHeat) {
   int coloured = 0;
   for (int y = caption_top; y < 1000 - caption_bottom; ++y)
     for (int x = 0; x < 1000; ++x)
-      coloured += std::abs(area.at(x, y, 0) - area.at(x, y, 1)) + std::abs(area.at(x, y, 1) - area.at(x, y, 2)) > 40;
+      coloured +=
+          std::abs(area.at(x, y, 0) - area.at(x, y, 1)) + std::abs(area.at(x, y, 1) - area.at(x, y, 2)) > 40;
   EXPECT_GT(coloured, 200'000);
 }
 

@@ -15,7 +15,8 @@ namespace {
 using namespace drawing_files;
 using Eigen::Vector2d;
 
-Result<Pattern> read(const Bytes& bytes, const std::string& name = "drawing", std::optional<double> width_mm = {}, int dpi = 254) {
+Result<Pattern> read(const Bytes& bytes, const std::string& name = "drawing",
+                     std::optional<double> width_mm = {}, int dpi = 254) {
   PatternSettings settings;
   settings.width_mm = width_mm;
   return Pattern::read(bytes, name, settings, dpi);
@@ -25,7 +26,8 @@ Result<Pattern> read(const std::string& text, std::optional<double> width_mm = {
 }
 
 std::string svg(const std::string& attributes, const std::string& body = "<rect width='10' height='10'/>") {
-  return "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink' " + attributes + ">" + body + "</svg>";
+  return "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink' " + attributes +
+         ">" + body + "</svg>";
 }
 
 // Dark left half and a darker quadrant at the top right: every turn and flip of it is another picture.
@@ -33,9 +35,10 @@ int quadrants(int x, int y, int width, int height) { return 2 * x < width ? 200 
 
 TEST(Pattern, ReadsThePhysicalSizeOfAnSvgInEveryAbsoluteUnit) {
   const std::pair<const char*, double> cases[] = {
-      {"width='50mm' height='20mm'", 50},     {"width='5cm' height='2cm'", 50}, {"width='2in' height='1in'", 50.8},
-      {"width='144pt' height='72pt'", 50.8},  {"width='12pc' height='6pc'", 50.8}, {"width='192px' height='96px'", 50.8},
-      {"width='192' height='96'", 50.8},      {"width='50mm' viewBox='0 0 10 5'", 50},
+      {"width='50mm' height='20mm'", 50},      {"width='5cm' height='2cm'", 50},
+      {"width='2in' height='1in'", 50.8},      {"width='144pt' height='72pt'", 50.8},
+      {"width='12pc' height='6pc'", 50.8},     {"width='192px' height='96px'", 50.8},
+      {"width='192' height='96'", 50.8},       {"width='50mm' viewBox='0 0 10 5'", 50},
       {"height='25mm' viewBox='0 0 10 5'", 50}};
   for (const auto& [attributes, width] : cases) {
     const auto pattern = read(svg(attributes));
@@ -46,8 +49,9 @@ TEST(Pattern, ReadsThePhysicalSizeOfAnSvgInEveryAbsoluteUnit) {
 }
 
 TEST(Pattern, AsksForTheWidthWhenTheFileDoesNotSayIt) {
-  for (const auto& bytes : {bytes_of(svg("viewBox='0 0 20 10'")), bytes_of(svg("width='100%' height='100%' viewBox='0 0 20 10'")),
-                            png(1, 1, 8, 0, {{0}})}) {
+  for (const auto& bytes :
+       {bytes_of(svg("viewBox='0 0 20 10'")), bytes_of(svg("width='100%' height='100%' viewBox='0 0 20 10'")),
+        png(1, 1, 8, 0, {{0}})}) {
     const auto pattern = read(bytes, "p");
     ASSERT_FALSE(pattern);
     EXPECT_EQ(pattern.error().code, Code::unusable_pattern);
@@ -70,8 +74,10 @@ TEST(Pattern, MeasuresTheInkOfARing) {
 }
 
 TEST(Pattern, TellsColourFromGray) {
-  EXPECT_TRUE(read(svg("width='9mm' height='9mm'", "<rect width='5' height='5' fill='#777' opacity='0.5'/>"))->grayscale());
-  const auto red = read(svg("width='10mm' height='10mm' viewBox='0 0 10 10'", "<rect width='10' height='5' fill='#f00'/>"));
+  EXPECT_TRUE(read(svg("width='9mm' height='9mm'", "<rect width='5' height='5' fill='#777' opacity='0.5'/>"))
+                  ->grayscale());
+  const auto red = read(
+      svg("width='10mm' height='10mm' viewBox='0 0 10 10'", "<rect width='10' height='5' fill='#f00'/>"));
   ASSERT_TRUE(red);
   EXPECT_FALSE(red->grayscale());
   EXPECT_NEAR(red->ink_mm2(), 50 * (1 - 0.2126), 0.1);
@@ -164,14 +170,22 @@ TEST(Pattern, TurnsAJpegUprightByItsOrientation) {
       // From stored (x, y) to the upright picture of w x h.
       const int sw = transposed ? h : w, sh = transposed ? w : h;
       switch (orientation) {
-        case 1: return quadrants(x, y, w, h);
-        case 2: return quadrants(sw - 1 - x, y, w, h);
-        case 3: return quadrants(sw - 1 - x, sh - 1 - y, w, h);
-        case 4: return quadrants(x, sh - 1 - y, w, h);
-        case 5: return quadrants(y, x, w, h);
-        case 6: return quadrants(sh - 1 - y, x, w, h);
-        case 7: return quadrants(sh - 1 - y, sw - 1 - x, w, h);
-        default: return quadrants(y, sw - 1 - x, w, h);
+        case 1:
+          return quadrants(x, y, w, h);
+        case 2:
+          return quadrants(sw - 1 - x, y, w, h);
+        case 3:
+          return quadrants(sw - 1 - x, sh - 1 - y, w, h);
+        case 4:
+          return quadrants(x, sh - 1 - y, w, h);
+        case 5:
+          return quadrants(y, x, w, h);
+        case 6:
+          return quadrants(sh - 1 - y, x, w, h);
+        case 7:
+          return quadrants(sh - 1 - y, sw - 1 - x, w, h);
+        default:
+          return quadrants(y, sw - 1 - x, w, h);
       }
     };
     const auto pattern = read(jpeg(transposed ? h : w, transposed ? w : h, 1, stored, orientation));
@@ -189,7 +203,8 @@ TEST(Pattern, SamplesTheMeanOfItsFootprint) {
   const auto lines = read(gray_png(512, 512, 10000, [](int x, int) { return x % 2 ? 0 : 255; }));
   ASSERT_TRUE(lines);
   for (const double blur : {0.8, 1.1, 3.0, 7.7})
-    for (const double u : {0.0, 0.03, 1.234}) EXPECT_NEAR(lines->sample({u, 0.017}, blur).coverage(), 0.5, 0.01) << blur;
+    for (const double u : {0.0, 0.03, 1.234})
+      EXPECT_NEAR(lines->sample({u, 0.017}, blur).coverage(), 0.5, 0.01) << blur;
   // Unblurred, exact at the pixels' centres and linear between them.
   EXPECT_NEAR(lines->sample({0.05, 0.05}, 0).coverage(), 0, 1e-6);
   EXPECT_NEAR(lines->sample({0.15, 0.05}, 0).coverage(), 1, 1e-6);
@@ -201,8 +216,9 @@ TEST(Pattern, SamplesTheMeanOfItsFootprint) {
 }
 
 TEST(Pattern, ALineOfSamplesIsTheSamplesOfALine) {
-  const auto pattern = read(svg("width='40mm' height='40mm' viewBox='0 0 40 40'",
-                                "<circle cx='20' cy='20' r='12' fill='none' stroke='#05f' stroke-width='2'/>"));
+  const auto pattern =
+      read(svg("width='40mm' height='40mm' viewBox='0 0 40 40'",
+               "<circle cx='20' cy='20' r='12' fill='none' stroke='#05f' stroke-width='2'/>"));
   ASSERT_TRUE(pattern);
   float line[4 * 50];
   const Vector2d start(-15, 3), step(0.6, -0.1);
@@ -218,7 +234,9 @@ TEST(Pattern, TellsTheFormatByItsBytesAndNotByItsName) {
   const auto pattern = read(gray_png(4, 4, 1000, [](int, int) { return 0; }), "drawing.svg");
   ASSERT_TRUE(pattern);
   EXPECT_EQ(pattern->format(), "PNG");
-  EXPECT_EQ(read(bytes_of("\xef\xbb\xbf<?xml version='1.0'?>" + svg("width='9mm' height='9mm'")), "x.png")->format(), "SVG");
+  EXPECT_EQ(read(bytes_of("\xef\xbb\xbf<?xml version='1.0'?>" + svg("width='9mm' height='9mm'")), "x.png")
+                ->format(),
+            "SVG");
   EXPECT_EQ(read(bytes_of("\n  " + svg("width='9mm' height='9mm'")), "x.jpg")->format(), "SVG");
 }
 
@@ -258,7 +276,8 @@ std::string holding(const std::string& type, const Bytes& picture) {
   gchar* text = g_base64_encode(picture.data(), picture.size());
   const std::string address = "data:" + type + ";base64," + text;
   g_free(text);
-  return svg("width='20mm' height='10mm' viewBox='0 0 20 10'", "<image width='20' height='10' xlink:href='" + address + "'/>");
+  return svg("width='20mm' height='10mm' viewBox='0 0 20 10'",
+             "<image width='20' height='10' xlink:href='" + address + "'/>");
 }
 
 std::vector<Refusal> refusals() {
@@ -273,39 +292,72 @@ std::vector<Refusal> refusals() {
   nested.insert(nested.end(), end.begin(), end.end());
 
   return {
-      {"nothing", {}, Code::unsupported_format, "the drawing is neither PNG, JPEG nor SVG (x); give a PNG, JPEG or SVG file"},
-      {"text", bytes_of("hello"), Code::unsupported_format, "the drawing is neither PNG, JPEG nor SVG (x); give a PNG, JPEG or SVG file"},
-      {"compressed SVG", {0x1f, 0x8b, 8, 0}, Code::unsupported_format, "the drawing is compressed (x); unpack it: give a PNG, JPEG or plain SVG file"},
-      {"HTML that speaks of svg", bytes_of("<html><body>svg</body></html>"), Code::unsupported_format, "the drawing is XML, but not SVG (x); give a PNG, JPEG or SVG file"},
+      {"nothing",
+       {},
+       Code::unsupported_format,
+       "the drawing is neither PNG, JPEG nor SVG (x); give a PNG, JPEG or SVG file"},
+      {"text", bytes_of("hello"), Code::unsupported_format,
+       "the drawing is neither PNG, JPEG nor SVG (x); give a PNG, JPEG or SVG file"},
+      {"compressed SVG",
+       {0x1f, 0x8b, 8, 0},
+       Code::unsupported_format,
+       "the drawing is compressed (x); unpack it: give a PNG, JPEG or plain SVG file"},
+      {"HTML that speaks of svg", bytes_of("<html><body>svg</body></html>"), Code::unsupported_format,
+       "the drawing is XML, but not SVG (x); give a PNG, JPEG or SVG file"},
       {"PNG of 2^31 - 1 squared pixels", png(0x7fffffff, 0x7fffffff, 8, 0, {{0}}), Code::too_large,
-       "the drawing has 2147483647 x 2147483647 pixels (x); give one of at most 64 million pixels, or an SVG"},
-      {"PNG of 2^32 - 1 pixels", png(0xffffffff, 1, 8, 0, {{0}}), Code::corrupt_file, "the PNG is damaged: it has no size (x); export the drawing again"},
-      {"PNG of no pixels", png(0, 5, 8, 0, {{0}}), Code::corrupt_file, "the PNG is damaged: it has no size (x); export the drawing again"},
+       "the drawing has 2147483647 x 2147483647 pixels (x); give one of at most 64 million pixels, or an "
+       "SVG"},
+      {"PNG of 2^32 - 1 pixels", png(0xffffffff, 1, 8, 0, {{0}}), Code::corrupt_file,
+       "the PNG is damaged: it has no size (x); export the drawing again"},
+      {"PNG of no pixels", png(0, 5, 8, 0, {{0}}), Code::corrupt_file,
+       "the PNG is damaged: it has no size (x); export the drawing again"},
       {"PNG whose pixels cannot be in the file", png(7000, 7000, 8, 6, {{0, 0, 0, 0}}), Code::corrupt_file,
        "the PNG is damaged: the file is too short for its size (x); export the drawing again"},
       {"PNG of its first bytes", {good_png.begin(), good_png.begin() + 4}, Code::unsupported_format, ""},
-      {"PNG cut in its header", {good_png.begin(), good_png.begin() + 20}, Code::corrupt_file, "the PNG is damaged: the file ends early (x); export the drawing again"},
-      {"PNG cut in half", cut(good_png, 0.5), Code::corrupt_file, "the PNG is damaged: the file ends early (x); export the drawing again"},
-      {"PNG without its end", {good_png.begin(), good_png.end() - 12}, Code::corrupt_file, "the PNG is damaged: the file ends early (x); export the drawing again"},
+      {"PNG cut in its header",
+       {good_png.begin(), good_png.begin() + 20},
+       Code::corrupt_file,
+       "the PNG is damaged: the file ends early (x); export the drawing again"},
+      {"PNG cut in half", cut(good_png, 0.5), Code::corrupt_file,
+       "the PNG is damaged: the file ends early (x); export the drawing again"},
+      {"PNG without its end",
+       {good_png.begin(), good_png.end() - 12},
+       Code::corrupt_file,
+       "the PNG is damaged: the file ends early (x); export the drawing again"},
       {"PNG with a broken checksum", broken_crc, Code::corrupt_file, ""},
       {"PNG of an impossible depth", png(4, 4, 3, 0, {{0, 0}}), Code::corrupt_file, ""},
       {"JPEG of its first bytes", cut(good_jpeg, 0.01), Code::corrupt_file, ""},
-      {"JPEG cut in half", cut(good_jpeg, 0.5), Code::corrupt_file, "the JPEG is damaged: Premature end of JPEG file (x); export the drawing again"},
+      {"JPEG cut in half", cut(good_jpeg, 0.5), Code::corrupt_file,
+       "the JPEG is damaged: Premature end of JPEG file (x); export the drawing again"},
       {"SVG cut in half", cut(bytes_of(svg("width='9mm' height='9mm'")), 0.7), Code::corrupt_file, ""},
-      {"SVG without a size", bytes_of(svg("")), Code::unusable_pattern, "the SVG has no size (x); give its svg element a width, height and viewBox"},
+      {"SVG without a size", bytes_of(svg("")), Code::unusable_pattern,
+       "the SVG has no size (x); give its svg element a width, height and viewBox"},
       {"SVG as large as a country", bytes_of(svg("width='1e9mm' height='1e9mm'")), Code::unusable_pattern,
        "the drawing would be 1000000000 x 1000000000 mm (x); give pattern.width_mm"},
-      {"SVG with a picture elsewhere", bytes_of(svg("width='9mm' height='9mm'", "<g><image width='5' height='5' xlink:href='file:///etc/hostname'/></g>")),
-       Code::unusable_pattern, "the SVG refers to another file: file:///etc/hostname (x); embed the picture in the drawing, or give the picture itself"},
-      {"SVG that uses a shape elsewhere", bytes_of(svg("width='9mm' height='9mm'", "<use href='other.svg#a'/>")), Code::unusable_pattern,
-       "the SVG refers to another file: other.svg#a (x); embed the picture in the drawing, or give the picture itself"},
-      {"SVG that hides elements in an entity", bytes_of("<!DOCTYPE svg [<!ENTITY e '<image/>'>]>" + svg("width='9mm' height='9mm'", "&e;")),
-       Code::unsupported_format, "the SVG's document type declares parts of the drawing (x); save it as plain SVG"},
-      {"SVG around a PNG bomb", bytes_of(holding("image/png", png(0x7fffffff, 0x7fffffff, 8, 0, {{0}}))), Code::too_large,
-       "the drawing has 2147483647 x 2147483647 pixels (x, embedded picture); give one of at most 64 million pixels, or an SVG"},
-      {"SVG around another SVG", bytes_of(holding("image/svg+xml", bytes_of(svg("")))), Code::unsupported_format,
+      {"SVG with a picture elsewhere",
+       bytes_of(svg("width='9mm' height='9mm'",
+                    "<g><image width='5' height='5' xlink:href='file:///etc/hostname'/></g>")),
+       Code::unusable_pattern,
+       "the SVG refers to another file: file:///etc/hostname (x); embed the picture in the drawing, or give "
+       "the picture itself"},
+      {"SVG that uses a shape elsewhere",
+       bytes_of(svg("width='9mm' height='9mm'", "<use href='other.svg#a'/>")), Code::unusable_pattern,
+       "the SVG refers to another file: other.svg#a (x); embed the picture in the drawing, or give the "
+       "picture itself"},
+      {"SVG that hides elements in an entity",
+       bytes_of("<!DOCTYPE svg [<!ENTITY e '<image/>'>]>" + svg("width='9mm' height='9mm'", "&e;")),
+       Code::unsupported_format,
+       "the SVG's document type declares parts of the drawing (x); save it as plain SVG"},
+      {"SVG around a PNG bomb", bytes_of(holding("image/png", png(0x7fffffff, 0x7fffffff, 8, 0, {{0}}))),
+       Code::too_large,
+       "the drawing has 2147483647 x 2147483647 pixels (x, embedded picture); give one of at most 64 million "
+       "pixels, or an SVG"},
+      {"SVG around another SVG", bytes_of(holding("image/svg+xml", bytes_of(svg("")))),
+       Code::unsupported_format,
        "the SVG holds a picture that is neither PNG nor JPEG (x); embed it as PNG or JPEG"},
-      {"SVG nested beyond reason", nested, Code::corrupt_file, "the SVG cannot be read: its elements are nested more than 200 deep (x); export the drawing again as plain SVG"},
+      {"SVG nested beyond reason", nested, Code::corrupt_file,
+       "the SVG cannot be read: its elements are nested more than 200 deep (x); export the drawing again as "
+       "plain SVG"},
   };
 }
 
@@ -313,7 +365,8 @@ TEST(Pattern, RefusesWhatItCannotTrustAndSaysWhy) {
   for (const auto& r : refusals()) {
     const auto pattern = read(r.bytes, "x");
     ASSERT_FALSE(pattern) << r.what;
-    EXPECT_EQ(meaning(pattern.error().code).slug, meaning(r.code).slug) << r.what << ": " << pattern.error().text();
+    EXPECT_EQ(meaning(pattern.error().code).slug, meaning(r.code).slug)
+        << r.what << ": " << pattern.error().text();
     if (!r.message.empty()) {
       EXPECT_EQ(pattern.error().text(), r.message) << r.what;
     }
@@ -322,8 +375,9 @@ TEST(Pattern, RefusesWhatItCannotTrustAndSaysWhy) {
 }
 
 TEST(Pattern, DrawsThePicturesInsideAnSvg) {
-  for (const auto& text : {holding("image/png", gray_png(200, 100, 10000, [](int x, int) { return x < 100 ? 0 : 255; })),
-                           holding("image/jpeg", jpeg(200, 100, 1, [](int x, int, int) { return x < 100 ? 0 : 255; }))}) {
+  for (const auto& text :
+       {holding("image/png", gray_png(200, 100, 10000, [](int x, int) { return x < 100 ? 0 : 255; })),
+        holding("image/jpeg", jpeg(200, 100, 1, [](int x, int, int) { return x < 100 ? 0 : 255; }))}) {
     const auto pattern = read(text);
     ASSERT_TRUE(pattern) << pattern.error().text();
     EXPECT_NEAR(pattern->ink_mm2(), 100, 1);
@@ -332,9 +386,10 @@ TEST(Pattern, DrawsThePicturesInsideAnSvg) {
 }
 
 TEST(Pattern, EntitiesForNamesAreUnderstood) {
-  const auto pattern = read("<!DOCTYPE svg PUBLIC '-//W3C//DTD SVG 1.1//EN' 'http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd' "
-                            "[<!ENTITY ns 'http://www.w3.org/2000/svg'>]><svg xmlns='&ns;' width='9mm' height='9mm'>"
-                            "<rect width='90' height='90'/></svg>");
+  const auto pattern = read(
+      "<!DOCTYPE svg PUBLIC '-//W3C//DTD SVG 1.1//EN' 'http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd' "
+      "[<!ENTITY ns 'http://www.w3.org/2000/svg'>]><svg xmlns='&ns;' width='9mm' height='9mm'>"
+      "<rect width='90' height='90'/></svg>");
   ASSERT_TRUE(pattern) << pattern.error().text();
   EXPECT_NEAR(pattern->ink_mm2(), 81, 0.1);
 }
@@ -374,7 +429,8 @@ TEST(Pattern, CompressedTextsInAPngAreNotUnpacked) {
 }
 
 TEST(Pattern, ReadsTheRealDrawings) {
-  for (const auto& [name, width, rings] : {std::tuple{"rings-7x40mm.svg", 105.64, 7}, std::tuple{"rings-19x40mm.svg", 166.28, 19}}) {
+  for (const auto& [name, width, rings] :
+       {std::tuple{"rings-7x40mm.svg", 105.64, 7}, std::tuple{"rings-19x40mm.svg", 166.28, 19}}) {
     std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/patterns/" + name, std::ios::binary);
     ASSERT_TRUE(in) << name;
     const Bytes bytes((std::istreambuf_iterator<char>(in)), {});

@@ -24,9 +24,10 @@ Pattern pattern_of(const Bytes& bytes, const Settings& settings) {
 }
 Pattern svg_pattern(const std::string& body, double side, const Settings& settings) {
   const std::string mm = std::to_string(side), half = std::to_string(-side / 2);
-  return pattern_of(bytes_of("<svg xmlns='http://www.w3.org/2000/svg' width='" + mm + "mm' height='" + mm + "mm' viewBox='" +
-                             half + " " + half + " " + mm + " " + mm + "'>" + body + "</svg>"),
-                    settings);
+  return pattern_of(
+      bytes_of("<svg xmlns='http://www.w3.org/2000/svg' width='" + mm + "mm' height='" + mm +
+               "mm' viewBox='" + half + " " + half + " " + mm + " " + mm + "'>" + body + "</svg>"),
+      settings);
 }
 Print print_of(const Sample& x, const Pattern& pattern) {
   auto print = make_print(x.sheet, x.flattening, pattern, x.settings, "3f9a12c4", Context());
@@ -44,10 +45,12 @@ Extent extent(const Print& print) {
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i) {
       const double ink = (255 - image.at(i, j)) / 255.0 * image.at(i, j, 3) / 255.0;
-      const double s = (i + 0.5 - 0.5 * image.width) * print.pixel_mm, t = (0.5 * image.height - j - 0.5) * print.pixel_mm;
+      const double s = (i + 0.5 - 0.5 * image.width) * print.pixel_mm,
+                   t = (0.5 * image.height - j - 0.5) * print.pixel_mm;
       e.area += ink, e.s += ink * s, e.t += ink * t;
       if (ink < 0.5) continue;
-      e.left = std::min(e.left, s), e.right = std::max(e.right, s), e.low = std::min(e.low, t), e.high = std::max(e.high, t);
+      e.left = std::min(e.left, s), e.right = std::max(e.right, s), e.low = std::min(e.low, t),
+      e.high = std::max(e.high, t);
     }
   e.s /= e.area, e.t /= e.area, e.area *= print.pixel_mm * print.pixel_mm;
   return e;
@@ -75,7 +78,8 @@ TEST(Print, AFlatSheetGivesTheDrawingBack) {
 }
 
 TEST(Print, PutsTheExactResolutionIntoTheFile) {
-  for (const auto& [dpi, per_metre, pixels] : {std::tuple{72, 2835, 341}, std::tuple{300, 11811, 1418}, std::tuple{600, 23622, 2835}}) {
+  for (const auto& [dpi, per_metre, pixels] :
+       {std::tuple{72, 2835, 341}, std::tuple{300, 11811, 1418}, std::tuple{600, 23622, 2835}}) {
     Sample x = hand_made::flat(120, 4);
     x.settings.print.dpi = dpi;
     const Print print = print_of(x, svg_pattern("<circle r='20'/>", 60, x.settings));
@@ -173,17 +177,21 @@ TEST(Print, HasNoSeamsAndASmoothBorder) {
   double chart = 0;
   for (const int t : x.flattening.triangles) {
     const auto& c = x.sheet.triangles[static_cast<std::size_t>(t)];
-    const auto p = [&](int k) { return x.sheet.rest[static_cast<std::size_t>(c[static_cast<std::size_t>(k)])]; };
+    const auto p = [&](int k) {
+      return x.sheet.rest[static_cast<std::size_t>(c[static_cast<std::size_t>(k)])];
+    };
     const Eigen::Vector2d a = p(1) - p(0), b = p(2) - p(0);
     chart += (a.x() * b.y() - a.y() * b.x()) / 2;
   }
-  const Print print = print_of(x, svg_pattern("<rect x='-80' y='-80' width='160' height='160'/>", 140, x.settings));
+  const Print print =
+      print_of(x, svg_pattern("<rect x='-80' y='-80' width='160' height='160'/>", 140, x.settings));
   EXPECT_NEAR(extent(print).area, chart, 0.002 * chart);
   const Decoded image = decode_png(print.png);
   int grays = 0;
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i) {
-      const double s = (i + 0.5 - 0.5 * image.width) * print.pixel_mm, t = (0.5 * image.height - j - 0.5) * print.pixel_mm;
+      const double s = (i + 0.5 - 0.5 * image.width) * print.pixel_mm,
+                   t = (0.5 * image.height - j - 0.5) * print.pixel_mm;
       const double r = std::hypot(s, t);
       ASSERT_TRUE(r > 35 || image.at(i, j) == 0) << i << ", " << j;
       ASSERT_TRUE(r < 40.2 || image.at(i, j) == 255) << i << ", " << j;
@@ -195,7 +203,9 @@ TEST(Print, HasNoSeamsAndASmoothBorder) {
 TEST(Print, ColourIsKeptAndTheRestIsTransparent) {
   Sample x = hand_made::flat(100, 10);
   x.settings.print.marks = false;
-  const Print print = print_of(x, svg_pattern("<rect x='-10' y='-10' width='20' height='20' fill='#c8640a' fill-opacity='0.5'/>", 40, x.settings));
+  const Print print = print_of(
+      x, svg_pattern("<rect x='-10' y='-10' width='20' height='20' fill='#c8640a' fill-opacity='0.5'/>", 40,
+                     x.settings));
   const Decoded image = decode_png(print.png);
   EXPECT_EQ(print.png[chunk(print.png, "IHDR") + 9], 6) << "RGBA";
   const int middle = image.width / 2;
@@ -210,25 +220,29 @@ TEST(Print, TellsHowMuchInkFallsOffTheChart) {
   Sample x = hand_made::flat(80, 20);
   x.settings.print.marks = false;
   // A bar through the middle, of which the sheet takes 80 of 100 mm.
-  const Print print = print_of(x, svg_pattern("<rect x='-50' y='-1' width='100' height='2'/>", 110, x.settings));
+  const Print print =
+      print_of(x, svg_pattern("<rect x='-50' y='-1' width='100' height='2'/>", 110, x.settings));
   EXPECT_NEAR(print.ink_area_mm2, 200, 0.5);
   EXPECT_NEAR(print.ink_printed, 0.8, 0.002);
   ASSERT_EQ(print.warnings.size(), 1u);
   EXPECT_EQ(print.warnings[0].code, "ink-off-chart");
-  EXPECT_TRUE(print.warnings[0].text.ends_with(" % of the drawing's ink lies off the formed part and is not printed."));
+  EXPECT_TRUE(print.warnings[0].text.ends_with(
+      " % of the drawing's ink lies off the formed part and is not printed."));
   EXPECT_NEAR(std::stod(print.warnings[0].text), 20, 0.2);
 
   x.settings.pattern.offset_mm = {200, 0};
-  const auto none = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings), x.settings, "", Context());
+  const auto none = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings),
+                               x.settings, "", Context());
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, Code::unusable_pattern);
-  EXPECT_EQ(none.error().text(), "none of the drawing's ink falls onto the formed part (pattern.offset_mm); move it nearer to "
-                                 "the top of the mold, or give a smaller pattern.width_mm");
+  EXPECT_EQ(none.error().text(),
+            "none of the drawing's ink falls onto the formed part (pattern.offset_mm); move it nearer to "
+            "the top of the mold, or give a smaller pattern.width_mm");
 }
 
 TEST(Print, ReturnsToTheDrawingThroughTheFormedPart) {
-  // Round trip over a dome: whoever looks at the formed print sees the drawing. Every point of the drawing is looked
-  // up where it lies on the sheet (known in closed form for this dome) and compared there.
+  // Round trip over a dome: whoever looks at the formed print sees the drawing. Every point of the drawing is
+  // looked up where it lies on the sheet (known in closed form for this dome) and compared there.
   Sample x = hand_made::dome(60);
   x.settings.print.marks = false;
   std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/patterns/rings-7x40mm.svg", std::ios::binary);
@@ -254,7 +268,8 @@ TEST(Print, MarksKeepOffThePatternAndTheMargin) {
   Sample x = hand_made::flat(200, 40, 60);
   x.settings.print.margin_mm = 5;
   x.settings.print.marks = false;
-  const Pattern pattern = svg_pattern("<circle r='30' fill='none' stroke='#000' stroke-width='2'/>", 70, x.settings);
+  const Pattern pattern =
+      svg_pattern("<circle r='30' fill='none' stroke='#000' stroke-width='2'/>", 70, x.settings);
   const Decoded bare = decode_png(print_of(x, pattern).png);
   x.settings.print.marks = true;
   const Print marked = print_of(x, pattern);
@@ -262,7 +277,8 @@ TEST(Print, MarksKeepOffThePatternAndTheMargin) {
   int added = 0;
   for (int j = 0; j < image.height; ++j)
     for (int i = 0; i < image.width; ++i) {
-      const double s = (i + 0.5 - 0.5 * image.width) * marked.pixel_mm, t = (0.5 * image.height - j - 0.5) * marked.pixel_mm;
+      const double s = (i + 0.5 - 0.5 * image.width) * marked.pixel_mm,
+                   t = (0.5 * image.height - j - 0.5) * marked.pixel_mm;
       if (image.at(i, j) == bare.at(i, j)) continue;
       ++added;
       EXPECT_GT(std::max(std::abs(s), std::abs(t)), 80) << s << ", " << t;
@@ -292,18 +308,23 @@ TEST(Print, TheLegendIsWrappedOnANarrowSheet) {
     legend.push_back(text.child_value());
     EXPECT_STREQ(text.attribute("font-size").value(), "2.4");
   }
-  EXPECT_EQ(legend, (std::vector<std::string>{"outer face, seen from above   ·   scale 1:1, check with the ruler",
-                                              "Vacuform 3f9a12c4   ·   sheet 100 × 100 × 1 mm PETG",
-                                              "frame 3 mm inside the sheet's edge"}));
+  EXPECT_EQ(legend,
+            (std::vector<std::string>{"outer face, seen from above   ·   scale 1:1, check with the ruler",
+                                      "Vacuform 3f9a12c4   ·   sheet 100 × 100 × 1 mm PETG",
+                                      "frame 3 mm inside the sheet's edge"}));
   x.settings.print.margin_mm = 40;
   const Print bare = print_of(x, svg_pattern("<circle r='10'/>", 30, x.settings));
   ASSERT_EQ(bare.warnings.size(), 1u);
-  EXPECT_EQ(bare.warnings[0].text, "print.margin_mm leaves no room for marks on this sheet; none are printed.");
+  EXPECT_EQ(bare.warnings[0].text,
+            "print.margin_mm leaves no room for marks on this sheet; none are printed.");
 }
 
 // The only <image> of a print's SVG, decoded.
 Decoded embedded(const pugi::xml_document& svg) {
-  const std::string href = svg.child("svg").find_node([](const auto& n) { return std::string(n.name()) == "image"; }).attribute("xlink:href").value();
+  const std::string href = svg.child("svg")
+                               .find_node([](const auto& n) { return std::string(n.name()) == "image"; })
+                               .attribute("xlink:href")
+                               .value();
   const std::string head = "data:image/png;base64,";
   EXPECT_TRUE(href.starts_with(head));
   gsize size = 0;
@@ -331,8 +352,9 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
     const pugi::xml_node marks = root.find_child_by_attribute("g", "id", "marks");
     EXPECT_STREQ(pattern.attribute("transform").value(), face == InkedFace::inner ? "scale(-1 1)" : "");
     const std::string legend = marks.find_child_by_attribute("g", "id", "mark-legend").child_value("text");
-    EXPECT_EQ(legend, std::string(face == InkedFace::inner ? "inner face, MIRRORED: print on the side that touches the mold"
-                                                           : "outer face, seen from above") +
+    EXPECT_EQ(legend, std::string(face == InkedFace::inner
+                                      ? "inner face, MIRRORED: print on the side that touches the mold"
+                                      : "outer face, seen from above") +
                           "   ·   scale 1:1, check with the ruler");
 
     // Its picture is the chart's part of print.png, at its place.
@@ -348,7 +370,8 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
         ASSERT_EQ(part.at(i, j), whole.at(column, j0 + j));
       }
     // The ruler is as long as it says.
-    const std::string baseline = marks.find_child_by_attribute("g", "id", "mark-ruler").child("path").attribute("d").value();
+    const std::string baseline =
+        marks.find_child_by_attribute("g", "id", "mark-ruler").child("path").attribute("d").value();
     EXPECT_TRUE(baseline.starts_with("M-50.000,")) << baseline;
     EXPECT_NE(baseline.find(" L50.000,"), std::string::npos) << baseline;
   }
@@ -363,8 +386,8 @@ TEST(Print, TheSvgLooksLikeThePng) {
     const Decoded image = decode_png(print.png);
     const auto drawn = Pattern::read(bytes_of(print.svg), "print.svg", PatternSettings{}, 300);
     ASSERT_TRUE(drawn) << drawn.error().text();
-    // In blocks of a third of a millimetre: edges may be drawn a little softer, but everything lies at its place. The
-    // texts in front and at the back are spaced by other rules there.
+    // In blocks of a third of a millimetre: edges may be drawn a little softer, but everything lies at its
+    // place. The texts in front and at the back are spaced by other rules there.
     const int strip = static_cast<int>(10 / print.pixel_mm);
     constexpr int block = 4;
     double differing = 0, inked = 0;
@@ -373,7 +396,8 @@ TEST(Print, TheSvgLooksLikeThePng) {
         double png = 0, svg = 0;
         for (int y = j; y < j + block; ++y)
           for (int x = i; x < i + block; ++x) {
-            const Eigen::Vector2d at((x + 0.5 - 0.5 * image.width) * print.pixel_mm, (0.5 * image.height - y - 0.5) * print.pixel_mm);
+            const Eigen::Vector2d at((x + 0.5 - 0.5 * image.width) * print.pixel_mm,
+                                     (0.5 * image.height - y - 0.5) * print.pixel_mm);
             png += 1 - image.at(x, y) / 255.0;
             svg += drawn->sample(at, 0).coverage();
           }
@@ -388,7 +412,8 @@ TEST(Print, TheSvgLooksLikeThePng) {
 TEST(Print, ALabelCannotBreakTheSvg) {
   const Sample x = hand_made::flat(200, 20, 60);
   const Pattern pattern = svg_pattern("<circle r='30'/>", 70, x.settings);
-  const auto print = make_print(x.sheet, x.flattening, pattern, x.settings, "</text><script>&\"\n\xff", Context());
+  const auto print =
+      make_print(x.sheet, x.flattening, pattern, x.settings, "</text><script>&\"\n\xff", Context());
   ASSERT_TRUE(print);
   pugi::xml_document svg;
   ASSERT_TRUE(svg.load_string(print->svg.c_str()));
@@ -398,8 +423,10 @@ TEST(Print, ALabelCannotBreakTheSvg) {
 TEST(Print, GivesTheSameBytesTwice) {
   const Sample x = hand_made::dome(40);
   for (const char* colour : {"#000", "#a40"}) {
-    const std::string body = std::string("<circle r='30' fill='none' stroke-width='3' stroke='") + colour + "'/>";
-    const Print a = print_of(x, svg_pattern(body, 70, x.settings)), b = print_of(x, svg_pattern(body, 70, x.settings));
+    const std::string body =
+        std::string("<circle r='30' fill='none' stroke-width='3' stroke='") + colour + "'/>";
+    const Print a = print_of(x, svg_pattern(body, 70, x.settings)),
+                b = print_of(x, svg_pattern(body, 70, x.settings));
     EXPECT_EQ(a.png, b.png);
     EXPECT_EQ(a.svg, b.svg);
   }
@@ -408,17 +435,20 @@ TEST(Print, GivesTheSameBytesTwice) {
 TEST(Print, RefusesMorePixelsThanItCanDraw) {
   Sample x = hand_made::flat(1500, 10);
   x.settings.print.dpi = 1200;
-  const auto print = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings), x.settings, "", Context());
+  const auto print = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings),
+                                x.settings, "", Context());
   ASSERT_FALSE(print);
   EXPECT_EQ(print.error().code, Code::too_large);
-  EXPECT_EQ(print.error().text(), "the print would have 70867 x 70867 pixels (print.dpi); give print.dpi of at most 541");
+  EXPECT_EQ(print.error().text(),
+            "the print would have 70867 x 70867 pixels (print.dpi); give print.dpi of at most 541");
 }
 
 TEST(Print, CanBeCancelled) {
   const Sample x = hand_made::flat(100, 10);
   Context context;
   context.cancel();
-  const auto print = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings), x.settings, "", context);
+  const auto print = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings),
+                                x.settings, "", context);
   ASSERT_FALSE(print);
   EXPECT_EQ(print.error().code, Code::cancelled);
 }
@@ -431,7 +461,8 @@ TEST(Print, ReportsProgressThatNeverFalls) {
     EXPECT_GE(fraction, last);
     last = fraction;
   });
-  ASSERT_TRUE(make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings), x.settings, "", context));
+  ASSERT_TRUE(make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings), x.settings,
+                         "", context));
   EXPECT_EQ(last, 1);
 }
 

@@ -43,13 +43,14 @@ TEST(ScanLines, TrianglesThatShareEdgesOwnEverySampleOnce) {
 
 TEST(ScanLines, StaysInsideTheGridAndRows) {
   int rows = 0;
-  scan_triangle({Vector2d(-1e12, -1e12), Vector2d(1e12, -1e12), Vector2d(0, 1e12)}, 10, 3, 7, [&](int row, int begin, int end) {
-    EXPECT_GE(row, 3);
-    EXPECT_LT(row, 7);
-    EXPECT_EQ(begin, 0);
-    EXPECT_EQ(end, 10);
-    ++rows;
-  });
+  scan_triangle({Vector2d(-1e12, -1e12), Vector2d(1e12, -1e12), Vector2d(0, 1e12)}, 10, 3, 7,
+                [&](int row, int begin, int end) {
+                  EXPECT_GE(row, 3);
+                  EXPECT_LT(row, 7);
+                  EXPECT_EQ(begin, 0);
+                  EXPECT_EQ(end, 10);
+                  ++rows;
+                });
   EXPECT_EQ(rows, 4);
 }
 

@@ -14,10 +14,22 @@
 namespace vacuform {
 namespace {
 
-constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},    {72, 24, 106},  {71, 45, 123},  {66, 64, 134},
-                                                            {59, 82, 139},  {51, 99, 141},  {44, 114, 142}, {38, 130, 142},
-                                                            {33, 145, 140}, {31, 160, 136}, {40, 174, 128}, {63, 188, 115},
-                                                            {94, 201, 98},  {132, 212, 75}, {173, 220, 48}, {216, 226, 25},
+constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},
+                                                            {72, 24, 106},
+                                                            {71, 45, 123},
+                                                            {66, 64, 134},
+                                                            {59, 82, 139},
+                                                            {51, 99, 141},
+                                                            {44, 114, 142},
+                                                            {38, 130, 142},
+                                                            {33, 145, 140},
+                                                            {31, 160, 136},
+                                                            {40, 174, 128},
+                                                            {63, 188, 115},
+                                                            {94, 201, 98},
+                                                            {132, 212, 75},
+                                                            {173, 220, 48},
+                                                            {216, 226, 25},
                                                             {253, 231, 37}}};
 
 // Paper for words to stand on.
@@ -30,8 +42,10 @@ void band(cairo_t* cairo, double top, double bottom, double line) {
   cairo_fill(cairo);
 }
 
-void text(cairo_t* cairo, const std::string& words, double x, double y, double size, bool bold, double along, float gray) {
-  cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+void text(cairo_t* cairo, const std::string& words, double x, double y, double size, bool bold, double along,
+          float gray) {
+  cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo, size);
   cairo_text_extents_t extents;
   cairo_text_extents(cairo, words.c_str(), &extents);
@@ -43,13 +57,16 @@ void text(cairo_t* cairo, const std::string& words, double x, double y, double s
 }  // namespace
 
 Colour viridis(double fraction) {
-  const double x = std::clamp(std::isfinite(fraction) ? fraction : 0.0, 0.0, 1.0) * (viridis_table.size() - 1);
+  const double x =
+      std::clamp(std::isfinite(fraction) ? fraction : 0.0, 0.0, 1.0) * (viridis_table.size() - 1);
   const std::size_t i = std::min(static_cast<std::size_t>(x), viridis_table.size() - 2);
   const float f = static_cast<float>(x - static_cast<double>(i));
   Colour c;
   for (int k = 0; k < 3; ++k) {
     const auto j = static_cast<std::size_t>(k);
-    c[k] = ((1 - f) * static_cast<float>(viridis_table[i][j]) + f * static_cast<float>(viridis_table[i + 1][j])) / 255;
+    c[k] = ((1 - f) * static_cast<float>(viridis_table[i][j]) +
+            f * static_cast<float>(viridis_table[i + 1][j])) /
+           255;
   }
   return c;
 }
@@ -61,13 +78,15 @@ Scale round_scale(double low, double high, bool fixed_low, std::string quantity)
   for (const double factor : {5.0, 2.5, 2.0, 1.0})
     if (factor * decade >= wanted * (1 - 1e-9)) step = factor * decade;
   const double start = fixed_low ? low : step * std::floor(low / step + 1e-9);
-  return {start, start + step * std::max(1.0, std::ceil((high - start) / step - 1e-9)), step, std::move(quantity)};
+  return {start, start + step * std::max(1.0, std::ceil((high - start) / step - 1e-9)), step,
+          std::move(quantity)};
 }
 
 void write(const Caption& caption, Picture& picture) {
   const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
-      cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(picture.pixels.data()), CAIRO_FORMAT_RGB24,
-                                          picture.width, picture.height, 4 * picture.width),
+      cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(picture.pixels.data()),
+                                          CAIRO_FORMAT_RGB24, picture.width, picture.height,
+                                          4 * picture.width),
       cairo_surface_destroy);
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
   const std::unique_ptr<cairo_t, void (*)(cairo_t*)> context(cairo_create(surface.get()), cairo_destroy);
@@ -99,7 +118,11 @@ void write(const Caption& caption, Picture& picture) {
       cairo_fill(cairo);
       const std::string value = decimal(s.low + s.step * i, places);
       const bool first = i == 0, last = i == steps;
-      text(cairo, (last && s.open_above ? "≥ " : "") + value, x, top + thick + 24, 17, false, first ? 0 : last ? 1 : 0.5, 0.2f);
+      text(cairo, (last && s.open_above ? "≥ " : "") + value, x, top + thick + 24, 17, false,
+           first  ? 0
+           : last ? 1
+                  : 0.5,
+           0.2f);
     }
   }
   cairo_surface_flush(surface.get());

@@ -13,9 +13,9 @@ namespace vacuform {
 Colour viridis(double fraction);
 
 struct Scale {
-  double low, high, step;    // ticks at low, low + step, ..., high
-  std::string quantity;      // what the bar shows, with its unit
-  bool open_above = false;   // values above the end exist
+  double low, high, step;   // ticks at low, low + step, ..., high
+  std::string quantity;     // what the bar shows, with its unit
+  bool open_above = false;  // values above the end exist
 };
 // A scale over at least [low, high] with three to seven round ticks. A `fixed_low` end is not rounded.
 Scale round_scale(double low, double high, bool fixed_low, std::string quantity);
@@ -23,7 +23,7 @@ Scale round_scale(double low, double high, bool fixed_low, std::string quantity)
 struct Caption {
   std::string title, figures;  // one line each
   std::optional<Scale> scale;
-  std::string note;            // one line in the scale's place
+  std::string note;  // one line in the scale's place
 };
 
 // Rows that a caption takes above and below the picture.

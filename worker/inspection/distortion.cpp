@@ -17,7 +17,8 @@ struct Weighted {
 Statistics statistics(std::vector<Weighted> values) {
   Statistics result;
   if (values.empty()) return result;
-  std::stable_sort(values.begin(), values.end(), [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  std::stable_sort(values.begin(), values.end(),
+                   [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
   double area = 0, sum = 0;
   for (const auto& w : values) area += w.area, sum += w.area * w.value;
   const auto percentile = [&](double share) {
@@ -35,14 +36,15 @@ Statistics statistics(std::vector<Weighted> values) {
 
 }  // namespace
 
-SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from, const std::array<Eigen::Vector3d, 3>& to) {
+SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from,
+                               const std::array<Eigen::Vector3d, 3>& to) {
   Eigen::Matrix2d plane;
   plane << from[1] - from[0], from[2] - from[0];
   Eigen::Matrix<double, 3, 2> space;
   space << to[1] - to[0], to[2] - to[0];
   const Eigen::Matrix<double, 3, 2> J = space * plane.inverse();
-  // In closed form from J^T J = [E F; F G]: (s1 + s2)^2 = E + G + 2 s1 s2 and s1^2 - s2^2 = sqrt((E - G)^2 + 4 F^2),
-  // so that equal values come out equal and small ones are not lost in a difference.
+  // In closed form from J^T J = [E F; F G]: (s1 + s2)^2 = E + G + 2 s1 s2 and s1^2 - s2^2 = sqrt((E - G)^2 +
+  // 4 F^2), so that equal values come out equal and small ones are not lost in a difference.
   const double E = J.col(0).squaredNorm(), G = J.col(1).squaredNorm(), F = J.col(0).dot(J.col(1));
   const double product = Eigen::Vector3d(J.col(0)).cross(Eigen::Vector3d(J.col(1))).norm();
   const double sum = std::sqrt(E + G + 2 * product);
@@ -51,7 +53,8 @@ SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from, const
   return {largest, largest > 0 ? product / largest : 0};
 }
 
-Distortion distortion(const FormedSheet& sheet, const Flattening& flattening, const std::vector<Eigen::Vector2d>& uv) {
+Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
+                      const std::vector<Eigen::Vector2d>& uv) {
   std::vector<Weighted> anisotropy, area_ratio;
   for (const int t : flattening.triangles) {
     std::array<Eigen::Vector2d, 3> from;

@@ -31,10 +31,12 @@ struct Artifact {
 struct SingularValues {
   double largest, smallest;
 };
-SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from, const std::array<Eigen::Vector3d, 3>& to);
+SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from,
+                               const std::array<Eigen::Vector3d, 3>& to);
 
-// Area-weighted statistics of one figure over the triangles of the chart (DESIGN's definitions). A percentile is the
-// smallest value such that at least its share of the inked area has no larger one. All 0 for an empty chart.
+// Area-weighted statistics of one figure over the triangles of the chart (DESIGN's definitions). A percentile
+// is the smallest value such that at least its share of the inked area has no larger one. All 0 for an empty
+// chart.
 struct Statistics {
   double mean = 0, p95 = 0, p99 = 0, max = 0;
 };
@@ -44,15 +46,16 @@ struct Distortion {
 };
 // J from `uv` (per vertex of the sheet) to Flattening::inked, over Flattening::triangles.
 // With pre-distortion uv is Flattening::chart, without it FormedSheet::rest.
-Distortion distortion(const FormedSheet& sheet, const Flattening& flattening, const std::vector<Eigen::Vector2d>& uv);
+Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
+                      const std::vector<Eigen::Vector2d>& uv);
 
-// The figures, findings and warnings as they stand in report.json, without the parts that only the caller of the
-// pipeline knows (hashes of the inputs, versions, seconds). Keys carry their units; numbers are rounded to what is
-// known of them; what does not exist is null.
+// The figures, findings and warnings as they stand in report.json, without the parts that only the caller of
+// the pipeline knows (hashes of the inputs, versions, seconds). Keys carry their units; numbers are rounded
+// to what is known of them; what does not exist is null.
 nlohmann::ordered_json report(const Finished& job);
 
-// All other artifacts, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a display),
-// formed.ply, formed.obj/.mtl, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
+// All other artifacts, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a
+// display), formed.ply, formed.obj/.mtl, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context);
 
 }  // namespace vacuform

@@ -38,7 +38,8 @@ void append_face(std::string& out, int a, int b, int c) {
 
 std::vector<std::uint8_t> formed_ply(const Finished& job) {
   const FormedSheet& sheet = job.sheet;
-  std::string header = "ply\nformat binary_little_endian 1.0\ncomment Vacuform formed sheet, mm, degrees Celsius\n";
+  std::string header =
+      "ply\nformat binary_little_endian 1.0\ncomment Vacuform formed sheet, mm, degrees Celsius\n";
   header += "element vertex " + std::to_string(sheet.formed.size()) + "\n";
   for (const char* property : {"x", "y", "z", "s", "t", "u", "v", "thickness", "temperature"})
     header += std::string("property float ") + property + "\n";
@@ -79,7 +80,8 @@ std::vector<std::uint8_t> uv_map_obj(const Finished& job) {
   std::string out = "# Vacuform formed surface under the pattern, mm; the pattern is the texture\n", textures;
   std::vector<int> number(job.sheet.formed.size(), 0);
   for (const int t : job.flattening.triangles)
-    for (const int v : job.sheet.triangles[static_cast<std::size_t>(t)]) number[static_cast<std::size_t>(v)] = 1;
+    for (const int v : job.sheet.triangles[static_cast<std::size_t>(t)])
+      number[static_cast<std::size_t>(v)] = 1;
   int used = 0;
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (!number[i]) continue;

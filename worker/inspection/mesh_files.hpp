@@ -8,10 +8,12 @@
 
 namespace vacuform {
 
-// Binary little-endian PLY: x y z s t u v thickness temperature (float), contact (uchar); u, v are NaN off the chart.
+// Binary little-endian PLY: x y z s t u v thickness temperature (float), contact (uchar); u, v are NaN off
+// the chart.
 std::vector<std::uint8_t> formed_ply(const Finished& job);
 
-// The formed sheet; vt = Print::picture_uv of each vertex's sheet coordinates, material "print" of formed.mtl.
+// The formed sheet; vt = Print::picture_uv of each vertex's sheet coordinates, material "print" of
+// formed.mtl.
 std::vector<std::uint8_t> formed_obj(const Finished& job);
 std::vector<std::uint8_t> formed_mtl();
 

@@ -87,8 +87,8 @@ MoldDistance::MoldDistance(const TriangleMesh& mesh) : scene_(new Scene{.mesh = 
   scene_->centre = (low + high) / 2;
 
   RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                             3 * sizeof(float), mesh.vertices.size()));
+  auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
   auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
   if (!points || !indices) throw std::bad_alloc();
@@ -100,7 +100,8 @@ MoldDistance::MoldDistance(const TriangleMesh& mesh) : scene_(new Scene{.mesh = 
   rtcAttachGeometry(scene_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_->scene);
-  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE) throw std::runtime_error("Embree cannot build its scene");
+  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE)
+    throw std::runtime_error("Embree cannot build its scene");
 }
 
 MoldDistance::~MoldDistance() = default;

@@ -8,8 +8,8 @@
 
 namespace vacuform {
 
-// The closest point on a set of triangles by a descent of Embree's BVH; the distance to each candidate triangle is
-// computed in double precision (Ericson 2005, "Real-time collision detection", 5.1.5).
+// The closest point on a set of triangles by a descent of Embree's BVH; the distance to each candidate
+// triangle is computed in double precision (Ericson 2005, "Real-time collision detection", 5.1.5).
 class MoldDistance {
  public:
   explicit MoldDistance(const TriangleMesh& mesh);  // keeps a reference

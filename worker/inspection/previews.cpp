@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/decimal.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/view.hpp"
-#include "worker/decimal.hpp"
 #include "worker/printing/png_writer.hpp"
 
 namespace vacuform {
@@ -22,7 +22,8 @@ std::vector<std::uint8_t> png_of(const Picture& picture) {
   std::vector<std::uint8_t> row(3 * static_cast<std::size_t>(picture.width));
   for (int y = 0; y < picture.height; ++y) {
     for (std::size_t x = 0; x < static_cast<std::size_t>(picture.width); ++x) {
-      const std::uint32_t p = picture.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + x];
+      const std::uint32_t p =
+          picture.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + x];
       row[3 * x] = static_cast<std::uint8_t>(p >> 16);
       row[3 * x + 1] = static_cast<std::uint8_t>(p >> 8);
       row[3 * x + 2] = static_cast<std::uint8_t>(p);
@@ -53,13 +54,15 @@ std::vector<double> over_vertices(const Finished& job, Figure&& figure) {
     const double area = (to[1] - to[0]).cross(to[2] - to[0]).norm() / 2;
     const double value = figure(singular_values(from, to));
     if (!std::isfinite(value)) continue;
-    for (const int v : corners) sum[static_cast<std::size_t>(v)] += area * value, weight[static_cast<std::size_t>(v)] += area;
+    for (const int v : corners)
+      sum[static_cast<std::size_t>(v)] += area * value, weight[static_cast<std::size_t>(v)] += area;
   }
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = weight[i] > 0 ? sum[i] / weight[i] : NAN;
   return sum;
 }
 
-// The scale ends at the 99th percentile, so that one crumpled triangle does not take the colours from all others.
+// The scale ends at the 99th percentile, so that one crumpled triangle does not take the colours from all
+// others.
 Heat heat_of(std::vector<double> values, const Statistics& statistics, const std::string& quantity) {
   double largest = 1;
   for (const double v : values)
@@ -76,24 +79,27 @@ Heat thickness_heat(const Finished& job) {
 }
 
 std::string figures_of(const Distortion& d) {
-  return "anisotropy: mean " + decimal(d.anisotropy.mean, 3) + ", 95 % below " + decimal(d.anisotropy.p95, 3) +
-         "     area ratio: mean " + decimal(d.area_ratio.mean, 3) + ", 95 % below " + decimal(d.area_ratio.p95, 3);
+  return "anisotropy: mean " + decimal(d.anisotropy.mean, 3) + ", 95 % below " +
+         decimal(d.anisotropy.p95, 3) + "     area ratio: mean " + decimal(d.area_ratio.mean, 3) +
+         ", 95 % below " + decimal(d.area_ratio.p95, 3);
 }
 std::string figures_of(const Statistics& s) {
-  return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) + ", 99 % below " +
-         decimal(s.p99, 3) + ", largest " + decimal(s.max, 2);
+  return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) +
+         ", 99 % below " + decimal(s.p99, 3) + ", largest " + decimal(s.max, 2);
 }
 
 // The drawing on the sheet by one map from its vertices to pattern coordinates.
 class Inked {
  public:
-  Inked(const Finished& job, std::vector<Vector2d> uv) : job_(job), uv_(std::move(uv)), blur_(job.sheet.triangles.size(), 0) {
+  Inked(const Finished& job, std::vector<Vector2d> uv)
+      : job_(job), uv_(std::move(uv)), blur_(job.sheet.triangles.size(), 0) {
     for (std::size_t t = 0; t < blur_.size(); ++t) {
       const auto& c = job.sheet.triangles[t];
       std::array<Vector2d, 3> from;
       std::array<Eigen::Vector3d, 3> to;
       for (std::size_t k = 0; k < 3; ++k)
-        from[k] = uv_[static_cast<std::size_t>(c[k])], to[k] = job.sheet.formed[static_cast<std::size_t>(c[k])];
+        from[k] = uv_[static_cast<std::size_t>(c[k])],
+        to[k] = job.sheet.formed[static_cast<std::size_t>(c[k])];
       // Millimetres of pattern for one on the sheet, in the mean over directions.
       const SingularValues s = singular_values(from, to);
       blur_[t] = std::sqrt((1 / (s.largest * s.largest) + 1 / (s.smallest * s.smallest)) / 2);
@@ -138,36 +144,46 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   const Distortion after = distortion(job.sheet, job.flattening, job.flattening.chart);
   const Heat anisotropy = heat_of(over_vertices(job, [](SingularValues s) { return s.largest / s.smallest; }),
                                   before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
-  const Heat area = heat_of(over_vertices(job, [](SingularValues s) {
-                              const double a = s.largest * s.smallest;
-                              return std::max(a, 1 / a);
-                            }),
+  const Heat area = heat_of(over_vertices(job,
+                                          [](SingularValues s) {
+                                            const double a = s.largest * s.smallest;
+                                            return std::max(a, 1 / a);
+                                          }),
                             before.area_ratio, "area ratio (1: undistorted)");
   const Heat thickness = thickness_heat(job);
 
   const View view(job.sheet, side, side, caption_top, caption_bottom);
-  VACUFORM_TRY(pictures, view.draw(5, [&](const Seen& seen, Colour* colours) {
-    colours[0] = without(seen);
-    colours[1] = with(seen);
-    colours[2] = hot(job, anisotropy, seen);
-    colours[3] = hot(job, area, seen);
-    colours[4] = hot(job, thickness, seen);
-  }, context, 0.1, 0.7));
+  VACUFORM_TRY(pictures, view.draw(
+                             5,
+                             [&](const Seen& seen, Colour* colours) {
+                               colours[0] = without(seen);
+                               colours[1] = with(seen);
+                               colours[2] = hot(job, anisotropy, seen);
+                               colours[3] = hot(job, area, seen);
+                               colours[4] = hot(job, thickness, seen);
+                             },
+                             context, 0.1, 0.7));
 
   double least = INFINITY;
   for (const double h : job.sheet.element_thickness) least = std::min(least, h);
   const std::string lost = job.print.ink_printed < 0.9995
-                               ? decimal(100 * (1 - job.print.ink_printed), 1) + " % of the drawing's ink lies off the formed part and is not printed."
+                               ? decimal(100 * (1 - job.print.ink_printed), 1) +
+                                     " % of the drawing's ink lies off the formed part and is not printed."
                                : "All of the drawing's ink lies on the formed part.";
   const Caption captions[] = {
-      {"The plain pattern, printed as drawn, then formed", figures_of(before), {}, "Its centre lies where the top of the mold comes to lie, as for the pre-distorted print."},
+      {"The plain pattern, printed as drawn, then formed",
+       figures_of(before),
+       {},
+       "Its centre lies where the top of the mold comes to lie, as for the pre-distorted print."},
       {"The pre-distorted print, formed", figures_of(after), {}, lost},
       {"Change of shape that the print makes good", figures_of(before.anisotropy), anisotropy.scale, ""},
       {"Change of area that the print makes good", figures_of(before.area_ratio), area.scale, ""},
       {"Thickness of the formed sheet",
-       "from " + decimal(job.settings.sheet.thickness_mm, 2) + " mm; thinnest element " + decimal(least, 3) + " mm", thickness.scale, ""}};
-  const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png", "preview-area.png",
-                         "preview-thickness.png"};
+       "from " + decimal(job.settings.sheet.thickness_mm, 2) + " mm; thinnest element " + decimal(least, 3) +
+           " mm",
+       thickness.scale, ""}};
+  const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png",
+                         "preview-area.png", "preview-thickness.png"};
   std::vector<Artifact> files;
   for (std::size_t i = 0; i < 5; ++i) {
     VACUFORM_CHECK(context.step(Stage::inspection, 0.7 + 0.04 * static_cast<double>(i)));

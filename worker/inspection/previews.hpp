@@ -5,9 +5,10 @@
 
 namespace vacuform {
 
-// preview-without.png: the drawing as it would come out if it were printed as it is, its centre on the point of the
-// sheet that comes to lie on the top of the mold. preview-with.png: the pre-distorted print. preview-anisotropy.png,
-// preview-area.png: the figures without pre-distortion over the chart. preview-thickness.png: the whole sheet.
+// preview-without.png: the drawing as it would come out if it were printed as it is, its centre on the point
+// of the sheet that comes to lie on the top of the mold. preview-with.png: the pre-distorted print.
+// preview-anisotropy.png, preview-area.png: the figures without pre-distortion over the chart.
+// preview-thickness.png: the whole sheet.
 Result<std::vector<Artifact>> previews(const Finished& job, const Context& context);
 
 }  // namespace vacuform

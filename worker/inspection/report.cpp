@@ -42,10 +42,12 @@ Json forming_of(const Finished& job) {
     if (sheet.contact[i] == Contact::platform) gap = std::max(gap, std::abs(sheet.formed[i].z()));
   }
   const FormingSummary& s = sheet.summary;
-  const auto slack = std::count_if(sheet.element_slack.begin(), sheet.element_slack.end(), [](auto v) { return v != 0; });
+  const auto slack =
+      std::count_if(sheet.element_slack.begin(), sheet.element_slack.end(), [](auto v) { return v != 0; });
   return {{"vertices", sheet.formed.size()},
           {"triangles", sheet.triangles.size()},
-          {"vertices_by_contact", {{"free", counts[0]}, {"mold", counts[1]}, {"platform", counts[2]}, {"clamp", counts[3]}}},
+          {"vertices_by_contact",
+           {{"free", counts[0]}, {"mold", counts[1]}, {"platform", counts[2]}, {"clamp", counts[3]}}},
           {"largest_gap_mm", rounded(gap, 4)},
           {"drape_steps", s.drape_steps},
           {"vacuum_steps", s.vacuum_steps},
@@ -65,8 +67,10 @@ Json thickness_of(const Finished& job) {
   double area = 0, sum = 0, least = INFINITY, chart_area = 0, chart_sum = 0, chart_least = INFINITY;
   const auto rest_area = [&](std::size_t t) {
     const auto& c = sheet.triangles[t];
-    const Eigen::Vector2d a = sheet.rest[static_cast<std::size_t>(c[1])] - sheet.rest[static_cast<std::size_t>(c[0])];
-    const Eigen::Vector2d b = sheet.rest[static_cast<std::size_t>(c[2])] - sheet.rest[static_cast<std::size_t>(c[0])];
+    const Eigen::Vector2d a =
+        sheet.rest[static_cast<std::size_t>(c[1])] - sheet.rest[static_cast<std::size_t>(c[0])];
+    const Eigen::Vector2d b =
+        sheet.rest[static_cast<std::size_t>(c[2])] - sheet.rest[static_cast<std::size_t>(c[0])];
     return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
   };
   for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
@@ -89,8 +93,11 @@ Json thickness_of(const Finished& job) {
 }
 
 Json flattening_of(const Flattening& f) {
-  return {{"triangles", f.triangles.size()}, {"iterations", f.iterations},       {"energy", significant(f.energy)},
-          {"flipped", f.flipped},            {"top_rest_mm", array(f.top_rest, 3)}};
+  return {{"triangles", f.triangles.size()},
+          {"iterations", f.iterations},
+          {"energy", significant(f.energy)},
+          {"flipped", f.flipped},
+          {"top_rest_mm", array(f.top_rest, 3)}};
 }
 
 Json pattern_of(const Finished& job) {
@@ -110,7 +117,8 @@ Json print_of(const Finished& job) {
 }
 
 Json statistics_of(const Statistics& s) {
-  return {{"mean", rounded(s.mean)}, {"p95", rounded(s.p95)}, {"p99", rounded(s.p99)}, {"max", rounded(s.max)}};
+  return {
+      {"mean", rounded(s.mean)}, {"p95", rounded(s.p95)}, {"p99", rounded(s.p99)}, {"max", rounded(s.max)}};
 }
 Json distortion_of(const Distortion& d) {
   return {{"anisotropy", statistics_of(d.anisotropy)}, {"area_ratio", statistics_of(d.area_ratio)}};
@@ -132,7 +140,8 @@ Json report(const Finished& job) {
                     {"with", distortion_of(distortion(job.sheet, job.flattening, job.flattening.chart))}};
   Json warnings = Json::array();
   const auto add = [&](Stage stage, const std::vector<Warning>& of_stage) {
-    for (const auto& w : of_stage) warnings.push_back({{"stage", name(stage)}, {"code", w.code}, {"text", w.text}});
+    for (const auto& w : of_stage)
+      warnings.push_back({{"stage", name(stage)}, {"code", w.code}, {"text", w.text}});
   };
   add(Stage::scan, job.mold.warnings);
   add(Stage::forming, job.sheet.warnings);

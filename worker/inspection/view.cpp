@@ -19,14 +19,16 @@ const Vector3d& at(const std::vector<Vector3d>& points, int i) { return points[s
 std::vector<Vector3d> vertex_normals(const FormedSheet& sheet) {
   std::vector<Vector3d> normals(sheet.formed.size(), Vector3d::Zero());
   for (const auto& t : sheet.triangles) {
-    const Vector3d normal = (at(sheet.formed, t[1]) - at(sheet.formed, t[0])).cross(at(sheet.formed, t[2]) - at(sheet.formed, t[0]));
+    const Vector3d normal = (at(sheet.formed, t[1]) - at(sheet.formed, t[0]))
+                                .cross(at(sheet.formed, t[2]) - at(sheet.formed, t[0]));
     for (const int v : t) normals[static_cast<std::size_t>(v)] += normal;
   }
   for (auto& n : normals) n = n.squaredNorm() > 0 ? n.normalized() : Vector3d(0, 0, 1);
   return normals;
 }
 
-// Evenly spread directions about +z, denser towards it by the cosine (a Fibonacci spiral on the disk, lifted).
+// Evenly spread directions about +z, denser towards it by the cosine (a Fibonacci spiral on the disk,
+// lifted).
 std::vector<Vector3d> sky(int count) {
   std::vector<Vector3d> directions;
   for (int i = 0; i < count; ++i) {
@@ -36,25 +38,35 @@ std::vector<Vector3d> sky(int count) {
   return directions;
 }
 
-Colour backdrop(double height) { return Colour(0.985f, 0.985f, 0.99f) - static_cast<float>(height) * Colour(0.085f, 0.08f, 0.07f); }
+Colour backdrop(double height) {
+  return Colour(0.985f, 0.985f, 0.99f) - static_cast<float>(height) * Colour(0.085f, 0.08f, 0.07f);
+}
 
 std::uint32_t pixel_of(const Colour& c) {
-  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f); };
+  const auto byte = [](float v) {
+    return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f);
+  };
   return 0xff000000u | byte(c.x()) << 16 | byte(c.y()) << 8 | byte(c.z());
 }
 
 }  // namespace
 
 View::View(const FormedSheet& sheet, int width, int height, int top, int bottom)
-    : sheet_(sheet), width_(width), height_(height), top_(top), bottom_(bottom),
-      rays_(TriangleMesh{sheet.formed, sheet.triangles}), normals_(vertex_normals(sheet)) {
+    : sheet_(sheet),
+      width_(width),
+      height_(height),
+      top_(top),
+      bottom_(bottom),
+      rays_(TriangleMesh{sheet.formed, sheet.triangles}),
+      normals_(vertex_normals(sheet)) {
   frame();
   light();
 }
 
 // Moves the eye until what stands above the platform just fills the picture.
 void View::frame() {
-  back_ = {std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation), std::sin(elevation)};
+  back_ = {std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation),
+           std::sin(elevation)};
   right_ = Vector3d(0, 0, 1).cross(back_).normalized();
   up_ = back_.cross(right_);
   tangent_ = std::tan(half_view);
@@ -65,7 +77,8 @@ void View::frame() {
   for (const auto& p : sheet_.formed) highest = std::max(highest, p.z());
   std::vector<Vector3d> shown;
   for (std::size_t i = 0; i < sheet_.formed.size(); ++i)
-    if (sheet_.contact[i] == Contact::mold || (sheet_.contact[i] != Contact::clamp && sheet_.formed[i].z() > 0.15 * highest))
+    if (sheet_.contact[i] == Contact::mold ||
+        (sheet_.contact[i] != Contact::clamp && sheet_.formed[i].z() > 0.15 * highest))
       shown.push_back(sheet_.formed[i]);
   if (shown.empty()) shown = sheet_.formed;
   if (shown.empty()) shown.push_back(Vector3d::Zero());
@@ -73,7 +86,8 @@ void View::frame() {
   Vector3d target = Vector3d::Zero();
   double distance = 1;
   for (int pass = 0; pass < 4; ++pass) {
-    // The picture's middle is where the extremes on either side are as far away, seen from the present distance.
+    // The picture's middle is where the extremes on either side are as far away, seen from the present
+    // distance.
     double left = INFINITY, low = INFINITY, rightmost = -INFINITY, high = -INFINITY;
     for (const auto& p : shown) {
       const Vector3d d = p - target;
@@ -85,7 +99,8 @@ void View::frame() {
     distance = 1;
     for (const auto& p : shown) {
       const Vector3d d = p - target;
-      distance = std::max({distance, d.dot(back_) + std::abs(d.dot(right_)) / room_x, d.dot(back_) + std::abs(d.dot(up_)) / room_y});
+      distance = std::max({distance, d.dot(back_) + std::abs(d.dot(right_)) / room_x,
+                           d.dot(back_) + std::abs(d.dot(up_)) / room_y});
     }
   }
   eye_ = target + distance * back_;
@@ -107,7 +122,8 @@ void View::light() {
         const Vector3d ray = d.x() * a + d.y() * b + d.z() * n;
         if (rays_.first_hit(at(sheet_.formed, i) + 0.8 * n + 0.4 * ray, 90 * ray)) ++hidden;
       }
-      open_[static_cast<std::size_t>(i)] = 1 - static_cast<float>(hidden) / static_cast<float>(directions.size());
+      open_[static_cast<std::size_t>(i)] =
+          1 - static_cast<float>(hidden) / static_cast<float>(directions.size());
     }
   });
 }
@@ -116,7 +132,9 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
                                         const Context& context, double from, double to) const {
   const std::size_t n = static_cast<std::size_t>(count);
   std::vector<Picture> pictures(n);
-  for (auto& p : pictures) p = {width_, height_, std::vector<std::uint32_t>(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_))};
+  for (auto& p : pictures)
+    p = {width_, height_,
+         std::vector<std::uint32_t>(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_))};
   const double middle = top_ + 0.5 * (height_ - top_ - bottom_);
   const double pixel = 2 * tangent_ / width_;  // at distance 1
 
@@ -136,7 +154,8 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
         const auto& t = sheet_.triangles[static_cast<std::size_t>(hit->triangle)];
         const std::array<double, 3> w{1 - hit->u - hit->v, hit->u, hit->v};
         const auto mix = [&](const auto& values) {
-          return w[0] * values[static_cast<std::size_t>(t[0])] + w[1] * values[static_cast<std::size_t>(t[1])] +
+          return w[0] * values[static_cast<std::size_t>(t[0])] +
+                 w[1] * values[static_cast<std::size_t>(t[1])] +
                  w[2] * values[static_cast<std::size_t>(t[2])];
         };
         Vector3d normal = mix(normals_).normalized();
@@ -147,7 +166,8 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
         const double key = std::max(0.0, normal.dot(key_light));
         const Vector3d halfway = (key_light + view).normalized();
         Seen seen{hit->triangle, w, 0.5 * pixel * hit->t * reach_ / std::max(0.35, facing), 0, 0};
-        seen.light = static_cast<float>((0.25 + 0.75 * open) * (0.47 + 0.13 * normal.z()) + 0.40 * key * (0.4 + 0.6 * open));
+        seen.light = static_cast<float>((0.25 + 0.75 * open) * (0.47 + 0.13 * normal.z()) +
+                                        0.40 * key * (0.4 + 0.6 * open));
         double gloss = std::max(0.0, normal.dot(halfway));
         for (int power = 1; power < 64; power *= 2) gloss *= gloss;
         seen.gloss = static_cast<float>(0.10 * gloss * open);
@@ -155,8 +175,8 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
         for (std::size_t k = 0; k < n; ++k) sums[k] += colours[k];
       }
       for (std::size_t k = 0; k < n; ++k)
-        pictures[k].pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] =
-            pixel_of(sums[k] / 4);
+        pictures[k].pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                           static_cast<std::size_t>(x)] = pixel_of(sums[k] / 4);
     }
   };
   constexpr int band = 50;

@@ -29,9 +29,9 @@ struct Seen {
 };
 using Colour = Eigen::Vector3f;  // red, green, blue in [0, 1]
 
-// From the front, a little from the left and above; the drawn part fills the picture but for `top` and `bottom` rows
-// that are left empty for captions. Smooth normals, a key light from the left, a sky, and the sky's occlusion by the sheet
-// itself, so that dents and skirts can be read.
+// From the front, a little from the left and above; the drawn part fills the picture but for `top` and
+// `bottom` rows that are left empty for captions. Smooth normals, a key light from the left, a sky, and the
+// sky's occlusion by the sheet itself, so that dents and skirts can be read.
 class View {
  public:
   View(const FormedSheet& sheet, int width, int height, int top, int bottom);

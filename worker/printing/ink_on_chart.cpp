@@ -31,13 +31,14 @@ double ink_on_chart(const FormedSheet& sheet, const Flattening& flattening,
   std::vector<float> line(static_cast<std::size_t>(columns) * static_cast<std::size_t>(channels));
   double all = 0, on = 0;
   for (int row = 0; row < rows; ++row) {
-    pattern.sample_line({(0.5 - 0.5 * columns) * cell, (0.5 * rows - row - 0.5) * cell}, {cell, 0}, columns, cell,
-                        line.data());
+    pattern.sample_line({(0.5 - 0.5 * columns) * cell, (0.5 * rows - row - 0.5) * cell}, {cell, 0}, columns,
+                        cell, line.data());
     for (int x = 0; x < columns; ++x) {
       const float* p = line.data() + static_cast<std::ptrdiff_t>(x) * channels;
       const double ink = channels == 1 ? p[0] : p[3] - (0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2]);
       all += ink;
-      if (on_chart[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x)])
+      if (on_chart[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                   static_cast<std::size_t>(x)])
         on += ink;
     }
   }

@@ -69,14 +69,19 @@ std::vector<std::string> wrapped(const std::vector<std::string>& parts, double r
 Line segment(const Vector2d& a, const Vector2d& b) { return {.points = {a, b}}; }
 
 Line rectangle(const Vector2d& half, bool dashed) {
-  return {.points = {{-half.x(), -half.y()}, {half.x(), -half.y()}, {half.x(), half.y()}, {-half.x(), half.y()}},
-          .closed = true, .filled = false, .dashed = dashed};
+  return {
+      .points = {{-half.x(), -half.y()}, {half.x(), -half.y()}, {half.x(), half.y()}, {-half.x(), half.y()}},
+      .closed = true,
+      .filled = false,
+      .dashed = dashed};
 }
 
-// A cross in a circle. The one at the left front has two filled quadrants, so that no turn looks like another.
+// A cross in a circle. The one at the left front has two filled quadrants, so that no turn looks like
+// another.
 Mark registration(const std::string& name, const Vector2d& c, bool filled) {
   Mark mark{.name = name, .lines = {}, .circles = {{.centre = c, .radius = 2}}, .texts = {}};
-  mark.lines = {segment(c - Vector2d(3, 0), c + Vector2d(3, 0)), segment(c - Vector2d(0, 3), c + Vector2d(0, 3))};
+  mark.lines = {segment(c - Vector2d(3, 0), c + Vector2d(3, 0)),
+                segment(c - Vector2d(0, 3), c + Vector2d(0, 3))};
   if (filled)
     for (const double start : {0.0, M_PI}) {
       Line quadrant{.points = {c}, .closed = true, .filled = true};
@@ -97,7 +102,8 @@ Mark ruler(double length, double top) {
     const double tick = mm % 10 == 0 ? 2.4 : mm % 5 == 0 ? 1.6 : 1.0;
     mark.lines.push_back(segment({left + mm, top}, {left + mm, top - tick}));
     if (mm % 10 == 0)
-      mark.texts.push_back({.at = {left + mm, top - 4.5}, .size = 2, .centred = true, .text = std::to_string(mm)});
+      mark.texts.push_back(
+          {.at = {left + mm, top - 4.5}, .size = 2, .centred = true, .text = std::to_string(mm)});
   }
   mark.texts.push_back({.at = {left + length + 3.2, top - 4.5}, .size = 2, .text = "mm"});
   return mark;
@@ -106,7 +112,8 @@ Mark ruler(double length, double top) {
 Mark back_arrow(double x) {
   Mark mark{.name = "back", .lines = {segment({x, -10}, {x, 8})}, .circles = {}, .texts = {}};
   mark.lines.push_back({.points = {{x, 11}, {x - 1.2, 7.5}, {x + 1.2, 7.5}}, .closed = true, .filled = true});
-  mark.texts.push_back({.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "back (+t)"});
+  mark.texts.push_back(
+      {.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "back (+t)"});
   return mark;
 }
 
@@ -160,31 +167,41 @@ std::string coordinates(double x, double y) { return decimal(x, 3) + "," + decim
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else
+      out += c;
   }
   return out;
 }
 
 }  // namespace
 
-Marks lay_out_marks(const Settings& settings, const std::string& label, const std::vector<Eigen::AlignedBox2d>& taken) {
+Marks lay_out_marks(const Settings& settings, const std::string& label,
+                    const std::vector<Eigen::AlignedBox2d>& taken) {
   const auto& sheet = settings.sheet;
   const auto& machine = settings.machine;
   const double margin = settings.print.margin_mm;
   const Vector2d half(sheet.width_mm / 2 - margin, sheet.height_mm / 2 - margin);
   Marks laid;
   if (half.minCoeff() < 20) {
-    laid.warnings.push_back({"marks-left-out", "print.margin_mm leaves no room for marks on this sheet; none are printed."});
+    laid.warnings.push_back(
+        {"marks-left-out", "print.margin_mm leaves no room for marks on this sheet; none are printed."});
     return laid;
   }
   std::vector<Mark> all;
 
-  all.push_back({.name = margin > 0 ? "frame" : "sheet-edge", .lines = {rectangle(half, false)}, .circles = {}, .texts = {}});
+  all.push_back({.name = margin > 0 ? "frame" : "sheet-edge",
+                 .lines = {rectangle(half, false)},
+                 .circles = {},
+                 .texts = {}});
   const bool circular = machine.window == WindowShape::circle;
-  const Vector2d opening(machine.window_width_mm / 2, (circular ? machine.window_width_mm : machine.window_height_mm) / 2);
+  const Vector2d opening(machine.window_width_mm / 2,
+                         (circular ? machine.window_width_mm : machine.window_height_mm) / 2);
   Mark window{.name = "window", .lines = {}, .circles = {}, .texts = {}};
   if (circular)
     window.circles.push_back({.centre = {0, 0}, .radius = opening.x(), .dashed = true});
@@ -203,17 +220,22 @@ Marks lay_out_marks(const Settings& settings, const std::string& label, const st
   all.push_back(back_arrow(-half.x() + 2.2));
 
   const bool mirrored = settings.pattern.inked_face == InkedFace::inner;
-  const std::string side = mirrored ? "inner face, MIRRORED: print on the side that touches the mold" : "outer face, seen from above";
-  std::vector<std::string> job{"Vacuform " + label, "sheet " + short_decimal(sheet.width_mm) + " × " + short_decimal(sheet.height_mm) +
-                                                        " × " + short_decimal(sheet.thickness_mm) + " mm " + upper_case(name(sheet.material))};
+  const std::string side = mirrored ? "inner face, MIRRORED: print on the side that touches the mold"
+                                    : "outer face, seen from above";
+  std::vector<std::string> job{"Vacuform " + label, "sheet " + short_decimal(sheet.width_mm) + " × " +
+                                                        short_decimal(sheet.height_mm) + " × " +
+                                                        short_decimal(sheet.thickness_mm) + " mm " +
+                                                        upper_case(name(sheet.material))};
   if (margin > 0) job.push_back("frame " + short_decimal(margin) + " mm inside the sheet's edge");
   std::vector<std::string> lines = wrapped({side, "scale 1:1, check with the ruler"}, room);
   for (auto& line : wrapped(job, room)) lines.push_back(std::move(line));
   Mark legend{.name = "legend", .lines = {}, .circles = {}, .texts = {}};
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double width = text_width(lines[i], letter_mm);
-    legend.texts.push_back({.at = {-half.x() + 8, -half.y() + 1.2 + 3.2 * static_cast<double>(lines.size() - 1 - i)},
-                            .size = letter_mm * std::min(1.0, room / width), .text = lines[i]});
+    legend.texts.push_back(
+        {.at = {-half.x() + 8, -half.y() + 1.2 + 3.2 * static_cast<double>(lines.size() - 1 - i)},
+         .size = letter_mm * std::min(1.0, room / width),
+         .text = lines[i]});
   }
   all.push_back(std::move(legend));
 
@@ -221,7 +243,8 @@ Marks lay_out_marks(const Settings& settings, const std::string& label, const st
   for (auto& mark : all) {
     // The frame and the window run around the chart; they touch it only where one of their lines does.
     std::vector<Eigen::AlignedBox2d> boxes;
-    if (mark.name == "frame" || mark.name == "sheet-edge" || (mark.name == "window" && mark.circles.empty())) {
+    if (mark.name == "frame" || mark.name == "sheet-edge" ||
+        (mark.name == "window" && mark.circles.empty())) {
       const auto& corners = mark.lines.front().points;
       for (std::size_t i = 0; i < 4; ++i) {
         Eigen::AlignedBox2d side_box(corners[i]);
@@ -246,12 +269,15 @@ Marks lay_out_marks(const Settings& settings, const std::string& label, const st
       left_out += (left_out.empty() ? "" : ", ") + mark.name;
   }
   if (!left_out.empty())
-    laid.warnings.push_back({"marks-left-out", "The pattern's region reaches the sheet's edge; the marks that would lie on "
-                                               "it are not printed: " + left_out + "."});
+    laid.warnings.push_back({"marks-left-out",
+                             "The pattern's region reaches the sheet's edge; the marks that would lie on "
+                             "it are not printed: " +
+                                 left_out + "."});
   return laid;
 }
 
-std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, double pixel_mm, int first_row, int rows) {
+std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, double pixel_mm,
+                                     int first_row, int rows) {
   const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, width, rows));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
   {
@@ -266,7 +292,8 @@ std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, 
   const unsigned char* data = cairo_image_surface_get_data(surface.get());
   const int stride = cairo_image_surface_get_stride(surface.get());
   for (int y = 0; y < rows; ++y)
-    std::copy_n(data + static_cast<std::ptrdiff_t>(y) * stride, width, coverage.data() + static_cast<std::ptrdiff_t>(y) * width);
+    std::copy_n(data + static_cast<std::ptrdiff_t>(y) * stride, width,
+                coverage.data() + static_cast<std::ptrdiff_t>(y) * width);
   return coverage;
 }
 
@@ -284,15 +311,16 @@ std::string svg_of(const Marks& marks) {
       out += "/>\n";
     }
     for (const auto& circle : mark.circles) {
-      out += "      <circle cx=\"" + decimal(circle.centre.x(), 3) + "\" cy=\"" + decimal(-circle.centre.y(), 3) + "\" r=\"" +
-             decimal(circle.radius, 3) + "\"";
+      out += "      <circle cx=\"" + decimal(circle.centre.x(), 3) + "\" cy=\"" +
+             decimal(-circle.centre.y(), 3) + "\" r=\"" + decimal(circle.radius, 3) + "\"";
       if (circle.dashed) out += " stroke-dasharray=\"" + short_decimal(dash_mm) + "\"";
       out += "/>\n";
     }
     for (const auto& text : mark.texts) {
       out += "      <text transform=\"translate(" + coordinates(text.at.x(), -text.at.y()) + ")" +
              (text.upwards ? " rotate(-90)" : "") + "\" font-size=\"" + short_decimal(text.size) + "\"" +
-             (text.centred ? " text-anchor=\"middle\"" : "") + " xml:space=\"preserve\">" + escaped(text.text) + "</text>\n";
+             (text.centred ? " text-anchor=\"middle\"" : "") + " xml:space=\"preserve\">" +
+             escaped(text.text) + "</text>\n";
     }
     out += "    </g>\n";
   }

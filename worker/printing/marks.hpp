@@ -1,8 +1,9 @@
-// The marks around a print: everything that tells a person at the press which side is up, whose print this is and
-// whether its scale is true. They are laid out once, as strokes and texts in print millimetres, and then drawn both
-// into the rows of print.png and as vectors and text into print.svg.
+// The marks around a print: everything that tells a person at the press which side is up, whose print this is
+// and whether its scale is true. They are laid out once, as strokes and texts in print millimetres, and then
+// drawn both into the rows of print.png and as vectors and text into print.svg.
 //
-// Print coordinates: mm, origin the sheet's centre, x to the right and y up *as the print is read*, mirrored or not.
+// Print coordinates: mm, origin the sheet's centre, x to the right and y up *as the print is read*, mirrored
+// or not.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -25,8 +26,8 @@ struct Circle {
   bool dashed = false;
 };
 struct Text {
-  Eigen::Vector2d at;  // the baseline's start or middle
-  double size;         // mm, of the letters' em
+  Eigen::Vector2d at;                     // the baseline's start or middle
+  double size;                            // mm, of the letters' em
   bool centred = false, upwards = false;  // upwards: reads from below to above
   std::string text;
 };
@@ -42,14 +43,16 @@ struct Marks {
   std::vector<Warning> warnings;  // "marks-left-out"
 };
 
-// Lays the marks out along the sheet's edge, print.margin_mm from it. A mark that would touch one of `taken` (the
-// boxes of the chart's triangles, print coordinates) is left out with a warning: marks never lie on the pattern.
-// `label` must be printable ASCII.
-Marks lay_out_marks(const Settings& settings, const std::string& label, const std::vector<Eigen::AlignedBox2d>& taken);
+// Lays the marks out along the sheet's edge, print.margin_mm from it. A mark that would touch one of `taken`
+// (the boxes of the chart's triangles, print coordinates) is left out with a warning: marks never lie on the
+// pattern. `label` must be printable ASCII.
+Marks lay_out_marks(const Settings& settings, const std::string& label,
+                    const std::vector<Eigen::AlignedBox2d>& taken);
 
-// How much of each pixel the marks cover, 0 to 255, in `rows` rows of `width` pixels of `pixel_mm`; the pixel grid's
-// first row is `first_row` of `height`. The grid is centred on the sheet's centre.
-std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, double pixel_mm, int first_row, int rows);
+// How much of each pixel the marks cover, 0 to 255, in `rows` rows of `width` pixels of `pixel_mm`; the pixel
+// grid's first row is `first_row` of `height`. The grid is centred on the sheet's centre.
+std::vector<std::uint8_t> draw_marks(const Marks& marks, int width, int height, double pixel_mm,
+                                     int first_row, int rows);
 
 // The elements inside the layer "marks" of print.svg; y down.
 std::string svg_of(const Marks& marks);

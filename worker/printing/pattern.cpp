@@ -1,5 +1,6 @@
-// The pyramid follows L. Williams 1983, "Pyramidal parametrics". A footprint of diameter d has the variance of a
-// box-filtered texel of side d / 2 seen through bilinear interpolation: that texel's level is the one sampled.
+// The pyramid follows L. Williams 1983, "Pyramidal parametrics". A footprint of diameter d has the variance
+// of a box-filtered texel of side d / 2 seen through bilinear interpolation: that texel's level is the one
+// sampled.
 #include "worker/printing/pattern.hpp"
 
 #include <algorithm>
@@ -31,14 +32,16 @@ Level halve(const Level& fine, int channels) {
         for (int j = 2 * y; j < std::min(2 * y + 2, fine.height); ++j)
           for (int i = 2 * x; i < std::min(2 * x + 2, fine.width); ++i)
             sum += fine.texels[(static_cast<std::size_t>(j) * static_cast<std::size_t>(fine.width) +
-                                static_cast<std::size_t>(i)) * static_cast<std::size_t>(channels) +
+                                static_cast<std::size_t>(i)) *
+                                   static_cast<std::size_t>(channels) +
                                static_cast<std::size_t>(c)];
         *out++ = static_cast<std::uint8_t>(sum / 4);
       }
   return coarse;
 }
 
-// Adds weight times the level's bilinear value at (x, y) in texels, the first texel's centre being at (0.5, 0.5).
+// Adds weight times the level's bilinear value at (x, y) in texels, the first texel's centre being at (0.5,
+// 0.5).
 template <int channels>
 inline void add_bilinear(const Level& level, double x, double y, float weight, float* out) {
   x -= 0.5;
@@ -73,7 +76,8 @@ Format format_of(std::span<const std::uint8_t> bytes) {
   if (starts("\xff\xd8\xff")) return Format::jpeg;
   if (starts("\x1f\x8b")) return Format::gzip;
   // XML may begin with a mark of its encoding and white space.
-  std::string_view head(reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 1 << 16));
+  std::string_view head(reinterpret_cast<const char*>(bytes.data()),
+                        std::min<std::size_t>(bytes.size(), 1 << 16));
   if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
   const auto first = head.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && head[first] == '<' && head.find("svg") != std::string_view::npos)
@@ -83,8 +87,9 @@ Format format_of(std::span<const std::uint8_t> bytes) {
 
 Result<void> check_size(const Eigen::Vector2d& mm, const std::string& file_name) {
   if (mm.minCoeff() >= 0.1 && mm.maxCoeff() <= 5000) return {};
-  return fail(Code::unusable_pattern, "the drawing would be " + decimal(mm.x(), 0) + " x " + decimal(mm.y(), 0) + " mm",
-              file_name, "give pattern.width_mm");
+  return fail(Code::unusable_pattern,
+              "the drawing would be " + decimal(mm.x(), 0) + " x " + decimal(mm.y(), 0) + " mm", file_name,
+              "give pattern.width_mm");
 }
 
 // Decodes with one channel where that holds the drawing, else with four.
@@ -108,7 +113,8 @@ struct Pattern::Picture {
   void build(Raster raster) {
     channels = raster.channels;
     levels.push_back({raster.width, raster.height, std::move(raster.pixels)});
-    while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(halve(levels.back(), channels));
+    while (levels.back().width > 1 || levels.back().height > 1)
+      levels.push_back(halve(levels.back(), channels));
 
     double sum = 0;
     const auto& texels = levels.front().texels;
@@ -119,9 +125,9 @@ struct Pattern::Picture {
     } else {
       std::array<std::uint64_t, 4> total{};
       for (std::size_t i = 0; i < texels.size(); ++i) total[i % 4] += texels[i];
-      sum = static_cast<double>(total[3]) - (0.2126 * static_cast<double>(total[0]) +
-                                             0.7152 * static_cast<double>(total[1]) +
-                                             0.0722 * static_cast<double>(total[2]));
+      sum = static_cast<double>(total[3]) -
+            (0.2126 * static_cast<double>(total[0]) + 0.7152 * static_cast<double>(total[1]) +
+             0.0722 * static_cast<double>(total[2]));
     }
     ink_mm2 = sum / 255 * texel_mm().prod();
   }
@@ -131,11 +137,11 @@ struct Pattern::Picture {
   }
 
   template <int n>
-  void line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm, float* out) const {
+  void line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
+            float* out) const {
     const Eigen::Vector2d texel = texel_mm();
     const double side = blur_mm / (2 * std::sqrt(texel.prod()));  // of the wanted texel, in texels of level 0
-    const double depth =
-        side > 1 ? std::min(std::log2(side), static_cast<double>(levels.size() - 1)) : 0;
+    const double depth = side > 1 ? std::min(std::log2(side), static_cast<double>(levels.size() - 1)) : 0;
     const int low = static_cast<int>(depth);
     const float blend = static_cast<float>(depth - low);
     // v is up and rows go down.
@@ -148,7 +154,8 @@ struct Pattern::Picture {
       const double shrink = std::ldexp(1.0, -l);
       const float weight = (l == low ? 1 - blend : blend) / 255;
       const Eigen::Vector2d a = at * shrink, d = move * shrink;
-      for (int k = 0; k < count; ++k) add_bilinear<n>(level, a.x() + k * d.x(), a.y() + k * d.y(), weight, out + n * k);
+      for (int k = 0; k < count; ++k)
+        add_bilinear<n>(level, a.x() + k * d.x(), a.y() + k * d.y(), weight, out + n * k);
     }
   }
 };
@@ -174,8 +181,9 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
       const bool png = format_of(bytes) == Format::png;
       picture->format = png ? "PNG" : "JPEG";
       VACUFORM_TRY(raster, decode([&](int channels) {
-        return png ? read_png(bytes, file_name, channels) : read_jpeg(bytes, file_name, channels);
-      }));
+                     return png ? read_png(bytes, file_name, channels)
+                                : read_jpeg(bytes, file_name, channels);
+                   }));
       if (!settings.width_mm && !raster.pixel_mm) return sizeless("the " + picture->format);
       // Pixels need not be square; a given width keeps their shape.
       const Eigen::Vector2d pixel = raster.pixel_mm.value_or(Eigen::Vector2d(1, 1));
@@ -189,15 +197,18 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
       picture->format = "SVG";
       VACUFORM_TRY(size, read_svg_size(bytes, file_name));
       if (!settings.width_mm && !size.size_mm) return sizeless("the SVG");
-      picture->size_mm = settings.width_mm ? Eigen::Vector2d(*settings.width_mm, *settings.width_mm / size.aspect)
-                                           : *size.size_mm;
+      picture->size_mm = settings.width_mm
+                             ? Eigen::Vector2d(*settings.width_mm, *settings.width_mm / size.aspect)
+                             : *size.size_mm;
       VACUFORM_CHECK(check_size(picture->size_mm, file_name));
       // Finer than the print by the samples that it takes in each of its pixels.
       const double fine = std::max(2 * wanted_dpi, 300.0);
       const double pixels = (picture->size_mm / 25.4 * fine).prod();
-      const double draw_dpi = fine * std::min(1.0, std::sqrt(0.98 * static_cast<double>(largest_raster) / pixels));
+      const double draw_dpi =
+          fine * std::min(1.0, std::sqrt(0.98 * static_cast<double>(largest_raster) / pixels));
       const auto side = [&](double mm) { return std::clamp(std::ceil(mm / 25.4 * draw_dpi), 1.0, 32000.0); };
-      const int width = static_cast<int>(side(picture->size_mm.x())), height = static_cast<int>(side(picture->size_mm.y()));
+      const int width = static_cast<int>(side(picture->size_mm.x())),
+                height = static_cast<int>(side(picture->size_mm.y()));
       VACUFORM_TRY(raster,
                    decode([&](int channels) { return draw_svg(bytes, file_name, width, height, channels); }));
       decoded = std::move(raster);
@@ -218,9 +229,10 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
   const double has_dpi = 25.4 / picture->texel_mm().maxCoeff();
   // A print that is finer than its drawing loses nothing until the pixels can be seen.
   if (has_dpi < (picture->format == "SVG" ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
-    picture->warnings.push_back(
-        {"pattern-coarse", "The drawing has " + decimal(has_dpi, 0) + " pixels an inch where the print could show " +
-                               decimal(wanted_dpi, 0) + ": its edges will look soft."});
+    picture->warnings.push_back({"pattern-coarse", "The drawing has " + decimal(has_dpi, 0) +
+                                                       " pixels an inch where the print could show " +
+                                                       decimal(wanted_dpi, 0) +
+                                                       ": its edges will look soft."});
   return Pattern(std::move(picture));
 }
 
@@ -233,8 +245,8 @@ const std::string& Pattern::format() const { return picture_->format; }
 double Pattern::ink_mm2() const { return picture_->ink_mm2; }
 const std::vector<Warning>& Pattern::warnings() const { return picture_->warnings; }
 
-void Pattern::sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
-                          float* out) const {
+void Pattern::sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count,
+                          double blur_mm, float* out) const {
   if (picture_->channels == 1)
     picture_->line<1>(start, step, count, blur_mm, out);
   else

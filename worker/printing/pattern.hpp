@@ -1,7 +1,7 @@
 // The user's drawing: PNG, JPEG or SVG bytes in, a picture that can be sampled at physical positions out.
 //
-// *Ink* is what is not white: coverage = alpha * (1 - luminance), with the Rec. 709 luminance of the colour as
-// encoded. A white background, opaque or not, carries no ink.
+// *Ink* is what is not white: coverage = alpha * (1 - luminance), with the Rec. 709 luminance of the colour
+// as encoded. A white background, opaque or not, carries no ink.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,8 @@
 
 namespace vacuform {
 
-// One filtered sample: straight (not premultiplied) colour and opacity, each in [0, 1]. Off the drawing: transparent.
+// One filtered sample: straight (not premultiplied) colour and opacity, each in [0, 1]. Off the drawing:
+// transparent.
 struct Ink {
   float r = 0, g = 0, b = 0, a = 0;
   float coverage() const { return a * (1 - (0.2126f * r + 0.7152f * g + 0.0722f * b)); }
@@ -24,32 +25,33 @@ struct Ink {
 
 class Pattern {
  public:
-  // Decodes the drawing; an SVG is drawn finely enough for prints at `dpi`, but with at most 64 million pixels. The
-  // format is told by the first bytes, not by the name. Its physical size is, in this order: settings.width_mm; the
-  // SVG's width or height in absolute units (px are 1/96 in); the PNG's pHYs or the JPEG's density; else
-  // unusable_pattern with the mend "give pattern.width_mm". A JPEG's Exif orientation is honoured. Nothing but the
-  // bytes is read: an SVG that refers to other files is refused.
-  // Errors: unsupported_format, corrupt_file, too_large (above 64 million pixels), unusable_pattern (no ink, no size).
+  // Decodes the drawing; an SVG is drawn finely enough for prints at `dpi`, but with at most 64 million
+  // pixels. The format is told by the first bytes, not by the name. Its physical size is, in this order:
+  // settings.width_mm; the SVG's width or height in absolute units (px are 1/96 in); the PNG's pHYs or the
+  // JPEG's density; else unusable_pattern with the mend "give pattern.width_mm". A JPEG's Exif orientation is
+  // honoured. Nothing but the bytes is read: an SVG that refers to other files is refused.
+  // Errors: unsupported_format, corrupt_file, too_large (above 64 million pixels), unusable_pattern (no ink or
+  // size).
   static Result<Pattern> read(std::span<const std::uint8_t> bytes, const std::string& file_name,
                               const PatternSettings& settings, int dpi);
   ~Pattern();
   Pattern(Pattern&&) noexcept;
   Pattern& operator=(Pattern&&) noexcept;
 
-  Eigen::Vector2d size_mm() const;            // of the whole drawing
-  Eigen::Vector2i size_pixels() const;        // as decoded or drawn
-  bool grayscale() const;                     // no colour anywhere: the print is grayscale too, transparency is white
-  const std::string& format() const;          // "SVG", "PNG", "JPEG"
-  double ink_mm2() const;                     // area of the drawing's ink, each pixel by its coverage; above 0
+  Eigen::Vector2d size_mm() const;      // of the whole drawing
+  Eigen::Vector2i size_pixels() const;  // as decoded or drawn
+  bool grayscale() const;             // no colour anywhere: the print is grayscale too, transparency is white
+  const std::string& format() const;  // "SVG", "PNG", "JPEG"
+  double ink_mm2() const;             // area of the drawing's ink, each pixel by its coverage; above 0
   const std::vector<Warning>& warnings() const;  // "pattern-coarse": fewer pixels than the print could show
 
-  // The drawing around `uv` (mm from its centre, v up), averaged over a disk-like footprint of diameter `blur_mm`
-  // (box-filtered pyramid, bilinear between and within levels). Of a grayscale drawing: black, at the opacity of its
-  // ink coverage. Thread safe and deterministic.
+  // The drawing around `uv` (mm from its centre, v up), averaged over a disk-like footprint of diameter
+  // `blur_mm` (box-filtered pyramid, bilinear between and within levels). Of a grayscale drawing: black, at
+  // the opacity of its ink coverage. Thread safe and deterministic.
   Ink sample(const Eigen::Vector2d& uv, double blur_mm) const;
 
-  // The same at `count` points start + k step, k = 0, 1, ..., for the inner loops: of a grayscale drawing one float a
-  // point, the coverage; else four, premultiplied red, green, blue and alpha.
+  // The same at `count` points start + k step, k = 0, 1, ..., for the inner loops: of a grayscale drawing one
+  // float a point, the coverage; else four, premultiplied red, green, blue and alpha.
   void sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
                    float* out) const;
 

@@ -16,8 +16,8 @@ struct PngWriter::State {
 
   ~State() { png_destroy_write_struct(&png, &info); }
 
-  // Nothing here is hostile: an error is a fault of the caller or a lack of memory. libpng wants a jump, and the
-  // methods that it jumps into hold only trivial locals.
+  // Nothing here is hostile: an error is a fault of the caller or a lack of memory. libpng wants a jump, and
+  // the methods that it jumps into hold only trivial locals.
   static void on_write(png_structp png, png_bytep data, std::size_t count) {
     auto* self = static_cast<State*>(png_get_io_ptr(png));
     try {
@@ -58,11 +58,15 @@ struct PngWriter::State {
   }
 };
 
-PngWriter::PngWriter(int width, int height, int channels, std::optional<double> dpi) : state_(std::make_unique<State>()) {
-  state_->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, State::on_error, [](png_structp, png_const_charp) {});
+PngWriter::PngWriter(int width, int height, int channels, std::optional<double> dpi)
+    : state_(std::make_unique<State>()) {
+  state_->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, State::on_error,
+                                        [](png_structp, png_const_charp) {});
   if (state_->png) state_->info = png_create_info_struct(state_->png);
   if (!state_->info) throw std::bad_alloc();
-  const int color = channels == 1 ? PNG_COLOR_TYPE_GRAY : channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA;
+  const int color = channels == 1   ? PNG_COLOR_TYPE_GRAY
+                    : channels == 3 ? PNG_COLOR_TYPE_RGB
+                                    : PNG_COLOR_TYPE_RGBA;
   const png_uint_32 per_metre = dpi ? static_cast<png_uint_32>(std::lround(*dpi / 0.0254)) : 0;
   if (!state_->begin(width, height, color, per_metre)) state_->raise();
 }

@@ -10,8 +10,9 @@ namespace vacuform {
 
 class PngWriter {
  public:
-  // 8 bits a channel: 1 gray, 3 RGB, 4 RGBA (straight). `dpi` is kept in pHYs as round(dpi / 0.0254) pixels a metre.
-  // Deflate at level 6 without row filters: the best for line art, which adaptive filters make larger and slower.
+  // 8 bits a channel: 1 gray, 3 RGB, 4 RGBA (straight). `dpi` is kept in pHYs as round(dpi / 0.0254) pixels a
+  // metre. Deflate at level 6 without row filters: the best for line art, which adaptive filters make larger
+  // and slower.
   PngWriter(int width, int height, int channels, std::optional<double> dpi = {});
   ~PngWriter();
 

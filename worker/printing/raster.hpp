@@ -1,7 +1,7 @@
 // The decoders of the printing stage: bytes of a drawing in, rows of pixels out. Internal to worker/printing.
 //
-// Decoders trust nothing: sizes are checked before anything is allocated, memory grows with the rows that really
-// arrive, and a file that breaks its format's rules is refused whole.
+// Decoders trust nothing: sizes are checked before anything is allocated, memory grows with the rows that
+// really arrive, and a file that breaks its format's rules is refused whole.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,11 +20,11 @@ inline constexpr std::int64_t largest_raster = 64'000'000;
 
 struct Raster {
   int width = 0, height = 0;
-  int channels = 1;                   // 1: ink coverage (darkness), 4: premultiplied red, green, blue, alpha
-  std::vector<std::uint8_t> pixels;   // rows from the top
+  int channels = 1;                  // 1: ink coverage (darkness), 4: premultiplied red, green, blue, alpha
+  std::vector<std::uint8_t> pixels;  // rows from the top
   std::optional<Eigen::Vector2d> pixel_mm;  // the file's own resolution
-  int orientation = 1;                // as in Exif: 1 upright ... 8
-  bool needs_colour = false;          // channels is 1 and a coloured pixel came: decode again with 4
+  int orientation = 1;                      // as in Exif: 1 upright ... 8
+  bool needs_colour = false;                // channels is 1 and a coloured pixel came: decode again with 4
 
   // Appends one row of premultiplied RGBA. False when the row has colour that one channel cannot hold.
   bool append(const std::uint8_t* premultiplied);
@@ -47,7 +47,7 @@ struct SvgSize {
 // Refuses what is not SVG, breaks XML, or refers to other files: nothing outside the bytes is ever read.
 Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::string& file_name);
 // Draws the whole document onto width x height pixels.
-Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width, int height,
-                        int channels);
+Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width,
+                        int height, int channels);
 
 }  // namespace vacuform

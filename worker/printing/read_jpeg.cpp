@@ -11,7 +11,8 @@
 namespace vacuform {
 namespace {
 
-// libjpeg reports errors by a call that must not return: longjmp, out of methods that hold only trivial locals.
+// libjpeg reports errors by a call that must not return: longjmp, out of methods that hold only trivial
+// locals.
 class JpegReader {
  public:
   explicit JpegReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {
@@ -31,7 +32,9 @@ class JpegReader {
       }
     };
   }
-  ~JpegReader() { if (created_) jpeg_destroy_decompress(&decoder_); }
+  ~JpegReader() {
+    if (created_) jpeg_destroy_decompress(&decoder_);
+  }
   JpegReader(const JpegReader&) = delete;
   JpegReader& operator=(const JpegReader&) = delete;
 
@@ -81,7 +84,8 @@ class JpegReader {
   char message_[JMSG_LENGTH_MAX] = "unknown fault";
 };
 
-// The orientation tag of the first image directory of an Exif block; 1 where there is none or it makes no sense.
+// The orientation tag of the first image directory of an Exif block; 1 where there is none or it makes no
+// sense.
 int exif_orientation(std::span<const std::uint8_t> block) {
   if (block.size() < 14 || std::memcmp(block.data(), "Exif\0\0", 6) != 0) return 1;
   const auto tiff = block.subspan(6);
@@ -126,21 +130,30 @@ Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string&
   const std::int64_t width = info.image_width, height = info.image_height;
   if (width * height > largest_raster)
     return fail(Code::too_large,
-                "the drawing has " + std::to_string(width) + " x " + std::to_string(height) + " pixels", file_name,
-                "give one of at most 64 million pixels, or an SVG");
+                "the drawing has " + std::to_string(width) + " x " + std::to_string(height) + " pixels",
+                file_name, "give one of at most 64 million pixels, or an SVG");
   if (info.num_components != 1 && info.num_components != 3)
-    return fail(Code::unsupported_format, "the JPEG is in CMYK colours", file_name, "save it in RGB or grayscale");
+    return fail(Code::unsupported_format, "the JPEG is in CMYK colours", file_name,
+                "save it in RGB or grayscale");
 
-  Raster raster{.width = static_cast<int>(width), .height = static_cast<int>(height), .channels = channels,
-                .pixels = {}, .pixel_mm = pixel_mm(info), .orientation = 1, .needs_colour = false};
+  Raster raster{.width = static_cast<int>(width),
+                .height = static_cast<int>(height),
+                .channels = channels,
+                .pixels = {},
+                .pixel_mm = pixel_mm(info),
+                .orientation = 1,
+                .needs_colour = false};
   for (auto* marker = info.marker_list; marker; marker = marker->next)
-    if (const int found = exif_orientation({marker->data, marker->data_length}); found != 1) raster.orientation = found;
+    if (const int found = exif_orientation({marker->data, marker->data_length}); found != 1)
+      raster.orientation = found;
 
   if (!reader.begin()) return corrupt();
-  std::vector<std::uint8_t> rgb(3 * static_cast<std::size_t>(width)), rgba(4 * static_cast<std::size_t>(width), 255);
+  std::vector<std::uint8_t> rgb(3 * static_cast<std::size_t>(width)),
+      rgba(4 * static_cast<std::size_t>(width), 255);
   for (std::int64_t y = 0; y < height; ++y) {
     if (!reader.row(rgb.data())) return corrupt();
-    for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) std::memcpy(&rgba[4 * x], &rgb[3 * x], 3);
+    for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x)
+      std::memcpy(&rgba[4 * x], &rgb[3 * x], 3);
     if (!raster.append(rgba.data())) return raster;
   }
   if (!reader.end()) return corrupt();

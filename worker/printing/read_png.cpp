@@ -116,20 +116,26 @@ Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& 
   if (width == 0 || height == 0 || width > INT32_MAX || height > INT32_MAX) return corrupt("it has no size");
   if (width > 1'000'000 || height > 1'000'000 || width * height > largest_raster)
     return fail(Code::too_large,
-                "the drawing has " + std::to_string(width) + " x " + std::to_string(height) + " pixels", file_name,
-                "give one of at most 64 million pixels, or an SVG");
+                "the drawing has " + std::to_string(width) + " x " + std::to_string(height) + " pixels",
+                file_name, "give one of at most 64 million pixels, or an SVG");
 
   PngReader reader(bytes);
   if (!reader.begin()) return corrupt(reader.message());
   // Deflate packs at most 1032 to 1; what claims more than that cannot be in the file.
   const std::int64_t packed_at_least = (width * reader.bits_per_pixel() + 7) / 8 * height / 1032;
-  if (packed_at_least > static_cast<std::int64_t>(bytes.size())) return corrupt("the file is too short for its size");
+  if (packed_at_least > static_cast<std::int64_t>(bytes.size()))
+    return corrupt("the file is too short for its size");
   if (reader.passes() > 1 && width * height > largest_raster / 4)
     return fail(Code::too_large, "the drawing is an interlaced PNG of more than 16 million pixels", file_name,
                 "save it without interlacing");
 
-  Raster raster{.width = static_cast<int>(width), .height = static_cast<int>(height), .channels = channels,
-                .pixels = {}, .pixel_mm = reader.pixel_mm(), .orientation = 1, .needs_colour = false};
+  Raster raster{.width = static_cast<int>(width),
+                .height = static_cast<int>(height),
+                .channels = channels,
+                .pixels = {},
+                .pixel_mm = reader.pixel_mm(),
+                .orientation = 1,
+                .needs_colour = false};
   const std::size_t row_bytes = 4 * static_cast<std::size_t>(width);
   std::vector<std::uint8_t> row(row_bytes);
   if (reader.passes() == 1) {
@@ -142,7 +148,8 @@ Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& 
     std::vector<std::uint8_t> image(row_bytes * static_cast<std::size_t>(height));
     for (int pass = 0; pass < reader.passes(); ++pass)
       for (std::int64_t y = 0; y < height; ++y)
-        if (!reader.row(image.data() + static_cast<std::size_t>(y) * row_bytes)) return corrupt(reader.message());
+        if (!reader.row(image.data() + static_cast<std::size_t>(y) * row_bytes))
+          return corrupt(reader.message());
     for (std::int64_t y = 0; y < height; ++y) {
       std::copy_n(image.data() + static_cast<std::size_t>(y) * row_bytes, row_bytes, row.data());
       premultiply(row);

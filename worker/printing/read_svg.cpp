@@ -20,7 +20,8 @@ struct Release {
 using Handle = std::unique_ptr<RsvgHandle, Release>;
 
 tl::unexpected<Error> corrupt(const std::string& what, const std::string& file_name) {
-  return fail(Code::corrupt_file, "the SVG cannot be read: " + what, file_name, "export the drawing again as plain SVG");
+  return fail(Code::corrupt_file, "the SVG cannot be read: " + what, file_name,
+              "export the drawing again as plain SVG");
 }
 
 // Takes the error's text and frees it.
@@ -41,22 +42,30 @@ Result<Handle> load(std::span<const std::uint8_t> bytes, const std::string& file
 std::optional<double> millimetres(const RsvgLength& length) {
   if (!std::isfinite(length.length) || length.length <= 0) return std::nullopt;
   switch (length.unit) {
-    case RSVG_UNIT_PX: return length.length * 25.4 / 96;
-    case RSVG_UNIT_IN: return length.length * 25.4;
-    case RSVG_UNIT_CM: return length.length * 10;
-    case RSVG_UNIT_MM: return length.length;
-    case RSVG_UNIT_PT: return length.length * 25.4 / 72;
-    case RSVG_UNIT_PC: return length.length * 25.4 / 6;
-    default: return std::nullopt;  // relative to a font or a viewport; newer librsvg has more of these
+    case RSVG_UNIT_PX:
+      return length.length * 25.4 / 96;
+    case RSVG_UNIT_IN:
+      return length.length * 25.4;
+    case RSVG_UNIT_CM:
+      return length.length * 10;
+    case RSVG_UNIT_MM:
+      return length.length;
+    case RSVG_UNIT_PT:
+      return length.length * 25.4 / 72;
+    case RSVG_UNIT_PC:
+      return length.length * 25.4 / 6;
+    default:
+      return std::nullopt;  // relative to a font or a viewport; newer librsvg has more of these
   }
 }
 
-// A picture inside the drawing is decoded by a library of many formats and no limits. So it is decoded here first,
-// where sizes are checked, and only what passes is left in. `pixels` counts over the whole drawing.
+// A picture inside the drawing is decoded by a library of many formats and no limits. So it is decoded here
+// first, where sizes are checked, and only what passes is left in. `pixels` counts over the whole drawing.
 Result<void> check_embedded(std::string_view address, const std::string& file_name, std::int64_t& pixels) {
   const auto comma = address.find(',');
   const std::string_view kind = address.substr(0, comma);
-  const bool png = kind == "data:image/png;base64", jpeg = kind == "data:image/jpeg;base64" || kind == "data:image/jpg;base64";
+  const bool png = kind == "data:image/png;base64",
+             jpeg = kind == "data:image/jpeg;base64" || kind == "data:image/jpg;base64";
   if (comma == std::string_view::npos || (!png && !jpeg))
     return fail(Code::unsupported_format, "the SVG holds a picture that is neither PNG nor JPEG", file_name,
                 "embed it as PNG or JPEG");
@@ -76,14 +85,16 @@ Result<void> check_embedded(std::string_view address, const std::string& file_na
 // librsvg would silently leave out what it may not load; a drawing with a hole is worse than a refusal.
 Result<void> check_references(std::span<const std::uint8_t> bytes, const std::string& file_name) {
   pugi::xml_document document;
-  const auto parsed = document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default | pugi::parse_doctype);
+  const auto parsed =
+      document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default | pugi::parse_doctype);
   if (!parsed) return corrupt(parsed.description(), file_name);
   const std::string_view root = document.document_element().name();
   if (root != "svg" && !root.ends_with(":svg"))
-    return fail(Code::unsupported_format, "the drawing is XML, but not SVG", file_name, "give a PNG, JPEG or SVG file");
+    return fail(Code::unsupported_format, "the drawing is XML, but not SVG", file_name,
+                "give a PNG, JPEG or SVG file");
 
-  // Entities may stand for names (drawing programs declare their namespaces so), but not for elements or attributes
-  // that this walk would not see.
+  // Entities may stand for names (drawing programs declare their namespaces so), but not for elements or
+  // attributes that this walk would not see.
   for (const pugi::xml_node node : document.children()) {
     if (node.type() != pugi::node_doctype) continue;
     const std::string_view declared = node.value();
@@ -92,8 +103,8 @@ Result<void> check_references(std::span<const std::uint8_t> bytes, const std::st
     for (auto at = declared.find('<'); at != declared.npos; at = declared.find('<', at + 1))
       markup |= at + 1 == declared.size() || declared[at + 1] != '!';
     if (markup)
-      return fail(Code::unsupported_format, "the SVG's document type declares parts of the drawing", file_name,
-                  "save it as plain SVG");
+      return fail(Code::unsupported_format, "the SVG's document type declares parts of the drawing",
+                  file_name, "save it as plain SVG");
   }
 
   int depth = 0;
@@ -134,7 +145,8 @@ Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::st
   gboolean has_width = FALSE, has_height = FALSE, has_box = FALSE;
   RsvgLength width{}, height{};
   RsvgRectangle box{};
-  rsvg_handle_get_intrinsic_dimensions(handle.get(), &has_width, &width, &has_height, &height, &has_box, &box);
+  rsvg_handle_get_intrinsic_dimensions(handle.get(), &has_width, &width, &has_height, &height, &has_box,
+                                       &box);
   const auto width_mm = has_width ? millimetres(width) : std::nullopt;
   const auto height_mm = has_height ? millimetres(height) : std::nullopt;
   const bool usable_box = has_box && box.width > 0 && box.height > 0 && std::isfinite(box.width / box.height);
@@ -146,7 +158,8 @@ Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::st
   else if (usable_box)
     size.aspect = box.width / box.height;
   else
-    return fail(Code::unusable_pattern, "the SVG has no size", file_name, "give its svg element a width, height and viewBox");
+    return fail(Code::unusable_pattern, "the SVG has no size", file_name,
+                "give its svg element a width, height and viewBox");
   if (w > 0)
     size.size_mm = Eigen::Vector2d(w, w / size.aspect);
   else if (h > 0)
@@ -154,14 +167,20 @@ Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::st
   return size;
 }
 
-Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width, int height,
-                        int channels) {
+Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width,
+                        int height, int channels) {
   VACUFORM_TRY(handle, load(bytes, file_name));
-  Raster raster{.width = width, .height = height, .channels = channels, .pixels = {}, .pixel_mm = {},
-                .orientation = 1, .needs_colour = false};
+  Raster raster{.width = width,
+                .height = height,
+                .channels = channels,
+                .pixels = {},
+                .pixel_mm = {},
+                .orientation = 1,
+                .needs_colour = false};
   // Band by band, so that the memory is that of the result and not of cairo's four bytes a pixel.
   const int band = std::clamp(4'000'000 / width, 1, height);
-  std::unique_ptr<cairo_surface_t, Release> surface(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, band));
+  std::unique_ptr<cairo_surface_t, Release> surface(
+      cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, band));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS)
     return fail(Code::too_large, "the drawing is too wide to be drawn", file_name, "give a lower print.dpi");
   std::vector<std::uint8_t> rgba(4 * static_cast<std::size_t>(width));
@@ -174,7 +193,8 @@ Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& 
     cairo_translate(cairo.get(), 0, -top);
     const RsvgRectangle viewport{0, 0, static_cast<double>(width), static_cast<double>(height)};
     GError* error = nullptr;
-    if (!rsvg_handle_render_document(handle.get(), cairo.get(), &viewport, &error)) return corrupt(take(error), file_name);
+    if (!rsvg_handle_render_document(handle.get(), cairo.get(), &viewport, &error))
+      return corrupt(take(error), file_name);
     cairo.reset();
     cairo_surface_flush(surface.get());
     const unsigned char* data = cairo_image_surface_get_data(surface.get());

@@ -1,6 +1,6 @@
-// Triangles to scan lines by the shared-edge rule: a sample belongs to a triangle when its centre lies inside, and of
-// two triangles that share an edge exactly one owns each sample on it, because both compute the edge's crossing with
-// the scan line from the same end points in the same order.
+// Triangles to scan lines by the shared-edge rule: a sample belongs to a triangle when its centre lies
+// inside, and of two triangles that share an edge exactly one owns each sample on it, because both compute
+// the edge's crossing with the scan line from the same end points in the same order.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,15 +10,18 @@
 
 namespace vacuform {
 
-// Calls span(row, begin, end) for each of the rows [first_row, last_row) in which the triangle owns samples, columns
-// [begin, end) within [0, columns). Sample (column, row) has its centre at (column + 0.5, row + 0.5). Either turn of
-// the triangle is allowed; a triangle with a coordinate that is not finite owns nothing.
+// Calls span(row, begin, end) for each of the rows [first_row, last_row) in which the triangle owns samples,
+// columns [begin, end) within [0, columns). Sample (column, row) has its centre at (column + 0.5, row + 0.5).
+// Either turn of the triangle is allowed; a triangle with a coordinate that is not finite owns nothing.
 template <class Span>
-void scan_triangle(const std::array<Eigen::Vector2d, 3>& p, int columns, int first_row, int last_row, Span&& span) {
+void scan_triangle(const std::array<Eigen::Vector2d, 3>& p, int columns, int first_row, int last_row,
+                   Span&& span) {
   if (!p[0].allFinite() || !p[1].allFinite() || !p[2].allFinite()) return;
-  const double low = std::min({p[0].y(), p[1].y(), p[2].y()}), high = std::max({p[0].y(), p[1].y(), p[2].y()});
+  const double low = std::min({p[0].y(), p[1].y(), p[2].y()}),
+               high = std::max({p[0].y(), p[1].y(), p[2].y()});
   if (low > last_row || high < first_row) return;
-  const int begin_row = std::max(first_row, static_cast<int>(std::ceil(std::max(low - 0.5, first_row - 1.0))));
+  const int begin_row =
+      std::max(first_row, static_cast<int>(std::ceil(std::max(low - 0.5, first_row - 1.0))));
   const int end_row = std::min(last_row, static_cast<int>(std::ceil(std::min(high - 0.5, last_row + 1.0))));
   for (int row = begin_row; row < end_row; ++row) {
     const double y = row + 0.5;

@@ -14,9 +14,13 @@ using Eigen::Vector2d;
 
 SheetRaster::SheetRaster(const FormedSheet& sheet, const Flattening& flattening, const Print& print,
                          const Pattern& pattern, int dpi)
-    : pattern_(pattern), width_(print.width), height_(print.height), channels_(pattern.grayscale() ? 1 : 4),
+    : pattern_(pattern),
+      width_(print.width),
+      height_(print.height),
+      channels_(pattern.grayscale() ? 1 : 4),
       // Coarse prints need more samples for edges as smooth to the eye as those of fine ones.
-      samples_(std::clamp((600 + dpi - 1) / dpi, 2, 4)), band_(std::clamp(1'000'000 / print.width, 16, 256)) {
+      samples_(std::clamp((600 + dpi - 1) / dpi, 2, 4)),
+      band_(std::clamp(1'000'000 / print.width, 16, 256)) {
   const double n = samples_;
   Vector2d low(width_, height_), high(0, 0);
   for (const int t : flattening.triangles) {
@@ -39,12 +43,14 @@ SheetRaster::SheetRaster(const FormedSheet& sheet, const Flattening& flattening,
     patch.across = map.col(0);
     patch.down = map.col(1);
     patch.origin = uv[0] - map * patch.corners[0];
-    // A unit square has the variance of a disk of diameter 2 / sqrt(3); a stretched one is taken as round, with the
-    // same variance in the mean.
+    // A unit square has the variance of a disk of diameter 2 / sqrt(3); a stretched one is taken as round,
+    // with the same variance in the mean.
     patch.blur = 2 / std::sqrt(3.0) * map.norm() / std::sqrt(2.0);
     patches_.push_back(patch);
   }
-  const auto pixel = [](double x, int limit) { return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit))); };
+  const auto pixel = [](double x, int limit) {
+    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
+  };
   box_ = {pixel(std::floor(low.x()), width_ - 1), pixel(std::floor(low.y()), height_ - 1), 0, 0};
   box_.right = std::max(box_.left + 1, pixel(std::ceil(high.x()), width_));
   box_.bottom = std::max(box_.top + 1, pixel(std::ceil(high.y()), height_));
@@ -52,13 +58,15 @@ SheetRaster::SheetRaster(const FormedSheet& sheet, const Flattening& flattening,
   of_band_.resize(static_cast<std::size_t>((height_ + band_ - 1) / band_));
   for (std::size_t i = 0; i < patches_.size(); ++i) {
     const auto& c = patches_[i].corners;
-    const double top = std::min({c[0].y(), c[1].y(), c[2].y()}) / n, bottom = std::max({c[0].y(), c[1].y(), c[2].y()}) / n;
+    const double top = std::min({c[0].y(), c[1].y(), c[2].y()}) / n,
+                 bottom = std::max({c[0].y(), c[1].y(), c[2].y()}) / n;
     const int first = pixel(top - 1, height_ - 1) / band_, last = pixel(bottom + 1, height_ - 1) / band_;
     for (int b = first; b <= last; ++b) of_band_[static_cast<std::size_t>(b)].push_back(static_cast<int>(i));
   }
 }
 
-void SheetRaster::scan(const Patch& patch, int first_row, int last_row, int top, std::vector<float>& sums) const {
+void SheetRaster::scan(const Patch& patch, int first_row, int last_row, int top,
+                       std::vector<float>& sums) const {
   const int n = samples_;
   const Vector2d reach = pattern_.size_mm() / 2 + Vector2d::Constant(2 * patch.blur) +
                          2 * pattern_.size_mm().cwiseQuotient(pattern_.size_pixels().cast<double>());
@@ -81,7 +89,8 @@ void SheetRaster::scan(const Patch& patch, int first_row, int last_row, int top,
     if (!(from < to)) return;
     begin = std::max(begin, static_cast<int>(from));
     end = std::min(end, static_cast<int>(std::ceil(to)));
-    float* out = sums.data() + static_cast<std::ptrdiff_t>(row / n - top) * (box_.right - box_.left) * channels_;
+    float* out =
+        sums.data() + static_cast<std::ptrdiff_t>(row / n - top) * (box_.right - box_.left) * channels_;
     for (int x = begin; x < end; x += piece) {
       const int count = std::min(piece, end - x);
       pattern_.sample_line(start + (x + 0.5) * patch.across, patch.across, count, patch.blur, line);
@@ -95,19 +104,24 @@ void SheetRaster::scan(const Patch& patch, int first_row, int last_row, int top,
 
 std::vector<std::uint8_t> SheetRaster::rows(int top, int bottom) const {
   const std::size_t columns = static_cast<std::size_t>(width_), n = static_cast<std::size_t>(channels_);
-  std::vector<std::uint8_t> pixels(columns * static_cast<std::size_t>(bottom - top) * n, channels_ == 1 ? 255 : 0);
+  std::vector<std::uint8_t> pixels(columns * static_cast<std::size_t>(bottom - top) * n,
+                                   channels_ == 1 ? 255 : 0);
   const auto& patches = of_band_[static_cast<std::size_t>(top / band_)];
   if (patches.empty()) return pixels;
   const int box_width = box_.right - box_.left;
-  std::vector<float> sums(static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top) * n, 0.0f);
+  std::vector<float> sums(static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top) * n,
+                          0.0f);
   const float scale = 1.0f / static_cast<float>(samples_ * samples_);
   in_parallel(top, bottom, [&](int first, int last) {
     for (const int i : patches) scan(patches_[static_cast<std::size_t>(i)], first, last, top, sums);
     for (int y = first; y < last; ++y) {
       const float* sum = sums.data() + static_cast<std::ptrdiff_t>(y - top) * box_width * channels_;
-      std::uint8_t* out = pixels.data() + (static_cast<std::ptrdiff_t>(y - top) * width_ + box_.left) * channels_;
+      std::uint8_t* out =
+          pixels.data() + (static_cast<std::ptrdiff_t>(y - top) * width_ + box_.left) * channels_;
       for (int x = 0; x < box_width; ++x, sum += channels_, out += channels_) {
-        const auto byte = [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f); };
+        const auto byte = [](float v) {
+          return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f);
+        };
         if (channels_ == 1) {
           out[0] = byte(1 - sum[0] * scale);
         } else if (sum[3] > 0) {

@@ -16,13 +16,14 @@ struct PixelBox {
 class SheetRaster {
  public:
   // Of `print`, the size, the pixel and pattern_uv are read.
-  SheetRaster(const FormedSheet& sheet, const Flattening& flattening, const Print& print, const Pattern& pattern, int dpi);
+  SheetRaster(const FormedSheet& sheet, const Flattening& flattening, const Print& print,
+              const Pattern& pattern, int dpi);
 
-  PixelBox box() const { return box_; }       // around the chart, never empty
-  int band_rows() const { return band_; }     // rows to ask for at once
+  PixelBox box() const { return box_; }    // around the chart, never empty
+  int band_rows() const { return band_; }  // rows to ask for at once
 
-  // Rows [top, bottom), where top is a multiple of band_rows() and bottom at most one band further: 8-bit gray on
-  // white for a grayscale drawing, else straight RGBA on transparent.
+  // Rows [top, bottom), where top is a multiple of band_rows() and bottom at most one band further: 8-bit
+  // gray on white for a grayscale drawing, else straight RGBA on transparent.
   std::vector<std::uint8_t> rows(int top, int bottom) const;
 
  private:
