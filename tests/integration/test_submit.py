@@ -2,8 +2,6 @@
 import hashlib
 import http.server
 import json
-import os
-import pty
 import signal
 import subprocess
 import threading
@@ -133,23 +131,6 @@ class Submit(Case):
         self.assertIn("the job goes on", err)
         self.assertIn(f"vacuform submit --server {self.server.url} --job j1 --wait --out {self.out}", err)
         self.assertNotIn("/api/v1/jobs/j1/cancel", self.server.seen)
-
-    def test_terminal_gets_one_line_that_is_redrawn(self):
-        self.server.jobs = [{"state": "running", "stage": "scan", "progress": 0.1},
-                            {"state": "running", "stage": "forming", "progress": 0.5}, {"state": "succeeded"}]
-        terminal, line = pty.openpty()
-        with subprocess.Popen([BIN / "vacuform", *self.words()], stdout=subprocess.PIPE, stderr=line) as p:
-            os.close(line)
-            shown = b""
-            try:
-                while piece := os.read(terminal, 4096):
-                    shown += piece
-            except OSError:  # how a terminal ends
-                pass
-        os.close(terminal)
-        self.assertEqual(p.returncode, 0)
-        self.assertNotIn(b"\n", shown)
-        self.assertRegex(shown, rb"\rscan +\[####  .*\]  10 %\rforming +\[#{20} {20}\]  50 %\r\x1b\[K\Z")
 
 
 if __name__ == "__main__":

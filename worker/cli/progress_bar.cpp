@@ -7,7 +7,7 @@
 
 namespace vacuform::cli {
 
-ProgressBar::ProgressBar(Otherwise otherwise) : terminal_(::isatty(STDERR_FILENO) == 1), otherwise_(otherwise) {}
+bool ProgressBar::stderr_is_terminal() { return ::isatty(STDERR_FILENO) == 1; }
 
 void ProgressBar::show(Stage stage, double fraction) { show(name(stage), fraction); }
 

@@ -1,7 +1,6 @@
 // Progress on a terminal: one line on stderr, redrawn.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -15,7 +14,8 @@ namespace vacuform::cli {
 class ProgressBar {
  public:
   enum class Otherwise { silent, line_a_stage };
-  explicit ProgressBar(Otherwise otherwise);
+  explicit ProgressBar(Otherwise otherwise) : ProgressBar(otherwise, stderr_is_terminal()) {}
+  ProgressBar(Otherwise otherwise, bool terminal) : terminal_(terminal), otherwise_(otherwise) {}
   ~ProgressBar() { clear(); }
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -27,6 +27,8 @@ class ProgressBar {
   void clear();
 
  private:
+  static bool stderr_is_terminal();
+
   bool terminal_;
   Otherwise otherwise_;
   std::string shown_;  // the line that stands on the terminal
