@@ -185,6 +185,8 @@ bool Connection::write(std::string_view bytes) {
 
 void Connection::finish() {
   ::shutdown(socket_, SHUT_WR);
+  const bool all_read = !refusal_ && body_read_ == head_.content_length;
+  if (all_read || (refusal_ && refusal_->status == 408)) return;
   // Closing with unread bytes would reset the connection and destroy the answer on its way.
   const Instant deadline = steady_clock::now() + 2s;
   std::array<char, 16384> piece;

@@ -56,7 +56,7 @@ class Connection : public Body {
   void refuse(int status, std::string what, std::string mend);
 
   int socket_;
-  const Limits& limits_;
+  const Limits limits_;
   const std::atomic<bool>& stopping_;
   Head head_;
   std::optional<Refusal> refusal_;

@@ -5,8 +5,11 @@
 #include "server/http/server.hpp"
 
 #include <httplib.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -46,6 +49,8 @@ class LineStream : public httplib::Stream {
   std::string text_;
   std::size_t at_ = 0;
 };
+
+constexpr std::chrono::milliseconds crowded_head_time{500};
 
 // The connection that this thread serves; the library's callbacks carry no context of their own.
 thread_local Connection* served = nullptr;
@@ -97,6 +102,9 @@ class Server::Library : public httplib::Server {
     set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+      // A browser opens connections before it needs them: none takes a thread before its first byte.
+      const int seconds = 10;
+      ::setsockopt(socket, IPPROTO_TCP, TCP_DEFER_ACCEPT, &seconds, sizeof seconds);
     });
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       answer(request, response);
@@ -139,9 +147,12 @@ class Server::Library : public httplib::Server {
 
  private:
   bool process_and_close_socket(socket_t socket) override {
-    ++active_;
+    Limits limits = options_.limits;
+    // Clients that are slow to say what they want must not take the last threads from the others.
+    if (++active_ > options_.threads * 3 / 4)
+      limits.head_time = std::min(limits.head_time, crowded_head_time);
     {
-      Connection connection(socket, options_.limits, stopping_);
+      Connection connection(socket, limits, stopping_);
       if (connection.read_head()) {
         served = &connection;
         LineStream stream(connection);
