@@ -17,14 +17,13 @@ constexpr double front = 98, back = 88;  // reach of the plain oval from the wid
 constexpr double brow = 5, occiput = 4;  // bosses at the widest level, part of the head's length
 constexpr double vault = 88, neck = 95;  // heights above and below the widest level
 constexpr double neck_breadth = 0.72, neck_front = 0.58, neck_back = 0.70;  // taper, against the widest level
-constexpr double plan_roundness = 2.5;  // exponents of the oval and of the vault; 2 is an ellipsoid
-constexpr double vault_roundness = 2.2;
+constexpr double roundness = 2.5;  // exponent of the oval seen from above; 2 is an ellipse
 constexpr double vertex_back = 8;  // the vertex lies this far behind the widest section
 
 constexpr int around = 120, rings_above = 36, rings_below = 28;
 
 // A coordinate of the superellipse, from the cosine or the sine of its parameter.
-double super(double cosine_or_sine, double roundness) {
+double super(double cosine_or_sine) {
   return std::copysign(std::pow(std::abs(cosine_or_sine), 2 / roundness), cosine_or_sine);
 }
 
@@ -38,8 +37,8 @@ double boss(double angle, double towards, double width, double z, double height)
 Eigen::Vector3d skin(double angle, double z, double size_x, double size_front, double size_back) {
   const double c = std::cos(angle), s = std::sin(angle);
   const double rise = std::max(0.0, z / vault);
-  const double x = half_breadth * size_x * super(c, plan_roundness);
-  double y = (s >= 0 ? front * size_front : back * size_back) * super(s, plan_roundness);
+  const double x = half_breadth * size_x * super(c);
+  double y = (s >= 0 ? front * size_front : back * size_back) * super(s);
   y += brow * boss(angle, pi / 2, 0.6, z, 30) - occiput * boss(angle, -pi / 2, 0.7, z, 35);
   // Cubic, so that the shift begins more gently than the vault narrows and makes no undercut.
   y -= vertex_back * rise * rise * rise;
@@ -66,8 +65,8 @@ TriangleMesh sample_head() {
   // Rings from below the vertex to the widest level, even in polar angle; then down the neck.
   for (int ring = 1; ring <= rings_above; ++ring) {
     const double polar = pi / 2 * ring / rings_above;
-    const double size = super(std::sin(polar), vault_roundness);
-    add_ring(ring == rings_above ? 0 : vault * super(std::cos(polar), vault_roundness), size, size, size);
+    const double size = std::sin(polar);
+    add_ring(ring == rings_above ? 0 : vault * std::cos(polar), size, size, size);
   }
   for (int ring = 1; ring <= rings_below; ++ring) {
     const double down = static_cast<double>(ring) / rings_below;
