@@ -152,7 +152,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
                             before.area_ratio, "area ratio (1: undistorted)");
   const Heat thickness = thickness_heat(job);
 
-  const View view(job.sheet, side, side, caption_top, caption_bottom);
+  View view(job.sheet, side, side, caption_top, caption_bottom);
   VACUFORM_TRY(pictures, view.draw(
                              5,
                              [&](const Seen& seen, Colour* colours) {

@@ -44,7 +44,7 @@ Colour backdrop(double height) {
 
 std::uint32_t pixel_of(const Colour& c) {
   const auto byte = [](float v) {
-    return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f);
+    return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255));
   };
   return 0xff000000u | byte(c.x()) << 16 | byte(c.y()) << 8 | byte(c.z());
 }
@@ -60,7 +60,6 @@ View::View(const FormedSheet& sheet, int width, int height, int top, int bottom)
       rays_(TriangleMesh{sheet.formed, sheet.triangles}),
       normals_(vertex_normals(sheet)) {
   frame();
-  light();
 }
 
 // Moves the eye until what stands above the platform just fills the picture.
@@ -108,81 +107,88 @@ void View::frame() {
   for (const auto& p : sheet_.formed) reach_ = std::max(reach_, 1.1 * (p - eye_).norm());
 }
 
-void View::light() {
+Result<void> View::light(const Context& context, double from, double to) {
   const int vertices = static_cast<int>(sheet_.formed.size());
   // Enough directions for a smooth shade on coarse sheets, fewer on fine ones, where neighbours smooth it.
   const auto directions = sky(std::clamp(500'000 / std::max(1, vertices), 8, 32));
   open_.assign(sheet_.formed.size(), 1.0f);
-  in_parallel(0, vertices, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      const Vector3d n = at(normals_, i);
-      const Vector3d a = n.unitOrthogonal(), b = n.cross(a);
-      int hidden = 0;
-      for (const auto& d : directions) {
-        const Vector3d ray = d.x() * a + d.y() * b + d.z() * n;
-        if (rays_.first_hit(at(sheet_.formed, i) + 0.8 * n + 0.4 * ray, 90 * ray)) ++hidden;
+  constexpr int batch = 20'000;
+  for (int begin = 0; begin < vertices; begin += batch) {
+    VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * begin / vertices));
+    in_parallel(begin, std::min(begin + batch, vertices), [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        const Vector3d n = at(normals_, i);
+        const Vector3d a = n.unitOrthogonal(), b = n.cross(a);
+        int hidden = 0;
+        for (const auto& d : directions) {
+          const Vector3d ray = d.x() * a + d.y() * b + d.z() * n;
+          if (rays_.first_hit(at(sheet_.formed, i) + 0.8 * n + 0.4 * ray, 90 * ray)) ++hidden;
+        }
+        open_[static_cast<std::size_t>(i)] =
+            1 - static_cast<float>(hidden) / static_cast<float>(directions.size());
       }
-      open_[static_cast<std::size_t>(i)] =
-          1 - static_cast<float>(hidden) / static_cast<float>(directions.size());
-    }
-  });
+    });
+  }
+  return {};
+}
+
+Seen View::seen(const RayCaster::Hit& hit, const Vector3d& ray, double spacing) const {
+  const auto& t = sheet_.triangles[static_cast<std::size_t>(hit.triangle)];
+  const std::array<double, 3> w{1 - hit.u - hit.v, hit.u, hit.v};
+  const auto mix = [&](const auto& values) {
+    return w[0] * values[static_cast<std::size_t>(t[0])] + w[1] * values[static_cast<std::size_t>(t[1])] +
+           w[2] * values[static_cast<std::size_t>(t[2])];
+  };
+  Vector3d normal = mix(normals_).normalized();
+  const Vector3d towards = -ray.normalized();
+  double facing = normal.dot(towards);
+  if (facing < 0) normal = -normal, facing = -facing;
+  const double open = mix(open_);
+  const double key = std::max(0.0, normal.dot(key_light));
+  double gloss = std::max(0.0, normal.dot((key_light + towards).normalized()));
+  for (int power = 1; power < 64; power *= 2) gloss *= gloss;
+  const double light = (0.25 + 0.75 * open) * (0.47 + 0.13 * normal.z()) + 0.40 * key * (0.4 + 0.6 * open);
+  return {hit.triangle, w, spacing / std::max(0.35, facing), static_cast<float>(light),
+          static_cast<float>(0.10 * gloss * open)};
 }
 
 Result<std::vector<Picture>> View::draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
-                                        const Context& context, double from, double to) const {
-  const std::size_t n = static_cast<std::size_t>(count);
+                                        const Context& context, double from, double to) {
+  const double lit = from + 0.2 * (to - from);
+  VACUFORM_CHECK(light(context, from, lit));
+  const std::size_t n = static_cast<std::size_t>(count), columns = static_cast<std::size_t>(width_);
   std::vector<Picture> pictures(n);
   for (auto& p : pictures)
-    p = {width_, height_,
-         std::vector<std::uint32_t>(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_))};
-  const double middle = top_ + 0.5 * (height_ - top_ - bottom_);
+    p = {width_, height_, std::vector<std::uint32_t>(columns * static_cast<std::size_t>(height_))};
+  const int end = height_ - bottom_;
+  const double middle = 0.5 * (top_ + end);
   const double pixel = 2 * tangent_ / width_;  // at distance 1
 
   const auto row = [&](int y) {
     std::vector<Colour> sums(n), colours(n);
+    const Colour behind = backdrop(static_cast<double>(y) / height_);
     for (int x = 0; x < width_; ++x) {
-      const Colour behind = backdrop(static_cast<double>(y) / height_);
       std::fill(sums.begin(), sums.end(), Colour(0, 0, 0));
-      for (int s = 0; s < 4; ++s) {
-        const double px = x + 0.25 + 0.5 * (s % 2) - 0.5 * width_, py = middle - (y + 0.25 + 0.5 * (s / 2));
-        const Vector3d ray = reach_ * (px * pixel * right_ + py * pixel * up_ - back_).normalized();
-        const auto hit = rays_.first_hit(eye_, ray);
-        if (!hit) {
-          for (auto& sum : sums) sum += behind;
-          continue;
+      for (const double dy : {0.25, 0.75})
+        for (const double dx : {0.25, 0.75}) {
+          const Vector3d aim =
+              (x + dx - 0.5 * width_) * pixel * right_ + (middle - y - dy) * pixel * up_ - back_;
+          const Vector3d ray = reach_ * aim.normalized();
+          if (const auto hit = rays_.first_hit(eye_, ray))
+            shade(seen(*hit, ray, 0.5 * pixel * hit->t * reach_), colours.data());
+          else
+            std::fill(colours.begin(), colours.end(), behind);
+          for (std::size_t k = 0; k < n; ++k) sums[k] += colours[k];
         }
-        const auto& t = sheet_.triangles[static_cast<std::size_t>(hit->triangle)];
-        const std::array<double, 3> w{1 - hit->u - hit->v, hit->u, hit->v};
-        const auto mix = [&](const auto& values) {
-          return w[0] * values[static_cast<std::size_t>(t[0])] +
-                 w[1] * values[static_cast<std::size_t>(t[1])] +
-                 w[2] * values[static_cast<std::size_t>(t[2])];
-        };
-        Vector3d normal = mix(normals_).normalized();
-        const Vector3d view = -ray.normalized();
-        double facing = normal.dot(view);
-        if (facing < 0) normal = -normal, facing = -facing;
-        const double open = mix(open_);
-        const double key = std::max(0.0, normal.dot(key_light));
-        const Vector3d halfway = (key_light + view).normalized();
-        Seen seen{hit->triangle, w, 0.5 * pixel * hit->t * reach_ / std::max(0.35, facing), 0, 0};
-        seen.light = static_cast<float>((0.25 + 0.75 * open) * (0.47 + 0.13 * normal.z()) +
-                                        0.40 * key * (0.4 + 0.6 * open));
-        double gloss = std::max(0.0, normal.dot(halfway));
-        for (int power = 1; power < 64; power *= 2) gloss *= gloss;
-        seen.gloss = static_cast<float>(0.10 * gloss * open);
-        shade(seen, colours.data());
-        for (std::size_t k = 0; k < n; ++k) sums[k] += colours[k];
-      }
       for (std::size_t k = 0; k < n; ++k)
-        pictures[k].pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                           static_cast<std::size_t>(x)] = pixel_of(sums[k] / 4);
+        pictures[k].pixels[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)] =
+            pixel_of(sums[k] / 4);
     }
   };
   constexpr int band = 50;
-  for (int y = 0; y < height_; y += band) {
-    VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * y / height_));
-    in_parallel(y, std::min(y + band, height_), [&](int first, int last) {
+  for (int y = top_; y < end; y += band) {
+    VACUFORM_CHECK(context.step(Stage::inspection, lit + (to - lit) * (y - top_) / (end - top_)));
+    in_parallel(y, std::min(y + band, end), [&](int first, int last) {
       for (int r = first; r < last; ++r) row(r);
     });
   }

@@ -39,11 +39,12 @@ class View {
   // Draws `count` pictures with one set of rays, 2 x 2 a pixel: shade gives the colour of a sample in each.
   // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
   Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
-                                    const Context& context, double from, double to) const;
+                                    const Context& context, double from, double to);
 
  private:
   void frame();
-  void light();
+  Result<void> light(const Context& context, double from, double to);
+  Seen seen(const RayCaster::Hit& hit, const Eigen::Vector3d& ray, double spacing) const;
 
   const FormedSheet& sheet_;
   int width_, height_, top_, bottom_;

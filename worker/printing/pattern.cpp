@@ -155,7 +155,8 @@ struct Pattern::Picture {
       const float weight = (l == low ? 1 - blend : blend) / 255;
       const Eigen::Vector2d a = at * shrink, d = move * shrink;
       for (int k = 0; k < count; ++k)
-        add_bilinear<n>(level, a.x() + k * d.x(), a.y() + k * d.y(), weight, out + n * k);
+        add_bilinear<n>(level, a.x() + k * d.x(), a.y() + k * d.y(), weight,
+                        out + static_cast<std::ptrdiff_t>(n) * k);
     }
   }
 };
