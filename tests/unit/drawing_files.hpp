@@ -84,7 +84,7 @@ inline Bytes gray_png(int width, int height, std::uint32_t per_metre,
 
 // A JPEG of `channels` (1 gray, 3 RGB, 4 CMYK) at 254 dpi, with an Exif orientation when it is not 0.
 inline Bytes jpeg(int width, int height, int channels, const std::function<int(int, int, int)>& value,
-                  int orientation = 0) {
+                  int orientation = 0, bool progressive = false) {
   jpeg_compress_struct encoder{};
   jpeg_error_mgr errors{};
   encoder.err = jpeg_std_error(&errors);
@@ -100,6 +100,7 @@ inline Bytes jpeg(int width, int height, int channels, const std::function<int(i
   jpeg_set_quality(&encoder, 98, TRUE);
   encoder.density_unit = 1;
   encoder.X_density = encoder.Y_density = 254;
+  if (progressive) jpeg_simple_progression(&encoder);
   jpeg_start_compress(&encoder, TRUE);
   if (orientation) {
     Bytes exif = {'E', 'x', 'i', 'f',  0,    0, 'M', 'M', 0, 42, 0, 0, 0,

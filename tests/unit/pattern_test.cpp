@@ -3,6 +3,8 @@
 #include <glib.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <fstream>
 #include <iterator>
@@ -152,6 +154,21 @@ TEST(Pattern, ReadsJpegAndItsDensity) {
   ASSERT_TRUE(colour);
   EXPECT_FALSE(colour->grayscale());
   EXPECT_NEAR(colour->sample({0, 0}, 0.1).r, 1, 0.02);
+}
+
+TEST(Pattern, ReadsProgressiveJpegButNotThousandsOfScans) {
+  Bytes bytes = jpeg(
+      64, 32, 1, [](int x, int, int) { return x < 32 ? 0 : 255; }, 0, true);
+  ASSERT_TRUE(read(bytes));
+  EXPECT_NEAR(read(bytes)->ink_mm2(), 3.2 * 3.2, 0.05);
+  // The last scan again and again, each of which would be decoded over the whole picture.
+  const std::array<std::uint8_t, 2> start_of_scan{0xff, 0xda};
+  const auto last = std::find_end(bytes.begin(), bytes.end(), start_of_scan.begin(), start_of_scan.end());
+  const Bytes scan(last, bytes.end() - 2);
+  for (int i = 0; i < 5000; ++i) bytes.insert(bytes.end() - 2, scan.begin(), scan.end());
+  const auto pattern = read(bytes);
+  ASSERT_FALSE(pattern);
+  EXPECT_EQ(pattern.error().code, Code::corrupt_file);
 }
 
 TEST(Pattern, RefusesCmykByName) {
