@@ -442,6 +442,12 @@ INSTANTIATE_TEST_SUITE_P(
         Lie{"text.glb", as_if_text(glb(sphere(100, 16))), Code::corrupt_file, "U+FFFD"},
         Lie{"crlf.glb", many_feeds_glb(), Code::corrupt_file, "every line feed of the file became CR LF"}));
 
+TEST(ScanFormats, AGlbThatIsAllJsonIsRefusedUnparsed) {
+  const auto scan = read(glb(std::string((16u << 20) + 1, ' '), {}), "json.glb");
+  ASSERT_FALSE(scan);
+  EXPECT_EQ(scan.error().code, Code::too_large);
+}
+
 TEST(ScanFormats, AnIndexBeyondTheVerticesOfAGlb) {
   auto mesh = cube(100);
   mesh.triangles[5][2] = 8;

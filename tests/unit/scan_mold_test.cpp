@@ -381,7 +381,9 @@ Mold block(double x, double y, double z) {
 TEST(Fit, SaysWhatIsTooLargeByHowMuch) {
   const SheetSettings sheet;  // 300 x 300 x 1
   MachineSettings machine;    // 280 x 280
-  EXPECT_TRUE(check_fit(block(266, 266, 100), sheet, machine));
+  EXPECT_TRUE(check_fit(block(266, 266, 50), sheet, machine));
+  EXPECT_FALSE(check_fit(block(266, 266, 100), sheet, machine));  // a wall of 100 mm wants a gap of 9.1 mm
+  EXPECT_TRUE(check_fit(block(260, 260, 100), sheet, machine));
   const auto wide = check_fit(block(270, 100, 50), sheet, machine);
   ASSERT_FALSE(wide);
   EXPECT_EQ(wide.error().code, Code::does_not_fit);
@@ -406,10 +408,10 @@ TEST(Fit, SaysWhatIsTooLargeByHowMuch) {
 TEST(Fit, KnowsTheDrawAndTheFrame) {
   const SheetSettings sheet;
   MachineSettings machine;
-  const auto tall = check_fit(block(100, 100, 300), sheet, machine);
+  const auto tall = check_fit(block(100, 100, 450), sheet, machine);
   ASSERT_FALSE(tall);
   EXPECT_EQ(tall.error().where, "scan.trim_mm");
-  EXPECT_NE(tall.error().text().find("300.0 mm to draw, 20.0 mm more"), std::string::npos)
+  EXPECT_NE(tall.error().text().find("450.0 mm to draw, 30.0 mm more"), std::string::npos)
       << tall.error().text();
   machine.drape_height_mm = 60;
   const auto high = check_fit(block(100, 100, 50), sheet, machine);

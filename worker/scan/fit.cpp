@@ -1,10 +1,10 @@
 // Whether a mold fits the sheet and the machine.
 //
-// Room: around the mold's bounding box the window leaves at least 5 mm and two sheet thicknesses on every
-// side, so that the sheet can turn down between the mold and the frame (of a circle: around the box's corners
-// as the mold's own vertices reach them). Draw: the sheet in a window whose shorter side is W is drawn over a
-// mold at most 1.0 W high; beyond, a sheet clamped at the frame would have to become thinner than an eighth
-// on the walls, and tears.
+// Room: around the mold's bounding box (in a round window: around its vertices) the window leaves at least 5
+// mm and two sheet thicknesses, so that the sheet can turn down between mold and frame, and at least an
+// eleventh of the draw: the film in a gap g that goes down a wall of height H becomes g + H long, and below a
+// twelfth of its thickness it tears. Draw: at most 1.5 times the window's shorter side, beyond which no sheet
+// in that window holds enough plastic.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -15,7 +15,8 @@
 namespace vacuform {
 namespace {
 
-constexpr double most_draw = 1.0;  // mold height over the window's shorter side
+constexpr double most_draw = 1.5;         // over the window's shorter side
+constexpr double least_gap = 1.0 / 11.0;  // over the draw
 
 std::string mm(double value) {
   char text[32];
@@ -34,8 +35,21 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
                     mm(sheet.width_mm) + " x " + mm(sheet.height_mm),
                 "machine.window_width_mm",
                 "give a smaller window or a larger sheet (sheet.width_mm, sheet.height_mm)");
-  const double room = 5 + 2 * sheet.thickness_mm;
   const Box box = bounds(mold.mesh);
+  const double draw = box.high.z() - machine.drape_height_mm;
+  const double room = std::max(5 + 2 * sheet.thickness_mm, least_gap * draw);
+  if (machine.drape_height_mm >= box.high.z())
+    return fail(Code::does_not_fit,
+                "the frame stops " + mm(machine.drape_height_mm) + " above the platform, " +
+                    mm(machine.drape_height_mm - box.high.z()) +
+                    " above the mold's top, and the sheet never meets the mold",
+                "machine.drape_height_mm", "give less than " + mm(box.high.z()));
+  const double shorter = std::min(width, height);
+  if (draw > most_draw * shorter)
+    return fail(Code::does_not_fit,
+                "the mold is " + mm(draw) + " to draw, " + mm(draw - most_draw * shorter) +
+                    " more than a sheet in a window of " + mm(shorter) + " can give",
+                "scan.trim_mm", "trim the mold at least that much higher, or give a larger window and sheet");
   const std::string advice =
       "; or trim the mold higher (scan.trim_mm), turn it (scan.yaw_deg), or scan a smaller part";
   if (circle) {
@@ -59,18 +73,6 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
                   "give a window and a sheet of at least " + mm(box.size()[x ? 0 : 1] + 2 * room) + advice);
     }
   }
-  if (machine.drape_height_mm >= box.high.z())
-    return fail(Code::does_not_fit,
-                "the frame stops " + mm(machine.drape_height_mm) + " above the platform, " +
-                    mm(machine.drape_height_mm - box.high.z()) +
-                    " above the mold's top, and the sheet never meets the mold",
-                "machine.drape_height_mm", "give less than " + mm(box.high.z()));
-  const double draw = box.high.z() - machine.drape_height_mm, shorter = std::min(width, height);
-  if (draw > most_draw * shorter)
-    return fail(Code::does_not_fit,
-                "the mold is " + mm(draw) + " to draw, " + mm(draw - most_draw * shorter) +
-                    " more than a sheet in a window of " + mm(shorter) + " can give",
-                "scan.trim_mm", "trim the mold at least that much higher, or give a larger window and sheet");
   return {};
 }
 

@@ -14,6 +14,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::uint32_t most_json_bytes = 16u << 20;  // parsed, it takes up to twenty times its bytes
+
 std::uint32_t u32(Bytes bytes, std::uint64_t at) {
   return std::uint32_t{bytes[at]} | std::uint32_t{bytes[at + 1]} << 8 | std::uint32_t{bytes[at + 2]} << 16 |
          std::uint32_t{bytes[at + 3]} << 24;
@@ -276,6 +278,11 @@ Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgr
   if (length > bytes.size() || u32(bytes, 16) != 0x4E4F534A || json_bytes > bytes.size() - 20)
     return damaged("the GLB file says it has " + std::to_string(length) + " bytes, but it has " +
                    std::to_string(bytes.size()));
+  if (json_bytes > most_json_bytes)
+    return fail(Code::too_large,
+                "the JSON chunk of the GLB file has " + std::to_string(json_bytes) +
+                    " bytes, above the limit of 16 MiB",
+                where, "export the mesh alone, without scenery, or as STL");
   constexpr int deepest = 64;
   const auto shallow = [](int depth, json::parse_event_t, json&) { return depth <= deepest; };
   const json root = json::parse(bytes.begin() + 20, bytes.begin() + 20 + json_bytes, shallow, false);

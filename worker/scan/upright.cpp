@@ -94,8 +94,9 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress
     sum += a;
     total += a.norm();
   }
-  // An opening of radius r in a sphere of radius R leaves (r/2R)^2 of the area: 4 % is a hole of 23 degrees.
-  if (sum.norm() > 0.04 * total) {
+  // An opening that spans an angle of t from a sphere's middle leaves sin^2(t) / 4 of the area: 1.5 % at 14
+  // degrees.
+  if (sum.norm() > 0.015 * total) {
     UpGuess best;
     double most = 0;
     for (const UpAxis axis : axes)
