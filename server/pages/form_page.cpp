@@ -102,14 +102,19 @@ std::string settings_html(const std::map<std::string, std::string>& fields) {
   std::string html;
   const auto add = [&](const std::string& group) {
     const ordered_json& description = groups.at(group);
+    const ordered_json& properties = description.at("properties");
+    // A browser sends every choice, also those that nobody changed.
     const bool touched = std::any_of(fields.begin(), fields.end(), [&](const auto& field) {
-      return field.first.starts_with(group + ".") && !field.second.empty();
+      const auto& [name, value] = field;
+      if (!name.starts_with(group + ".") || value.empty()) return false;
+      const auto setting = properties.find(name.substr(group.size() + 1));
+      return setting == properties.end() || value != plain(setting->at("default"));
     });
     const bool open = group == "pattern" || touched;
     html += std::string("<details") + (open ? " open" : "") + ">\n<summary>" +
             escaped(description.value("title", group)) + "</summary>\n<fieldset>\n<legend>" +
             escaped(description.value("title", group)) + "</legend>\n";
-    for (const auto& [key, field] : description.at("properties").items())
+    for (const auto& [key, field] : properties.items())
       html += field_html(group + "." + key, key, field, fields);
     html += "</fieldset>\n</details>\n";
   };

@@ -135,7 +135,7 @@ class SqliteStore : public Store {
         return fail(Code::conflict, "the job has " + std::string(name(job.state)) + " already", id,
                     "delete it if you do not need it");
       if (job.state == JobState::queued) {
-        VACUFORM_CHECK(end(id, JobState::cancelled, {}));
+        VACUFORM_CHECK(end(job, JobState::cancelled, {}));
       } else if (job.state == JobState::running) {
         VACUFORM_CHECK(Query(db_, "UPDATE job SET state='cancelling' WHERE id=?", id).run());
       }
@@ -217,7 +217,7 @@ class SqliteStore : public Store {
     return write([&]() -> Result<Job> {
       VACUFORM_TRY(job, holder(key, false));
       if (job.state == JobState::cancelling) {
-        VACUFORM_CHECK(end(job.id, JobState::cancelled, {}));
+        VACUFORM_CHECK(end(job, JobState::cancelled, {}));
       } else {
         VACUFORM_CHECK(queue_again(job, 0));
       }
@@ -376,27 +376,35 @@ class SqliteStore : public Store {
           return find(job.id);
         }
       }
-      VACUFORM_CHECK(end(job.id, wanted, wanted == JobState::failed ? error : std::nullopt));
+      VACUFORM_CHECK(end(job, wanted, wanted == JobState::failed ? error : std::nullopt));
       return find(job.id);
     });
   }
 
   // The hash of the lease stays, so that the same ending under the same token can be answered again.
-  Result<void> end(const std::string& id, JobState state, const std::optional<Error>& error) {
+  // Only a job that has succeeded keeps artifacts: half a set helps nobody.
+  Result<void> end(const Job& job, JobState state, const std::optional<Error>& error) {
+    if (state != JobState::succeeded) {
+      VACUFORM_CHECK(drop_artifacts(job));
+    }
     std::optional<std::string_view> code, what, where, mend;
     if (error) code = meaning(error->code).slug, what = error->what, where = error->where, mend = error->mend;
     return Query(
                db_,
                "UPDATE job SET state=?, ended=?, lease_ends=NULL, error_code=?, error_what=?, error_where=?,"
                " error_mend=? WHERE id=?",
-               name(state), options_.clock(), code, what, where, mend, id)
+               name(state), options_.clock(), code, what, where, mend, job.id)
         .run();
+  }
+
+  Result<void> drop_artifacts(const Job& job) {
+    for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
+    return Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run();
   }
 
   // Back to the queue; what the attempt left behind is dropped.
   Result<void> queue_again(const Job& job, int losses) {
-    for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
-    VACUFORM_CHECK(Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run());
+    VACUFORM_CHECK(drop_artifacts(job));
     return Query(db_,
                  "UPDATE job SET state='queued', stage=NULL, progress=0, started=NULL, worker=NULL,"
                  " lease_hash=NULL, lease_ends=NULL, losses=losses+? WHERE id=?",
@@ -423,11 +431,11 @@ class SqliteStore : public Store {
       JobState state = JobState::queued;
       if (job.state == JobState::cancelling) {
         state = JobState::cancelled;
-        VACUFORM_CHECK(end(id, state, {}));
+        VACUFORM_CHECK(end(job, state, {}));
       } else if (losses + 1 >= options_.losses) {
         state = JobState::failed;
         VACUFORM_CHECK(end(
-            id, state,
+            job, state,
             Error{Code::internal, std::to_string(losses + 1) + " workers were lost while they ran this job",
                   id, "look at the workers' logs; a coarser sheet.resolution_mm needs less memory"}));
       } else {

@@ -199,6 +199,10 @@ TEST_F(ServerApi, TheFormComesBackWithTheProblemAndTheSettings) {
   EXPECT_EQ(page.body.find("<script"), std::string::npos);
   EXPECT_NE(page.body.find("value=\"&quot;&gt;&lt;script&gt;"), std::string::npos);
   EXPECT_NE(page.body.find("role=\"alert\""), std::string::npos);
+  // The group of the wrong setting is open, groups whose choices nobody changed are not.
+  const Answer choices = submit(part("scan.units", "", "auto") + part("print.dpi", "", "1"), "/jobs");
+  EXPECT_NE(choices.body.find("<details open>\n<summary>Print"), std::string::npos);
+  EXPECT_NE(choices.body.find("<details>\n<summary>Scan"), std::string::npos);
   const Answer good = submit(part("print.dpi", "", "150"), "/jobs");
   EXPECT_EQ(good.status, 303);
   const Answer job = ask("GET", good.header("Location"));
