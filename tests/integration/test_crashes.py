@@ -10,7 +10,7 @@ from harness import BIN, PATTERNS, SCANS, Case, Program, Server, children, curl,
 
 NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
-LONG = {"sheet": {"resolution_mm": 2}, "print": {"dpi": 100}}  # some seconds of forming
+LONG = {"sheet": {"resolution_mm": 2.5}, "print": {"dpi": 100}}  # some seconds of forming
 LEASE = 4
 
 

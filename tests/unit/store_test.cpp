@@ -341,6 +341,24 @@ TEST_F(StoreTest, ASharedFileStaysAsLongAsAnyJobNamesIt) {
   EXPECT_EQ(text, "one");
 }
 
+TEST_F(StoreTest, OnlySuccessKeepsArtifacts) {
+  const auto half_done = [&](const std::string& bytes) {
+    create();
+    const LeaseKey key = lease();
+    EXPECT_TRUE(store_->put_artifact(key, "print.png", upload(bytes)));
+    return key;
+  };
+  const LeaseKey failed = half_done("of the failed");
+  EXPECT_EQ(store_->fail_job(failed, {Code::internal, "a fault", "", ""}, false).value().artifacts.size(), 0u);
+  const LeaseKey cancelled = half_done("of the cancelled");
+  ASSERT_TRUE(store_->cancel(cancelled.job));
+  EXPECT_EQ(store_->cancelled(cancelled).value().artifacts.size(), 0u);
+  const LeaseKey done = half_done("of the done");
+  EXPECT_EQ(store_->complete(done).value().artifacts.size(), 1u);
+  EXPECT_EQ(blobs().count(text_hash("of the failed")) + blobs().count(text_hash("of the cancelled")), 0u);
+  EXPECT_EQ(blobs().count(text_hash("of the done")), 1u);
+}
+
 TEST_F(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   const std::string id = create().id;
   const LeaseKey key = lease();
