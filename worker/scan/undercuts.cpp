@@ -12,7 +12,8 @@ constexpr double least_height_mm = 0.2;
 }
 
 Eigen::Vector2d CoveredSpace::place(int column) const {
-  return {origin_.x() + (column % nx_ + 0.5) * spacing_, origin_.y() + (column / nx_ + 0.5) * spacing_};
+  const int x = column % nx_, y = column / nx_;
+  return {origin_.x() + (x + 0.5) * spacing_, origin_.y() + (y + 0.5) * spacing_};
 }
 
 Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared_ptr<const RayCaster> caster,
