@@ -93,7 +93,10 @@ void describe(S& s, V& v) {
   v.field("margin_mm", s.print.margin_mm, {0, 50, "mm"}, "Free of marks along the sheet's edge");
 }
 
-std::string number(double value) { return json(value).dump(); }
+// 300, not 300.0.
+std::string number(double value) {
+  return value == std::floor(value) ? std::to_string(static_cast<long long>(value)) : json(value).dump();
+}
 
 struct Parser {
   const json& object;

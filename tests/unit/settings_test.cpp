@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, SettingsRefusal,
     testing::Values(Refusal{R"({"prnt": {}})", "prnt", "unknown group"},
                     Refusal{R"({"print": {"dip": 300}})", "print.dip", "dpi, marks, margin_mm"},
-                    Refusal{R"({"print": {"dpi": 71}})", "print.dpi", "from 72.0 to 1200.0"},
+                    Refusal{R"({"print": {"dpi": 71}})", "print.dpi", "from 72 to 1200"},
                     Refusal{R"({"print": {"dpi": 300.5}})", "print.dpi", "whole number"},
                     Refusal{R"({"print": {"dpi": "300"}})", "print.dpi", "not a number"},
                     Refusal{R"({"print": {"marks": 1}})", "print.marks", "true or false"},
