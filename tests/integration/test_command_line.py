@@ -50,7 +50,7 @@ class Refusals(Case):
                 (self.run_with(scan=self.folder / "none.stl"), ["none.stl", "check the name"]),
                 (self.run_with(pattern=self.folder / "none.svg"), ["none.svg"]),
                 (self.run_with(scan=self.folder), [str(self.folder)]),
-                (self.run_with("--set", "print.dpi=71"), ["out of range: 71", "print.dpi", "72.0 to 1200.0"]),
+                (self.run_with("--set", "print.dpi=71"), ["out of range: 71", "print.dpi", "72 to 1200"]),
                 (self.run_with("--set", "dpi=300"), ["group.key=value", "dpi=300"]),
                 (self.run_with("--settings", settings), ["unknown setting", "print.dip", "dpi, marks, margin_mm"]),
                 (self.run_with("--settings", broken), ["not a JSON object", "broken.json"]),

@@ -193,7 +193,7 @@ class Service(Case):
                       self.server.url + "/jobs", "-H", "Accept: text/html")
         self.assertEqual(answer.status, 422)
         page = answer.body.decode()
-        for words in "out of range: 7", "print.dpi", "72.0 to 1200.0":
+        for words in "out of range: 7", "print.dpi", "72 to 1200":
             self.assertIn(words, page)
 
 
