@@ -1,8 +1,12 @@
 // The scan stage: bytes of a scan in, a mold on the platform out.
 //
 // A scan is read (STL, OBJ, PLY, OFF, GLB), welded, reduced to its outer skin, turned right side out, scaled to
-// millimetres, turned with its up axis to +Z, trimmed, closed, offset by the clearance, and placed on the platform:
+// millimetres, turned with its up axis to +Z, closed, offset by the clearance, trimmed, and placed on the platform:
 // z = 0 is the platform, the middle of the mold's bounding box lies at x = y = 0.
+//
+// The automatic trim is the lowest cut above which no undercut is deeper than 1 mm (and larger than 20 mm2): on a sphere
+// of radius R that is sqrt(2 R) mm below the equator, on a noisy scan well below the first grain that overhangs. A trim
+// that would leave less than 20 mm is refused; a trim that was given is kept and its undercuts are reported.
 #pragma once
 
 #include <cstdint>
@@ -46,12 +50,13 @@ struct ScanFindings {
 struct Mold {
   TriangleMesh mesh;                // watertight, oriented outwards, z >= 0
   Eigen::Vector3d top;              // the highest point; of several, the one nearest the axis
-  std::vector<Undercut> undercuts;  // of the mold as trimmed, deepest first
+  std::vector<Undercut> undercuts;  // of the mold as trimmed, deeper than 1.5 mm, deepest first
   ScanFindings findings;
   std::vector<Warning> warnings;
 };
 
-// Makes the mold. Pure: the same bytes and settings give the same mold.
+// Makes the mold. Pure: the same bytes and settings give the same mold. Its coordinates are those of mold.stl, exactly.
+// Warnings: up-guessed, large-hole, rebuilt, undercut. A tenth of a second of work for 27,000 triangles, two for a million.
 // `file_name` only helps messages and, where the bytes do not tell, the format (its extension).
 // Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name, const ScanSettings& settings,
