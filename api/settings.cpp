@@ -50,6 +50,8 @@ template <class S, class V>
 void describe(S& s, V& v) {
   v.group("scan", "Scan: how the file becomes a mold");
   v.field("units", s.scan.units, "Unit of the scan's coordinates; auto guesses only when one unit makes a plausible size");
+  v.field("size_mm", s.scan.size_mm, {10, 2000, "mm"},
+          "Longest side of the whole scan, for models without a unit; auto goes by the unit");
   v.field("up", s.scan.up, "The axis of the scan that points to the ceiling of the machine");
   v.field("roll_deg", s.scan.roll_deg, {-180, 180, "deg"}, "Turn about the x axis, after up");
   v.field("pitch_deg", s.scan.pitch_deg, {-180, 180, "deg"}, "Turn about the y axis, after the roll");
@@ -291,6 +293,9 @@ struct SchemaWriter {
 
 // What no single field can know.
 Result<void> check_together(const Settings& s) {
+  if (s.scan.size_mm && s.scan.units != Unit::automatic)
+    return fail(Code::bad_settings, "scan.units and scan.size_mm both say how large the scan is", "scan.size_mm",
+                "give one of them");
   const auto& m = s.machine;
   const double height = m.window == WindowShape::circle ? m.window_width_mm : m.window_height_mm;
   if (m.window_width_mm > s.sheet.width_mm || height > s.sheet.height_mm)

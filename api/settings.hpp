@@ -24,6 +24,7 @@ enum class InkedFace { outer, inner };
 
 struct ScanSettings {
   Unit units = Unit::automatic;
+  std::optional<double> size_mm;  // longest side of the whole scan, where nobody knows its unit; none: by units
   UpAxis up = UpAxis::automatic;
   double roll_deg = 0, pitch_deg = 0, yaw_deg = 0;  // then turned about x, y, z, in this order
   std::optional<double> trim_mm;                    // height above the scan's lowest point; none: where undercuts begin

@@ -69,17 +69,20 @@ TEST(RealScans, TheBustAsksForItsUnitAndIsCutAtItsShoulders) {
   ASSERT_FALSE(asked);
   EXPECT_EQ(asked.error().code, Code::ambiguous_units);
   EXPECT_NE(asked.error().text().find("in (68 mm)"), std::string::npos) << asked.error().text();
+  EXPECT_NE(asked.error().text().find("scan.size_mm=250"), std::string::npos) << asked.error().text();
 
-  ScanSettings settings;  // 2.69 units high: a bust of a tenth of its size, in metres
-  settings.units = Unit::m;
-  settings.trim_mm = 1400;
+  ScanSettings settings;
+  settings.size_mm = 250;
+  settings.trim_mm = 130;
   const auto mold = make_mold(file, "bust-demosthenes.obj", settings, Context());
   ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_TRUE(mold->findings.size_given);
   EXPECT_EQ(mold->findings.up, UpAxis::plus_y);
-  EXPECT_NEAR(mold->findings.size_mm.z(), 2693.6, 0.5);
+  EXPECT_NEAR(mold->findings.size_mm.z(), 250, 1e-9);
+  EXPECT_NEAR(mold->top.z(), 120, 0.1);
   EXPECT_TRUE(is_watertight(mold->mesh));
   EXPECT_FALSE(mold->undercuts.empty());
-  EXPECT_FALSE(check_fit(*mold, {}, {}));
+  EXPECT_TRUE(check_fit(*mold, {}, {}));
 }
 
 TEST(RealScans, TheCorruptHeadIsRefusedWithWhatDestroyedIt) {

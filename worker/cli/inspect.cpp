@@ -41,7 +41,8 @@ void print_text(const Mold& mold, const Result<void>& fit) {
   const auto& f = mold.findings;
   const Json scan = scan_json(f), made = mold_json(mold);
   line("format", f.format + ", " + std::to_string(f.triangles_read) + " triangles");
-  line("unit", std::string(name(f.unit)) + (f.unit_guessed ? " (guessed)" : " (given)"));
+  line("unit", f.size_given ? "none, scaled to the size given"
+                            : std::string(name(f.unit)) + (f.unit_guessed ? " (guessed)" : " (given)"));
   line("up", std::string(name(f.up)) + (f.up_guessed ? " (guessed)" : " (given)"));
   line("size", box(scan["size_mm"]) + " upright");
   std::string pieces = count(f.components, "piece", "pieces");

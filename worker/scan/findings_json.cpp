@@ -21,8 +21,9 @@ Json array(const Eigen::Vector3d& v, double per_unit) {
 Json scan_json(const ScanFindings& f) {
   return {{"format", f.format},
           {"triangles_read", f.triangles_read},
-          {"unit", name(f.unit)},
+          {"unit", f.size_given ? Json(nullptr) : Json(name(f.unit))},
           {"unit_guessed", f.unit_guessed},
+          {"size_given", f.size_given},
           {"up", name(f.up)},
           {"up_guessed", f.up_guessed},
           {"components", f.components},

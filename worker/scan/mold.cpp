@@ -53,14 +53,19 @@ Eigen::Vector3d top_of(const TriangleMesh& mesh) {
   return top;
 }
 
-Result<void> choose_unit(const ScanSettings& settings, const std::string& file_name, double longest,
-                         ScanFindings& findings) {
+// Millimetres per unit of the file, whose longest side is given in its unit.
+Result<double> choose_scale(const ScanSettings& settings, const std::string& file_name, double longest,
+                            ScanFindings& findings) {
+  if (settings.size_mm) {
+    findings.size_given = true;
+    return *settings.size_mm / longest;
+  }
   findings.unit = settings.units;
   if (settings.units == Unit::automatic) {
     VACUFORM_TRY(unit, guess_unit(longest, file_name));
     findings.unit = unit;
     findings.unit_guessed = true;
-    return {};
+    return millimetres(unit);
   }
   const double side = longest * millimetres(findings.unit);
   if (side < 10 || side > 4000)
@@ -68,7 +73,7 @@ Result<void> choose_unit(const ScanSettings& settings, const std::string& file_n
                 "in " + std::string(name(findings.unit)) + " the scan's longest side is " +
                     (side < 10 ? "only " : "") + mm(side),
                 file_name, "give another scan.units, or auto");
-  return {};
+  return millimetres(findings.unit);
 }
 
 // Cuts at the height and puts the rest on the platform, in the middle, rounded to what mold.stl can hold so
@@ -181,8 +186,8 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   VACUFORM_CHECK(progress.reach(0.3));
 
   // Millimetres, upright, standing on z = 0.
-  VACUFORM_CHECK(choose_unit(settings, file_name, bounds(skin.mesh).size().maxCoeff(), findings));
-  turn(skin.mesh, Eigen::Matrix3d::Identity(), millimetres(findings.unit));
+  VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(), findings));
+  turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
   findings.up = settings.up;
   if (settings.up == UpAxis::automatic) {
     VACUFORM_TRY(guess, guess_up(skin.mesh, scan.y_up, progress));

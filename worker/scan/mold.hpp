@@ -34,6 +34,7 @@ struct ScanFindings {
   std::int64_t triangles_read = 0;
   Unit unit = Unit::mm;            // as used
   bool unit_guessed = false;
+  bool size_given = false;         // scaled to scan.size_mm; `unit` says nothing then
   UpAxis up = UpAxis::plus_z;      // as used
   bool up_guessed = false;
   int components = 0;              // connected pieces in the file

@@ -81,9 +81,9 @@ Result<Unit> guess_unit(double longest_side, const std::string& where) {
         std::abs(std::log(longest_side * millimetres(nearest) / 200)))
       nearest = unit;
   return fail(Code::ambiguous_units, what, where,
-              std::string(fitting.empty() ? "scale the scan to its true size, or " : "") +
-                  "say which, for example --set scan.units=" +
-                  std::string(name(fitting.empty() ? nearest : fitting.front())));
+              "say which, for example --set scan.units=" +
+                  std::string(name(fitting.empty() ? nearest : fitting.front())) +
+                  (fitting.empty() ? ", or how large it is, for example --set scan.size_mm=250" : ""));
 }
 
 Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress& progress) {
