@@ -35,15 +35,20 @@ std::uint64_t count_of(const json& object, const char* key) {
   const auto it = object.find(key);
   return it != object.end() && it->is_number_unsigned() ? it->get<std::uint64_t>() : 0;
 }
-double fraction_of(const json& object, const char* key) { return std::clamp(number_of(object, key, 0), 0.0, 1.0); }
+double fraction_of(const json& object, const char* key) {
+  return std::clamp(number_of(object, key, 0), 0.0, 1.0);
+}
 
 // Text from elsewhere need not be UTF-8.
-std::string written(const json& object) { return object.dump(-1, ' ', false, json::error_handler_t::replace); }
+std::string written(const json& object) {
+  return object.dump(-1, ' ', false, json::error_handler_t::replace);
+}
 
 // A name that may stand in a path of ours or of the server.
 bool plain(const std::string& id, std::size_t longest) {
   return !id.empty() && id.size() <= longest &&
-         id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") == std::string::npos;
+         id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") ==
+             std::string::npos;
 }
 
 Result<HttpResponse> good(Result<HttpResponse> response) {
@@ -58,7 +63,8 @@ Result<RemoteJob> job_from(const HttpResponse& response) {
   RemoteJob job;
   job.id = text_of(object, "id");
   const auto state = job_state_from(text_of(object, "state"));
-  if (!plain(job.id, 64) || !state) return tl::make_unexpected(not_vacuform("a job without an id or a known state"));
+  if (!plain(job.id, 64) || !state)
+    return tl::make_unexpected(not_vacuform("a job without an id or a known state"));
   job.state = *state;
   job.stage = stage_from(text_of(object, "stage"));
   job.progress = fraction_of(object, "progress");
@@ -121,10 +127,12 @@ Result<Client> Client::to(const std::string& server) {
 }
 
 Result<RemoteJob> Client::submit(const std::filesystem::path& scan, const std::filesystem::path& pattern,
-                                 const std::string& settings_json, const std::function<bool(double)>& uploaded) {
+                                 const std::string& settings_json,
+                                 const std::function<bool(double)>& uploaded) {
   for (const auto& file : {scan, pattern})
     if (::access(file.c_str(), R_OK) != 0 || !std::filesystem::is_regular_file(file))
-      return vacuform::fail(Code::unreadable, "the file cannot be read", file.string(), "check its name and permissions");
+      return vacuform::fail(Code::unreadable, "the file cannot be read", file.string(),
+                            "check its name and permissions");
   HttpRequest request;
   request.method = "POST";
   request.path = "/api/v1/jobs";
@@ -137,7 +145,9 @@ Result<RemoteJob> Client::submit(const std::filesystem::path& scan, const std::f
 }
 
 Result<RemoteJob> Client::job(const std::string& id, const Going& going) {
-  if (!plain(id, 64)) return vacuform::fail(Code::bad_usage, "not the id of a job: " + id, "--job", "give the id as submit printed it");
+  if (!plain(id, 64))
+    return vacuform::fail(Code::bad_usage, "not the id of a job: " + id, "--job",
+                          "give the id as submit printed it");
   HttpRequest request;
   request.path = "/api/v1/jobs/" + id;
   request.limit = short_call;
@@ -146,8 +156,8 @@ Result<RemoteJob> Client::job(const std::string& id, const Going& going) {
   return job_from(response);
 }
 
-Result<void> Client::download(const std::string& id, const RemoteArtifact& artifact, const std::filesystem::path& folder,
-                              const Going& going) {
+Result<void> Client::download(const std::string& id, const RemoteArtifact& artifact,
+                              const std::filesystem::path& folder, const Going& going) {
   HttpRequest request;
   request.path = "/api/v1/jobs/" + id + "/artifacts/" + artifact.name;
   return fetch(http_, std::move(request), folder / artifact.name, artifact.bytes, artifact.sha256, going);
@@ -175,14 +185,16 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker) {
   lease.job = text_of(object, "job");
   lease.token = text_of(object, "lease");
   lease.attempt = static_cast<int>(std::clamp(number_of(object, "attempt", 1), 1.0, 1e6));
-  lease.seconds = std::chrono::seconds(static_cast<int>(std::clamp(number_of(object, "lease_seconds", 30), 1.0, 86400.0)));
-  lease.heartbeat =
-      std::chrono::seconds(static_cast<int>(std::clamp(number_of(object, "heartbeat_seconds", 10), 1.0, 3600.0)));
+  lease.seconds = std::chrono::seconds(
+      static_cast<int>(std::clamp(number_of(object, "lease_seconds", 30), 1.0, 86400.0)));
+  lease.heartbeat = std::chrono::seconds(
+      static_cast<int>(std::clamp(number_of(object, "heartbeat_seconds", 10), 1.0, 3600.0)));
   const auto settings = object.find("settings");
   lease.settings = settings == object.end() || settings->is_null() ? "{}" : settings->dump();
   const auto inputs = object.find("inputs");
   const auto input = [&](const char* name, LeasedInput& to) {
-    if (inputs == object.end() || !inputs->is_object() || !inputs->contains(name) || !(*inputs)[name].is_object())
+    if (inputs == object.end() || !inputs->is_object() || !inputs->contains(name) ||
+        !(*inputs)[name].is_object())
       return false;
     const json& from = (*inputs)[name];
     to = {text_of(from, "extension"), count_of(from, "bytes"), text_of(from, "sha256")};
@@ -196,8 +208,9 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker) {
   return lease;
 }
 
-Result<HttpResponse> WorkerClient::call(const Lease& lease, const std::string& method, const std::string& tail,
-                                        const std::string& body, const Going& going) {
+Result<HttpResponse> WorkerClient::call(const Lease& lease, const std::string& method,
+                                        const std::string& tail, const std::string& body,
+                                        const Going& going) {
   HttpRequest request;
   request.method = method;
   request.path = "/api/v1/leases/" + lease.job + tail;
@@ -225,8 +238,8 @@ Result<bool> WorkerClient::heartbeat(const Lease& lease, Stage stage, double pro
   return object.value("cancel", json(false)) == json(true);
 }
 
-Result<void> WorkerClient::upload(const Lease& lease, const std::string& artifact, const std::filesystem::path& file,
-                                  const Going& going) {
+Result<void> WorkerClient::upload(const Lease& lease, const std::string& artifact,
+                                  const std::filesystem::path& file, const Going& going) {
   HttpRequest request;
   request.method = "PUT";
   request.path = "/api/v1/leases/" + lease.job + "/artifacts/" + artifact;
@@ -243,8 +256,11 @@ Result<void> WorkerClient::complete(const Lease& lease) {
 }
 
 Result<void> WorkerClient::fail(const Lease& lease, const Error& error, bool retry) {
-  const json body{{"code", meaning(error.code).slug}, {"what", error.what}, {"where", error.where},
-                  {"mend", error.mend}, {"retry", retry}};
+  const json body{{"code", meaning(error.code).slug},
+                  {"what", error.what},
+                  {"where", error.where},
+                  {"mend", error.mend},
+                  {"retry", retry}};
   VACUFORM_CHECK(call(lease, "POST", "/fail", written(body)));
   return {};
 }

@@ -47,8 +47,8 @@ class Client {
                            const std::string& settings_json, const std::function<bool(double)>& uploaded);
   Result<RemoteJob> job(const std::string& id, const Going& going = {});
   // Into `folder`, under the artifact's name: written beside it, checked against its SHA-256, then renamed.
-  Result<void> download(const std::string& id, const RemoteArtifact& artifact, const std::filesystem::path& folder,
-                        const Going& going = {});
+  Result<void> download(const std::string& id, const RemoteArtifact& artifact,
+                        const std::filesystem::path& folder, const Going& going = {});
 
   std::string job_url(const std::string& id) const;
 
@@ -66,9 +66,9 @@ struct LeasedInput {
 struct Lease {
   std::string job, token;
   int attempt = 1;
-  std::chrono::seconds seconds{30};   // from a sign of life to the end of the lease
-  std::chrono::seconds heartbeat{10}; // the longest that the server wants between two
-  std::string settings;               // JSON text
+  std::chrono::seconds seconds{30};    // from a sign of life to the end of the lease
+  std::chrono::seconds heartbeat{10};  // the longest that the server wants between two
+  std::string settings;                // JSON text
   LeasedInput scan, pattern;
 };
 

@@ -10,25 +10,25 @@ namespace vacuform {
 
 // Why something was refused. Every code has one problem type, one HTTP status and one exit code (see error.cpp).
 enum class Code {
-  bad_usage,            // the command line or the request is not of the documented form
-  unreadable,           // a file cannot be opened, read or written
-  unsupported_format,   // a file is of a kind that Vacuform does not read
-  corrupt_file,         // a file claims a format and breaks its rules
-  too_large,            // a limit on bytes, triangles, pixels or components is passed
-  ambiguous_units,      // no unit, or more than one, makes the scan a plausible size
-  unusable_scan,        // the scan was read, but no mold can be made of it
-  does_not_fit,         // the mold does not fit the sheet, the window or the draw
-  bad_settings,         // a setting is unknown, of the wrong type or out of range
-  unusable_pattern,     // the pattern was read, but there is nothing in it to print
-  no_equilibrium,       // forming did not come to rest
-  unusable_surface,     // the formed sheet holds no region that a pattern can be laid on
-  cancelled,            // the caller cancelled
-  out_of_time,          // a limit on seconds or memory ended the work
-  not_found,            // no such job, artifact or page
-  conflict,             // the job is not in a state that allows this
-  lease_lost,           // the lease token is no longer the job's
-  unavailable,          // the service cannot do this now; try again later
-  internal,             // a fault of Vacuform's own
+  bad_usage,           // the command line or the request is not of the documented form
+  unreadable,          // a file cannot be opened, read or written
+  unsupported_format,  // a file is of a kind that Vacuform does not read
+  corrupt_file,        // a file claims a format and breaks its rules
+  too_large,           // a limit on bytes, triangles, pixels or components is passed
+  ambiguous_units,     // no unit, or more than one, makes the scan a plausible size
+  unusable_scan,       // the scan was read, but no mold can be made of it
+  does_not_fit,        // the mold does not fit the sheet, the window or the draw
+  bad_settings,        // a setting is unknown, of the wrong type or out of range
+  unusable_pattern,    // the pattern was read, but there is nothing in it to print
+  no_equilibrium,      // forming did not come to rest
+  unusable_surface,    // the formed sheet holds no region that a pattern can be laid on
+  cancelled,           // the caller cancelled
+  out_of_time,         // a limit on seconds or memory ended the work
+  not_found,           // no such job, artifact or page
+  conflict,            // the job is not in a state that allows this
+  lease_lost,          // the lease token is no longer the job's
+  unavailable,         // the service cannot do this now; try again later
+  internal,            // a fault of Vacuform's own
 };
 
 struct Error {
@@ -44,7 +44,8 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
-inline tl::unexpected<Error> fail(Code code, std::string what, std::string where = {}, std::string mend = {}) {
+inline tl::unexpected<Error> fail(Code code, std::string what, std::string where = {},
+                                  std::string mend = {}) {
   return tl::make_unexpected(Error{code, std::move(what), std::move(where), std::move(mend)});
 }
 
@@ -62,9 +63,9 @@ std::optional<Code> code_from(std::string_view slug);
 }  // namespace vacuform
 
 // Evaluates a Result; on an error returns it from the enclosing function, otherwise declares `name` as the value.
-#define VACUFORM_TRY(name, expression)                                      \
-  auto name##_result = (expression);                                        \
-  if (!name##_result) return tl::make_unexpected(name##_result.error());    \
+#define VACUFORM_TRY(name, expression)                                   \
+  auto name##_result = (expression);                                     \
+  if (!name##_result) return tl::make_unexpected(name##_result.error()); \
   auto name = std::move(*name##_result)
 // The same for Result<void>.
 #define VACUFORM_CHECK(expression) \

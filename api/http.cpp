@@ -94,9 +94,11 @@ Http::~Http() = default;
 Result<Http> Http::to(const std::string& url, const std::string& token) {
   const bool http = url.rfind("http://", 0) == 0, https = url.rfind("https://", 0) == 0;
   if (!(http && url.size() > 7) && !(https && url.size() > 8))
-    return fail(Code::bad_usage, "not a server's address: " + url, "--server", "write for example http://127.0.0.1:8080");
+    return fail(Code::bad_usage, "not a server's address: " + url, "--server",
+                "write for example http://127.0.0.1:8080");
   if (token.find_first_of("\r\n") != std::string::npos)
-    return fail(Code::bad_usage, "the token holds a line break", "", "keep the token on one line of its file");
+    return fail(Code::bad_usage, "the token holds a line break", "",
+                "keep the token on one line of its file");
   Http door;
   door.url_ = url;
   while (door.url_.back() == '/') door.url_.pop_back();
@@ -116,7 +118,8 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
   curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, 5L);
   curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
   curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, 30L);
-  if (request.limit.count() > 0) curl_easy_setopt(curl, CURLOPT_TIMEOUT, static_cast<long>(request.limit.count()));
+  if (request.limit.count() > 0)
+    curl_easy_setopt(curl, CURLOPT_TIMEOUT, static_cast<long>(request.limit.count()));
   if (loopback(url_)) curl_easy_setopt(curl, CURLOPT_PROXY, "");
   curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, take_body);
   curl_easy_setopt(curl, CURLOPT_WRITEDATA, &x);
@@ -136,7 +139,8 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
       if (part.file.empty())
         curl_mime_data(p, part.text.data(), part.text.size());
       else if (curl_mime_filedata(p, part.file.c_str()) != CURLE_OK)
-        return fail(Code::unreadable, "the file cannot be read", part.file.string(), "check its name and permissions");
+        return fail(Code::unreadable, "the file cannot be read", part.file.string(),
+                    "check its name and permissions");
     }
     curl_easy_setopt(curl, CURLOPT_MIMEPOST, mime.get());
   } else if (!request.file.empty()) {
@@ -144,7 +148,8 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
     std::error_code ec;
     const auto size = std::filesystem::file_size(request.file, ec);
     if (!file || ec)
-      return fail(Code::unreadable, "the file cannot be read", request.file.string(), "check its name and permissions");
+      return fail(Code::unreadable, "the file cannot be read", request.file.string(),
+                  "check its name and permissions");
     curl_easy_setopt(curl, CURLOPT_UPLOAD, 1L);
     curl_easy_setopt(curl, CURLOPT_READDATA, file.get());
     curl_easy_setopt(curl, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(size));
@@ -155,7 +160,9 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
   curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request.method.c_str());
 
   std::unique_ptr<curl_slist, Closer> headers;
-  const auto add = [&](const std::string& line) { headers.reset(curl_slist_append(headers.release(), line.c_str())); };
+  const auto add = [&](const std::string& line) {
+    headers.reset(curl_slist_append(headers.release(), line.c_str()));
+  };
   if (!token_.empty()) add("Authorization: Bearer " + token_);
   for (const auto& [name, value] : request.headers) add(name + ": " + value);
   if (headers) curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers.get());
@@ -163,12 +170,13 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
   const CURLcode code = curl_easy_perform(curl);
   if (x.given_up) return fail(Code::cancelled, "cancelled");
   if (x.overflow)
-    return fail(Code::too_large, "the server's answer is longer than 4 MiB", url_, "check that this is a Vacuform server");
+    return fail(Code::too_large, "the server's answer is longer than 4 MiB", url_,
+                "check that this is a Vacuform server");
   if (code == CURLE_READ_ERROR)
     return fail(Code::unreadable, "a file could not be read to its end", "", "check that it is a plain file");
   if (code != CURLE_OK)
-    return fail(Code::unavailable, std::string("no answer from the server: ") + curl_easy_strerror(code), url_,
-                "check the address and that the server runs");
+    return fail(Code::unavailable, std::string("no answer from the server: ") + curl_easy_strerror(code),
+                url_, "check the address and that the server runs");
   long status = 0;
   curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &status);
   x.response.status = static_cast<int>(status);
@@ -193,15 +201,24 @@ Error error_of(const HttpResponse& response) {
     }
   }
   switch (response.status) {
-    case 404: error.code = Code::not_found; break;
-    case 409: error.code = Code::conflict; break;
-    case 413: error.code = Code::too_large; break;
+    case 404:
+      error.code = Code::not_found;
+      break;
+    case 409:
+      error.code = Code::conflict;
+      break;
+    case 413:
+      error.code = Code::too_large;
+      break;
     case 408:
     case 429:
     case 502:
     case 503:
-    case 504: error.code = Code::unavailable; break;
-    default: error.code = response.status >= 500 ? Code::internal : Code::bad_usage;
+    case 504:
+      error.code = Code::unavailable;
+      break;
+    default:
+      error.code = response.status >= 500 ? Code::internal : Code::bad_usage;
   }
   error.what = "the server answered " + std::to_string(response.status) + " without saying why";
   error.mend = "check that the address is that of a Vacuform server";

@@ -30,15 +30,16 @@ struct FormPart {
 
 struct HttpRequest {
   std::string method = "GET";
-  std::string path;                                         // from the server's root, "/api/v1/jobs"
+  std::string path;  // from the server's root, "/api/v1/jobs"
   std::map<std::string, std::string> headers = {};
-  std::string body = {};                                    // sent when there is neither a file nor a form
-  std::filesystem::path file = {};                          // streamed from disk in place of `body`
-  std::vector<FormPart> form = {};                          // multipart/form-data in place of both
+  std::string body = {};            // sent when there is neither a file nor a form
+  std::filesystem::path file = {};  // streamed from disk in place of `body`
+  std::vector<FormPart> form = {};  // multipart/form-data in place of both
   std::function<bool(std::span<const std::uint8_t>)> sink = {};  // takes a 2xx body in pieces; false gives up
   // Called several times a second with the bytes sent and those to send in all (0: unknown); false gives up.
   std::function<bool(std::uint64_t sent, std::uint64_t total)> going = {};
-  std::chrono::seconds limit{0};  // for the whole exchange; 0: none, but a transfer that stands still for 30 s is given up
+  std::chrono::seconds limit{
+      0};  // for the whole exchange; 0: none, but a transfer that stands still for 30 s is given up
 };
 
 // A server's base URL, http or https, with the bearer token that goes with every request (none when empty).

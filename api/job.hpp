@@ -9,7 +9,8 @@ namespace vacuform {
 
 // The stages of a job, in order.
 enum class Stage { scan, forming, flattening, printing, inspection };
-inline constexpr std::array<std::string_view, 5> stage_names{"scan", "forming", "flattening", "printing", "inspection"};
+inline constexpr std::array<std::string_view, 5> stage_names{"scan", "forming", "flattening", "printing",
+                                                             "inspection"};
 constexpr std::string_view name(Stage stage) { return stage_names[static_cast<std::size_t>(stage)]; }
 std::optional<Stage> stage_from(std::string_view name);
 

@@ -49,7 +49,8 @@ struct Range {
 template <class S, class V>
 void describe(S& s, V& v) {
   v.group("scan", "Scan: how the file becomes a mold");
-  v.field("units", s.scan.units, "Unit of the scan's coordinates; auto guesses only when one unit makes a plausible size");
+  v.field("units", s.scan.units,
+          "Unit of the scan's coordinates; auto guesses only when one unit makes a plausible size");
   v.field("size_mm", s.scan.size_mm, {10, 2000, "mm"},
           "Longest side of the whole scan, for models without a unit; auto goes by the unit");
   v.field("up", s.scan.up, "The axis of the scan that points to the ceiling of the machine");
@@ -58,7 +59,8 @@ void describe(S& s, V& v) {
   v.field("yaw_deg", s.scan.yaw_deg, {-180, 180, "deg"}, "Turn about the vertical axis, after the pitch");
   v.field("trim_mm", s.scan.trim_mm, {0, 2000, "mm"},
           "Height above the scan's lowest point at which it is cut; auto cuts where undercuts begin");
-  v.field("clearance_mm", s.scan.clearance_mm, {0, 30, "mm"}, "Offset skin around the scan, for padding or hair");
+  v.field("clearance_mm", s.scan.clearance_mm, {0, 30, "mm"},
+          "Offset skin around the scan, for padding or hair");
 
   v.group("sheet", "Sheet: the plastic");
   v.field("width_mm", s.sheet.width_mm, {50, 2000, "mm"}, "Width of the sheet, along x");
@@ -69,10 +71,14 @@ void describe(S& s, V& v) {
 
   v.group("machine", "Machine: clamp frame and vacuum");
   v.field("window", s.machine.window, "Shape of the opening of the clamp frame");
-  v.field("window_width_mm", s.machine.window_width_mm, {40, 2000, "mm"}, "Width of the opening, or a circle's diameter");
-  v.field("window_height_mm", s.machine.window_height_mm, {40, 2000, "mm"}, "Height of the opening; a circle ignores it");
-  v.field("drape_height_mm", s.machine.drape_height_mm, {0, 500, "mm"}, "Height above the platform at which the frame stops");
-  v.field("vacuum_kpa", s.machine.vacuum_kpa, {1, 101, "kPa"}, "Pressure difference at the end of the vacuum ramp");
+  v.field("window_width_mm", s.machine.window_width_mm, {40, 2000, "mm"},
+          "Width of the opening, or a circle's diameter");
+  v.field("window_height_mm", s.machine.window_height_mm, {40, 2000, "mm"},
+          "Height of the opening; a circle ignores it");
+  v.field("drape_height_mm", s.machine.drape_height_mm, {0, 500, "mm"},
+          "Height above the platform at which the frame stops");
+  v.field("vacuum_kpa", s.machine.vacuum_kpa, {1, 101, "kPa"},
+          "Pressure difference at the end of the vacuum ramp");
 
   v.group("forming", "Forming: the simulation");
   v.field("model", s.forming.model, "Model of the sheet");
@@ -82,12 +88,16 @@ void describe(S& s, V& v) {
   v.field("method", s.flattening.method, "Method of flattening");
 
   v.group("pattern", "Pattern: how the drawing lies on the head");
-  v.field("width_mm", s.pattern.width_mm, {1, 2000, "mm"}, "Physical width of the drawing; auto takes the file's own");
+  v.field("width_mm", s.pattern.width_mm, {1, 2000, "mm"},
+          "Physical width of the drawing; auto takes the file's own");
   v.field("placement", s.pattern.placement, "On one chart of the whole region");
-  v.field("offset_mm", s.pattern.offset_mm, {-500, 500, "mm"}, "The drawing's centre, from the top of the mold");
+  v.field("offset_mm", s.pattern.offset_mm, {-500, 500, "mm"},
+          "The drawing's centre, from the top of the mold");
   v.field("rotate_deg", s.pattern.rotate_deg, {-360, 360, "deg"}, "Turn of the drawing, counter-clockwise");
-  v.field("scale", s.pattern.scale, {0.01, 100, "1"}, "Size of the drawing on the head against the drawing itself");
-  v.field("inked_face", s.pattern.inked_face, "Face of the sheet that carries the ink; the inner face touches the mold");
+  v.field("scale", s.pattern.scale, {0.01, 100, "1"},
+          "Size of the drawing on the head against the drawing itself");
+  v.field("inked_face", s.pattern.inked_face,
+          "Face of the sheet that carries the ink; the inner face touches the mold");
 
   v.group("print", "Print: the file for the printer");
   v.field("dpi", s.print.dpi, {72, 1200, "1/in"}, "Resolution of print.png");
@@ -130,7 +140,8 @@ struct Parser {
     const auto it = object.find(group_name);
     group_object = it == object.end() ? nullptr : &*it;
     if (group_object && !group_object->is_object()) {
-      refuse(group_name, "a group of settings must be a JSON object", "write {\"" + group_name + "\": {...}}");
+      refuse(group_name, "a group of settings must be a JSON object",
+             "write {\"" + group_name + "\": {...}}");
       group_object = nullptr;
     }
   }
@@ -161,12 +172,13 @@ struct Parser {
   }
 
   template <class E>
-    requires std::is_enum_v<E>
+  requires std::is_enum_v<E>
   void field(std::string_view key, E& value, std::string_view) {
     const json* j = take(key);
     if (!j) return;
     const auto names = names_of(E{});
-    const auto it = j->is_string() ? std::find(names.begin(), names.end(), j->get_ref<const std::string&>()) : names.end();
+    const auto it = j->is_string() ? std::find(names.begin(), names.end(), j->get_ref<const std::string&>())
+                                   : names.end();
     if (it == names.end())
       return refuse(dotted(key), "no such choice: " + j->dump(),
                     "choose one of " + list(std::vector<std::string>(names.begin(), names.end())));
@@ -216,13 +228,17 @@ struct Writer {
     current = &(out[std::string(name)] = ordered_json::object());
   }
   template <class E>
-    requires std::is_enum_v<E>
+  requires std::is_enum_v<E>
   void field(std::string_view key, const E& value, std::string_view) {
     (*current)[std::string(key)] = std::string(name_of(value));
   }
-  void field(std::string_view key, const bool& value, std::string_view) { (*current)[std::string(key)] = value; }
+  void field(std::string_view key, const bool& value, std::string_view) {
+    (*current)[std::string(key)] = value;
+  }
   template <class T>
-  void field(std::string_view key, const T& value, Range, std::string_view) { (*current)[std::string(key)] = value; }
+  void field(std::string_view key, const T& value, Range, std::string_view) {
+    (*current)[std::string(key)] = value;
+  }
   void field(std::string_view key, const std::optional<double>& value, Range, std::string_view) {
     auto& slot = (*current)[std::string(key)];
     if (value)
@@ -237,7 +253,10 @@ struct SchemaWriter {
   ordered_json* current = nullptr;
   void group(std::string_view name, std::string_view title) {
     auto& g = groups[std::string(name)];
-    g = {{"type", "object"}, {"title", title}, {"additionalProperties", false}, {"properties", ordered_json::object()}};
+    g = {{"type", "object"},
+         {"title", title},
+         {"additionalProperties", false},
+         {"properties", ordered_json::object()}};
     current = &g["properties"];
   }
   ordered_json& add(std::string_view key, std::string_view text) {
@@ -249,7 +268,7 @@ struct SchemaWriter {
     f["x-unit"] = range.unit;
   }
   template <class E>
-    requires std::is_enum_v<E>
+  requires std::is_enum_v<E>
   void field(std::string_view key, const E& value, std::string_view text) {
     auto& f = add(key, text);
     f["type"] = "string";
@@ -294,18 +313,20 @@ struct SchemaWriter {
 // What no single field can know.
 Result<void> check_together(const Settings& s) {
   if (s.scan.size_mm && s.scan.units != Unit::automatic)
-    return fail(Code::bad_settings, "scan.units and scan.size_mm both say how large the scan is", "scan.size_mm",
-                "give one of them");
+    return fail(Code::bad_settings, "scan.units and scan.size_mm both say how large the scan is",
+                "scan.size_mm", "give one of them");
   const auto& m = s.machine;
   const double height = m.window == WindowShape::circle ? m.window_width_mm : m.window_height_mm;
   if (m.window_width_mm > s.sheet.width_mm || height > s.sheet.height_mm)
-    return fail(Code::bad_settings, "the window of the clamp frame is larger than the sheet", "machine.window_width_mm",
+    return fail(Code::bad_settings, "the window of the clamp frame is larger than the sheet",
+                "machine.window_width_mm",
                 "give a window of at most " + number(s.sheet.width_mm) + " x " + number(s.sheet.height_mm) +
                     " mm, or a larger sheet");
-  const double cells = (s.sheet.width_mm / s.sheet.resolution_mm) * (s.sheet.height_mm / s.sheet.resolution_mm);
+  const double cells =
+      (s.sheet.width_mm / s.sheet.resolution_mm) * (s.sheet.height_mm / s.sheet.resolution_mm);
   if (cells > 640000)
-    return fail(Code::bad_settings, "the grid of the sheet would have more than 640,000 cells", "sheet.resolution_mm",
-                "give a coarser resolution");
+    return fail(Code::bad_settings, "the grid of the sheet would have more than 640,000 cells",
+                "sheet.resolution_mm", "give a coarser resolution");
   return {};
 }
 
@@ -319,7 +340,8 @@ std::string_view name(MembraneLaw value) { return name_of(value); }
 
 Result<Settings> settings_from_json(const json& object) {
   if (!object.is_object())
-    return fail(Code::bad_settings, "settings must be a JSON object", "", "write {\"print\": {\"dpi\": 300}}");
+    return fail(Code::bad_settings, "settings must be a JSON object", "",
+                "write {\"print\": {\"dpi\": 300}}");
   Settings settings;
   Parser parser{object, {}, {}, nullptr, {}, {}};
   describe(settings, parser);
@@ -337,7 +359,8 @@ Result<Settings> settings_from_text(std::string_view text) {
   };
   const json object = json::parse(text, shallow, false);
   if (object.is_discarded())
-    return fail(Code::bad_settings, "the settings are not valid JSON", "", "write {\"print\": {\"dpi\": 300}}");
+    return fail(Code::bad_settings, "the settings are not valid JSON", "",
+                "write {\"print\": {\"dpi\": 300}}");
   return settings_from_json(object);
 }
 

@@ -24,11 +24,12 @@ enum class InkedFace { outer, inner };
 
 struct ScanSettings {
   Unit units = Unit::automatic;
-  std::optional<double> size_mm;  // longest side of the whole scan, where nobody knows its unit; none: by units
+  std::optional<double>
+      size_mm;  // longest side of the whole scan, where nobody knows its unit; none: by units
   UpAxis up = UpAxis::automatic;
   double roll_deg = 0, pitch_deg = 0, yaw_deg = 0;  // then turned about x, y, z, in this order
-  std::optional<double> trim_mm;                    // height above the scan's lowest point; none: where undercuts begin
-  double clearance_mm = 0;                          // offset skin for padding or hair
+  std::optional<double> trim_mm;  // height above the scan's lowest point; none: where undercuts begin
+  double clearance_mm = 0;        // offset skin for padding or hair
 };
 
 struct SheetSettings {
@@ -41,8 +42,8 @@ struct SheetSettings {
 struct MachineSettings {
   WindowShape window = WindowShape::rectangle;
   double window_width_mm = 280, window_height_mm = 280;  // a circle's diameter is the width
-  double drape_height_mm = 0;  // where the clamp frame stops above the platform
-  double vacuum_kpa = 85;      // the limit of the vacuum ramp
+  double drape_height_mm = 0;                            // where the clamp frame stops above the platform
+  double vacuum_kpa = 85;                                // the limit of the vacuum ramp
 };
 
 struct FormingSettings {
@@ -83,7 +84,8 @@ struct Settings {
 // unknown group or key, every value of the wrong type or out of range, and combinations that contradict each other
 // (Code::bad_settings). The message names the range or the choices.
 Result<Settings> settings_from_json(const nlohmann::json& object);
-Result<Settings> settings_from_text(std::string_view text);  // the same from JSON text; an empty text is all defaults
+Result<Settings> settings_from_text(
+    std::string_view text);  // the same from JSON text; an empty text is all defaults
 
 // Applies one "group.key=value" to a JSON object of settings that is parsed later. The value is read as JSON where
 // it is JSON (3, true, "auto", [1, 2]) and as a string otherwise (petg). Refuses a text without a dot or '='.

@@ -62,8 +62,8 @@ bool limit(int resource, std::uint64_t soft, std::uint64_t hard) {
 }
 
 // In the child, between fork and exec: only async-signal-safe calls. A step that fails ends it: no half sandbox.
-[[noreturn]] void become(char* const* argv, char* const* envp, const char* home, const ChildLimits& limits, int out,
-                         int err, pid_t parent) {
+[[noreturn]] void become(char* const* argv, char* const* envp, const char* home, const ChildLimits& limits,
+                         int out, int err, pid_t parent) {
   constexpr int refused = 126;
   for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP, SIGCHLD}) ::signal(number, SIG_DFL);
   sigset_t none;
@@ -72,8 +72,8 @@ bool limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   const bool ready =
       ::sigprocmask(SIG_SETMASK, &none, nullptr) == 0 && ::setpgid(0, 0) == 0 &&
       ::prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && ::getppid() == parent &&  // else the worker is dead already
-      ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && null >= 0 && ::dup2(null, 0) == 0 && ::dup2(out, 1) == 1 &&
-      ::dup2(err, 2) == 2 && ::close_range(3, ~0u, 0) == 0 && ::chdir(home) == 0 &&
+      ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && null >= 0 && ::dup2(null, 0) == 0 &&
+      ::dup2(out, 1) == 1 && ::dup2(err, 2) == 2 && ::close_range(3, ~0u, 0) == 0 && ::chdir(home) == 0 &&
       limit(RLIMIT_CORE, 0, 0) && limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 5) &&
       limit(RLIMIT_FSIZE, limits.file_size, limits.file_size) &&
       limit(RLIMIT_NOFILE, limits.open_files, limits.open_files) &&
@@ -115,7 +115,8 @@ bool take(int fd, std::string& into) {
 }
 
 Error ran_out(const std::string& what) {
-  return {Code::out_of_time, what, "", "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi"};
+  return {Code::out_of_time, what, "",
+          "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi"};
 }
 
 }  // namespace
@@ -142,7 +143,8 @@ ChildLine parse_child_line(std::string_view line) {
 }
 
 Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::filesystem::path& home,
-                           const ChildLimits& limits, const std::function<void(const ChildProgress&)>& progress,
+                           const ChildLimits& limits,
+                           const std::function<void(const ChildProgress&)>& progress,
                            const std::function<bool()>& stop) {
   std::vector<char*> argv, envp;
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
@@ -188,7 +190,9 @@ Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::f
   bool killed = false, out_of_wall = false;
   for (;;) {
     siginfo_t info{};
-    if (::waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid) break;
+    if (::waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+        info.si_pid == pid)
+      break;
     const auto now = steady_clock::now();
     if (!asked_to_end) {
       const bool stopped = stop();
@@ -215,16 +219,19 @@ Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::f
     if (::poll(fds, 2, 0) <= 0) break;
     listen();
   }
-  if (end.last_words.size() > last_words_limit) end.last_words.erase(0, end.last_words.size() - last_words_limit);
+  if (end.last_words.size() > last_words_limit)
+    end.last_words.erase(0, end.last_words.size() - last_words_limit);
 
   if (end.how == ChildEnd::How::stopped) return end;
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (out_of_wall) {
-    end.problem = ran_out("the job took longer than " +
-                          std::to_string(std::chrono::duration_cast<std::chrono::seconds>(limits.wall).count()) + " s");
+    end.problem =
+        ran_out("the job took longer than " +
+                std::to_string(std::chrono::duration_cast<std::chrono::seconds>(limits.wall).count()) + " s");
   } else if (signal == SIGXCPU) {
     end.how = ChildEnd::How::out_of_time;
-    end.problem = ran_out("the job took more than " + std::to_string(limits.cpu_seconds) + " s of processor time");
+    end.problem =
+        ran_out("the job took more than " + std::to_string(limits.cpu_seconds) + " s of processor time");
   } else if (signal == SIGXFSZ) {
     end.how = ChildEnd::How::out_of_time;
     end.problem = ran_out("the job wrote a file larger than " + std::to_string(limits.file_size) + " bytes");

@@ -56,7 +56,8 @@ struct ChildEnd {
 // of the group is left when this returns. Call it from a thread that lives at least as long as the child: the
 // kernel kills the child when that thread ends. Errors: internal (no process could be made).
 Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::filesystem::path& home,
-                           const ChildLimits& limits, const std::function<void(const ChildProgress&)>& progress,
+                           const ChildLimits& limits,
+                           const std::function<void(const ChildProgress&)>& progress,
                            const std::function<bool()>& stop);
 
 }  // namespace vacuform

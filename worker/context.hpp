@@ -18,7 +18,9 @@ class Context {
   using Listener = std::function<void(Stage, double)>;
 
   Context() : Context(Listener{}) {}
-  explicit Context(Listener listener) : state_(std::make_shared<State>()) { state_->listener = std::move(listener); }
+  explicit Context(Listener listener) : state_(std::make_shared<State>()) {
+    state_->listener = std::move(listener);
+  }
 
   void cancel() noexcept { state_->cancelled.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return state_->cancelled.load(std::memory_order_relaxed); }

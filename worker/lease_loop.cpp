@@ -24,11 +24,16 @@ enum class Verdict { completed, failed, cancelled, released, lost };
 
 const char* name_of(Verdict verdict) {
   switch (verdict) {
-    case Verdict::completed: return "completed";
-    case Verdict::failed: return "failed";
-    case Verdict::cancelled: return "cancelled";
-    case Verdict::released: return "released";
-    case Verdict::lost: return "lost";
+    case Verdict::completed:
+      return "completed";
+    case Verdict::failed:
+      return "failed";
+    case Verdict::cancelled:
+      return "cancelled";
+    case Verdict::released:
+      return "released";
+    case Verdict::lost:
+      return "lost";
   }
   return "";
 }
@@ -36,8 +41,8 @@ const char* name_of(Verdict verdict) {
 // One leased job from its inputs to its artifacts.
 class LeasedJob {
  public:
-  LeasedJob(const LeaseLoop& loop, WorkerClient& client, Heartbeat& heartbeat, const Lease& lease, const fs::path& folder,
-            const StopSignal& stop)
+  LeasedJob(const LeaseLoop& loop, WorkerClient& client, Heartbeat& heartbeat, const Lease& lease,
+            const fs::path& folder, const StopSignal& stop)
       : loop_(loop), client_(client), heartbeat_(heartbeat), lease_(lease), folder_(folder), stop_(stop) {}
 
   // Runs the job and tells the server how it ended.
@@ -79,7 +84,8 @@ class LeasedJob {
 
   Result<void> work() {
     const fs::path scan = folder_ / ("scan" + extension(lease_.scan)), out = folder_ / "out",
-                   pattern = folder_ / ("pattern" + extension(lease_.pattern)), settings = folder_ / "settings.json";
+                   pattern = folder_ / ("pattern" + extension(lease_.pattern)),
+                   settings = folder_ / "settings.json";
     const auto alive = [this] { return going(); };
     VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, "scan", scan, alive); }));
     VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, "pattern", pattern, alive); }));
@@ -87,12 +93,12 @@ class LeasedJob {
       retry_ = true;
       return fail(Code::internal, "the worker has no room for the job", "", "try again later");
     }
-    const auto end = run_child({loop_.program.string(), "run", "--scan", scan.filename().string(), "--pattern",
-                                pattern.filename().string(), "--settings", settings.filename().string(), "--out",
-                                out.filename().string(), "--progress", "json"},
-                               folder_, loop_.limits,
-                               [this](const ChildProgress& at) { heartbeat_.at(at.stage, at.fraction); },
-                               [this] { return !going(); });
+    const auto end = run_child(
+        {loop_.program.string(), "run", "--scan", scan.filename().string(), "--pattern",
+         pattern.filename().string(), "--settings", settings.filename().string(), "--out",
+         out.filename().string(), "--progress", "json"},
+        folder_, loop_.limits, [this](const ChildProgress& at) { heartbeat_.at(at.stage, at.fraction); },
+        [this] { return !going(); });
     if (!end) {
       retry_ = true;
       return tl::make_unexpected(end.error());
@@ -117,10 +123,12 @@ class LeasedJob {
     if (refused && end.problem) return tl::make_unexpected(*end.problem);
     retry_ = !refused;
     constexpr std::size_t told = 2000;  // the operator reads this; what a scan can write into it is bounded
-    log_event("child-fault", {{"job", lease_.job},
-                              {"attempt", lease_.attempt},
-                              {end.how == ChildEnd::How::signalled ? "signal" : "exit", end.number},
-                              {"stderr", end.last_words.substr(end.last_words.size() - std::min(told, end.last_words.size()))}});
+    log_event(
+        "child-fault",
+        {{"job", lease_.job},
+         {"attempt", lease_.attempt},
+         {end.how == ChildEnd::How::signalled ? "signal" : "exit", end.number},
+         {"stderr", end.last_words.substr(end.last_words.size() - std::min(told, end.last_words.size()))}});
     if (end.problem) return tl::make_unexpected(*end.problem);
     return fail(Code::internal, "the pipeline broke down on this scan and pattern", "",
                 "try other settings; if it stays so, report it with the job's id");
@@ -162,7 +170,9 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
     VACUFORM_TRY(beating, WorkerClient::to(server, token));
     Heartbeat heartbeat(std::move(beating), held);
     const Verdict verdict = LeasedJob(*this, client, heartbeat, held, folder->path(), stop).run();
-    log_event("job-left", {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}, {"verdict", name_of(verdict)}});
+    log_event(
+        "job-left",
+        {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}, {"verdict", name_of(verdict)}});
   }
   log_event("worker-stopped", {{"worker", name}});
   return {};

@@ -12,9 +12,9 @@
 namespace vacuform {
 
 struct LeaseLoop {
-  std::string server, token, name;     // name: how this worker appears in the server's log
-  std::filesystem::path work;          // a folder of this user's own, for the jobs' private folders
-  std::filesystem::path program;       // `vacuform`
+  std::string server, token, name;       // name: how this worker appears in the server's log
+  std::filesystem::path work;            // a folder of this user's own, for the jobs' private folders
+  std::filesystem::path program;         // `vacuform`
   std::chrono::milliseconds poll{1000};  // between two questions for a job
   ChildLimits limits;
 

@@ -14,12 +14,14 @@ namespace vacuform {
 // An exception of any range is thrown on.
 template <class Work>
 void in_parallel(int first, int last, Work&& work) {
-  const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, std::min(8, std::max(1, last - first)));
+  const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1,
+                                 std::min(8, std::max(1, last - first)));
   std::vector<std::exception_ptr> faults(static_cast<std::size_t>(threads));
   const auto range = [&](int i) {
     try {
       const auto items = static_cast<long>(last - first);
-      work(first + static_cast<int>(items * i / threads), first + static_cast<int>(items * (i + 1) / threads));
+      work(first + static_cast<int>(items * i / threads),
+           first + static_cast<int>(items * (i + 1) / threads));
     } catch (...) {
       faults[static_cast<std::size_t>(i)] = std::current_exception();
     }

@@ -53,14 +53,17 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   const Finished job{s, mold, sheet, flattening, pattern, print};
   VACUFORM_TRY(files, artifacts(job, context));
 
-  nlohmann::ordered_json whole = {
-      {"vacuform", version}, {"label", label}, {"sha256", {{"scan", identity["scan"]}, {"pattern", identity["pattern"]}}}};
+  nlohmann::ordered_json whole = {{"vacuform", version},
+                                  {"label", label},
+                                  {"sha256", {{"scan", identity["scan"]}, {"pattern", identity["pattern"]}}}};
   whole.update(report(job));
   const std::string text = whole.dump(2) + "\n";
 
   std::error_code error;
   std::filesystem::create_directories(out, error);
-  if (error) return fail(Code::unreadable, "the folder cannot be made", out.string(), "check its name and permissions");
+  if (error)
+    return fail(Code::unreadable, "the folder cannot be made", out.string(),
+                "check its name and permissions");
   for (const Artifact& file : files) VACUFORM_CHECK(write_whole(out / file.name, file.bytes));
   return write_whole(out / "report.json", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
@@ -70,7 +73,8 @@ Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, s
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status))
     return fail(Code::unreadable, "there is no such file", path.string(), "check the name");
-  const std::uint64_t size = std::filesystem::is_regular_file(status) ? std::filesystem::file_size(path, error) : 0;
+  const std::uint64_t size =
+      std::filesystem::is_regular_file(status) ? std::filesystem::file_size(path, error) : 0;
   if (!std::filesystem::is_regular_file(status) || error)
     return fail(Code::unreadable, "not a readable file", path.string(), "give a regular file");
   if (size > limit)

@@ -25,6 +25,7 @@ struct Inputs {
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context);
 
 // Reads a whole file. Errors: unreadable, too_large (above `limit` bytes).
-Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit = 1u << 30);
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path,
+                                            std::uint64_t limit = 1u << 30);
 
 }  // namespace vacuform

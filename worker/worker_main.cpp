@@ -22,7 +22,8 @@ Result<std::string> read_token(const std::string& file) {
   std::ifstream in(file);
   std::string token;
   if (!std::getline(in, token) || token.empty())
-    return fail(Code::unreadable, "the token cannot be read", file, "give a file with the worker token on its first line");
+    return fail(Code::unreadable, "the token cannot be read", file,
+                "give a file with the worker token on its first line");
   return token;
 }
 
@@ -44,7 +45,9 @@ int run(int argc, char** argv) {
   loop.name = default_name();
   loop.work = std::filesystem::temp_directory_path() / ("vacuform-worker-" + std::to_string(::geteuid()));
   app.add_option("--server", loop.server, "Address of the server")->required()->type_name("URL");
-  app.add_option("--token-file", token_file, "File that holds the worker token")->required()->type_name("FILE");
+  app.add_option("--token-file", token_file, "File that holds the worker token")
+      ->required()
+      ->type_name("FILE");
   app.add_option("--name", loop.name, "Name of this worker in the server's log");
   app.add_option("--work", loop.work, "Folder for the jobs' private folders")->type_name("DIR");
   app.add_option("--poll-seconds", poll_seconds, "Pause between two questions for a job")

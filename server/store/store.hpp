@@ -1,18 +1,13 @@
-// Jobs and their blobs, kept across crashes. The interface knows no SQL and no HTTP; sqlite_store.cpp stands
-// behind it.
+// Jobs and their blobs, kept across crashes. The interface knows no SQL and no HTTP; sqlite_store.cpp stands behind it.
 //
 // Promises, each of them tested:
-//  - What create() returned survives a power cut: the files are flushed before the row that names them
-//  commits, and the
+//  - What create() returned survives a power cut: the files are flushed before the row that names them commits, and the
 //    row is flushed before create() returns.
-//  - A job has at most one lease. Every write of a worker names the job and the lease's token; when the token
-//  is not
-//    that of the current lease the write changes nothing and gives lease_lost. Ending a job twice under one
-//    token is harmless and gives the same answer, so that a worker may repeat a request whose answer it never
-//    saw.
-//  - A lease that is not renewed within `lease` ends. The job is queued again; when `losses` workers were
-//  lost with
-//    it, it fails with that reason.
+//  - A job has at most one lease. Every write of a worker names the job and the lease's token; when the token is not
+//    that of the current lease the write changes nothing and gives lease_lost. Ending a job twice under one token is
+//    harmless and gives the same answer, so that a worker may repeat a request whose answer it never saw.
+//  - A lease that is not renewed within `lease` ends. The job is queued again; when `losses` workers were lost with it,
+//    it fails with that reason.
 //  - Files that no job names are deleted: with the job, or at the next start when a crash came between.
 // Every function may be called from any thread.
 #pragma once
@@ -31,8 +26,7 @@ namespace vacuform {
 
 struct Input {
   Blob blob;
-  std::string
-      extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits; may be empty
+  std::string extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits, or none
 };
 
 struct StoredArtifact {

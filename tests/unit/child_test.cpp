@@ -50,8 +50,9 @@ class Child : public testing::Test {
   void TearDown() override { fs::remove_all(home); }
 
   ChildEnd run(const std::string& script) {
-    auto end = run_child({"/bin/sh", "-c", script}, home, limits,
-                         [this](const ChildProgress& at) { seen.push_back(at); }, [this] { return stop(); });
+    auto end = run_child(
+        {"/bin/sh", "-c", script}, home, limits, [this](const ChildProgress& at) { seen.push_back(at); },
+        [this] { return stop(); });
     EXPECT_TRUE(end);
     return *end;
   }
@@ -63,7 +64,8 @@ class Child : public testing::Test {
 };
 
 TEST_F(Child, TellsProgressAndItsExitStatus) {
-  const auto end = run(R"(echo '{"stage":"scan","progress":0.5}'; echo junk; echo '{"stage":"forming","progress":1}')");
+  const auto end =
+      run(R"(echo '{"stage":"scan","progress":0.5}'; echo junk; echo '{"stage":"forming","progress":1}')");
   EXPECT_EQ(end.how, ChildEnd::How::exited);
   EXPECT_EQ(end.number, 0);
   ASSERT_EQ(seen.size(), 2u);
@@ -74,8 +76,8 @@ TEST_F(Child, TellsProgressAndItsExitStatus) {
 }
 
 TEST_F(Child, TellsItsProblem) {
-  const auto end =
-      run(R"(echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","mend":"turn it"}}'; exit 2)");
+  const auto end = run(
+      R"(echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","mend":"turn it"}}'; exit 2)");
   EXPECT_EQ(end.how, ChildEnd::How::exited);
   EXPECT_EQ(end.number, 2);
   ASSERT_TRUE(end.problem);
@@ -85,9 +87,10 @@ TEST_F(Child, TellsItsProblem) {
 
 TEST_F(Child, HasNothingOfItsWorkersEnvironment) {
   ::setenv("VACUFORM_SECRET", "1", 1);
-  const auto end = run(
-      "env | sort > env; cat > stdin; ulimit -n > files; ulimit -c > core; grep NoNewPrivs /proc/self/status > privileges;"
-      "ls /proc/self/fd | wc -l > open");
+  const auto end =
+      run("env | sort > env; cat > stdin; ulimit -n > files; ulimit -c > core; grep NoNewPrivs "
+          "/proc/self/status > privileges;"
+          "ls /proc/self/fd | wc -l > open");
   EXPECT_EQ(end.number, 0);
   const std::string env = content(home / "env");
   EXPECT_NE(env.find("HOME=" + home.string() + "\n"), std::string::npos) << env;
@@ -108,7 +111,8 @@ TEST_F(Child, CrashIsASignal) {
 }
 
 TEST_F(Child, ProgramThatDoesNotExistIsNoSuccess) {
-  const auto end = run_child({"/no/such/program"}, home, limits, [](const ChildProgress&) {}, stop);
+  const auto end = run_child(
+      {"/no/such/program"}, home, limits, [](const ChildProgress&) {}, stop);
   ASSERT_TRUE(end);
   EXPECT_EQ(end->how, ChildEnd::How::exited);
   EXPECT_EQ(end->number, 126);
@@ -173,7 +177,9 @@ TEST_F(Child, NothingOfItsGroupSurvives) {
 TEST_F(Child, DiesWithItsWorker) {
   const pid_t worker = ::fork();
   if (worker == 0) {
-    (void)run_child({"/bin/sh", "-c", "echo $$ > pid; sleep 300 & wait"}, home, limits, [](const ChildProgress&) {}, stop);
+    (void)run_child(
+        {"/bin/sh", "-c", "echo $$ > pid; sleep 300 & wait"}, home, limits, [](const ChildProgress&) {},
+        stop);
     ::_exit(0);
   }
   ASSERT_TRUE(becomes_true([&] { return content(home / "pid").find('\n') != std::string::npos; }));
@@ -193,8 +199,8 @@ TEST_F(Child, FloodOfStderrKeepsItsEnd) {
 }
 
 TEST_F(Child, FloodOfStdoutIsDroppedLineByLine) {
-  const auto end = run(
-      R"(head -c 5000000 /dev/zero | tr '\0' x; echo; echo '{"stage":"printing","progress":0.25}')");
+  const auto end =
+      run(R"(head -c 5000000 /dev/zero | tr '\0' x; echo; echo '{"stage":"printing","progress":0.25}')");
   EXPECT_EQ(end.number, 0);
   ASSERT_EQ(seen.size(), 1u);
   EXPECT_EQ(seen[0].fraction, 0.25);

@@ -41,7 +41,8 @@ TEST(FormingFindings, APocketIsSaidWithPlaceAndArea) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].code, "not-reached");
   // The triangles with a free corner: nine cells without two corner triangles, 9 x 16 - 2 x 8 mm2.
-  EXPECT_NE(found[0].text.find("over 128 mm2 at x = 22 mm, y = -18 mm, z = 30 mm;"), std::string::npos) << found[0].text;
+  EXPECT_NE(found[0].text.find("over 128 mm2 at x = 22 mm, y = -18 mm, z = 30 mm;"), std::string::npos)
+      << found[0].text;
 }
 
 // The fillet between mold and platform is free too, and no pocket.

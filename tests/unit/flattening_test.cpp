@@ -80,7 +80,8 @@ TEST(Flattening, ReachesCgalsEnergyOnADome) {
   // The same flattening, vertex for vertex, once both are laid in the same way.
   double furthest = 0;
   for (std::size_t i = 0; i < sheet.rest.size(); ++i)
-    if (!std::isnan(ours->chart[i].x())) furthest = std::max(furthest, (ours->chart[i] - cgals->chart[i]).norm());
+    if (!std::isnan(ours->chart[i].x()))
+      furthest = std::max(furthest, (ours->chart[i] - cgals->chart[i]).norm());
   EXPECT_LT(furthest, 0.5);
 }
 
@@ -107,7 +108,8 @@ TEST(Flattening, IsLaidByTheTopAndTheSheetsAxes) {
 
 TEST(Flattening, OuterFaceIsAThicknessFurtherOut) {
   const auto sheet = dome(60);
-  const auto inner = flat(sheet, {0, 0, 60}), outer = flat(sheet, {0, 0, 60}, FlatteningMethod::arap, InkedFace::outer);
+  const auto inner = flat(sheet, {0, 0, 60}),
+             outer = flat(sheet, {0, 0, 60}, FlatteningMethod::arap, InkedFace::outer);
   ASSERT_TRUE(inner && outer);
   for (const int k : outer->triangles)
     for (int v : sheet.triangles[k]) {
@@ -143,7 +145,8 @@ TEST(Flattening, NothingOnTheMoldIsRefused) {
 }
 
 TEST(Chart, QualityCountsFlipsAndEnergy) {
-  Chart chart{{{0, 1, 2}, {0, 2, 3}}, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 0}, {2, 0}, {2, 1}, {0, 1}}};
+  Chart chart{
+      {{0, 1, 2}, {0, 2, 3}}, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 0}, {2, 0}, {2, 1}, {0, 1}}};
   EXPECT_NEAR(chart_quality(chart).energy, 1, 1e-12);  // stretched by 2 one way: (2 - 1)^2
   EXPECT_EQ(chart_quality(chart).flipped, 0);
   chart.uv[3] = {3, 0};

@@ -66,11 +66,15 @@ TEST(Forming, UndercutsDoNotLetTheSheetOut) {
   const int n = static_cast<int>(mushroom.mesh.vertices.size());
   for (int k = 0; k < 36; ++k) {  // the cap's lower side and a stem of radius 8
     const double a = k * std::numbers::pi / 18, b = (k + 1) * std::numbers::pi / 18;
-    const auto ring = [](double r, double at, double z) { return Eigen::Vector3d(r * std::cos(at), r * std::sin(at), z); };
-    for (const auto& p : {ring(50, a, 40), ring(50, b, 40), ring(8, a, 40), ring(8, b, 40), ring(8, a, 0), ring(8, b, 0)})
+    const auto ring = [](double r, double at, double z) {
+      return Eigen::Vector3d(r * std::cos(at), r * std::sin(at), z);
+    };
+    for (const auto& p :
+         {ring(50, a, 40), ring(50, b, 40), ring(8, a, 40), ring(8, b, 40), ring(8, a, 0), ring(8, b, 0)})
       mushroom.mesh.vertices.push_back(p);
     const int v = n + 6 * k;
-    for (const Triangle& t : {Triangle{v, v + 2, v + 1}, {v + 1, v + 2, v + 3}, {v + 2, v + 4, v + 3}, {v + 3, v + 4, v + 5}})
+    for (const Triangle& t :
+         {Triangle{v, v + 2, v + 1}, {v + 1, v + 2, v + 3}, {v + 2, v + 4, v + 3}, {v + 3, v + 4, v + 5}})
       mushroom.mesh.triangles.push_back(t);
   }
   mushroom.top = {0, 0, 90};
@@ -104,8 +108,12 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
   const auto formed = form(mold, coarse(), machine, {}, Context{});
   ASSERT_TRUE(formed) << formed.error().text();
 
-  const std::array<std::array<double, 3>, 6> reference{
-      {{15, .2594, .974}, {30, .5032, .885}, {45, .7132, .719}, {60, .8913, .698}, {75, 1.0618, .668}, {85, 1.1586, .560}}};
+  const std::array<std::array<double, 3>, 6> reference{{{15, .2594, .974},
+                                                        {30, .5032, .885},
+                                                        {45, .7132, .719},
+                                                        {60, .8913, .698},
+                                                        {75, 1.0618, .668},
+                                                        {85, 1.1586, .560}}};
   const auto polar = [&](int v) {
     const auto& p = formed->formed[v];
     return std::atan2(std::hypot(p.x(), p.y()), p.z()) * 180 / std::numbers::pi;
@@ -117,7 +125,8 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
       for (int e = 0; e < 3; ++e) {
         const int a = t[e], b = t[(e + 1) % 3];
         const double pa = polar(a) - angle, pb = polar(b) - angle;
-        if (formed->contact[a] != Contact::mold || formed->contact[b] != Contact::mold || pa * pb >= 0) continue;
+        if (formed->contact[a] != Contact::mold || formed->contact[b] != Contact::mold || pa * pb >= 0)
+          continue;
         const double w = pa / (pa - pb);
         const double landed = (1 - w) * formed->rest[a].norm() + w * formed->rest[b].norm();
         EXPECT_NEAR(landed, radius * R, 0.5) << angle << " degrees";
@@ -127,7 +136,8 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
       }
     ASSERT_GT(crossings, 20) << angle << " degrees";
     EXPECT_NEAR(sum_radius / crossings, radius * R, 0.25) << angle << " degrees";
-    EXPECT_NEAR(sum_thickness / crossings, thickness, (angle < 80 ? 0.02 : 0.04) * thickness) << angle << " degrees";
+    EXPECT_NEAR(sum_thickness / crossings, thickness, (angle < 80 ? 0.02 : 0.04) * thickness)
+        << angle << " degrees";
   }
 
   const FormingSummary& s = formed->summary;
@@ -149,8 +159,9 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
     EXPECT_GE(p.z(), 0);
   }
   for (const Triangle& t : formed->triangles) {
-    const double area =
-        0.5 * (formed->formed[t[1]] - formed->formed[t[0]]).cross(formed->formed[t[2]] - formed->formed[t[0]]).norm();
+    const double area = 0.5 * (formed->formed[t[1]] - formed->formed[t[0]])
+                                  .cross(formed->formed[t[2]] - formed->formed[t[0]])
+                                  .norm();
     plastic += area * (formed->thickness[t[0]] + formed->thickness[t[1]] + formed->thickness[t[2]]) / 3;
   }
   EXPECT_NEAR(plastic / 90000, 1, 1e-9);

@@ -19,9 +19,9 @@ std::string shown_by(bool terminal, ProgressBar::Otherwise otherwise) {
 
 TEST(ProgressBar, RedrawsOneLineOfATerminalAndTakesItAway) {
   const std::string blank(40, ' '), half = std::string(20, '#') + std::string(20, ' '), full(40, '#');
-  EXPECT_EQ(shown_by(true, ProgressBar::Otherwise::silent), "\rscan       [" + blank + "]   0 %" + "\rscan       [" + half +
-                                                                "]  50 %" + "\ra name tha [" + full + "] 100 %" +
-                                                                "\r\033[K");
+  EXPECT_EQ(shown_by(true, ProgressBar::Otherwise::silent),
+            "\rscan       [" + blank + "]   0 %" + "\rscan       [" + half + "]  50 %" + "\ra name tha [" +
+                full + "] 100 %" + "\r\033[K");
 }
 
 TEST(ProgressBar, OffATerminalItIsSilentOrALineAStage) {

@@ -55,8 +55,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{R"({"scan": {"units": "furlong"}})", "scan.units", "auto, mm, cm, m, in"},
                     Refusal{R"({"pattern": {"offset_mm": [1]}})", "pattern.offset_mm", "[u, v]"},
                     Refusal{R"({"pattern": {"offset_mm": [1, 1e9]}})", "pattern.offset_mm", "out of range"},
-                    Refusal{R"({"scan": {"units": "cm", "size_mm": 200}})", "scan.size_mm", "give one of them"},
-                    Refusal{R"({"machine": {"window_width_mm": 400}})", "machine.window_width_mm", "larger than the sheet"},
+                    Refusal{R"({"scan": {"units": "cm", "size_mm": 200}})", "scan.size_mm",
+                            "give one of them"},
+                    Refusal{R"({"machine": {"window_width_mm": 400}})", "machine.window_width_mm",
+                            "larger than the sheet"},
                     Refusal{R"({"sheet": {"width_mm": 2000, "height_mm": 2000, "resolution_mm": 0.5}})",
                             "sheet.resolution_mm", "coarser"},
                     Refusal{"[1, 2]", "", "JSON object"}, Refusal{"{\"print\": {", "", "not valid JSON"},
@@ -64,7 +66,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Settings, SetReadsJsonAndBareWords) {
   nlohmann::json object;
-  for (const char* text : {"print.dpi=600", "sheet.material=pc", "scan.trim_mm=auto", "pattern.offset_mm=[1.5, -2]"})
+  for (const char* text :
+       {"print.dpi=600", "sheet.material=pc", "scan.trim_mm=auto", "pattern.offset_mm=[1.5, -2]"})
     ASSERT_TRUE(set_in_json(object, text)) << text;
   const auto settings = settings_from_json(object);
   ASSERT_TRUE(settings) << settings.error().text();

@@ -30,7 +30,8 @@ TEST(SheetGrid, FollowsARectangularWindow) {
   EXPECT_NEAR(total, 310 * 205, 1e-6);
   EXPECT_NEAR(inside, 281 * 173, 1e-6);  // no triangle lies across the window's edge
   for (std::size_t i = 0; i < grid.rest.size(); ++i)
-    EXPECT_EQ(grid.clamped[i] != 0, std::abs(grid.rest[i].x()) > 140.5 - 1e-9 || std::abs(grid.rest[i].y()) > 86.5 - 1e-9);
+    EXPECT_EQ(grid.clamped[i] != 0,
+              std::abs(grid.rest[i].x()) > 140.5 - 1e-9 || std::abs(grid.rest[i].y()) > 86.5 - 1e-9);
 }
 
 // Where a circle cuts a grid slivers arise easily: none may, at any size.

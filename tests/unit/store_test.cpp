@@ -349,7 +349,8 @@ TEST_F(StoreTest, OnlySuccessKeepsArtifacts) {
     return key;
   };
   const LeaseKey failed = half_done("of the failed");
-  EXPECT_EQ(store_->fail_job(failed, {Code::internal, "a fault", "", ""}, false).value().artifacts.size(), 0u);
+  EXPECT_EQ(store_->fail_job(failed, {Code::internal, "a fault", "", ""}, false).value().artifacts.size(),
+            0u);
   const LeaseKey cancelled = half_done("of the cancelled");
   ASSERT_TRUE(store_->cancel(cancelled.job));
   EXPECT_EQ(store_->cancelled(cancelled).value().artifacts.size(), 0u);

@@ -32,7 +32,8 @@ int refuse_usage(const CLI::App& app, const std::string& first, const CLI::Parse
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Pre-distorted prints for vacuum-formed sheets: a scan and a pattern in, a print out.", "vacuform");
+  CLI::App app("Pre-distorted prints for vacuum-formed sheets: a scan and a pattern in, a print out.",
+               "vacuform");
   app.set_version_flag("--version", "vacuform " + std::string(version));
   app.require_subcommand(1);
   int exit_code = 0;

@@ -73,9 +73,12 @@ void add_run(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("run", "Make the print of a scan and a pattern, without a server");
   command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("FILE");
   command->add_option("--pattern", options->pattern, "SVG, PNG or JPEG")->required()->type_name("FILE");
-  command->add_option("--out", options->out, "Folder for the artifacts; made when absent")->required()->type_name("DIR");
+  command->add_option("--out", options->out, "Folder for the artifacts; made when absent")
+      ->required()
+      ->type_name("DIR");
   options->settings.add_to(*command);
-  command->add_option("--progress", options->progress, "A bar on a terminal, or JSON lines on standard output")
+  command
+      ->add_option("--progress", options->progress, "A bar on a terminal, or JSON lines on standard output")
       ->check(CLI::IsMember({"bar", "json"}));
   command->callback([options, &exit_code] { exit_code = run_command(*options); });
 }

@@ -86,7 +86,8 @@ int submit(const SubmitOptions& o) {
     const auto created = create(*client, o, bar);
     bar.clear();
     if (!created && !going())
-      return refuse({Code::cancelled, "interrupted while uploading", "", "nothing was submitted; submit again"});
+      return refuse(
+          {Code::cancelled, "interrupted while uploading", "", "nothing was submitted; submit again"});
     if (!created) return refuse(created.error());
     id = created->id;
   }
@@ -97,9 +98,9 @@ int submit(const SubmitOptions& o) {
   // What to do about whatever ends the waiting but not the job.
   const auto come_back = [&](Error error) {
     bar.clear();
-    error.mend = "the job goes on; come back with vacuform submit --server " + o.server + " --job " + id + " --wait" +
-                 (o.out.empty() ? "" : " --out " + o.out) + ", or cancel it with curl -X POST " + client->job_url(id) +
-                 "/cancel";
+    error.mend = "the job goes on; come back with vacuform submit --server " + o.server + " --job " + id +
+                 " --wait" + (o.out.empty() ? "" : " --out " + o.out) + ", or cancel it with curl -X POST " +
+                 client->job_url(id) + "/cancel";
     return refuse(error);
   };
   const auto job = follow(*client, id, o.job.empty(), bar);
@@ -114,7 +115,8 @@ int submit(const SubmitOptions& o) {
   const auto downloaded = download_all(*client, *job, o.out, bar);
   bar.clear();
   if (!going())
-    return refuse({Code::cancelled, "interrupted while downloading", "", "the artifacts are at " + client->job_url(id)});
+    return refuse({Code::cancelled, "interrupted while downloading", "",
+                   "the artifacts are at " + client->job_url(id)});
   return downloaded ? 0 : refuse(downloaded.error());
 }
 
@@ -122,8 +124,11 @@ int submit(const SubmitOptions& o) {
 
 void add_submit(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<SubmitOptions>();
-  CLI::App* command = app.add_subcommand("submit", "Make a job on a server and, if asked, wait for its artifacts");
-  command->add_option("--server", options->server, "Address of the server")->type_name("URL")->capture_default_str();
+  CLI::App* command =
+      app.add_subcommand("submit", "Make a job on a server and, if asked, wait for its artifacts");
+  command->add_option("--server", options->server, "Address of the server")
+      ->type_name("URL")
+      ->capture_default_str();
   auto* scan = command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->type_name("FILE");
   auto* pattern = command->add_option("--pattern", options->pattern, "SVG, PNG or JPEG")->type_name("FILE");
   options->settings.add_to(*command);

@@ -49,7 +49,8 @@ SymmetricMatrix laplacian(const Chart& chart, const std::vector<Element>& all) {
   matrix.column_start.push_back(0);
   for (int c = 1; c < n; ++c) {
     auto& entries = columns[c];
-    std::stable_sort(entries.begin(), entries.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const auto& x, const auto& y) { return x.first < y.first; });
     matrix.row.push_back(c - 1);
     matrix.value.push_back(diagonal[c]);
     for (const auto& [r, value] : entries)
@@ -93,8 +94,10 @@ Result<FlatteningOutcome> flatten_arap(Chart& chart, const Context& context) {
         s += all[k].cot[e] * (x.x() * u.y() - x.y() * u.x());
       }
       const double norm = std::hypot(c, s);
-      if (norm == 0) c = 1, s = 0;
-      else c /= norm, s /= norm;
+      if (norm == 0)
+        c = 1, s = 0;
+      else
+        c /= norm, s /= norm;
       for (int e = 0; e < 3; ++e) {
         const Eigen::Vector2d& x = all[k].edge[e];
         const double w = all[k].cot[e];

@@ -29,8 +29,8 @@ Result<FlatteningOutcome> flatten_cgal_arap(Chart& chart, const Context& context
   if (border == Mesh::null_halfedge()) return refuse("it has no border");
   auto [uv, created] = mesh.add_property_map<Vertex, Kernel::Point_2>("v:uv");
   (void)created;
-  const auto code = parameterization::parameterize(
-      mesh, parameterization::ARAP_parameterizer_3<Mesh>(), border, uv);
+  const auto code =
+      parameterization::parameterize(mesh, parameterization::ARAP_parameterizer_3<Mesh>(), border, uv);
   if (code != parameterization::OK) return refuse("its error " + std::to_string(static_cast<int>(code)));
   for (std::size_t i = 0; i < chart.uv.size(); ++i) {
     const auto& p = uv[Vertex(static_cast<Mesh::size_type>(i))];

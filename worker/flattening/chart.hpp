@@ -10,9 +10,9 @@
 namespace vacuform {
 
 struct Chart {
-  std::vector<Triangle> triangles;      // indices into the arrays below, which hold the chart's vertices alone
-  std::vector<Eigen::Vector3d> inked;   // the inked surface, mm
-  std::vector<Eigen::Vector2d> uv;      // on entry the start (the flat sheet), on return the flattening, mm
+  std::vector<Triangle> triangles;     // indices into the arrays below, which hold the chart's vertices alone
+  std::vector<Eigen::Vector3d> inked;  // the inked surface, mm
+  std::vector<Eigen::Vector2d> uv;     // on entry the start (the flat sheet), on return the flattening, mm
 };
 
 struct FlatteningOutcome {

@@ -16,7 +16,8 @@ namespace {
 
 double area(const FormedSheet& sheet, int k) {
   const Triangle& t = sheet.triangles[k];
-  return 0.5 * (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm();
+  return 0.5 *
+         (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm();
 }
 
 // Neighbours across the three edges, -1 on the sheet's border.
@@ -39,8 +40,8 @@ std::vector<std::array<int, 3>> neighbours(const std::vector<Triangle>& triangle
 }
 
 // Connected parts, across edges, of the triangles with inside[k] == wanted: a part number per triangle, else -1.
-std::vector<int> parts(const std::vector<std::array<int, 3>>& across, const std::vector<char>& inside, char wanted,
-                       int& count) {
+std::vector<int> parts(const std::vector<std::array<int, 3>>& across, const std::vector<char>& inside,
+                       char wanted, int& count) {
   std::vector<int> part(inside.size(), -1), stack;
   count = 0;
   for (int seed = 0; seed < static_cast<int>(inside.size()); ++seed) {
@@ -63,7 +64,8 @@ std::vector<int> region_of_interest(const FormedSheet& sheet) {
   const auto across = neighbours(sheet.triangles);
   std::vector<char> inside;
   for (const Triangle& t : sheet.triangles)
-    inside.push_back(std::all_of(t.begin(), t.end(), [&](int v) { return sheet.contact[v] == Contact::mold; }));
+    inside.push_back(
+        std::all_of(t.begin(), t.end(), [&](int v) { return sheet.contact[v] == Contact::mold; }));
 
   int count = 0;
   const auto part = parts(across, inside, 1, count);
@@ -90,11 +92,13 @@ std::vector<Eigen::Vector3d> inked_surface(const FormedSheet& sheet, InkedFace f
   if (face == InkedFace::inner) return inked;
   std::vector<Eigen::Vector3d> normal(inked.size(), Eigen::Vector3d::Zero());
   for (const Triangle& t : sheet.triangles) {
-    const Eigen::Vector3d n = (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]);
+    const Eigen::Vector3d n =
+        (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]);
     for (int v : t) normal[v] += n;
   }
   for (std::size_t i = 0; i < inked.size(); ++i)
-    if (const double length = normal[i].norm(); length > 0) inked[i] += sheet.thickness[i] / length * normal[i];
+    if (const double length = normal[i].norm(); length > 0)
+      inked[i] += sheet.thickness[i] / length * normal[i];
   return inked;
 }
 
@@ -111,7 +115,8 @@ Spot find_top(const FormedSheet& sheet, const std::vector<int>& region, const Ei
     const Triangle& t = sheet.triangles[k];
     const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
     const double whole = (b - a).cross(c - a).z();
-    const Eigen::Vector3d w((b - top).cross(c - top).z(), (c - top).cross(a - top).z(), (a - top).cross(b - top).z());
+    const Eigen::Vector3d w((b - top).cross(c - top).z(), (c - top).cross(a - top).z(),
+                            (a - top).cross(b - top).z());
     if (whole > 0 && w.minCoeff() >= 0) {
       const double z = (w.x() * a.z() + w.y() * b.z() + w.z() * c.z()) / whole;
       if (z > best_z) best_z = z, best = {t, w / whole, true};
@@ -184,13 +189,15 @@ Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const Fla
   out.energy = quality.energy;
   out.flipped = quality.flipped;
   if (quality.flipped > 0)
-    out.warnings.push_back({"flattening-flipped", std::to_string(quality.flipped) +
-                                                      " triangles of the chart are folded over; the print is wrong there"});
+    out.warnings.push_back(
+        {"flattening-flipped", std::to_string(quality.flipped) +
+                                   " triangles of the chart are folded over; the print is wrong there"});
 
   const Spot top = find_top(sheet, out.triangles, mold.top);
   if (!top.exact)
-    out.warnings.push_back({"top-off-chart", "The top of the mold is not covered by the chart; the pattern is centred "
-                                             "on the nearest point that is"});
+    out.warnings.push_back({"top-off-chart",
+                            "The top of the mold is not covered by the chart; the pattern is centred "
+                            "on the nearest point that is"});
   Eigen::Vector2d origin(0, 0);
   out.top_rest.setZero();
   for (int e = 0; e < 3; ++e) {

@@ -20,8 +20,8 @@ struct Flattening {
   std::vector<Eigen::Vector3d> inked;  // per vertex of the sheet: the surface that carries the ink, mm
   Eigen::Vector2d top_rest;            // sheet coordinates of the top of the mold (the chart's origin)
   int iterations = 0;
-  double energy = 0;                   // ARAP energy per area of the chart, dimensionless
-  int flipped = 0;                     // triangles turned over by the flattening (0 in a good chart)
+  double energy = 0;  // ARAP energy per area of the chart, dimensionless
+  int flipped = 0;    // triangles turned over by the flattening (0 in a good chart)
   std::vector<Warning> warnings;
 };
 

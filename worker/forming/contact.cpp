@@ -11,7 +11,8 @@ namespace {
 constexpr double back_off = 0.02;
 }  // namespace
 
-std::optional<double> Obstacles::leaves_window(const Eigen::Vector3d& from, const Eigen::Vector3d& way) const {
+std::optional<double> Obstacles::leaves_window(const Eigen::Vector3d& from,
+                                               const Eigen::Vector3d& way) const {
   double t = 2;
   if (machine_.window == WindowShape::circle) {
     // |from + t way| = radius in the plane: the larger root, as `from` lies inside.
@@ -29,7 +30,8 @@ std::optional<double> Obstacles::leaves_window(const Eigen::Vector3d& from, cons
   return t <= 1 ? std::optional(t) : std::nullopt;
 }
 
-std::optional<Obstacles::Touch> Obstacles::first_touch(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+std::optional<Obstacles::Touch> Obstacles::first_touch(const Eigen::Vector3d& from,
+                                                       const Eigen::Vector3d& to) const {
   const Eigen::Vector3d way = to - from;
   const double length = way.norm();
   if (length == 0) return std::nullopt;
@@ -68,7 +70,8 @@ TriangleMesh mesh_of(const Points& x, const std::vector<Triangle>& triangles) {
 SheetAsObstacle::SheetAsObstacle(const Points& x, const std::vector<Triangle>& triangles)
     : mesh_(mesh_of(x, triangles)), rays_(mesh_) {}
 
-bool SheetAsObstacle::possible(const Points& x, const std::vector<Triangle>& triangles, const std::vector<char>& held) {
+bool SheetAsObstacle::possible(const Points& x, const std::vector<Triangle>& triangles,
+                               const std::vector<char>& held) {
   return std::any_of(triangles.begin(), triangles.end(), [&](const Triangle& t) {
     const Eigen::Vector3d a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]);
     return (b - a).cross(c - a).z() < 0 && !(held[t[0]] && held[t[1]] && held[t[2]]);

@@ -18,7 +18,8 @@ class Obstacles {
     Contact with;           // the wall counts as the clamp
   };
 
-  Obstacles(const TriangleMesh& mold, const MachineSettings& machine) : mold_(mold), rays_(mold), machine_(machine) {}
+  Obstacles(const TriangleMesh& mold, const MachineSettings& machine)
+      : mold_(mold), rays_(mold), machine_(machine) {}
 
   // The first place at which a point that moves straight from `from`, inside the window and not below the platform, to
   // `to` enters the mold or leaves the space between platform and wall.
@@ -40,8 +41,10 @@ class SheetAsObstacle {
   // x: one column a vertex; triangles counter-clockwise seen from above.
   SheetAsObstacle(const Points& x, const std::vector<Triangle>& triangles);
 
-  // Whether the sheet overhangs anywhere in a triangle with a vertex that is not held: without that no two lower faces can meet.
-  static bool possible(const Points& x, const std::vector<Triangle>& triangles, const std::vector<char>& held);
+  // Whether the sheet overhangs in any triangle with a vertex that is not held: without that no two lower faces can
+  // meet.
+  static bool possible(const Points& x, const std::vector<Triangle>& triangles,
+                       const std::vector<char>& held);
 
   // The fraction of the way from `from` to `to` after which a point of the sheet must stop so as not to pass through
   // another part of it from below, when that other part comes as far the other way; nothing when it is free to go.

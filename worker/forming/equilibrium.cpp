@@ -80,7 +80,8 @@ void Equilibrium::hold(const std::vector<char>& held, const Points& x) {
   for (const int v : order_)
     if (index_[v] >= 0) order.push_back(index_[v]);
   cholesky_.analyse(matrix, order);
-  if (!cholesky_.factor(matrix)) throw std::logic_error("the membrane's stand-in stiffness is not positive definite");
+  if (!cholesky_.factor(matrix))
+    throw std::logic_error("the membrane's stand-in stiffness is not positive definite");
   rhs_.resize(matrix.size, 3);
 }
 
@@ -93,7 +94,8 @@ double Equilibrium::energy(const Points& x, double p, Points& gradient) {
   const auto vertices = [&](int begin, int end) {
     for (int r = begin; r < end; ++r) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (int k = corner_start_[r]; k < corner_start_[r + 1]; ++k) sum += corners_[corner_[k] / 3].col(corner_[k] % 3);
+      for (int k = corner_start_[r]; k < corner_start_[r + 1]; ++k)
+        sum += corners_[corner_[k] / 3].col(corner_[k] % 3);
       gradient.col(r) = sum;
     }
   };
@@ -154,7 +156,8 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
       d += (alpha[k] - pairs[k].rho * pairs[k].y.cwiseProduct(d).sum()) * pairs[k].s;
     d = -d;
     const double slope = d.cwiseProduct(g).sum();
-    if (!(slope < 0)) {  // the memory no longer describes a descent: forget it, the preconditioner always does
+    if (!(slope <
+          0)) {  // the memory no longer describes a descent: forget it, the preconditioner always does
       if (pairs.empty()) return outcome;
       pairs.clear();
       continue;

@@ -15,14 +15,15 @@ namespace vacuform {
 class Equilibrium {
  public:
   struct Outcome {
-    bool at_rest = false;   // the residual is below the tolerance
-    bool capped = false;    // stopped because a vertex had moved by the cap
+    bool at_rest = false;  // the residual is below the tolerance
+    bool capped = false;   // stopped because a vertex had moved by the cap
     int iterations = 0;
-    double residual = 0;    // largest nodal force on a free vertex, in units of shear modulus x thickness x mm
+    double residual = 0;  // largest nodal force on a free vertex, in units of shear modulus x thickness x mm
   };
 
   // `elimination_order` orders all vertices of the sheet for the factorization.
-  Equilibrium(const Membrane& membrane, const std::vector<Triangle>& triangles, std::vector<int> elimination_order);
+  Equilibrium(const Membrane& membrane, const std::vector<Triangle>& triangles,
+              std::vector<int> elimination_order);
 
   // Declares which vertices are held from now on, and builds the preconditioner from the stiffness at x.
   void hold(const std::vector<char>& held, const Points& x);
@@ -39,8 +40,8 @@ class Equilibrium {
   const Membrane& membrane_;
   const std::vector<Triangle>& triangles_;
   std::vector<int> order_;
-  std::vector<int> index_, free_;   // vertex to row among the free ones (-1: held) and back
-  std::vector<int> active_;         // triangles with a free corner
+  std::vector<int> index_, free_;           // vertex to row among the free ones (-1: held) and back
+  std::vector<int> active_;                 // triangles with a free corner
   std::vector<int> corner_start_, corner_;  // per free vertex: its corners, 3 x (place in active_) + corner
   std::vector<Eigen::Matrix3d> corners_;    // gradients of the active triangles
   std::vector<double> energies_;            // of the active triangles

@@ -25,8 +25,8 @@ constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
 class Process {
  public:
-  Process(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine, const FormingSettings& settings,
-          const Context& context)
+  Process(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine,
+          const FormingSettings& settings, const Context& context)
       : sheet_(sheet),
         machine_(machine),
         grid_(make_sheet_grid(sheet, machine)),
@@ -116,7 +116,8 @@ class Process {
     double p = first;
     ceiling_.emplace(x_, grid_.triangles);
     for (int step = 0; step < most_steps; ++step) {
-      VACUFORM_CHECK(context_.step(Stage::forming, 0.5 + 0.5 * std::log(p / first) / std::log(limit / first + 1)));
+      VACUFORM_CHECK(
+          context_.step(Stage::forming, 0.5 + 0.5 * std::log(p / first) / std::log(limit / first + 1)));
       const bool last = p >= limit;
       const double tolerance = last ? final_tolerance * p * h * h
                                     : std::max(ramp_tolerance * p * h * h, 0.1 * drape_tolerance * h);

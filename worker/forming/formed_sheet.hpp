@@ -17,8 +17,9 @@ enum class Contact : std::uint8_t { free = 0, mold = 1, platform = 2, clamp = 3 
 // How the simulation went, for report.json.
 struct FormingSummary {
   int drape_steps = 0, vacuum_steps = 0;
-  int iterations = 0;            // of the solver, all steps
-  double residual = 0;           // largest out-of-balance nodal force at the end, over the mean pressure force of a node
+  int iterations = 0;  // of the solver, all steps
+  double residual =
+      0;  // largest out-of-balance nodal force at the end, over the mean pressure force of a node
   bool converged = false;
   double pressure_kpa = 0;       // reached
   double mass_error = 0;         // |volume of plastic now / at first - 1|, summed over the elements
@@ -30,14 +31,15 @@ struct FormingSummary {
 // Triangles are counter-clockwise seen from above (from the side that faces the ceiling).
 struct FormedSheet {
   std::vector<Triangle> triangles;
-  std::vector<Eigen::Vector2d> rest;     // sheet coordinates (s, t), mm
-  std::vector<Eigen::Vector3d> formed;   // (x, y, z), mm: the face that lies on the mold
-  std::vector<double> thickness;         // mm, mean of the triangles around weighted by formed area
-  std::vector<double> temperature;       // degrees Celsius
+  std::vector<Eigen::Vector2d> rest;    // sheet coordinates (s, t), mm
+  std::vector<Eigen::Vector3d> formed;  // (x, y, z), mm: the face that lies on the mold
+  std::vector<double> thickness;        // mm, mean of the triangles around weighted by formed area
+  std::vector<double> temperature;      // degrees Celsius
   std::vector<Contact> contact;
-  std::vector<double> contact_time;      // 0..1 while the frame descends, 1..2 on the vacuum ramp, NaN: never
-  std::vector<double> element_thickness; // mm, exact by conservation of mass per triangle
-  std::vector<std::uint8_t> element_slack;  // 1 where the sheet is compressed across its tension, or folds onto itself
+  std::vector<double> contact_time;  // 0..1 while the frame descends, 1..2 on the vacuum ramp, NaN: never
+  std::vector<double> element_thickness;  // mm, exact by conservation of mass per triangle
+  std::vector<std::uint8_t>
+      element_slack;  // 1 where the sheet is compressed across its tension, or folds onto itself
   FormingSummary summary;
   std::vector<Warning> warnings;
 };

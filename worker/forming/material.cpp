@@ -6,11 +6,16 @@ namespace vacuform {
 
 MaterialProfile material_profile(Material material) {
   switch (material) {
-    case Material::petg: return {140, 300};
-    case Material::pc: return {185, 500};
-    case Material::abs: return {155, 300};
-    case Material::hips: return {155, 250};
-    case Material::pvc: return {135, 300};
+    case Material::petg:
+      return {140, 300};
+    case Material::pc:
+      return {185, 500};
+    case Material::abs:
+      return {155, 300};
+    case Material::hips:
+      return {155, 250};
+    case Material::pvc:
+      return {135, 300};
   }
   std::abort();
 }

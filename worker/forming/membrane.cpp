@@ -81,7 +81,8 @@ Density density(MembraneLaw law, double l1, double l2) {
   return d;
 }
 
-Membrane::Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<Triangle>& triangles, MembraneLaw law)
+Membrane::Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<Triangle>& triangles,
+                   MembraneLaw law)
     : triangles_(triangles), law_(law), c1_(coefficients(law).c1), c2_(coefficients(law).c2) {
   for (const Triangle& t : triangles_) {
     Eigen::Matrix2d D;
@@ -99,7 +100,8 @@ Membrane::Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<T
 Eigen::Matrix<double, 3, 2> Membrane::deformation(const Points& x, int triangle) const {
   const Triangle& t = triangles_[triangle];
   const auto& g = shape_[triangle];
-  return (x.col(t[1]) - x.col(t[0])) * g.col(1).transpose() + (x.col(t[2]) - x.col(t[0])) * g.col(2).transpose();
+  return (x.col(t[1]) - x.col(t[0])) * g.col(1).transpose() +
+         (x.col(t[2]) - x.col(t[0])) * g.col(2).transpose();
 }
 
 double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::Matrix3d& gradient) const {
@@ -114,7 +116,8 @@ double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::
   // The second Piola-Kirchhoff stress S = 2 dW/dC as (s11, s12, s22).
   double W, s11, s12, s22;
   if (l1_squared >= 1 && J * J >= l1_squared) {  // tight both ways: by the invariants of C
-    const double i = 1 / J, identity = 2 * (c1_ + c2_ * i), adjugate = 2 * (c2_ - (c1_ + c2_ * trace) * i * i);
+    const double i = 1 / J, identity = 2 * (c1_ + c2_ * i),
+                 adjugate = 2 * (c2_ - (c1_ + c2_ * trace) * i * i);
     W = c1_ * (trace + i - 3) + c2_ * (J + trace * i - 3);
     s11 = identity + adjugate * c22, s12 = -adjugate * c12, s22 = identity + adjugate * c11;
   } else {
@@ -148,8 +151,8 @@ double Membrane::energy(const Points& x, double p, Points& gradient) const {
 Eigen::Vector3d Membrane::scalar_stiffness(const Points& x, int triangle) const {
   const Principal q = principal(deformation(x, triangle));
   const Density d = density(law_, q.l1, q.l2);
-  const double shear = q.gap > 1e-6 * q.l1 * q.l1 ? (q.l1 * d.W1 - q.l2 * d.W2) / q.gap
-                                                  : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12);
+  const double shear =
+      q.gap > 1e-6 * q.l1 * q.l1 ? (q.l1 * d.W1 - q.l2 * d.W2) / q.gap : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12);
   constexpr double least = 1e-2;
   return along_principal(q, std::max(least, (d.W11 + std::max(0.0, shear) + d.W1 / q.l1) / 3),
                          std::max(least, (d.W22 + std::max(0.0, shear) + d.W2 / q.l2) / 3));

@@ -11,7 +11,9 @@ namespace {
 
 // Lines from -outer to outer with a line exactly at each of -inner and inner; an even number of cells inside.
 std::vector<double> lines(double outer, double inner, double spacing) {
-  const auto cells = [&](double length) { return std::max(0, static_cast<int>(std::ceil(length / spacing - 1e-9))); };
+  const auto cells = [&](double length) {
+    return std::max(0, static_cast<int>(std::ceil(length / spacing - 1e-9)));
+  };
   std::vector<double> at;
   const int margin = cells(outer - inner);
   const int middle = 2 * std::max(1, cells(inner));
@@ -46,7 +48,9 @@ void dissect(int x0, int x1, int y0, int y1, int columns, std::vector<int>& orde
 void mend_sliver(SheetGrid& grid, std::size_t sliver, std::vector<char>& on_circle,
                  const std::vector<Eigen::Vector2d>& home) {
   Triangle& flat = grid.triangles[sliver];
-  const auto length = [&](int k) { return (grid.rest[flat[k]] - grid.rest[flat[(k + 1) % 3]]).squaredNorm(); };
+  const auto length = [&](int k) {
+    return (grid.rest[flat[k]] - grid.rest[flat[(k + 1) % 3]]).squaredNorm();
+  };
   int k = 0;
   for (int other : {1, 2})
     if (length(other) > length(k)) k = other;
@@ -66,17 +70,20 @@ void mend_sliver(SheetGrid& grid, std::size_t sliver, std::vector<char>& on_circ
 // Moves, of every edge that crosses the circle, the nearer end onto it, unless an end of it is there already.
 void snap_to_circle(SheetGrid& grid, double radius, double spacing) {
   const auto off = [&](int v) { return grid.rest[v].norm() - radius; };
-  std::vector<std::pair<double, std::array<int, 2>>> crossing;  // distance of the nearer end; nearer end, other end
+  std::vector<std::pair<double, std::array<int, 2>>>
+      crossing;  // distance of the nearer end; nearer end, other end
   for (const Triangle& t : grid.triangles)
     for (int k = 0; k < 3; ++k) {
       const int a = t[k], b = t[(k + 1) % 3];
       if (off(a) * off(b) >= 0) continue;
       const bool a_nearer = std::abs(off(a)) <= std::abs(off(b));
-      crossing.push_back({std::min(std::abs(off(a)), std::abs(off(b))), {a_nearer ? a : b, a_nearer ? b : a}});
+      crossing.push_back(
+          {std::min(std::abs(off(a)), std::abs(off(b))), {a_nearer ? a : b, a_nearer ? b : a}});
     }
   std::sort(crossing.begin(), crossing.end());
   std::vector<char> on_circle;
-  for (int v = 0; v < static_cast<int>(grid.rest.size()); ++v) on_circle.push_back(std::abs(off(v)) < 0.1 * spacing);
+  for (int v = 0; v < static_cast<int>(grid.rest.size()); ++v)
+    on_circle.push_back(std::abs(off(v)) < 0.1 * spacing);
   for (const auto& [distance, edge] : crossing)
     if (!on_circle[edge[0]] && !on_circle[edge[1]]) on_circle[edge[0]] = 1;
   const std::vector<Eigen::Vector2d> home = grid.rest;

@@ -10,10 +10,10 @@
 namespace vacuform {
 
 struct SheetGrid {
-  std::vector<Eigen::Vector2d> rest;  // sheet coordinates (s, t), row by row from the lower left
-  std::vector<Triangle> triangles;    // counter-clockwise seen from above
-  std::vector<char> clamped;          // per vertex: on or outside the window
-  std::vector<int> elimination_order; // nested dissection of the grid: all vertices, separators last
+  std::vector<Eigen::Vector2d> rest;   // sheet coordinates (s, t), row by row from the lower left
+  std::vector<Triangle> triangles;     // counter-clockwise seen from above
+  std::vector<char> clamped;           // per vertex: on or outside the window
+  std::vector<int> elimination_order;  // nested dissection of the grid: all vertices, separators last
 };
 
 // Spacing is at most resolution_mm in both directions. Grid lines run along the edges of a rectangular window; a

@@ -15,7 +15,8 @@ struct SparseCholesky::State {
   State() {
     cholmod_start(&common);
     common.print = 0;
-    common.supernodal = CHOLMOD_SIMPLICIAL;  // a scalar grid has supernodes too small to pay, and no BLAS threads
+    common.supernodal =
+        CHOLMOD_SIMPLICIAL;  // a scalar grid has supernodes too small to pay, and no BLAS threads
     common.final_ll = 0;
     common.quick_return_if_not_posdef = 1;
   }
@@ -58,16 +59,16 @@ void SparseCholesky::analyse(const SymmetricMatrix& matrix, const std::vector<in
   common.nmethods = 1;
   common.method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
   common.postorder = 1;
-  state_->factor =
-      order.empty() ? cholmod_analyze(&a, &common)
-                    : cholmod_analyze_p(&a, const_cast<int*>(order.data()), nullptr, 0, &common);
+  state_->factor = order.empty() ? cholmod_analyze(&a, &common)
+                                 : cholmod_analyze_p(&a, const_cast<int*>(order.data()), nullptr, 0, &common);
   if (!state_->factor) throw std::runtime_error("CHOLMOD cannot analyse the matrix");
 }
 
 bool SparseCholesky::factor(const SymmetricMatrix& matrix) {
   auto a = view(matrix);
   auto& common = state_->common;
-  if (!cholmod_factorize(&a, state_->factor, &common)) throw std::runtime_error("CHOLMOD cannot factor the matrix");
+  if (!cholmod_factorize(&a, state_->factor, &common))
+    throw std::runtime_error("CHOLMOD cannot factor the matrix");
   if (common.status == CHOLMOD_NOT_POSDEF || state_->factor->minor != state_->factor->n) return false;
   // A simplicial LDL' also "factors" an indefinite matrix; its diagonal tells.
   const auto* f = state_->factor;

@@ -109,11 +109,11 @@ Mark ruler(double length, double top) {
   return mark;
 }
 
-Mark back_arrow(double x) {
-  Mark mark{.name = "back", .lines = {segment({x, -10}, {x, 8})}, .circles = {}, .texts = {}};
+Mark t_arrow(double x) {
+  Mark mark{.name = "t axis", .lines = {segment({x, -10}, {x, 8})}, .circles = {}, .texts = {}};
   mark.lines.push_back({.points = {{x, 11}, {x - 1.2, 7.5}, {x + 1.2, 7.5}}, .closed = true, .filled = true});
   mark.texts.push_back(
-      {.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "back (+t)"});
+      {.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "+t"});
   return mark;
 }
 
@@ -217,7 +217,7 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
 
   const double room = 2 * half.x() - 16;
   all.push_back(ruler(room >= 112 ? 100 : room >= 62 ? 50 : 20, half.y() - 0.8));
-  all.push_back(back_arrow(-half.x() + 2.2));
+  all.push_back(t_arrow(-half.x() + 2.2));
 
   const bool mirrored = settings.pattern.inked_face == InkedFace::inner;
   const std::string side = mirrored ? "inner face, MIRRORED: print on the side that touches the mold"

@@ -32,8 +32,8 @@ struct Print {
   // text.
   std::string svg;
   bool mirrored = false;
-  double ink_area_mm2 = 0;  // of the drawing
-  double ink_printed = 0;   // the fraction of it that lies on the chart, in [0, 1]
+  double ink_area_mm2 = 0;        // of the drawing
+  double ink_printed = 0;         // the fraction of it that lies on the chart, in [0, 1]
   std::vector<Warning> warnings;  // "ink-off-chart" (with the loss), "marks-left-out", and the pattern's own
 
   // Where on the picture sheet coordinates lie, as a fraction of its width from the left and its height from

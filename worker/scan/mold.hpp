@@ -30,12 +30,12 @@ struct Undercut {
 
 // What was found in the file and what was done about it, for people and for report.json.
 struct ScanFindings {
-  std::string format;              // "STL (binary)", "PLY (ASCII)", ...
+  std::string format;  // "STL (binary)", "PLY (ASCII)", ...
   std::int64_t triangles_read = 0;
-  Unit unit = Unit::mm;            // as used
+  Unit unit = Unit::mm;  // as used
   bool unit_guessed = false;
-  bool size_given = false;         // scaled to scan.size_mm; `unit` says nothing then
-  UpAxis up = UpAxis::plus_z;      // as used
+  bool size_given = false;     // scaled to scan.size_mm; `unit` says nothing then
+  UpAxis up = UpAxis::plus_z;  // as used
   bool up_guessed = false;
   int components = 0;              // connected pieces in the file
   int components_dropped = 0;      // debris and inner skins
@@ -44,8 +44,8 @@ struct ScanFindings {
   int holes_capped = 0;            // large openings closed by the platform
   bool rebuilt = false;            // the skin was beyond repair and was wrapped anew (CGAL's alpha wrap)
   Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();  // of the whole scan, upright, before trimming
-  double trim_mm = 0;              // height above the scan's lowest point at which it was cut
-  bool trim_chosen = false;        // by Vacuform, where undercuts would begin
+  double trim_mm = 0;        // height above the scan's lowest point at which it was cut
+  bool trim_chosen = false;  // by Vacuform, where undercuts would begin
 };
 
 struct Mold {
@@ -60,8 +60,8 @@ struct Mold {
 // Warnings: up-guessed, large-hole, rebuilt, undercut. A tenth of a second of work for 27,000 triangles, two for a million.
 // `file_name` only helps messages and, where the bytes do not tell, the format (its extension).
 // Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
-Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name, const ScanSettings& settings,
-                       const Context& context);
+Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,
+                       const ScanSettings& settings, const Context& context);
 
 // Whether the mold fits the sheet and the machine's window, with room to draw; does_not_fit says by how much not.
 Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine);

@@ -35,13 +35,14 @@ RayCaster::RayCaster(const TriangleMesh& mesh) : scene_(std::make_unique<Scene>(
     scene_->centre = (low + high) / 2;
 
     RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), mesh.vertices.size()));
+    auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
     auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
     if (!points || !indices) throw std::bad_alloc();
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-      for (int k = 0; k < 3; ++k) points[3 * i + k] = static_cast<float>(mesh.vertices[i][k] - scene_->centre[k]);
+      for (int k = 0; k < 3; ++k)
+        points[3 * i + k] = static_cast<float>(mesh.vertices[i][k] - scene_->centre[k]);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
       for (int k = 0; k < 3; ++k) indices[3 * i + k] = static_cast<unsigned>(mesh.triangles[i][k]);
     rtcCommitGeometry(geometry);
@@ -49,14 +50,16 @@ RayCaster::RayCaster(const TriangleMesh& mesh) : scene_(std::make_unique<Scene>(
     rtcReleaseGeometry(geometry);
   }
   rtcCommitScene(scene_->scene);
-  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE) throw std::runtime_error("Embree cannot build its scene");
+  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE)
+    throw std::runtime_error("Embree cannot build its scene");
 }
 
 RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 
-std::optional<RayCaster::Hit> RayCaster::first_hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+std::optional<RayCaster::Hit> RayCaster::first_hit(const Eigen::Vector3d& origin,
+                                                   const Eigen::Vector3d& direction) const {
   const Eigen::Vector3f o = (origin - scene_->centre).cast<float>();
   const Eigen::Vector3f d = direction.cast<float>();
   RTCRayHit query;

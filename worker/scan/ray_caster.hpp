@@ -14,9 +14,9 @@ namespace vacuform {
 class RayCaster {
  public:
   struct Hit {
-    double t;          // along the direction as given, in (0, 1]
-    int triangle;      // index into the mesh's triangles
-    double u, v;       // barycentric: (1 - u - v) a + u b + v c
+    double t;      // along the direction as given, in (0, 1]
+    int triangle;  // index into the mesh's triangles
+    double u, v;   // barycentric: (1 - u - v) a + u b + v c
   };
 
   // Copies what it needs of the mesh. A mesh without triangles is allowed and is never hit.
