@@ -110,7 +110,7 @@ Mark ruler(double length, double top) {
 }
 
 Mark t_arrow(double x) {
-  Mark mark{.name = "t axis", .lines = {segment({x, -10}, {x, 8})}, .circles = {}, .texts = {}};
+  Mark mark{.name = "t-axis", .lines = {segment({x, -10}, {x, 8})}, .circles = {}, .texts = {}};
   mark.lines.push_back({.points = {{x, 11}, {x - 1.2, 7.5}, {x + 1.2, 7.5}}, .closed = true, .filled = true});
   mark.texts.push_back(
       {.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "+t"});
