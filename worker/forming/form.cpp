@@ -167,7 +167,8 @@ class Process {
     double total_area = 0, total_volume = 0, projected = 0;
     for (std::size_t k = 0; k < out.triangles.size(); ++k) {
       const Triangle& t = out.triangles[k];
-      const double stretch = membrane_.area_stretch(x_, static_cast<int>(k));
+      // A triangle that a fold has crushed to a line would be infinitely thick.
+      const double stretch = std::max(1e-6, membrane_.area_stretch(x_, static_cast<int>(k)));
       const double thickness = sheet_.thickness_mm / stretch;
       const Eigen::Vector3d normal =
           0.5 * (out.formed[t[1]] - out.formed[t[0]]).cross(out.formed[t[2]] - out.formed[t[0]]);
