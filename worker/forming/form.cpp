@@ -180,7 +180,8 @@ class Process {
       projected += normal.z();
       for (int v : t) area[v] += normal.norm(), volume[v] += normal.norm() * thickness;
     }
-    for (std::size_t i = 0; i < n; ++i) out.thickness.push_back(volume[i] / area[i]);
+    for (std::size_t i = 0; i < n; ++i)
+      out.thickness.push_back(area[i] > 0 ? volume[i] / area[i] : sheet_.thickness_mm);
 
     Points force(3, x_.cols());
     membrane_.energy(x_, pressure_, force);
