@@ -201,7 +201,7 @@ class Scans(Case):
     """Every real scan ends formed, or refused with a message that says what to do; what it says is then done."""
 
     # What the first attempt at default scan settings must end with: nothing, or these types of problem in turn.
-    REFUSALS = {"bust-demosthenes.obj": ["ambiguous-units", "unusable-scan"],  # no unit makes it plausible; undercuts
+    REFUSALS = {"bust-demosthenes.obj": ["ambiguous-units"],  # no unit makes it plausible
                 "corrupt-head.glb": ["corrupt-file"]}
 
     def follow(self, server, scan, settings):

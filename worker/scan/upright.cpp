@@ -81,9 +81,11 @@ Result<Unit> guess_unit(double longest_side, const std::string& where) {
         std::abs(std::log(longest_side * millimetres(nearest) / 200)))
       nearest = unit;
   return fail(Code::ambiguous_units, what, where,
-              "say which, for example --set scan.units=" +
-                  std::string(name(fitting.empty() ? nearest : fitting.front())) +
-                  (fitting.empty() ? ", or how large it is, for example --set scan.size_mm=250" : ""));
+              fitting.empty()
+                  ? "say how large it is, for example --set scan.size_mm=200 for its longest side, or "
+                    "its unit, for example --set scan.units=" +
+                        std::string(name(nearest))
+                  : "say which, for example --set scan.units=" + std::string(name(fitting.front())));
 }
 
 Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress& progress) {
