@@ -10,7 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+
+#include "worker/scan/embree_scene.hpp"
 
 namespace vacuform {
 namespace {
@@ -41,16 +42,9 @@ double squared_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b,
 
 }  // namespace
 
-struct MoldDistance::Scene {
+struct MoldDistance::Scene : EmbreeScene {
+  explicit Scene(const TriangleMesh& of) : EmbreeScene(of), mesh(of) {}
   const TriangleMesh& mesh;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  Vector3d centre = Vector3d::Zero();
-
-  ~Scene() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
-  }
 };
 
 namespace {
@@ -77,38 +71,11 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
 
 }  // namespace
 
-MoldDistance::MoldDistance(const TriangleMesh& mesh) : scene_(new Scene{.mesh = mesh}) {
-  if (mesh.triangles.empty()) return;
-  scene_->device = rtcNewDevice("threads=1,set_affinity=0");
-  if (!scene_->device) throw std::runtime_error("Embree cannot start");
-  scene_->scene = rtcNewScene(scene_->device);
-  Vector3d low = mesh.vertices.front(), high = low;
-  for (const auto& p : mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  scene_->centre = (low + high) / 2;
-
-  RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
-  if (!points || !indices) throw std::bad_alloc();
-  for (const auto& p : mesh.vertices)
-    for (int k = 0; k < 3; ++k) *points++ = static_cast<float>(p[k] - scene_->centre[k]);
-  for (const auto& t : mesh.triangles)
-    for (const int v : t) *indices++ = static_cast<unsigned>(v);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_->scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene_->scene);
-  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE)
-    throw std::runtime_error("Embree cannot build its scene");
-}
-
+MoldDistance::MoldDistance(const TriangleMesh& mesh) : scene_(std::make_unique<Scene>(mesh)) {}
 MoldDistance::~MoldDistance() = default;
 
 double MoldDistance::operator()(const Vector3d& point) const {
   Search search{.mesh = scene_->mesh, .point = point};
-  if (!scene_->scene) return search.best;
   RTCPointQuery query{};
   query.x = static_cast<float>(point.x() - scene_->centre.x());
   query.y = static_cast<float>(point.y() - scene_->centre.y());

@@ -6,9 +6,9 @@
 // twelfth of its thickness it tears. Draw: at most 1.5 times the window's shorter side, beyond which no sheet
 // in that window holds enough plastic.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "worker/decimal.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/scan/topology.hpp"
 
@@ -18,11 +18,7 @@ namespace {
 constexpr double most_draw = 1.5;         // over the window's shorter side
 constexpr double least_gap = 1.0 / 11.0;  // over the draw
 
-std::string mm(double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, 1).ptr;
-  return std::string(text, end) + " mm";
-}
+std::string mm(double value) { return decimal(value, 1) + " mm"; }
 
 }  // namespace
 

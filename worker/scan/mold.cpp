@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "worker/decimal.hpp"
 #include "worker/scan/closing.hpp"
 #include "worker/scan/cutting.hpp"
 #include "worker/scan/rebuilding.hpp"
@@ -26,11 +26,7 @@ constexpr double undercut_mm2 = 20;   // seen from above: smaller ones do not se
 constexpr double reported_mm = 1.5;   // shallower ones lie within the grid of what the trim allows
 constexpr double reported_mm2 = 4;    // smaller ones are a ray between two facets
 
-std::string mm(double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, 1).ptr;
-  return std::string(text, end) + " mm";
-}
+std::string mm(double value) { return decimal(value, 1) + " mm"; }
 
 // Half a millimetre on heads; coarser where a scan is so large that the grid would pass 800 columns a side.
 double ray_spacing(const TriangleMesh& mesh) {

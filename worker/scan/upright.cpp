@@ -2,10 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
+#include "worker/decimal.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/scan/undercuts.hpp"
 
@@ -15,11 +15,7 @@ namespace {
 constexpr double shortest_mm = 80, longest_mm = 400;
 constexpr std::array units{Unit::mm, Unit::cm, Unit::m, Unit::in};
 
-std::string one_digit(double mm) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, mm, std::chars_format::fixed, mm < 10 ? 1 : 0).ptr;
-  return {text, end};
-}
+std::string one_digit(double mm) { return decimal(mm, mm < 10 ? 1 : 0); }
 
 Eigen::Vector3d direction(UpAxis axis) {
   switch (axis) {
