@@ -18,8 +18,10 @@ constexpr std::array<std::string_view, 5> unit_names{"auto", "mm", "cm", "m", "i
 constexpr std::array<std::string_view, 7> up_names{"auto", "+x", "-x", "+y", "-y", "+z", "-z"};
 constexpr std::array<std::string_view, 5> material_names{"petg", "pc", "abs", "hips", "pvc"};
 constexpr std::array<std::string_view, 2> window_names{"rectangle", "circle"};
-constexpr std::array<std::string_view, 1> model_names{"membrane"};
+constexpr std::array<std::string_view, 4> model_names{"membrane", "viscoplastic", "mass_spring",
+                                                      "projection"};
 constexpr std::array<std::string_view, 2> law_names{"neo_hookean", "mooney_rivlin"};
+constexpr std::array<std::string_view, 2> integrator_names{"implicit_euler", "verlet"};
 constexpr std::array<std::string_view, 2> method_names{"arap", "cgal_arap"};
 constexpr std::array<std::string_view, 1> placement_names{"chart"};
 constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
@@ -30,6 +32,7 @@ std::span<const std::string_view> names_of(Material) { return material_names; }
 std::span<const std::string_view> names_of(WindowShape) { return window_names; }
 std::span<const std::string_view> names_of(FormingModel) { return model_names; }
 std::span<const std::string_view> names_of(MembraneLaw) { return law_names; }
+std::span<const std::string_view> names_of(Integrator) { return integrator_names; }
 std::span<const std::string_view> names_of(FlatteningMethod) { return method_names; }
 std::span<const std::string_view> names_of(Placement) { return placement_names; }
 std::span<const std::string_view> names_of(InkedFace) { return face_names; }
@@ -77,12 +80,27 @@ void describe(S& s, V& v) {
           "Height of the opening; a circle ignores it");
   v.field("drape_height_mm", s.machine.drape_height_mm, {0, 500, "mm"},
           "Height above the platform at which the frame stops");
+  v.field("vacuum_start_mm", s.machine.vacuum_start_mm, {0, 1000, "mm"},
+          "Height of the frame at which the vacuum starts; auto waits until the frame stops");
+  v.field("drape_speed_mm_s", s.machine.drape_speed_mm_s, {0.1, 1000, "mm/s"},
+          "Speed of the frame's descent");
   v.field("vacuum_kpa", s.machine.vacuum_kpa, {1, 101, "kPa"},
           "Pressure difference at the end of the vacuum ramp");
+  v.field("vacuum_seconds", s.machine.vacuum_seconds, {0.01, 600, "s"}, "Length of the vacuum ramp");
+  v.field("plug_height_mm", s.machine.plug_height_mm, {0, 500, "mm"},
+          "Height of a straight plug under the mold, of the mold's own outline");
 
   v.group("forming", "Forming: the simulation");
   v.field("model", s.forming.model, "Model of the sheet");
   v.field("law", s.forming.law, "Law of the membrane");
+  v.field("edge_stiffness", s.forming.edge_stiffness, {0.1, 10, "1"},
+          "Stiffness of the sheet at the clamp frame against its centre, as calibrated");
+  v.field("sag", s.forming.sag, "The hot sheet sags under its own weight");
+  v.field("yield_kpa", s.forming.yield_kpa, {0, 1000, "kPa"},
+          "Stress below which a viscoplastic sheet stays elastic");
+  v.field("integrator", s.forming.integrator, "Time integration of the mass-spring model");
+  v.field("time_step_ms", s.forming.time_step_ms, {0.001, 1000, "ms"},
+          "Time step of the mass-spring model; auto suits the integrator");
 
   v.group("flattening", "Flattening: from the formed sheet back to the drawing");
   v.field("method", s.flattening.method, "Method of flattening");
@@ -336,6 +354,7 @@ std::string_view name(Unit value) { return name_of(value); }
 std::string_view name(UpAxis value) { return name_of(value); }
 std::string_view name(Material value) { return name_of(value); }
 std::string_view name(InkedFace value) { return name_of(value); }
+std::string_view name(FormingModel value) { return name_of(value); }
 std::string_view name(MembraneLaw value) { return name_of(value); }
 
 Result<Settings> settings_from_json(const json& object) {

@@ -16,8 +16,9 @@ enum class Unit { automatic, mm, cm, m, in };
 enum class UpAxis { automatic, plus_x, minus_x, plus_y, minus_y, plus_z, minus_z };
 enum class Material { petg, pc, abs, hips, pvc };
 enum class WindowShape { rectangle, circle };
-enum class FormingModel { membrane };
+enum class FormingModel { membrane, viscoplastic, mass_spring, projection };
 enum class MembraneLaw { neo_hookean, mooney_rivlin };
+enum class Integrator { implicit_euler, verlet };
 enum class FlatteningMethod { arap, cgal_arap };
 enum class Placement { chart };
 enum class InkedFace { outer, inner };
@@ -43,12 +44,21 @@ struct MachineSettings {
   WindowShape window = WindowShape::rectangle;
   double window_width_mm = 280, window_height_mm = 280;  // a circle's diameter is the width
   double drape_height_mm = 0;                            // where the clamp frame stops above the platform
-  double vacuum_kpa = 85;                                // the limit of the vacuum ramp
+  std::optional<double> vacuum_start_mm;  // frame height at which the vacuum starts; none: where it stops
+  double drape_speed_mm_s = 50;
+  double vacuum_kpa = 85;     // the limit of the vacuum ramp
+  double vacuum_seconds = 2;  // from nothing to the limit
+  double plug_height_mm = 0;  // of a straight plug under the mold, of its own outline
 };
 
 struct FormingSettings {
   FormingModel model = FormingModel::membrane;
   MembraneLaw law = MembraneLaw::neo_hookean;
+  double edge_stiffness = 1;  // of the sheet at the clamp frame against its centre, by calibration
+  bool sag = false;           // under its own weight while it is hot
+  double yield_kpa = 0;       // viscoplastic: stress below which the sheet is elastic
+  Integrator integrator = Integrator::implicit_euler;  // mass_spring
+  std::optional<double> time_step_ms;                  // mass_spring; none: chosen for the integrator
 };
 
 struct FlatteningSettings {
@@ -101,6 +111,7 @@ std::string_view name(Unit);
 std::string_view name(UpAxis);
 std::string_view name(Material);
 std::string_view name(InkedFace);
+std::string_view name(FormingModel);
 std::string_view name(MembraneLaw);
 
 }  // namespace vacuform

@@ -1,9 +1,12 @@
 // Progress and cancellation, handed to every stage.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "api/error.hpp"
 #include "api/job.hpp"
@@ -50,6 +53,12 @@ class Context {
 struct Warning {
   std::string code;
   std::string text;
+  // Where and how large, for marks in a preview; `marks` may hold several places of one warning, worst first.
+  struct Mark {
+    std::array<double, 3> place_mm;  // in the mold's frame
+    double size_mm = 0;              // across; 0: a point
+  };
+  std::vector<Mark> marks = {};
 };
 
 }  // namespace vacuform

@@ -82,7 +82,7 @@ class Bench {
     rows.back().made = count(mold.mesh.triangles.size(), "triangles");
 
     const auto sheet = measure(head, "forming", [&] {
-      return form(mold, settings.sheet, settings.machine, settings.forming, context);
+      return form(mold, settings.sheet, settings.machine, settings.forming, TemperatureField(140), context);
     });
     rows.back().made = count(sheet.triangles.size(), "triangles");
 

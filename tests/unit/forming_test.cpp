@@ -13,6 +13,8 @@
 namespace vacuform {
 namespace {
 
+const TemperatureField warm(140);
+
 TEST(Obstacles, TouchIsTheFirstPlaceOnTheWay) {
   const Mold mold = hemisphere(50);
   const Obstacles obstacles(mold.mesh, {});
@@ -80,7 +82,7 @@ TEST(Forming, UndercutsDoNotLetTheSheetOut) {
   mushroom.top = {0, 0, 90};
   SheetSettings sheet;
   sheet.resolution_mm = 5;
-  const auto formed = form(mushroom, sheet, {}, {}, Context{});
+  const auto formed = form(mushroom, sheet, {}, {}, warm, Context{});
   ASSERT_TRUE(formed) << formed.error().text();
   int under_the_cap = 0;
   for (const auto& p : formed->formed) {
@@ -105,7 +107,7 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
   MachineSettings machine;
   machine.window = WindowShape::circle;
   machine.window_width_mm = 3 * R;
-  const auto formed = form(mold, coarse(), machine, {}, Context{});
+  const auto formed = form(mold, coarse(), machine, {}, warm, Context{});
   ASSERT_TRUE(formed) << formed.error().text();
 
   const std::array<std::array<double, 3>, 6> reference{{{15, .2594, .974},
@@ -169,7 +171,8 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
 
 TEST(Forming, SameInputSameBytes) {
   const Mold mold = hemisphere(60);
-  const auto a = form(mold, coarse(), {}, {}, Context{}), b = form(mold, coarse(), {}, {}, Context{});
+  const auto a = form(mold, coarse(), {}, {}, warm, Context{}),
+             b = form(mold, coarse(), {}, {}, warm, Context{});
   ASSERT_TRUE(a && b);
   ASSERT_EQ(a->formed.size(), b->formed.size());
   EXPECT_EQ(std::memcmp(a->formed.data(), b->formed.data(), a->formed.size() * sizeof(Eigen::Vector3d)), 0);
@@ -177,7 +180,7 @@ TEST(Forming, SameInputSameBytes) {
 
 // A square window over a round mold: the result has the symmetry of both.
 TEST(Forming, KeepsTheSymmetryOfMoldAndFrame) {
-  const auto formed = form(hemisphere(60), coarse(), {}, {}, Context{});
+  const auto formed = form(hemisphere(60), coarse(), {}, {}, warm, Context{});
   ASSERT_TRUE(formed);
   for (std::size_t i = 0; i < formed->rest.size(); ++i)
     for (std::size_t j = 0; j < formed->rest.size(); ++j)
@@ -191,7 +194,7 @@ TEST(Forming, KeepsTheSymmetryOfMoldAndFrame) {
 TEST(Forming, DrapeHeightAboveTheMoldStillForms) {
   MachineSettings machine;
   machine.drape_height_mm = 70;
-  const auto formed = form(hemisphere(60), coarse(), machine, {}, Context{});
+  const auto formed = form(hemisphere(60), coarse(), machine, {}, warm, Context{});
   ASSERT_TRUE(formed) << formed.error().text();
   EXPECT_EQ(formed->summary.drape_steps, 0);
   int on_mold = 0;
@@ -212,7 +215,7 @@ TEST(Forming, CancelEndsWithinASecond) {
   SheetSettings sheet;
   sheet.resolution_mm = 1;
   const auto begin = std::chrono::steady_clock::now();
-  const auto formed = form(hemisphere(60), sheet, {}, {}, context);
+  const auto formed = form(hemisphere(60), sheet, {}, {}, warm, context);
   const auto took = std::chrono::steady_clock::now() - begin;
   canceller.join();
   ASSERT_FALSE(formed);

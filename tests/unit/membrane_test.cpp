@@ -49,7 +49,7 @@ TEST(Membrane, GradientMatchesDifferences) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> noise(-0.3, 0.3);
   for (const MembraneLaw law : laws) {
-    const Membrane membrane(rest, triangles, law);
+    const Membrane membrane(rest, triangles, law, {1, 2, 0.5, 1});
     Points x(3, 5), g(3, 5), unused(3, 5);
     for (int i = 0; i < 5; ++i)
       x.col(i) << 1.3 * rest[i].x() + noise(random), 0.8 * rest[i].y() + noise(random), noise(random);
@@ -81,7 +81,8 @@ TEST(Membrane, GradientMatchesDifferences) {
 // A uniform biaxial stretch of the sheet by l costs A (l^2 + 1 / (2 l^4) - 3/2) with the neo-Hookean law.
 TEST(Membrane, UniformStretchCostsWhatTheLawSays) {
   const auto grid = make_sheet_grid({}, {});
-  const Membrane membrane(grid.rest, grid.triangles, MembraneLaw::neo_hookean);
+  const Membrane membrane(grid.rest, grid.triangles, MembraneLaw::neo_hookean,
+                          std::vector<double>(grid.triangles.size(), 1));
   Points x(3, static_cast<Eigen::Index>(grid.rest.size())), g = x;
   const double l = 1.7;
   for (std::size_t i = 0; i < grid.rest.size(); ++i) x.col(i) << l * grid.rest[i], 0;
@@ -103,7 +104,8 @@ TEST_P(Inflation, RisesAndThinsAsTheReference) {
   machine.window = WindowShape::circle;
   machine.window_width_mm = 200;
   const auto grid = make_sheet_grid(sheet, machine);
-  const Membrane membrane(grid.rest, grid.triangles, MembraneLaw::neo_hookean);
+  const Membrane membrane(grid.rest, grid.triangles, MembraneLaw::neo_hookean,
+                          std::vector<double>(grid.triangles.size(), 1));
   Equilibrium equilibrium(membrane, grid.triangles, grid.elimination_order);
   Points x(3, static_cast<Eigen::Index>(grid.rest.size()));
   for (std::size_t i = 0; i < grid.rest.size(); ++i) x.col(i) << grid.rest[i], 0;

@@ -7,6 +7,7 @@
 
 #include "api/settings.hpp"
 #include "worker/context.hpp"
+#include "worker/forming/heat/temperature_field.hpp"
 #include "worker/scan/mold.hpp"
 
 namespace vacuform {
@@ -44,8 +45,10 @@ struct FormedSheet {
   std::vector<Warning> warnings;
 };
 
-// Forms the sheet. Pure and deterministic. Errors: does_not_fit, no_equilibrium, cancelled.
+// Forms the sheet, from the temperature it has when it meets the mold. Pure and deterministic.
+// Errors: no_equilibrium, cancelled.
 Result<FormedSheet> form(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine,
-                         const FormingSettings& settings, const Context& context);
+                         const FormingSettings& settings, const TemperatureField& temperature,
+                         const Context& context);
 
 }  // namespace vacuform

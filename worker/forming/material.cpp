@@ -20,4 +20,6 @@ MaterialProfile material_profile(Material material) {
   std::abort();
 }
 
+double shear_modulus_kpa(Material material, double) { return material_profile(material).shear_modulus_kpa; }
+
 }  // namespace vacuform

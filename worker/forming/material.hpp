@@ -15,4 +15,6 @@ struct MaterialProfile {
 // how sharply the vacuum presses the sheet into corners.
 MaterialProfile material_profile(Material material);
 
+double shear_modulus_kpa(Material material, double celsius);
+
 }  // namespace vacuform

@@ -82,8 +82,12 @@ Density density(MembraneLaw law, double l1, double l2) {
 }
 
 Membrane::Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<Triangle>& triangles,
-                   MembraneLaw law)
-    : triangles_(triangles), law_(law), c1_(coefficients(law).c1), c2_(coefficients(law).c2) {
+                   MembraneLaw law, std::vector<double> stiffness)
+    : triangles_(triangles),
+      stiffness_(std::move(stiffness)),
+      law_(law),
+      c1_(coefficients(law).c1),
+      c2_(coefficients(law).c2) {
   for (const Triangle& t : triangles_) {
     Eigen::Matrix2d D;
     D << rest[t[1]] - rest[t[0]], rest[t[2]] - rest[t[0]];
@@ -126,7 +130,7 @@ double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::
     const Eigen::Vector3d S = along_principal(q, d.W1 / q.l1, d.W2 / q.l2);
     W = d.W, s11 = S[0], s12 = S[1], s22 = S[2];
   }
-  const double area = area_[triangle];
+  const double area = stiffness_[triangle] * area_[triangle];
   const Eigen::Vector3d P1 = area * (s11 * F1 + s12 * F2), P2 = area * (s12 * F1 + s22 * F2);
   gradient.col(1) = g(0, 1) * P1 + g(1, 1) * P2;
   gradient.col(2) = g(0, 2) * P1 + g(1, 2) * P2;
@@ -154,7 +158,8 @@ Eigen::Vector3d Membrane::scalar_stiffness(const Points& x, int triangle) const 
   const double shear =
       q.gap > 1e-6 * q.l1 * q.l1 ? (q.l1 * d.W1 - q.l2 * d.W2) / q.gap : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12);
   constexpr double least = 1e-2;
-  return along_principal(q, std::max(least, (d.W11 + std::max(0.0, shear) + d.W1 / q.l1) / 3),
+  return stiffness_[triangle] *
+         along_principal(q, std::max(least, (d.W11 + std::max(0.0, shear) + d.W1 / q.l1) / 3),
                          std::max(least, (d.W22 + std::max(0.0, shear) + d.W2 / q.l2) / 3));
 }
 

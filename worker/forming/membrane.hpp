@@ -26,8 +26,9 @@ Density density(MembraneLaw law, double l1, double l2);
 class Membrane {
  public:
   // Lengths in mm. Energies are in units of (shear modulus x thickness x mm^2), so only pressure has a unit: p is
-  // given as pressure / (shear modulus x thickness), 1/mm.
-  Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<Triangle>& triangles, MembraneLaw law);
+  // given as pressure / (shear modulus x thickness), 1/mm. `stiffness` is each triangle's modulus over that one.
+  Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<Triangle>& triangles, MembraneLaw law,
+           std::vector<double> stiffness);
 
   std::size_t triangle_count() const { return triangles_.size(); }
 
@@ -55,6 +56,7 @@ class Membrane {
   std::vector<Triangle> triangles_;
   std::vector<Eigen::Matrix<double, 2, 3>> shape_;
   std::vector<double> area_;
+  std::vector<double> stiffness_;
   MembraneLaw law_;
   double c1_, c2_;  // coefficients of the law
 };

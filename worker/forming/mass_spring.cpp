@@ -1,0 +1,10 @@
+#include "worker/forming/process.hpp"
+
+namespace vacuform {
+
+Result<void> form_mass_spring(const Process&, SheetState&, const Context&) {
+  return fail(Code::bad_settings, "this model of the sheet is not there yet", "forming.model",
+              "use membrane");
+}
+
+}  // namespace vacuform

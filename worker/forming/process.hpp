@@ -1,0 +1,58 @@
+// What every model of the sheet works on: the problem, and the state of the sheet on its way to the mold.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "worker/context.hpp"
+#include "worker/forming/contact.hpp"
+#include "worker/forming/formed_sheet.hpp"
+#include "worker/forming/heat/temperature_field.hpp"
+#include "worker/forming/membrane.hpp"
+#include "worker/forming/sheet_grid.hpp"
+
+namespace vacuform {
+
+// The problem. The frame starts level with the mold's top (higher by the sag, where the sheet sags) and descends to
+// machine.drape_height_mm; `obstacles` outlives the process.
+struct Process {
+  Process(const Obstacles& obstacles, double top_mm, const SheetSettings& sheet,
+          const MachineSettings& machine, const FormingSettings& forming,
+          const TemperatureField& temperature);
+
+  const Obstacles& obstacles;
+  double top_mm;  // height of the mold's highest point
+  SheetSettings sheet;
+  MachineSettings machine;
+  FormingSettings forming;
+  SheetGrid grid;
+  std::vector<double> celsius;    // per vertex
+  std::vector<double> stiffness;  // per triangle: its modulus over modulus_kpa
+  double modulus_kpa;             // shear modulus at the centre of the sheet
+};
+
+// The sheet on its way.
+struct SheetState {
+  explicit SheetState(const Process& process);  // flat, level with the mold's top, clamped
+
+  // Follows every free vertex from x straight to y; what touches an obstacle (or, where given, the sheet itself or its
+  // ceiling from below) is put there in y, held, and stamped with its time between from_time and to_time. Returns how
+  // many touched. x stays.
+  int follow(const Process& process, Points& y, double from_time, double to_time,
+             const SheetAsObstacle* ceiling = nullptr);
+
+  Points x;
+  std::vector<char> held;        // clamped, or stuck
+  std::vector<Contact> contact;  // what it touches
+  std::vector<double> time;      // of contact, as FormedSheet::contact_time
+  std::vector<char> folded;      // held by another part of the sheet
+  FormingSummary summary;        // all but mass_error and shear_modulus_kpa
+};
+
+// The models. Each brings the sheet from flat to formed. Errors: no_equilibrium, cancelled.
+Result<void> form_membrane(const Process& process, SheetState& state,
+                           const Context& context);  // and viscoplastic
+Result<void> form_mass_spring(const Process& process, SheetState& state, const Context& context);
+Result<void> form_projection(const Process& process, SheetState& state, const Context& context);
+
+}  // namespace vacuform
