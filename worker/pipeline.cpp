@@ -38,7 +38,7 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
   VACUFORM_TRY(mold, make_mold(inputs.scan, inputs.scan_name, s.scan, context));
   VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
-  const TemperatureField temperature(material_profile(s.sheet.material).forming_celsius);
+  const TemperatureField temperature(material_profile(s.sheet.material).forming_celsius());
   VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, temperature, context));
   VACUFORM_TRY(flattening, flatten(sheet, mold, s.flattening, s.pattern.inked_face, context));
 
