@@ -8,6 +8,7 @@
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/material.hpp"
 #include "worker/inspection/inspection.hpp"
+#include "worker/scan/plug.hpp"
 
 namespace vacuform {
 
@@ -36,7 +37,8 @@ Result<void> write_whole(const std::filesystem::path& path, std::span<const std:
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
   const Settings& s = inputs.settings;
   VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
-  VACUFORM_TRY(mold, make_mold(inputs.scan, inputs.scan_name, s.scan, context));
+  VACUFORM_TRY(cut, make_mold(inputs.scan, inputs.scan_name, s.scan, context));
+  VACUFORM_TRY(mold, on_plug(std::move(cut), s.machine.plug_height_mm));
   VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
   const TemperatureField temperature(material_profile(s.sheet.material).forming_celsius());
   VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, temperature, context));

@@ -140,15 +140,7 @@ Result<void> report_undercuts(Mold& mold, const ScanProgress& progress) {
     if (undercut.depth_mm > reported_mm && undercut.area_mm2 > reported_mm2)
       mold.undercuts.push_back(undercut);
   if (mold.undercuts.empty()) return {};
-  const auto& worst = mold.undercuts.front();
-  const std::size_t count = mold.undercuts.size();
-  mold.warnings.push_back(
-      {"undercut",
-       (count == 1 ? "The mold has an undercut that the sheet cannot reach or that locks the part; it"
-                   : "The mold has " + std::to_string(count) +
-                         " undercuts that the sheet cannot reach or that lock the part; the deepest") +
-           " reaches " + mm(worst.depth_mm) + " under what overhangs it at x = " + mm(worst.place.x()) +
-           ", y = " + mm(worst.place.y()) + ", z = " + mm(worst.place.z())});
+  mold.warnings.push_back(undercut_warning(mold.undercuts));
   return {};
 }
 

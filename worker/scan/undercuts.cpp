@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "worker/decimal.hpp"
 #include "worker/scan/topology.hpp"
 
 namespace vacuform {
@@ -256,6 +257,21 @@ double CoveredSpace::domed_share(double floor, double reach) const {
       domed += here + slack >= (west + east) / 2 && here + slack >= (south + north) / 2;
     }
   return seen > 0 ? static_cast<double>(domed) / static_cast<double>(seen) : 0;
+}
+
+Warning undercut_warning(const std::vector<Undercut>& undercuts) {
+  const auto mm = [](double value) { return decimal(value, 1) + " mm"; };
+  const Undercut& worst = undercuts.front();
+  Warning warning{"undercut",
+                  (undercuts.size() == 1
+                       ? "The mold has an undercut that the sheet cannot reach or that locks the part; it"
+                       : "The mold has " + std::to_string(undercuts.size()) +
+                             " undercuts that the sheet cannot reach or that lock the part; the deepest") +
+                      " reaches " + mm(worst.depth_mm) + " under what overhangs it at x = " +
+                      mm(worst.place.x()) + ", y = " + mm(worst.place.y()) + ", z = " + mm(worst.place.z())};
+  for (const Undercut& u : undercuts)
+    warning.marks.push_back({{u.place.x(), u.place.y(), u.place.z()}, u.depth_mm});
+  return warning;
 }
 
 }  // namespace vacuform

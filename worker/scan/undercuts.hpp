@@ -75,4 +75,7 @@ class CoveredSpace {
   std::vector<Level> pyramid_;  // from k = 1 on
 };
 
+// What a maker is told about them ("undercut"), with place and depth of each as its marks. At least one, deepest first.
+Warning undercut_warning(const std::vector<Undercut>& undercuts);
+
 }  // namespace vacuform
