@@ -18,6 +18,7 @@ constexpr std::array<std::string_view, 5> unit_names{"auto", "mm", "cm", "m", "i
 constexpr std::array<std::string_view, 7> up_names{"auto", "+x", "-x", "+y", "-y", "+z", "-z"};
 constexpr std::array<std::string_view, 5> material_names{"petg", "pc", "abs", "hips", "pvc"};
 constexpr std::array<std::string_view, 2> window_names{"rectangle", "circle"};
+constexpr std::array<std::string_view, 3> source_names{"uniform", "heaters", "measured"};
 constexpr std::array<std::string_view, 4> model_names{"membrane", "viscoplastic", "mass_spring",
                                                       "projection"};
 constexpr std::array<std::string_view, 2> law_names{"neo_hookean", "mooney_rivlin"};
@@ -30,6 +31,7 @@ std::span<const std::string_view> names_of(Unit) { return unit_names; }
 std::span<const std::string_view> names_of(UpAxis) { return up_names; }
 std::span<const std::string_view> names_of(Material) { return material_names; }
 std::span<const std::string_view> names_of(WindowShape) { return window_names; }
+std::span<const std::string_view> names_of(HeatSource) { return source_names; }
 std::span<const std::string_view> names_of(FormingModel) { return model_names; }
 std::span<const std::string_view> names_of(MembraneLaw) { return law_names; }
 std::span<const std::string_view> names_of(Integrator) { return integrator_names; }
@@ -47,8 +49,22 @@ struct Range {
   std::string_view unit;
 };
 
+template <class S, class V>
+void describe_heater(S& h, V& v) {
+  v.field("x_mm", h.x_mm, {-2000, 2000, "mm"}, "Centre of the heater along x, from the sheet's centre");
+  v.field("y_mm", h.y_mm, {-2000, 2000, "mm"}, "Centre of the heater along y, from the sheet's centre");
+  v.field("z_mm", h.z_mm, {-2000, 2000, "mm"}, "Distance above the sheet; negative below it");
+  v.field("width_mm", h.width_mm, {1, 4000, "mm"}, "Width of the heater, along x");
+  v.field("height_mm", h.height_mm, {1, 4000, "mm"}, "Height of the heater, along y");
+  v.field("celsius", h.celsius, {0, 1500, "C"}, "Temperature of its face; auto where the power is given");
+  v.field("power_w", h.power_w, {0, 50000, "W"}, "Radiated power; auto where the temperature is given");
+  v.field("emissivity", h.emissivity, {0.05, 1, "1"}, "Emissivity of its face");
+  v.field("zone", h.zone, "Name of the zone that heat.gains turns up or down");
+}
+
 // The one description of all settings. A visitor has group(name, title) and, per kind of field,
-// field(key, value&, text) for choices and switches, and field(key, value&, Range, text) for numbers.
+// field(key, value&, text) for choices, switches, short names and the list of heaters, and
+// field(key, value&, Range, text) for numbers and for numbers by name.
 template <class S, class V>
 void describe(S& s, V& v) {
   v.group("scan", "Scan: how the file becomes a mold");
@@ -89,6 +105,32 @@ void describe(S& s, V& v) {
   v.field("vacuum_seconds", s.machine.vacuum_seconds, {0.01, 600, "s"}, "Length of the vacuum ramp");
   v.field("plug_height_mm", s.machine.plug_height_mm, {0, 500, "mm"},
           "Height of a straight plug under the mold, of the mold's own outline");
+  v.field("heaters", s.machine.heaters,
+          "Flat radiant heaters, as a list such as [{\"x_mm\": 0, \"y_mm\": 0, \"z_mm\": 150, "
+          "\"width_mm\": 200, \"height_mm\": 200, \"celsius\": 500}]");
+  v.field("reflector_mm", s.machine.reflector_mm, {0, 2000, "mm"},
+          "Height of mirror walls around the heaters, from their face towards the sheet; 0 for none");
+  v.field("reflectance", s.machine.reflectance, {0, 1, "1"}, "Reflectance of those walls");
+  v.field("lip_mm", s.machine.lip_mm, {0, 200, "mm"},
+          "Height of the clamp frame's inner edge over each face of the sheet, which shades it");
+
+  v.group("heat", "Heat: how warm the sheet is when it meets the mold");
+  v.field("source", s.heat.source,
+          "Uniform, computed from the machine's heaters, or measured and given as a file");
+  v.field("temperature_c", s.heat.temperature_c, {20, 300, "C"},
+          "Temperature of the sheet; auto is the middle of the plastic's forming window");
+  v.field("seconds", s.heat.seconds, {0.1, 3600, "s"},
+          "Time under the heaters; auto heats until the mean of the sheet is at its temperature");
+  v.field("transfer_seconds", s.heat.transfer_seconds, {0, 120, "s"},
+          "Time between heaters and mold, in which the sheet cools");
+  v.field("ambient_c", s.heat.ambient_c, {-20, 200, "C"},
+          "Temperature of air and surroundings, and of the sheet at first");
+  v.field("convection_w_m2k", s.heat.convection_w_m2k, {0, 100, "W/m2K"},
+          "Heat transfer between each face and the air; 5 to 10 in still air");
+  v.field("gains", s.heat.gains, {0, 10, "1"},
+          "Share of their power at which zones of heaters run, such as {\"rim\": 1.2}");
+  v.field("black_c", s.heat.black_c, {-50, 500, "C"}, "Temperature that black means in a measured picture");
+  v.field("white_c", s.heat.white_c, {-50, 500, "C"}, "Temperature that white means in a measured picture");
 
   v.group("forming", "Forming: the simulation");
   v.field("model", s.forming.model, "Model of the sheet");
@@ -96,6 +138,8 @@ void describe(S& s, V& v) {
   v.field("edge_stiffness", s.forming.edge_stiffness, {0.1, 10, "1"},
           "Stiffness of the sheet at the clamp frame against its centre, as calibrated");
   v.field("sag", s.forming.sag, "The hot sheet sags under its own weight");
+  v.field("thin_limit", s.forming.thin_limit, {0, 1, "1"},
+          "Share of its thickness below which a thin place is a warning");
   v.field("yield_kpa", s.forming.yield_kpa, {0, 1000, "kPa"},
           "Stress below which a viscoplastic sheet stays elastic");
   v.field("integrator", s.forming.integrator, "Time integration of the mass-spring model");
@@ -229,6 +273,44 @@ struct Parser {
     else if (in_range(key, *j, range))
       value = j->get<double>();
   }
+  // A name that people give: short, and fit for a message.
+  static bool short_name(const std::string& text) {
+    return text.size() <= 32 && std::all_of(text.begin(), text.end(), [](char c) {
+             return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+                    c == '_';
+           });
+  }
+  void field(std::string_view key, std::string& value, std::string_view) {
+    const json* j = take(key);
+    if (!j) return;
+    if (!j->is_string() || !short_name(j->get_ref<const std::string&>()))
+      return refuse(dotted(key), "not a short name", "give at most 32 letters, digits, - and _");
+    value = j->get<std::string>();
+  }
+  void field(std::string_view key, std::vector<Heater>& value, std::string_view) {
+    const json* j = take(key);
+    if (!j) return;
+    if (!j->is_array() || j->size() > 400)
+      return refuse(dotted(key), "not a list of at most 400 heaters", "write [{...}, {...}]");
+    for (std::size_t i = 0; i < j->size(); ++i) {
+      Parser item{object, {}, dotted(key) + "[" + std::to_string(i) + "]", &(*j)[i], {}, {}};
+      if (!(*j)[i].is_object()) return refuse(item.group_name, "not a JSON object", "write {...}");
+      describe_heater(value.emplace_back(), item);
+      item.refuse_unknown();
+      if (item.error) return refuse(item.error->where, item.error->what, item.error->mend);
+    }
+  }
+  void field(std::string_view key, std::map<std::string, double>& value, Range range, std::string_view) {
+    const json* j = take(key);
+    if (!j) return;
+    if (!j->is_object() || j->size() > 400)
+      return refuse(dotted(key), "not an object of at most 400 numbers by name", "write {\"rim\": 1.2}");
+    for (const auto& [name, number_of] : j->items()) {
+      if (!short_name(name))
+        return refuse(dotted(key), "not a short name", "give at most 32 letters, digits, - and _");
+      if (in_range(std::string(key) + "." + name, number_of, range)) value[name] = number_of.get<double>();
+    }
+  }
   void field(std::string_view key, std::array<double, 2>& value, Range range, std::string_view) {
     const json* j = take(key);
     if (!j) return;
@@ -253,6 +335,10 @@ struct Writer {
   void field(std::string_view key, const bool& value, std::string_view) {
     (*current)[std::string(key)] = value;
   }
+  void field(std::string_view key, const std::string& value, std::string_view) {
+    (*current)[std::string(key)] = value;
+  }
+  void field(std::string_view key, const std::vector<Heater>& value, std::string_view);
   template <class T>
   void field(std::string_view key, const T& value, Range, std::string_view) {
     (*current)[std::string(key)] = value;
@@ -265,6 +351,18 @@ struct Writer {
       slot = "auto";
   }
 };
+
+void Writer::field(std::string_view key, const std::vector<Heater>& value, std::string_view) {
+  ordered_json list = ordered_json::array();
+  for (const Heater& heater : value) {
+    Writer item;
+    ordered_json fields = ordered_json::object();
+    item.current = &fields;
+    describe_heater(heater, item);
+    list.push_back(std::move(fields));
+  }
+  (*current)[std::string(key)] = std::move(list);
+}
 
 struct SchemaWriter {
   ordered_json groups = ordered_json::object();
@@ -326,7 +424,70 @@ struct SchemaWriter {
     f["minItems"] = f["maxItems"] = 2;
     f["default"] = value;
   }
+  void field(std::string_view key, const std::string& value, std::string_view text) {
+    auto& f = add(key, text);
+    f["type"] = "string";
+    f["maxLength"] = 32;
+    f["default"] = value;
+  }
+  void field(std::string_view key, const std::vector<Heater>&, std::string_view text) {
+    SchemaWriter item;
+    ordered_json properties = ordered_json::object();
+    item.current = &properties;
+    const Heater defaults;
+    describe_heater(defaults, item);
+    auto& f = add(key, text);
+    f["type"] = "array";
+    f["items"] = {{"type", "object"}, {"additionalProperties", false}, {"properties", std::move(properties)}};
+    f["maxItems"] = 400;
+    f["default"] = ordered_json::array();
+  }
+  void field(std::string_view key, const std::map<std::string, double>&, Range range, std::string_view text) {
+    ordered_json item = {{"type", "number"}};
+    limit(item, range);
+    auto& f = add(key, text);
+    f["type"] = "object";
+    f["additionalProperties"] = item;
+    f["default"] = ordered_json::object();
+  }
 };
+
+// What the heaters and the source of heat must agree on.
+Result<void> check_heat(const Settings& s) {
+  const auto& heaters = s.machine.heaters;
+  const auto place = [](std::size_t i) { return "machine.heaters[" + std::to_string(i) + "]"; };
+  for (std::size_t i = 0; i < heaters.size(); ++i) {
+    const Heater& a = heaters[i];
+    if (a.celsius.has_value() == a.power_w.has_value())
+      return fail(Code::bad_settings, "a heater needs either a temperature or a power", place(i),
+                  "give one of celsius and power_w");
+    if (std::abs(a.z_mm) < 5)
+      return fail(Code::bad_settings, "a heater is closer to the sheet than 5 mm", place(i),
+                  "give z_mm, its distance above the sheet, negative below it");
+    for (std::size_t k = 0; k < i; ++k) {
+      const Heater& b = heaters[k];
+      constexpr double touching = 1e-6;
+      if ((a.z_mm > 0) == (b.z_mm > 0) &&
+          2 * std::abs(a.x_mm - b.x_mm) < a.width_mm + b.width_mm - touching &&
+          2 * std::abs(a.y_mm - b.y_mm) < a.height_mm + b.height_mm - touching)
+        return fail(Code::bad_settings,
+                    "two heaters on one side of the sheet overlap: " + place(k) + " and it", place(i),
+                    "move one of them or make it smaller");
+    }
+  }
+  for (const auto& [zone, gain] : s.heat.gains)
+    if (std::none_of(heaters.begin(), heaters.end(), [&](const Heater& h) { return h.zone == zone; }))
+      return fail(Code::bad_settings, "no heater is in this zone", "heat.gains." + zone,
+                  "give it to a heater as its zone, or leave it out");
+  if (s.heat.source == HeatSource::heaters && heaters.empty())
+    return fail(Code::bad_settings, "there are no heaters to compute the temperature from", "machine.heaters",
+                "describe the machine's heaters, or choose another heat.source");
+  if (s.heat.black_c.has_value() != s.heat.white_c.has_value() ||
+      (s.heat.black_c && *s.heat.black_c == *s.heat.white_c))
+    return fail(Code::bad_settings, "black and white of a measured picture need a temperature each",
+                "heat.black_c", "give heat.black_c and heat.white_c, which differ");
+  return {};
+}
 
 // What no single field can know.
 Result<void> check_together(const Settings& s) {
@@ -340,6 +501,7 @@ Result<void> check_together(const Settings& s) {
                 "machine.window_width_mm",
                 "give a window of at most " + number(s.sheet.width_mm) + " x " + number(s.sheet.height_mm) +
                     " mm, or a larger sheet");
+  VACUFORM_CHECK(check_heat(s));
   const double cells =
       (s.sheet.width_mm / s.sheet.resolution_mm) * (s.sheet.height_mm / s.sheet.resolution_mm);
   if (cells > 640000)
@@ -354,6 +516,7 @@ std::string_view name(Unit value) { return name_of(value); }
 std::string_view name(UpAxis value) { return name_of(value); }
 std::string_view name(Material value) { return name_of(value); }
 std::string_view name(InkedFace value) { return name_of(value); }
+std::string_view name(HeatSource value) { return name_of(value); }
 std::string_view name(FormingModel value) { return name_of(value); }
 std::string_view name(MembraneLaw value) { return name_of(value); }
 

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/error.hpp"
 
@@ -16,6 +18,7 @@ enum class Unit { automatic, mm, cm, m, in };
 enum class UpAxis { automatic, plus_x, minus_x, plus_y, minus_y, plus_z, minus_z };
 enum class Material { petg, pc, abs, hips, pvc };
 enum class WindowShape { rectangle, circle };
+enum class HeatSource { uniform, heaters, measured };
 enum class FormingModel { membrane, viscoplastic, mass_spring, projection };
 enum class MembraneLaw { neo_hookean, mooney_rivlin };
 enum class Integrator { implicit_euler, verlet };
@@ -40,6 +43,17 @@ struct SheetSettings {
   double resolution_mm = 3;  // grid spacing
 };
 
+// A flat radiant heater that faces the sheet.
+struct Heater {
+  double x_mm = 0, y_mm = 0;               // its centre, from the sheet's
+  double z_mm = 150;                       // above the sheet; negative: below it
+  double width_mm = 100, height_mm = 100;  // along x and y
+  std::optional<double> celsius;           // of its face; either this
+  std::optional<double> power_w;           // or what its face radiates more than it receives
+  double emissivity = 0.9;
+  std::string zone;  // heaters that are turned up and down together (HeatSettings::gains)
+};
+
 struct MachineSettings {
   WindowShape window = WindowShape::rectangle;
   double window_width_mm = 280, window_height_mm = 280;  // a circle's diameter is the width
@@ -49,6 +63,21 @@ struct MachineSettings {
   double vacuum_kpa = 85;     // the limit of the vacuum ramp
   double vacuum_seconds = 2;  // from nothing to the limit
   double plug_height_mm = 0;  // of a straight plug under the mold, of its own outline
+  std::vector<Heater> heaters;
+  double reflector_mm = 0;   // mirror walls around the heaters, from their face towards the sheet; 0: none
+  double reflectance = 0.8;  // of those walls
+  double lip_mm = 0;  // upright inner edge of the clamp frame on both faces of the sheet, which shades it
+};
+
+struct HeatSettings {
+  HeatSource source = HeatSource::uniform;
+  std::optional<double> temperature_c;     // none: the middle of the material's forming window
+  std::optional<double> seconds;           // under the heaters; none: until the sheet's mean is temperature_c
+  double transfer_seconds = 2;             // from the heaters to the mold
+  double ambient_c = 23;                   // of the air, the surroundings, and the sheet at first
+  double convection_w_m2k = 7;             // between each face and the air
+  std::map<std::string, double> gains;     // by zone: its heaters' share of their power
+  std::optional<double> black_c, white_c;  // what black and white mean in a measured picture
 };
 
 struct FormingSettings {
@@ -56,6 +85,7 @@ struct FormingSettings {
   MembraneLaw law = MembraneLaw::neo_hookean;
   double edge_stiffness = 1;  // of the sheet at the clamp frame against its centre, by calibration
   bool sag = false;           // under its own weight while it is hot
+  double thin_limit = 0.3;    // of the thickness before forming: below it, the maker is told
   double yield_kpa = 0;       // viscoplastic: stress below which the sheet is elastic
   Integrator integrator = Integrator::implicit_euler;  // mass_spring
   std::optional<double> time_step_ms;                  // mass_spring; none: chosen for the integrator
@@ -84,6 +114,7 @@ struct Settings {
   ScanSettings scan;
   SheetSettings sheet;
   MachineSettings machine;
+  HeatSettings heat;
   FormingSettings forming;
   FlatteningSettings flattening;
   PatternSettings pattern;
@@ -111,6 +142,7 @@ std::string_view name(Unit);
 std::string_view name(UpAxis);
 std::string_view name(Material);
 std::string_view name(InkedFace);
+std::string_view name(HeatSource);
 std::string_view name(FormingModel);
 std::string_view name(MembraneLaw);
 

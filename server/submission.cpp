@@ -86,7 +86,7 @@ Result<Settings> merged_settings(const std::string& text, const std::map<std::st
     const std::size_t begin = value.find_first_not_of(" \t\r\n");
     if (begin == std::string::npos) continue;
     std::string given = value.substr(begin, value.find_last_not_of(" \t\r\n") + 1 - begin);
-    if (given.find(',') != std::string::npos && given.front() != '[')
+    if (given.find(',') != std::string::npos && given.front() != '[' && given.front() != '{')
       given = "[" + given + "]";  // "3, 4" is a pair
     VACUFORM_CHECK(set_in_json(object, name + "=" + given));
   }

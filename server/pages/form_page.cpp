@@ -14,12 +14,12 @@ using nlohmann::ordered_json;
 namespace {
 
 // The groups as a user meets them: what changes from job to job first.
-constexpr std::array<std::string_view, 7> group_order{"pattern", "scan",       "sheet",  "machine",
-                                                      "print",   "flattening", "forming"};
+constexpr std::array<std::string_view, 8> group_order{"pattern", "scan",  "sheet",      "machine",
+                                                      "heat",    "print", "flattening", "forming"};
 
 // "window_width_mm" -> "Window width"; the unit is shown beside the field.
 std::string label_of(std::string key) {
-  for (const std::string_view unit : {"_mm", "_deg", "_kpa"})
+  for (const std::string_view unit : {"_mm", "_deg", "_kpa", "_w_m2k", "_c"})
     if (key.ends_with(unit)) key.erase(key.size() - unit.size());
   std::replace(key.begin(), key.end(), '_', ' ');
   if (key == "dpi") return "DPI";
@@ -69,10 +69,10 @@ std::string field_html(const std::string& name, const std::string& key, const or
     control =
         "<select" + common + ">" + choices({"true", "false"}, value.empty() ? fallback : value) + "</select>";
   } else {
-    const bool pair = schema.value("type", "") == "array";
+    const bool text = schema.value("type", "") == "array" || schema.value("type", "") == "object";
     control =
         "<input" + common + " placeholder=\"" + escaped(fallback) + "\" value=\"" + escaped(value) + "\"";
-    if (pair)
+    if (text)
       control += " type=\"text\" inputmode=\"text\" autocomplete=\"off\"";
     else
       control += " type=\"number\" step=\"" +

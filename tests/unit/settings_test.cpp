@@ -27,6 +27,24 @@ TEST(Settings, WrittenSettingsReadBackTheSame) {
   EXPECT_EQ(to_json(*back).dump(), text);
 }
 
+TEST(Settings, HeatersAndGainsReadBackTheSame) {
+  const auto settings = settings_from_text(
+      R"({"machine": {"heaters": [{"x_mm": -75, "width_mm": 150, "celsius": 500, "zone": "left"},
+                                  {"x_mm": 75, "width_mm": 150, "power_w": 800}]},
+          "heat": {"source": "heaters", "gains": {"left": 0.8}, "seconds": 40}})");
+  ASSERT_TRUE(settings) << settings.error().text();
+  ASSERT_EQ(settings->machine.heaters.size(), 2u);
+  EXPECT_EQ(settings->machine.heaters[0].celsius, 500);
+  EXPECT_EQ(settings->machine.heaters[0].zone, "left");
+  EXPECT_EQ(settings->machine.heaters[1].power_w, 800);
+  EXPECT_FALSE(settings->machine.heaters[1].celsius);
+  EXPECT_EQ(settings->heat.gains.at("left"), 0.8);
+  const auto text = to_json(*settings).dump();
+  const auto back = settings_from_text(text);
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_EQ(to_json(*back).dump(), text);
+}
+
 struct Refusal {
   const char* text;
   const char* where;
@@ -44,25 +62,41 @@ TEST_P(SettingsRefusal, NamesTheSetting) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, SettingsRefusal,
-    testing::Values(Refusal{R"({"prnt": {}})", "prnt", "unknown group"},
-                    Refusal{R"({"print": {"dip": 300}})", "print.dip", "dpi, marks, margin_mm"},
-                    Refusal{R"({"print": {"dpi": 71}})", "print.dpi", "from 72 to 1200"},
-                    Refusal{R"({"print": {"dpi": 300.5}})", "print.dpi", "whole number"},
-                    Refusal{R"({"print": {"dpi": "300"}})", "print.dpi", "not a number"},
-                    Refusal{R"({"print": {"marks": 1}})", "print.marks", "true or false"},
-                    Refusal{R"({"print": 300})", "print", "JSON object"},
-                    Refusal{R"({"scan": {"trim_mm": "automatic"}})", "scan.trim_mm", "auto"},
-                    Refusal{R"({"scan": {"units": "furlong"}})", "scan.units", "auto, mm, cm, m, in"},
-                    Refusal{R"({"pattern": {"offset_mm": [1]}})", "pattern.offset_mm", "[u, v]"},
-                    Refusal{R"({"pattern": {"offset_mm": [1, 1e9]}})", "pattern.offset_mm", "out of range"},
-                    Refusal{R"({"scan": {"units": "cm", "size_mm": 200}})", "scan.size_mm",
-                            "give one of them"},
-                    Refusal{R"({"machine": {"window_width_mm": 400}})", "machine.window_width_mm",
-                            "larger than the sheet"},
-                    Refusal{R"({"sheet": {"width_mm": 2000, "height_mm": 2000, "resolution_mm": 0.5}})",
-                            "sheet.resolution_mm", "coarser"},
-                    Refusal{"[1, 2]", "", "JSON object"}, Refusal{"{\"print\": {", "", "not valid JSON"},
-                    Refusal{"[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]", "", "JSON"}));
+    testing::Values(
+        Refusal{R"({"prnt": {}})", "prnt", "unknown group"},
+        Refusal{R"({"print": {"dip": 300}})", "print.dip", "dpi, marks, margin_mm"},
+        Refusal{R"({"print": {"dpi": 71}})", "print.dpi", "from 72 to 1200"},
+        Refusal{R"({"print": {"dpi": 300.5}})", "print.dpi", "whole number"},
+        Refusal{R"({"print": {"dpi": "300"}})", "print.dpi", "not a number"},
+        Refusal{R"({"print": {"marks": 1}})", "print.marks", "true or false"},
+        Refusal{R"({"print": 300})", "print", "JSON object"},
+        Refusal{R"({"scan": {"trim_mm": "automatic"}})", "scan.trim_mm", "auto"},
+        Refusal{R"({"scan": {"units": "furlong"}})", "scan.units", "auto, mm, cm, m, in"},
+        Refusal{R"({"pattern": {"offset_mm": [1]}})", "pattern.offset_mm", "[u, v]"},
+        Refusal{R"({"pattern": {"offset_mm": [1, 1e9]}})", "pattern.offset_mm", "out of range"},
+        Refusal{R"({"scan": {"units": "cm", "size_mm": 200}})", "scan.size_mm", "give one of them"},
+        Refusal{R"({"machine": {"window_width_mm": 400}})", "machine.window_width_mm",
+                "larger than the sheet"},
+        Refusal{R"({"sheet": {"width_mm": 2000, "height_mm": 2000, "resolution_mm": 0.5}})",
+                "sheet.resolution_mm", "coarser"},
+        Refusal{R"({"machine": {"heaters": 3}})", "machine.heaters", "a list"},
+        Refusal{R"({"machine": {"heaters": [3]}})", "machine.heaters[0]", "JSON object"},
+        Refusal{R"({"machine": {"heaters": [{"celsius": 1}, {"watt": 3}]}})", "machine.heaters[1].watt",
+                "unknown setting"},
+        Refusal{R"({"machine": {"heaters": [{"celsius": 9999}]}})", "machine.heaters[0].celsius",
+                "out of range"},
+        Refusal{R"({"machine": {"heaters": [{"celsius": 400, "zone": "a b"}]}})", "machine.heaters[0].zone",
+                "short name"},
+        Refusal{R"({"machine": {"heaters": [{}]}})", "machine.heaters[0]", "celsius and power_w"},
+        Refusal{R"({"machine": {"heaters": [{"celsius": 400}, {"celsius": 400, "x_mm": 99}]}})",
+                "machine.heaters[1]", "overlap"},
+        Refusal{R"({"machine": {"heaters": [{"celsius": 400, "z_mm": 1}]}})", "machine.heaters[0]", "closer"},
+        Refusal{R"({"heat": {"source": "heaters"}})", "machine.heaters", "no heaters"},
+        Refusal{R"({"heat": {"gains": {"rim": 1}}})", "heat.gains.rim", "no heater"},
+        Refusal{R"({"heat": {"gains": {"rim": -1}}})", "heat.gains.rim", "from 0 to 10"},
+        Refusal{R"({"heat": {"black_c": 20}})", "heat.black_c", "a temperature each"},
+        Refusal{"[1, 2]", "", "JSON object"}, Refusal{"{\"print\": {", "", "not valid JSON"},
+        Refusal{"[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]", "", "JSON"}));
 
 TEST(Settings, SetReadsJsonAndBareWords) {
   nlohmann::json object;
