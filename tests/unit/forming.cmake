@@ -3,3 +3,5 @@ vacuform_test(forming_test
           ${CMAKE_CURRENT_LIST_DIR}/findings_test.cpp ${CMAKE_CURRENT_LIST_DIR}/forming_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/projection_test.cpp
   LINKS vacuform_forming)
+
+vacuform_test(heat_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/heat_test.cpp LINKS vacuform_heat)
