@@ -168,3 +168,67 @@ def edges_closed(triangles):
             edge = (t[i], t[(i + 1) % 3])
             seen[edge] = seen.get(edge, 0) + 1
     return all(n == seen.get((b, a), 0) for (a, b), n in seen.items())
+
+
+# Molds of known shape, watertight, in mm, with the platform under z = 0: triangles of points, outwards.
+
+
+def stl(triangles):
+    """Binary STL."""
+    body = b"".join(struct.pack("<12fH", 0, 0, 0, *(x for p in t for x in p), 0) for t in triangles)
+    return b"".ljust(80) + struct.pack("<I", len(triangles)) + body
+
+
+def revolved(profile, sectors=360):
+    """The solid that the profile, (radius, z) from its bottom on the axis to its top on the axis, sweeps around the axis."""
+    around = [(math.cos(2 * math.pi * k / sectors), math.sin(2 * math.pi * k / sectors)) for k in range(sectors)]
+    triangles = []
+    for (r0, z0), (r1, z1) in zip(profile, profile[1:]):
+        for (c, s), (d, e) in zip(around, around[1:] + around[:1]):
+            a, b, p, q = (r0 * c, r0 * s, z0), (r0 * d, r0 * e, z0), (r1 * c, r1 * s, z1), (r1 * d, r1 * e, z1)
+            if r0 > 0:
+                triangles.append((a, b, q if r1 > 0 else p))
+            if r1 > 0:
+                triangles.append((a, q, p))
+    return triangles
+
+
+def hemisphere(radius, rings=180, sectors=360):
+    """A male half ball."""
+    arc = [(radius * math.sin(a), radius * math.cos(a))
+           for a in (math.pi / 2 * (rings - i) / rings for i in range(rings))]
+    return revolved([(0, 0), *arc, (0, radius)], sectors)
+
+
+def male_cone(radius, angle_deg, sectors=360):
+    """A cone whose slope makes the angle with the platform."""
+    return revolved([(0, 0), (radius, 0), (0, radius * math.tan(math.radians(angle_deg)))], sectors)
+
+
+def female_cone(radius, angle_deg, land, floor=5, sectors=360):
+    """A round block with a conical pit in its top, whose wall makes the angle with the flat sheet; `land` around it."""
+    top = floor + radius * math.tan(math.radians(angle_deg))
+    return revolved([(0, 0), (radius + land, 0), (radius + land, top), (radius, top), (0, floor)], sectors)
+
+
+def groove(half_width, depth, length, land, floor_half_width=0.0, floor=5):
+    """A block with a groove along y in its top, closed by upright walls at its ends: a V, or with a flat floor.
+
+    `land` is around it on all sides.
+    """
+    w, f, l, top = half_width, floor_half_width, length / 2, floor + depth
+    triangles = []
+
+    def quad(*p):
+        triangles.extend(t for t in ((p[0], p[1], p[2]), (p[0], p[2], p[3])) if len(set(t)) == 3)
+
+    outline = [(x * (w + land), y * (l + land)) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    rim = [(-w, -l), (w, -l), (w, l), (-w, l)]
+    bottom = [(-f, -l), (f, -l), (f, l), (-f, l)]
+    quad(*[(*c, 0) for c in outline[::-1]])
+    quad(*[(*c, floor) for c in bottom])
+    for i, j in (0, 1), (1, 2), (2, 3), (3, 0):
+        quad((*outline[i], 0), (*outline[j], 0), (*outline[j], top), (*outline[i], top))
+        quad((*outline[i], top), (*outline[j], top), (*rim[j], top), (*rim[i], top))
+        quad((*rim[i], top), (*rim[j], top), (*bottom[j], floor), (*bottom[i], floor))
+    return triangles
