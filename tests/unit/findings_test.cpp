@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 namespace vacuform {
 namespace {
 
@@ -20,6 +23,9 @@ FormedSheet sheet_on_mold() {
       sheet.triangles.push_back({a, c, d});
     }
   sheet.contact.assign(sheet.rest.size(), Contact::mold);
+  for (std::size_t v = 0; v < sheet.rest.size(); ++v)
+    if (sheet.rest[v].cwiseAbs().maxCoeff() > 39) sheet.contact[v] = Contact::clamp;
+  sheet.contact_time.assign(sheet.rest.size(), 0.5);
   sheet.element_thickness.assign(sheet.triangles.size(), 1.0);
   sheet.element_slack.assign(sheet.triangles.size(), 0);
   return sheet;
@@ -27,7 +33,7 @@ FormedSheet sheet_on_mold() {
 
 std::string codes(const FormedSheet& sheet) {
   std::string all;
-  for (const Warning& w : forming_findings(sheet, 1.0)) all += w.code + " ";
+  for (const Warning& w : forming_findings(sheet, {}, 1.0).warnings) all += w.code + " ";
   return all;
 }
 
@@ -37,12 +43,16 @@ TEST(FormingFindings, APocketIsSaidWithPlaceAndArea) {
   FormedSheet sheet = sheet_on_mold();
   for (int j : {5, 6})
     for (int i : {15, 16}) sheet.contact[21 * j + i] = Contact::free;
-  const auto found = forming_findings(sheet, 1.0);
+  const auto found = forming_findings(sheet, {}, 1.0).warnings;
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].code, "not-reached");
   // The triangles with a free corner: nine cells without two corner triangles, 9 x 16 - 2 x 8 mm2.
   EXPECT_NE(found[0].text.find("over 128 mm2 at x = 22 mm, y = -18 mm, z = 30 mm;"), std::string::npos)
       << found[0].text;
+  ASSERT_EQ(found[0].marks.size(), 1u);
+  EXPECT_NEAR(found[0].marks[0].place_mm[0], 22, 1e-9);
+  EXPECT_NEAR(found[0].marks[0].place_mm[1], -18, 1e-9);
+  EXPECT_NEAR(found[0].marks[0].size_mm, 2 * std::sqrt(128 / std::numbers::pi), 1e-9);
 }
 
 // The fillet between mold and platform is free too, and no pocket.
@@ -60,12 +70,46 @@ TEST(FormingFindings, WebsAndThinPlacesAreSaid) {
   EXPECT_EQ(codes(sheet), "");
   for (int k = 100; k < 110; ++k) sheet.element_slack[k] = 1;
   sheet.element_thickness[7] = 0.29;
-  const auto found = forming_findings(sheet, 1.0);
+  const auto found = forming_findings(sheet, {}, 1.0).warnings;
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].code, "webbing");
   EXPECT_NE(found[0].text.find("over 80 mm2"), std::string::npos) << found[0].text;
   EXPECT_EQ(found[1].code, "thin");
   EXPECT_NE(found[1].text.find("0.29 mm, 29 %"), std::string::npos) << found[1].text;
+  ASSERT_EQ(found[0].marks.size(), 1u);
+  ASSERT_EQ(found[1].marks.size(), 1u);
+  // Triangle 7 is the upper left half of the fourth cell.
+  EXPECT_NEAR(found[1].marks[0].place_mm[0], 4 * 3 - 40 + 4.0 / 3, 1e-9);
+  EXPECT_NEAR(found[1].marks[0].place_mm[1], -40 + 8.0 / 3, 1e-9);
+}
+
+TEST(FormingFindings, ThinPlacesAreMarkedThinnestFirstBelowTheLimitThatIsSet) {
+  FormedSheet sheet = sheet_on_mold();
+  for (int k = 300; k < 310; ++k) sheet.element_thickness[k] = 0.5;
+  sheet.element_thickness[7] = 0.4;
+  EXPECT_EQ(codes(sheet), "");
+  FindingLimits limits;
+  limits.thickness_ratio = 0.55;
+  const auto found = forming_findings(sheet, {}, 1.0, limits).warnings;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].text.find("the thinnest of 2 places below 55 %"), std::string::npos) << found[0].text;
+  ASSERT_EQ(found[0].marks.size(), 2u);
+  EXPECT_NEAR(found[0].marks[0].size_mm, 2 * std::sqrt(8 / std::numbers::pi), 1e-9);
+  EXPECT_NEAR(found[0].marks[1].size_mm, 2 * std::sqrt(80 / std::numbers::pi), 1e-9);
+}
+
+// A page of marks helps nobody; the text still says how many places there are.
+TEST(FormingFindings, MarksAreTheWorstTwenty) {
+  FormedSheet sheet = sheet_on_mold();
+  for (int j = 0; j < 20; j += 3)
+    for (int i = 0; i < 20; i += 3)
+      sheet.element_slack[2 * (20 * j + i)] = sheet.element_slack[2 * (20 * j + i) + 1] = 1;
+  FindingLimits limits;
+  limits.web_mm2 = 10;
+  const auto found = forming_findings(sheet, {}, 1.0, limits).warnings;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NE(found[0].text.find("of 49 places"), std::string::npos) << found[0].text;
+  EXPECT_EQ(found[0].marks.size(), 20u);
 }
 
 }  // namespace

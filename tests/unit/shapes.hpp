@@ -31,4 +31,15 @@ inline Mold hemisphere(double R, int rings = 90, int sectors = 180) {
   return mold;
 }
 
+// The mold with a smooth dent of `depth` mm: `reach` radians across from its middle, which lies at (polar, around).
+inline Mold dented(Mold mold, double polar, double around, double reach, double depth) {
+  const Eigen::Vector3d middle(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
+                               std::cos(polar));
+  for (auto& p : mold.mesh.vertices) {
+    const double x = std::acos(std::min(1.0, p.normalized().dot(middle))) / reach;
+    if (x < 1) p -= depth * (1 - x * x) * (1 - x * x) * p.normalized();
+  }
+  return mold;
+}
+
 }  // namespace vacuform

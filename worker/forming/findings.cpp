@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <numeric>
 
 #include "worker/decimal.hpp"
@@ -11,16 +13,35 @@ namespace vacuform {
 
 namespace {
 
+constexpr std::size_t most_marks = 20;
+
+// A connected part of the sheet that shares a fault.
 struct Piece {
+  std::vector<int> triangles;
   double area = 0;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // centre of the area
   bool alone = true;                                // no vertex of it touches what it should not
 };
 
-// Connected pieces of the chosen triangles; triangles hang together by a corner that `joins` allows.
-std::vector<Piece> pieces(const FormedSheet& sheet, const std::vector<double>& area,
-                          const std::function<bool(std::size_t)>& chosen,
-                          const std::function<bool(int)>& joins, const std::function<bool(int)>& spoils) {
+Eigen::Vector3d centre(const FormedSheet& sheet, std::size_t triangle) {
+  const Triangle& t = sheet.triangles[triangle];
+  return (sheet.formed[t[0]] + sheet.formed[t[1]] + sheet.formed[t[2]]) / 3;
+}
+
+std::vector<double> formed_areas(const FormedSheet& sheet) {
+  std::vector<double> area;
+  for (const Triangle& t : sheet.triangles)
+    area.push_back(
+        0.5 *
+        (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm());
+  return area;
+}
+
+// Connected pieces of the chosen triangles, largest first; triangles hang together by a corner that `joins` allows.
+std::vector<Piece> pieces(
+    const FormedSheet& sheet, const std::vector<double>& area, const std::function<bool(std::size_t)>& chosen,
+    const std::function<bool(int)>& joins = [](int) { return true; },
+    const std::function<bool(int)>& spoils = [](int) { return false; }) {
   std::vector<int> root(sheet.rest.size());
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int v) {
@@ -39,12 +60,15 @@ std::vector<Piece> pieces(const FormedSheet& sheet, const std::vector<double>& a
     if (!chosen(k)) continue;
     const Triangle& t = sheet.triangles[k];
     Piece& piece = by_root[find(*first_joining(t))];
+    piece.triangles.push_back(static_cast<int>(k));
     piece.area += area[k];
-    piece.place += area[k] / 3 * (sheet.formed[t[0]] + sheet.formed[t[1]] + sheet.formed[t[2]]);
+    piece.place += area[k] * centre(sheet, k);
     piece.alone = piece.alone && std::none_of(t.begin(), t.end(), spoils);
   }
   std::erase_if(by_root, [](const Piece& p) { return p.area == 0; });
   for (Piece& p : by_root) p.place /= p.area;
+  std::stable_sort(by_root.begin(), by_root.end(),
+                   [](const Piece& a, const Piece& b) { return a.area > b.area; });
   return by_root;
 }
 
@@ -53,57 +77,109 @@ std::string at(const Eigen::Vector3d& p) {
          " mm";
 }
 
-// Where the worst of the pieces is, how large, and of how many.
-std::string worst_of(const std::vector<Piece>& all) {
-  const Piece& worst = *std::max_element(all.begin(), all.end(),
-                                         [](const Piece& a, const Piece& b) { return a.area < b.area; });
+// Where the first of the pieces is, how large, and of how many.
+std::string over(const std::vector<Piece>& largest_first) {
+  const Piece& worst = largest_first.front();
   return "over " + decimal(worst.area, 0) + " mm2 at " + at(worst.place) +
-         (all.size() == 1 ? "" : ", the largest of " + std::to_string(all.size()) + " places");
+         (largest_first.size() == 1 ? ""
+                                    : ", the largest of " + std::to_string(largest_first.size()) + " places");
 }
 
-}  // namespace
+Warning::Mark mark(const Eigen::Vector3d& place, double size_mm) {
+  return {{place.x(), place.y(), place.z()}, size_mm};
+}
 
-std::vector<Warning> forming_findings(const FormedSheet& sheet, double sheet_thickness_mm,
-                                      const FindingLimits& limits) {
-  std::vector<double> area;
-  for (const Triangle& t : sheet.triangles)
-    area.push_back(
-        0.5 *
-        (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm());
-  std::vector<Warning> warnings;
+std::vector<Warning::Mark> marks_of(const std::vector<Piece>& worst_first) {
+  std::vector<Warning::Mark> marks;
+  for (std::size_t i = 0; i < std::min(worst_first.size(), most_marks); ++i)
+    marks.push_back(mark(worst_first[i].place, 2 * std::sqrt(worst_first[i].area / std::numbers::pi)));
+  return marks;
+}
 
+void find_not_reached(const FormedSheet& sheet, const std::vector<double>& area, double least_mm2,
+                      std::vector<Warning>& warnings) {
   const auto is_free = [&](int v) { return sheet.contact[v] == Contact::free; };
-  auto pockets = pieces(
+  auto found = pieces(
       sheet, area,
       [&](std::size_t k) {
         return std::any_of(sheet.triangles[k].begin(), sheet.triangles[k].end(), is_free);
       },
       is_free,
       [&](int v) { return sheet.contact[v] == Contact::platform || sheet.contact[v] == Contact::clamp; });
-  std::erase_if(pockets, [&](const Piece& p) { return !p.alone || p.area < limits.pocket_mm2; });
-  if (!pockets.empty())
-    warnings.push_back({"not-reached", "The sheet bridges a hollow of the mold without reaching it, " +
-                                           worst_of(pockets) +
-                                           "; a vent there or a higher machine.vacuum_kpa helps"});
+  std::erase_if(found, [&](const Piece& p) { return !p.alone || p.area < least_mm2; });
+  if (found.empty()) return;
+  warnings.push_back({"not-reached",
+                      "The sheet bridges a hollow of the mold without reaching it, " + over(found) +
+                          "; a vent there or a higher machine.vacuum_kpa helps",
+                      marks_of(found)});
+}
 
-  auto webs = pieces(
-      sheet, area, [&](std::size_t k) { return sheet.element_slack[k] != 0; }, [](int) { return true; },
-      [](int) { return false; });
-  std::erase_if(webs, [&](const Piece& p) { return p.area < limits.web_mm2; });
-  if (!webs.empty())
-    warnings.push_back({"webbing", "The sheet is compressed sideways and tends to fold, " + worst_of(webs) +
-                                       "; a wider window or a lower mold helps"});
+void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
+                      const PocketLimits& limits, Findings& findings) {
+  const auto pockets = trapped_air(sheet, mold, limits);
+  if (pockets.empty()) return;
+  findings.vents = vents_for(pockets, sheet, mold, sheet_thickness_mm);
+  const Pocket& largest = pockets.front();
+  const std::size_t holes = findings.vents.size();
+  Warning warning{
+      "trapped-air",
+      "The sheet closes over a hollow of the mold before it reaches its bottom and shuts in air, " +
+          decimal(largest.depth_mm, 1) + " mm deep over " + decimal(largest.area_mm2, 0) + " mm2 at " +
+          at(findings.vents.front().place) +
+          (pockets.size() == 1 ? "" : ", the largest of " + std::to_string(pockets.size()) + " places") +
+          "; drill " + (holes == 1 ? "a vent" : std::to_string(holes) + " vents") + " of " +
+          short_decimal(findings.vents.front().diameter_mm, 2) + " mm (vents in report.json)"};
+  for (std::size_t i = 0; i < std::min(holes, most_marks); ++i)
+    warning.marks.push_back(mark(findings.vents[i].place, findings.vents[i].diameter_mm));
+  findings.warnings.push_back(std::move(warning));
+}
 
-  const auto thinnest = std::min_element(sheet.element_thickness.begin(), sheet.element_thickness.end());
-  if (thinnest != sheet.element_thickness.end() && *thinnest < limits.thickness_ratio * sheet_thickness_mm) {
-    const Triangle& t = sheet.triangles[static_cast<std::size_t>(thinnest - sheet.element_thickness.begin())];
-    const Eigen::Vector3d place = (sheet.formed[t[0]] + sheet.formed[t[1]] + sheet.formed[t[2]]) / 3;
-    warnings.push_back({"thin", "The sheet thins to " + decimal(*thinnest, 2) + " mm, " +
-                                    decimal(100 * *thinnest / sheet_thickness_mm, 0) +
-                                    " % of its thickness, at " + at(place) +
-                                    "; a thicker sheet or a lower mold helps"});
+void find_webs(const FormedSheet& sheet, const std::vector<double>& area, double least_mm2,
+               std::vector<Warning>& warnings) {
+  auto found = pieces(sheet, area, [&](std::size_t k) { return sheet.element_slack[k] != 0; });
+  std::erase_if(found, [&](const Piece& p) { return p.area < least_mm2; });
+  if (found.empty()) return;
+  warnings.push_back({"webbing",
+                      "The sheet is compressed sideways and tends to fold, " + over(found) +
+                          "; a wider window or a lower mold helps",
+                      marks_of(found)});
+}
+
+void find_thin(const FormedSheet& sheet, const std::vector<double>& area, double sheet_thickness_mm,
+               double limit, std::vector<Warning>& warnings) {
+  auto found = pieces(sheet, area,
+                      [&](std::size_t k) { return sheet.element_thickness[k] < limit * sheet_thickness_mm; });
+  if (found.empty()) return;
+  const auto thickness = [&](int k) { return sheet.element_thickness[static_cast<std::size_t>(k)]; };
+  const auto thinner = [&](int a, int b) { return thickness(a) < thickness(b); };
+  for (Piece& p : found) {
+    std::iter_swap(p.triangles.begin(), std::min_element(p.triangles.begin(), p.triangles.end(), thinner));
+    p.place = centre(sheet, static_cast<std::size_t>(p.triangles.front()));
   }
-  return warnings;
+  std::stable_sort(found.begin(), found.end(), [&](const Piece& a, const Piece& b) {
+    return thinner(a.triangles.front(), b.triangles.front());
+  });
+  const double least = thickness(found.front().triangles.front());
+  warnings.push_back(
+      {"thin",
+       "The sheet thins to " + decimal(least, 2) + " mm, " + decimal(100 * least / sheet_thickness_mm, 0) +
+           " % of its thickness, at " + at(found.front().place) +
+           (found.size() == 1 ? "" : ", the thinnest of " + std::to_string(found.size()) + " places") +
+           " below " + decimal(100 * limit, 0) + " %; a thicker sheet or a lower mold helps",
+       marks_of(found)});
+}
+
+}  // namespace
+
+Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
+                          const FindingLimits& limits) {
+  Findings findings;
+  const std::vector<double> area = formed_areas(sheet);
+  find_not_reached(sheet, area, limits.pocket_mm2, findings.warnings);
+  find_trapped_air(sheet, mold, sheet_thickness_mm, limits.trapped, findings);
+  find_webs(sheet, area, limits.web_mm2, findings.warnings);
+  find_thin(sheet, area, sheet_thickness_mm, limits.thickness_ratio, findings.warnings);
+  return findings;
 }
 
 }  // namespace vacuform

@@ -1,7 +1,9 @@
-// What a maker must be told about a formed sheet: where it does not reach the mold, where it webs, where it is thin.
+// What a maker must be told about a formed sheet: where it does not reach the mold, where it shuts in air, where it
+// webs, where it is thin.
 #pragma once
 
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/forming/trapped_air.hpp"
 
 namespace vacuform {
 
@@ -10,12 +12,18 @@ struct FindingLimits {
   double pocket_mm2 = 25;  // of sheet that bridges a hollow of the mold
   double web_mm2 = 25;     // of sheet that is compressed across its tension, in one piece
   double thickness_ratio = 0.3;
+  PocketLimits trapped;
 };
 
-// "not-reached": pieces of free sheet bordered by the mold alone; "webbing": pieces of slack triangles; "thin": the
-// thinnest element. One warning a kind, with the number of places, and place and size of the worst. Places are in the
-// mold's frame, mm; areas are of the formed sheet, mm^2.
-std::vector<Warning> forming_findings(const FormedSheet& sheet, double sheet_thickness_mm,
-                                      const FindingLimits& limits = {});
+// One warning a kind, with the number of places and the worst in its text and up to twenty marks, worst first:
+// "not-reached", pieces of free sheet bordered by the mold alone (size: across a disk of their area); "trapped-air", with
+// the vents as marks (size: the drill), and in `vents` all of them; "webbing", pieces of slack triangles; "thin", pieces
+// of triangles below the limit, each at its thinnest. Places are in the mold's frame, mm; areas are of the formed sheet.
+struct Findings {
+  std::vector<Warning> warnings;
+  std::vector<Vent> vents;
+};
+Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
+                          const FindingLimits& limits = {});
 
 }  // namespace vacuform

@@ -24,7 +24,7 @@ Result<void> form_by_model(const Process& process, SheetState& state, const Cont
   std::abort();
 }
 
-FormedSheet finish(const Process& process, SheetState&& state) {
+FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&& state) {
   FormedSheet out;
   out.triangles = process.grid.triangles;
   out.rest = process.grid.rest;
@@ -56,7 +56,11 @@ FormedSheet finish(const Process& process, SheetState&& state) {
   for (std::size_t i = 0; i < n; ++i)
     out.thickness.push_back(area[i] > 0 ? volume[i] / area[i] : process.sheet.thickness_mm);
   out.summary.mass_error = std::abs(total_volume / (total_area * process.sheet.thickness_mm) - 1);
-  out.warnings = forming_findings(out, process.sheet.thickness_mm);
+  FindingLimits limits;
+  limits.thickness_ratio = process.forming.thin_limit;
+  Findings findings = forming_findings(out, mold, process.sheet.thickness_mm, limits);
+  out.warnings = std::move(findings.warnings);
+  out.vents = std::move(findings.vents);
   return out;
 }
 
@@ -69,7 +73,7 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& sheet, const Mac
   const Process process(obstacles, mold.top.z(), sheet, machine, settings, temperature);
   SheetState state(process);
   VACUFORM_CHECK(form_by_model(process, state, context));
-  return finish(process, std::move(state));
+  return finish(process, mold.mesh, std::move(state));
 }
 
 }  // namespace vacuform

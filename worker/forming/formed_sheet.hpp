@@ -15,6 +15,12 @@ namespace vacuform {
 // What a vertex touches; the wall under the clamp frame's window counts as the clamp.
 enum class Contact : std::uint8_t { free = 0, mold = 1, platform = 2, clamp = 3 };
 
+// A hole to drill into the mold, so that trapped air can leave.
+struct Vent {
+  Eigen::Vector3d place;  // on the mold, mm
+  double diameter_mm;
+};
+
 // How the simulation went, for report.json.
 struct FormingSummary {
   int drape_steps = 0, vacuum_steps = 0;
@@ -42,6 +48,7 @@ struct FormedSheet {
   std::vector<std::uint8_t>
       element_slack;  // 1 where the sheet is compressed across its tension, or folds onto itself
   FormingSummary summary;
+  std::vector<Vent> vents;  // where air is trapped
   std::vector<Warning> warnings;
 };
 
