@@ -6,7 +6,7 @@
 #include "api/sha256.hpp"
 #include "api/version.hpp"
 #include "worker/flattening/flattening.hpp"
-#include "worker/forming/material.hpp"
+#include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/scan/plug.hpp"
 
@@ -40,8 +40,11 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   VACUFORM_TRY(cut, make_mold(inputs.scan, inputs.scan_name, s.scan, context));
   VACUFORM_TRY(mold, on_plug(std::move(cut), s.machine.plug_height_mm));
   VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
-  const TemperatureField temperature(material_profile(s.sheet.material).forming_celsius());
-  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, temperature, context));
+  VACUFORM_TRY(warmth, sheet_temperature(s.sheet, s.machine, s.heat, inputs.temperature, context));
+  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, warmth.field, context));
+  const auto of_fit = fit_findings(mold, s.sheet, s.machine, s.forming.thin_limit);
+  sheet.warnings.insert(sheet.warnings.begin(), of_fit.begin(), of_fit.end());
+  for (Warning& w : temperature_findings(sheet, s.sheet.material)) sheet.warnings.push_back(std::move(w));
   VACUFORM_TRY(flattening, flatten(sheet, mold, s.flattening, s.pattern.inked_face, context));
 
   // The same inputs, settings and version make the same print: their digest is its name.
@@ -49,17 +52,19 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
                                      {"pattern", sha256_hex(inputs.pattern)},
                                      {"settings", to_json(s)},
                                      {"version", version}};
+  if (inputs.temperature) identity["temperature"] = sha256_hex(inputs.temperature->bytes);
   Sha256 digest;
   digest.add(identity.dump());
   const std::string label = digest.hex().substr(0, 12);
 
   VACUFORM_TRY(print, make_print(sheet, flattening, pattern, s, label, context));
-  const Finished job{s, mold, sheet, flattening, pattern, print};
+  const Finished job{s, mold, sheet, flattening, pattern, print, warmth.summary};
   VACUFORM_TRY(files, artifacts(job, context));
 
   nlohmann::ordered_json whole = {{"vacuform", version},
                                   {"label", label},
                                   {"sha256", {{"scan", identity["scan"]}, {"pattern", identity["pattern"]}}}};
+  if (inputs.temperature) whole["sha256"]["temperature"] = identity["temperature"];
   whole.update(report(job));
   const std::string text = whole.dump(2) + "\n";
 

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "api/settings.hpp"
 #include "worker/context.hpp"
+#include "worker/forming/heat/measured_field.hpp"
 
 namespace vacuform {
 
@@ -17,6 +19,7 @@ struct Inputs {
   std::span<const std::uint8_t> pattern;
   std::string pattern_name;
   Settings settings;
+  std::optional<MeasuredFile> temperature = {};  // of the sheet; only and always with heat.source measured
 };
 
 // Runs every stage and writes the artifacts of api/job.hpp into `out`, which is created when absent. Each file is

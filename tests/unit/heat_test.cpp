@@ -2,9 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
+#include "worker/forming/heat/gray_png.hpp"
+#include "worker/forming/heat/heating.hpp"
 #include "worker/forming/heat/irradiance.hpp"
+#include "worker/forming/heat/scattered.hpp"
+#include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/forming/heat/slab.hpp"
 #include "worker/forming/heat/view_factor.hpp"
 #include "worker/forming/material.hpp"
@@ -256,6 +261,261 @@ TEST(Plastics, HotterIsSofterAndNothingIsInfinite) {
     EXPECT_LT(shear_modulus_kpa(m, -200), p.plateau_kpa);
     EXPECT_GT(shear_modulus_kpa(m, 2000), 0.1);
   }
+}
+
+// A bank of 4 x 3 panels over a sheet of 300 x 300.
+MachineSettings bank(double celsius) {
+  MachineSettings machine;
+  for (int j = -1; j <= 1; ++j)
+    for (int i = 0; i < 4; ++i)
+      machine.heaters.push_back(heater(100 * i - 150, 100 * j, 100, 100, 120, celsius));
+  return machine;
+}
+
+double mean_over_window(const TemperatureField& field) {
+  double sum = 0;
+  for (int j = 0; j < 140; ++j)
+    for (int i = 0; i < 140; ++i) sum += field.at({2 * i - 139.0, 2 * j - 139.0});
+  return sum / (140 * 140);
+}
+
+TEST(Heating, StopsWhenTheSheetWillBeWarmEnoughOnTheMold) {
+  HeatSettings heat;
+  heat.source = HeatSource::heaters;
+  heat.temperature_c = 145;
+  for (const double transfer : {0.0, 6.0}) {
+    heat.transfer_seconds = transfer;
+    const auto heated = heat_sheet({}, bank(450), heat, Context{});
+    ASSERT_TRUE(heated) << heated.error().text();
+    EXPECT_NEAR(mean_over_window(heated->field), 145, 0.1);
+    EXPECT_GT(heated->field.at({0, 0}), heated->field.at({135, 135}) + 20);
+    EXPECT_NEAR(heated->field.at({70, 40}), heated->field.at({-70, -40}), 1e-6);
+    EXPECT_EQ(heated->field.at({149, 0}), heated->field.at({140, 0}));  // under the frame
+    // By hand: about 1.6 MJ/m3K and 1 mm against the flux that the middle gets at first, and losses.
+    EXPECT_GT(heated->seconds, 25);
+    EXPECT_LT(heated->seconds, 80);
+    EXPECT_GT(heated->through_thickness, 0.2);
+    EXPECT_LT(heated->through_thickness, 20);
+  }
+}
+
+// A given time is one number: the slab of the middle, advanced by hand.
+TEST(Heating, OfAGivenTimeIsThatOfItsSlab) {
+  HeatSettings heat;
+  heat.seconds = 30;
+  heat.transfer_seconds = 0;
+  const MachineSettings machine = bank(450);
+  const auto heated = heat_sheet({}, machine, heat, Context{});
+  ASSERT_TRUE(heated);
+  const MaterialProfile m = material_profile(Material::petg);
+  const Slab slab(
+      {m.density_kg_m3, m.heat_capacity_j_kgk, m.conductivity_w_mk, m.emissivity, m.absorption_1_mm}, 1, 64);
+  std::vector<double> celsius(64, 23);
+  const double above = Irradiance(machine, heat, Irradiance::Side::above).above_surroundings({0, 0});
+  for (int i = 0; i < 600; ++i) slab.advance(celsius, 0.05, {above + black(23), 7, 23}, {black(23), 7, 23});
+  EXPECT_NEAR(heated->field.at({0, 0}), slab.energy(celsius) / slab.energy(std::vector<double>(64, 1.0)),
+              0.02);
+  EXPECT_EQ(heated->seconds, 30);
+}
+
+TEST(Heating, OfHeatersTooWeakIsRefusedByName) {
+  HeatSettings heat;
+  for (const double celsius : {23.0, 60.0, 160.0}) {
+    const auto heated = heat_sheet({}, bank(celsius), heat, Context{});
+    ASSERT_FALSE(heated) << celsius;
+    EXPECT_EQ(heated.error().code, Code::bad_settings);
+    EXPECT_EQ(heated.error().where, "machine.heaters");
+  }
+  Context cancelled;
+  cancelled.cancel();
+  EXPECT_EQ(heat_sheet({}, bank(450), heat, cancelled).error().code, Code::cancelled);
+}
+
+TEST(Heating, SameInputSameBytes) {
+  MachineSettings machine = bank(450);
+  machine.reflector_mm = 60;
+  HeatSettings heat;
+  heat.seconds = 20;
+  const auto a = heat_sheet({}, machine, heat, Context{}), b = heat_sheet({}, machine, heat, Context{});
+  ASSERT_TRUE(a && b);
+  for (double s = -150; s <= 150; s += 7) {
+    const double x = a->field.at({s, s / 3}), y = b->field.at({s, s / 3});
+    EXPECT_EQ(std::memcmp(&x, &y, sizeof x), 0);
+  }
+}
+
+Result<TemperatureField> measured(const std::string& text, const HeatSettings& heat = {}) {
+  return read_measured_field({{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, "field.csv"},
+                             {}, heat);
+}
+
+// 300 x 300 mm in two rows of three: the first row lies along the upper edge.
+TEST(Measured, RowsTileTheSheetFromTheTop) {
+  for (const char* text : {"150,151,152\n120,121,122\n",
+                           "\xef\xbb\xbf"
+                           "150;151,0;152\r\n120;121;122",
+                           "# camera 3\n\n150 151\t152\n120 121 122\n", "150, 151, 152,\n120, 121, 122,\n"}) {
+    const auto field = measured(text);
+    ASSERT_TRUE(field) << field.error().text();
+    EXPECT_NEAR(field->at({-100, 75}), 150, 1e-12) << text;
+    EXPECT_NEAR(field->at({100, 75}), 152, 1e-12);
+    EXPECT_NEAR(field->at({0, -75}), 121, 1e-12);
+    EXPECT_NEAR(field->at({50, 0}), (151.5 + 121.5) / 2, 1e-12);
+    EXPECT_NEAR(field->at({149, 149}), 152, 1e-12);
+  }
+  EXPECT_EQ(measured("141.5")->at({30, 20}), 141.5);
+}
+
+TEST(Measured, PointsAreInterpolatedSmoothlyAndExactly) {
+  const auto field =
+      measured("t_mm;s_mm;Celsius\n0;0;150\n100;-100;130,5\n100;100;131\n-100;100;129\n-100;-100;130\n");
+  ASSERT_TRUE(field) << field.error().text();
+  EXPECT_NEAR(field->at({0, 0}), 150, 1e-6);
+  EXPECT_NEAR(field->at({-100, 100}), 130.5, 1e-6);
+  EXPECT_NEAR(field->at({100, -100}), 129, 1e-6);
+  const double half = field->at({50, 0});
+  EXPECT_GT(half, 138);
+  EXPECT_LT(half, 150);
+  EXPECT_GE(field->at({150, 150}), 129);  // no wilder than what was measured
+  EXPECT_LE(field->at({150, 150}), 150);
+}
+
+TEST(Measured, PointsOfAPlaneGiveThePlane) {
+  std::vector<MeasuredPoint> points;
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector2d p(140 * std::sin(7.0 * i), 140 * std::cos(5.0 * i));
+    points.push_back({p, 140 + 0.05 * p.x() - 0.02 * p.y()});
+  }
+  const TemperatureField field = through_points(points, 300, 300);
+  for (const Eigen::Vector2d& p :
+       {Eigen::Vector2d(20, 35), Eigen::Vector2d(-70, 60), Eigen::Vector2d(0, -90)})
+    EXPECT_NEAR(field.at(p), 140 + 0.05 * p.x() - 0.02 * p.y(), 1e-6);
+  // One point, points on a line, and twice the same point are no trouble.
+  EXPECT_NEAR(through_points({{{10, 20}, 133}}, 300, 300).at({-50, 0}), 133, 1e-9);
+  const TemperatureField line = through_points({{{-100, 0}, 120}, {{0, 0}, 130}, {{100, 0}, 140}}, 300, 300);
+  EXPECT_NEAR(line.at({50, 0}), 135, 1);
+  EXPECT_NEAR(line.at({50, 80}), line.at({50, -80}), 1e-6);
+  const TemperatureField twice = through_points({{{0, 0}, 120}, {{0, 0}, 130}}, 300, 300);
+  EXPECT_NEAR(twice.at({0, 0}), 125, 1e-9);
+  // More than 400: merged, and still the plane.
+  points.clear();
+  for (int i = 0; i < 5000; ++i) {
+    const Eigen::Vector2d p((i * 37 % 301) - 150, (i * 101 % 299) - 149);
+    points.push_back({p, 140 + 0.05 * p.x()});
+  }
+  EXPECT_NEAR(through_points(points, 300, 300).at({80, 20}), 144, 0.05);
+}
+
+TEST(Measured, WhatIsWrongIsSaidWithItsLine) {
+  struct Case {
+    const char *text, *where, *says;
+  };
+  for (const Case& c :
+       {Case{"", "field.csv", "no temperature"}, Case{"\n# only words\n", "field.csv", "no temperature"},
+        Case{"140,141\n140\n", "field.csv, line 2", "a row of 1"},
+        Case{"140,x\n", "field.csv, line 1", "not a number: \"x\""},
+        Case{"140,nan\n", "field.csv, line 1", "not a number"},
+        Case{"140,,141", "field.csv, line 1", "not a number"},
+        Case{"413.15,414\n1000,410", "field.csv, line 2", "1000 C"},
+        Case{"s,t\n1,2", "field.csv, line 1", "columns s, t and celsius"},
+        Case{"s,t,celsius\n", "field.csv, line 1", "no point"},
+        Case{"s,t,celsius\n1,2,140\n1,2", "field.csv, line 3", "not a number"},
+        Case{"s,t,celsius\n900,2,140", "field.csv, line 2", "off the sheet"},
+        Case{"s,t,celsius\n1,,140", "field.csv, line 2", "two numbers"},
+        Case{"\x01\x02\xff\xfe", "field.csv, line 1", "not a number: \"??"}}) {
+    const auto field = measured(c.text);
+    ASSERT_FALSE(field) << c.text;
+    EXPECT_EQ(field.error().code, Code::corrupt_file) << c.text;
+    EXPECT_EQ(field.error().where, c.where) << c.text;
+    EXPECT_NE(field.error().what.find(c.says), std::string::npos) << field.error().text();
+  }
+}
+
+// A gray PNG of 3 x 2 pixels of 8 bits: 0, 51, 102 over 153, 204, 255. Written once with Python's zlib.
+constexpr std::uint8_t gray_3x2[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
+    0x52, 0x00, 0x00, 0x00, 0x03, 0x00, 0x00, 0x00, 0x02, 0x08, 0x00, 0x00, 0x00, 0x00, 0xb8,
+    0x1f, 0x39, 0xc6, 0x00, 0x00, 0x00, 0x10, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0x60,
+    0x30, 0x4e, 0x63, 0x98, 0x79, 0xe6, 0x3f, 0x00, 0x07, 0x9a, 0x02, 0xfe, 0x07, 0xb3, 0x50,
+    0x57, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+
+TEST(Measured, GrayPicturesNeedAScale) {
+  HeatSettings heat;
+  EXPECT_EQ(read_measured_field({gray_3x2, "camera.png"}, {}, heat).error().where, "heat.black_c");
+  heat.black_c = 100;
+  heat.white_c = 200;
+  const auto field = read_measured_field({gray_3x2, "camera.png"}, {}, heat);
+  ASSERT_TRUE(field) << field.error().text();
+  EXPECT_NEAR(field->at({-100, 75}), 100, 1e-9);
+  EXPECT_NEAR(field->at({0, 75}), 120, 1e-9);
+  EXPECT_NEAR(field->at({100, -75}), 200, 1e-9);
+  // Cut anywhere, or with any byte changed, it is refused or read, and never more than that.
+  for (std::size_t n = 0; n < sizeof gray_3x2; ++n)
+    EXPECT_FALSE(read_gray_png(std::span(gray_3x2).first(n), "camera.png")) << n;
+  for (std::size_t i = 8; i < sizeof gray_3x2; ++i) {
+    auto bytes = std::to_array(gray_3x2);
+    bytes[i] ^= 0x55;
+    const auto picture = read_gray_png(bytes, "camera.png");
+    EXPECT_TRUE(!picture || picture->pixels.size() == 6) << i;
+  }
+  auto colour = std::to_array(gray_3x2);
+  colour[25] = 2;
+  EXPECT_EQ(read_gray_png(colour, "camera.png").error().code, Code::unsupported_format);
+  auto huge = std::to_array(gray_3x2);
+  huge[17] = 1;  // 65,539 pixels wide
+  huge[22] = 1;
+  EXPECT_EQ(read_gray_png(huge, "camera.png").error().code, Code::too_large);
+}
+
+TEST(SheetTemperature, SourcesAndTheirFiles) {
+  HeatSettings heat;
+  const auto uniform = sheet_temperature({}, {}, heat, std::nullopt, Context{});
+  ASSERT_TRUE(uniform);
+  EXPECT_EQ(uniform->field.at({3, 4}), material_profile(Material::petg).forming_celsius());
+  EXPECT_EQ(uniform->summary.least, uniform->summary.most);
+  heat.temperature_c = 133;
+  EXPECT_EQ(sheet_temperature({}, {}, heat, std::nullopt, Context{})->field.at({0, 0}), 133);
+
+  const std::string rows = "140,150\n130,140\n";
+  const MeasuredFile file{{reinterpret_cast<const std::uint8_t*>(rows.data()), rows.size()}, "rows.csv"};
+  EXPECT_EQ(sheet_temperature({}, {}, heat, file, Context{}).error().code, Code::bad_usage);
+  heat.source = HeatSource::measured;
+  EXPECT_EQ(sheet_temperature({}, {}, heat, std::nullopt, Context{}).error().code, Code::bad_settings);
+  const auto warm = sheet_temperature({}, {}, heat, file, Context{});
+  ASSERT_TRUE(warm);
+  EXPECT_NEAR(warm->summary.least, 130, 1e-9);
+  EXPECT_NEAR(warm->summary.mean, 140, 1e-9);
+  EXPECT_NEAR(warm->summary.most, 150, 1e-9);
+}
+
+TEST(TemperatureFindings, SayWhereThePlasticIsOutOfItsWindow) {
+  FormedSheet sheet;
+  for (int i = 0; i <= 20; ++i) {
+    sheet.rest.emplace_back(10 * i - 100, 0);
+    sheet.formed.emplace_back(10 * i - 100, 0, 30);
+    sheet.temperature.push_back(140);
+    sheet.contact.push_back(Contact::mold);
+  }
+  EXPECT_TRUE(temperature_findings(sheet, Material::petg).empty());
+  sheet.temperature[0] = 20;  // held by the frame
+  sheet.contact[0] = Contact::clamp;
+  EXPECT_TRUE(temperature_findings(sheet, Material::petg).empty());
+  sheet.temperature[2] = 109;
+  sheet.temperature[3] = 115;  // beside it: no mark of its own
+  sheet.temperature[9] = 119;
+  sheet.temperature[18] = 167;
+  const auto found = temperature_findings(sheet, Material::petg);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].code, "too-cold");
+  EXPECT_NE(found[0].text.find("up to 12 degrees colder than PETG forms (121 to 160 C): 109 C at x = -80 mm"),
+            std::string::npos)
+      << found[0].text;
+  EXPECT_NE(found[0].text.find("over 15 % of it"), std::string::npos) << found[0].text;
+  ASSERT_EQ(found[0].marks.size(), 2u);
+  EXPECT_EQ(found[0].marks[0].place_mm[0], -80);
+  EXPECT_EQ(found[0].marks[1].place_mm[0], -10);
+  EXPECT_EQ(found[1].code, "too-hot");
+  EXPECT_NE(found[1].text.find("7 degrees hotter"), std::string::npos) << found[1].text;
 }
 
 }  // namespace

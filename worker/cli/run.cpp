@@ -16,7 +16,7 @@ namespace vacuform::cli {
 namespace {
 
 struct RunOptions {
-  std::string scan, pattern, out, progress = "bar";
+  std::string scan, pattern, temperature, out, progress = "bar";
   SettingsOptions settings;
 };
 
@@ -27,10 +27,18 @@ extern "C" void cancel_running(int) {
 
 Result<void> run(const RunOptions& o, const Context& context) try {
   VACUFORM_TRY(object, o.settings.read());
+  if (!o.temperature.empty() && !object["heat"].contains("source")) object["heat"]["source"] = "measured";
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
   VACUFORM_TRY(pattern, read_file(o.pattern));
-  return run_pipeline({scan, o.scan, pattern, o.pattern, settings}, o.out, context);
+  Inputs inputs{scan, o.scan, pattern, o.pattern, settings};
+  std::vector<std::uint8_t> temperature;
+  if (!o.temperature.empty()) {
+    VACUFORM_TRY(measured, read_file(o.temperature));
+    temperature = std::move(measured);
+    inputs.temperature = MeasuredFile{temperature, o.temperature};
+  }
+  return run_pipeline(inputs, o.out, context);
 } catch (const std::bad_alloc&) {
   return tl::make_unexpected(out_of_memory());
 }
@@ -76,6 +84,10 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_option("--out", options->out, "Folder for the artifacts; made when absent")
       ->required()
       ->type_name("DIR");
+  command
+      ->add_option("--temperature", options->temperature,
+                   "Measured temperature of the sheet: CSV of degrees Celsius, or a gray PNG")
+      ->type_name("FILE");
   options->settings.add_to(*command);
   command
       ->add_option("--progress", options->progress, "A bar on a terminal, or JSON lines on standard output")

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/printing/print.hpp"
 
 namespace vacuform {
@@ -19,6 +20,7 @@ struct Finished {
   const Flattening& flattening;
   const Pattern& pattern;
   const Print& print;
+  HeatSummary heat = {};
 };
 
 // A named file of the job's output; the names are those of api/job.hpp.

@@ -61,6 +61,17 @@ Json forming_of(const Finished& job) {
           {"slack_triangles", slack}};
 }
 
+// Of the sheet when it meets the mold, over the window of the clamp frame.
+Json heat_of(const HeatSummary& heat) {
+  Json out = {{"source", name(heat.source)},
+              {"least_c", rounded(heat.least, 2)},
+              {"mean_c", rounded(heat.mean, 2)},
+              {"most_c", rounded(heat.most, 2)}};
+  if (heat.seconds) out["seconds"] = rounded(*heat.seconds, 3);
+  if (heat.through_thickness) out["through_thickness_c"] = rounded(*heat.through_thickness, 2);
+  return out;
+}
+
 // Means over the plastic itself: an element counts by its area on the flat sheet.
 Json thickness_of(const Finished& job) {
   const FormedSheet& sheet = job.sheet;
@@ -131,6 +142,7 @@ Json report(const Finished& job) {
   out["settings"] = to_json(job.settings);
   out["scan"] = scan_json(job.mold.findings);
   out["mold"] = mold_json(job.mold);
+  out["heat"] = heat_of(job.heat);
   out["forming"] = forming_of(job);
   out["thickness"] = thickness_of(job);
   out["flattening"] = flattening_of(job.flattening);

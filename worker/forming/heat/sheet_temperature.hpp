@@ -1,0 +1,38 @@
+// How warm the sheet is when it meets the mold, from whatever source the settings name.
+#pragma once
+
+#include <optional>
+
+#include "api/settings.hpp"
+#include "worker/context.hpp"
+#include "worker/forming/formed_sheet.hpp"
+#include "worker/forming/heat/measured_field.hpp"
+#include "worker/forming/heat/temperature_field.hpp"
+
+namespace vacuform {
+
+// For report.json.
+struct HeatSummary {
+  HeatSource source = HeatSource::uniform;
+  double least = 0, mean = 0, most = 0;     // degrees Celsius on the mold, over the window of the clamp frame
+  std::optional<double> seconds;            // under the heaters
+  std::optional<double> through_thickness;  // largest difference between layers of one place
+};
+
+struct SheetTemperature {
+  TemperatureField field;
+  HeatSummary summary;
+};
+
+// heat.source uniform: heat.temperature_c; heaters: heat_sheet(); measured: read_measured_field() of `measured`, which
+// only that source may have. Errors: bad_settings, bad_usage, those of the two; cancelled.
+Result<SheetTemperature> sheet_temperature(const SheetSettings& sheet, const MachineSettings& machine,
+                                           const HeatSettings& heat,
+                                           const std::optional<MeasuredFile>& measured,
+                                           const Context& context);
+
+// What a maker must be told of the temperatures of a formed sheet: "too-cold" and "too-hot", with the worst places, where
+// the plastic is outside of its forming window. What the clamp frame holds is not looked at.
+std::vector<Warning> temperature_findings(const FormedSheet& sheet, Material material);
+
+}  // namespace vacuform
