@@ -336,7 +336,9 @@ TEST(Heating, SameInputSameBytes) {
   machine.reflector_mm = 60;
   HeatSettings heat;
   heat.seconds = 20;
-  const auto a = heat_sheet({}, machine, heat, Context{}), b = heat_sheet({}, machine, heat, Context{});
+  SheetSettings sheet;
+  sheet.height_mm = 100;
+  const auto a = heat_sheet(sheet, machine, heat, Context{}), b = heat_sheet(sheet, machine, heat, Context{});
   ASSERT_TRUE(a && b);
   for (double s = -150; s <= 150; s += 7) {
     const double x = a->field.at({s, s / 3}), y = b->field.at({s, s / 3});

@@ -21,7 +21,7 @@ std::size_t layers_of(double thickness_mm) {
 }
 
 constexpr double longest_seconds = 3600;
-constexpr int steps_of_heating = 60, steps_of_transfer = 8;
+constexpr int steps_of_heating = 40, steps_of_transfer = 4;
 constexpr double aim_within = 0.05;  // degrees
 
 int samples_along(double mm) { return std::clamp(static_cast<int>(std::lround(mm / 5)) + 1, 2, 121); }

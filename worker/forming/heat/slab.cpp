@@ -47,15 +47,17 @@ double Slab::solve_stage(std::span<double> u, std::span<const double> start, dou
       const double off = -ratio * conductance_;
       double pivot = 1 + ratio * diagonal, value = start[i] + ratio * known;
       if (i > 0) pivot -= off * upper[i - 1], value -= off * right[i - 1];
-      upper[i] = off / pivot;
-      right[i] = value / pivot;
+      const double inverse = 1 / pivot;
+      upper[i] = off * inverse;
+      right[i] = value * inverse;
     }
     u[n - 1] = right[n - 1];
     for (std::size_t i = n - 1; i-- > 0;) u[i] = right[i] - upper[i] * u[i + 1];
   }
   double power = air_top * (top.air_celsius - u[0]) + air_bottom * (bottom.air_celsius - u[n - 1]);
   for (std::size_t i = 0; i < n; ++i) {
-    const double emission = stefan_boltzmann * std::pow(u[i] - absolute_zero, 4);
+    const double square = (u[i] - absolute_zero) * (u[i] - absolute_zero);
+    const double emission = stefan_boltzmann * square * square;
     power += absorptance_ * (from_top_[i] * (top.irradiance_w_m2 - emission) +
                              from_bottom_[i] * (bottom.irradiance_w_m2 - emission));
   }
