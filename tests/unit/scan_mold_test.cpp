@@ -425,5 +425,56 @@ TEST(Fit, KnowsTheDrawAndTheFrame) {
             std::string::npos);
 }
 
+TEST(Fit, HasNothingToSayOfRoomEnough) {
+  EXPECT_TRUE(fit_findings(block(120, 100, 60), {}, {}, 0.3).empty());
+}
+
+TEST(Fit, SaysWhereTheWindowIsClose) {
+  // 30 mm of sheet for a wall of 100 mm: 30 / 130 of the thickness; 42.9 mm would keep 30 %.
+  const auto found = fit_findings(block(220, 150, 100), {}, {}, 0.3);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].code, "window-close");
+  EXPECT_NE(found[0].text.find("the 30.0 mm of sheet between them have 100.0 mm to go down and thin to about "
+                               "23 % of their thickness; 42.9 mm"),
+            std::string::npos)
+      << found[0].text;
+  ASSERT_EQ(found[0].marks.size(), 1u);
+  EXPECT_EQ(std::abs(found[0].marks[0].place_mm[0]), 110);
+  EXPECT_EQ(found[0].marks[0].place_mm[2], 100);
+  EXPECT_EQ(found[0].marks[0].size_mm, 30);
+  EXPECT_TRUE(fit_findings(block(220, 150, 100), {}, {}, 0.2).empty());
+  MachineSettings raised;  // a frame that stops higher draws less: 30 / 90
+  raised.drape_height_mm = 40;
+  EXPECT_TRUE(fit_findings(block(220, 150, 100), {}, raised, 0.3).empty());
+  MachineSettings round;  // the corners of the block are 30 mm from the ring
+  round.window = WindowShape::circle;
+  round.window_width_mm = 2 * std::hypot(60, 80) + 60;
+  EXPECT_EQ(fit_findings(block(120, 160, 100), {}, round, 0.3).at(0).marks.at(0).size_mm, 30);
+}
+
+TEST(Fit, SaysHowDeepTheDrawIs) {
+  const auto deep = fit_findings(block(60, 60, 70), {}, {}, 0.1);
+  ASSERT_EQ(deep.size(), 1u);
+  EXPECT_EQ(deep[0].code, "deep-draw");
+  EXPECT_NE(deep[0].text.find("70.0 mm is 25 % of the window's shorter side and 117 % of the mold's"),
+            std::string::npos)
+      << deep[0].text;
+  EXPECT_EQ(deep[0].marks.at(0).size_mm, 70);
+  EXPECT_TRUE(fit_findings(block(60, 60, 59), {}, {}, 0.1).empty());
+  EXPECT_EQ(fit_findings(block(160, 160, 141), {}, {}, 0.1).at(0).code, "deep-draw");
+}
+
+TEST(Fit, SaysWhenTheClampHoldsLittle) {
+  SheetSettings sheet;
+  sheet.height_mm = 286;
+  const auto narrow = fit_findings(block(60, 60, 50), sheet, {}, 0.3);
+  ASSERT_EQ(narrow.size(), 1u);
+  EXPECT_EQ(narrow[0].code, "clamp-narrow");
+  EXPECT_NE(narrow[0].text.find("Only 3.0 mm of the sheet lie in the clamp on the front and the back"),
+            std::string::npos)
+      << narrow[0].text;
+  EXPECT_EQ(narrow[0].marks.at(0).place_mm[1], 143);
+}
+
 }  // namespace
 }  // namespace vacuform

@@ -5,6 +5,10 @@
 // eleventh of the draw: the film in a gap g that goes down a wall of height H becomes g + H long, and below a
 // twelfth of its thickness it tears. Draw: at most 1.5 times the window's shorter side, beyond which no sheet
 // in that window holds enough plastic.
+//
+// Comfort: the same film over a place of height z at a distance d from the window thins to d / (d + z) of its
+// thickness. The draw ratio, draw over the window's shorter side, is that of Throne, Technology of Thermoforming
+// (1996); male molds deeper than a part of their own width tend to web.
 #include <algorithm>
 #include <cmath>
 
@@ -17,14 +21,79 @@ namespace {
 
 constexpr double most_draw = 1.5;         // over the window's shorter side
 constexpr double least_gap = 1.0 / 11.0;  // over the draw
+constexpr double deep_in_window = 0.5;    // draw over the window's shorter side
+constexpr double deep_on_mold = 1;        // draw over the mold's shorter side
+constexpr double least_clamp_mm = 5;      // of sheet in the clamp, on each side
 
 std::string mm(double value) { return decimal(value, 1) + " mm"; }
+std::string percent(double share) { return decimal(100 * share, 0) + " %"; }
+
+Eigen::Vector2d window_of(const MachineSettings& machine) {
+  const bool circle = machine.window == WindowShape::circle;
+  return {machine.window_width_mm, circle ? machine.window_width_mm : machine.window_height_mm};
+}
+
+// How far inside of the window a point lies.
+double inside_window(const Eigen::Vector3d& p, const MachineSettings& machine) {
+  const Eigen::Vector2d half = window_of(machine) / 2;
+  if (machine.window == WindowShape::circle) return half.x() - p.head<2>().norm();
+  return (half - p.head<2>().cwiseAbs()).minCoeff();
+}
+
+void find_close_window(const Mold& mold, const MachineSettings& machine, double thin_limit,
+                       std::vector<Warning>& warnings) {
+  double least = 1;
+  const Eigen::Vector3d* where = nullptr;
+  for (const auto& p : mold.mesh.vertices) {
+    const double gap = inside_window(p, machine), draw = p.z() - machine.drape_height_mm;
+    if (draw <= 0 || gap / (gap + draw) >= least) continue;
+    least = gap / (gap + draw);
+    where = &p;
+  }
+  if (!where || least >= thin_limit) return;
+  const double gap = inside_window(*where, machine), draw = where->z() - machine.drape_height_mm;
+  const double wanted = thin_limit / (1 - thin_limit) * draw;
+  warnings.push_back({"window-close",
+                      "The window is close to the mold: at x = " + mm(where->x()) + ", y = " +
+                          mm(where->y()) + " the " + mm(gap) + " of sheet between them have " + mm(draw) +
+                          " to go down and thin to about " + percent(least) + " of their thickness; " +
+                          mm(wanted) + " between mold and window would do (machine.window_width_mm)",
+                      {{{where->x(), where->y(), where->z()}, gap}}});
+}
+
+void find_deep_draw(const Mold& mold, const MachineSettings& machine, std::vector<Warning>& warnings) {
+  const double draw = mold.top.z() - machine.drape_height_mm;
+  const double in_window = draw / window_of(machine).minCoeff();
+  const double on_mold = draw / bounds(mold.mesh).size().head<2>().minCoeff();
+  if (in_window <= deep_in_window && on_mold <= deep_on_mold) return;
+  warnings.push_back(
+      {"deep-draw",
+       "The draw of " + mm(draw) + " is " + percent(in_window) + " of the window's shorter side and " +
+           percent(on_mold) + " of the mold's; above " + percent(deep_in_window) + " or " +
+           percent(deep_on_mold) +
+           " the sheet thins much and tends to web: trim the mold higher (scan.trim_mm) or give "
+           "a larger window",
+       {{{mold.top.x(), mold.top.y(), mold.top.z()}, draw}}});
+}
+
+void find_narrow_clamp(const SheetSettings& sheet, const MachineSettings& machine,
+                       std::vector<Warning>& warnings) {
+  const Eigen::Vector2d edge = Eigen::Vector2d(sheet.width_mm, sheet.height_mm) / 2;
+  const Eigen::Vector2d clamp = edge - window_of(machine) / 2;
+  if (clamp.minCoeff() >= least_clamp_mm) return;
+  const bool x = clamp.x() <= clamp.y();
+  warnings.push_back({"clamp-narrow",
+                      "Only " + mm(clamp.minCoeff()) + " of the sheet lie in the clamp on " +
+                          (x ? "the left and the right" : "the front and the back") +
+                          ", and it may slip; give a larger sheet or a smaller window",
+                      {{{x ? edge.x() : 0, x ? 0 : edge.y(), machine.drape_height_mm}, clamp.minCoeff()}}});
+}
 
 }  // namespace
 
 Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine) {
   const bool circle = machine.window == WindowShape::circle;
-  const double width = machine.window_width_mm, height = circle ? width : machine.window_height_mm;
+  const double width = window_of(machine).x(), height = window_of(machine).y();
   if (width > sheet.width_mm || height > sheet.height_mm)
     return fail(Code::does_not_fit,
                 "the window of " + mm(width) + " x " + mm(height) + " is larger than the sheet of " +
@@ -70,6 +139,15 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
     }
   }
   return {};
+}
+
+std::vector<Warning> fit_findings(const Mold& mold, const SheetSettings& sheet,
+                                  const MachineSettings& machine, double thin_limit) {
+  std::vector<Warning> warnings;
+  find_close_window(mold, machine, thin_limit, warnings);
+  find_deep_draw(mold, machine, warnings);
+  find_narrow_clamp(sheet, machine, warnings);
+  return warnings;
 }
 
 }  // namespace vacuform

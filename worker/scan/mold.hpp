@@ -66,6 +66,13 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
 // Whether the mold fits the sheet and the machine's window, with room to draw; does_not_fit says by how much not.
 Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine);
 
+// What to say of a mold that fits, with place and size: "window-close" where the sheet between mold and frame, which
+// must follow the mold's side down, thins below `thin_limit` of its thickness (size: the gap); "deep-draw" at the top
+// (size: the draw) when the draw is more than half of the window's shorter side, or more than the mold's own width;
+// "clamp-narrow" at the sheet's edge when less than 5 mm of the sheet lie in the clamp (size: what does).
+std::vector<Warning> fit_findings(const Mold& mold, const SheetSettings& sheet,
+                                  const MachineSettings& machine, double thin_limit);
+
 // Binary STL of the mold, mm, header "Vacuform mold, mm".
 std::vector<std::uint8_t> stl_bytes(const TriangleMesh& mesh);
 
