@@ -21,7 +21,7 @@ struct MaterialProfile {
   double density_kg_m3;
   double heat_capacity_j_kgk;  // mean from room to forming temperature
   double conductivity_w_mk;
-  double emissivity;          // of its faces, for what it radiates and takes up at 3 to 10 um
+  double emissivity;          // of the rays of heaters, 2 to 10 um, what passes a face (1 - reflectance)
   double absorption_1_mm;     // in depth (Beer-Lambert), mean over the radiation of a hot heater
   double viscosity_pa_s;      // shear viscosity in the middle of the forming window
   WilliamsLandelFerry shift;  // and how it changes with temperature
