@@ -28,6 +28,7 @@ struct ArtifactKind {
   std::string_view name;
   std::string_view media_type;
   std::string_view title;  // one line for people
+  bool always = true;      // otherwise only jobs that have something to show make it
 };
 inline constexpr std::array<ArtifactKind, 13> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},

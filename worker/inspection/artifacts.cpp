@@ -7,6 +7,10 @@
 
 namespace vacuform {
 
+bool makes(const Finished& job, const ArtifactKind& kind) {
+  return kind.always || job.heat.source != HeatSource::uniform;
+}
+
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::inspection, 0));
   std::vector<Artifact> files;

@@ -56,7 +56,10 @@ Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
 // to what is known of them; what does not exist is null.
 nlohmann::ordered_json report(const Finished& job);
 
-// All other artifacts, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a
+// Whether this job makes the artifact: all do but preview-temperature.png, which an evenly warm sheet does not need.
+bool makes(const Finished& job, const ArtifactKind& kind);
+
+// All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a
 // display), formed.ply, formed.obj/.mtl, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context);
 

@@ -161,7 +161,8 @@ Json report(const Finished& job) {
   add(Stage::printing, job.print.warnings);
   out["warnings"] = std::move(warnings);
   Json files = Json::array();
-  for (const auto& kind : artifact_kinds) files.push_back({{"name", kind.name}, {"title", kind.title}});
+  for (const auto& kind : artifact_kinds)
+    if (makes(job, kind)) files.push_back({{"name", kind.name}, {"title", kind.title}});
   out["artifacts"] = std::move(files);
   return out;
 }
