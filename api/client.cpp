@@ -127,16 +127,17 @@ Result<Client> Client::to(const std::string& server) {
 }
 
 Result<RemoteJob> Client::submit(const std::filesystem::path& scan, const std::filesystem::path& pattern,
-                                 const std::string& settings_json,
+                                 const std::filesystem::path& temperature, const std::string& settings_json,
                                  const std::function<bool(double)>& uploaded) {
-  for (const auto& file : {scan, pattern})
-    if (::access(file.c_str(), R_OK) != 0 || !std::filesystem::is_regular_file(file))
+  for (const auto& file : {scan, pattern, temperature})
+    if (!file.empty() && (::access(file.c_str(), R_OK) != 0 || !std::filesystem::is_regular_file(file)))
       return vacuform::fail(Code::unreadable, "the file cannot be read", file.string(),
                             "check its name and permissions");
   HttpRequest request;
   request.method = "POST";
   request.path = "/api/v1/jobs";
   request.form = {{"settings", {}, settings_json}, {"scan", scan, {}}, {"pattern", pattern, {}}};
+  if (!temperature.empty()) request.form.push_back({"temperature", temperature, {}});
   request.going = [&](std::uint64_t sent, std::uint64_t total) {
     return uploaded(total ? static_cast<double>(sent) / static_cast<double>(total) : 0.0);
   };
@@ -205,6 +206,7 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker) {
   if (!plain(lease.job, 64) || !plain(lease.token, 256) || !input("scan", lease.scan) ||
       !input("pattern", lease.pattern))
     return tl::make_unexpected(not_vacuform("a lease without its job, token or inputs"));
+  if (LeasedInput temperature; input("temperature", temperature)) lease.temperature = temperature;
   return lease;
 }
 
@@ -226,7 +228,9 @@ Result<void> WorkerClient::download_input(const Lease& lease, const std::string&
   HttpRequest request;
   request.path = "/api/v1/leases/" + lease.job + "/inputs/" + input;
   request.headers = {{"Vacuform-Lease", lease.token}};
-  const LeasedInput& wanted = input == "scan" ? lease.scan : lease.pattern;
+  const LeasedInput& wanted = input == "temperature" && lease.temperature ? *lease.temperature
+                              : input == "scan"                           ? lease.scan
+                                                                          : lease.pattern;
   return fetch(http_, std::move(request), file, wanted.bytes, wanted.sha256, going);
 }
 

@@ -41,10 +41,11 @@ class Client {
  public:
   static Result<Client> to(const std::string& server);
 
-  // Creates a job; both files are streamed. `uploaded` receives the fraction sent and may give up. Never made twice by
+  // Creates a job; the files are streamed, `temperature` unless its name is empty. `uploaded` receives the fraction sent and may give up. Never made twice by
   // itself: when the answer is lost the caller cannot know whether the job exists.
   Result<RemoteJob> submit(const std::filesystem::path& scan, const std::filesystem::path& pattern,
-                           const std::string& settings_json, const std::function<bool(double)>& uploaded);
+                           const std::filesystem::path& temperature, const std::string& settings_json,
+                           const std::function<bool(double)>& uploaded);
   Result<RemoteJob> job(const std::string& id, const Going& going = {});
   // Into `folder`, under the artifact's name: written beside it, checked against its SHA-256, then renamed.
   Result<void> download(const std::string& id, const RemoteArtifact& artifact,
@@ -70,6 +71,7 @@ struct Lease {
   std::chrono::seconds heartbeat{10};  // the longest that the server wants between two
   std::string settings;                // JSON text
   LeasedInput scan, pattern;
+  std::optional<LeasedInput> temperature;
 };
 
 // What a worker does with leases. Every call but the first may give lease_lost: the job is someone else's now.
@@ -78,7 +80,7 @@ class WorkerClient {
   static Result<WorkerClient> to(const std::string& server, const std::string& token);
 
   Result<std::optional<Lease>> lease(const std::string& worker);  // nothing: no job waits
-  // `input` is "scan" or "pattern"; checked against its length and SHA-256.
+  // `input` is "scan", "pattern" or, where the lease has one, "temperature"; checked against its length and SHA-256.
   Result<void> download_input(const Lease& lease, const std::string& input, const std::filesystem::path& file,
                               const Going& going);
   // True: the user asks to cancel.

@@ -46,6 +46,12 @@ ordered_json artifact_json(const Job& job, const StoredArtifact& artifact) {
           {"href", "/api/v1/jobs/" + job.id + "/artifacts/" + artifact.name}};
 }
 
+ordered_json inputs_json(const Job& job) {
+  ordered_json inputs = {{"scan", input_json(job.scan)}, {"pattern", input_json(job.pattern)}};
+  if (job.temperature) inputs["temperature"] = input_json(*job.temperature);
+  return inputs;
+}
+
 ordered_json job_json(const Job& job) {
   const std::string self = "/api/v1/jobs/" + job.id;
   ordered_json artifacts = ordered_json::array();
@@ -60,7 +66,7 @@ ordered_json job_json(const Job& job) {
           {"started", time_or_null(job.started)},
           {"ended", time_or_null(job.ended)},
           {"settings", ordered_json::parse(job.settings)},
-          {"inputs", {{"scan", input_json(job.scan)}, {"pattern", input_json(job.pattern)}}},
+          {"inputs", inputs_json(job)},
           {"artifacts", artifacts},
           {"problem", job.error ? problem_json(*job.error) : ordered_json()},
           {"links",

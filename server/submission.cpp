@@ -24,20 +24,21 @@ class Form : public http::PartSink {
     part_ = name;
     file_ = nullptr;
     text_ = nullptr;
-    if (name == "scan" || name == "pattern") {
-      file_ = name == "scan" ? &scan : &pattern;
+    if (name == "scan" || name == "pattern" || name == "temperature") {
+      file_ = name == "scan" ? &scan : name == "pattern" ? &pattern : &temperature;
       if (file_->upload) return fail(Code::bad_usage, "there is more than one " + name, name, "send one");
       VACUFORM_TRY(upload, store_.upload());
       file_->upload.emplace(std::move(upload));
       file_->extension = http::safe_extension(file_name);
-      limit_ = name == "scan" ? largest_scan : largest_pattern;
+      limit_ = name == "scan" ? largest_scan : name == "pattern" ? largest_pattern : largest_temperature;
     } else if (name == "settings" && !settings) {
       text_ = &settings.emplace();
     } else if (name.find('.') != std::string::npos && fields_.find(name) == fields_.end()) {
       text_ = &fields_[name];
     } else {
       return fail(Code::bad_usage, "an unknown or doubled part of the form: " + name.substr(0, 64),
-                  "request body", "send scan, pattern, settings, and fields named group.key, each once");
+                  "request body",
+                  "send scan, pattern, temperature, settings, and fields named group.key, each once");
     }
     return {};
   }
@@ -59,7 +60,7 @@ class Form : public http::PartSink {
 
   Result<void> end() override { return {}; }
 
-  UploadedFile scan, pattern;
+  UploadedFile scan, pattern, temperature;
   std::optional<std::string> settings;
 
  private:
@@ -107,8 +108,8 @@ Result<std::string> client_key_of(const http::Request& request) {
 
 Result<NewJob> read_submission(http::Request& request, Store& store,
                                std::map<std::string, std::string>& fields) {
-  constexpr std::uint64_t most =
-      largest_scan + largest_pattern + largest_settings + (1u << 20);  // and the part heads
+  constexpr std::uint64_t most = largest_scan + largest_pattern + largest_temperature + largest_settings +
+                                 (1u << 20);  // and the part heads
   if (request.content_length > most)
     return fail(Code::too_large, "the form is larger than " + std::to_string(most >> 20) + " MiB",
                 "request body", "send a smaller scan");
@@ -118,9 +119,21 @@ Result<NewJob> read_submission(http::Request& request, Store& store,
   VACUFORM_CHECK(check_file(form.scan, "scan", "STL, OBJ, PLY, OFF or GLB"));
   VACUFORM_CHECK(check_file(form.pattern, "pattern", "SVG, PNG or JPEG"));
   VACUFORM_TRY(settings, merged_settings(form.settings.value_or(""), fields));
-  return NewJob{to_json(settings).dump(),          std::move(*form.scan.upload),
-                std::move(form.scan.extension),    std::move(*form.pattern.upload),
-                std::move(form.pattern.extension), std::move(client_key)};
+  const bool measured = form.temperature.upload && form.temperature.upload->bytes() > 0;
+  if (measured && settings.heat.source == HeatSource::uniform) settings.heat.source = HeatSource::measured;
+  if (measured != (settings.heat.source == HeatSource::measured))
+    return fail(Code::bad_settings,
+                measured ? "measured temperatures are given, but the settings take them from the heaters"
+                         : "there is no file of measured temperatures",
+                "heat.source", "send the file as the part temperature together with heat.source measured");
+  NewJob job{to_json(settings).dump(),          std::move(*form.scan.upload),
+             std::move(form.scan.extension),    std::move(*form.pattern.upload),
+             std::move(form.pattern.extension), std::move(client_key)};
+  if (measured) {
+    job.temperature.emplace(std::move(*form.temperature.upload));
+    job.temperature_extension = std::move(form.temperature.extension);
+  }
+  return job;
 }
 
 }  // namespace vacuform

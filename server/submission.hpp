@@ -1,5 +1,5 @@
-// A new job as it arrives in a form: the parts scan and pattern (files), settings (JSON text), and fields
-// named group.key as the HTML form sends them.
+// A new job as it arrives in a form: the parts scan, pattern and perhaps temperature (files), settings (JSON text), and
+// fields named group.key as the HTML form sends them.
 #pragma once
 
 #include <map>
@@ -12,10 +12,12 @@ namespace vacuform {
 
 inline constexpr std::uint64_t largest_scan = 1ull << 30;
 inline constexpr std::uint64_t largest_pattern = 256ull << 20;
+inline constexpr std::uint64_t largest_temperature = 64ull << 20;
 inline constexpr std::uint64_t largest_settings = 64ull << 10;  // the JSON text and all fields together
 
 // Streams the files into the store and validates the settings; a field overrides the same setting of the JSON
-// text, an empty field keeps the default. `fields` receives what the form held, also when the result is an
+// text, an empty field keeps the default. An empty file of temperatures is none, as a browser sends it; any other turns
+// a uniform heat.source into a measured one. `fields` receives what the form held, also when the result is an
 // error. Errors: too_large, bad_settings, bad_usage (a part is missing, unknown or doubled, the body is no
 // form).
 Result<NewJob> read_submission(http::Request& request, Store& store,

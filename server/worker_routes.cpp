@@ -58,15 +58,19 @@ Result<Response> take_lease(Service& service, Request& request) {
                         {"lease_seconds", service.lease_seconds},
                         {"heartbeat_seconds", service.heartbeat_seconds},
                         {"settings", ordered_json::parse(job.settings)},
-                        {"inputs", {{"scan", input_json(job.scan)}, {"pattern", input_json(job.pattern)}}}});
+                        {"inputs", inputs_json(job)}});
 }
 
 Result<Response> get_input(Service& service, const Request& request) {
   VACUFORM_TRY(job, service.store.leased(key_of(request)));
   const std::string& which = request.at("input");
-  if (which != "scan" && which != "pattern")
-    return fail(Code::not_found, "there is no such input", which, "ask for scan or pattern");
-  const Blob& blob = which == "scan" ? job.scan.blob : job.pattern.blob;
+  const Input* input = which == "scan"                             ? &job.scan
+                       : which == "pattern"                        ? &job.pattern
+                       : which == "temperature" && job.temperature ? &*job.temperature
+                                                                   : nullptr;
+  if (!input)
+    return fail(Code::not_found, "there is no such input", which, "ask for those that the lease names");
+  const Blob& blob = input->blob;
   VACUFORM_TRY(file, service.store.open(blob));
   return http::file_response(request, std::move(file), "application/octet-stream", blob.sha256);
 }

@@ -93,11 +93,27 @@ class LeasedJob {
       retry_ = true;
       return fail(Code::internal, "the worker has no room for the job", "", "try again later");
     }
+    std::vector<std::string> command{loop_.program.string(),
+                                     "run",
+                                     "--scan",
+                                     scan.filename().string(),
+                                     "--pattern",
+                                     pattern.filename().string(),
+                                     "--settings",
+                                     settings.filename().string(),
+                                     "--out",
+                                     out.filename().string(),
+                                     "--progress",
+                                     "json"};
+    if (lease_.temperature) {
+      const fs::path temperature = folder_ / ("temperature" + extension(*lease_.temperature));
+      VACUFORM_CHECK(
+          persist([&] { return client_.download_input(lease_, "temperature", temperature, alive); }));
+      command.insert(command.end(), {"--temperature", temperature.filename().string()});
+    }
     const auto end = run_child(
-        {loop_.program.string(), "run", "--scan", scan.filename().string(), "--pattern",
-         pattern.filename().string(), "--settings", settings.filename().string(), "--out",
-         out.filename().string(), "--progress", "json"},
-        folder_, loop_.limits, [this](const ChildProgress& at) { heartbeat_.at(at.stage, at.fraction); },
+        command, folder_, loop_.limits,
+        [this](const ChildProgress& at) { heartbeat_.at(at.stage, at.fraction); },
         [this] { return !going(); });
     if (!end) {
       retry_ = true;

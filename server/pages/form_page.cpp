@@ -88,10 +88,11 @@ std::string field_html(const std::string& name, const std::string& key, const or
          "<p class=\"hint\" id=\"" + escaped(id) + "-hint\">" + hint + "</p></div>\n";
 }
 
-std::string file_html(const char* name, const char* label, const char* accept, const char* hint) {
+std::string file_html(const char* name, const char* label, const char* accept, const char* hint,
+                      bool required = true) {
   const std::string id = std::string("f-") + name;
-  return "<div class=\"field\"><label for=\"" + id + "\">" + label +
-         "</label><input type=\"file\" required id=\"" + id + "\" name=\"" + name + "\" accept=\"" + accept +
+  return "<div class=\"field\"><label for=\"" + id + "\">" + label + "</label><input type=\"file\"" +
+         (required ? " required" : "") + " id=\"" + id + "\" name=\"" + name + "\" accept=\"" + accept +
          "\" aria-describedby=\"" + id + "-hint\"><p class=\"hint\" id=\"" + id + "-hint\">" + hint +
          "</p></div>\n";
 }
@@ -162,6 +163,11 @@ Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error
                 "The head or model, as STL, OBJ, PLY, OFF or GLB, at most 1 GiB") +
       file_html("pattern", "Pattern", ".svg,.png,.jpg,.jpeg",
                 "What shall appear on it, as SVG (true to size), PNG or JPEG, at most 256 MiB") +
+      file_html(
+          "temperature", "Temperature, where measured", ".csv,.txt,.png",
+          "Of the sheet when it meets the mold: CSV of degrees Celsius, or a gray PNG with heat.black_c and "
+          "heat.white_c; at most 64 MiB",
+          false) +
       "</fieldset>\n<h2>Settings</h2>\n<p>All have a default: an empty field keeps the value that it shows "
       "in grey.</p>\n" +
       settings_html(fields) +

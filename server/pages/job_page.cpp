@@ -124,6 +124,7 @@ std::string facts_html(const Job& job) {
   std::string html = "<h2>This job</h2>\n<dl>\n" + row("Job", "<code>" + escaped(job.id) + "</code>") +
                      row("Created", rfc3339(job.created)) + row("Scan", file(job.scan)) +
                      row("Pattern", file(job.pattern));
+  if (job.temperature) html += row("Temperature", file(*job.temperature));
   if (job.ended && job.started) {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%.1f s", static_cast<double>(*job.ended - *job.started) / 1000);

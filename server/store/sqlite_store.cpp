@@ -19,7 +19,7 @@ namespace vacuform {
 namespace {
 
 constexpr int application = 0x56666d31;  // "Vfm1": the file is ours
-constexpr int schema_version = 1;
+constexpr int schema_version = 2;
 constexpr const char* schema = R"sql(
 CREATE TABLE job(
   id TEXT PRIMARY KEY, client_key TEXT UNIQUE, state TEXT NOT NULL, stage TEXT, progress REAL NOT NULL DEFAULT 0,
@@ -29,16 +29,25 @@ CREATE TABLE job(
   error_code TEXT, error_what TEXT, error_where TEXT, error_mend TEXT,
   settings TEXT NOT NULL,
   scan TEXT NOT NULL, scan_bytes INTEGER NOT NULL, scan_extension TEXT NOT NULL,
-  pattern TEXT NOT NULL, pattern_bytes INTEGER NOT NULL, pattern_extension TEXT NOT NULL
+  pattern TEXT NOT NULL, pattern_bytes INTEGER NOT NULL, pattern_extension TEXT NOT NULL,
+  temperature TEXT, temperature_bytes INTEGER, temperature_extension TEXT
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX job_by_state ON job(state, id);
 CREATE INDEX job_by_scan ON job(scan);
 CREATE INDEX job_by_pattern ON job(pattern);
+CREATE INDEX job_by_temperature ON job(temperature) WHERE temperature IS NOT NULL;
 CREATE TABLE artifact(
   job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, name TEXT NOT NULL,
   blob TEXT NOT NULL, bytes INTEGER NOT NULL, PRIMARY KEY(job, name)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX artifact_by_blob ON artifact(blob);
+)sql";
+// What version 1 lacks: jobs with measured temperatures.
+constexpr const char* from_version_1 = R"sql(
+ALTER TABLE job ADD COLUMN temperature TEXT;
+ALTER TABLE job ADD COLUMN temperature_bytes INTEGER;
+ALTER TABLE job ADD COLUMN temperature_extension TEXT;
+CREATE INDEX job_by_temperature ON job(temperature) WHERE temperature IS NOT NULL;
 )sql";
 
 class SqliteStore : public Store {
@@ -72,9 +81,14 @@ class SqliteStore : public Store {
     // The slow flush of the bytes happens before the lock.
     VACUFORM_TRY(scan, job.scan.seal());
     VACUFORM_TRY(pattern, job.pattern.seal());
+    std::optional<Blob> temperature;
+    if (job.temperature) {
+      VACUFORM_TRY(sealed, job.temperature->seal());
+      temperature = std::move(sealed);
+    }
     return write([&]() -> Result<Job> {
       if (!job.client_key.empty()) {
-        VACUFORM_TRY(earlier, made_before(job, scan, pattern));
+        VACUFORM_TRY(earlier, made_before(job, scan, pattern, temperature));
         if (earlier) return *earlier;
       }
       // Under the lock, so that a job deleted at the same time does not take the files away again.
@@ -82,6 +96,15 @@ class SqliteStore : public Store {
       maybe_garbage(pattern.sha256);
       VACUFORM_CHECK(blobs_.keep(job.scan));
       VACUFORM_CHECK(blobs_.keep(job.pattern));
+      std::optional<std::string> temperature_hash, temperature_extension;
+      std::optional<std::int64_t> temperature_bytes;
+      if (temperature) {
+        maybe_garbage(temperature->sha256);
+        VACUFORM_CHECK(blobs_.keep(*job.temperature));
+        temperature_hash = temperature->sha256;
+        temperature_bytes = static_cast<std::int64_t>(temperature->bytes);
+        temperature_extension = job.temperature_extension;
+      }
       const Millis now = options_.clock();
       last_id_time_ = std::max(now, last_id_time_ + 1);
       const std::string id = make_job_id(last_id_time_);
@@ -90,9 +113,11 @@ class SqliteStore : public Store {
       VACUFORM_CHECK(Query(db_,
                            "INSERT INTO job(id, client_key, state, created, settings, scan, scan_bytes, "
                            "scan_extension, pattern,"
-                           " pattern_bytes, pattern_extension) VALUES(?,?,'queued',?,?,?,?,?,?,?,?)",
+                           " pattern_bytes, pattern_extension, temperature, temperature_bytes,"
+                           " temperature_extension) VALUES(?,?,'queued',?,?,?,?,?,?,?,?,?,?,?)",
                            id, client_key, now, job.settings, scan.sha256, scan.bytes, job.scan_extension,
-                           pattern.sha256, pattern.bytes, job.pattern_extension)
+                           pattern.sha256, pattern.bytes, job.pattern_extension, temperature_hash,
+                           temperature_bytes, temperature_extension)
                          .run());
       return find(id);
     });
@@ -150,6 +175,7 @@ class SqliteStore : public Store {
         return fail(Code::conflict, "the job is " + std::string(name(job.state)), id, "cancel it first");
       maybe_garbage(job.scan.blob.sha256);
       maybe_garbage(job.pattern.blob.sha256);
+      if (job.temperature) maybe_garbage(job.temperature->blob.sha256);
       for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
       return Query(db_, "DELETE FROM job WHERE id=?", id).run();
     });
@@ -280,6 +306,9 @@ class SqliteStore : public Store {
     if (app != application)
       return fail(Code::corrupt_file, "the file is not a job store of Vacuform", "jobs.sqlite",
                   "give another folder with --data");
+    if (version == 1)
+      return db_.execute(std::string("BEGIN IMMEDIATE;") + from_version_1 +
+                         "PRAGMA user_version=" + std::to_string(schema_version) + ";COMMIT");
     if (version != schema_version)
       return fail(Code::corrupt_file,
                   "the job store has version " + std::to_string(version) + ", this server knows " +
@@ -292,18 +321,22 @@ class SqliteStore : public Store {
   Result<bool> named(const std::string& sha256) {
     Query query(db_,
                 "SELECT 1 FROM job WHERE scan=?1 UNION ALL SELECT 1 FROM job WHERE pattern=?1"
-                " UNION ALL SELECT 1 FROM artifact WHERE blob=?1 LIMIT 1",
+                " UNION ALL SELECT 1 FROM job WHERE temperature=?1 UNION ALL SELECT 1 FROM artifact WHERE "
+                "blob=?1 LIMIT 1",
                 sha256);
     return query.row();
   }
 
   // The job that an earlier submission under the same key made.
-  Result<std::optional<Job>> made_before(const NewJob& job, const Blob& scan, const Blob& pattern) {
+  Result<std::optional<Job>> made_before(const NewJob& job, const Blob& scan, const Blob& pattern,
+                                         const std::optional<Blob>& temperature) {
     Query query(db_, "SELECT id FROM job WHERE client_key=?", job.client_key);
     VACUFORM_TRY(found, query.row());
     if (!found) return std::optional<Job>();
     VACUFORM_TRY(earlier, find(query.text(0)));
     if (earlier.scan.blob.sha256 != scan.sha256 || earlier.pattern.blob.sha256 != pattern.sha256 ||
+        earlier.temperature.has_value() != temperature.has_value() ||
+        (temperature && earlier.temperature->blob.sha256 != temperature->sha256) ||
         earlier.settings != job.settings)
       return fail(Code::conflict, "the idempotency key was used for another submission", earlier.id,
                   "take a new key");
@@ -315,7 +348,7 @@ class SqliteStore : public Store {
         db_,
         "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
         " error_where, error_mend, settings, scan, scan_bytes, scan_extension, pattern, pattern_bytes,"
-        " pattern_extension FROM job WHERE id=?",
+        " pattern_extension, temperature, temperature_bytes, temperature_extension FROM job WHERE id=?",
         id);
     VACUFORM_TRY(found, query.row());
     if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
@@ -336,6 +369,9 @@ class SqliteStore : public Store {
     job.settings = query.text(12);
     job.scan = {{query.text(13), static_cast<std::uint64_t>(query.integer(14))}, query.text(15)};
     job.pattern = {{query.text(16), static_cast<std::uint64_t>(query.integer(17))}, query.text(18)};
+    if (!query.null(19))
+      job.temperature =
+          Input{{query.text(19), static_cast<std::uint64_t>(query.integer(20))}, query.text(21)};
     Query artifacts(db_, "SELECT name, blob, bytes FROM artifact WHERE job=?", id);
     for (;;) {
       VACUFORM_TRY(more, artifacts.row());

@@ -26,7 +26,8 @@ namespace vacuform {
 
 struct Input {
   Blob blob;
-  std::string extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits, or none
+  std::string
+      extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits, or none
 };
 
 struct StoredArtifact {
@@ -45,6 +46,7 @@ struct Job {
   std::optional<Error> error;            // why it failed
   std::string settings;                  // JSON text, complete
   Input scan, pattern;
+  std::optional<Input> temperature;       // measured, of the sheet
   std::vector<StoredArtifact> artifacts;  // in the order of api/job.hpp
 };
 
@@ -55,6 +57,8 @@ struct NewJob {
   Upload pattern;
   std::string pattern_extension;
   std::string client_key = {};  // the client's own name for this submission; may be empty
+  std::optional<Upload> temperature = {};
+  std::string temperature_extension = {};
 };
 
 struct JobPage {

@@ -210,6 +210,41 @@ TEST_F(ServerApi, TheFormComesBackWithTheProblemAndTheSettings) {
   EXPECT_NE(job.header("Content-Security-Policy").find("frame-ancestors 'none'"), std::string::npos);
 }
 
+TEST_F(ServerApi, MeasuredTemperaturesReachTheWorker) {
+  const Answer made =
+      submit(part("temperature", "camera.CSV", "140,141") + part("heat.source", "", "uniform"));
+  ASSERT_EQ(made.status, 202) << made.body;
+  const json job = json::parse(made.body);
+  EXPECT_EQ(job["settings"]["heat"]["source"], "measured");
+  EXPECT_EQ(job["inputs"]["temperature"]["bytes"], 7);
+  EXPECT_EQ(job["inputs"]["temperature"]["extension"], "csv");
+  const json held = lease();
+  EXPECT_EQ(held["inputs"], job["inputs"]);
+  EXPECT_EQ(worker("GET", held, "/inputs/temperature", "").body, "140,141");
+  EXPECT_NE(ask("GET", "/jobs/" + job["id"].get<std::string>()).body.find("<dt>Temperature</dt>"),
+            std::string::npos);
+
+  // A browser sends a file that nobody chose as an empty one.
+  const Answer without = submit(part("temperature", "", ""));
+  ASSERT_EQ(without.status, 202) << without.body;
+  EXPECT_FALSE(json::parse(without.body)["inputs"].contains("temperature"));
+  EXPECT_EQ(worker("GET", lease(), "/inputs/temperature", "").status, 404);
+
+  const Answer missing = submit(part("heat.source", "", "measured"));
+  EXPECT_EQ(missing.status, 422);
+  EXPECT_EQ(json::parse(missing.body)["where"], "heat.source");
+  const std::string heated = R"({"machine":{"heaters":[{"celsius":500}]},"heat":{"source":"heaters"}})";
+  EXPECT_EQ(submit(part("settings", "", heated)).status, 202);
+  const Answer both = submit(part("settings", "", heated) + part("temperature", "a.csv", "140"));
+  EXPECT_EQ(both.status, 422);
+  EXPECT_EQ(json::parse(both.body)["where"], "heat.source");
+  // Lists and objects as a field of the form carries them.
+  const Answer fields =
+      submit(part("machine.heaters", "", R"([{"celsius":500,"zone":"a"},{"celsius":400,"x_mm":200}])") +
+             part("heat.gains", "", R"({"a":0.9,"":1})"));
+  EXPECT_EQ(fields.status, 202) << fields.body;
+}
+
 TEST_F(ServerApi, EverySettingHasALabelledField) {
   const std::string page = ask("GET", "/").body;
   const json schema = json::parse(ask("GET", "/api/v1/settings-schema").body);

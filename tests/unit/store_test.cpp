@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "server/secrets.hpp"
+#include "server/store/sqlite.hpp"
 #include "server/store/store.hpp"
 
 namespace vacuform {
@@ -103,6 +104,52 @@ TEST_F(StoreTest, WhatWasCreatedSurvivesACrashAndWhatWasNotLeavesNothing) {
   EXPECT_EQ(bytes_of(job(made.id).scan.blob), "kept");
   EXPECT_TRUE(fs::is_empty(data() / "incoming"));
   EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("kept"), text_hash("kept too")}));
+}
+
+// Measured temperatures are an input as the others: kept over a crash, part of what a key means, gone with the job.
+TEST_F(StoreTest, KeepsTheTemperaturesOfAJobThatHasThem) {
+  const auto submit = [&](const std::string& celsius) {
+    NewJob job{"{}", upload("a scan"), "stl", upload("a pattern"), "svg", "key-0001"};
+    if (!celsius.empty()) {
+      job.temperature.emplace(upload(celsius));
+      job.temperature_extension = "csv";
+    }
+    return store_->create(std::move(job));
+  };
+  const auto made = submit("140,141");
+  ASSERT_TRUE(made) << made.error().text();
+  crash();
+  const Job found = job(made->id);
+  ASSERT_TRUE(found.temperature);
+  EXPECT_EQ(found.temperature->extension, "csv");
+  EXPECT_EQ(bytes_of(found.temperature->blob), "140,141");
+  EXPECT_EQ(submit("140,141")->id, made->id);
+  EXPECT_EQ(submit("140,142").error().code, Code::conflict);
+  EXPECT_EQ(submit("").error().code, Code::conflict);
+  EXPECT_FALSE(job(create().id).temperature);
+  ASSERT_TRUE(store_->cancel(made->id) && store_->remove(made->id));
+  EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("a scan"), text_hash("a pattern")}));
+}
+
+// A store that a server without temperatures wrote is brought up to date with its jobs.
+TEST_F(StoreTest, TakesOverAStoreOfVersionOne) {
+  const Job made = create("old scan", "old pattern");
+  store_.reset();
+  {
+    Database database;
+    ASSERT_TRUE(database.open((data() / "jobs.sqlite").string()));
+    ASSERT_TRUE(database.execute(
+        "DROP INDEX job_by_temperature; ALTER TABLE job DROP COLUMN temperature; ALTER TABLE job DROP COLUMN"
+        " temperature_bytes; ALTER TABLE job DROP COLUMN temperature_extension; PRAGMA user_version=1"));
+  }
+  reopen();
+  EXPECT_EQ(bytes_of(job(made.id).scan.blob), "old scan");
+  EXPECT_FALSE(job(made.id).temperature);
+  NewJob next{"{}", upload("a scan"), "stl", upload("a pattern"), "svg"};
+  next.temperature.emplace(upload("140"));
+  EXPECT_EQ(bytes_of(store_->create(std::move(next))->temperature->blob), "140");
+  reopen();  // now of its own version
+  EXPECT_EQ(bytes_of(job(made.id).scan.blob), "old scan");
 }
 
 TEST_F(StoreTest, ABlobWithoutARowIsDeletedAtTheNextStart) {

@@ -27,13 +27,13 @@ extern "C" void cancel_running(int) {
 
 Result<void> run(const RunOptions& o, const Context& context) try {
   VACUFORM_TRY(object, o.settings.read());
-  if (!o.temperature.empty() && !object["heat"].contains("source")) object["heat"]["source"] = "measured";
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
   VACUFORM_TRY(pattern, read_file(o.pattern));
   Inputs inputs{scan, o.scan, pattern, o.pattern, settings};
   std::vector<std::uint8_t> temperature;
   if (!o.temperature.empty()) {
+    if (settings.heat.source == HeatSource::uniform) inputs.settings.heat.source = HeatSource::measured;
     VACUFORM_TRY(measured, read_file(o.temperature));
     temperature = std::move(measured);
     inputs.temperature = MeasuredFile{temperature, o.temperature};

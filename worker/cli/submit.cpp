@@ -24,14 +24,14 @@ extern "C" void interrupt(int) { interrupted.store(true); }
 bool going() { return !interrupted.load(); }
 
 struct SubmitOptions {
-  std::string server = "http://127.0.0.1:8080", scan, pattern, job, out;
+  std::string server = "http://127.0.0.1:8080", scan, pattern, temperature, job, out;
   SettingsOptions settings;
   bool wait = false;
 };
 
 Result<RemoteJob> create(Client& client, const SubmitOptions& o, ProgressBar& bar) {
   VACUFORM_TRY(settings, o.settings.read());
-  return client.submit(o.scan, o.pattern, settings.dump(), [&](double fraction) {
+  return client.submit(o.scan, o.pattern, o.temperature, settings.dump(), [&](double fraction) {
     bar.show("upload", fraction);
     return going();
   });
@@ -131,11 +131,17 @@ void add_submit(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   auto* scan = command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->type_name("FILE");
   auto* pattern = command->add_option("--pattern", options->pattern, "SVG, PNG or JPEG")->type_name("FILE");
+  auto* temperature =
+      command
+          ->add_option("--temperature", options->temperature,
+                       "Measured temperature of the sheet: CSV of degrees Celsius, or a gray PNG")
+          ->type_name("FILE");
   options->settings.add_to(*command);
   command->add_option("--job", options->job, "Come back to a job that was submitted before")
       ->type_name("ID")
       ->excludes(scan)
-      ->excludes(pattern);
+      ->excludes(pattern)
+      ->excludes(temperature);
   auto* wait = command->add_flag("--wait", options->wait, "Wait until the job has ended");
   command->add_option("--out", options->out, "Folder for the artifacts")->type_name("DIR")->needs(wait);
   command->callback([options, &exit_code] { exit_code = submit(*options); });
