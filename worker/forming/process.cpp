@@ -7,9 +7,6 @@
 
 namespace vacuform {
 
-namespace {
-
-// 0 at the sheet's centre, 1 at the clamp frame and beyond, smooth between.
 double nearness_to_frame(const Eigen::Vector2d& rest, const MachineSettings& machine) {
   const auto square = [](double v) { return v * v; };
   const double x = square(2 * rest.x() / machine.window_width_mm);
@@ -18,8 +15,6 @@ double nearness_to_frame(const Eigen::Vector2d& rest, const MachineSettings& mac
   const double y = square(2 * rest.y() / machine.window_height_mm);
   return 1 - std::max(0.0, 1 - x) * std::max(0.0, 1 - y);
 }
-
-}  // namespace
 
 Process::Process(const Obstacles& obstacles_, double top, const SheetSettings& sheet_,
                  const MachineSettings& machine_, const FormingSettings& forming_,

@@ -13,6 +13,9 @@
 
 namespace vacuform {
 
+// 0 at the sheet's centre, 1 at the clamp frame and beyond, smooth between.
+double nearness_to_frame(const Eigen::Vector2d& rest, const MachineSettings& machine);
+
 // The problem. The frame starts level with the mold's top (higher by the sag, where the sheet sags) and descends to
 // machine.drape_height_mm; `obstacles` outlives the process.
 struct Process {
