@@ -30,7 +30,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs that have something to show make it
 };
-inline constexpr std::array<ArtifactKind, 13> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 15> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"preview-without.png", "image/png", "Formed part with the plain pattern"},
@@ -38,6 +38,8 @@ inline constexpr std::array<ArtifactKind, 13> artifact_kinds{{
     {"preview-anisotropy.png", "image/png", "Heat map: change of shape that the print makes good"},
     {"preview-area.png", "image/png", "Heat map: change of area that the print makes good"},
     {"preview-thickness.png", "image/png", "Heat map: thickness of the formed sheet"},
+    {"preview-temperature.png", "image/png", "Heat map: temperature at which the sheet met the mold", false},
+    {"preview-findings.png", "image/png", "Where to look before forming: the warnings that have a place"},
     {"formed.ply", "application/octet-stream", "The formed sheet with sheet and pattern coordinates"},
     {"formed.obj", "model/obj", "The formed sheet, textured with the print"},
     {"formed.mtl", "model/mtl", "The material of formed.obj"},

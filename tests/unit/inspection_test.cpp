@@ -14,6 +14,7 @@
 #include "tests/unit/hand_made_sheets.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/mold_distance.hpp"
+#include "worker/inspection/view.hpp"
 
 namespace vacuform {
 namespace {
@@ -157,14 +158,15 @@ TEST(MoldDistance, IsExactOnAnOctahedron) {
 
 TEST(Report, HoldsTheFiguresUnderStableKeys) {
   Job job = small_dome();
-  job.sample.mold.warnings = {{"undercut", "There is an undercut."}};
+  job.sample.mold.warnings = {{"undercut", "There is an undercut.", {{{1, 2, 3.04}, 5}}}};
+  job.sample.sheet.vents = {{{1.5, -2, 40}, 1}};
   job.print.warnings.push_back({"ink-off-chart", "5 % is lost."});
   const nlohmann::ordered_json r = report(job.finished());
   std::vector<std::string> groups;
   for (const auto& [key, value] : r.items()) groups.push_back(key);
-  EXPECT_EQ(groups,
-            (std::vector<std::string>{"settings", "scan", "mold", "forming", "thickness", "flattening",
-                                      "pattern", "print", "figures", "warnings", "artifacts"}));
+  EXPECT_EQ(groups, (std::vector<std::string>{"settings", "scan", "mold", "heat", "forming", "thickness",
+                                              "flattening", "pattern", "print", "figures", "warnings",
+                                              "vents", "artifacts"}));
   EXPECT_EQ(r["pattern"]["format"], "SVG");
   EXPECT_EQ(r["pattern"]["size_mm"], (nlohmann::json{60.0, 50.0}));
   EXPECT_NEAR(r["pattern"]["ink_area_mm2"].get<double>(), 2 * M_PI * 20 * 3, 0.5);
@@ -182,10 +184,11 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   const auto& thickness = job.sample.sheet.element_thickness;
   EXPECT_NEAR(r["thickness"]["least_ratio"].get<double>(),
               *std::min_element(thickness.begin(), thickness.end()), 1e-4);
-  EXPECT_EQ(
-      r["warnings"],
-      (nlohmann::ordered_json{{{"stage", "scan"}, {"code", "undercut"}, {"text", "There is an undercut."}},
-                              {{"stage", "printing"}, {"code", "ink-off-chart"}, {"text", "5 % is lost."}}}));
+  EXPECT_EQ(r["warnings"].dump(),
+            R"([{"stage":"scan","code":"undercut","text":"There is an undercut.",)"
+            R"("marks":[{"place_mm":[1.0,2.0,3.0],"size_mm":5.0}]},)"
+            R"({"stage":"printing","code":"ink-off-chart","text":"5 % is lost.","marks":[]}])");
+  EXPECT_EQ(r["vents"].dump(), R"([{"place_mm":[1.5,-2.0,40.0],"diameter_mm":1.0}])");
   std::size_t listed = 0;
   for (const auto& kind : artifact_kinds)
     if (kind.always) {
@@ -236,6 +239,25 @@ TEST(Artifacts, AreAllOfThemInOrder) {
     if (kind.always && kind.name != "report.json") expected.emplace_back(kind.name);
   EXPECT_EQ(names, expected);
   EXPECT_EQ(file(*files, "print.png"), job.print.png);
+}
+
+// An unevenly warm sheet: its temperatures are in the report, and a preview shows them.
+TEST(Artifacts, ShowTheTemperatureWhereItIsUneven) {
+  Job job = small_dome();
+  for (std::size_t v = 0; v < job.sample.sheet.rest.size(); ++v)
+    job.sample.sheet.temperature[v] = 140 + 0.3 * job.sample.sheet.rest[v].x();
+  Finished finished = job.finished();
+  finished.heat = {HeatSource::heaters, 120, 140, 160, 31.25, 2.5};
+  const auto files = artifacts(finished, Context());
+  ASSERT_TRUE(files);
+  const auto r = report(finished);
+  EXPECT_EQ(r["heat"].dump(), R"({"source":"heaters","least_c":120.0,"mean_c":140.0,"most_c":160.0,)"
+                              R"("seconds":31.25,"through_thickness_c":2.5})");
+  ASSERT_EQ(files->size() + 1, artifact_kinds.size());
+  ASSERT_EQ(r["artifacts"].size(), artifact_kinds.size());
+  for (std::size_t i = 0; i < files->size(); ++i) EXPECT_EQ((*files)[i].name, artifact_kinds[i].name);
+  const Decoded picture = decode_png(file(*files, "preview-temperature.png"));
+  EXPECT_EQ(picture.width, 1000);
 }
 
 TEST(Artifacts, AreTheSameBytesTwice) {
@@ -384,6 +406,39 @@ TEST(Previews, ShowTheDrawingAndTheHeat) {
       coloured +=
           std::abs(area.at(x, y, 0) - area.at(x, y, 1)) + std::abs(area.at(x, y, 1) - area.at(x, y, 2)) > 40;
   EXPECT_GT(coloured, 200'000);
+}
+
+// Marks stand at their places in the colour of their code, and the legend grows by a row for two of them.
+TEST(Previews, FindingsAreMarkedWhereTheyAre) {
+  Job job = small_dome();
+  const auto picture = [&] {
+    const auto files = artifacts(job.finished(), Context());
+    return decode_png(file(*files, "preview-findings.png"));
+  };
+  const Decoded bare = picture();
+  EXPECT_EQ(bare.width, 1000);
+  EXPECT_EQ(bare.height, 1000 - caption_bottom + 92);
+  const auto blue = [](const Decoded& p, int x, int y) {  // Okabe and Ito's, of "not-reached"
+    return p.at(x, y, 0) == 0 && p.at(x, y, 1) == 114 && p.at(x, y, 2) == 178;
+  };
+  job.sample.sheet.warnings = {{"not-reached", "", {{{0, 0, 60}, 20}, {{20, 0, 56}, 20}}},
+                               {"webbing", "", {{{0, 40, 30}, 10}}},
+                               {"thin", "", {{{0, -40, 30}, 10}}}};
+  const Decoded marked = picture();
+  EXPECT_EQ(marked.height, 1000 - caption_bottom + 44 + 2 * 70);
+  const View view(job.sample.sheet, 1000, 1000, caption_top, caption_bottom);
+  for (const auto& place : {Vector3d(0, 0, 60), Vector3d(20, 0, 56)}) {
+    const auto spot = view.spot(place);
+    ASSERT_TRUE(spot);
+    EXPECT_FALSE(spot->hidden);
+    // Straight left of the place its ring is crossed.
+    const int y = static_cast<int>(spot->y), x = static_cast<int>(spot->x - 10 * spot->pixels_per_mm);
+    int crossed = 0;
+    for (int dx = -3; dx <= 3; ++dx) crossed += blue(marked, x + dx, y);
+    EXPECT_GT(crossed, 0);
+    for (int dx = -3; dx <= 3; ++dx) EXPECT_FALSE(blue(bare, x + dx, y));
+  }
+  EXPECT_TRUE(view.spot({0, 0, -30})->hidden);
 }
 
 TEST(Previews, ScalesEndAtRoundNumbers) {

@@ -1,15 +1,12 @@
 #include "worker/inspection/caption.hpp"
 
-#include <cairo.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
-#include <new>
 #include <utility>
 
 #include "worker/decimal.hpp"
+#include "worker/inspection/canvas.hpp"
 
 namespace vacuform {
 namespace {
@@ -31,28 +28,6 @@ constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},
                                                             {173, 220, 48},
                                                             {216, 226, 25},
                                                             {253, 231, 37}}};
-
-// Paper for words to stand on.
-void band(cairo_t* cairo, double top, double bottom, double line) {
-  cairo_set_source_rgb(cairo, 0.985, 0.985, 0.99);
-  cairo_rectangle(cairo, 0, top, 1e5, bottom - top);
-  cairo_fill(cairo);
-  cairo_set_source_rgb(cairo, 0.78, 0.79, 0.81);
-  cairo_rectangle(cairo, 0, line, 1e5, 1);
-  cairo_fill(cairo);
-}
-
-void text(cairo_t* cairo, const std::string& words, double x, double y, double size, bool bold, double along,
-          float gray) {
-  cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cairo, size);
-  cairo_text_extents_t extents;
-  cairo_text_extents(cairo, words.c_str(), &extents);
-  cairo_set_source_rgb(cairo, gray, gray, gray + 0.02);
-  cairo_move_to(cairo, x - along * extents.x_advance, y);
-  cairo_show_text(cairo, words.c_str());
-}
 
 }  // namespace
 
@@ -83,30 +58,24 @@ Scale round_scale(double low, double high, bool fixed_low, std::string quantity)
 }
 
 void write(const Caption& caption, Picture& picture) {
-  const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
-      cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(picture.pixels.data()),
-                                          CAIRO_FORMAT_RGB24, picture.width, picture.height,
-                                          4 * picture.width),
-      cairo_surface_destroy);
-  if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
-  const std::unique_ptr<cairo_t, void (*)(cairo_t*)> context(cairo_create(surface.get()), cairo_destroy);
-  cairo_t* cairo = context.get();
-  band(cairo, 0, caption_top, caption_top - 1);
-  text(cairo, caption.title, 40, 50, 27, true, 0, 0.13f);
-  text(cairo, caption.figures, 40, 82, 17, false, 0, 0.32f);
-  band(cairo, picture.height - caption_bottom, picture.height, picture.height - caption_bottom);
+  Canvas canvas(picture);
+  cairo_t* cairo = canvas.cairo();
+  canvas.band(0, caption_top, caption_top - 1);
+  canvas.text(caption.title, 40, 50, 27, true, 0, 0.13f);
+  canvas.text(caption.figures, 40, 82, 17, false, 0, 0.32f);
+  canvas.band(picture.height - caption_bottom, picture.height, picture.height - caption_bottom);
   if (!caption.scale) {
-    text(cairo, caption.note, 40, picture.height - 40, 17, false, 0, 0.2f);
+    canvas.text(caption.note, 40, picture.height - 40, 17, false, 0, 0.2f);
   } else {
     const Scale& s = *caption.scale;
     const double left = 40, right = picture.width - 40.0, top = picture.height - 55.0, thick = 18;
     for (int x = static_cast<int>(left); x < static_cast<int>(right); ++x) {
       const Colour c = viridis((x + 0.5 - left) / (right - left));
-      cairo_set_source_rgb(cairo, c.x(), c.y(), c.z());
+      canvas.colour(c);
       cairo_rectangle(cairo, x, top, 1, thick);
       cairo_fill(cairo);
     }
-    text(cairo, s.quantity, left, top - 10, 17, false, 0, 0.2f);
+    canvas.text(s.quantity, left, top - 10, 17, false, 0, 0.2f);
     const int steps = static_cast<int>(std::lround((s.high - s.low) / s.step));
     // As many digits as the step needs: 0.25 two, 0.2 one.
     int places = 0;
@@ -118,14 +87,13 @@ void write(const Caption& caption, Picture& picture) {
       cairo_fill(cairo);
       const std::string value = decimal(s.low + s.step * i, places);
       const bool first = i == 0, last = i == steps;
-      text(cairo, (last && s.open_above ? "≥ " : "") + value, x, top + thick + 24, 17, false,
-           first  ? 0
-           : last ? 1
-                  : 0.5,
-           0.2f);
+      canvas.text((last && s.open_above ? "≥ " : "") + value, x, top + thick + 24, 17, false,
+                  first  ? 0
+                  : last ? 1
+                         : 0.5,
+                  0.2f);
     }
   }
-  cairo_surface_flush(surface.get());
 }
 
 }  // namespace vacuform

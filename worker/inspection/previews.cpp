@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/decimal.hpp"
+#include "worker/inspection/callouts.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/view.hpp"
 #include "worker/printing/png_writer.hpp"
@@ -78,6 +79,16 @@ Heat thickness_heat(const Finished& job) {
   return {job.sheet.thickness, round_scale(least, most, false, "thickness, mm")};
 }
 
+Heat temperature_heat(const Finished& job) {
+  const auto [least, most] = std::minmax_element(job.sheet.temperature.begin(), job.sheet.temperature.end());
+  return {job.sheet.temperature, round_scale(*least, *most, false, "temperature, °C")};
+}
+
+std::string figures_of(const HeatSummary& heat) {
+  return "in the window of the frame: " + decimal(heat.least, 1) + " to " + decimal(heat.most, 1) +
+         " °C, mean " + decimal(heat.mean, 1) + " °C" +
+         (heat.seconds ? " after " + decimal(*heat.seconds, 0) + " s under the heaters" : "");
+}
 std::string figures_of(const Distortion& d) {
   return "anisotropy: mean " + decimal(d.anisotropy.mean, 3) + ", 95 % below " +
          decimal(d.anisotropy.p95, 3) + "     area ratio: mean " + decimal(d.area_ratio.mean, 3) +
@@ -151,16 +162,20 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
                                           }),
                             before.area_ratio, "area ratio (1: undistorted)");
   const Heat thickness = thickness_heat(job);
+  const bool uneven = job.heat.source != HeatSource::uniform;
+  const Heat temperature = uneven ? temperature_heat(job) : Heat{};
 
   View view(job.sheet, side, side, caption_top, caption_bottom);
   VACUFORM_TRY(pictures, view.draw(
-                             5,
+                             uneven ? 7 : 6,
                              [&](const Seen& seen, Colour* colours) {
                                colours[0] = without(seen);
                                colours[1] = with(seen);
                                colours[2] = hot(job, anisotropy, seen);
                                colours[3] = hot(job, area, seen);
                                colours[4] = hot(job, thickness, seen);
+                               colours[5] = seen.light * plastic + Colour::Constant(seen.gloss);
+                               if (uneven) colours[6] = hot(job, temperature, seen);
                              },
                              context, 0.1, 0.7));
 
@@ -190,6 +205,15 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
     write(captions[i], pictures[i]);
     files.push_back({names[i], png_of(pictures[i])});
   }
+  if (uneven) {
+    write({"Temperature of the sheet when it met the mold", figures_of(job.heat), temperature.scale, ""},
+          pictures[6]);
+    files.push_back({"preview-temperature.png", png_of(pictures[6])});
+  }
+  std::vector<Warning> warnings = job.mold.warnings;
+  warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
+  draw_callouts(view, warnings, pictures[5]);
+  files.push_back({"preview-findings.png", png_of(pictures[5])});
   return files;
 }
 

@@ -1,4 +1,4 @@
-// The five pictures of a finished job. Internal to worker/inspection.
+// The six pictures of a finished job. Internal to worker/inspection.
 #pragma once
 
 #include "worker/inspection/inspection.hpp"
@@ -8,7 +8,8 @@ namespace vacuform {
 // preview-without.png: the drawing as it would come out if it were printed as it is, its centre on the point
 // of the sheet that comes to lie on the top of the mold. preview-with.png: the pre-distorted print.
 // preview-anisotropy.png, preview-area.png: the figures without pre-distortion over the chart.
-// preview-thickness.png: the whole sheet.
+// preview-thickness.png: the whole sheet. preview-findings.png: the bare sheet with the marks of the warnings of
+// scan and forming.
 Result<std::vector<Artifact>> previews(const Finished& job, const Context& context);
 
 }  // namespace vacuform

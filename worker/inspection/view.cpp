@@ -152,6 +152,17 @@ Seen View::seen(const RayCaster::Hit& hit, const Vector3d& ray, double spacing) 
           static_cast<float>(0.10 * gloss * open)};
 }
 
+std::optional<View::Spot> View::spot(const Vector3d& place) const {
+  constexpr double behind_mm = 3;
+  const Vector3d way = place - eye_;
+  const double depth = -way.dot(back_);
+  if (depth <= 0) return std::nullopt;
+  const double pixel = 2 * tangent_ / width_;  // at distance 1
+  const auto hit = rays_.first_hit(eye_, way);
+  return Spot{0.5 * width_ + way.dot(right_) / depth / pixel, middle_row() - way.dot(up_) / depth / pixel,
+              1 / (depth * pixel), hit && (1 - hit->t) * way.norm() > behind_mm};
+}
+
 Result<std::vector<Picture>> View::draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
                                         const Context& context, double from, double to) {
   const double lit = from + 0.2 * (to - from);
@@ -161,7 +172,7 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
   for (auto& p : pictures)
     p = {width_, height_, std::vector<std::uint32_t>(columns * static_cast<std::size_t>(height_))};
   const int end = height_ - bottom_;
-  const double middle = 0.5 * (top_ + end);
+  const double middle = middle_row();
   const double pixel = 2 * tangent_ / width_;  // at distance 1
 
   const auto row = [&](int y) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "worker/context.hpp"
@@ -41,7 +42,16 @@ class View {
   Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
                                     const Context& context, double from, double to);
 
+  // Where a point in space lies in a picture; `hidden` behind the sheet by more than 3 mm. Nothing behind the eye.
+  struct Spot {
+    double x, y;  // pixels from the picture's left and top
+    double pixels_per_mm;
+    bool hidden;
+  };
+  std::optional<Spot> spot(const Eigen::Vector3d& place) const;
+
  private:
+  double middle_row() const { return 0.5 * (top_ + height_ - bottom_); }
   void frame();
   Result<void> light(const Context& context, double from, double to);
   Seen seen(const RayCaster::Hit& hit, const Eigen::Vector3d& ray, double spacing) const;

@@ -75,7 +75,8 @@ class CoveredSpace {
   std::vector<Level> pyramid_;  // from k = 1 on
 };
 
-// What a maker is told about them ("undercut"), with place and depth of each as its marks. At least one, deepest first.
+// What a maker is told about them ("undercut"), with place and depth of the twenty deepest as its marks. At least one,
+// deepest first.
 Warning undercut_warning(const std::vector<Undercut>& undercuts);
 
 }  // namespace vacuform

@@ -1,0 +1,214 @@
+#include "worker/inspection/callouts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "worker/inspection/canvas.hpp"
+#include "worker/inspection/caption.hpp"
+
+namespace vacuform {
+namespace {
+
+using Eigen::Vector2d;
+
+enum class Shape { disk, square, diamond, triangle, arrow, pentagon, hexagon, house };
+
+struct Look {
+  std::string_view code;
+  std::string_view words;
+  Shape shape;
+  std::array<int, 3> colour;
+  bool dark_number;
+  std::size_t most = 6;  // marks that are drawn
+};
+constexpr std::array<Look, 8> looks{{
+    {"undercut", "undercuts", Shape::arrow, {213, 94, 0}, false},
+    {"trapped-air", "vents to drill", Shape::disk, {86, 180, 233}, true, 20},
+    {"not-reached", "not reached", Shape::square, {0, 114, 178}, false},
+    {"webbing", "webs and folds", Shape::diamond, {230, 159, 0}, true},
+    {"thin", "thin places", Shape::triangle, {204, 121, 167}, true},
+    {"window-close", "window close", Shape::pentagon, {0, 158, 115}, false},
+    {"deep-draw", "deep draw", Shape::hexagon, {240, 228, 66}, true},
+    {"clamp-narrow", "narrow clamp", Shape::house, {255, 255, 255}, true},
+}};
+constexpr Look other{"", "", Shape::house, {60, 60, 60}, false};
+
+const Look& look_of(const Warning& warning) {
+  const auto it =
+      std::find_if(looks.begin(), looks.end(), [&](const Look& l) { return l.code == warning.code; });
+  return it == looks.end() ? other : *it;
+}
+
+Colour colour_of(const Look& look) {
+  return Colour(static_cast<float>(look.colour[0]), static_cast<float>(look.colour[1]),
+                static_cast<float>(look.colour[2])) /
+         255;
+}
+const Colour ink(0.08f, 0.09f, 0.11f), paper(1, 1, 1);
+
+constexpr double badge = 23;  // radius, pixels: its number can be read at the width of a phone
+constexpr int row = 70;       // of the legend
+constexpr double least_ring = 9, most_ring = 90;
+
+// The outline of a badge about the origin, of about the area of a disk of radius 1.
+std::vector<Vector2d> corners(Shape shape) {
+  const auto regular = [](int n, double radius, double from_deg) {
+    std::vector<Vector2d> points;
+    for (int i = 0; i < n; ++i) {
+      const double a = (from_deg + 360.0 * i / n) * M_PI / 180;
+      points.emplace_back(radius * std::cos(a), radius * std::sin(a));
+    }
+    return points;
+  };
+  switch (shape) {
+    case Shape::disk:
+      return regular(48, 1, 0);
+    case Shape::square:
+      return regular(4, 1.27, 45);
+    case Shape::diamond:
+      return regular(4, 1.34, 0);
+    case Shape::triangle:
+      return regular(3, 1.55, -90);
+    case Shape::arrow:
+      return regular(3, 1.55, 90);
+    case Shape::pentagon:
+      return regular(5, 1.18, -90);
+    case Shape::hexagon:
+      return regular(6, 1.12, 0);
+    case Shape::house:
+      return {{-0.9, 1}, {-0.9, -0.4}, {0, -1.25}, {0.9, -0.4}, {0.9, 1}};
+  }
+  return {};
+}
+
+void draw_badge(Canvas& canvas, const Look& look, const Vector2d& at, const std::string& number) {
+  cairo_t* cairo = canvas.cairo();
+  cairo_new_path(cairo);
+  for (const Vector2d& corner : corners(look.shape))
+    cairo_line_to(cairo, at.x() + badge * corner.x(), at.y() + badge * corner.y());
+  cairo_close_path(cairo);
+  canvas.colour(colour_of(look));
+  cairo_fill_preserve(cairo);
+  canvas.colour(ink);
+  cairo_set_line_width(cairo, 2.5);
+  cairo_stroke(cairo);
+  // Triangles have their room below or above the middle.
+  const double shift = look.shape == Shape::triangle ? 5 : look.shape == Shape::arrow ? -4 : 0;
+  canvas.text(number, at.x(), at.y() + 10 + shift, 28, true, 0.5, look.dark_number ? ink : paper);
+}
+
+// A line or ring that stands out from light and dark: dark between two bright edges.
+void stroke(Canvas& canvas, const Look& look, bool dashed) {
+  cairo_t* cairo = canvas.cairo();
+  constexpr double dash[] = {9, 7};
+  cairo_set_dash(cairo, dash, dashed ? 2 : 0, 0);
+  cairo_set_line_width(cairo, 7);
+  canvas.colour(ink);
+  cairo_stroke_preserve(cairo);
+  cairo_set_line_width(cairo, 3.5);
+  canvas.colour(colour_of(look));
+  cairo_stroke(cairo);
+  cairo_set_dash(cairo, nullptr, 0, 0);
+}
+
+struct Callout {
+  const Look* look;
+  int number;
+  Vector2d place;  // of the mark, kept inside the picture
+  double ring;     // radius, pixels
+  bool dashed;
+  Vector2d badge_at;
+};
+
+// Puts badges beside their rings: the first of 16 directions and growing distances at which a badge lies free.
+void place_badges(std::vector<Callout>& callouts, const Vector2d& low, const Vector2d& high) {
+  for (std::size_t i = 0; i < callouts.size(); ++i) {
+    Callout& c = callouts[i];
+    double best_cost = HUGE_VAL;
+    for (int distance = 0; distance < 6; ++distance)
+      for (int k = 0; k < 16; ++k) {
+        const double a = -M_PI / 4 + 2 * M_PI * k / 16, reach = c.ring + badge + 10 + 26 * distance;
+        const Vector2d at = c.place + reach * Vector2d(std::cos(a), std::sin(a));
+        double cost = 0.4 * reach;
+        const Vector2d out = (low - at).cwiseMax(at - high).array() + 1.3 * badge;
+        cost += 50 * std::max(0.0, out.maxCoeff());
+        for (std::size_t j = 0; j < callouts.size(); ++j) {
+          if (j < i) cost += 8 * std::max(0.0, 2.6 * badge - (callouts[j].badge_at - at).norm());
+          const double bare = callouts[j].ring + 1.2 * badge;
+          cost += 2 * std::max(0.0, bare - (callouts[j].place - at).norm());
+        }
+        if (cost < best_cost) best_cost = cost, c.badge_at = at;
+      }
+  }
+}
+
+std::vector<Callout> callouts_of(const View& view, const std::vector<Warning>& warnings, const Vector2d& low,
+                                 const Vector2d& high) {
+  std::vector<Callout> callouts;
+  for (const Warning& warning : warnings)
+    for (std::size_t i = 0; i < std::min(warning.marks.size(), look_of(warning).most); ++i) {
+      const Warning::Mark& mark = warning.marks[i];
+      const auto spot = view.spot({mark.place_mm[0], mark.place_mm[1], mark.place_mm[2]});
+      if (!spot) continue;
+      const Vector2d place = Vector2d(spot->x, spot->y).cwiseMax(low).cwiseMin(high);
+      callouts.push_back({&look_of(warning), static_cast<int>(i) + 1, place,
+                          std::clamp(mark.size_mm / 2 * spot->pixels_per_mm, least_ring, most_ring),
+                          spot->hidden, place});
+    }
+  place_badges(callouts, low, high);
+  return callouts;
+}
+
+void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, double top, double width) {
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    const Warning& warning = *marked[i];
+    const Look& look = look_of(warning);
+    const double x = 62 + (i % 2 == 0 ? 0 : width / 2 - 10), y = top + 52 + row * static_cast<double>(i / 2);
+    const std::size_t count = warning.marks.size();
+    draw_badge(canvas, look, {x, y}, std::to_string(count));
+    std::string words(look.words.empty() ? std::string_view(warning.code) : look.words);
+    if (count > look.most) words += ", " + std::to_string(look.most) + " shown";
+    canvas.text(words, x + 42, y + 10, 27, false, 0, 0.13f);
+  }
+}
+
+}  // namespace
+
+void draw_callouts(const View& view, const std::vector<Warning>& warnings, Picture& picture) {
+  std::vector<const Warning*> marked;
+  for (const Warning& warning : warnings)
+    if (!warning.marks.empty()) marked.push_back(&warning);
+  const int shown = picture.height - caption_bottom;
+  picture.height = shown + std::max(caption_bottom, 44 + row * static_cast<int>((marked.size() + 1) / 2));
+  picture.pixels.resize(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height));
+
+  Canvas canvas(picture);
+  const double margin = 14;
+  const auto callouts = callouts_of(view, warnings, Vector2d(margin, caption_top + margin),
+                                    Vector2d(picture.width - margin, shown - margin));
+  cairo_t* cairo = canvas.cairo();
+  for (const Callout& c : callouts) {
+    const Vector2d way = (c.badge_at - c.place).normalized();
+    const Vector2d from = c.place + c.ring * way;
+    cairo_move_to(cairo, from.x(), from.y());
+    cairo_line_to(cairo, c.badge_at.x(), c.badge_at.y());
+    stroke(canvas, *c.look, false);
+    cairo_new_sub_path(cairo);
+    cairo_arc(cairo, c.place.x(), c.place.y(), c.ring, 0, 2 * M_PI);
+    stroke(canvas, *c.look, c.dashed);
+  }
+  for (const Callout& c : callouts) draw_badge(canvas, *c.look, c.badge_at, std::to_string(c.number));
+
+  canvas.band(0, caption_top, caption_top - 1);
+  canvas.text("What to look at before forming", 40, 50, 27, true, 0, 0.13f);
+  canvas.text("the worst is 1; a ring is as large as its place, dashed where the sheet hides it", 40, 84, 21,
+              false, 0, 0.32f);
+  canvas.band(shown, picture.height, shown);
+  if (marked.empty())
+    canvas.text("Nothing found that has a place on the part.", 40, picture.height - 38, 27, false, 0, 0.2f);
+  draw_legend(canvas, marked, shown, picture.width);
+}
+
+}  // namespace vacuform

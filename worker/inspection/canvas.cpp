@@ -1,0 +1,39 @@
+#include "worker/inspection/canvas.hpp"
+
+#include <new>
+
+namespace vacuform {
+
+Canvas::Canvas(Picture& picture)
+    : surface_(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(picture.pixels.data()),
+                                                   CAIRO_FORMAT_RGB24, picture.width, picture.height,
+                                                   4 * picture.width),
+               cairo_surface_destroy),
+      context_(cairo_create(surface_.get()), cairo_destroy) {
+  if (cairo_surface_status(surface_.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
+}
+
+Canvas::~Canvas() { cairo_surface_flush(surface_.get()); }
+
+void Canvas::band(double top, double bottom, double line) {
+  cairo_set_source_rgb(cairo(), 0.985, 0.985, 0.99);
+  cairo_rectangle(cairo(), 0, top, 1e5, bottom - top);
+  cairo_fill(cairo());
+  cairo_set_source_rgb(cairo(), 0.78, 0.79, 0.81);
+  cairo_rectangle(cairo(), 0, line, 1e5, 1);
+  cairo_fill(cairo());
+}
+
+void Canvas::text(const std::string& words, double x, double y, double size, bool bold, double along,
+                  const Colour& colour_of_words) {
+  cairo_select_font_face(cairo(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo(), size);
+  cairo_text_extents_t extents;
+  cairo_text_extents(cairo(), words.c_str(), &extents);
+  colour(colour_of_words);
+  cairo_move_to(cairo(), x - along * extents.x_advance, y);
+  cairo_show_text(cairo(), words.c_str());
+}
+
+}  // namespace vacuform
