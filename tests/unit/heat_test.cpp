@@ -318,6 +318,26 @@ TEST(Heating, OfAGivenTimeIsThatOfItsSlab) {
   EXPECT_EQ(heated->seconds, 30);
 }
 
+// A stronger rim evens out what a flat bank leaves cold.
+TEST(Heating, ZonesEvenOutTheSheet) {
+  MachineSettings machine = bank(450);
+  for (Heater& h : machine.heaters) h.zone = std::abs(h.x_mm) > 100 || h.y_mm != 0 ? "rim" : "middle";
+  SheetSettings sheet;
+  sheet.width_mm = sheet.height_mm = 150;  // fewer places; the bank stays as wide
+  machine.window_width_mm = machine.window_height_mm = 140;
+  machine.heaters.erase(machine.heaters.begin(), machine.heaters.begin() + 4);  // the lower row
+  const auto spread = [&](double rim, double middle) {
+    HeatSettings heat;
+    heat.gains = {{"rim", rim}, {"middle", middle}};
+    const auto heated = heat_sheet(sheet, machine, heat, Context{});
+    EXPECT_TRUE(heated);
+    return heated->field.at({0, 70}) - heated->field.at({0, -70});
+  };
+  const double even = spread(1, 1);
+  EXPECT_GT(even, 10);
+  EXPECT_LT(spread(0.7, 1), even - 10);
+}
+
 TEST(Heating, OfHeatersTooWeakIsRefusedByName) {
   HeatSettings heat;
   for (const double celsius : {23.0, 60.0, 160.0}) {

@@ -42,7 +42,7 @@ void summarize(SheetTemperature& temperature, const MachineSettings& machine) {
   constexpr int steps = 200;
   const double width = machine.window_width_mm;
   const double height = machine.window == WindowShape::circle ? width : machine.window_height_mm;
-  double sum = 0, count = 0;
+  double sum = 0, area = 0;
   s.least = INFINITY, s.most = -INFINITY;
   for (int j = 0; j <= steps; ++j)
     for (int i = 0; i <= steps; ++i) {
@@ -50,10 +50,11 @@ void summarize(SheetTemperature& temperature, const MachineSettings& machine) {
                                   (static_cast<double>(j) / steps - 0.5) * height);
       if (!in_window(place, machine)) continue;
       const double celsius = temperature.field.at(place);
+      const double weight = (i % steps == 0 ? 0.5 : 1) * (j % steps == 0 ? 0.5 : 1);
       s.least = std::min(s.least, celsius), s.most = std::max(s.most, celsius);
-      sum += celsius, count += 1;
+      sum += weight * celsius, area += weight;
     }
-  s.mean = sum / count;
+  s.mean = sum / area;
 }
 
 }  // namespace
