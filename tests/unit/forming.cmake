@@ -5,4 +5,4 @@ vacuform_test(forming_test
           ${CMAKE_CURRENT_LIST_DIR}/projection_test.cpp ${CMAKE_CURRENT_LIST_DIR}/exact_cases_test.cpp
   LINKS vacuform_forming)
 
-vacuform_test(heat_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/heat_test.cpp LINKS vacuform_heat)
+vacuform_test(heat_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/heat_test.cpp LINKS vacuform_forming)
