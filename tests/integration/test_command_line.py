@@ -62,6 +62,25 @@ class Refusals(Case):
                 self.assert_refused(done, *words)
         self.assertFalse((self.folder / "out").exists())
 
+    def test_settings_are_laid_over_each_other(self):
+        """A profile, a file over it and --set over both; what only the profile says stays."""
+        profile = self.folder / "profile.json"
+        profile.write_text('{"sheet": {"width_mm": 450, "height_mm": 300}, "machine": {"window_width_mm": 430}}')
+        mine = self.folder / "mine.json"
+        mine.write_text('{"sheet": {"resolution_mm": 10, "thickness_mm": 2}, "machine": {"window_width_mm": 400}}')
+        done = self.run_with("--settings", profile, "--settings", mine, "--set", "sheet.thickness_mm=0.5",
+                             "--set", "print.dpi=72", scan=NEONATE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        settings = json.loads((self.folder / "out" / "report.json").read_text())["settings"]
+        sheet, machine = settings["sheet"], settings["machine"]
+        self.assertEqual((sheet["width_mm"], sheet["thickness_mm"], sheet["resolution_mm"]), (450, 0.5, 10))
+        self.assertEqual(machine["window_width_mm"], 400)
+        # The same files the other way round.
+        done = self.run_with("--settings", mine, "--settings", profile, "--set", "print.dpi=72", scan=NEONATE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        settings = json.loads((self.folder / "out" / "report.json").read_text())["settings"]
+        self.assertEqual((settings["machine"]["window_width_mm"], settings["sheet"]["thickness_mm"]), (430, 2))
+
     def test_folder_that_cannot_be_made(self):
         (self.folder / "file").write_text("")
         done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", self.folder / "file" / "out",

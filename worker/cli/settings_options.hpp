@@ -1,4 +1,4 @@
-// --settings FILE.json and --set group.key=value, the same for every command that takes settings.
+// --settings FILE.json and --set group.key=value, both repeatable, the same for every command that takes settings.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,12 +11,13 @@
 namespace vacuform::cli {
 
 struct SettingsOptions {
-  std::string file;
+  std::vector<std::string> files;
   std::vector<std::string> assignments;
 
   void add_to(CLI::App& command);  // this object must outlive the parsing
 
-  // The file's object with the assignments on top, as it is written: checked, and without the defaults.
+  // The files' objects, key by key the later over the earlier, with the assignments on top, as they are written: checked
+  // together, and without the defaults.
   // Errors: unreadable, bad_settings, bad_usage.
   Result<nlohmann::json> read() const;
 };
