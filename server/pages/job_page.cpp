@@ -24,10 +24,10 @@ const json& at(const json& object, std::initializer_list<const char*> keys) {
   return *here;
 }
 
-std::string number(const json& value) {
+std::string number(const json& value, int places = 3) {
   if (!value.is_number()) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f", value.get<double>());
+  char text[400];
+  std::snprintf(text, sizeof text, "%.*f", places, value.get<double>());
   return text;
 }
 
@@ -68,13 +68,34 @@ std::string figures_html(const json& report) {
   return html + "</tbody>\n</table></div>\n";
 }
 
+// Where a warning applies, by the numbers that preview-findings.png shows.
+std::string places_html(const json& marks) {
+  if (!marks.is_array() || marks.empty()) return "";
+  std::string html =
+      "<details>\n<summary>Places</summary>\n<div class=\"wide\"><table>\n<thead><tr><th "
+      "scope=\"col\">No.</th>";
+  for (const char* column : {"x, mm", "y, mm", "z, mm", "size, mm"})
+    html += std::string("<th scope=\"col\" class=\"number\">") + column + "</th>";
+  html += "</tr></thead>\n<tbody>\n";
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    const json& place = at(marks[i], {"place_mm"});
+    html += "<tr><th scope=\"row\">" + std::to_string(i + 1) + "</th>";
+    for (std::size_t k = 0; k < 3; ++k)
+      html += "<td class=\"number\">" +
+              (place.is_array() && k < place.size() ? number(place[k], 1) : std::string("-")) + "</td>";
+    html += "<td class=\"number\">" + number(at(marks[i], {"size_mm"}), 1) + "</td></tr>\n";
+  }
+  return html + "</tbody>\n</table></div>\n</details>\n";
+}
+
 std::string warnings_html(const json& report) {
   const json& warnings = at(report, {"warnings"});
   if (!warnings.is_array() || warnings.empty()) return "";
   std::string html = "<h2>Warnings</h2>\n<ul class=\"warnings\">\n";
   for (const json& warning : warnings) {
     const json& text = warning.is_object() ? at(warning, {"text"}) : warning;
-    if (text.is_string()) html += "<li>" + escaped(text.get<std::string>()) + "</li>\n";
+    if (text.is_string())
+      html += "<li>" + escaped(text.get<std::string>()) + places_html(at(warning, {"marks"})) + "</li>\n";
   }
   return html + "</ul>\n";
 }

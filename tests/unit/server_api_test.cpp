@@ -313,12 +313,33 @@ TEST(Pages, AnHostileReportIsShownAsText) {
   job.id = "x";
   job.state = JobState::succeeded;
   job.settings = "{}";
-  const json report = {{"warnings", {{{"text", "<img src=x onerror=alert(1)>"}}, 7, nullptr}},
-                       {"figures", {{"with", {{"anisotropy", {{"mean", "</td>"}}}}}}}};
+  const json marks = {{{"place_mm", {1.25, "<b>", 3}}, {"size_mm", 4.5}}, 7, {{"place_mm", {1}}}};
+  const json report = {
+      {"warnings", {{{"text", "<img src=x onerror=alert(1)>"}, {"marks", marks}}, 7, nullptr}},
+      {"figures", {{"with", {{"anisotropy", {{"mean", "</td>"}}}}}}}};
   const std::string html = job_page(job, report).main;
   EXPECT_EQ(html.find("<img src=x"), std::string::npos);
   EXPECT_NE(html.find("&lt;img src=x onerror=alert(1)&gt;"), std::string::npos);
+  EXPECT_EQ(html.find("<b>"), std::string::npos);
   EXPECT_EQ(job_page(job, json::array({1, 2})).main.find("Figures"), std::string::npos);
+}
+
+TEST(Pages, AWarningListsItsPlaces) {
+  Job job;
+  job.id = "x";
+  job.state = JobState::succeeded;
+  job.settings = "{}";
+  const json mark = {{"place_mm", {1.26, -2.0, 30.0}}, {"size_mm", 4.5}};
+  const json report = {{"warnings",
+                        {{{"text", "Thin."}, {"marks", json::array({mark})}},
+                         {{"text", "Guessed."}, {"marks", json::array()}}}}};
+  const std::string html = job_page(job, report).main;
+  EXPECT_NE(html.find("Thin.<details>"), std::string::npos);
+  EXPECT_NE(html.find("<th scope=\"row\">1</th><td class=\"number\">1.3</td><td class=\"number\">-2.0</td>"
+                      "<td class=\"number\">30.0</td><td class=\"number\">4.5</td>"),
+            std::string::npos)
+      << html;
+  EXPECT_NE(html.find("<li>Guessed.</li>"), std::string::npos);
 }
 
 }  // namespace

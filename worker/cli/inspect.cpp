@@ -10,6 +10,7 @@
 #include "worker/pipeline.hpp"
 #include "worker/scan/findings_json.hpp"
 #include "worker/scan/mold.hpp"
+#include "worker/scan/plug.hpp"
 
 namespace vacuform::cli {
 
@@ -75,7 +76,8 @@ void print_json(const Mold& mold, const Result<void>& fit) {
                       {"mend", fit.error().mend}};
   out["warnings"] = Json::array();
   for (const auto& warning : mold.warnings)
-    out["warnings"].push_back({{"code", warning.code}, {"text", warning.text}});
+    out["warnings"].push_back(
+        {{"code", warning.code}, {"text", warning.text}, {"marks", marks_json(warning)}});
   std::printf("%s\n", out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
@@ -84,12 +86,16 @@ Result<void> inspect(const InspectOptions& o) try {
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(bytes, read_file(o.scan));
   ProgressBar bar(ProgressBar::Otherwise::silent);
-  const auto mold = make_mold(bytes, o.scan, settings.scan,
-                              Context([&](Stage stage, double fraction) { bar.show(stage, fraction); }));
+  auto cut = make_mold(bytes, o.scan, settings.scan,
+                       Context([&](Stage stage, double fraction) { bar.show(stage, fraction); }));
   bar.clear();
-  if (!mold) return tl::make_unexpected(mold.error());
-  const auto fit = check_fit(*mold, settings.sheet, settings.machine);
-  (o.json ? print_json : print_text)(*mold, fit);
+  if (!cut) return tl::make_unexpected(cut.error());
+  VACUFORM_TRY(mold, on_plug(std::move(*cut), settings.machine.plug_height_mm));
+  const auto fit = check_fit(mold, settings.sheet, settings.machine);
+  if (fit)
+    for (Warning& w : fit_findings(mold, settings.sheet, settings.machine, settings.forming.thin_limit))
+      mold.warnings.push_back(std::move(w));
+  (o.json ? print_json : print_text)(mold, fit);
   return {};
 } catch (const std::bad_alloc&) {
   return tl::make_unexpected(out_of_memory());

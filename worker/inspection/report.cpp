@@ -135,16 +135,6 @@ Json distortion_of(const Distortion& d) {
   return {{"anisotropy", statistics_of(d.anisotropy)}, {"area_ratio", statistics_of(d.area_ratio)}};
 }
 
-// Where and how large, worst first.
-Json marks_of(const Warning& warning) {
-  Json marks = Json::array();
-  for (const Warning::Mark& mark : warning.marks) {
-    const Eigen::Vector3d place(mark.place_mm[0], mark.place_mm[1], mark.place_mm[2]);
-    marks.push_back({{"place_mm", array(place, 1)}, {"size_mm", rounded(mark.size_mm, 1)}});
-  }
-  return marks;
-}
-
 Json vents_of(const FormedSheet& sheet) {
   Json vents = Json::array();
   for (const Vent& vent : sheet.vents)
@@ -171,7 +161,7 @@ Json report(const Finished& job) {
   const auto add = [&](Stage stage, const std::vector<Warning>& of_stage) {
     for (const auto& w : of_stage)
       warnings.push_back(
-          {{"stage", name(stage)}, {"code", w.code}, {"text", w.text}, {"marks", marks_of(w)}});
+          {{"stage", name(stage)}, {"code", w.code}, {"text", w.text}, {"marks", marks_json(w)}});
   };
   add(Stage::scan, job.mold.warnings);
   add(Stage::forming, job.sheet.warnings);
