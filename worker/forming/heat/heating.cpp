@@ -21,10 +21,16 @@ std::size_t layers_of(double thickness_mm) {
 }
 
 constexpr double longest_seconds = 3600;
-constexpr int steps_of_heating = 40, steps_of_transfer = 4;
-constexpr double aim_within = 0.05;  // degrees
+constexpr int steps_of_heating = 40, most_steps = 400, steps_of_transfer = 4;  // at least
+constexpr double longest_step = 2;                                             // seconds, up to most_steps
+constexpr double aim_within = 0.05;                                            // degrees
+constexpr int most_tries = 30;  // a handful suffices unless the transfer cools the sheet almost down
 
 int samples_along(double mm) { return std::clamp(static_cast<int>(std::lround(mm / 5)) + 1, 2, 121); }
+
+int steps_for(double seconds, int at_least) {
+  return std::clamp(static_cast<int>(seconds / longest_step), at_least, most_steps);
+}
 
 double radiation(double celsius) { return stefan_boltzmann * std::pow(celsius - absolute_zero, 4); }
 
@@ -85,8 +91,8 @@ class SheetOfSlabs {
 
   // In equal steps, and away from the heaters.
   Result<void> transfer(double seconds, const Context& context) {
-    for (int i = 0; i < steps_of_transfer && seconds > 0; ++i)
-      VACUFORM_CHECK(advance(seconds / steps_of_transfer, false, context));
+    const int steps = seconds > 0 ? steps_for(seconds, steps_of_transfer) : 0;
+    for (int i = 0; i < steps; ++i) VACUFORM_CHECK(advance(seconds / steps, false, context));
     return {};
   }
 
@@ -163,7 +169,9 @@ Result<void> heat_to(SheetOfSlabs& slabs, double aim, double step, double& secon
       return fail(
           Code::bad_settings,
           "under these heaters the sheet does not become warmer than about " + decimal(warmer, 0) + " C",
-          "machine.heaters", "give them more power, bring them nearer, or lower heat.temperature_c");
+          "machine.heaters",
+          "give them more power, bring them nearer, shorten heat.transfer_seconds or lower "
+          "heat.temperature_c");
     if (warmer > aim) {
       slabs.restore(before);
       step *= (aim - mean) / (warmer - mean);
@@ -175,9 +183,12 @@ Result<void> heat_to(SheetOfSlabs& slabs, double aim, double step, double& secon
   return {};
 }
 
-// Until the mean is the wanted one after the transfer: aims higher by what the last try cooled down.
+// Until the mean is the wanted one after the transfer: aims higher in the measure in which the last try cooled down.
 Result<double> heat_automatically(SheetOfSlabs& slabs, const HeatSettings& heat, double wanted,
                                   const Context& context) {
+  if (heat.ambient_c >= wanted)
+    return fail(Code::bad_settings, "the surroundings are warmer than the sheet shall become",
+                "heat.ambient_c", "lower it, or raise heat.temperature_c");
   const double rate = slabs.first_rate();
   const double step =
       rate > 0 ? std::min((wanted - heat.ambient_c) / rate, longest_seconds) / steps_of_heating : 1;
@@ -186,10 +197,10 @@ Result<double> heat_automatically(SheetOfSlabs& slabs, const HeatSettings& heat,
     VACUFORM_CHECK(heat_to(slabs, aim, std::max(step, 1e-3), seconds, context));
     auto heated = slabs.state();
     VACUFORM_CHECK(slabs.transfer(heat.transfer_seconds, context));
-    const double short_by = wanted - slabs.mean();
-    if (short_by < aim_within || tries == 8) return seconds;
+    const double mean = slabs.mean();
+    if (wanted - mean < aim_within || tries == most_tries) return seconds;
     slabs.restore(std::move(heated));
-    aim += short_by;
+    aim = heat.ambient_c + (aim - heat.ambient_c) * (wanted - heat.ambient_c) / (mean - heat.ambient_c);
   }
 }
 
@@ -204,8 +215,8 @@ Result<HeatedSheet> heat_sheet(const SheetSettings& sheet, const MachineSettings
     VACUFORM_TRY(seconds, heat_automatically(slabs, heat, wanted, context));
     return slabs.finish(seconds);
   }
-  for (int i = 0; i < steps_of_heating; ++i)
-    VACUFORM_CHECK(slabs.advance(*heat.seconds / steps_of_heating, true, context));
+  const int steps = steps_for(*heat.seconds, steps_of_heating);
+  for (int i = 0; i < steps; ++i) VACUFORM_CHECK(slabs.advance(*heat.seconds / steps, true, context));
   VACUFORM_CHECK(slabs.transfer(heat.transfer_seconds, context));
   return slabs.finish(*heat.seconds);
 }

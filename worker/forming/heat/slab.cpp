@@ -1,5 +1,6 @@
 #include "worker/forming/heat/slab.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -9,7 +10,9 @@ namespace vacuform {
 
 namespace {
 
-constexpr int newton_steps = 2;  // from the last temperature, some kelvin away: quadratic, hence to round-off
+constexpr int most_newton_steps = 50;
+constexpr double newton_within =
+    1e-2;  // of a step, kelvin; the next would be the square of that, hence round-off
 constexpr std::size_t most_layers = 256;
 
 }  // namespace
@@ -32,7 +35,8 @@ double Slab::solve_stage(std::span<double> u, std::span<const double> start, dou
   const double air_top = to_air(top.convection_w_m2k), air_bottom = to_air(bottom.convection_w_m2k);
   const double ratio = step / capacity_;
   std::array<double, most_layers> upper, right;  // Thomas' algorithm
-  for (int newton = 0; newton < newton_steps; ++newton) {
+  double change = 2 * newton_within;
+  for (int newton = 0; newton < most_newton_steps && change > newton_within; ++newton) {
     for (std::size_t i = 0; i < n; ++i) {
       const double kelvin = u[i] - absolute_zero, cube = stefan_boltzmann * kelvin * kelvin * kelvin;
       const double loses = absorptance_ * (from_top_[i] + from_bottom_[i]);
@@ -51,8 +55,13 @@ double Slab::solve_stage(std::span<double> u, std::span<const double> start, dou
       upper[i] = off * inverse;
       right[i] = value * inverse;
     }
-    u[n - 1] = right[n - 1];
-    for (std::size_t i = n - 1; i-- > 0;) u[i] = right[i] - upper[i] * u[i + 1];
+    change = 0;
+    double next = 0;
+    for (std::size_t i = n; i-- > 0;) {
+      next = i + 1 == n ? right[i] : right[i] - upper[i] * next;
+      change = std::max(change, std::abs(next - u[i]));
+      u[i] = next;
+    }
   }
   double power = air_top * (top.air_celsius - u[0]) + air_bottom * (bottom.air_celsius - u[n - 1]);
   for (std::size_t i = 0; i < n; ++i) {
