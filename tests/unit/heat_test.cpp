@@ -68,14 +68,15 @@ TEST(Irradiance, OfPowerAndGain) {
               10000 * view_factor(-100, 100, -50, 50, 100), 1e-9);
 }
 
-// A flat 300 x 450 panel gives the corners of a sheet of its own size only 0.36 to 0.44 of the centre.
+// A flat 300 x 450 panel at 75 to 200 mm gives the corners of a sheet of its size, 10 mm in under the clamp, only 0.36 to
+// 0.44 of the centre.
 TEST(Irradiance, OfAPanelAtTheCornersOfTheSheet) {
   HeatSettings heat;
   for (const auto& [z, share] : {std::pair(75.0, 0.36), std::pair(200.0, 0.44)}) {
     MachineSettings machine;
     machine.heaters = {heater(0, 0, 300, 450, z, 500)};
     const Irradiance panel(machine, heat, Irradiance::Side::above);
-    EXPECT_NEAR(panel.above_surroundings({150, 225}) / panel.above_surroundings({0, 0}), share, 0.1) << z;
+    EXPECT_NEAR(panel.above_surroundings({140, 215}) / panel.above_surroundings({0, 0}), share, 0.005) << z;
   }
 }
 
