@@ -15,8 +15,8 @@ RINGS = PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
 FINE = {"sheet": {"resolution_mm": 1}}  # long enough to be interrupted
 ARTIFACTS = ["print.png", "print.svg", "preview-without.png", "preview-with.png", "preview-anisotropy.png",
-             "preview-area.png", "preview-thickness.png", "formed.ply", "formed.obj", "formed.mtl", "uv-map.obj",
-             "mold.stl", "report.json"]
+             "preview-area.png", "preview-thickness.png", "preview-findings.png", "formed.ply", "formed.obj",
+             "formed.mtl", "uv-map.obj", "mold.stl", "report.json"]
 
 
 def coarse(**groups):
