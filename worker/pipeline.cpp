@@ -44,6 +44,7 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, warmth.field, context));
   const auto of_fit = fit_findings(mold, s.sheet, s.machine, s.forming.thin_limit);
   sheet.warnings.insert(sheet.warnings.begin(), of_fit.begin(), of_fit.end());
+  for (Warning& w : warmth.warnings) sheet.warnings.push_back(std::move(w));
   for (Warning& w : temperature_findings(sheet, s.sheet.material)) sheet.warnings.push_back(std::move(w));
   VACUFORM_TRY(flattening, flatten(sheet, mold, s.flattening, s.pattern.inked_face, context));
 

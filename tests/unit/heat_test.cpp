@@ -522,6 +522,26 @@ TEST(SheetTemperature, SourcesAndTheirFiles) {
   EXPECT_NEAR(warm->summary.most, 150, 1e-9);
 }
 
+TEST(SheetTemperature, ThickSheetHeatedFromOneSideIsUneven) {
+  SheetSettings sheet;
+  sheet.thickness_mm = 4;
+  sheet.width_mm = sheet.height_mm = 100;
+  MachineSettings machine;
+  machine.window_width_mm = machine.window_height_mm = 80;
+  machine.heaters = {heater(0, 0, 300, 300, 100, 550)};
+  HeatSettings heat;
+  heat.source = HeatSource::heaters;
+  const auto one_side = sheet_temperature(sheet, machine, heat, std::nullopt, Context{});
+  ASSERT_TRUE(one_side) << one_side.error().text();
+  ASSERT_EQ(one_side->warnings.size(), 1u);
+  EXPECT_EQ(one_side->warnings[0].code, "uneven-through");
+  machine.heaters = {heater(0, 0, 300, 300, 150, 350), heater(0, 0, 300, 300, -150, 350)};
+  const auto both = sheet_temperature(sheet, machine, heat, std::nullopt, Context{});
+  ASSERT_TRUE(both) << both.error().text();
+  EXPECT_TRUE(both->warnings.empty());
+  EXPECT_LT(*both->summary.through_thickness, *one_side->summary.through_thickness / 2);
+}
+
 TEST(TemperatureFindings, SayWhereThePlasticIsOutOfItsWindow) {
   FormedSheet sheet;
   for (int i = 0; i <= 20; ++i) {

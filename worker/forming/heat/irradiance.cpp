@@ -129,11 +129,16 @@ double Irradiance::above_surroundings(const Vector2d& place) const {
 
 const Irradiance::Panel* Irradiance::panel_met(const Vector3d& from, const Vector3d& way,
                                                double limit) const {
+  double height = -1, x = 0, y = 0;
   for (const Panel& p : panels_) {
     if (p.height > limit) break;
-    const double t = (p.height - from.z()) / way.z();
-    const double x = from.x() + t * way.x(), y = from.y() + t * way.y();
-    if (t > 0 && x >= p.x0 && x <= p.x1 && y >= p.y0 && y <= p.y1) return &p;
+    if (p.height <= from.z()) continue;
+    if (p.height != height) {  // most panels lie in one plane
+      height = p.height;
+      const double t = (height - from.z()) / way.z();
+      x = from.x() + t * way.x(), y = from.y() + t * way.y();
+    }
+    if (x >= p.x0 && x <= p.x1 && y >= p.y0 && y <= p.y1) return &p;
   }
   return nullptr;
 }

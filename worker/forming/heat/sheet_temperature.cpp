@@ -13,6 +13,8 @@ namespace vacuform {
 
 namespace {
 
+constexpr double much_through_thickness = 20;  // degrees: as much as half a forming window
+
 Result<SheetTemperature> by_source(const SheetSettings& sheet, const MachineSettings& machine,
                                    const HeatSettings& heat, const std::optional<MeasuredFile>& measured,
                                    const Context& context) {
@@ -26,6 +28,12 @@ Result<SheetTemperature> by_source(const SheetSettings& sheet, const MachineSett
       SheetTemperature out{std::move(heated.field), {}};
       out.summary.seconds = heated.seconds;
       out.summary.through_thickness = heated.through_thickness;
+      if (heated.through_thickness > much_through_thickness)
+        out.warnings.push_back(
+            {"uneven-through",
+             "Through its thickness the sheet differs by up to " + decimal(heated.through_thickness, 0) +
+                 " degrees when it meets the mold; heat it longer with less power, or from both "
+                 "sides"});
       return out;
     }
     case HeatSource::measured: {

@@ -22,6 +22,7 @@ struct HeatSummary {
 struct SheetTemperature {
   TemperatureField field;
   HeatSummary summary;
+  std::vector<Warning> warnings = {};  // "uneven-through": the layers of the sheet differ much
 };
 
 // heat.source uniform: heat.temperature_c; heaters: heat_sheet(); measured: read_measured_field() of `measured`, which
