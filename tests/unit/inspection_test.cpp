@@ -12,8 +12,10 @@
 
 #include "tests/unit/drawing_files.hpp"
 #include "tests/unit/hand_made_sheets.hpp"
+#include "worker/inspection/callouts.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/mold_distance.hpp"
+#include "worker/inspection/previews.hpp"
 #include "worker/inspection/view.hpp"
 
 namespace vacuform {
@@ -408,37 +410,46 @@ TEST(Previews, ShowTheDrawingAndTheHeat) {
   EXPECT_GT(coloured, 200'000);
 }
 
-// Marks stand at their places in the colour of their code, and the legend grows by a row for two of them.
+// Marks stand at their places in the colour of their code, the legend grows by a row for two of them, and what only
+// shows from behind is shown from there.
 TEST(Previews, FindingsAreMarkedWhereTheyAre) {
   Job job = small_dome();
-  const auto picture = [&] {
-    const auto files = artifacts(job.finished(), Context());
-    return decode_png(file(*files, "preview-findings.png"));
-  };
-  const Decoded bare = picture();
-  EXPECT_EQ(bare.width, 1000);
-  EXPECT_EQ(bare.height, 1000 - caption_bottom + 92);
-  const auto blue = [](const Decoded& p, int x, int y) {  // Okabe and Ito's, of "not-reached"
-    return p.at(x, y, 0) == 0 && p.at(x, y, 1) == 114 && p.at(x, y, 2) == 178;
-  };
-  job.sample.sheet.warnings = {{"not-reached", "", {{{0, 0, 60}, 20}, {{20, 0, 56}, 20}}},
-                               {"webbing", "", {{{0, 40, 30}, 10}}},
-                               {"thin", "", {{{0, -40, 30}, 10}}}};
-  const Decoded marked = picture();
-  EXPECT_EQ(marked.height, 1000 - caption_bottom + 44 + 2 * 70);
+  const Warning web{"webbing", "", {{{0, 52, 30}, 10}}};
+  job.sample.sheet.warnings = {
+      {"not-reached", "", {{{0, 0, 60}, 20}, {{20, 0, 56}, 20}}}, web, {"thin", "", {{{0, -52, 30}, 10}}}};
+  const auto files = previews(job.finished(), Context());
+  ASSERT_TRUE(files);
+  const Decoded marked = decode_png(file(*files, "preview-findings.png"));
+  EXPECT_EQ(marked.width, 1000);
+  EXPECT_EQ(marked.height, 1000 - caption_bottom + behind_height + 44 + 2 * 70);
   const View view(job.sample.sheet, 1000, 1000, caption_top, caption_bottom);
   for (const auto& place : {Vector3d(0, 0, 60), Vector3d(20, 0, 56)}) {
     const auto spot = view.spot(place);
     ASSERT_TRUE(spot);
     EXPECT_FALSE(spot->hidden);
-    // Straight left of the place its ring is crossed.
-    const int y = static_cast<int>(spot->y), x = static_cast<int>(spot->x - 10 * spot->pixels_per_mm);
-    int crossed = 0;
-    for (int dx = -3; dx <= 3; ++dx) crossed += blue(marked, x + dx, y);
-    EXPECT_GT(crossed, 0);
-    for (int dx = -3; dx <= 3; ++dx) EXPECT_FALSE(blue(bare, x + dx, y));
+    // Straight left of the place its ring of 20 mm is crossed, in the blue of Okabe and Ito; inside of it nothing is.
+    const auto blue = [&](double mm) {
+      int count = 0;
+      const int y = static_cast<int>(spot->y), x = static_cast<int>(spot->x - mm * spot->pixels_per_mm);
+      for (int dx = -3; dx <= 3; ++dx)
+        count +=
+            marked.at(x + dx, y, 0) == 0 && marked.at(x + dx, y, 1) == 114 && marked.at(x + dx, y, 2) == 178;
+      return count;
+    };
+    EXPECT_GT(blue(10), 0);
+    EXPECT_EQ(blue(5), 0);
   }
   EXPECT_TRUE(view.spot({0, 0, -30})->hidden);
+  Callouts callouts({web});
+  EXPECT_FALSE(callouts.take_hidden(view).empty());
+  EXPECT_TRUE(callouts.empty());
+}
+
+TEST(Previews, WithoutFindingsSaySoInTheUsualSize) {
+  Picture picture{1000, 1000, std::vector<std::uint32_t>(1'000'000, 0xffffffffu)};
+  write_findings({{"up-guessed", "A warning without a place.", {}}}, picture, nullptr);
+  EXPECT_EQ(picture.height, 1000);
+  EXPECT_EQ(picture.pixels.size(), 1'000'000u);
 }
 
 TEST(Previews, ScalesEndAtRoundNumbers) {

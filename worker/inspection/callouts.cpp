@@ -21,24 +21,24 @@ struct Look {
   Shape shape;
   std::array<int, 3> colour;
   bool dark_number;
+  bool extent = true;    // its size lies along the sheet, and a ring shows it
   std::size_t most = 6;  // marks that are drawn
 };
-constexpr std::array<Look, 8> looks{{
+constexpr std::array<Look, 9> looks{{
     {"undercut", "undercuts", Shape::arrow, {213, 94, 0}, false},
-    {"trapped-air", "vents to drill", Shape::disk, {86, 180, 233}, true, 20},
+    {"trapped-air", "vents to drill", Shape::disk, {86, 180, 233}, true, false, 20},
     {"not-reached", "not reached", Shape::square, {0, 114, 178}, false},
     {"webbing", "webs and folds", Shape::diamond, {230, 159, 0}, true},
     {"thin", "thin places", Shape::triangle, {204, 121, 167}, true},
-    {"window-close", "window close", Shape::pentagon, {0, 158, 115}, false},
-    {"deep-draw", "deep draw", Shape::hexagon, {240, 228, 66}, true},
-    {"clamp-narrow", "narrow clamp", Shape::house, {255, 255, 255}, true},
+    {"window-close", "window close", Shape::pentagon, {0, 158, 115}, false, false},
+    {"deep-draw", "deep draw", Shape::hexagon, {240, 228, 66}, true, false},
+    {"clamp-narrow", "narrow clamp", Shape::house, {255, 255, 255}, true, false},
+    {"", "", Shape::house, {60, 60, 60}, false},  // any other code
 }};
-constexpr Look other{"", "", Shape::house, {60, 60, 60}, false};
-
-const Look& look_of(const Warning& warning) {
+int look_of(const Warning& warning) {
   const auto it =
-      std::find_if(looks.begin(), looks.end(), [&](const Look& l) { return l.code == warning.code; });
-  return it == looks.end() ? other : *it;
+      std::find_if(looks.begin(), looks.end() - 1, [&](const Look& l) { return l.code == warning.code; });
+  return static_cast<int>(it - looks.begin());
 }
 
 Colour colour_of(const Look& look) {
@@ -144,27 +144,10 @@ void place_badges(std::vector<Callout>& callouts, const Vector2d& low, const Vec
   }
 }
 
-std::vector<Callout> callouts_of(const View& view, const std::vector<Warning>& warnings, const Vector2d& low,
-                                 const Vector2d& high) {
-  std::vector<Callout> callouts;
-  for (const Warning& warning : warnings)
-    for (std::size_t i = 0; i < std::min(warning.marks.size(), look_of(warning).most); ++i) {
-      const Warning::Mark& mark = warning.marks[i];
-      const auto spot = view.spot({mark.place_mm[0], mark.place_mm[1], mark.place_mm[2]});
-      if (!spot) continue;
-      const Vector2d place = Vector2d(spot->x, spot->y).cwiseMax(low).cwiseMin(high);
-      callouts.push_back({&look_of(warning), static_cast<int>(i) + 1, place,
-                          std::clamp(mark.size_mm / 2 * spot->pixels_per_mm, least_ring, most_ring),
-                          spot->hidden, place});
-    }
-  place_badges(callouts, low, high);
-  return callouts;
-}
-
 void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, double top, double width) {
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const Warning& warning = *marked[i];
-    const Look& look = look_of(warning);
+    const Look& look = looks[static_cast<std::size_t>(look_of(warning))];
     const double x = 62 + (i % 2 == 0 ? 0 : width / 2 - 10), y = top + 52 + row * static_cast<double>(i / 2);
     const std::size_t count = warning.marks.size();
     draw_badge(canvas, look, {x, y}, std::to_string(count));
@@ -176,19 +159,51 @@ void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, doub
 
 }  // namespace
 
-void draw_callouts(const View& view, const std::vector<Warning>& warnings, Picture& picture) {
-  std::vector<const Warning*> marked;
-  for (const Warning& warning : warnings)
-    if (!warning.marks.empty()) marked.push_back(&warning);
-  const int shown = picture.height - caption_bottom;
-  picture.height = shown + std::max(caption_bottom, 44 + row * static_cast<int>((marked.size() + 1) / 2));
-  picture.pixels.resize(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height));
+Callouts::Callouts(const std::vector<Warning>& warnings) {
+  for (const Warning& warning : warnings) {
+    const int look = look_of(warning);
+    const std::size_t most = looks[static_cast<std::size_t>(look)].most;
+    for (std::size_t i = 0; i < std::min(warning.marks.size(), most); ++i) {
+      const auto& [place, size_mm] = warning.marks[i];
+      marks_.push_back({look, static_cast<int>(i) + 1, {place[0], place[1], place[2]}, size_mm});
+    }
+  }
+}
+
+Callouts Callouts::take_hidden(const View& view) {
+  Callouts hidden;
+  const auto from = std::stable_partition(marks_.begin(), marks_.end(), [&](const Mark& mark) {
+    const auto spot = view.spot(mark.place);
+    return spot && !spot->hidden;
+  });
+  hidden.marks_.assign(from, marks_.end());
+  marks_.erase(from, marks_.end());
+  return hidden;
+}
+
+void Callouts::add(const Callouts& others) {
+  marks_.insert(marks_.end(), others.marks_.begin(), others.marks_.end());
+}
+
+void Callouts::draw(const View& view, Picture& picture, int top, int bottom) const {
+  constexpr double margin = 14;
+  const Vector2d low(margin, top + margin), high(picture.width - margin, bottom - margin);
+  std::vector<Callout> callouts;
+  for (const Mark& mark : marks_) {
+    const auto spot = view.spot(mark.place);
+    if (!spot) continue;
+    const Look& look = looks[static_cast<std::size_t>(mark.look)];
+    const Vector2d place = Vector2d(spot->x, spot->y).cwiseMax(low).cwiseMin(high);
+    const double ring = look.extent ? mark.size_mm / 2 * spot->pixels_per_mm : 0;
+    callouts.push_back(
+        {&look, mark.number, place, std::clamp(ring, least_ring, most_ring), spot->hidden, place});
+  }
+  place_badges(callouts, low, high);
 
   Canvas canvas(picture);
-  const double margin = 14;
-  const auto callouts = callouts_of(view, warnings, Vector2d(margin, caption_top + margin),
-                                    Vector2d(picture.width - margin, shown - margin));
   cairo_t* cairo = canvas.cairo();
+  cairo_rectangle(cairo, 0, top, picture.width, bottom - top);
+  cairo_clip(cairo);
   for (const Callout& c : callouts) {
     const Vector2d way = (c.badge_at - c.place).normalized();
     const Vector2d from = c.place + c.ring * way;
@@ -200,11 +215,29 @@ void draw_callouts(const View& view, const std::vector<Warning>& warnings, Pictu
     stroke(canvas, *c.look, c.dashed);
   }
   for (const Callout& c : callouts) draw_badge(canvas, *c.look, c.badge_at, std::to_string(c.number));
+}
 
+void write_findings(const std::vector<Warning>& warnings, Picture& picture, const Picture* behind) {
+  std::vector<const Warning*> marked;
+  for (const Warning& warning : warnings)
+    if (!warning.marks.empty()) marked.push_back(&warning);
+  const int front = picture.height - caption_bottom, shown = front + (behind ? behind->height : 0);
+  const std::size_t columns = static_cast<std::size_t>(picture.width);
+  picture.height = shown + std::max(caption_bottom, 44 + row * static_cast<int>((marked.size() + 1) / 2));
+  picture.pixels.resize(columns * static_cast<std::size_t>(picture.height));
+  if (behind)
+    std::copy(behind->pixels.begin(), behind->pixels.end(),
+              picture.pixels.begin() + static_cast<std::ptrdiff_t>(columns) * front);
+
+  Canvas canvas(picture);
   canvas.band(0, caption_top, caption_top - 1);
   canvas.text("What to look at before forming", 40, 50, 27, true, 0, 0.13f);
   canvas.text("the worst is 1; a ring is as large as its place, dashed where the sheet hides it", 40, 84, 21,
               false, 0, 0.32f);
+  if (behind) {
+    canvas.band(front, front + behind_top, front);
+    canvas.text("From behind", 40, front + 38, 27, true, 0, 0.13f);
+  }
   canvas.band(shown, picture.height, shown);
   if (marked.empty())
     canvas.text("Nothing found that has a place on the part.", 40, picture.height - 38, 27, false, 0, 0.2f);

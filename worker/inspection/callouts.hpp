@@ -13,8 +13,34 @@
 
 namespace vacuform {
 
-// Draws the marks of the warnings that have any (all vents, of others the six worst: more would hide the part) onto the picture that `view` drew, writes the title, and lets the picture
-// grow downwards by a legend in the place of its lower caption.
-void draw_callouts(const View& view, const std::vector<Warning>& warnings, Picture& picture);
+// The marks of the warnings that have any: all vents, of others the six worst; more would hide the part.
+class Callouts {
+ public:
+  explicit Callouts(const std::vector<Warning>& warnings);
+
+  // Takes out those that the sheet hides from the view, and returns them.
+  Callouts take_hidden(const View& view);
+  void add(const Callouts& others);
+  bool empty() const { return marks_.empty(); }
+
+  // Draws them onto a picture that `view` drew, within its rows from `top` to `bottom`.
+  void draw(const View& view, Picture& picture, int top, int bottom) const;
+
+ private:
+  struct Mark {
+    int look;
+    int number;
+    Eigen::Vector3d place;
+    double size_mm;
+  };
+  Callouts() = default;
+  std::vector<Mark> marks_;
+};
+
+// Titles the picture, and lets it grow downwards by a legend of the warnings that have marks, in the place of its lower
+// caption. `behind`, where there is one, comes between: a second picture of the same width with `behind_top` rows for
+// its own title.
+void write_findings(const std::vector<Warning>& warnings, Picture& picture, const Picture* behind);
+inline constexpr int behind_height = 760, behind_top = 56;
 
 }  // namespace vacuform

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "worker/decimal.hpp"
 #include "worker/inspection/callouts.hpp"
@@ -135,13 +136,39 @@ class Inked {
   std::vector<double> blur_;
 };
 
+Colour bare(const Seen& seen) { return seen.light * plastic + Colour::Constant(seen.gloss); }
+
 Colour hot(const Finished& job, const Heat& heat, const Seen& seen) {
   const auto& c = job.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
   double value = 0;
   for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * heat.values[static_cast<std::size_t>(c[k])];
-  if (!std::isfinite(value)) return seen.light * plastic + Colour::Constant(seen.gloss);
+  if (!std::isfinite(value)) return bare(seen);
   // Lit more softly than the bare plastic, so that colours can be compared with the bar.
   return (0.5f + 0.52f * seen.light) * viridis((value - heat.scale.low) / (heat.scale.high - heat.scale.low));
+}
+
+// The marks on the bare sheet; what can be seen from behind alone is shown from there.
+Result<Picture> findings_preview(const Finished& job, View& view, Picture&& picture, const Context& context) {
+  std::vector<Warning> warnings = job.mold.warnings;
+  warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
+  Callouts seen(warnings);
+  Callouts hidden = seen.take_hidden(view);
+  std::optional<Picture> behind;
+  if (!hidden.empty()) {
+    view.look_from(View::Side::behind, behind_height, behind_top, 0);
+    seen.add(hidden.take_hidden(view));  // what neither side shows is dashed in front
+    if (!hidden.empty()) {
+      VACUFORM_TRY(pictures,
+                   view.draw(
+                       1, [](const Seen& at, Colour* colour) { *colour = bare(at); }, context, 0.86, 0.9));
+      behind = std::move(pictures.front());
+      hidden.draw(view, *behind, behind_top, behind_height);
+    }
+    view.look_from(View::Side::front, side, caption_top, caption_bottom);
+  }
+  seen.draw(view, picture, caption_top, side - caption_bottom);
+  write_findings(warnings, picture, behind ? &*behind : nullptr);
+  return std::move(picture);
 }
 
 }  // namespace
@@ -174,7 +201,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
                                colours[2] = hot(job, anisotropy, seen);
                                colours[3] = hot(job, area, seen);
                                colours[4] = hot(job, thickness, seen);
-                               colours[5] = seen.light * plastic + Colour::Constant(seen.gloss);
+                               colours[5] = bare(seen);
                                if (uneven) colours[6] = hot(job, temperature, seen);
                              },
                              context, 0.1, 0.7));
@@ -210,10 +237,8 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
           pictures[6]);
     files.push_back({"preview-temperature.png", png_of(pictures[6])});
   }
-  std::vector<Warning> warnings = job.mold.warnings;
-  warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
-  draw_callouts(view, warnings, pictures[5]);
-  files.push_back({"preview-findings.png", png_of(pictures[5])});
+  VACUFORM_TRY(findings, findings_preview(job, view, std::move(pictures[5]), context));
+  files.push_back({"preview-findings.png", png_of(findings)});
   return files;
 }
 

@@ -10,7 +10,7 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double azimuth = -28 * M_PI / 180, elevation = 52 * M_PI / 180;
+constexpr double from_the_front = -28 * M_PI / 180, elevation = 52 * M_PI / 180;
 constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspective
 const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
 
@@ -57,14 +57,21 @@ View::View(const FormedSheet& sheet, int width, int height, int top, int bottom)
       height_(height),
       top_(top),
       bottom_(bottom),
+      azimuth_(from_the_front),
       rays_(TriangleMesh{sheet.formed, sheet.triangles}),
       normals_(vertex_normals(sheet)) {
   frame();
 }
 
+void View::look_from(Side side, int height, int top, int bottom) {
+  height_ = height, top_ = top, bottom_ = bottom;
+  azimuth_ = from_the_front + (side == Side::behind ? M_PI : 0);
+  frame();
+}
+
 // Moves the eye until what stands above the platform just fills the picture.
 void View::frame() {
-  back_ = {std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation),
+  back_ = {std::sin(azimuth_) * std::cos(elevation), -std::cos(azimuth_) * std::cos(elevation),
            std::sin(elevation)};
   right_ = Vector3d(0, 0, 1).cross(back_).normalized();
   up_ = back_.cross(right_);
@@ -108,6 +115,7 @@ void View::frame() {
 }
 
 Result<void> View::light(const Context& context, double from, double to) {
+  if (!open_.empty()) return {};  // seen from elsewhere, the sky is the same
   const int vertices = static_cast<int>(sheet_.formed.size());
   // Enough directions for a smooth shade on coarse sheets, fewer on fine ones, where neighbours smooth it.
   const auto directions = sky(std::clamp(500'000 / std::max(1, vertices), 8, 32));

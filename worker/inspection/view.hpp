@@ -37,6 +37,10 @@ class View {
  public:
   View(const FormedSheet& sheet, int width, int height, int top, int bottom);
 
+  // The next pictures and spots are those from this side, at the same width.
+  enum class Side { front, behind };
+  void look_from(Side side, int height, int top, int bottom);
+
   // Draws `count` pictures with one set of rays, 2 x 2 a pixel: shade gives the colour of a sample in each.
   // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
   Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
@@ -58,6 +62,7 @@ class View {
 
   const FormedSheet& sheet_;
   int width_, height_, top_, bottom_;
+  double azimuth_;
   RayCaster rays_;
   std::vector<Eigen::Vector3d> normals_;
   std::vector<float> open_;  // per vertex: the part of the sky that it sees
