@@ -27,6 +27,7 @@ struct FormingSummary {
   int iterations = 0;  // of the solver, all steps
   double residual =
       0;  // largest out-of-balance nodal force at the end, over the mean pressure force of a node
+  double kinetic_mj = 0;  // energy of the motion that is left (mass_spring); 0 where nothing moves
   bool converged = false;
   double pressure_kpa = 0;       // reached
   double mass_error = 0;         // |volume of plastic now / at first - 1|, summed over the elements

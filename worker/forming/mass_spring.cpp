@@ -73,7 +73,7 @@ class Forming {
              {3 * process.modulus_kpa * newtons_mm2,
               1e-6 * material_profile(process.sheet.material).density_kg_m3}),
         settling_(process.forming.integrator, process.forming.time_step_ms,
-                  3e-3 * first_kpa_ * newtons_mm2 * spacing_ * spacing_, spacing_ / 4) {
+                  1e-3 * first_kpa_ * newtons_mm2 * spacing_ * spacing_, spacing_ / 4) {
     if (process.forming.sag) load_.gravity = 9.81e-3;
   }
 
@@ -143,6 +143,7 @@ class Forming {
     VACUFORM_TRY(outcome, settling_.settle(part, x, load_, context_, done_));
     if (outcome.blew_up) return blew_up(outcome);
     state_.summary.iterations += outcome.steps;
+    state_.summary.kinetic_mj = outcome.kinetic;
     if (!outcome.at_rest) return no_rest();
     for (int i = 0; i < part.moving(); ++i) y.col(part.in_sheet()[i]) = x.col(i);
     return {};

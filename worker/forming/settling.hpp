@@ -32,7 +32,7 @@ class Settling {
     double step_ms = 0;
     int steps = 0;
     double residual = 0;  // largest force on a moving vertex, N
-    double kinetic = 0;   // energy, N mm
+    double kinetic = 0;   // energy, N mm = mJ
   };
 
   // At rest, no moving vertex feels more than `tolerance` N, and the kinetic energy is at most what that force gives

@@ -54,6 +54,7 @@ Json forming_of(const Finished& job) {
           {"iterations", s.iterations},
           {"converged", s.converged},
           {"residual", significant(s.residual)},
+          {"kinetic_mj", significant(s.kinetic_mj)},
           {"pressure_kpa", rounded(s.pressure_kpa, 3)},
           {"shear_modulus_kpa", rounded(s.shear_modulus_kpa, 3)},
           {"mass_error", significant(s.mass_error)},
