@@ -19,7 +19,7 @@ constexpr std::size_t most_marks = 20;
 struct Piece {
   std::vector<int> triangles;
   double area = 0;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // centre of the area
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // its middle, on the sheet
   bool alone = true;                                // no vertex of it touches what it should not
 };
 
@@ -66,7 +66,16 @@ std::vector<Piece> pieces(
     piece.alone = piece.alone && std::none_of(t.begin(), t.end(), spoils);
   }
   std::erase_if(by_root, [](const Piece& p) { return p.area == 0; });
-  for (Piece& p : by_root) p.place /= p.area;
+  // The centre of a ring lies in its hole: the triangle nearest to it is a place on the sheet.
+  for (Piece& p : by_root) {
+    const Eigen::Vector3d middle = p.place / p.area;
+    const auto off = [&](int k) {
+      return (centre(sheet, static_cast<std::size_t>(k)) - middle).squaredNorm();
+    };
+    const int nearest = *std::min_element(p.triangles.begin(), p.triangles.end(),
+                                          [&](int a, int b) { return off(a) < off(b); });
+    p.place = centre(sheet, static_cast<std::size_t>(nearest));
+  }
   std::stable_sort(by_root.begin(), by_root.end(),
                    [](const Piece& a, const Piece& b) { return a.area > b.area; });
   return by_root;

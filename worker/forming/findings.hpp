@@ -18,7 +18,8 @@ struct FindingLimits {
 // One warning a kind, with the number of places and the worst in its text and up to twenty marks, worst first:
 // "not-reached", pieces of free sheet bordered by the mold alone (size: across a disk of their area); "trapped-air", with
 // the vents as marks (size: the drill), and in `vents` all of them; "webbing", pieces of slack triangles; "thin", pieces
-// of triangles below the limit, each at its thinnest. Places are in the mold's frame, mm; areas are of the formed sheet.
+// of triangles below the limit, each at its thinnest. Places lie on the sheet, in the mold's frame, mm; areas are of the
+// formed sheet.
 struct Findings {
   std::vector<Warning> warnings;
   std::vector<Vent> vents;
