@@ -9,6 +9,8 @@
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/scan/plug.hpp"
+#include "worker/studies/portion.hpp"
+#include "worker/studies/sensitivity.hpp"
 
 namespace vacuform {
 
@@ -41,7 +43,14 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   VACUFORM_TRY(mold, on_plug(std::move(cut), s.machine.plug_height_mm));
   VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
   VACUFORM_TRY(warmth, sheet_temperature(s.sheet, s.machine, s.heat, inputs.temperature, context));
-  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, warmth.field, context));
+  const double share = inputs.sensitivity ? 0.15 : 1;  // of the forming stage's work
+  const Portion nominal(context, Stage::forming, 0, share), changed(context, Stage::forming, share, 1);
+  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, warmth.field, nominal.context()));
+  std::vector<Variant> variants;
+  if (inputs.sensitivity) {
+    VACUFORM_TRY(formed, form_variants(mold, s, warmth.field, changed.context()));
+    variants = std::move(formed);
+  }
   const auto of_fit = fit_findings(mold, s.sheet, s.machine, s.forming.thin_limit);
   sheet.warnings.insert(sheet.warnings.begin(), of_fit.begin(), of_fit.end());
   for (Warning& w : warmth.warnings) sheet.warnings.push_back(std::move(w));
@@ -67,6 +76,10 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
                                   {"sha256", {{"scan", identity["scan"]}, {"pattern", identity["pattern"]}}}};
   if (inputs.temperature) whole["sha256"]["temperature"] = identity["temperature"];
   whole.update(report(job));
+  if (inputs.sensitivity)
+    whole["sensitivity"] = sensitivity_json(
+        sheet, variants,
+        printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv));
   const std::string text = whole.dump(2) + "\n";
 
   std::error_code error;

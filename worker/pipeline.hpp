@@ -20,6 +20,7 @@ struct Inputs {
   std::string pattern_name;
   Settings settings;
   std::optional<MeasuredFile> temperature = {};  // of the sheet; only and always with heat.source measured
+  bool sensitivity = false;  // report.json tells as well how far each coil lands off by errors of the machine
 };
 
 // Runs every stage and writes the artifacts of api/job.hpp into `out`, which is created when absent. Each file is

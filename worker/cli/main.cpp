@@ -41,6 +41,8 @@ int run(int argc, char** argv) {
   add_inspect(app, exit_code);
   add_sample(app, exit_code);
   add_submit(app, exit_code);
+  add_converge(app, exit_code);
+  add_calibrate(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version

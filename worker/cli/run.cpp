@@ -1,6 +1,7 @@
 // vacuform run: the whole pipeline, without a server.
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 #include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,7 @@ namespace {
 
 struct RunOptions {
   std::string scan, pattern, temperature, out, progress = "bar";
+  bool sensitivity = false;
   SettingsOptions settings;
 };
 
@@ -38,9 +40,26 @@ Result<void> run(const RunOptions& o, const Context& context) try {
     temperature = std::move(measured);
     inputs.temperature = MeasuredFile{temperature, o.temperature};
   }
+  inputs.sensitivity = o.sensitivity;
   return run_pipeline(inputs, o.out, context);
 } catch (const std::bad_alloc&) {
   return tl::make_unexpected(out_of_memory());
+}
+
+// The table of report.json on the terminal.
+void print_sensitivity(const std::string& folder) {
+  std::ifstream in(std::filesystem::path(folder) / "report.json", std::ios::binary);
+  const auto report = nlohmann::json::parse(in, nullptr, false);
+  if (!report.contains("sensitivity")) return;
+  std::printf("how far the coils' centres land off, mm      mean      max\n");
+  for (const auto& change : report["sensitivity"]["changes"]) {
+    const auto text = change["text"].get<std::string>();
+    if (change["mean_mm"].is_null())
+      std::printf("%-42s (not formed)\n", text.c_str());
+    else
+      std::printf("%-42s %6.2f   %6.2f\n", text.c_str(), change["mean_mm"].get<double>(),
+                  change["max_mm"].get<double>());
+  }
 }
 
 int run_command(const RunOptions& o) {
@@ -61,7 +80,10 @@ int run_command(const RunOptions& o) {
 
   const auto done = run(o, *running);
   bar.clear();
-  if (done) return 0;
+  if (done) {
+    if (o.sensitivity && !json) print_sensitivity(o.out);
+    return 0;
+  }
   const Error& error = done.error();
   if (json)
     std::printf("%s\n", nlohmann::json{{"problem",
@@ -89,6 +111,9 @@ void add_run(CLI::App& app, int& exit_code) {
                    "Measured temperature of the sheet: CSV of degrees Celsius, or a gray PNG")
       ->type_name("FILE");
   options->settings.add_to(*command);
+  command->add_flag(
+      "--sensitivity", options->sensitivity,
+      "Form seven times more, each with one thing changed, and tell how far the coils land off");
   command
       ->add_option("--progress", options->progress, "A bar on a terminal, or JSON lines on standard output")
       ->check(CLI::IsMember({"bar", "json"}));

@@ -111,7 +111,7 @@ SheetGrid make_sheet_grid(const SheetSettings& sheet, const MachineSettings& mac
   for (int j = 0; j + 1 < rows; ++j)
     for (int i = 0; i + 1 < columns; ++i) {
       const int a = j * columns + i, b = a + 1, c = a + columns + 1, d = a + columns;
-      if ((i + j) % 2 == 0) {
+      if ((i + j + columns / 2 + rows / 2) % 2 == 0) {  // the same around the centre on every grid
         grid.triangles.push_back({a, b, c});
         grid.triangles.push_back({a, c, d});
       } else {

@@ -1,0 +1,135 @@
+#include "worker/studies/measured_grid.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "worker/decimal.hpp"
+#include "worker/scan/text_cursor.hpp"
+
+namespace vacuform {
+
+namespace {
+
+constexpr std::size_t least_points = 10, most_points = 100'000;
+constexpr double largest_mm = 1e5;  // of a measured coordinate
+constexpr std::array<std::string_view, 5> column_names{"s", "t", "x", "y", "z"};
+constexpr std::string_view example =
+    "begin the file with the line \"s,t,x,y,z\" and give five numbers a line, in mm";
+
+std::string_view trimmed(std::string_view text) {
+  const auto padding = [](char c) { return TextCursor::is_space(c) || c == '"'; };
+  while (!text.empty() && padding(text.front())) text.remove_prefix(1);
+  while (!text.empty() && padding(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  for (;;) {
+    const auto end = std::min(line.find(separator), line.size());
+    cells.push_back(trimmed(line.substr(0, end)));
+    if (end == line.size()) return cells;
+    line.remove_prefix(end + 1);
+  }
+}
+
+std::string quoted(std::string_view cell) {
+  std::string text = "\"";
+  for (const char c : cell.substr(0, 24)) text += c >= ' ' && c <= '~' ? c : '?';
+  return text + "\"";
+}
+
+bool read_number(std::string_view cell, char separator, double& value) {
+  std::string text(cell.substr(0, 64));
+  if (separator == ';') std::replace(text.begin(), text.end(), ',', '.');
+  return cell.size() <= 64 && parse_number(text, value) && std::isfinite(value);
+}
+
+// The column of each of column_names in a header; -1 where it is missing.
+std::array<int, 5> columns_of(const std::vector<std::string_view>& header) {
+  std::array<int, 5> columns;
+  columns.fill(-1);
+  for (std::size_t i = 0; i < header.size(); ++i) {
+    std::string name(header[i].substr(0, 16));
+    for (char& c : name) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    if (name.ends_with("_mm")) name.resize(name.size() - 3);
+    for (std::size_t k = 0; k < column_names.size(); ++k)
+      if (name == column_names[k]) columns[k] = static_cast<int>(i);
+  }
+  return columns;
+}
+
+bool on_one_line(const std::vector<MeasuredPoint3>& points) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const auto& p : points) mean += p.rest / static_cast<double>(points.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const auto& p : points) spread += (p.rest - mean) * (p.rest - mean).transpose();
+  const Eigen::Vector2d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread / static_cast<double>(points.size()))
+          .eigenvalues();
+  return std::sqrt(std::max(0.0, axes[0])) < 5;  // mm across
+}
+
+}  // namespace
+
+Result<std::vector<MeasuredPoint3>> read_measured_grid(std::span<const std::uint8_t> bytes,
+                                                       const std::string& file_name,
+                                                       const SheetSettings& sheet) {
+  if (bytes.size() >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf) bytes = bytes.subspan(3);
+  TextCursor text(bytes);
+  const auto corrupt = [&](std::string what, std::string mend) {
+    return fail(Code::corrupt_file, std::move(what),
+                file_name + ", line " + std::to_string(text.line_number()), std::move(mend));
+  };
+  std::vector<MeasuredPoint3> points;
+  std::array<int, 5> columns;
+  char separator = 0;
+  for (std::string_view line; text.next_line(line);) {
+    line = trimmed(line);
+    if (line.empty() || line.front() == '#') continue;
+    if (separator == 0) {
+      const auto has = [&](char c) { return line.find(c) != std::string_view::npos; };
+      separator = has(';') ? ';' : has('\t') ? '\t' : ',';
+      columns = columns_of(cells_of(line, separator));
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        if (columns[k] < 0)
+          return corrupt("the header has no column " + std::string(column_names[k]), std::string(example));
+      continue;
+    }
+    const auto cells = cells_of(line, separator);
+    std::array<double, 5> values{};
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const auto column = static_cast<std::size_t>(columns[k]);
+      if (column >= cells.size())
+        return corrupt(
+            "only " + std::to_string(cells.size()) + " values, and none for " + std::string(column_names[k]),
+            std::string(example));
+      if (!read_number(cells[column], separator, values[k]))
+        return corrupt("not a number for " + std::string(column_names[k]) + ": " + quoted(cells[column]),
+                       std::string(example));
+      if (std::abs(values[k]) > largest_mm)
+        return corrupt(std::string(column_names[k]) + " is " + decimal(values[k], 0) + " mm",
+                       "give millimetres");
+    }
+    if (std::abs(values[0]) > sheet.width_mm / 2 || std::abs(values[1]) > sheet.height_mm / 2)
+      return corrupt("the point s = " + decimal(values[0], 1) + ", t = " + decimal(values[1], 1) +
+                         " lies off the sheet of " + short_decimal(sheet.width_mm) + " x " +
+                         short_decimal(sheet.height_mm) + " mm",
+                     "give s and t in mm from the sheet's centre, or the sheet's size (sheet.width_mm, "
+                     "sheet.height_mm)");
+    if (points.size() == most_points)
+      return fail(Code::too_large, "more than 100,000 measured points", file_name, "give fewer");
+    points.push_back({{values[0], values[1]}, {values[2], values[3], values[4]}});
+  }
+  if (points.size() < least_points)
+    return fail(Code::corrupt_file, "only " + std::to_string(points.size()) + " measured points", file_name,
+                points.empty() ? std::string(example) : "give at least ten, spread over the formed part");
+  if (on_one_line(points))
+    return fail(Code::corrupt_file, "the measured points lie on one line of the sheet", file_name,
+                "spread them over the formed part");
+  return points;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,46 @@
+// What the print hangs on: how far each coil lands off when one thing about the machine is not as it was said.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/flattening/flattening.hpp"
+#include "worker/forming/heat/temperature_field.hpp"
+#include "worker/studies/coil_centres.hpp"
+
+namespace vacuform {
+
+// The same sheet formed with one thing changed.
+struct Variant {
+  std::string
+      id;  // stable: "window", "drape-height", "edge-stiffness", "edge-temperature", "law", "modulus",
+           // "resolution"
+  std::string text;                  // for people, with the figure
+  std::optional<FormedSheet> sheet;  // nothing where that does not fit or does not come to rest
+};
+
+// Forms the sheet once a change: the frame's window 4 mm smaller, the frame stopping 5 mm higher, the sheet 30 % stiffer
+// at the frame, 10 degrees colder there, the other law of the membrane, half as stiff again everywhere, a grid twice as
+// coarse. A change that the mold does not fit, or the settings do not allow, is made the other way. Models without a
+// law or a modulus leave those out. Deterministic. Errors: cancelled.
+Result<std::vector<Variant>> form_variants(const Mold& mold, const Settings& settings,
+                                           const TemperatureField& temperature, const Context& context);
+
+// Where a coil's centre lies: on the flat sheet, by the nominal print. Coils that are off the chart have none.
+struct PrintedCoil {
+  std::string id;
+  std::optional<Eigen::Vector2d> rest;
+};
+// `pattern_uv` as in Print.
+std::vector<PrintedCoil> printed_coils(const std::vector<CoilCentre>& centres, const FormedSheet& sheet,
+                                       const Flattening& flattening,
+                                       const std::vector<Eigen::Vector2d>& pattern_uv);
+
+// The table for report.json: per change the distances, in mm, between where each coil's centre lands and where it lands
+// nominally; mean, largest, and one by one in the order of `coils` (null off the chart or off the sheet).
+nlohmann::ordered_json sensitivity_json(const FormedSheet& nominal, const std::vector<Variant>& variants,
+                                        const std::vector<PrintedCoil>& coils);
+
+}  // namespace vacuform
