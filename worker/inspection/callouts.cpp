@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-enum class Shape { disk, square, diamond, triangle, arrow, pentagon, hexagon, house };
+enum class Shape { disk, square, diamond, triangle, arrow, pentagon, hexagon, house, bar, octagon };
 
 struct Look {
   std::string_view code;
@@ -24,7 +24,7 @@ struct Look {
   bool extent = true;    // its size lies along the sheet, and a ring shows it
   std::size_t most = 6;  // marks that are drawn
 };
-constexpr std::array<Look, 9> looks{{
+constexpr std::array<Look, 11> looks{{
     {"undercut", "undercuts", Shape::arrow, {213, 94, 0}, false},
     {"trapped-air", "vents to drill", Shape::disk, {86, 180, 233}, true, false, 20},
     {"not-reached", "not reached", Shape::square, {0, 114, 178}, false},
@@ -33,6 +33,8 @@ constexpr std::array<Look, 9> looks{{
     {"window-close", "window close", Shape::pentagon, {0, 158, 115}, false, false},
     {"deep-draw", "deep draw", Shape::hexagon, {240, 228, 66}, true, false},
     {"clamp-narrow", "narrow clamp", Shape::house, {255, 255, 255}, true, false},
+    {"too-cold", "too cold", Shape::bar, {20, 50, 120}, false},
+    {"too-hot", "too hot", Shape::octagon, {150, 15, 35}, false},
     {"", "", Shape::house, {60, 60, 60}, false},  // any other code
 }};
 int look_of(const Warning& warning) {
@@ -79,6 +81,10 @@ std::vector<Vector2d> corners(Shape shape) {
       return regular(6, 1.12, 0);
     case Shape::house:
       return {{-0.9, 1}, {-0.9, -0.4}, {0, -1.25}, {0.9, -0.4}, {0.9, 1}};
+    case Shape::bar:
+      return {{-1.2, 0.72}, {-1.2, -0.72}, {1.2, -0.72}, {1.2, 0.72}};
+    case Shape::octagon:
+      return regular(8, 1.08, 22.5);
   }
   return {};
 }

@@ -2,7 +2,7 @@
 // to worker/inspection.
 //
 // Each code has a shape and a colour of its own; the colours are those of Okabe and Ito ("Color universal design", 2008),
-// which people without full colour vision tell apart. A mark's number is its place in the warning's list, worst first; a
+// which people without full colour vision tell apart, and two darker ones for heat. A mark's number is its place in the warning's list, worst first; a
 // ring shows its size, dashed where the sheet hides it.
 #pragma once
 
