@@ -139,6 +139,26 @@ TEST(Irradiance, RaysThatMeetNothingAddNothing) {
   EXPECT_NEAR(shaded.above_surroundings({120, -70}) / full, through(120, -70), 0.02);
 }
 
+// Behind a reflector that reaches the sheet it is dark, and through a round lip the sheet sees a round part of the heater:
+// R^2 / (R^2 + h^2) of its half space.
+TEST(Irradiance, WallsHideWhatIsBehindThem) {
+  MachineSettings machine;
+  machine.heaters = {heater(0, 0, 200, 200, 100, 500)};
+  machine.reflector_mm = 100;
+  const Irradiance box(machine, {}, Irradiance::Side::above);
+  const double full = 0.9 * (black(500) - black(23));
+  EXPECT_NEAR(box.above_surroundings({130, 20}) / full, 0, 1e-9);
+  EXPECT_GT(box.above_surroundings({95, 20}) / full, 0.5);
+
+  machine.reflector_mm = 0;
+  machine.heaters[0].width_mm = machine.heaters[0].height_mm = 4000;
+  machine.window = WindowShape::circle;
+  machine.window_width_mm = 200;
+  machine.lip_mm = 50;
+  const Irradiance ring(machine, {}, Irradiance::Side::above);
+  EXPECT_NEAR(ring.above_surroundings({0, 0}) / full, 0.8, 0.01);
+}
+
 TEST(Irradiance, HasTheSymmetryOfTheSquare) {
   MachineSettings machine;
   machine.heaters = {heater(0, 0, 240, 240, 120, 500)};

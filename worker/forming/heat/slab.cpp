@@ -13,7 +13,7 @@ namespace {
 constexpr int most_newton_steps = 50;
 constexpr double newton_within =
     1e-2;  // of a step, kelvin; the next would be the square of that, hence round-off
-constexpr std::size_t most_layers = 256;
+constexpr std::size_t most_layers = 64;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ double Slab::solve_stage(std::span<double> u, std::span<const double> start, dou
   const auto to_air = [&](double h) { return h > 0 ? 1 / (1 / h + 0.5 / conductance_) : 0.0; };
   const double air_top = to_air(top.convection_w_m2k), air_bottom = to_air(bottom.convection_w_m2k);
   const double ratio = step / capacity_;
-  std::array<double, most_layers> upper, right;  // Thomas' algorithm
+  std::array<double, most_layers> upper{}, right{};  // Thomas' algorithm
   double change = 2 * newton_within;
   for (int newton = 0; newton < most_newton_steps && change > newton_within; ++newton) {
     for (std::size_t i = 0; i < n; ++i) {
@@ -77,7 +77,7 @@ double Slab::advance(std::span<double> celsius, double seconds, const Exposure& 
                      const Exposure& bottom) const {
   const double gamma = 1 - std::sqrt(0.5);
   const std::size_t n = from_top_.size();
-  std::array<double, most_layers> stage, start;
+  std::array<double, most_layers> stage{}, start{};
   for (std::size_t i = 0; i < n; ++i) stage[i] = celsius[i];
   const double first = solve_stage({stage.data(), n}, celsius, gamma * seconds, top, bottom);
   // The rate of the first stage is (stage - celsius) / (gamma * seconds).

@@ -32,7 +32,7 @@ struct Exposure {
 
 class Slab {
  public:
-  // thickness_mm > 0, layers from 2 to 256.
+  // thickness_mm > 0, layers from 2 to 64.
   Slab(const SlabMaterial& material, double thickness_mm, int layers);
 
   int layers() const { return static_cast<int>(from_top_.size()); }
