@@ -56,9 +56,8 @@ TemperatureField through_points(const std::vector<MeasuredPoint>& given, double 
   // Points on one line leave the slope across it open: the solution of least norm has none.
   const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(b);
 
-  const auto [least, most] = std::minmax_element(
-      points.begin(), points.end(),
-      [](const MeasuredPoint& p, const MeasuredPoint& q) { return p.celsius < q.celsius; });
+  double least = points.front().celsius, most = least;
+  for (const MeasuredPoint& p : points) least = std::min(least, p.celsius), most = std::max(most, p.celsius);
   const auto samples = [](double mm) {
     return std::clamp(static_cast<int>(std::lround(mm / 5)) + 1, 2, 121);
   };
@@ -72,8 +71,7 @@ TemperatureField through_points(const std::vector<MeasuredPoint>& given, double 
         double value = x[n] + x[n + 1] * at.x() + x[n + 2] * at.y();
         for (Eigen::Index i = 0; i < n; ++i)
           value += x[i] * kernel((at - scale * points[static_cast<std::size_t>(i)].sheet).squaredNorm());
-        celsius[static_cast<std::size_t>(row * columns + column)] =
-            std::clamp(value, least->celsius, most->celsius);
+        celsius[static_cast<std::size_t>(row * columns + column)] = std::clamp(value, least, most);
       }
   });
   return {width_mm, height_mm, columns, std::move(celsius)};
