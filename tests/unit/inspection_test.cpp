@@ -426,7 +426,7 @@ TEST(Previews, FindingsAreMarkedWhereTheyAre) {
   for (const auto& place : {Vector3d(0, 0, 60), Vector3d(20, 0, 56)}) {
     const auto spot = view.spot(place);
     ASSERT_TRUE(spot);
-    EXPECT_FALSE(spot->hidden);
+    EXPECT_LT(spot->behind_mm, 1);  // the second lies half a millimetre inside of the dome
     // Straight left of the place its ring of 20 mm is crossed, in the blue of Okabe and Ito; inside of it nothing is.
     const auto blue = [&](double mm) {
       int count = 0;
@@ -439,10 +439,18 @@ TEST(Previews, FindingsAreMarkedWhereTheyAre) {
     EXPECT_GT(blue(10), 0);
     EXPECT_EQ(blue(5), 0);
   }
-  EXPECT_TRUE(view.spot({0, 0, -30})->hidden);
+  EXPECT_GT(view.spot({0, 0, -30})->behind_mm, 30);
   Callouts callouts({web});
   EXPECT_FALSE(callouts.take_hidden(view).empty());
   EXPECT_TRUE(callouts.empty());
+  // Just under the sheet at the back: deeper seen from the front.
+  Callouts under({{"webbing", "", {{{0, 40, 30}, 10}}}});
+  Callouts hidden = under.take_hidden(view);
+  ASSERT_FALSE(hidden.empty());
+  View turned(job.sample.sheet, 1000, 1000, caption_top, caption_bottom);
+  turned.look_from(View::Side::behind, 1000, caption_top, caption_bottom);
+  EXPECT_TRUE(hidden.take_no_better(turned).empty());
+  EXPECT_FALSE(hidden.take_no_better(view).empty());
 }
 
 TEST(Previews, WithoutFindingsSaySoInTheUsualSize) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
@@ -50,8 +51,9 @@ Colour colour_of(const Look& look) {
 }
 const Colour ink(0.08f, 0.09f, 0.11f), paper(1, 1, 1);
 
-constexpr double badge = 23;  // radius, pixels: its number can be read at the width of a phone
-constexpr int row = 70;       // of the legend
+constexpr double badge = 23;     // radius, pixels: its number can be read at the width of a phone
+constexpr int row = 70;          // of the legend
+constexpr double hidden_mm = 3;  // behind the sheet; nearer to it is on it
 constexpr double least_ring = 9, most_ring = 90;
 
 // The outline of a badge about the origin, of about the area of a disk of radius 1.
@@ -176,15 +178,25 @@ Callouts::Callouts(const std::vector<Warning>& warnings) {
   }
 }
 
-Callouts Callouts::take_hidden(const View& view) {
-  Callouts hidden;
-  const auto from = std::stable_partition(marks_.begin(), marks_.end(), [&](const Mark& mark) {
+template <class Takes>
+Callouts Callouts::take(const View& view, Takes&& takes) {
+  Callouts taken;
+  std::vector<Mark> left;
+  for (Mark mark : marks_) {
     const auto spot = view.spot(mark.place);
-    return spot && !spot->hidden;
-  });
-  hidden.marks_.assign(from, marks_.end());
-  marks_.erase(from, marks_.end());
-  return hidden;
+    const double before = std::exchange(mark.behind_mm, spot ? spot->behind_mm : HUGE_VAL);
+    (takes(before, mark.behind_mm) ? taken.marks_ : left).push_back(mark);
+  }
+  marks_ = std::move(left);
+  return taken;
+}
+
+Callouts Callouts::take_hidden(const View& view) {
+  return take(view, [](double, double behind) { return behind > hidden_mm; });
+}
+
+Callouts Callouts::take_no_better(const View& view) {
+  return take(view, [](double before, double behind) { return behind >= before; });
 }
 
 void Callouts::add(const Callouts& others) {
@@ -201,8 +213,8 @@ void Callouts::draw(const View& view, Picture& picture, int top, int bottom) con
     const Look& look = looks[static_cast<std::size_t>(mark.look)];
     const Vector2d place = Vector2d(spot->x, spot->y).cwiseMax(low).cwiseMin(high);
     const double ring = look.extent ? mark.size_mm / 2 * spot->pixels_per_mm : 0;
-    callouts.push_back(
-        {&look, mark.number, place, std::clamp(ring, least_ring, most_ring), spot->hidden, place});
+    callouts.push_back({&look, mark.number, place, std::clamp(ring, least_ring, most_ring),
+                        spot->behind_mm > hidden_mm, place});
   }
   place_badges(callouts, low, high);
 

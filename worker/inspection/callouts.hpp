@@ -20,6 +20,8 @@ class Callouts {
 
   // Takes out those that the sheet hides from the view, and returns them.
   Callouts take_hidden(const View& view);
+  // Takes out those that lie as deep behind the sheet from this view as from the one before, and returns them.
+  Callouts take_no_better(const View& view);
   void add(const Callouts& others);
   bool empty() const { return marks_.empty(); }
 
@@ -32,8 +34,11 @@ class Callouts {
     int number;
     Eigen::Vector3d place;
     double size_mm;
+    double behind_mm = 0;  // the sheet, from the view asked last
   };
   Callouts() = default;
+  template <class Takes>
+  Callouts take(const View& view, Takes&& takes);
   std::vector<Mark> marks_;
 };
 

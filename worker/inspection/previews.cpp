@@ -147,7 +147,7 @@ Colour hot(const Finished& job, const Heat& heat, const Seen& seen) {
   return (0.5f + 0.52f * seen.light) * viridis((value - heat.scale.low) / (heat.scale.high - heat.scale.low));
 }
 
-// The marks on the bare sheet; what can be seen from behind alone is shown from there.
+// The marks on the bare sheet; what is seen better from behind is shown from there.
 Result<Picture> findings_preview(const Finished& job, View& view, Picture&& picture, const Context& context) {
   std::vector<Warning> warnings = job.mold.warnings;
   warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
@@ -156,7 +156,7 @@ Result<Picture> findings_preview(const Finished& job, View& view, Picture&& pict
   std::optional<Picture> behind;
   if (!hidden.empty()) {
     view.look_from(View::Side::behind, behind_height, behind_top, 0);
-    seen.add(hidden.take_hidden(view));  // what neither side shows is dashed in front
+    seen.add(hidden.take_no_better(view));
     if (!hidden.empty()) {
       VACUFORM_TRY(pictures,
                    view.draw(

@@ -161,14 +161,13 @@ Seen View::seen(const RayCaster::Hit& hit, const Vector3d& ray, double spacing) 
 }
 
 std::optional<View::Spot> View::spot(const Vector3d& place) const {
-  constexpr double behind_mm = 3;
   const Vector3d way = place - eye_;
   const double depth = -way.dot(back_);
   if (depth <= 0) return std::nullopt;
   const double pixel = 2 * tangent_ / width_;  // at distance 1
   const auto hit = rays_.first_hit(eye_, way);
   return Spot{0.5 * width_ + way.dot(right_) / depth / pixel, middle_row() - way.dot(up_) / depth / pixel,
-              1 / (depth * pixel), hit && (1 - hit->t) * way.norm() > behind_mm};
+              1 / (depth * pixel), hit ? (1 - hit->t) * way.norm() : 0};
 }
 
 Result<std::vector<Picture>> View::draw(int count, const std::function<void(const Seen&, Colour*)>& shade,

@@ -46,11 +46,11 @@ class View {
   Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
                                     const Context& context, double from, double to);
 
-  // Where a point in space lies in a picture; `hidden` behind the sheet by more than 3 mm. Nothing behind the eye.
+  // Where a point in space lies in a picture. Nothing behind the eye.
   struct Spot {
     double x, y;  // pixels from the picture's left and top
     double pixels_per_mm;
-    bool hidden;
+    double behind_mm;  // the sheet that is seen there; 0: seen itself
   };
   std::optional<Spot> spot(const Eigen::Vector3d& place) const;
 
