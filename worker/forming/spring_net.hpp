@@ -61,8 +61,8 @@ class SpringNet {
   // against the normal that it shows upwards. Right for the moving vertices, and on a whole net for all.
   void forces(const Points& x, const Points& v, double p, double gravity, Points& f) const;
 
-  // The Jacobians of these forces at x and no velocity, as a product that needs no matrix. Exact for moving vertices that are not on
-  // the sheet's edge, and symmetric. With n along a spring of length L and r its length at rest,
+  // The Jacobians of these forces at x and no velocity, as a product that needs no matrix. Symmetric, and exact for
+  // moving vertices that are not on the sheet's edge. With n along a spring of length L and r its length at rest,
   // df_a/dx_a = -k [n n' + (1 - r/L)(I - n n')], df_a/dv_a = -k tau n n': where springs are compressed, or pressed,
   // the matrix of a step can be indefinite.
   class Jacobian {
