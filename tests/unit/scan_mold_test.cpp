@@ -460,6 +460,7 @@ TEST(Fit, SaysHowDeepTheDrawIs) {
             std::string::npos)
       << deep[0].text;
   EXPECT_EQ(deep[0].marks.at(0).size_mm, 70);
+  EXPECT_EQ(deep[0].text.find("larger window"), std::string::npos);  // which would only web more
   EXPECT_TRUE(fit_findings(block(60, 60, 59), {}, {}, 0.1).empty());
   EXPECT_EQ(fit_findings(block(160, 160, 141), {}, {}, 0.1).at(0).code, "deep-draw");
 }

@@ -150,7 +150,7 @@ void find_webs(const FormedSheet& sheet, const std::vector<double>& area, double
   if (found.empty()) return;
   warnings.push_back({"webbing",
                       "The sheet is compressed sideways and tends to fold, " + over(found) +
-                          "; a wider window or a lower mold helps",
+                          "; a lower mold, or a window nearer to its outline, helps",
                       marks_of(found)});
 }
 

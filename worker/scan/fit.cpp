@@ -66,14 +66,13 @@ void find_deep_draw(const Mold& mold, const MachineSettings& machine, std::vecto
   const double in_window = draw / window_of(machine).minCoeff();
   const double on_mold = draw / bounds(mold.mesh).size().head<2>().minCoeff();
   if (in_window <= deep_in_window && on_mold <= deep_on_mold) return;
-  warnings.push_back(
-      {"deep-draw",
-       "The draw of " + mm(draw) + " is " + percent(in_window) + " of the window's shorter side and " +
-           percent(on_mold) + " of the mold's; above " + percent(deep_in_window) + " or " +
-           percent(deep_on_mold) +
-           " the sheet thins much and tends to web: trim the mold higher (scan.trim_mm) or give "
-           "a larger window",
-       {{{mold.top.x(), mold.top.y(), mold.top.z()}, draw}}});
+  warnings.push_back({"deep-draw",
+                      "The draw of " + mm(draw) + " is " + percent(in_window) +
+                          " of the window's shorter side and " + percent(on_mold) + " of the mold's; above " +
+                          percent(deep_in_window) + " or " + percent(deep_on_mold) +
+                          " the sheet thins much and tends to web: trim the mold higher (scan.trim_mm)" +
+                          (in_window > deep_in_window ? " or give a larger window" : ""),
+                      {{{mold.top.x(), mold.top.y(), mold.top.z()}, draw}}});
 }
 
 void find_narrow_clamp(const SheetSettings& sheet, const MachineSettings& machine,
