@@ -19,15 +19,15 @@ double largest(const Points& columns, int count) {
 
 // The net on its way, and what one step needs of the step before.
 struct Settling::Motion {
-  Motion(const SpringNet& net_, Points& x_, const Load& load_, const Context& context_, double done_)
-      : net(net_),
-        x(x_),
-        load(load_),
-        context(context_),
-        done(done_),
-        n(net_.moving()),
-        mass(net_.mass()),
-        v(Points::Zero(3, net_.vertices())) {}
+  Motion(const SpringNet& moved, Points& place, const Load& carried, const Context& listener, double fraction)
+      : net(moved),
+        x(place),
+        load(carried),
+        context(listener),
+        done(fraction),
+        n(moved.moving()),
+        mass(moved.mass()),
+        v(Points::Zero(3, moved.vertices())) {}
 
   Result<void> worked() {
     work += static_cast<long>(net.springs().size());
