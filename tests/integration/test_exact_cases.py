@@ -66,7 +66,10 @@ def frame(width, height, top, resolution, thickness, **more):
 
 
 class Groove(Case):
-    """Plane strain: the middle of a groove that is much longer than wide. Any isotropic law gives the same."""
+    """Plane strain: the middle of a groove that is much longer than wide, up to fifteen times where it is steep, or its ends tell.
+
+    Any isotropic law gives the same.
+    """
     half_width = 16
 
     def form(self, depth, length, floor_half_width=0.0, floor=FLOOR, resolution=1, thickness=1, law="neo_hookean", **machine):
@@ -75,11 +78,11 @@ class Groove(Case):
         return Formed(self.folder / self.id().rpartition(".")[2], mold, forming={"law": law},
                       **frame(width, height, floor + depth, resolution, thickness, **machine))
 
-    def check_wedge(self, degrees, deepest, **form):
+    def check_wedge(self, degrees, deepest, length=240, resolution=2, **form):
         """h/h0 = (sin a / a) (1 - S/T)^(tan a / a - 1), by bands of S/T, each held to the mean of the formula over it."""
         a = math.radians(degrees)
         depth = (self.half_width - INSIDE) * math.tan(a)
-        formed = self.form(depth, 120, thickness=0.1, **form)
+        formed = self.form(depth, length, resolution=resolution, thickness=0.1, **form)
         bands = {}
         for rest, corners, contacts in formed.triangles(self.half_width, 10):
             if set(contacts) == {1}:
@@ -93,7 +96,17 @@ class Groove(Case):
                 self.assertAlmostEqual(bands[k][0] / bands[k][1], 1, delta=0.005)
 
     def test_wedge_of_30_degrees(self):
-        self.check_wedge(30, 0.9)
+        self.check_wedge(30, 0.9, length=120, resolution=1)
+
+    # On 2 mm a cell at S/T 0.5 is stretched to a tenth of the wall.
+    def test_wedge_of_45_degrees(self):
+        self.check_wedge(45, 0.5)
+
+    def test_wedge_of_52_degrees(self):
+        self.check_wedge(52, 0.4)
+
+    def test_wedge_of_60_degrees_mooney_rivlin(self):
+        self.check_wedge(60, 0.4, law="mooney_rivlin")
 
     def check_strip(self, kilopascals, **form):
         """Free inflation to the half angle f: p w / (mu h0) = sin f (l - l^-3), l = f / sin f, H/w = (1 - cos f) / sin f."""
