@@ -132,6 +132,22 @@ class Groove(Case):
         self.check_strip(14, law="mooney_rivlin")  # 75 degrees
 
 
+class Cone(Case):
+    def test_female_cone_of_60_degrees(self):
+        """Converged: S/T, landing radius over the rim's, h/h0 (neo-Hookean)."""
+        radius, depth = 40, 40 * math.tan(math.radians(60))
+        width = 2 * (radius + LAND + GAP)
+        formed = Formed(self.folder / "cone", meshes.female_cone(radius, 60, LAND, FLOOR),
+                        **frame(width, width, FLOOR + depth, 1, 0.1))
+        for place, landing, thickness in [(.02, .9659, .8367), (.10, .8331, .7509), (.25, .6010, .5888)]:
+            with self.subTest(f"S/T {place}"):
+                level = FLOOR + depth * (1 - place)
+                found = list(formed.crossings(lambda p: p[2] if math.hypot(p[0], p[1]) < radius + 1 else math.inf, level))
+                self.assertGreater(len(found), 100)
+                self.assertAlmostEqual(mean(r for r, _ in found), landing * radius, delta=0.3)
+                self.assertAlmostEqual(mean(h for _, h in found) / thickness, 1, delta=0.02)
+
+
 class Hemisphere(Case):
     # Polar angle in degrees, landing radius over R, h/h0: ring of 1.5 R lowered to the platform, then vacuum.
     reference = [(15, .2594, .974), (30, .5032, .885), (45, .7132, .719), (60, .8913, .698), (75, 1.0618, .668), (85, 1.1586, .560)]
