@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <thread>
@@ -221,6 +222,79 @@ TEST(Forming, CancelEndsWithinASecond) {
   ASSERT_FALSE(formed);
   EXPECT_EQ(formed.error().code, Code::cancelled);
   EXPECT_LT(took, std::chrono::milliseconds(300) + std::chrono::seconds(2));
+}
+
+// With stick, a uniform viscosity sets the clock and not the map; the sheet flows where the elastic one stretches.
+TEST(Forming, AViscousSheetLandsAtAnyUniformViscosity) {
+  FormingSettings viscous;
+  viscous.model = FormingModel::viscoplastic;
+  SheetSettings sheet = coarse();
+  sheet.resolution_mm = 8;
+  MachineSettings slow;
+  slow.vacuum_seconds = 600;
+  slow.drape_speed_mm_s = 5;
+  const Mold mold = hemisphere(60);
+  const auto warm_one = form(mold, sheet, slow, viscous, TemperatureField(140), Context{});
+  const auto hot_one = form(mold, sheet, slow, viscous, TemperatureField(150), Context{});
+  ASSERT_TRUE(warm_one) << warm_one.error().text();
+  ASSERT_TRUE(hot_one) << hot_one.error().text();
+  double furthest = 0;
+  for (std::size_t i = 0; i < warm_one->formed.size(); ++i)
+    if (warm_one->contact[i] == Contact::mold)
+      furthest = std::max(furthest, (warm_one->formed[i] - hot_one->formed[i]).norm());
+  EXPECT_LT(furthest, 0.6);
+  EXPECT_LT(warm_one->summary.mass_error, 1e-6);
+  EXPECT_LT(warm_one->summary.force_error, 1e-3);
+}
+
+// Below its yield stress the sheet is the elastic one.
+TEST(Forming, AHighYieldStressLeavesTheSheetElastic) {
+  FormingSettings firm;
+  firm.model = FormingModel::viscoplastic;
+  firm.yield_kpa = 1000;
+  SheetSettings sheet = coarse();
+  sheet.resolution_mm = 8;
+  MachineSettings gentle;
+  gentle.vacuum_kpa = 20;
+  const Mold mold = hemisphere(60);
+  const auto held = form(mold, sheet, gentle, firm, warm, Context{});
+  const auto elastic = form(mold, sheet, gentle, {}, warm, Context{});
+  ASSERT_TRUE(held) << held.error().text();
+  ASSERT_TRUE(elastic) << elastic.error().text();
+  double furthest = 0;
+  for (std::size_t i = 0; i < held->formed.size(); ++i)
+    furthest = std::max(furthest, (held->formed[i] - elastic->formed[i]).norm());
+  EXPECT_LT(furthest, 0.5);
+}
+
+// The weight of the sheet is that of a pressure of density x gravity x thickness while the sag is shallow.
+TEST(Forming, AHotSheetSagsAndTheFrameStartsHigher) {
+  FormingSettings heavy;
+  heavy.sag = true;
+  const Mold mold = hemisphere(60);
+  const auto sagged = form(mold, coarse(), {}, heavy, warm, Context{});
+  const auto weightless = form(mold, coarse(), {}, {}, warm, Context{});
+  ASSERT_TRUE(sagged) << sagged.error().text();
+  ASSERT_TRUE(weightless) << weightless.error().text();
+  EXPECT_GT(sagged->summary.drape_steps, weightless->summary.drape_steps);
+  EXPECT_LT(sagged->summary.force_error, 1e-3);
+  EXPECT_LT(sagged->summary.residual, 1e-3);
+}
+
+TEST(Forming, AnEarlyVacuumDrawsWhileTheFrameDescends) {
+  MachineSettings early;
+  early.vacuum_start_mm = 30;
+  const Mold mold = hemisphere(60);
+  const auto drawn = form(mold, coarse(), early, {}, warm, Context{});
+  const auto late = form(mold, coarse(), {}, {}, warm, Context{});
+  ASSERT_TRUE(drawn) << drawn.error().text();
+  ASSERT_TRUE(late) << late.error().text();
+  const auto while_descending = [](const FormedSheet& sheet) {
+    return std::count_if(sheet.contact_time.begin(), sheet.contact_time.end(),
+                         [](double t) { return t <= 1; });
+  };
+  EXPECT_GT(while_descending(*drawn), 2 * while_descending(*late));
+  EXPECT_LT(drawn->summary.residual, 1e-3);
 }
 
 }  // namespace

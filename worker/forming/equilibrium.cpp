@@ -1,6 +1,7 @@
 #include "worker/forming/equilibrium.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <numeric>
@@ -10,11 +11,13 @@
 
 namespace vacuform {
 
-Equilibrium::Equilibrium(const Membrane& membrane, const std::vector<Triangle>& triangles,
-                         std::vector<int> elimination_order)
-    : membrane_(membrane), triangles_(triangles), order_(std::move(elimination_order)) {}
+Equilibrium::Equilibrium(const Membrane& membrane, const SheetGrid& grid)
+    : membrane_(membrane), grid_(grid), rest_area_(grid.rest.size(), 0), preconditioner_(membrane, grid) {
+  for (std::size_t k = 0; k < grid.triangles.size(); ++k)
+    for (int v : grid.triangles[k]) rest_area_[v] += membrane.rest_area(static_cast<int>(k)) / 3;
+}
 
-void Equilibrium::hold(const std::vector<char>& held, const Points& x) {
+void Equilibrium::hold(const std::vector<char>& held, const Points& x, bool fresh) {
   free_.clear();
   index_.assign(held.size(), -1);
   for (std::size_t i = 0; i < held.size(); ++i)
@@ -23,101 +26,55 @@ void Equilibrium::hold(const std::vector<char>& held, const Points& x) {
       free_.push_back(static_cast<int>(i));
     }
   active_.clear();
-  for (std::size_t k = 0; k < triangles_.size(); ++k)
-    if (std::any_of(triangles_[k].begin(), triangles_[k].end(), [&](int v) { return !held[v]; }))
+  for (std::size_t k = 0; k < grid_.triangles.size(); ++k)
+    if (std::any_of(grid_.triangles[k].begin(), grid_.triangles[k].end(), [&](int v) { return !held[v]; }))
       active_.push_back(static_cast<int>(k));
-  corner_start_.assign(free_.size() + 1, 0);
-  for (const int k : active_)
-    for (int v : triangles_[k])
-      if (index_[v] >= 0) ++corner_start_[index_[v] + 1];
-  std::partial_sum(corner_start_.begin(), corner_start_.end(), corner_start_.begin());
-  corner_.resize(static_cast<std::size_t>(corner_start_.back()));
-  std::vector<int> next(corner_start_.begin(), corner_start_.end() - 1);
-  for (int n = 0; n < static_cast<int>(active_.size()); ++n)
-    for (int c = 0; c < 3; ++c)
-      if (const int row = index_[triangles_[active_[n]][c]]; row >= 0) corner_[next[row]++] = 3 * n + c;
-  corners_.resize(active_.size());
-  energies_.resize(active_.size());
+  middle_ = static_cast<int>(active_.size()) / 2;
   if (free_.empty()) return;
-
-  struct Entry {
-    int column, row;
-    double value;
-  };
-  std::vector<Entry> entries;
-  entries.reserve(active_.size() * 6);
-  for (const int k : active_) {
-    const Eigen::Vector3d c = membrane_.scalar_stiffness(x, k) * membrane_.rest_area(k);
-    Eigen::Matrix2d T;
-    T << c[0], c[1], c[1], c[2];
-    const Eigen::Matrix3d K = membrane_.shape_gradient(k).transpose() * T * membrane_.shape_gradient(k);
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) {
-        const int row = index_[triangles_[k][a]], column = index_[triangles_[k][b]];
-        if (column >= 0 && row >= column) entries.push_back({column, row, K(a, b)});
-      }
+  constexpr int worth_a_factor = 20;  // iterations that take about as long as factoring anew
+  if (fresh || !preconditioner_.factored() || worn_ >= worth_a_factor) {
+    preconditioner_.factor(held, x);
+    worn_ = 0;
   }
-  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return a.column != b.column ? a.column < b.column : a.row < b.row;
-  });
-  SymmetricMatrix matrix;
-  matrix.size = static_cast<int>(free_.size());
-  matrix.column_start.assign(free_.size() + 1, 0);
-  for (std::size_t n = 0; n < entries.size(); ++n) {
-    const Entry& e = entries[n];
-    if (n > 0 && entries[n - 1].column == e.column && entries[n - 1].row == e.row) {
-      matrix.value.back() += e.value;
-    } else {
-      matrix.row.push_back(e.row);
-      matrix.value.push_back(e.value);
-      matrix.column_start[e.column + 1] = static_cast<int>(matrix.row.size());
+  preconditioner_.restrict_to(free_, x);
+}
+
+double Equilibrium::energy(const Points& x, const Pull& pull, Points& gradient) {
+  // Two halves of the triangles, each summed in its order: the sums are the same on any number of threads.
+  const Eigen::Index n = static_cast<Eigen::Index>(free_.size());
+  std::array<double, 2> energies{};
+  const auto sum = [&](int half) {
+    Points& into = halves_[half];
+    into.setZero(3, n + 1);  // the last column takes what is held
+    const int end = half == 0 ? middle_ : static_cast<int>(active_.size());
+    double total = 0;
+    Eigen::Matrix3d corners;
+    for (int k = half == 0 ? 0 : middle_; k < end; ++k) {
+      total += membrane_.element_energy(x, pull.pressure, active_[k], corners);
+      const Triangle& t = grid_.triangles[active_[k]];
+      for (int c = 0; c < 3; ++c) into.col(index_[t[c]] < 0 ? n : index_[t[c]]) += corners.col(c);
     }
-  }
-  for (int c = 0; c < matrix.size; ++c)
-    matrix.column_start[c + 1] = std::max(matrix.column_start[c + 1], matrix.column_start[c]);
-
-  std::vector<int> order;
-  for (const int v : order_)
-    if (index_[v] >= 0) order.push_back(index_[v]);
-  cholesky_.analyse(matrix, order);
-  if (!cholesky_.factor(matrix))
-    throw std::logic_error("the membrane's stand-in stiffness is not positive definite");
-  rhs_.resize(matrix.size, 3);
-}
-
-double Equilibrium::energy(const Points& x, double p, Points& gradient) {
-  // Each triangle writes its own place and each vertex gathers its own corners, in a fixed order: the sums are the
-  // same on any number of threads.
-  const auto triangles = [&](int begin, int end) {
-    for (int n = begin; n < end; ++n) energies_[n] = membrane_.element_energy(x, p, active_[n], corners_[n]);
+    energies[half] = total;
   };
-  const auto vertices = [&](int begin, int end) {
-    for (int r = begin; r < end; ++r) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (int k = corner_start_[r]; k < corner_start_[r + 1]; ++k)
-        sum += corners_[corner_[k] / 3].col(corner_[k] % 3);
-      gradient.col(r) = sum;
+  constexpr std::size_t worth_threads = 8000;
+  if (active_.size() < worth_threads)
+    sum(0), sum(1);
+  else
+    in_parallel(0, 2, [&](int begin, int end) {
+      for (int half = begin; half < end; ++half) sum(half);
+    });
+  gradient = halves_[0].leftCols(n) + halves_[1].leftCols(n);
+  double weight = 0;
+  if (pull.weight > 0)
+    for (Eigen::Index r = 0; r < n; ++r) {
+      const double force = pull.weight * rest_area_[free_[r]];
+      gradient(2, r) += force;
+      weight += force * x(2, free_[r]);
     }
-  };
-  constexpr int worth_threads = 8000;
-  const int n = static_cast<int>(active_.size()), m = static_cast<int>(free_.size());
-  if (n < worth_threads) {
-    triangles(0, n);
-    vertices(0, m);
-  } else {
-    in_parallel(0, n, triangles);
-    in_parallel(0, m, vertices);
-  }
-  return std::accumulate(energies_.begin(), energies_.end(), 0.0);
+  return energies[0] + energies[1] + weight;
 }
 
-void Equilibrium::precondition(const Points& gradient, Points& direction) {
-  rhs_ = gradient.transpose();
-  cholesky_.solve(rhs_, solution_);
-  direction = solution_.transpose();
-}
-
-Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, double cap, int iterations,
+Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limits& limits,
                                         const Context& context) {
   Outcome outcome;
   if (free_.empty()) {
@@ -137,13 +94,14 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
   };
   for (Eigen::Index r = 0; r < n; ++r) f.col(r) = x.col(free_[r]);
   const Points start = f;
-  double e = energy(x, p, g);
+  double e = energy(x, pull, g);
   const auto largest = [](const Points& v) { return std::sqrt(v.colwise().squaredNorm().maxCoeff()); };
 
-  for (;; ++outcome.iterations) {
+  int still = 0;  // iterations that moved next to nothing
+  for (;; ++outcome.iterations, ++worn_) {
     outcome.residual = largest(g);
-    outcome.at_rest = outcome.residual <= tolerance;
-    if (outcome.at_rest || outcome.iterations >= iterations || context.cancelled()) return outcome;
+    outcome.at_rest = outcome.residual <= limits.force || still >= 3;
+    if (outcome.at_rest || outcome.iterations >= limits.iterations || context.cancelled()) return outcome;
 
     q = g;
     std::vector<double> alpha(pairs.size());
@@ -151,7 +109,7 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
       alpha[k] = pairs[k].rho * pairs[k].s.cwiseProduct(q).sum();
       q -= alpha[k] * pairs[k].y;
     }
-    precondition(q, d);
+    preconditioner_.apply(q, d);
     for (std::size_t k = 0; k < pairs.size(); ++k)
       d += (alpha[k] - pairs[k].rho * pairs[k].y.cwiseProduct(d).sum()) * pairs[k].s;
     d = -d;
@@ -163,16 +121,13 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
       continue;
     }
 
-    // No step leaves the ball of radius cap around the start.
-    double step = 1;
-    const double reach = largest(d);
-    if (reach * step > cap) step = cap / reach;
+    double step = std::min(1.0, limits.stride / largest(d));
     bool accepted = false;
     double trial_e = 0;
     for (int halving = 0; halving < 30; ++halving, step *= 0.5) {
       trial = f + step * d;
       place(trial);
-      trial_e = energy(x, p, trial_g);
+      trial_e = energy(x, pull, trial_g);
       const double rise = trial_g.cwiseProduct(d).sum();
       const bool decrease = trial_e <= e + 1e-4 * step * slope;
       // Near rest the energies differ by rounding alone: judge by the slopes (Hager & Zhang 2005).
@@ -189,6 +144,7 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
       continue;
     }
     Pair pair{trial - f, trial_g - g, 0};
+    still = largest(pair.s) <= limits.motion ? still + 1 : 0;
     const double curvature = pair.s.cwiseProduct(pair.y).sum();
     if (curvature > 1e-12 * std::sqrt(pair.s.squaredNorm() * pair.y.squaredNorm())) {
       pair.rho = 1 / curvature;
@@ -198,10 +154,8 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, double p, double tolerance, d
     f.swap(trial);
     g.swap(trial_g);
     e = trial_e;
-    if (largest(f - start) >= 0.999 * cap) {
-      outcome.capped = true;
-      ++outcome.iterations;
-      outcome.residual = largest(g);
+    if (largest(f - start) > limits.range) {
+      outcome.ran_away = true;
       return outcome;
     }
   }

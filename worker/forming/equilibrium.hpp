@@ -1,52 +1,66 @@
 // Static equilibrium of a membrane whose clamped and stuck vertices are held: minimization by limited-memory BFGS
-// (Nocedal & Wright, Numerical Optimization, 2006, algorithm 7.4), preconditioned with a sparse Cholesky factor of a
-// scalar stand-in for the Hessian (see Membrane::scalar_stiffness) on the free vertices alone.
+// (Nocedal & Wright, Numerical Optimization, 2006, algorithm 7.4) on the free vertices alone.
 #pragma once
 
-#include <memory>
+#include <array>
+#include <limits>
 #include <vector>
 
 #include "worker/context.hpp"
 #include "worker/forming/membrane.hpp"
-#include "worker/forming/sparse_cholesky.hpp"
+#include "worker/forming/preconditioner.hpp"
 
 namespace vacuform {
 
 class Equilibrium {
  public:
-  struct Outcome {
-    bool at_rest = false;  // the residual is below the tolerance
-    bool capped = false;   // stopped because a vertex had moved by the cap
+  // When a solve ends. Forces are in units of shear modulus x thickness x mm, lengths in mm.
+  struct Limits {
+    double force = 0;   // at rest: no nodal force on a free vertex is larger
+    double motion = 0;  // at rest as well: no vertex moved further in each of the last three iterations
+    double stride = std::numeric_limits<double>::infinity();  // no vertex moves further in one iteration
+    double range =
+        std::numeric_limits<double>::infinity();  // given up: a vertex is further from where it was
     int iterations = 0;
-    double residual = 0;  // largest nodal force on a free vertex, in units of shear modulus x thickness x mm
+  };
+  // What pulls the sheet: a pressure, and the weight of its unit rest area along -z, both as Membrane counts them.
+  struct Pull {
+    double pressure = 0, weight = 0;
+  };
+  struct Outcome {
+    bool at_rest = false;
+    bool ran_away = false;  // beyond the range
+    int iterations = 0;
+    double residual = 0;  // largest nodal force on a free vertex
   };
 
-  // `elimination_order` orders all vertices of the sheet for the factorization.
-  Equilibrium(const Membrane& membrane, const std::vector<Triangle>& triangles,
-              std::vector<int> elimination_order);
+  Equilibrium(const Membrane& membrane, const SheetGrid& grid);
 
-  // Declares which vertices are held from now on, and builds the preconditioner from the stiffness at x.
-  void hold(const std::vector<char>& held, const Points& x);
+  // Declares which vertices are held from now on; none that was held is set free. `fresh`: the membrane's stiffness has
+  // changed in a way that the iterations since the last call do not tell.
+  void hold(const std::vector<char>& held, const Points& x, bool fresh = false);
 
-  // Moves the free vertices of x towards rest under pressure p (see Membrane), by at most `cap` mm from where each
-  // was on entry (then stops). At most `iterations` steps; looks at the cancellation at every one.
-  Outcome solve(Points& x, double p, double tolerance, double cap, int iterations, const Context& context);
+  // Moves the free vertices of x towards rest; looks at the cancellation at every iteration.
+  Outcome solve(Points& x, const Pull& pull, const Limits& limits, const Context& context);
+
+  // The force of the weight on a vertex, as a gradient.
+  Eigen::Vector3d weight_of(std::size_t vertex, double weight) const {
+    return {0, 0, weight * rest_area_[vertex]};
+  }
 
  private:
   // Positions of all vertices in, gradient at the free ones out (3 x free).
-  double energy(const Points& x, double p, Points& gradient);
-  void precondition(const Points& gradient, Points& direction);
+  double energy(const Points& x, const Pull& pull, Points& gradient);
 
   const Membrane& membrane_;
-  const std::vector<Triangle>& triangles_;
-  std::vector<int> order_;
-  std::vector<int> index_, free_;           // vertex to row among the free ones (-1: held) and back
-  std::vector<int> active_;                 // triangles with a free corner
-  std::vector<int> corner_start_, corner_;  // per free vertex: its corners, 3 x (place in active_) + corner
-  std::vector<Eigen::Matrix3d> corners_;    // gradients of the active triangles
-  std::vector<double> energies_;            // of the active triangles
-  SparseCholesky cholesky_;
-  Eigen::MatrixXd rhs_, solution_;
+  const SheetGrid& grid_;
+  std::vector<double> rest_area_;  // of each vertex
+  std::vector<int> index_, free_;  // vertex to row among the free ones (-1: held) and back
+  std::vector<int> active_;        // triangles with a free corner
+  int middle_ = 0;                 // of the active triangles: each half is summed by itself
+  Points second_half_;             // the gradient of the second half, with a column for what is held
+  Preconditioner preconditioner_;
+  int worn_ = 0;  // iterations since the preconditioner was factored
 };
 
 }  // namespace vacuform

@@ -152,20 +152,44 @@ double Membrane::energy(const Points& x, double p, Points& gradient) const {
   return sum;
 }
 
-Eigen::Vector3d Membrane::scalar_stiffness(const Points& x, int triangle) const {
+Eigen::Vector3d Membrane::tangential_stiffness(const Points& x, int triangle) const {
   const Principal q = principal(deformation(x, triangle));
   const Density d = density(law_, q.l1, q.l2);
   const double shear =
       q.gap > 1e-6 * q.l1 * q.l1 ? (q.l1 * d.W1 - q.l2 * d.W2) / q.gap : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12);
   constexpr double least = 1e-2;
+  return stiffness_[triangle] * along_principal(q, std::max(least, (d.W11 + std::max(0.0, shear)) / 2),
+                                                std::max(least, (d.W22 + std::max(0.0, shear)) / 2));
+}
+
+Eigen::Vector3d Membrane::normal_stiffness(const Points& x, int triangle) const {
+  const Principal q = principal(deformation(x, triangle));
+  const Density d = density(law_, q.l1, q.l2);
+  constexpr double least = 1e-3;
   return stiffness_[triangle] *
-         along_principal(q, std::max(least, (d.W11 + std::max(0.0, shear) + d.W1 / q.l1) / 3),
-                         std::max(least, (d.W22 + std::max(0.0, shear) + d.W2 / q.l2) / 3));
+         along_principal(q, std::max(least, d.W1 / q.l1), std::max(least, d.W2 / q.l2));
+}
+
+void Membrane::flow(const Points& x, int triangle, double kept) {
+  const Principal q = principal(deformation(x, triangle));
+  // F = R U: the new rest shape takes U^(1 - kept), so that U^kept remains.
+  const Eigen::Vector3d u = along_principal(q, std::pow(q.l1, kept - 1), std::pow(q.l2, kept - 1));
+  Eigen::Matrix2d taken;
+  taken << u[0], u[1], u[1], u[2];
+  shape_[triangle] = taken * shape_[triangle];
+}
+
+double Membrane::equivalent_stress(const Points& x, int triangle) const {
+  const Principal q = principal(deformation(x, triangle));
+  const Density d = density(law_, q.l1, q.l2);
+  const double s1 = q.l1 * d.W1, s2 = q.l2 * d.W2;
+  return stiffness_[triangle] * std::sqrt(s1 * s1 - s1 * s2 + s2 * s2);
 }
 
 double Membrane::area_stretch(const Points& x, int triangle) const {
-  const auto F = deformation(x, triangle);
-  return F.col(0).cross(F.col(1)).norm();
+  const Triangle& t = triangles_[triangle];
+  const Eigen::Vector3d a = x.col(t[0]), e1 = x.col(t[1]) - a, e2 = x.col(t[2]) - a;
+  return 0.5 * e1.cross(e2).norm() / area_[triangle];
 }
 
 bool Membrane::slack(const Points& x, int triangle) const {

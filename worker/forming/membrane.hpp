@@ -38,12 +38,20 @@ class Membrane {
   // The same for the whole sheet; the gradient (3 x vertices) is overwritten.
   double energy(const Points& x, double p, Points& gradient) const;
 
-  // The coefficients (t11, t12, t22) of the scalar form that has, per pair of vertices, a third of the trace of the
-  // elastic Hessian's block: a symmetric positive definite stand-in for it, in the triangle's rest frame.
-  Eigen::Vector3d scalar_stiffness(const Points& x, int triangle) const;
+  // The stiffness against moving one vertex in the sheet's plane, and along its normal (by tension alone): the
+  // coefficients (t11, t12, t22) of a scalar form in the triangle's rest frame, symmetric positive definite, per
+  // rest area. Means over the directions in the plane, with a small least value where the sheet is slack.
+  Eigen::Vector3d tangential_stiffness(const Points& x, int triangle) const;
+  Eigen::Vector3d normal_stiffness(const Points& x, int triangle) const;
   // Gradient of the three shape functions of a triangle in the rest plane, 1/mm (columns), and its rest area, mm^2.
   const Eigen::Matrix<double, 2, 3>& shape_gradient(int triangle) const { return shape_[triangle]; }
   double rest_area(int triangle) const { return area_[triangle]; }
+
+  // Lets a triangle flow: its rest shape follows its shape at x until only the power `kept` (0: nothing, 1: all) of its
+  // principal stretches is left. Its volume stays that of the flat sheet.
+  void flow(const Points& x, int triangle, double kept);
+  // The equivalent stress (von Mises) in a triangle over its shear modulus.
+  double equivalent_stress(const Points& x, int triangle) const;
 
   // Formed area over rest area, and whether the triangle is wrinkled: stretched, and half a per cent narrower than that
   // tension alone would make it.

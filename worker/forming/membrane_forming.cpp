@@ -1,166 +1,365 @@
-// The membrane: the clamped sheet descends over the mold, then the vacuum draws it down until everything rests.
+// The membrane, elastic or viscoplastic: the clamped sheet descends over the mold, then the vacuum draws it down until
+// everything rests.
 //
-// Quasi-static: after every small advance of the frame or of the pressure the free sheet is brought to rest, the
-// straight way of each free vertex is followed to its first touch, what touched sticks there for good, and the rest
-// is brought to rest again. An advance of pressure moves no vertex further than a part of the grid spacing before
-// contact is looked for, so the sheet follows a path even where a bubble snaps through.
+// Quasi-static: after every small advance of the frame or of the vacuum the free sheet is brought to equilibrium, the
+// straight way of each free vertex is followed to its first touch, and what touched sticks there for good. What lands
+// decides how the rest moves on. So an advance of the vacuum is taken only as far as the contact spreads by one row of
+// vertices, or half a grid spacing if that is further; the next one goes on from there with those rows held. Where a
+// film is past its limit point (a balloon that snaps through at constant pressure) it moves on by half a spacing at a time.
+//
+// A fine sheet follows a coarse one: the descent is simulated on grids of four and two times the spacing first, and a
+// coarse sheet's motion in each step is the finer one's first guess. The result is the fine sheet's own equilibrium.
+//
+// A viscous sheet is an elastic one whose rest shape follows it: over dt it has the modulus viscosity / dt against the
+// shape that it had before, which is the incremental form of a Newtonian membrane. With a yield stress the sheet is
+// elastic, and what stress it has above that flows off.
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 
+#include "worker/forming/contact_spread.hpp"
 #include "worker/forming/equilibrium.hpp"
+#include "worker/forming/interpolation.hpp"
+#include "worker/forming/material.hpp"
 #include "worker/forming/process.hpp"
 
 namespace vacuform {
 
 namespace {
 
+constexpr double gravity_m_s2 = 9.81;
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+// Where a sheet rested: at first, then after each step of the frame.
+struct Draped {
+  const SheetGrid* grid;
+  std::vector<Points> rests;
+};
+
 class Descent {
  public:
-  Descent(const Process& process, SheetState& state, const Context& context)
+  // `guide` is a coarser sheet through the same descent, or null.
+  Descent(const Process& process, SheetState& state, const Draped* guide, const Context& context)
       : process_(process),
-        sheet_(process.sheet),
         machine_(process.machine),
         grid_(process.grid),
-        membrane_(grid_.rest, grid_.triangles, process.forming.law, process.stiffness),
-        equilibrium_(membrane_, grid_.triangles, grid_.elimination_order),
+        flows_(process.forming.model == FormingModel::viscoplastic),
+        viscous_(flows_ && process.forming.yield_kpa == 0),
+        membrane_(grid_.rest, grid_.triangles, process.forming.law,
+                  viscous_ ? process.viscosity : process.stiffness),
+        equilibrium_(membrane_, grid_),
         context_(context),
-        top_(process.top_mm),
+        guide_(guide),
         state_(state),
         x_(state.x),
-        held_(state.held),
-        summary_(state.summary) {}
+        before_(state.x),
+        spacing_(process.sheet.resolution_mm),
+        spread_(grid_) {
+    now_.frame_mm = process.top_mm;
+    if (guide) interpolation_.emplace(*guide->grid, grid_);
+  }
 
   Result<void> run() {
-    VACUFORM_CHECK(drape());
-    VACUFORM_CHECK(draw());
-    balance();
-    return {};
+    VACUFORM_CHECK(sag());
+    VACUFORM_CHECK(descend());
+    ceiling_.emplace(x_, grid_.triangles);
+    return draw();
+  }
+
+  // The descent alone, as a guide for a finer sheet.
+  Result<Draped> drape() {
+    VACUFORM_CHECK(sag());
+    VACUFORM_CHECK(descend());
+    return Draped{&process_.grid, std::move(rests_)};
   }
 
  private:
-  // The frame descends from the mold's top to its final height.
-  Result<void> drape() {
-    const double travel = top_ - machine_.drape_height_mm;
+  // Where the process stands.
+  struct Load {
+    double frame_mm = 0;  // height of the clamp frame above the platform
+    double seconds = 0;   // since the descent began
+    double vacuum_s = 0;  // since the vacuum began
+    double contact = 0;   // as FormedSheet::contact_time
+  };
+
+  // The weight of the hot sheet pulls it down before it meets the mold; the frame starts so high that it just does not.
+  Result<void> sag() {
+    if (!process_.forming.sag || viscous_) return {};
+    const Load still;
+    Points y = x_;
+    for (std::size_t i = 0; i < grid_.rest.size(); ++i)  // a shallow bowl: a flat sheet has no way to begin
+      y(2, i) -= 0.02 * machine_.window_width_mm * (1 - nearness_to_frame(grid_.rest[i], machine_));
+    equilibrium_.hold(state_.held, y);
+    VACUFORM_CHECK(solve(y, still, 0, {0, 0.1 * still_mm, stride(), unlimited, 1000}));
+    const double lowest = y.row(2).minCoeff();
+    y.row(2).array() += process_.top_mm - lowest;
+    now_.frame_mm += process_.top_mm - lowest;
+    x_ = before_ = y;
+    return {};
+  }
+
+  // The frame descends to its final height; an early vacuum starts on the way.
+  Result<void> descend() {
+    rests_.assign(1, x_);
+    const double start = now_.frame_mm, travel = start - machine_.drape_height_mm;
     if (travel <= 0) return {};
-    const int steps = std::max(10, static_cast<int>(std::ceil(travel / sheet_.resolution_mm)));
-    Points before = x_;
+    const double vacuum_start = machine_.vacuum_start_mm.value_or(-1);
+    const int steps = std::max(10, static_cast<int>(std::ceil(travel / drape_step_mm)));
     for (int k = 1; k <= steps; ++k) {
       VACUFORM_CHECK(context_.step(Stage::forming, 0.5 * (k - 1) / steps));
-      equilibrium_.hold(held_, x_);
-      // The free sheet goes on as it went, the frame by one step.
-      Points y = x_;
-      for (std::size_t i = 0; i < held_.size(); ++i)
-        if (grid_.clamped[i])
-          y(2, i) = top_ - travel * k / steps;
-        else if (!held_[i])
-          y.col(i) = k == 1 ? Eigen::Vector3d(x_(0, i), x_(1, i), top_ - travel / steps)
-                            : Eigen::Vector3d(2 * x_.col(i) - before.col(i));
-      for (bool again = true; again;) {
-        VACUFORM_CHECK(settle(y));
-        again = state_.follow(process_, y, double(k - 1) / steps, double(k) / steps) > 0;
-        if (again) equilibrium_.hold(held_, y);
+      const double frame = k == steps ? machine_.drape_height_mm : start - travel * k / steps;
+      const double vacuum = std::max(0.0, vacuum_start - frame) / machine_.drape_speed_mm_s;
+      const Load from = now_;
+      // A vacuum that rises fast is taken in smaller advances.
+      const int parts =
+          vacuum > first_vacuum_s()
+              ? std::max(1,
+                         static_cast<int>(std::ceil(
+                             std::log(vacuum / std::max(from.vacuum_s, first_vacuum_s())) / std::log(1.1))))
+              : 1;
+      for (int part = 1; part <= parts; ++part) {
+        const double share = double(part) / parts;
+        Load to;
+        to.frame_mm = part == parts ? frame : from.frame_mm + share * (frame - from.frame_mm);
+        to.seconds = (start - to.frame_mm) / machine_.drape_speed_mm_s;
+        to.vacuum_s = std::max(0.0, vacuum_start - to.frame_mm) / machine_.drape_speed_mm_s;
+        to.contact = (k - 1 + share) / steps;
+        VACUFORM_CHECK(lower(to, parts == 1 && guide_ ? guided(k) : extrapolated(k == 1 ? 0 : 1.0 / parts)));
       }
-      before = x_;
-      x_ = y;
-      ++summary_.drape_steps;
+      rests_.push_back(x_);
+      ++state_.summary.drape_steps;
     }
     return {};
   }
 
-  // The vacuum ramps from nothing to its limit.
+  // One step of the frame, from a first guess: to rest, and again while more of the sheet touches.
+  Result<void> lower(const Load& to, Points y) {
+    const bool first = now_.seconds == 0 && !guide_;
+    for (std::size_t i = 0; i < grid_.clamped.size(); ++i)
+      if (grid_.clamped[i] || (first && !state_.held[i])) y(2, i) += to.frame_mm - now_.frame_mm;
+    const double load = std::max(pressure(to, to.seconds - now_.seconds), weight(to.seconds - now_.seconds));
+    const double force = load > 0 ? std::min(drape_force * spacing_, ramp_force * load * spacing_ * spacing_)
+                                  : drape_force * spacing_;
+    // The stiffness is taken where the sheet last rested: in the guess it is still kinked at the frame.
+    equilibrium_.hold(state_.held, viscous_ ? y : x_, viscous_);
+    for (;;) {
+      // The first steps pull an all but flat sheet, which has next to no stiffness against its own plane: they need not
+      // settle, what they leave is evened out by the steps that follow.
+      VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, {force, still_mm, stride(), unlimited, 60}));
+      if (state_.follow(process_, y, now_.contact, to.contact) == 0) break;
+      equilibrium_.hold(state_.held, y);
+    }
+    go_on(std::move(y), to);
+    return {};
+  }
+
+  // The vacuum ramps from nothing to its limit; under it a viscous sheet flows on until it rests or the hold is over.
   Result<void> draw() {
-    const double limit = machine_.vacuum_kpa / (process_.modulus_kpa * sheet_.thickness_mm);
-    const double h = sheet_.resolution_mm;
-    const double first = std::min(limit, 0.1 / machine_.window_width_mm);
-    double p = first;
-    ceiling_.emplace(x_, grid_.triangles);
+    const double ramp = machine_.vacuum_seconds, hold = flows_ ? hold_ramps * ramp : ramp;
+    const double first = std::min(ramp, first_vacuum_s());
+    double growth = most_growth, grown = 1;  // of the time under vacuum: allowed, and in the last advance
+    now_.contact = 1;
+    double next = now_.vacuum_s > 0 ? growth * now_.vacuum_s : first;
     for (int step = 0; step < most_steps; ++step) {
+      next = std::min({hold, next, now_.vacuum_s + longest_step()});
+      const bool last = next >= hold;
       VACUFORM_CHECK(
-          context_.step(Stage::forming, 0.5 + 0.5 * std::log(p / first) / std::log(limit / first + 1)));
-      const bool last = p >= limit;
-      const double tolerance = last ? final_tolerance * p * h * h
-                                    : std::max(ramp_tolerance * p * h * h, 0.1 * drape_tolerance * h);
-      equilibrium_.hold(held_, x_);
-      Points y = x_;
-      const auto outcome = equilibrium_.solve(y, p, tolerance, 1.5 * h, 300, context_);
-      if (context_.cancelled()) return fail(Code::cancelled, "cancelled");
-      summary_.iterations += outcome.iterations;
-      ++summary_.vacuum_steps;
-      const double now = 1 + p / limit;
-      const int touched = state_.follow(process_, y, now, now, &*ceiling_);
-      x_ = y;
-      if (!outcome.at_rest || (last && touched > 0)) continue;
-      if (last) {
-        summary_.converged = true;
-        pressure_ = p;
+          context_.step(Stage::forming, 0.5 + 0.5 * std::log(next / first) / std::log(hold / first + 1)));
+      Load to = at_vacuum(next);
+      const double dt = to.seconds - now_.seconds, p = pressure(to, dt), cell = spacing_ * spacing_;
+      Points y =
+          extrapolated(grown > 1.0001 ? std::min(2.0, std::log(next / now_.vacuum_s) / std::log(grown)) : 0);
+      equilibrium_.hold(state_.held, y, flows_);
+      const double force =
+          last ? final_force * p * cell : std::max(ramp_force * p * cell, 0.1 * drape_force * spacing_);
+      VACUFORM_TRY(outcome, solve(y, to, dt,
+                                  {force, last ? 0 : still_mm, stride(), std::max(6.0, 4 * spacing_), 300}));
+      ++state_.summary.vacuum_steps;
+      if (outcome.ran_away && growth > 1.02 && now_.vacuum_s > 0) {
+        growth = std::sqrt(growth);
+        next = growth * now_.vacuum_s;
+        continue;
+      }
+
+      const double moved = std::sqrt((y - x_).colwise().squaredNorm().maxCoeff());
+      double part = 0.5 * spacing_ / std::max(moved, 1e-9);
+      if (!outcome.ran_away)
+        part = std::min(1.0, std::max(part, spread_.one_row(process_, state_, y, *ceiling_)));
+      if (part < 1) {
+        y = x_ + part * (y - x_);
+        // Past a limit point the vacuum waits for the sheet.
+        to = at_vacuum(outcome.ran_away ? std::max(now_.vacuum_s, first)
+                                        : now_.vacuum_s + part * (next - now_.vacuum_s));
+      }
+      const int touched = state_.follow(process_, y, now_.contact, to.contact, &*ceiling_);
+      grown = now_.vacuum_s > 0 ? to.vacuum_s / now_.vacuum_s : 1;
+      const bool resting = part >= 1 && outcome.at_rest && touched == 0;
+      if (resting && (last || (flows_ && to.vacuum_s >= ramp && moved < still_mm))) {
+        x_ = std::move(y);
+        balance(to, dt);
+        state_.summary.converged = true;
         return {};
       }
-      p = std::min(limit, ramp_growth * p);
+      go_on(std::move(y), to);
+      if (outcome.ran_away || (last && part >= 1)) continue;
+      growth = std::clamp(std::pow(growth, part < 1 ? 1.1 * part : 1.5), least_growth, most_growth);
+      next = growth * now_.vacuum_s;
     }
     return fail(Code::no_equilibrium, "the sheet did not come to rest under the vacuum", "forming",
                 "try another sheet.resolution_mm, or a lower machine.vacuum_kpa");
   }
 
-  // The first steps pull an all but flat sheet, which has next to no stiffness against its own plane: they need not
-  // settle, what they leave is evened out by the steps that follow.
-  Result<void> settle(Points& y) {
-    constexpr int iterations = 60;
-    const auto outcome = equilibrium_.solve(y, 0, drape_tolerance * sheet_.resolution_mm,
-                                            std::numeric_limits<double>::infinity(), iterations, context_);
-    summary_.iterations += outcome.iterations;
+  Load at_vacuum(double seconds) const {
+    Load to = now_;
+    to.seconds += seconds - now_.vacuum_s;
+    to.vacuum_s = seconds;
+    const double ramp = machine_.vacuum_seconds;
+    to.contact = 1 + std::min(1.0, seconds / ramp);
+    return to;
+  }
+
+  // The modulus that forces are counted in, kPa: the sheet's own, or what a viscous sheet has over dt.
+  double modulus(double dt) const {
+    return viscous_ && dt > 0 ? process_.viscosity_kpa_s / dt : process_.modulus_kpa;
+  }
+  // In the units of Membrane.
+  double pressure(const Load& at, double dt) const {
+    const double kpa = machine_.vacuum_kpa * std::min(1.0, at.vacuum_s / machine_.vacuum_seconds);
+    return kpa / (modulus(dt) * process_.sheet.thickness_mm);
+  }
+  // Of a square millimetre of the flat sheet, likewise.
+  double weight(double dt) const {
+    if (!process_.forming.sag) return 0;
+    return 1e-6 * material_profile(process_.sheet.material).density_kg_m3 * gravity_m_s2 / modulus(dt);
+  }
+  // When the vacuum first matters.
+  double first_vacuum_s() const {
+    const double part = 0.1 / machine_.window_width_mm * process_.modulus_kpa * process_.sheet.thickness_mm /
+                        machine_.vacuum_kpa;
+    return std::min(1.0, part) * machine_.vacuum_seconds;
+  }
+  double stride() const { return std::max(2.0, 1.5 * spacing_); }
+  // A sheet that yields must not relax by much within one step.
+  double longest_step() const {
+    return flows_ && !viscous_ ? 0.3 * process_.viscosity_kpa_s / process_.modulus_kpa : unlimited;
+  }
+
+  Result<Equilibrium::Outcome> solve(Points& y, const Load& at, double dt,
+                                     const Equilibrium::Limits& limits) {
+    const auto outcome = equilibrium_.solve(y, {pressure(at, dt), weight(dt)}, limits, context_);
+    state_.summary.iterations += outcome.iterations;
     if (context_.cancelled()) return fail(Code::cancelled, "cancelled");
-    return {};
+    return outcome;
+  }
+
+  // The free sheet moves on as it moved in the last advance, times a ratio.
+  Points extrapolated(double ratio) const {
+    Points y = x_;
+    for (std::size_t i = 0; i < state_.held.size(); ++i)
+      if (!state_.held[i]) y.col(i) += ratio * (x_.col(i) - before_.col(i));
+    return y;
+  }
+  // The free sheet moves on as the coarser one did in this step.
+  Points guided(int step) const {
+    Points y = x_;
+    const Points moved = guide_->rests[step] - guide_->rests[step - 1];
+    for (std::size_t i = 0; i < state_.held.size(); ++i)
+      if (!state_.held[i]) y.col(i) += interpolation_->at(moved, i);
+    return y;
+  }
+
+  void go_on(Points&& y, const Load& to) {
+    before_ = std::move(x_);
+    x_ = std::move(y);
+    if (flows_) flow(to.seconds - now_.seconds);
+    now_ = to;
+  }
+  void flow(double dt) {
+    const double yield = process_.forming.yield_kpa / process_.modulus_kpa;
+    for (int k = 0; k < static_cast<int>(grid_.triangles.size()); ++k) {
+      const Triangle& t = grid_.triangles[k];
+      if (state_.held[t[0]] && state_.held[t[1]] && state_.held[t[2]]) continue;
+      if (viscous_) {
+        membrane_.flow(x_, k, 0);
+      } else if (const double stress = membrane_.equivalent_stress(x_, k); stress > yield) {
+        // A Maxwell element above its yield stress: the excess decays with the time viscosity / modulus.
+        const double rate =
+            process_.modulus_kpa * process_.stiffness[k] / (process_.viscosity_kpa_s * process_.viscosity[k]);
+        membrane_.flow(x_, k, (yield + (stress - yield) * std::exp(-rate * dt)) / stress);
+      }
+    }
   }
 
   // What is left out of balance, and what the supports carry.
-  void balance() {
+  void balance(const Load& at, double dt) {
+    const double p = pressure(at, dt);
     Points force(3, x_.cols());
-    membrane_.energy(x_, pressure_, force);
+    membrane_.energy(x_, p, force);
     double support = 0, largest_free = 0, projected = 0;
-    for (std::size_t i = 0; i < held_.size(); ++i)
-      if (held_[i])
+    for (std::size_t i = 0; i < state_.held.size(); ++i)
+      if (state_.held[i])
         support += force(2, i);
       else
-        largest_free = std::max(largest_free, force.col(i).norm());
+        largest_free = std::max(largest_free, (force.col(i) + equilibrium_.weight_of(i, weight(dt))).norm());
     for (const Triangle& t : grid_.triangles) {
       const Eigen::Vector2d a = x_.col(t[0]).head<2>(), b = x_.col(t[1]).head<2>() - a,
                             c = x_.col(t[2]).head<2>() - a;
       projected += 0.5 * (b.x() * c.y() - b.y() * c.x());
     }
-    summary_.residual = largest_free / (pressure_ * sheet_.resolution_mm * sheet_.resolution_mm);
-    summary_.force_error = std::abs(support / (pressure_ * projected) - 1);
-    summary_.pressure_kpa = pressure_ * process_.modulus_kpa * sheet_.thickness_mm;
+    state_.summary.residual = largest_free / (p * spacing_ * spacing_);
+    state_.summary.force_error = std::abs(support / (p * projected) - 1);
+    state_.summary.pressure_kpa = machine_.vacuum_kpa;
   }
 
   // Out-of-balance forces, against the tension of a unit stretch while draping and against pressure times the
   // area of a cell on the ramp and at its end.
-  static constexpr double drape_tolerance = 1e-3, ramp_tolerance = 1e-2, final_tolerance = 1e-4;
-  static constexpr double ramp_growth = 1.3;  // of the pressure, a step
+  static constexpr double drape_force = 1e-3, ramp_force = 1e-2, final_force = 1e-4;
+  static constexpr double still_mm =
+      0.01;  // a sheet that moves less in an iteration is at rest, but at the end
+  static constexpr double drape_step_mm = 3;
+  static constexpr double most_growth = 1.3, least_growth = 1.003;  // of the time under vacuum, an advance
+  static constexpr double hold_ramps =
+      10;  // a sheet that flows is held under vacuum for so many times the ramp
   static constexpr int most_steps = 3000;
 
   const Process& process_;
-  const SheetSettings& sheet_;
   const MachineSettings& machine_;
   const SheetGrid& grid_;
+  const bool flows_, viscous_;  // viscoplastic; without a yield stress
   Membrane membrane_;
   Equilibrium equilibrium_;
   Context context_;
-  double top_;
+  const Draped* guide_;
+  std::optional<Interpolation> interpolation_;
+  std::vector<Points> rests_;
   SheetState& state_;
   Points& x_;
-  std::vector<char>& held_;
-  FormingSummary& summary_;
+  Points before_;  // the sheet before the last advance
+  double spacing_;
+  Load now_;
+  ContactSpread spread_;
   // The sheet as draped: the vacuum pulls it down from there, so no part of it ever comes through from below.
   std::optional<SheetAsObstacle> ceiling_;
-  double pressure_ = 0;
 };
 
 }  // namespace
 
 Result<void> form_membrane(const Process& process, SheetState& state, const Context& context) {
-  return Descent(process, state, context).run();
+  std::vector<std::unique_ptr<Process>> coarser;
+  std::optional<Draped> guide;
+  const auto guide_of = [&] { return guide ? &*guide : nullptr; };
+  const double fine = process.sheet.resolution_mm;
+  for (double spacing : {4 * fine, 2 * fine}) {
+    constexpr double coarsest_mm = 8;  // what is coarser says little
+    if (spacing > coarsest_mm) continue;
+    coarser.push_back(std::make_unique<Process>(process.on_grid(spacing)));
+    SheetState draped(*coarser.back());
+    VACUFORM_TRY(rests, Descent(*coarser.back(), draped, guide_of(), context).drape());
+    guide.emplace(std::move(rests));
+  }
+  return Descent(process, state, guide_of(), context).run();
 }
 
 }  // namespace vacuform

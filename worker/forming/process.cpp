@@ -18,20 +18,30 @@ double nearness_to_frame(const Eigen::Vector2d& rest, const MachineSettings& mac
 
 Process::Process(const Obstacles& obstacles_, double top, const SheetSettings& sheet_,
                  const MachineSettings& machine_, const FormingSettings& forming_,
-                 const TemperatureField& temperature)
+                 const TemperatureField& temperature_)
     : obstacles(obstacles_),
       top_mm(top),
       sheet(sheet_),
       machine(machine_),
       forming(forming_),
+      temperature(temperature_),
       grid(make_sheet_grid(sheet_, machine_)),
-      modulus_kpa(shear_modulus_kpa(sheet_.material, temperature.at({0, 0}))) {
+      modulus_kpa(shear_modulus_kpa(sheet.material, temperature.at({0, 0}))),
+      viscosity_kpa_s(1e-3 * viscosity_pa_s(sheet.material, temperature.at({0, 0}))) {
   for (const auto& rest : grid.rest) celsius.push_back(temperature.at(rest));
   for (const Triangle& t : grid.triangles) {
     const Eigen::Vector2d middle = (grid.rest[t[0]] + grid.rest[t[1]] + grid.rest[t[2]]) / 3;
-    const double warmth = shear_modulus_kpa(sheet.material, temperature.at(middle)) / modulus_kpa;
-    stiffness.push_back(warmth * (1 + (forming.edge_stiffness - 1) * nearness_to_frame(middle, machine)));
+    const double celsius_here = temperature.at(middle);
+    const double edge = 1 + (forming.edge_stiffness - 1) * nearness_to_frame(middle, machine);
+    stiffness.push_back(edge * shear_modulus_kpa(sheet.material, celsius_here) / modulus_kpa);
+    viscosity.push_back(edge * 1e-3 * viscosity_pa_s(sheet.material, celsius_here) / viscosity_kpa_s);
   }
+}
+
+Process Process::on_grid(double resolution_mm) const {
+  SheetSettings other = sheet;
+  other.resolution_mm = resolution_mm;
+  return {obstacles, top_mm, other, machine, forming, temperature};
 }
 
 SheetState::SheetState(const Process& process)

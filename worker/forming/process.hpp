@@ -23,15 +23,21 @@ struct Process {
           const MachineSettings& machine, const FormingSettings& forming,
           const TemperatureField& temperature);
 
+  // The same on a grid of another spacing.
+  Process on_grid(double resolution_mm) const;
+
   const Obstacles& obstacles;
   double top_mm;  // height of the mold's highest point
   SheetSettings sheet;
   MachineSettings machine;
   FormingSettings forming;
+  TemperatureField temperature;
   SheetGrid grid;
   std::vector<double> celsius;    // per vertex
   std::vector<double> stiffness;  // per triangle: its modulus over modulus_kpa
+  std::vector<double> viscosity;  // per triangle: its viscosity over viscosity_kpa_s
   double modulus_kpa;             // shear modulus at the centre of the sheet
+  double viscosity_kpa_s;         // shear viscosity there
 };
 
 // The sheet on its way.

@@ -106,6 +106,7 @@ SheetGrid make_sheet_grid(const SheetSettings& sheet, const MachineSettings& mac
   const int columns = static_cast<int>(xs.size()), rows = static_cast<int>(ys.size());
 
   SheetGrid grid;
+  grid.columns = xs, grid.rows = ys;
   for (double y : ys)
     for (double x : xs) grid.rest.emplace_back(x, y);
   for (int j = 0; j + 1 < rows; ++j)
@@ -125,7 +126,12 @@ SheetGrid make_sheet_grid(const SheetSettings& sheet, const MachineSettings& mac
   for (const auto& p : grid.rest)
     grid.clamped.push_back(circle ? p.norm() >= half_w - tiny
                                   : std::abs(p.x()) >= half_w - tiny || std::abs(p.y()) >= half_h - tiny);
-  dissect(0, columns, 0, rows, columns, grid.elimination_order);
+  const int middle = columns / 2;
+  dissect(0, middle, 0, rows, columns, grid.elimination_order);
+  grid.first_half = static_cast<int>(grid.elimination_order.size());
+  dissect(middle + 1, columns, 0, rows, columns, grid.elimination_order);
+  grid.second_half = static_cast<int>(grid.elimination_order.size());
+  dissect(middle, middle + 1, 0, rows, columns, grid.elimination_order);
   return grid;
 }
 

@@ -12,8 +12,11 @@ namespace vacuform {
 struct SheetGrid {
   std::vector<Eigen::Vector2d> rest;   // sheet coordinates (s, t), row by row from the lower left
   std::vector<Triangle> triangles;     // counter-clockwise seen from above
+  std::vector<double> columns, rows;   // s of the grid's columns, t of its rows
   std::vector<char> clamped;           // per vertex: on or outside the window
   std::vector<int> elimination_order;  // nested dissection of the grid: all vertices, separators last
+  int first_half = 0,
+      second_half = 0;  // ends in that order of the two halves that only the last separator joins
 };
 
 // Spacing is at most resolution_mm in both directions. Grid lines run along the edges of a rectangular window; a

@@ -58,7 +58,7 @@ void SparseCholesky::analyse(const SymmetricMatrix& matrix, const std::vector<in
   cholmod_free_factor(&state_->factor, &common);
   common.nmethods = 1;
   common.method[0].ordering = order.empty() ? CHOLMOD_AMD : CHOLMOD_GIVEN;
-  common.postorder = 1;
+  common.postorder = order.empty();
   state_->factor = order.empty() ? cholmod_analyze(&a, &common)
                                  : cholmod_analyze_p(&a, const_cast<int*>(order.data()), nullptr, 0, &common);
   if (!state_->factor) throw std::runtime_error("CHOLMOD cannot analyse the matrix");
@@ -79,6 +79,12 @@ bool SparseCholesky::factor(const SymmetricMatrix& matrix) {
       if (!(x[p[k]] > 0)) return false;
   }
   return true;
+}
+
+SparseCholesky::Factors SparseCholesky::factors() const {
+  const auto* f = state_->factor;
+  return {static_cast<const int*>(f->p), static_cast<const int*>(f->nz), static_cast<const int*>(f->i),
+          static_cast<const double*>(f->x)};
 }
 
 void SparseCholesky::solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {

@@ -28,6 +28,16 @@ class SparseCholesky {
   void analyse(const SymmetricMatrix& matrix, const std::vector<int>& order = {});
   // False when the matrix is not positive definite. Needs analyse() of the same pattern first.
   bool factor(const SymmetricMatrix& matrix);
+  // The factors of A = L D L': columns of the unit lower triangle L, ascending, with D in place of the diagonal. Valid
+  // until the next factor(); in the order of the rows if analyse() was given the rows in their order.
+  struct Factors {
+    const int* column_start;
+    const int* count;  // entries of each column
+    const int* row;
+    const double* value;
+  };
+  Factors factors() const;
+
   // Solves A X = B for all columns of B at once. Needs factor() first.
   void solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X);
 
