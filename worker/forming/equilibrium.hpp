@@ -58,7 +58,7 @@ class Equilibrium {
   std::vector<int> index_, free_;  // vertex to row among the free ones (-1: held) and back
   std::vector<int> active_;        // triangles with a free corner
   int middle_ = 0;                 // of the active triangles: each half is summed by itself
-  Points second_half_;             // the gradient of the second half, with a column for what is held
+  std::array<Points, 2> halves_;   // their gradients, each with a column for what is held
   Preconditioner preconditioner_;
   int worn_ = 0;  // iterations since the preconditioner was factored
 };
