@@ -23,6 +23,8 @@ void SettingsOptions::add_to(CLI::App& command) {
       ->type_name("GROUP.KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_flag("--preview", preview,
+                   "A quick look: a grid of 6 mm and a print of 100 dpi, unless they are set");
 }
 
 namespace {
@@ -52,6 +54,7 @@ void put_over(nlohmann::json& under, nlohmann::json&& over) {
 
 Result<nlohmann::json> SettingsOptions::read() const {
   nlohmann::json object = nlohmann::json::object();
+  if (preview) object = {{"sheet", {{"resolution_mm", 6}}}, {"print", {{"dpi", 100}}}};
   for (const std::string& file : files) {
     VACUFORM_TRY(of_file, read_object(file));
     put_over(object, std::move(of_file));

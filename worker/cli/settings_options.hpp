@@ -1,4 +1,4 @@
-// --settings FILE.json and --set group.key=value, both repeatable, the same for every command that takes settings.
+// --settings FILE.json and --set group.key=value, both repeatable, and --preview, the same for every command that takes settings.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,6 +13,7 @@ namespace vacuform::cli {
 struct SettingsOptions {
   std::vector<std::string> files;
   std::vector<std::string> assignments;
+  bool preview = false;
 
   void add_to(CLI::App& command);  // this object must outlive the parsing
 
