@@ -108,7 +108,9 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
   MachineSettings machine;
   machine.window = WindowShape::circle;
   machine.window_width_mm = 3 * R;
-  const auto formed = form(mold, coarse(), machine, {}, warm, Context{});
+  SheetSettings sheet;
+  sheet.resolution_mm = 4;
+  const auto formed = form(mold, sheet, machine, {}, warm, Context{});
   ASSERT_TRUE(formed) << formed.error().text();
 
   const std::array<std::array<double, 3>, 6> reference{{{15, .2594, .974},
@@ -139,7 +141,7 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
       }
     ASSERT_GT(crossings, 20) << angle << " degrees";
     EXPECT_NEAR(sum_radius / crossings, radius * R, 0.25) << angle << " degrees";
-    EXPECT_NEAR(sum_thickness / crossings, thickness, (angle < 80 ? 0.02 : 0.05) * thickness)
+    EXPECT_NEAR(sum_thickness / crossings, thickness, (angle < 80 ? 0.02 : 0.04) * thickness)
         << angle << " degrees";
   }
 

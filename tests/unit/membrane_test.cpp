@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -90,6 +91,29 @@ TEST(Membrane, UniformStretchCostsWhatTheLawSays) {
   EXPECT_NEAR(membrane.energy(x, 0, g) / area, l * l + 0.5 / std::pow(l, 4) - 1.5, 1e-12);
   EXPECT_NEAR(membrane.area_stretch(x, 0), l * l, 1e-12);
   EXPECT_FALSE(membrane.slack(x, 0));
+}
+
+TEST(Membrane, FourTrianglesAtOnceAreFourTriangles) {
+  const auto grid = make_sheet_grid({}, {});
+  const std::array<int, 4> four{10, 999, 4000, 4001};
+  for (const double narrow : {1.2, 0.7}) {  // tight, and with wrinkles
+    const Membrane membrane(grid.rest, grid.triangles, MembraneLaw::mooney_rivlin,
+                            std::vector<double>(grid.triangles.size(), 1.5));
+    Points x(3, static_cast<Eigen::Index>(grid.rest.size()));
+    for (std::size_t i = 0; i < grid.rest.size(); ++i) {
+      const auto& p = grid.rest[i];
+      x.col(i) << 1.4 * p.x(), narrow * p.y() + 0.1 * p.x(), 0.002 * p.squaredNorm();
+    }
+    std::array<Eigen::Matrix3d, 4> together;
+    double sum = 0;
+    const double all = membrane.element_energies(x, 0.3, four.data(), together.data());
+    for (int k = 0; k < 4; ++k) {
+      Eigen::Matrix3d alone;
+      sum += membrane.element_energy(x, 0.3, four[k], alone);
+      EXPECT_LT((together[k] - alone).norm(), 1e-10 * alone.norm()) << k;
+    }
+    EXPECT_NEAR(all, sum, 1e-10 * std::abs(sum));
+  }
 }
 
 // A balloon of a Newtonian sheet, exact: 1 / r^3 = 1 / r0^3 - p t / (4 viscosity h0 r0^2). Every patch of it stretches the

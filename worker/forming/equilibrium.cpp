@@ -31,7 +31,7 @@ void Equilibrium::hold(const std::vector<char>& held, const Points& x, bool fres
       active_.push_back(static_cast<int>(k));
   middle_ = static_cast<int>(active_.size()) / 2;
   if (free_.empty()) return;
-  constexpr int worth_a_factor = 20;  // iterations that take about as long as factoring anew
+  constexpr int worth_a_factor = 25;  // iterations that take about as long as factoring anew
   if (fresh || !preconditioner_.factored() || worn_ >= worth_a_factor) {
     preconditioner_.factor(held, x);
     worn_ = 0;
@@ -48,11 +48,19 @@ double Equilibrium::energy(const Points& x, const Pull& pull, Points& gradient) 
     into.setZero(3, n + 1);  // the last column takes what is held
     const int end = half == 0 ? middle_ : static_cast<int>(active_.size());
     double total = 0;
-    Eigen::Matrix3d corners;
-    for (int k = half == 0 ? 0 : middle_; k < end; ++k) {
-      total += membrane_.element_energy(x, pull.pressure, active_[k], corners);
-      const Triangle& t = grid_.triangles[active_[k]];
+    const auto add = [&](int triangle, const Eigen::Matrix3d& corners) {
+      const Triangle& t = grid_.triangles[triangle];
       for (int c = 0; c < 3; ++c) into.col(index_[t[c]] < 0 ? n : index_[t[c]]) += corners.col(c);
+    };
+    std::array<Eigen::Matrix3d, 4> corners;
+    int k = half == 0 ? 0 : middle_;
+    for (; k + 4 <= end; k += 4) {
+      total += membrane_.element_energies(x, pull.pressure, &active_[k], corners.data());
+      for (int lane = 0; lane < 4; ++lane) add(active_[k + lane], corners[lane]);
+    }
+    for (; k < end; ++k) {
+      total += membrane_.element_energy(x, pull.pressure, active_[k], corners[0]);
+      add(active_[k], corners[0]);
     }
     energies[half] = total;
   };
@@ -81,7 +89,7 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limit
     outcome.at_rest = true;
     return outcome;
   }
-  constexpr std::size_t memory = 8;
+  constexpr std::size_t memory = 5;
   struct Pair {
     Points s, y;
     double rho;

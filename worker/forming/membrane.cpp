@@ -108,6 +108,19 @@ Eigen::Matrix<double, 3, 2> Membrane::deformation(const Points& x, int triangle)
          (x.col(t[2]) - x.col(t[0])) * g.col(2).transpose();
 }
 
+namespace {
+
+// Tight both ways: l1 >= 1 and l1 l2^2 >= 1, without a root (l1^2 is the larger root of q^2 - trace q + J, J = det C).
+bool tight(double trace, double J) {
+  return (trace >= 2 || 1 - trace + J <= 0) && 2 * J * J >= trace && J * J * J - trace * J + 1 >= 0;
+}
+bool tight(const Eigen::Array4d& trace, const Eigen::Array4d& J) {
+  return (trace >= 2 || 1 - trace + J <= 0).all() && (2 * J * J >= trace).all() &&
+         (J * J * J - trace * J + 1 >= 0).all();
+}
+
+}  // namespace
+
 double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::Matrix3d& gradient) const {
   const Triangle& t = triangles_[triangle];
   const auto& g = shape_[triangle];
@@ -115,11 +128,9 @@ double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::
   const Eigen::Vector3d F1 = g(0, 1) * e1 + g(0, 2) * e2, F2 = g(1, 1) * e1 + g(1, 2) * e2;
   const double c11 = F1.squaredNorm(), c12 = F1.dot(F2), c22 = F2.squaredNorm(), trace = c11 + c22;
   const double J = F1.cross(F2).squaredNorm();  // det C
-  const double half = 0.5 * (c11 - c22), l1_squared = 0.5 * trace + std::sqrt(half * half + c12 * c12);
-
   // The second Piola-Kirchhoff stress S = 2 dW/dC as (s11, s12, s22).
   double W, s11, s12, s22;
-  if (l1_squared >= 1 && J * J >= l1_squared) {  // tight both ways: by the invariants of C
+  if (tight(trace, J)) {  // by the invariants of C
     const double i = 1 / J, identity = 2 * (c1_ + c2_ * i),
                  adjugate = 2 * (c2_ - (c1_ + c2_ * trace) * i * i);
     W = c1_ * (trace + i - 3) + c2_ * (J + trace * i - 3);
@@ -139,6 +150,49 @@ double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::
   const Eigen::Vector3d normal = e1.cross(e2);
   gradient.colwise() += (p / 6) * normal;
   return area * W + p / 6 * normal.z() * (3 * a.z() + e1.z() + e2.z());
+}
+
+double Membrane::element_energies(const Points& x, double p, const int* four,
+                                  Eigen::Matrix3d* gradients) const {
+  using Lanes = Eigen::Array4d;
+  Lanes az, e1[3], e2[3], g01, g02, g11, g12, weight;
+  for (int lane = 0; lane < 4; ++lane) {
+    const Triangle& t = triangles_[four[lane]];
+    const auto& g = shape_[four[lane]];
+    const double *a = x.data() + 3 * t[0], *b = x.data() + 3 * t[1], *c = x.data() + 3 * t[2];
+    for (int k = 0; k < 3; ++k) e1[k][lane] = b[k] - a[k], e2[k][lane] = c[k] - a[k];
+    az[lane] = a[2];
+    g01[lane] = g(0, 1), g02[lane] = g(0, 2), g11[lane] = g(1, 1), g12[lane] = g(1, 2);
+    weight[lane] = stiffness_[four[lane]] * area_[four[lane]];
+  }
+  Lanes F1[3], F2[3];
+  for (int k = 0; k < 3; ++k) F1[k] = g01 * e1[k] + g02 * e2[k], F2[k] = g11 * e1[k] + g12 * e2[k];
+  const Lanes c11 = F1[0] * F1[0] + F1[1] * F1[1] + F1[2] * F1[2];
+  const Lanes c12 = F1[0] * F2[0] + F1[1] * F2[1] + F1[2] * F2[2];
+  const Lanes c22 = F2[0] * F2[0] + F2[1] * F2[1] + F2[2] * F2[2];
+  const Lanes trace = c11 + c22, J = c11 * c22 - c12 * c12;  // det C
+  if (!tight(trace, J)) {
+    double sum = 0;
+    for (int lane = 0; lane < 4; ++lane) sum += element_energy(x, p, four[lane], gradients[lane]);
+    return sum;
+  }
+  // The second Piola-Kirchhoff stress S = 2 dW/dC as (s11, s12, s22), by the invariants of C.
+  const Lanes i = 1 / J, identity = 2 * (c1_ + c2_ * i), adjugate = 2 * (c2_ - (c1_ + c2_ * trace) * i * i);
+  const Lanes W = c1_ * (trace + i - 3) + c2_ * (J + trace * i - 3);
+  const Lanes s11 = weight * (identity + adjugate * c22), s12 = weight * (-adjugate * c12),
+              s22 = weight * (identity + adjugate * c11);
+  const Lanes normal[3] = {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2],
+                           e1[0] * e2[1] - e1[1] * e2[0]};
+  for (int k = 0; k < 3; ++k) {
+    const Lanes P1 = s11 * F1[k] + s12 * F2[k], P2 = s12 * F1[k] + s22 * F2[k], push = (p / 6) * normal[k];
+    const Lanes second = g01 * P1 + g11 * P2, third = g02 * P1 + g12 * P2, first = push - second - third;
+    for (int lane = 0; lane < 4; ++lane) {
+      gradients[lane](k, 0) = first[lane];
+      gradients[lane](k, 1) = second[lane] + push[lane];
+      gradients[lane](k, 2) = third[lane] + push[lane];
+    }
+  }
+  return (weight * W + p / 6 * normal[2] * (3 * az + e1[2] + e2[2])).sum();
 }
 
 double Membrane::energy(const Points& x, double p, Points& gradient) const {

@@ -134,7 +134,7 @@ class Descent {
     return {};
   }
 
-  // One step of the frame, from a first guess: to rest, and again while more of the sheet touches.
+  // One step of the frame, from a first guess.
   Result<void> lower(const Load& to, Points y) {
     const bool first = now_.seconds == 0 && !guide_;
     for (std::size_t i = 0; i < grid_.clamped.size(); ++i)
@@ -144,13 +144,10 @@ class Descent {
                                   : drape_force * spacing_;
     // The stiffness is taken where the sheet last rested: in the guess it is still kinked at the frame.
     equilibrium_.hold(state_.held, viscous_ ? y : x_, viscous_);
-    for (;;) {
-      // The first steps pull an all but flat sheet, which has next to no stiffness against its own plane: they need not
-      // settle, what they leave is evened out by the steps that follow.
-      VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, {force, still_mm, stride(), unlimited, 60}));
-      if (state_.follow(process_, y, now_.contact, to.contact) == 0) break;
-      equilibrium_.hold(state_.held, y);
-    }
+    // The first steps pull an all but flat sheet, which has next to no stiffness against its own plane: they need not
+    // settle, what they leave is evened out by the steps that follow.
+    VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, {force, still_mm, stride(), unlimited, 60}));
+    state_.follow(process_, y, now_.contact, to.contact);
     go_on(std::move(y), to);
     return {};
   }
@@ -318,7 +315,7 @@ class Descent {
   static constexpr double drape_force = 1e-3, ramp_force = 1e-2, final_force = 1e-4;
   static constexpr double still_mm =
       0.01;  // a sheet that moves less in an iteration is at rest, but at the end
-  static constexpr double drape_step_mm = 3;
+  static constexpr double drape_step_mm = 4;
   static constexpr double most_growth = 1.3, least_growth = 1.003;  // of the time under vacuum, an advance
   static constexpr double hold_ramps =
       10;  // a sheet that flows is held under vacuum for so many times the ramp
