@@ -40,8 +40,10 @@ struct Draped {
 
 class Descent {
  public:
-  // `guide` is a coarser sheet through the same descent, or null.
-  Descent(const Process& process, SheetState& state, const Draped* guide, const Context& context)
+  // `guide` is a coarser sheet through the same descent, or null. `begin` and `end` are the progress of forming at the
+  // beginning and the end of the descent.
+  Descent(const Process& process, SheetState& state, const Draped* guide, double begin, double end,
+          const Context& context)
       : process_(process),
         machine_(process.machine),
         grid_(process.grid),
@@ -51,6 +53,8 @@ class Descent {
                   viscous_ ? process.viscosity : process.stiffness),
         equilibrium_(membrane_, grid_),
         context_(context),
+        begin_(begin),
+        end_(end),
         guide_(guide),
         state_(state),
         x_(state.x),
@@ -70,9 +74,10 @@ class Descent {
 
   // The descent alone, as a guide for a finer sheet.
   Result<Draped> drape() {
+    rests_.emplace();
     VACUFORM_CHECK(sag());
     VACUFORM_CHECK(descend());
-    return Draped{&process_.grid, std::move(rests_)};
+    return Draped{&process_.grid, std::move(*rests_)};
   }
 
  private:
@@ -102,13 +107,14 @@ class Descent {
 
   // The frame descends to its final height; an early vacuum starts on the way.
   Result<void> descend() {
-    rests_.assign(1, x_);
+    if (rests_) rests_->assign(1, x_);
     const double start = now_.frame_mm, travel = start - machine_.drape_height_mm;
     if (travel <= 0) return {};
     const double vacuum_start = machine_.vacuum_start_mm.value_or(-1);
-    const int steps = std::max(10, static_cast<int>(std::ceil(travel / drape_step_mm)));
+    const int steps = guide_ ? static_cast<int>(guide_->rests.size()) - 1
+                             : std::max(10, static_cast<int>(std::ceil(travel / drape_step_mm)));
     for (int k = 1; k <= steps; ++k) {
-      VACUFORM_CHECK(context_.step(Stage::forming, 0.5 * (k - 1) / steps));
+      VACUFORM_CHECK(context_.step(Stage::forming, begin_ + (end_ - begin_) * (k - 1) / steps));
       const double frame = k == steps ? machine_.drape_height_mm : start - travel * k / steps;
       const double vacuum = std::max(0.0, vacuum_start - frame) / machine_.drape_speed_mm_s;
       const Load from = now_;
@@ -128,7 +134,7 @@ class Descent {
         to.contact = (k - 1 + share) / steps;
         VACUFORM_CHECK(lower(to, parts == 1 && guide_ ? guided(k) : extrapolated(k == 1 ? 0 : 1.0 / parts)));
       }
-      rests_.push_back(x_);
+      if (rests_) rests_->push_back(x_);
       ++state_.summary.drape_steps;
     }
     return {};
@@ -162,8 +168,8 @@ class Descent {
     for (int step = 0; step < most_steps; ++step) {
       next = std::min({hold, next, now_.vacuum_s + longest_step()});
       const bool last = next >= hold;
-      VACUFORM_CHECK(
-          context_.step(Stage::forming, 0.5 + 0.5 * std::log(next / first) / std::log(hold / first + 1)));
+      VACUFORM_CHECK(context_.step(Stage::forming,
+                                   end_ + (1 - end_) * std::log(next / first) / std::log(hold / first + 1)));
       Load to = at_vacuum(next);
       const double dt = to.seconds - now_.seconds, p = pressure(to, dt), cell = spacing_ * spacing_;
       Points y =
@@ -192,15 +198,16 @@ class Descent {
       }
       const int touched = state_.follow(process_, y, now_.contact, to.contact, &*ceiling_);
       grown = now_.vacuum_s > 0 ? to.vacuum_s / now_.vacuum_s : 1;
-      const bool resting = part >= 1 && outcome.at_rest && touched == 0;
-      if (resting && (last || (flows_ && to.vacuum_s >= ramp && moved < still_mm))) {
+      const bool settled = part >= 1 && outcome.at_rest, resting = settled && touched == 0;
+      if (flows_ ? (settled && last) || (resting && to.vacuum_s >= ramp && moved < still_mm)
+                 : resting && last) {
         x_ = std::move(y);
         balance(to, dt);
         state_.summary.converged = true;
         return {};
       }
       go_on(std::move(y), to);
-      if (outcome.ran_away || (last && part >= 1)) continue;
+      if (!outcome.at_rest || (last && part >= 1)) continue;
       growth = std::clamp(std::pow(growth, part < 1 ? 1.1 * part : 1.5), least_growth, most_growth);
       next = growth * now_.vacuum_s;
     }
@@ -328,9 +335,10 @@ class Descent {
   Membrane membrane_;
   Equilibrium equilibrium_;
   Context context_;
+  const double begin_, end_;
   const Draped* guide_;
   std::optional<Interpolation> interpolation_;
-  std::vector<Points> rests_;
+  std::optional<std::vector<Points>> rests_;  // for a finer sheet to follow
   SheetState& state_;
   Points& x_;
   Points before_;  // the sheet before the last advance
@@ -344,19 +352,23 @@ class Descent {
 }  // namespace
 
 Result<void> form_membrane(const Process& process, SheetState& state, const Context& context) {
+  // Of the whole work up to the end of the descent.
+  constexpr double coarse_share = 0.05, fine_share = 0.5;
   std::vector<std::unique_ptr<Process>> coarser;
   std::optional<Draped> guide;
-  const auto guide_of = [&] { return guide ? &*guide : nullptr; };
-  const double fine = process.sheet.resolution_mm;
-  for (double spacing : {4 * fine, 2 * fine}) {
+  double done = 0;
+  for (double spacing : {4 * process.sheet.resolution_mm, 2 * process.sheet.resolution_mm}) {
     constexpr double coarsest_mm = 8;  // what is coarser says little
     if (spacing > coarsest_mm) continue;
     coarser.push_back(std::make_unique<Process>(process.on_grid(spacing)));
     SheetState draped(*coarser.back());
-    VACUFORM_TRY(rests, Descent(*coarser.back(), draped, guide_of(), context).drape());
-    guide.emplace(std::move(rests));
+    VACUFORM_TRY(
+        rests, Descent(*coarser.back(), draped, guide ? &*guide : nullptr, done, done + coarse_share, context)
+                   .drape());
+    if (rests.rests.size() > 1) guide.emplace(std::move(rests));
+    done += coarse_share;
   }
-  return Descent(process, state, guide_of(), context).run();
+  return Descent(process, state, guide ? &*guide : nullptr, done, fine_share, context).run();
 }
 
 }  // namespace vacuform
