@@ -23,8 +23,10 @@ constexpr std::array<std::string_view, 4> model_names{"membrane", "viscoplastic"
                                                       "projection"};
 constexpr std::array<std::string_view, 2> law_names{"neo_hookean", "mooney_rivlin"};
 constexpr std::array<std::string_view, 2> integrator_names{"implicit_euler", "verlet"};
-constexpr std::array<std::string_view, 2> method_names{"arap", "cgal_arap"};
-constexpr std::array<std::string_view, 1> placement_names{"chart"};
+constexpr std::array<std::string_view, 5> method_names{"arap", "symmetric_dirichlet", "lscm", "cgal_arap",
+                                                       "bfs"};
+constexpr std::array<std::string_view, 3> weights_names{"uniform", "ink", "center"};
+constexpr std::array<std::string_view, 3> placement_names{"auto", "elements", "chart"};
 constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
 
 std::span<const std::string_view> names_of(Unit) { return unit_names; }
@@ -36,7 +38,8 @@ std::span<const std::string_view> names_of(FormingModel) { return model_names; }
 std::span<const std::string_view> names_of(MembraneLaw) { return law_names; }
 std::span<const std::string_view> names_of(Integrator) { return integrator_names; }
 std::span<const std::string_view> names_of(FlatteningMethod) { return method_names; }
-std::span<const std::string_view> names_of(Placement) { return placement_names; }
+std::span<const std::string_view> names_of(FlatteningWeights) { return weights_names; }
+std::span<const std::string_view> names_of(PatternPlacement) { return placement_names; }
 std::span<const std::string_view> names_of(InkedFace) { return face_names; }
 
 template <class E>
@@ -148,23 +151,40 @@ void describe(S& s, V& v) {
 
   v.group("flattening", "Flattening: from the formed sheet back to the drawing");
   v.field("method", s.flattening.method, "Method of flattening");
+  v.field("lambda", s.flattening.lambda, {0, 1e6, "1"},
+          "0 keeps angles, the larger the more areas too; auto is as rigid as possible");
+  v.field("weights", s.flattening.weights, "Where the chart shall be least distorted");
+  v.field("weight", s.flattening.weight, {1, 1000, "1"}, "How much more that counts than the rest");
+  v.field("pins", s.flattening.pins, {-2000, 2000, "mm"},
+          "Points of the sheet held at points of the chart, as rows [s, t, u, v]");
 
   v.group("pattern", "Pattern: how the drawing lies on the head");
   v.field("width_mm", s.pattern.width_mm, {1, 2000, "mm"},
           "Physical width of the drawing; auto takes the file's own");
-  v.field("placement", s.pattern.placement, "On one chart of the whole region");
+  v.field(
+      "placement", s.pattern.placement,
+      "Each coil in its own neighbourhood, or all on one chart; auto: elements where the drawing has groups");
   v.field("offset_mm", s.pattern.offset_mm, {-500, 500, "mm"},
           "The drawing's centre, from the top of the mold");
   v.field("rotate_deg", s.pattern.rotate_deg, {-360, 360, "deg"}, "Turn of the drawing, counter-clockwise");
   v.field("scale", s.pattern.scale, {0.01, 100, "1"},
           "Size of the drawing on the head against the drawing itself");
+  v.field("points", s.pattern.points, {-2000, 2000, "mm"},
+          "Points of the drawing and of the mold that shall meet, as rows [u, v, x, y, z]");
   v.field("inked_face", s.pattern.inked_face,
           "Face of the sheet that carries the ink; the inner face touches the mold");
+
+  v.group("coils", "Coils: loops that must not couple");
+  v.field("decouple", s.coils.decouple, "Move and resize loops until neighbours no longer couple");
+  v.field("size_limit", s.coils.size_limit, {0, 0.5, "1"}, "Largest change of a loop's size by decoupling");
+  v.field("stretch_limit", s.coils.stretch_limit, {0, 5, "1"}, "Stretch at which the ink of a trace fails");
 
   v.group("print", "Print: the file for the printer");
   v.field("dpi", s.print.dpi, {72, 1200, "1/in"}, "Resolution of print.png");
   v.field("marks", s.print.marks, "Registration marks, ruler, sheet edge and text");
   v.field("margin_mm", s.print.margin_mm, {0, 50, "mm"}, "Free of marks along the sheet's edge");
+  v.field("compensate_ink", s.print.compensate_ink,
+          "More ink where the sheet stretches more; pictures in shades of gray only");
 }
 
 // 300, not 300.0.
@@ -319,6 +339,21 @@ struct Parser {
     if (in_range(key, (*j)[0], range) && in_range(key, (*j)[1], range))
       value = {(*j)[0].get<double>(), (*j)[1].get<double>()};
   }
+  template <std::size_t N>
+  void field(std::string_view key, std::vector<std::array<double, N>>& value, Range range, std::string_view) {
+    const json* j = take(key);
+    if (!j) return;
+    if (!j->is_array() || j->size() > 100)
+      return refuse(dotted(key), "not a list of at most 100 rows", "write [[...], [...]]");
+    for (const json& row : *j) {
+      if (!row.is_array() || row.size() != N)
+        return refuse(dotted(key), "not a row of " + std::to_string(N) + " numbers: " + row.dump(),
+                      "give " + std::to_string(N) + " numbers in each row");
+      auto& numbers = value.emplace_back();
+      for (std::size_t i = 0; i < N; ++i)
+        if (in_range(key, row[i], range)) numbers[i] = row[i].get<double>();
+    }
+  }
 };
 
 struct Writer {
@@ -423,6 +458,17 @@ struct SchemaWriter {
     f["items"] = item;
     f["minItems"] = f["maxItems"] = 2;
     f["default"] = value;
+  }
+  template <std::size_t N>
+  void field(std::string_view key, const std::vector<std::array<double, N>>&, Range range,
+             std::string_view text) {
+    ordered_json item = {{"type", "number"}};
+    limit(item, range);
+    auto& f = add(key, text);
+    f["type"] = "array";
+    f["items"] = {{"type", "array"}, {"items", std::move(item)}, {"minItems", N}, {"maxItems", N}};
+    f["maxItems"] = 100;
+    f["default"] = ordered_json::array();
   }
   void field(std::string_view key, const std::string& value, std::string_view text) {
     auto& f = add(key, text);

@@ -22,8 +22,9 @@ enum class HeatSource { uniform, heaters, measured };
 enum class FormingModel { membrane, viscoplastic, mass_spring, projection };
 enum class MembraneLaw { neo_hookean, mooney_rivlin };
 enum class Integrator { implicit_euler, verlet };
-enum class FlatteningMethod { arap, cgal_arap };
-enum class Placement { chart };
+enum class FlatteningMethod { arap, symmetric_dirichlet, lscm, cgal_arap, bfs };
+enum class FlatteningWeights { uniform, ink, center };
+enum class PatternPlacement { automatic, elements, chart };
 enum class InkedFace { outer, inner };
 
 struct ScanSettings {
@@ -40,7 +41,7 @@ struct SheetSettings {
   double width_mm = 300, height_mm = 300;  // along s (x) and t (y)
   double thickness_mm = 1;
   Material material = Material::petg;
-  double resolution_mm = 3;  // grid spacing
+  double resolution_mm = 1.5;  // grid spacing
 };
 
 // A flat radiant heater that faces the sheet.
@@ -93,21 +94,36 @@ struct FormingSettings {
 
 struct FlatteningSettings {
   FlatteningMethod method = FlatteningMethod::arap;
+  std::optional<double>
+      lambda;  // arap, cgal_arap: 0 keeps angles, the larger the more areas; none: as rigid as possible
+  FlatteningWeights weights = FlatteningWeights::uniform;
+  double weight = 10;                       // of what weights favours, against the rest
+  std::vector<std::array<double, 4>> pins;  // rows s, t, u, v: sheet points held at points of the chart
 };
 
 struct PatternSettings {
-  std::optional<double> width_mm;  // physical width; none: the file's own size
-  Placement placement = Placement::chart;
+  std::optional<double> width_mm;                            // physical width; none: the file's own size
+  PatternPlacement placement = PatternPlacement::automatic;  // elements where the drawing has them
   std::array<double, 2> offset_mm{0, 0};  // the pattern's centre on the chart, from the top of the mold
   double rotate_deg = 0;                  // counter-clockwise on the inked face as drawn
   double scale = 1;
+  // Rows u, v, x, y, z: points of the drawing and of the mold that shall meet. One moves the drawing; a second turns it
+  // too; three and more do both by least squares. offset_mm and rotate_deg then come on top.
+  std::vector<std::array<double, 5>> points;
   InkedFace inked_face = InkedFace::outer;
+};
+
+struct CoilSettings {
+  bool decouple = false;       // moves and resizes loops until neighbours no longer couple
+  double size_limit = 0.05;    // largest change of a loop's size by that
+  double stretch_limit = 0.2;  // of a trace, at which its ink fails
 };
 
 struct PrintSettings {
   int dpi = 300;
   bool marks = true;
-  double margin_mm = 3;  // free of marks along the sheet's edge
+  double margin_mm = 3;         // free of marks along the sheet's edge
+  bool compensate_ink = false;  // more ink where the sheet stretches more; shades of gray only
 };
 
 struct Settings {
@@ -118,6 +134,7 @@ struct Settings {
   FormingSettings forming;
   FlatteningSettings flattening;
   PatternSettings pattern;
+  CoilSettings coils;
   PrintSettings print;
 };
 

@@ -14,7 +14,7 @@ using nlohmann::ordered_json;
 namespace {
 
 // The groups as a user meets them: what changes from job to job first.
-constexpr std::array<std::string_view, 8> group_order{"pattern", "scan",  "sheet",      "machine",
+constexpr std::array<std::string_view, 9> group_order{"pattern", "coils", "scan",       "sheet",  "machine",
                                                       "heat",    "print", "flattening", "forming"};
 
 // "window_width_mm" -> "Window width"; the unit is shown beside the field.
@@ -52,9 +52,9 @@ std::string field_html(const std::string& name, const std::string& key, const or
   const std::string id = "f-" + name, fallback = plain(schema.at("default"));
   const auto filled = fields.find(name);
   const std::string value = filled == fields.end() ? "" : filled->second;
-  const ordered_json& numeric = schema.contains("oneOf")   ? schema["oneOf"][0]
-                                : schema.contains("items") ? schema["items"]
-                                                           : schema;
+  const ordered_json* innermost = schema.contains("oneOf") ? &schema["oneOf"][0] : &schema;
+  while (innermost->contains("items")) innermost = &(*innermost)["items"];  // of rows of numbers
+  const ordered_json& numeric = *innermost;
   std::string unit = numeric.value("x-unit", "");
   if (unit == "1") unit.clear();
   const std::string common = " id=\"" + escaped(id) + "\" name=\"" + escaped(name) +

@@ -40,7 +40,9 @@ Mold top_at(const Eigen::Vector3d& top) {
 
 Result<Flattening> flat(const FormedSheet& sheet, const Eigen::Vector3d& top,
                         FlatteningMethod method = FlatteningMethod::arap, InkedFace face = InkedFace::inner) {
-  return flatten(sheet, top_at(top), {method}, face, Context{});
+  FlatteningSettings settings;
+  settings.method = method;
+  return flatten(sheet, top_at(top), settings, face, Context{});
 }
 
 // A cylinder unrolls without distortion: the arc is the chart's coordinate, whatever the sheet's stretch was.

@@ -1,4 +1,4 @@
-#include "worker/printing/pattern.hpp"
+#include "worker/pattern/pattern.hpp"
 
 #include <glib.h>
 #include <gtest/gtest.h>

@@ -4,6 +4,6 @@ find_package(ZLIB REQUIRED)
 pkg_check_modules(printing_test_drawing REQUIRED IMPORTED_TARGET glib-2.0 pugixml)
 
 vacuform_test(printing_test
-  SOURCES ${CMAKE_CURRENT_LIST_DIR}/pattern_test.cpp ${CMAKE_CURRENT_LIST_DIR}/print_test.cpp
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/print_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/scan_lines_test.cpp
   LINKS vacuform_printing PNG::PNG JPEG::JPEG ZLIB::ZLIB PkgConfig::printing_test_drawing)

@@ -14,7 +14,7 @@
 #include "api/settings.hpp"
 #include "worker/context.hpp"
 #include "worker/flattening/flattening.hpp"
-#include "worker/printing/pattern.hpp"
+#include "worker/pattern/pattern.hpp"
 
 namespace vacuform {
 

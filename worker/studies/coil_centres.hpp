@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "worker/printing/pattern.hpp"
+#include "worker/pattern/pattern.hpp"
 
 namespace vacuform {
 

@@ -6,7 +6,7 @@
 // jpeglib.h needs stdio's types first.
 #include <jpeglib.h>
 
-#include "worker/printing/raster.hpp"
+#include "worker/pattern/raster.hpp"
 
 namespace vacuform {
 namespace {

@@ -1,4 +1,4 @@
-// The decoders of the printing stage: bytes of a drawing in, rows of pixels out. Internal to worker/printing.
+// The decoders of drawings: bytes of a drawing in, rows of pixels out. Internal to worker/pattern.
 //
 // Decoders trust nothing: sizes are checked before anything is allocated, memory grows with the rows that
 // really arrive, and a file that breaks its format's rules is refused whole.

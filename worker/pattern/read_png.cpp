@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "worker/png_reader.hpp"
-#include "worker/printing/raster.hpp"
+#include "worker/pattern/raster.hpp"
 
 namespace vacuform {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <pugixml.hpp>
 
-#include "worker/printing/raster.hpp"
+#include "worker/pattern/raster.hpp"
 
 namespace vacuform {
 namespace {

@@ -1,7 +1,7 @@
 // The pyramid follows L. Williams 1983, "Pyramidal parametrics". A footprint of diameter d has the variance
 // of a box-filtered texel of side d / 2 seen through bilinear interpolation: that texel's level is the one
 // sampled.
-#include "worker/printing/pattern.hpp"
+#include "worker/pattern/pattern.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "worker/decimal.hpp"
-#include "worker/printing/raster.hpp"
+#include "worker/pattern/raster.hpp"
 
 namespace vacuform {
 namespace {

@@ -1,4 +1,4 @@
-#include "worker/printing/raster.hpp"
+#include "worker/pattern/raster.hpp"
 
 #include <algorithm>
 #include <utility>
