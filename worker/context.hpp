@@ -53,7 +53,9 @@ class Context {
 struct Warning {
   std::string code;
   std::string text;
-  // Where and how large, for marks in a preview; `marks` may hold several places of one warning, worst first.
+  // Where and how large, for marks in a preview; `marks` may hold several places of one warning, worst first, at most
+  // most_marks.
+  static constexpr std::size_t most_marks = 20;
   struct Mark {
     std::array<double, 3> place_mm;  // in the mold's frame
     double size_mm = 0;              // across; 0: a point

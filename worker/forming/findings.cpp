@@ -13,8 +13,6 @@ namespace vacuform {
 
 namespace {
 
-constexpr std::size_t most_marks = 20;
-
 // A connected part of the sheet that shares a fault.
 struct Piece {
   std::vector<int> triangles;
@@ -100,7 +98,7 @@ Warning::Mark mark(const Eigen::Vector3d& place, double size_mm) {
 
 std::vector<Warning::Mark> marks_of(const std::vector<Piece>& worst_first) {
   std::vector<Warning::Mark> marks;
-  for (std::size_t i = 0; i < std::min(worst_first.size(), most_marks); ++i)
+  for (std::size_t i = 0; i < std::min(worst_first.size(), Warning::most_marks); ++i)
     marks.push_back(mark(worst_first[i].place, 2 * std::sqrt(worst_first[i].area / std::numbers::pi)));
   return marks;
 }
@@ -138,7 +136,7 @@ void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double
           (pockets.size() == 1 ? "" : ", the largest of " + std::to_string(pockets.size()) + " places") +
           "; drill " + (holes == 1 ? "a vent" : std::to_string(holes) + " vents") + " of " +
           short_decimal(findings.vents.front().diameter_mm, 2) + " mm (vents in report.json)"};
-  for (std::size_t i = 0; i < std::min(holes, most_marks); ++i)
+  for (std::size_t i = 0; i < std::min(holes, Warning::most_marks); ++i)
     warning.marks.push_back(mark(findings.vents[i].place, findings.vents[i].diameter_mm));
   findings.warnings.push_back(std::move(warning));
 }

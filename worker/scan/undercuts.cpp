@@ -260,7 +260,6 @@ double CoveredSpace::domed_share(double floor, double reach) const {
 }
 
 Warning undercut_warning(const std::vector<Undercut>& undercuts) {
-  constexpr std::size_t most_marks = 20;
   const auto mm = [](double value) { return decimal(value, 1) + " mm"; };
   const Undercut& worst = undercuts.front();
   Warning warning{"undercut",
@@ -270,7 +269,7 @@ Warning undercut_warning(const std::vector<Undercut>& undercuts) {
                              " undercuts that the sheet cannot reach or that lock the part; the deepest") +
                       " reaches " + mm(worst.depth_mm) + " under what overhangs it at x = " +
                       mm(worst.place.x()) + ", y = " + mm(worst.place.y()) + ", z = " + mm(worst.place.z())};
-  for (std::size_t i = 0; i < std::min(undercuts.size(), most_marks); ++i) {
+  for (std::size_t i = 0; i < std::min(undercuts.size(), Warning::most_marks); ++i) {
     const Undercut& u = undercuts[i];
     warning.marks.push_back({{u.place.x(), u.place.y(), u.place.z()}, u.depth_mm});
   }

@@ -113,14 +113,13 @@ std::vector<Warning> temperature_findings(const FormedSheet& sheet, Material mat
                   " mm, y = " + decimal(p.y(), 0) + " mm, z = " + decimal(p.z(), 0) + " mm, outside over " +
                   (share < 1 ? std::string("less than 1") : decimal(share, 0)) + " % of it; " + consequence};
     constexpr double apart_mm = 40;
-    constexpr std::size_t most_marks = 20;
     for (const int v : out) {
       const Eigen::Vector3d& q = sheet.formed[static_cast<std::size_t>(v)];
       const bool near = std::any_of(warning.marks.begin(), warning.marks.end(), [&](const Warning::Mark& m) {
         return (Eigen::Vector3d(m.place_mm[0], m.place_mm[1], m.place_mm[2]) - q).norm() < apart_mm;
       });
       if (!near) warning.marks.push_back({{q.x(), q.y(), q.z()}});
-      if (warning.marks.size() == most_marks) break;
+      if (warning.marks.size() == Warning::most_marks) break;
     }
     warnings.push_back(std::move(warning));
   };
