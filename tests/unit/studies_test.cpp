@@ -5,11 +5,11 @@
 #include <random>
 
 #include "tests/unit/shapes.hpp"
+#include "worker/forming/sheet_map.hpp"
 #include "worker/studies/calibration.hpp"
 #include "worker/studies/portion.hpp"
 #include "worker/studies/registration.hpp"
 #include "worker/studies/sensitivity.hpp"
-#include "worker/studies/sheet_map.hpp"
 
 namespace vacuform {
 namespace {

@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/forming/sheet_map.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/studies/portion.hpp"
 #include "worker/studies/registration.hpp"
-#include "worker/studies/sheet_map.hpp"
 
 namespace vacuform {
 

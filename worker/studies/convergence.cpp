@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/forming/sheet_map.hpp"
 #include "worker/studies/portion.hpp"
-#include "worker/studies/sheet_map.hpp"
 
 namespace vacuform {
 

@@ -6,8 +6,8 @@
 
 #include "worker/decimal.hpp"
 #include "worker/forming/process.hpp"
+#include "worker/forming/sheet_map.hpp"
 #include "worker/studies/portion.hpp"
-#include "worker/studies/sheet_map.hpp"
 
 namespace vacuform {
 

@@ -1,4 +1,4 @@
-#include "worker/studies/sheet_map.hpp"
+#include "worker/forming/sheet_map.hpp"
 
 #include <algorithm>
 #include <cmath>
