@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "api/log.hpp"
 #include "api/sha256.hpp"
 
 namespace vacuform {
@@ -76,6 +77,13 @@ Result<RemoteJob> job_from(const HttpResponse& response) {
   if (const auto problem = object.find("problem"); problem != object.end() && problem->is_object())
     job.problem = error_of({0, {}, problem->dump()});
   return job;
+}
+
+// The headers of a call under a lease. The job's request id makes the server's lines about it found with the worker's.
+std::map<std::string, std::string> headers_of(const Lease& lease) {
+  std::map<std::string, std::string> headers{{"Vacuform-Lease", lease.token}};
+  if (!lease.request.empty()) headers["X-Request-Id"] = lease.request;
+  return headers;
 }
 
 // Streams a GET into a file beside `target`, checks length and SHA-256, and renames it into place.
@@ -185,6 +193,7 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker) {
   Lease lease;
   lease.job = text_of(object, "job");
   lease.token = text_of(object, "lease");
+  if (std::string id = text_of(object, "request"); is_request_id(id)) lease.request = std::move(id);
   lease.attempt = static_cast<int>(std::clamp(number_of(object, "attempt", 1), 1.0, 1e6));
   lease.seconds = std::chrono::seconds(
       static_cast<int>(std::clamp(number_of(object, "lease_seconds", 30), 1.0, 86400.0)));
@@ -216,7 +225,8 @@ Result<HttpResponse> WorkerClient::call(const Lease& lease, const std::string& m
   HttpRequest request;
   request.method = method;
   request.path = "/api/v1/leases/" + lease.job + tail;
-  request.headers = {{"Content-Type", "application/json"}, {"Vacuform-Lease", lease.token}};
+  request.headers = headers_of(lease);
+  request.headers["Content-Type"] = "application/json";
   request.body = body;
   request.limit = short_call;
   if (going) request.going = [&](std::uint64_t, std::uint64_t) { return going(); };
@@ -227,7 +237,7 @@ Result<void> WorkerClient::download_input(const Lease& lease, const std::string&
                                           const std::filesystem::path& file, const Going& going) {
   HttpRequest request;
   request.path = "/api/v1/leases/" + lease.job + "/inputs/" + input;
-  request.headers = {{"Vacuform-Lease", lease.token}};
+  request.headers = headers_of(lease);
   const LeasedInput& wanted = input == "temperature" && lease.temperature ? *lease.temperature
                               : input == "scan"                           ? lease.scan
                                                                           : lease.pattern;
@@ -247,7 +257,8 @@ Result<void> WorkerClient::upload(const Lease& lease, const std::string& artifac
   HttpRequest request;
   request.method = "PUT";
   request.path = "/api/v1/leases/" + lease.job + "/artifacts/" + artifact;
-  request.headers = {{"Content-Type", "application/octet-stream"}, {"Vacuform-Lease", lease.token}};
+  request.headers = headers_of(lease);
+  request.headers["Content-Type"] = "application/octet-stream";
   request.file = file;
   if (going) request.going = [&](std::uint64_t, std::uint64_t) { return going(); };
   VACUFORM_CHECK(good(http_.send(request)));

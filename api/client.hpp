@@ -70,6 +70,7 @@ struct Lease {
   std::chrono::seconds seconds{30};    // from a sign of life to the end of the lease
   std::chrono::seconds heartbeat{10};  // the longest that the server wants between two
   std::string settings;                // JSON text
+  std::string request;                 // the id of the request that made the job, for the log; may be empty
   LeasedInput scan, pattern;
   std::optional<LeasedInput> temperature;
 };

@@ -2,10 +2,10 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "api/log.hpp"
 #include "api/settings.hpp"
 #include "server/assets.hpp"
 #include "server/job_json.hpp"
-#include "server/log.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
 #include "server/submission.hpp"

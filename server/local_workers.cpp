@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "server/log.hpp"
+#include "api/log.hpp"
 
 namespace vacuform {
 

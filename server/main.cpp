@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "api/log.hpp"
 #include "server/http/origin.hpp"
 #include "server/http/server.hpp"
 #include "server/local_workers.hpp"
-#include "server/log.hpp"
 #include "server/secrets.hpp"
 #include "server/service.hpp"
 

@@ -133,6 +133,7 @@ Result<NewJob> read_submission(http::Request& request, Store& store,
     job.temperature.emplace(std::move(*form.temperature.upload));
     job.temperature_extension = std::move(form.temperature.extension);
   }
+  job.request = request.id;
   return job;
 }
 

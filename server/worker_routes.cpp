@@ -4,8 +4,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "api/log.hpp"
 #include "server/job_json.hpp"
-#include "server/log.hpp"
 #include "server/problem.hpp"
 #include "server/secrets.hpp"
 #include "server/service.hpp"
@@ -57,6 +57,7 @@ Result<Response> take_lease(Service& service, Request& request) {
                         {"attempt", job.attempt},
                         {"lease_seconds", service.lease_seconds},
                         {"heartbeat_seconds", service.heartbeat_seconds},
+                        {"request", job.request},
                         {"settings", ordered_json::parse(job.settings)},
                         {"inputs", inputs_json(job)}});
 }

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "api/log.hpp"
 #include "worker/heartbeat.hpp"
-#include "worker/log.hpp"
 #include "worker/work_folder.hpp"
 
 namespace vacuform {
@@ -177,6 +177,7 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
     }
     pause = poll;
     const Lease& held = **lease;
+    const LoggedRequest logged(held.request);
     log_event("job-leased", {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}});
     const auto folder = WorkFolder::make(work);
     if (!folder) {

@@ -35,6 +35,7 @@ struct Request {
   std::map<std::string, std::string> query;
   std::vector<Header> headers;
   std::map<std::string, std::string> captures;  // of the route's pattern
+  std::string id;                               // for the log: the client's own, or a random one
   std::uint64_t content_length = 0;
   Body* body = nullptr;  // never null inside a route
 

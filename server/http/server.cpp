@@ -16,7 +16,9 @@
 #include <exception>
 #include <thread>
 
+#include "api/log.hpp"
 #include "server/http/origin.hpp"
+#include "server/http/request_id.hpp"
 
 namespace vacuform::http {
 
@@ -169,6 +171,8 @@ class Server::Library : public httplib::Server {
     const auto begun = std::chrono::steady_clock::now();
     Answered answered;
     Request request;
+    request.id = request_id(served->head().headers);
+    const LoggedRequest logged(request.id);
     Response response;
     try {
       response = respond(from, request, answered);
@@ -177,6 +181,7 @@ class Server::Library : public httplib::Server {
       response = options_.refuse(
           request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
     }
+    response.set("X-Request-Id", request.id);
     give(response, to);
     answered.method = request.method;
     answered.status = response.status;

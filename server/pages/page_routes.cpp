@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/assets.hpp"
-#include "server/log.hpp"
+#include "api/log.hpp"
 #include "server/pages/pages.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"

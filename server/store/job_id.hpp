@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "server/clock.hpp"
+#include "api/clock.hpp"
 
 namespace vacuform {
 

@@ -11,44 +11,13 @@
 #include "server/secrets.hpp"
 #include "server/store/group_commit.hpp"
 #include "server/store/job_id.hpp"
+#include "server/store/schema.hpp"
 #include "server/store/sqlite.hpp"
 #include "server/store/store.hpp"
 
 namespace vacuform {
 
 namespace {
-
-constexpr int application = 0x56666d31;  // "Vfm1": the file is ours
-constexpr int schema_version = 2;
-constexpr const char* schema = R"sql(
-CREATE TABLE job(
-  id TEXT PRIMARY KEY, client_key TEXT UNIQUE, state TEXT NOT NULL, stage TEXT, progress REAL NOT NULL DEFAULT 0,
-  attempt INTEGER NOT NULL DEFAULT 0, losses INTEGER NOT NULL DEFAULT 0,
-  created INTEGER NOT NULL, started INTEGER, ended INTEGER,
-  worker TEXT, lease_hash TEXT, lease_ends INTEGER,
-  error_code TEXT, error_what TEXT, error_where TEXT, error_mend TEXT,
-  settings TEXT NOT NULL,
-  scan TEXT NOT NULL, scan_bytes INTEGER NOT NULL, scan_extension TEXT NOT NULL,
-  pattern TEXT NOT NULL, pattern_bytes INTEGER NOT NULL, pattern_extension TEXT NOT NULL,
-  temperature TEXT, temperature_bytes INTEGER, temperature_extension TEXT
-) STRICT, WITHOUT ROWID;
-CREATE INDEX job_by_state ON job(state, id);
-CREATE INDEX job_by_scan ON job(scan);
-CREATE INDEX job_by_pattern ON job(pattern);
-CREATE INDEX job_by_temperature ON job(temperature) WHERE temperature IS NOT NULL;
-CREATE TABLE artifact(
-  job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, name TEXT NOT NULL,
-  blob TEXT NOT NULL, bytes INTEGER NOT NULL, PRIMARY KEY(job, name)
-) STRICT, WITHOUT ROWID;
-CREATE INDEX artifact_by_blob ON artifact(blob);
-)sql";
-// What version 1 lacks: jobs with measured temperatures.
-constexpr const char* from_version_1 = R"sql(
-ALTER TABLE job ADD COLUMN temperature TEXT;
-ALTER TABLE job ADD COLUMN temperature_bytes INTEGER;
-ALTER TABLE job ADD COLUMN temperature_extension TEXT;
-CREATE INDEX job_by_temperature ON job(temperature) WHERE temperature IS NOT NULL;
-)sql";
 
 class SqliteStore : public Store {
  public:
@@ -60,7 +29,7 @@ class SqliteStore : public Store {
     VACUFORM_CHECK(
         db_.execute("PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
                     "PRAGMA foreign_keys=ON; PRAGMA trusted_schema=OFF"));
-    VACUFORM_CHECK(check_schema());
+    VACUFORM_CHECK(bring_up_to_date(db_));
     VACUFORM_CHECK(sync_directory(data));
     {
       Query newest(db_, "SELECT max(created) FROM job");
@@ -114,10 +83,10 @@ class SqliteStore : public Store {
                            "INSERT INTO job(id, client_key, state, created, settings, scan, scan_bytes, "
                            "scan_extension, pattern,"
                            " pattern_bytes, pattern_extension, temperature, temperature_bytes,"
-                           " temperature_extension) VALUES(?,?,'queued',?,?,?,?,?,?,?,?,?,?,?)",
+                           " temperature_extension, request) VALUES(?,?,'queued',?,?,?,?,?,?,?,?,?,?,?,?)",
                            id, client_key, now, job.settings, scan.sha256, scan.bytes, job.scan_extension,
                            pattern.sha256, pattern.bytes, job.pattern_extension, temperature_hash,
-                           temperature_bytes, temperature_extension)
+                           temperature_bytes, temperature_extension, job.request)
                          .run());
       return find(id);
     });
@@ -290,33 +259,6 @@ class SqliteStore : public Store {
     garbage_.clear();
   }
 
-  Result<void> check_schema() {
-    std::int64_t app = 0, version = 0, tables = 0;
-    {
-      Query query(db_,
-                  "SELECT application_id, user_version, (SELECT count(*) FROM sqlite_schema)"
-                  " FROM pragma_application_id, pragma_user_version");
-      VACUFORM_TRY(found, query.row());
-      if (found) app = query.integer(0), version = query.integer(1), tables = query.integer(2);
-    }
-    if (app == 0 && version == 0 && tables == 0)
-      return db_.execute(std::string("BEGIN IMMEDIATE;") + schema +
-                         "PRAGMA application_id=" + std::to_string(application) +
-                         ";PRAGMA user_version=" + std::to_string(schema_version) + ";COMMIT");
-    if (app != application)
-      return fail(Code::corrupt_file, "the file is not a job store of Vacuform", "jobs.sqlite",
-                  "give another folder with --data");
-    if (version == 1)
-      return db_.execute(std::string("BEGIN IMMEDIATE;") + from_version_1 +
-                         "PRAGMA user_version=" + std::to_string(schema_version) + ";COMMIT");
-    if (version != schema_version)
-      return fail(Code::corrupt_file,
-                  "the job store has version " + std::to_string(version) + ", this server knows " +
-                      std::to_string(schema_version),
-                  "jobs.sqlite", "start the server that wrote it, or give another folder with --data");
-    return {};
-  }
-
   // Whether any row names the blob.
   Result<bool> named(const std::string& sha256) {
     Query query(db_,
@@ -348,7 +290,8 @@ class SqliteStore : public Store {
         db_,
         "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
         " error_where, error_mend, settings, scan, scan_bytes, scan_extension, pattern, pattern_bytes,"
-        " pattern_extension, temperature, temperature_bytes, temperature_extension FROM job WHERE id=?",
+        " pattern_extension, temperature, temperature_bytes, temperature_extension, request FROM job WHERE "
+        "id=?",
         id);
     VACUFORM_TRY(found, query.row());
     if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
@@ -372,6 +315,7 @@ class SqliteStore : public Store {
     if (!query.null(19))
       job.temperature =
           Input{{query.text(19), static_cast<std::uint64_t>(query.integer(20))}, query.text(21)};
+    job.request = query.text(22);
     Query artifacts(db_, "SELECT name, blob, bytes FROM artifact WHERE job=?", id);
     for (;;) {
       VACUFORM_TRY(more, artifacts.row());

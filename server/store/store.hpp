@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
+#include "api/clock.hpp"
 #include "api/error.hpp"
 #include "api/job.hpp"
-#include "server/clock.hpp"
 #include "server/store/blobs.hpp"
 
 namespace vacuform {
@@ -47,6 +47,7 @@ struct Job {
   std::string settings;                  // JSON text, complete
   Input scan, pattern;
   std::optional<Input> temperature;       // measured, of the sheet
+  std::string request;                    // the id of the request that made it; may be empty
   std::vector<StoredArtifact> artifacts;  // in the order of api/job.hpp
 };
 
@@ -59,6 +60,7 @@ struct NewJob {
   std::string client_key = {};  // the client's own name for this submission; may be empty
   std::optional<Upload> temperature = {};
   std::string temperature_extension = {};
+  std::string request = {};
 };
 
 struct JobPage {

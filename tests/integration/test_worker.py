@@ -10,6 +10,7 @@ import unittest
 
 from harness import BIN, Case, Program, runs, wait_for
 
+REQUEST = "4bf92f3577b34da6a3ce929d0e0e4736"
 SCAN, PATTERN = b"solid head " * 1000, b"<svg/>"
 
 
@@ -73,6 +74,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             s.jobs -= 1
             return self.reply(200, {
                 "job": "j1", "lease": "abc", "attempt": 1, "lease_seconds": s.lease_seconds, "heartbeat_seconds": 1,
+                "request": REQUEST,
                 "settings": {"print": {"dpi": 100}},
                 "inputs": {"scan": {"extension": "stl", "bytes": len(SCAN), "sha256": s.scan_sha},
                            "pattern": {"extension": "svg", "bytes": len(PATTERN), "sha256": digest(PATTERN)}}})
@@ -82,6 +84,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             s.away -= 1
             return self.problem(503, "unavailable", "away")
         tail = self.path.removeprefix("/api/v1/leases/j1")
+        if self.headers.get("X-Request-Id") != REQUEST:
+            return self.problem(400, "bad-usage", "the request id is missing")
         if tail == "/inputs/scan":
             return self.reply(200, SCAN, "application/octet-stream")
         if tail == "/inputs/pattern":
@@ -149,6 +153,7 @@ class Worker(Case):
         events = [json.loads(line) for line in worker.says().splitlines()]
         self.assertEqual([e["event"] for e in events], ["worker-started", "job-leased", "job-left", "worker-stopped"])
         self.assertEqual(events[2]["verdict"], "completed")
+        self.assertEqual([e.get("request") for e in events], [None, REQUEST, REQUEST, None])
         self.assertNotIn(str(self.here), worker.says())
 
     def test_cancel_ends_even_a_deaf_child_within_two_seconds(self):

@@ -1,9 +1,11 @@
 // The pieces of server/http that work on text alone: forms, ranges, hosts, routes.
 #include <gtest/gtest.h>
 
+#include "api/log.hpp"
 #include "server/http/multipart.hpp"
 #include "server/http/origin.hpp"
 #include "server/http/range.hpp"
+#include "server/http/request_id.hpp"
 #include "server/http/router.hpp"
 
 namespace vacuform::http {
@@ -152,6 +154,22 @@ TEST(Origin, AFormOnAnotherPageIsRefused) {
   }
   request.method = "GET";
   EXPECT_FALSE(check_origin(request));
+}
+
+TEST(RequestId, IsTheClientsWhenItIsAnId) {
+  const auto id = [](const char* name, const char* value) { return request_id({{name, value}}); };
+  const std::string trace = "4bf92f3577b34da6a3ce929d0e0e4736";
+  EXPECT_EQ(id("traceparent", "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01"), trace);
+  EXPECT_EQ(id("x-request-id", "4BF92F35-77b3-4da6-a3ce-929d0e0e4736"), trace);
+  for (const auto& [name, value] :
+       {std::pair{"traceparent", "00-00000000000000000000000000000000-00f067aa0ba902b7-01"},
+        std::pair{"traceparent", "4bf92f3577b34da6a3ce929d0e0e4736"}, std::pair{"X-Request-Id", "Jane Doe"},
+        std::pair{"X-Request-Id", ""}, std::pair{"X-Other", "4bf92f3577b34da6a3ce929d0e0e4736"}}) {
+    const std::string other = id(name, value);
+    EXPECT_TRUE(is_request_id(other)) << value;
+    EXPECT_NE(other, trace) << value;
+    EXPECT_NE(other, id(name, value)) << value;
+  }
 }
 
 TEST(Router, CapturesPiecesAndKnowsTheMethods) {

@@ -84,6 +84,16 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id).status, 404);
 }
 
+TEST_F(ServerApi, TheRequestThatMadeAJobIsKnownToItsWorker) {
+  const std::string id = "4bf92f3577b34da6a3ce929d0e0e4736";
+  const Answer made = ask("POST", "/api/v1/jobs", form_type + ("X-Request-Id: " + id + "\r\n"),
+                          part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n");
+  EXPECT_EQ(made.header("X-Request-Id"), id);
+  EXPECT_EQ(lease()["request"], id);
+  EXPECT_EQ(ask("GET", "/nowhere").header("X-Request-Id").size(), 32u);
+  EXPECT_EQ(raw("nonsense\r\n\r\n").header("X-Request-Id").size(), 32u);
+}
+
 TEST_F(ServerApi, DownloadsKnowRangesAndEntityTags) {
   const std::string id = created(), path = "/api/v1/jobs/" + id + "/artifacts/formed.ply";
   const json held = lease();

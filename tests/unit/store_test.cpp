@@ -140,7 +140,9 @@ TEST_F(StoreTest, TakesOverAStoreOfVersionOne) {
     ASSERT_TRUE(database.open((data() / "jobs.sqlite").string()));
     ASSERT_TRUE(database.execute(
         "DROP INDEX job_by_temperature; ALTER TABLE job DROP COLUMN temperature; ALTER TABLE job DROP COLUMN"
-        " temperature_bytes; ALTER TABLE job DROP COLUMN temperature_extension; PRAGMA user_version=1"));
+        " temperature_bytes; ALTER TABLE job DROP COLUMN temperature_extension; ALTER TABLE job DROP COLUMN "
+        "request;"
+        " PRAGMA user_version=1"));
   }
   reopen();
   EXPECT_EQ(bytes_of(job(made.id).scan.blob), "old scan");

@@ -1,4 +1,4 @@
-#include "server/clock.hpp"
+#include "api/clock.hpp"
 
 #include <chrono>
 #include <cstdio>

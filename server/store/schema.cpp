@@ -1,0 +1,75 @@
+#include "server/store/schema.hpp"
+
+#include <array>
+
+namespace vacuform {
+
+namespace {
+
+constexpr int application = 0x56666d31;  // "Vfm1": the file is ours
+
+// What takes a database from version i to i + 1; a new one goes through all of them.
+constexpr std::array changes{
+    // 0: empty
+    R"sql(
+CREATE TABLE job(
+  id TEXT PRIMARY KEY, client_key TEXT UNIQUE, state TEXT NOT NULL, stage TEXT, progress REAL NOT NULL DEFAULT 0,
+  attempt INTEGER NOT NULL DEFAULT 0, losses INTEGER NOT NULL DEFAULT 0,
+  created INTEGER NOT NULL, started INTEGER, ended INTEGER,
+  worker TEXT, lease_hash TEXT, lease_ends INTEGER,
+  error_code TEXT, error_what TEXT, error_where TEXT, error_mend TEXT,
+  settings TEXT NOT NULL,
+  scan TEXT NOT NULL, scan_bytes INTEGER NOT NULL, scan_extension TEXT NOT NULL,
+  pattern TEXT NOT NULL, pattern_bytes INTEGER NOT NULL, pattern_extension TEXT NOT NULL
+) STRICT, WITHOUT ROWID;
+CREATE INDEX job_by_state ON job(state, id);
+CREATE INDEX job_by_scan ON job(scan);
+CREATE INDEX job_by_pattern ON job(pattern);
+CREATE TABLE artifact(
+  job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, name TEXT NOT NULL,
+  blob TEXT NOT NULL, bytes INTEGER NOT NULL, PRIMARY KEY(job, name)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX artifact_by_blob ON artifact(blob);
+)sql",
+    // 1: jobs had no measured temperatures
+    R"sql(
+ALTER TABLE job ADD COLUMN temperature TEXT;
+ALTER TABLE job ADD COLUMN temperature_bytes INTEGER;
+ALTER TABLE job ADD COLUMN temperature_extension TEXT;
+CREATE INDEX job_by_temperature ON job(temperature) WHERE temperature IS NOT NULL;
+)sql",
+    // 2: jobs did not know the request that made them
+    R"sql(
+ALTER TABLE job ADD COLUMN request TEXT NOT NULL DEFAULT '';
+)sql",
+};
+
+}  // namespace
+
+Result<void> bring_up_to_date(Database& db) {
+  std::int64_t app = 0, version = 0, tables = 0;
+  {
+    Query query(db,
+                "SELECT application_id, user_version, (SELECT count(*) FROM sqlite_schema)"
+                " FROM pragma_application_id, pragma_user_version");
+    VACUFORM_TRY(found, query.row());
+    if (found) app = query.integer(0), version = query.integer(1), tables = query.integer(2);
+  }
+  constexpr std::int64_t newest = changes.size();
+  const bool empty = app == 0 && version == 0 && tables == 0;
+  if (!empty && (app != application || version < 1))
+    return fail(Code::corrupt_file, "the file is not a job store of Vacuform", "jobs.sqlite",
+                "give another folder with --data");
+  if (version > newest)
+    return fail(Code::corrupt_file,
+                "the job store has version " + std::to_string(version) + ", this server knows " +
+                    std::to_string(newest),
+                "jobs.sqlite", "start the server that wrote it, or give another folder with --data");
+  if (version == newest) return {};
+  std::string all = "BEGIN IMMEDIATE;";
+  for (std::int64_t i = version; i < newest; ++i) all += changes[static_cast<std::size_t>(i)];
+  return db.execute(all + "PRAGMA application_id=" + std::to_string(application) +
+                    ";PRAGMA user_version=" + std::to_string(newest) + ";COMMIT");
+}
+
+}  // namespace vacuform

@@ -1,0 +1,12 @@
+// The tables of the store, and the way from every version that was ever released to this one.
+#pragma once
+
+#include "server/store/sqlite.hpp"
+
+namespace vacuform {
+
+// Makes the tables in an empty database, or changes those of an older version, in one transaction. Errors:
+// corrupt_file (not a store, or written by a newer version), unavailable.
+Result<void> bring_up_to_date(Database& db);
+
+}  // namespace vacuform
