@@ -1,0 +1,73 @@
+#include "worker/coils/element_layout.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// The way from the chart's nearest point to a centre beyond it, chart millimetres taken along the surface.
+void go_beyond(const InkedSurface& surface, Centre& centre, const Vector2d& way) {
+  const Vector3d axis = centre.axis;
+  centre.axis = surface.chart_axis(centre.point.triangle);
+  const double turn = angle_between(surface, centre.point.triangle, centre.axis, axis);
+  move(surface, centre, way);
+  centre.axis = turned(surface, centre.point.triangle, centre.axis, turn);
+  centre.moved.setZero();
+}
+
+}  // namespace
+
+ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment) {
+  ElementLayout out;
+  for (std::size_t i = 0; i < drawing.elements.size(); ++i) {
+    const Element& element = drawing.elements[i];
+    if (element.id.empty()) continue;
+    LaidElement laid{static_cast<int>(i), outline(element, alignment.scale), 1};
+    const Vector2d wanted = alignment.chart(element.centre);
+    const auto found = surface.at_chart(wanted);
+    if (found.off_mm > laid.outline.reach_mm) {
+      out.left_out.push_back(static_cast<int>(i));
+      continue;
+    }
+    Centre centre;
+    centre.point = found.point;
+    centre.axis = turned(surface, found.point.triangle, surface.chart_axis(found.point.triangle),
+                         alignment.turn_deg * M_PI / 180);
+    centre.drawn = alignment.scale * element.centre;
+    centre.radius_mm = laid.outline.radius_mm;
+    if (found.off_mm > 0) go_beyond(surface, centre, wanted - surface.chart(found.point));
+    out.elements.push_back(std::move(laid));
+    out.centres.push_back(centre);
+  }
+  out.pairs = neighbours(out.centres);
+  return out;
+}
+
+PolarGrid grid_around(const InkedSurface& surface, const Centre& centre, const LaidElement& element,
+                      double turn) {
+  constexpr double margin_mm = 3, widest_step_mm = 1.8;
+  // A geodesic radius is larger than the flat one on a dome: by 2 % at 80 mm on a small head.
+  const double reach = 1.08 * element.size * element.outline.reach_mm + margin_mm;
+  const int directions =
+      std::clamp(4 * static_cast<int>(std::ceil(M_PI / 2 * reach / widest_step_mm)), 96, 240);
+  return PolarGrid(surface, centre.point, turned(surface, centre.point.triangle, centre.axis, turn), reach,
+                   directions);
+}
+
+std::vector<Vector3d> loop_in_space(const PolarGrid& grid, const LaidElement& element) {
+  std::vector<Vector3d> out;
+  for (const Vector2d& p : element.outline.loop) {
+    const auto place = grid.place(element.size * p);
+    if (!place) return {};
+    out.push_back(*place);
+  }
+  return out;
+}
+
+}  // namespace vacuform

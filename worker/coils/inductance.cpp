@@ -1,0 +1,101 @@
+// Neumann's integral, softened by the distance between the conductors: the inner of its two integrals in closed form
+// where segments are near each other, Gauss's points where they are far.
+#include "worker/coils/inductance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double mu0_over_4pi = 0.1;  // nH per mm: 1e-7 H/m
+
+struct Node {
+  double at, weight;  // on [0, 1]
+};
+constexpr std::array<Node, 2> two{{{0.21132486540518712, 0.5}, {0.78867513459481288, 0.5}}};
+constexpr std::array<Node, 4> four{{{0.069431844202973712, 0.17392742256872693},
+                                    {0.33000947820757187, 0.32607257743127307},
+                                    {0.66999052179242813, 0.32607257743127307},
+                                    {0.93056815579702629, 0.17392742256872693}}};
+
+struct Segment {
+  Vector3d start, way;
+  double length;
+};
+
+Segment segment(Loop loop, std::size_t i) {
+  const Vector3d way = loop[(i + 1) % loop.size()] - loop[i];
+  return {loop[i], way, way.norm()};
+}
+
+// The integral of 1 / sqrt(r^2 + gap^2) along b, r the distance from p.
+double along(const Vector3d& p, const Segment& b, double gap) {
+  const Vector3d unit = b.way / b.length;
+  const double foot = (p - b.start).dot(unit);
+  const double aside = std::sqrt(((p - b.start) - foot * unit).squaredNorm() + gap * gap);
+  return std::asinh((b.length - foot) / aside) + std::asinh(foot / aside);
+}
+
+double on_part(const Segment& a, double from, double to, const Segment& b, double gap) {
+  double sum = 0;
+  for (const Node& n : four) sum += n.weight * along(a.start + (from + n.at * (to - from)) * a.way, b, gap);
+  return sum * (to - from) * a.length;
+}
+
+// Where a comes nearest to b's line, as a fraction of a.
+double nearest(const Segment& a, const Segment& b) {
+  const Vector3d unit = b.way / b.length, between = a.start - b.start;
+  const Vector3d d = a.way - a.way.dot(unit) * unit, e = between - between.dot(unit) * unit;
+  return d.squaredNorm() > 0 ? std::clamp(-e.dot(d) / d.squaredNorm(), 0.0, 1.0) : 0.5;
+}
+
+// The double integral of dl.dl / sqrt(r^2 + gap^2) over two straight segments.
+double neumann(const Segment& a, const Segment& b, double gap) {
+  if (a.length == 0 || b.length == 0) return 0;
+  const double cosine = a.way.dot(b.way) / (a.length * b.length);
+  const double apart = (a.start + 0.5 * a.way - b.start - 0.5 * b.way).norm(), size = a.length + b.length;
+  if (apart > 2 * size) {
+    double sum = 0;
+    for (const Node& n : two)
+      for (const Node& m : two)
+        sum += 0.25 / std::sqrt((a.start + n.at * a.way - b.start - m.at * b.way).squaredNorm() + gap * gap);
+    return cosine * sum * a.length * b.length;
+  }
+  if (apart > 0.6 * size || gap > 0.3 * size) return cosine * on_part(a, 0, 1, b, gap);
+  // Crossing or touching: parts that grow away from the nearest place, where the integrand is logarithmic.
+  constexpr std::array<double, 5> growing{0, 0.01, 0.1, 0.4, 1};
+  const double middle = nearest(a, b);
+  double sum = 0;
+  for (std::size_t k = 0; k + 1 < growing.size(); ++k) {
+    sum += on_part(a, middle * (1 - growing[k + 1]), middle * (1 - growing[k]), b, gap);
+    sum += on_part(a, middle + (1 - middle) * growing[k], middle + (1 - middle) * growing[k + 1], b, gap);
+  }
+  return cosine * sum;
+}
+
+}  // namespace
+
+double mutual_inductance_nh(Loop a, Loop b, double gap_mm) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Segment s = segment(a, i);
+    for (std::size_t j = 0; j < b.size(); ++j) sum += neumann(s, segment(b, j), gap_mm);
+  }
+  return mu0_over_4pi * sum;
+}
+
+double self_inductance_nh(Loop loop, double width_mm) {
+  return mutual_inductance_nh(loop, loop, width_mm / 4);
+}
+
+double coupling(Loop a, double width_a_mm, Loop b, double width_b_mm) {
+  return mutual_inductance_nh(a, b) /
+         std::sqrt(self_inductance_nh(a, width_a_mm) * self_inductance_nh(b, width_b_mm));
+}
+
+}  // namespace vacuform

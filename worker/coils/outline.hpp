@@ -1,0 +1,27 @@
+// What placement needs to know of an element: how far its ink reaches, and the loop that its coil is.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "worker/pattern/drawing.hpp"
+
+namespace vacuform {
+
+struct Outline {
+  double reach_mm = 0;   // from the element's centre to its farthest ink
+  double radius_mm = 0;  // of the circle that has the loop's area; without a loop the reach
+  double width_mm = 1;   // of the loop's line
+  // The middle of the largest closed curve's line, as a polyline about the element's centre, counter-clockwise and
+  // without its first point again; empty when no curve is closed. A ring that is filled and not stroked lies in the
+  // middle between its two edges.
+  std::vector<Eigen::Vector2d> loop;
+  std::vector<Eigen::Vector2d> points;  // of all curves, about the centre
+
+  bool is_loop() const { return !loop.empty(); }
+};
+
+// Pattern coordinates times `scale`, mm. Loops have about a hundred points.
+Outline outline(const Element& element, double scale);
+
+}  // namespace vacuform
