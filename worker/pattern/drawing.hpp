@@ -60,10 +60,13 @@ struct Drawing {
   std::vector<Element> elements;  // in the order of painting
 };
 
-// Reads the SVG that `pattern` was read from, to the pattern's size. Basic shapes, paths, use, groups, transforms,
-// presentation attributes, style attributes and style sheets of simple selectors. Nothing when the drawing holds
-// what vectors of ours cannot hold (text, pictures, gradients, filters, clips, masks, markers, blended groups) or is no
-// SVG; `warnings` then says what, and how to mend it ("pattern-as-picture"). Deterministic.
+// Reads the SVG that `pattern` was read from, to the pattern's size: basic shapes, paths, use, symbols, groups, inner
+// pages, transforms, presentation attributes, style attributes and style sheets of simple selectors. What sticks out of the
+// page is kept here and cut by who prints. A drawing that is no SVG gives nothing; so does one that holds what these
+// vectors cannot (text, pictures, gradients, filters, clips, masks, markers, blended groups, lines under a transform that
+// stretches them more one way than the other, more than 200,000 segments), and `warnings` then says what, and how to mend
+// it ("pattern-as-picture"). An element has ink: white shapes alone are none. Of equal ids the later ones get "-2", "-3",
+// ...; a <use> without an id has its target's. Deterministic; within a second or so whatever the bytes.
 std::optional<Drawing> read_drawing(std::span<const std::uint8_t> bytes, const Pattern& pattern,
                                     std::vector<Warning>& warnings);
 

@@ -1,0 +1,31 @@
+// Cubic Bezier curves as points close enough to be joined by straight lines.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "worker/pattern/drawing.hpp"
+
+namespace vacuform {
+
+// The smallest box around the curve itself, not around its control points.
+Eigen::AlignedBox2d box_of(const Curve& curve);
+
+struct CurvePoint {
+  Eigen::Vector2d at;
+  Eigen::Vector2d before, after;  // unit tangents; they differ at corners. Zero on a curve without length
+  double along = 0;               // length from the curve's start, mm
+};
+
+// How finely a curve is followed.
+struct Fineness {
+  double tolerance_mm = 0.002;  // between a chord and the curve
+  double turn = 0.2;            // between the tangents at a chord's ends, radians
+  double longest_mm = 1e9;      // of a chord
+};
+
+// Points along the curve from its start to its end; of a closed curve the first point comes again as the last. At most
+// 4096 chords a segment, whatever the fineness. Points that coincide are one.
+std::vector<CurvePoint> flatten(const Curve& curve, const Fineness& fineness);
+
+}  // namespace vacuform

@@ -1,0 +1,524 @@
+#include "worker/pattern/drawing.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <pugixml.hpp>
+#include <set>
+#include <string_view>
+
+#include "worker/pattern/curve.hpp"
+#include "worker/pattern/svg_path.hpp"
+#include "worker/pattern/svg_style.hpp"
+#include "worker/pattern/svg_values.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Affine2d;
+using Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+
+// A drawing beyond these is no coil pattern; they keep a hostile one within a second.
+constexpr std::size_t most_segments = 200'000;
+constexpr std::size_t most_work = 4'000'000;  // elements looked at, texts by 16 characters, rules tried
+constexpr int deepest = 256;
+constexpr double farthest_mm = 1e5;
+
+bool one_of(std::string_view name, std::initializer_list<std::string_view> names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+bool is_shape(std::string_view name) {
+  return one_of(name, {"path", "circle", "ellipse", "rect", "line", "polyline", "polygon"});
+}
+bool is_group(std::string_view name) { return one_of(name, {"g", "a", "svg", "switch"}); }
+
+double ink(const Colour& c) { return c.a * (1 - (0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b)); }
+bool has_ink(const Shape& shape) {
+  return (shape.fill && ink(*shape.fill) > 0) || (shape.stroke && ink(shape.stroke->colour) > 0);
+}
+
+AlignedBox2d box_of(const std::vector<Shape>& shapes) {
+  AlignedBox2d box;
+  for (const Shape& shape : shapes)
+    for (const Curve& curve : shape.curves) box.extend(box_of(curve));
+  return box;
+}
+
+class Reader {
+ public:
+  Reader(const pugi::xml_document& document, const Vector2d& size_mm)
+      : sheets_(document), root_(document.document_element()) {
+    drawing_.size_mm = size_mm;
+    bool entities = false;
+    for (const pugi::xml_node node : document.children())
+      entities |= node.type() == pugi::node_doctype &&
+                  std::string_view(node.value()).find("<!ENTITY") != std::string_view::npos;
+    document.find_node([&](const pugi::xml_node& node) {
+      index(node);
+      if (entities) look_for_entities(node);
+      return false;
+    });
+  }
+
+  std::optional<Drawing> read(std::vector<Warning>& warnings) {
+    if (!sheets_.complete())
+      refuse("a style sheet with selectors of several parts", "export it with plain attributes");
+    read_root();
+    if (what_.empty()) return std::move(drawing_);
+    warnings.push_back({"pattern-as-picture",
+                        std::string("The drawing is printed as a picture and not as lines, for it holds ") +
+                            what_ + "; " + mend_ + " to keep its lines exact."});
+    return std::nullopt;
+  }
+
+ private:
+  // What an element is drawn under.
+  struct Under {
+    Style style;
+    Affine2d to_pattern = Affine2d::Identity();
+    Vector2d viewport{0, 0};  // what percentages are taken of, user units
+    double opacity = 1;
+    int depth = 0;
+    bool named = false;  // inside an element of the drawing
+  };
+
+  void index(const pugi::xml_node& node) {
+    const pugi::xml_attribute id = node.attribute("id");
+    if (!id) return;
+    of_id_.emplace(id.value(), node);
+    if (local_name(node) == "g")
+      for (pugi::xml_node up = node.parent(); up && holds_named_groups_.insert(up).second;) up = up.parent();
+  }
+
+  // pugixml leaves them as they are. In the names of namespaces they do no harm.
+  void look_for_entities(const pugi::xml_node& node) {
+    bool found = local_name(node) == "style" &&
+                 std::string_view(node.child_value()).find('&') != std::string_view::npos;
+    for (const pugi::xml_attribute attribute : node.attributes())
+      found |= std::string_view(attribute.name()).find(':') == std::string_view::npos &&
+               std::string_view(attribute.name()) != "xmlns" &&
+               std::string_view(attribute.value()).find('&') != std::string_view::npos;
+    if (found) refuse("values by entities", "save it as plain SVG");
+  }
+
+  void refuse(const std::string& what, const std::string& mend) {
+    if (!what_.empty()) return;
+    what_ = what;
+    mend_ = mend;
+  }
+  bool refused() const { return !what_.empty(); }
+  void refuse_size() { refuse("more than can be kept as lines", "simplify it"); }
+
+  void read_root() {
+    const auto absolute = [&](const char* name) -> double {
+      const std::string_view text = trimmed(root_.attribute(name).value());
+      if (text.empty() || text.ends_with('%') || text == "auto") return 0;
+      const auto px = svg_length(text, LengthOf::width, {0, 0});
+      if (!px) refuse("a size in units that hang on a font", "give its size in mm");
+      return px.value_or(0);
+    };
+    const double width = absolute("width"), height = absolute("height");
+    Under under;
+    Affine2d page = Affine2d::Identity();  // millimetres from the top left corner
+    const Vector2d& size = drawing_.size_mm;
+    const auto box = svg_numbers(root_.attribute("viewBox").value());
+    if (box && !box->empty()) {
+      const auto view = svg_view(*box, root_.attribute("preserveAspectRatio").value(), size);
+      if (!view) return refuse("a viewBox that cannot be used", "mend that");
+      page = *view;
+      under.viewport = {(*box)[2], (*box)[3]};
+    } else if (width > 0 && height > 0) {
+      page.scale(size.x() / width);
+      under.viewport = {width, height};
+    } else {
+      return refuse("no size", "give it a viewBox");
+    }
+    if (root_.attribute("transform")) return refuse("a turned page", "turn the shapes instead");
+    under.to_pattern.matrix() << 1, 0, -size.x() / 2, 0, -1, size.y() / 2, 0, 0, 1;
+    under.to_pattern = under.to_pattern * page;
+    under.style = sheets_.of(root_, under.style, work_);
+    if (!enter(root_, under)) return;
+    const std::size_t before = paints_;
+    children(root_, under);
+    if (under.opacity < 1 && paints_ - before > 1) refuse_blend();
+  }
+
+  void refuse_blend() { refuse("an opacity of several shapes together", "give each shape its own colour"); }
+
+  void children(const pugi::xml_node& node, const Under& under) {
+    for (const pugi::xml_node child : node.children()) {
+      if (refused()) return;
+      if (child.type() == pugi::node_element) visit(child, under);
+    }
+  }
+
+  // Takes on what the element's own style says of the whole of it. False where nothing of it is drawn.
+  bool enter(const pugi::xml_node& node, Under& under) {
+    const Style& style = under.style;
+    if (style[Property::display] == "none") return false;
+    const auto set = [&](Property p, std::string_view off) { return style[p] != off; };
+    if (set(Property::clip_path, "none")) refuse("clipping paths", "cut the shapes themselves");
+    if (set(Property::mask, "none")) refuse("masks", "cut the shapes themselves");
+    if (set(Property::filter, "none")) refuse("filters", "take them away");
+    if (set(Property::mix_blend_mode, "normal")) refuse("blend modes", "take them away");
+    if (set(Property::transform, "none") || set(Property::transform_origin, ""))
+      refuse("transforms in styles", "export it with plain attributes");
+    under.opacity *= svg_opacity(style[Property::opacity]).value_or(1);
+    if (const pugi::xml_attribute transform = node.attribute("transform")) {
+      work_ += std::string_view(transform.value()).size() / 16;
+      const auto read = svg_transform(transform.value());
+      if (!read)
+        refuse("a transform that cannot be read", "mend that");
+      else
+        under.to_pattern = under.to_pattern * *read;
+    }
+    return !refused() && under.opacity > 0;
+  }
+
+  void visit(const pugi::xml_node& node, const Under& parent) {
+    if (++work_ > most_work || parent.depth > deepest) return refuse_size();
+    const std::string_view name = local_name(node);
+    const bool shape = is_shape(name), use = name == "use";
+    if (one_of(name, {"text", "image"})) return refuse_picture(node, name, parent);
+    if (!shape && !use && !is_group(name)) return;
+    Under under = parent;
+    ++under.depth;
+    under.style = sheets_.of(node, parent.style, work_);
+    if (!enter(node, under)) return;
+
+    const std::string id = element_id(node, name, under);
+    const std::size_t first = drawing_.elements.size(), before = paints_;
+    if (!id.empty()) {
+      under.named = true;
+      drawing_.elements.push_back({.id = id, .centre = {0, 0}, .shapes = {}});
+    }
+    if (shape)
+      paint(node, name, under);
+    else if (use)
+      follow(node, under);
+    else if (name == "switch")
+      choose(node, under);
+    else if (name == "svg")
+      nested(node, under, node.attribute("width").value(), node.attribute("height").value());
+    else
+      children(node, under);
+    if (under.opacity < 1 && parent.opacity != under.opacity && paints_ - before > 1) refuse_blend();
+    if (!id.empty()) finish_element(first);
+  }
+
+  void refuse_picture(const pugi::xml_node& node, std::string_view name, const Under& parent) {
+    if (sheets_.of(node, parent.style, work_)[Property::display] == "none") return;
+    if (name == "image") return refuse("a picture", "trace it");
+    const bool letters =
+        node.find_node([](const pugi::xml_node& inner) { return !trimmed(inner.value()).empty(); });
+    if (letters) refuse("text", "turn it into paths");
+  }
+
+  // The id under which what `node` draws is an element; empty: under none.
+  std::string element_id(const pugi::xml_node& node, std::string_view name, const Under& under) {
+    if (under.named) return {};
+    std::string id = node.attribute("id").value();
+    if (name == "g") {
+      const bool layer = std::string_view(node.attribute("inkscape:groupmode").value()) == "layer";
+      if (layer || id.empty()) return {};
+      if (holds_named_groups_.contains(node)) return {};
+    } else if (name == "use") {
+      // A nameless copy is named for what it copies.
+      if (id.empty()) id = target(node).attribute("id").value();
+    } else if (!is_shape(name)) {
+      return {};
+    }
+    if (id.empty()) return id;
+    std::string unique = id;
+    for (int& n = copies_[id]; !ids_.insert(unique).second;)
+      unique = id + "-" + std::to_string(n = std::max(2, n + 1));
+    return unique;
+  }
+
+  // An element has ink; what has none is painted all the same, as part of no element.
+  void finish_element(std::size_t index) {
+    Element& element = drawing_.elements[index];
+    if (std::any_of(element.shapes.begin(), element.shapes.end(), has_ink)) {
+      element.centre = box_of(element.shapes).center();
+      return;
+    }
+    ids_.erase(element.id);
+    std::vector<Shape> shapes = std::move(element.shapes);
+    drawing_.elements.pop_back();
+    for (Shape& shape : shapes) add(std::move(shape), false);
+  }
+
+  void add(Shape shape, bool named) {
+    auto& elements = drawing_.elements;
+    if (!named && (elements.empty() || !elements.back().id.empty()))
+      elements.push_back({.id = {}, .centre = {0, 0}, .shapes = {}});
+    elements.back().shapes.push_back(std::move(shape));
+  }
+
+  pugi::xml_node target(const pugi::xml_node& node) const {
+    std::string_view reference = node.attribute("href").value();
+    for (const pugi::xml_attribute attribute : node.attributes())
+      if (reference.empty() && std::string_view(attribute.name()).ends_with(":href"))
+        reference = attribute.value();
+    if (!reference.starts_with('#')) return {};
+    const auto at = of_id_.find(std::string(reference.substr(1)));
+    return at == of_id_.end() ? pugi::xml_node() : at->second;
+  }
+
+  void follow(const pugi::xml_node& node, const Under& under) {
+    const pugi::xml_node drawn = target(node);
+    if (!drawn) return;
+    Under moved = under;
+    moved.to_pattern.translate(Vector2d(length(node, "x", LengthOf::width, under).value_or(0),
+                                        length(node, "y", LengthOf::height, under).value_or(0)));
+    const std::string_view name = local_name(drawn);
+    if (name != "symbol" && name != "svg") return visit(drawn, moved);
+    moved.style = sheets_.of(drawn, under.style, work_);
+    if (++moved.depth > deepest) return refuse_size();
+    if (!enter(drawn, moved)) return;
+    const auto side = [&](const char* key) {
+      const std::string_view own = node.attribute(key).value();
+      return own.empty() && name == "svg" ? drawn.attribute(key).value() : node.attribute(key).value();
+    };
+    const std::size_t before = paints_;
+    nested(drawn, moved, side("width"), side("height"));
+    if (moved.opacity < under.opacity && paints_ - before > 1) refuse_blend();
+  }
+
+  // An inner <svg>, or a <symbol> that is used: a viewport of its own.
+  void nested(const pugi::xml_node& node, Under under, std::string_view width, std::string_view height) {
+    const auto side = [&](std::string_view text, LengthOf of, double whole) {
+      return text.empty() || text == "auto" ? std::optional<double>(whole)
+                                            : svg_length(text, of, under.viewport);
+    };
+    const auto w = side(width, LengthOf::width, under.viewport.x()),
+               h = side(height, LengthOf::height, under.viewport.y());
+    if (!w || !h) return refuse("a size in units that hang on a font", "give sizes in mm");
+    if (!(*w > 0) || !(*h > 0)) return;
+    if (local_name(node) == "svg")
+      under.to_pattern.translate(Vector2d(length(node, "x", LengthOf::width, under).value_or(0),
+                                          length(node, "y", LengthOf::height, under).value_or(0)));
+    const Affine2d outside = under.to_pattern;
+    under.viewport = {*w, *h};
+    if (node.attribute("refX") || node.attribute("refY"))
+      return refuse("symbols with a reference point", "draw them without");
+    const auto box = svg_numbers(node.attribute("viewBox").value());
+    if (box && !box->empty()) {
+      const auto view = svg_view(*box, node.attribute("preserveAspectRatio").value(), {*w, *h});
+      if (!view) return refuse("a viewBox that cannot be used", "mend that");
+      under.to_pattern = under.to_pattern * *view;
+      under.viewport = {(*box)[2], (*box)[3]};
+    }
+    const std::size_t mark = boxes_.size();
+    children(node, under);
+    // What sticks out of the viewport would be cut off there.
+    const Affine2d inside = outside.inverse();
+    const AlignedBox2d frame(Vector2d(-1e-6, -1e-6) * (*w + *h),
+                             Vector2d(*w, *h) + Vector2d(1e-6, 1e-6) * (*w + *h));
+    for (std::size_t i = mark; i < boxes_.size() && !refused(); ++i)
+      for (const auto corner : {AlignedBox2d::BottomLeft, AlignedBox2d::BottomRight, AlignedBox2d::TopLeft,
+                                AlignedBox2d::TopRight})
+        if (!frame.contains(inside * boxes_[i].corner(corner)))
+          return refuse("symbols or inner pages that are cut off at their border",
+                        "cut the shapes themselves");
+  }
+
+  void choose(const pugi::xml_node& node, const Under& under) {
+    for (const pugi::xml_node child : node.children()) {
+      if (child.type() != pugi::node_element || local_name(child) == "foreignObject" ||
+          child.attribute("requiredExtensions"))
+        continue;
+      if (child.attribute("systemLanguage")) return refuse("parts for one language", "take them away");
+      return visit(child, under);
+    }
+  }
+
+  std::optional<double> length(const pugi::xml_node& node, const char* name, LengthOf of,
+                               const Under& under) {
+    const std::string_view text = trimmed(node.attribute(name).value());
+    if (text.empty() || text == "auto") return std::nullopt;
+    const auto value = svg_length(text, of, under.viewport);
+    if (!value) refuse("lengths that cannot be read", "give them in mm");
+    return value;
+  }
+
+  std::vector<Curve> curves_of(const pugi::xml_node& node, std::string_view name, const Under& under) {
+    const auto x = [&](const char* key) { return length(node, key, LengthOf::width, under).value_or(0); };
+    const auto y = [&](const char* key) { return length(node, key, LengthOf::height, under).value_or(0); };
+    if (name == "path") {
+      const std::string_view d = node.attribute("d").value();
+      work_ += d.size() / 16;
+      return svg_path(d, most_segments - std::min(most_segments, segments_) + 1);
+    }
+    if (name == "circle") {
+      const double r = length(node, "r", LengthOf::diagonal, under).value_or(0);
+      if (!(r > 0)) return {};
+      return svg_ellipse({x("cx"), y("cy")}, {r, r});
+    }
+    auto rx = length(node, "rx", LengthOf::width, under), ry = length(node, "ry", LengthOf::height, under);
+    if (!rx) rx = ry;
+    if (!ry) ry = rx;
+    const Vector2d radii(rx.value_or(0), ry.value_or(0));
+    if (name == "ellipse") {
+      if (!(radii.minCoeff() > 0)) return {};
+      return svg_ellipse({x("cx"), y("cy")}, radii);
+    }
+    if (name == "rect") {
+      const Vector2d size(x("width"), y("height"));
+      if (!(size.minCoeff() > 0)) return {};
+      return svg_rectangle({x("x"), y("y")}, size, radii.cwiseMax(0));
+    }
+    if (name == "line") return svg_polyline({x("x1"), y("y1"), x("x2"), y("y2")}, false);
+    const std::string_view points = node.attribute("points").value();
+    work_ += points.size() / 16;
+    std::vector<double> coordinates;
+    for (NumberCursor cursor(points); const auto value = cursor.number();) coordinates.push_back(*value);
+    return svg_polyline(coordinates, name == "polygon");
+  }
+
+  std::optional<Colour> paint_of(const Style& style, Property paint, Property opacity, double whole) {
+    const std::string_view text = style[paint];
+    if (text == "none") return std::nullopt;
+    if (text.starts_with("url(") || text.starts_with("context-")) {
+      refuse("gradients or patterns as colours", "give plain colours");
+      return std::nullopt;
+    }
+    auto colour = text == "currentColor" || text == "currentcolor" ? svg_colour(style[Property::color])
+                                                                   : svg_colour(text);
+    // Inkscape and Illustrator may say the colour for print behind it.
+    if (!colour) colour = svg_colour(text.substr(0, text.find(' ')));
+    if (!colour) return std::nullopt;
+    colour->a *= svg_opacity(style[opacity]).value_or(1) * whole;
+    if (!(colour->a > 0)) return std::nullopt;
+    return colour;
+  }
+
+  std::optional<Stroke> stroke_of(const Under& under) {
+    const Style& style = under.style;
+    const auto colour = paint_of(style, Property::stroke, Property::stroke_opacity, under.opacity);
+    if (!colour) return std::nullopt;
+    const auto width = svg_length(style[Property::stroke_width], LengthOf::diagonal, under.viewport);
+    if (!width) refuse("widths of lines that cannot be read", "give them in mm");
+    if (!width || !(*width > 0)) return std::nullopt;
+    const Eigen::Vector2d sizes = under.to_pattern.linear().jacobiSvd().singularValues();
+    // A pen's round tip would become oval.
+    if (sizes[0] - sizes[1] > 1e-4 * sizes[0]) {
+      refuse("lines stretched more one way than the other", "turn them into outlines");
+      return std::nullopt;
+    }
+    if (style[Property::vector_effect] == "non-scaling-stroke")
+      refuse("lines that keep their width when scaled", "give their width itself");
+    const double scale = std::sqrt(sizes[0] * sizes[1]);
+    Stroke stroke;
+    stroke.colour = *colour;
+    stroke.width_mm = *width * scale;
+    const std::string_view cap = style[Property::stroke_linecap], join = style[Property::stroke_linejoin];
+    stroke.cap = cap == "round" ? LineCap::round : cap == "square" ? LineCap::square : LineCap::butt;
+    stroke.join = join == "round" ? LineJoin::round : join == "bevel" ? LineJoin::bevel : LineJoin::miter;
+    if (const auto limit = svg_numbers(style[Property::stroke_miterlimit]); limit && limit->size() == 1)
+      stroke.miter_limit = limit->front();
+    read_dashes(under, scale, stroke);
+    return stroke;
+  }
+
+  void read_dashes(const Under& under, double scale, Stroke& stroke) {
+    std::string_view list = trimmed(under.style[Property::stroke_dasharray]);
+    if (list == "none") return;
+    double sum = 0;
+    while (!list.empty()) {
+      const auto end = std::min(list.find_first_of(", \t\r\n"), list.size());
+      if (end > 0) {
+        const auto dash = svg_length(list.substr(0, end), LengthOf::diagonal, under.viewport);
+        // SVG draws a continuous line where a dash is wrong.
+        if (!dash || *dash < 0) return stroke.dashes_mm.clear();
+        stroke.dashes_mm.push_back(*dash * scale);
+        sum += *dash;
+      }
+      list.remove_prefix(std::min(end + 1, list.size()));
+    }
+    if (!(sum > 0)) return stroke.dashes_mm.clear();
+    if (stroke.dashes_mm.size() > 1000) return refuse_size();
+    if (stroke.dashes_mm.size() % 2 == 1) {
+      const auto once = stroke.dashes_mm;
+      stroke.dashes_mm.insert(stroke.dashes_mm.end(), once.begin(), once.end());
+    }
+    const auto offset =
+        svg_length(under.style[Property::stroke_dashoffset], LengthOf::diagonal, under.viewport);
+    stroke.dash_offset_mm = offset.value_or(0) * scale;
+  }
+
+  void paint(const pugi::xml_node& node, std::string_view name, const Under& under) {
+    const Style& style = under.style;
+    if (style[Property::visibility] != "visible") return;
+    if (!(std::abs(under.to_pattern.linear().determinant()) > 0)) return;
+    Shape shape;
+    shape.curves = curves_of(node, name, under);
+    for (const Curve& curve : shape.curves) segments_ += curve.points.size() / 3;
+    if (segments_ > most_segments) return refuse_size();
+    if (shape.curves.empty() || refused()) return;
+    if (name != "line") shape.fill = paint_of(style, Property::fill, Property::fill_opacity, under.opacity);
+    shape.even_odd = style[Property::fill_rule] == "evenodd";
+    shape.stroke = stroke_of(under);
+    if (shape.stroke && !shape.stroke->dashes_mm.empty() && node.attribute("pathLength"))
+      refuse("dashes by a path's own measure", "give them in mm");
+    const bool marked = style[Property::marker_start] != "none" || style[Property::marker_mid] != "none" ||
+                        style[Property::marker_end] != "none";
+    if (marked && one_of(name, {"path", "line", "polyline", "polygon"}))
+      refuse("markers", "turn them into paths");
+    if (refused() || (!shape.fill && !shape.stroke)) return;
+    paints_ += (shape.fill ? 1u : 0u) + (shape.stroke ? 1u : 0u);
+    place(shape, under);
+    if (refused()) return;
+    const bool stroke_first = style[Property::paint_order].starts_with("stroke") ||
+                              style[Property::paint_order].starts_with("markers stroke");
+    if (shape.fill && shape.stroke && stroke_first) {
+      Shape line = shape;
+      line.fill.reset();
+      shape.stroke.reset();
+      add(std::move(line), under.named);
+    }
+    add(std::move(shape), under.named);
+  }
+
+  // From user units to pattern coordinates.
+  void place(Shape& shape, const Under& under) {
+    AlignedBox2d box;
+    for (Curve& curve : shape.curves)
+      for (Vector2d& p : curve.points) {
+        p = under.to_pattern * p;
+        if (!p.allFinite() || p.cwiseAbs().maxCoeff() > farthest_mm)
+          return refuse("shapes far off the page", "take them away");
+        box.extend(p);
+      }
+    const double margin = shape.stroke ? shape.stroke->width_mm / 2 : 0;
+    if (margin > farthest_mm) return refuse_size();
+    boxes_.emplace_back(box.min() - Vector2d::Constant(margin), box.max() + Vector2d::Constant(margin));
+  }
+
+  const StyleSheets sheets_;
+  const pugi::xml_node root_;
+  std::map<std::string, pugi::xml_node> of_id_;
+  std::set<pugi::xml_node> holds_named_groups_;
+  Drawing drawing_;
+  std::vector<AlignedBox2d> boxes_;  // around each painted shape
+  std::set<std::string> ids_;        // of elements
+  std::map<std::string, int> copies_;
+  std::size_t work_ = 0, segments_ = 0, paints_ = 0;
+  std::string what_, mend_;
+};
+
+}  // namespace
+
+std::optional<Drawing> read_drawing(std::span<const std::uint8_t> bytes, const Pattern& pattern,
+                                    std::vector<Warning>& warnings) {
+  pugi::xml_document document;
+  if (pattern.format() != "SVG" ||
+      !document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default | pugi::parse_doctype))
+    return std::nullopt;
+  return Reader(document, pattern.size_mm()).read(warnings);
+}
+
+}  // namespace vacuform
