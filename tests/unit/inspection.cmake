@@ -5,3 +5,7 @@ find_package(ZLIB REQUIRED)
 vacuform_test(inspection_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/inspection_test.cpp
   LINKS vacuform_inspection PNG::PNG JPEG::JPEG ZLIB::ZLIB)
+
+vacuform_test(coil_figures_test
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/coil_figures_test.cpp
+  LINKS vacuform_inspection)

@@ -1,46 +1,99 @@
-// The figures of DESIGN.md for closed loops and for pairs of neighbours, measured on the inked surface from the print itself.
+// The figures of DESIGN.md for coils and for pairs of neighbours, measured on the inked surface, for the print itself and
+// for the plain drawing printed as it is. A *coil* is an element of the drawing with a closed line: its largest.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "worker/coils/alignment.hpp"
+#include "worker/flattening/flattening.hpp"
 #include "worker/printing/vector_print.hpp"
 
 namespace vacuform {
 
-// One closed loop: the largest closed centre line of an element.
-struct CoilFigures {
+// One closed trace as it lies on the flat sheet, ready to be formed.
+struct FlatLoop {
+  std::vector<Eigen::Vector2d>
+      line;  // closed polyline, sheet coordinates, mm; empty: the print does not have it whole
+  Eigen::Vector2d near{0, 0};  // a point near its centre, sheet coordinates, mm
+};
+
+// What was asked for, in the drawing at pattern.scale, and both ways of printing it.
+struct CoilLoops {
   std::string id;
-  bool on_head = true;              // all of it lies on the mold
-  Eigen::Vector3d centre{0, 0, 0};  // mm
-  double drawn_diameter_mm = 0;     // of the circle of equal area, in the pattern at its scale
-  double diameter_mm = 0;           // of the formed loop: twice the mean geodesic radius
+  Eigen::Vector2d drawn_centre{0, 0};  // mm, at pattern.scale
+  double drawn_diameter_mm = 0;        // twice the mean radius from its least squares centre
+  double drawn_area_mm2 = 0;
+  double drawn_circularity = 0;  // largest |r - mean r| / mean r: 0 of a circle
+  double size = 1;               // that decoupling gave it, against the drawing
+  double trace_mm = 0;           // width of the line once formed
+  FlatLoop with, without;
+};
+
+// The drawing's coils: `with` from the print, `without` from the drawing laid flat on the sheet, its centre where the top
+// of the mold comes to lie, turned and moved by the settings. In the order of the drawing.
+std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& placement,
+                                  const VectorPrint& print, const Flattening& flattening,
+                                  const Alignment& alignment);
+
+struct NeighbourLoops {
+  int a = 0, b = 0;  // indices into the coils, a < b
+};
+// The placement's pairs; without any, loops that overlap or nearly touch in the drawing: whose centres are no farther
+// apart than 1.15 times the sum of their radii.
+std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, const Placement& placement,
+                                       const Drawing& drawing);
+
+// One way of printing it, formed. Errors are against the drawing at the coil's `size`.
+struct CoilFigures {
+  bool on_head = false;             // all of it lies on the chart
+  Eigen::Vector3d centre{0, 0, 0};  // on the inked surface, mm
+  double diameter_mm = 0;           // twice the mean geodesic radius
+  double diameter_error = 0;        // against the drawn one, as a ratio less 1
   double circularity = 0;           // largest |r - mean r| / mean r, r the geodesic radius from its centre
-  double drawn_circularity = 0;     // the same in the drawing: 0 of a circle
-  double area_error = 0;            // enclosed area on the surface / drawn - 1
+  double area_mm2 = 0;              // enclosed, on the surface
+  double area_error = 0;            // against the drawn one, as a ratio less 1
   double worst_stretch = 1;         // of the plastic along the trace, formed length / flat length
-  double inductance_nh = 0;
+  std::optional<double> inductance_nh;
+};
+struct Coil {
+  std::string id;
+  double drawn_diameter_mm = 0, drawn_area_mm2 = 0, drawn_circularity = 0, size = 1;
+  std::optional<CoilFigures> with, without;  // nothing where it lies off the sheet, or is not printed whole
 };
 
 struct PairFigures {
-  int a = 0, b = 0;                             // indices into coils
-  double drawn_mm = 0, mm = 0;                  // distance of the centres: drawn, and geodesic
-  double drawn_overlap_mm = 0, overlap_mm = 0;  // sum of the radii less the distance; negative: a gap
-  double k = 0;                                 // coupling
+  double mm = 0;            // geodesic distance of the centres
+  double overlap_mm = 0;    // sum of the radii less that distance; negative: a gap
+  std::optional<double> k;  // coupling
+};
+struct CoilPair {
+  int a = 0, b = 0;                           // indices into coils
+  double drawn_mm = 0, drawn_overlap_mm = 0;  // in the drawing at pattern.scale
+  std::optional<PairFigures> with, without;
+};
+
+// Over the coils, and the pairs of coils, that lie on the head.
+struct CoilSummary {
+  int coils = 0, pairs = 0;
+  double mean_circularity = 0, worst_circularity = 0;
+  double mean_diameter_error = 0, worst_diameter_error = 0, mean_area_error = 0,
+         worst_area_error = 0;                      // of |...|
+  double spacing_rms_mm = 0, worst_spacing_mm = 0;  // of the distance less the drawn one
+  std::optional<double> worst_k;                    // of |k|
 };
 
 struct CoilTable {
-  std::vector<CoilFigures> coils;
-  std::vector<PairFigures> pairs;
-  // Over the coils and pairs that lie on the head.
-  double mean_circularity = 0, worst_circularity = 0, mean_area_error = 0, worst_area_error = 0;  // of |...|
-  double spacing_rms_mm = 0, worst_k = 0;
+  std::vector<Coil> coils;
+  std::vector<CoilPair> pairs;
+  CoilSummary with, without;
 };
 
-// Geodesics are exact on the triangles of the sheet (Xin and Wang 2009, CGAL). Deterministic. Errors: cancelled.
+// Geodesics are exact on the triangles of the sheet (geodesics.hpp). Deterministic, whatever the number of threads.
+// Errors: cancelled.
 Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flattening,
-                                const VectorPrint& print, const Drawing& drawing, const Placement& placement,
-                                const Settings& settings, const Context& context);
-
+                                const std::vector<CoilLoops>& loops, const std::vector<NeighbourLoops>& pairs,
+                                const Context& context);
 }  // namespace vacuform

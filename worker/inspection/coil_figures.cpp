@@ -1,0 +1,272 @@
+#include "worker/inspection/coil_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "worker/coils/inductance.hpp"
+#include "worker/inspection/loop_figures.hpp"
+#include "worker/parallel.hpp"
+#include "worker/pattern/curve.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+constexpr double near_miss = 1.15;  // of the sum of the radii: loops this close are neighbours
+
+double signed_area(const std::vector<Vector2d>& line) {
+  double twice = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vector2d &p = line[i], &q = line[(i + 1) % line.size()];
+    twice += p.x() * q.y() - p.y() * q.x();
+  }
+  return twice / 2;
+}
+double area_of(const std::vector<Vector2d>& line) { return std::abs(signed_area(line)); }
+
+// Counter-clockwise on the sheet: the sign of a coupling is then that of the overlap, not of how a loop was drawn.
+std::vector<Vector2d> counter_clockwise(std::vector<Vector2d> line) {
+  if (signed_area(line) < 0) std::reverse(line.begin(), line.end());
+  return line;
+}
+
+// As points that lie within 0.002 mm of it; the last one is not repeated.
+std::vector<Vector2d> polyline(const Curve& closed) {
+  std::vector<Vector2d> line;
+  for (const CurvePoint& point : flatten(closed, {})) line.push_back(point.at);
+  if (!line.empty()) line.pop_back();
+  return line;
+}
+
+Vector2d middle_of(const std::vector<Vector2d>& line) {
+  Vector2d sum(0, 0);
+  for (const Vector2d& p : line) sum += p;
+  return sum / static_cast<double>(std::max<std::size_t>(1, line.size()));
+}
+
+struct DrawnLoop {
+  std::vector<Vector2d> line;
+  double width_mm = 0;
+};
+// The largest closed line that an element strokes.
+std::optional<DrawnLoop> drawn_loop(const Element& element) {
+  std::optional<DrawnLoop> largest;
+  double most = 0;
+  for (const Shape& shape : element.shapes)
+    for (const Curve& curve : shape.curves) {
+      if (!shape.stroke || !curve.closed) continue;
+      DrawnLoop loop{polyline(curve), shape.stroke->width_mm};
+      const double area = area_of(loop.line);
+      if (area > most) most = area, largest = std::move(loop);
+    }
+  return largest;
+}
+
+std::vector<Vector2d> printed_loop(const VectorPrint& print, const std::string& id) {
+  std::vector<Vector2d> largest;
+  for (const PrintedElement& element : print.elements)
+    for (const Centreline& line : element.centrelines)
+      if (element.id == id && line.curve.closed)
+        if (auto points = polyline(line.curve); area_of(points) > area_of(largest))
+          largest = std::move(points);
+  return largest;
+}
+
+// About 120 points of the outline.
+std::vector<Vector3d> conductor(const LoopFigures& loop) {
+  const std::size_t stride = std::max<std::size_t>(1, loop.outline.size() / 120);
+  std::vector<Vector3d> line;
+  for (std::size_t i = 0; i < loop.outline.size(); i += stride) line.push_back(loop.outline[i]);
+  return line;
+}
+
+CoilFigures figures_of(const LoopFigures& loop, const CoilLoops& coil) {
+  CoilFigures out;
+  out.on_head = loop.on_head;
+  out.centre = loop.centre;
+  out.diameter_mm = loop.diameter_mm;
+  out.diameter_error = loop.diameter_mm / (coil.drawn_diameter_mm * coil.size) - 1;
+  out.circularity = loop.circularity;
+  out.area_mm2 = loop.area_mm2;
+  out.area_error = loop.area_mm2 / (coil.drawn_area_mm2 * coil.size * coil.size) - 1;
+  out.worst_stretch = loop.worst_stretch;
+  if (coil.trace_mm > 0) out.inductance_nh = self_inductance_nh(conductor(loop), coil.trace_mm);
+  return out;
+}
+
+CoilSummary summary_of(const CoilTable& table, std::optional<CoilFigures> Coil::*way,
+                       std::optional<PairFigures> CoilPair::*pair_way) {
+  CoilSummary out;
+  const auto counts = [&](int i) {
+    const auto& figures = table.coils[static_cast<std::size_t>(i)].*way;
+    return figures && figures->on_head;
+  };
+  const auto take = [](double value, double& sum, double& worst) {
+    sum += std::abs(value), worst = std::max(worst, std::abs(value));
+  };
+  for (int i = 0; i < static_cast<int>(table.coils.size()); ++i) {
+    if (!counts(i)) continue;
+    const CoilFigures& f = *(table.coils[static_cast<std::size_t>(i)].*way);
+    ++out.coils;
+    take(f.circularity, out.mean_circularity, out.worst_circularity);
+    take(f.diameter_error, out.mean_diameter_error, out.worst_diameter_error);
+    take(f.area_error, out.mean_area_error, out.worst_area_error);
+  }
+  for (double* mean : {&out.mean_circularity, &out.mean_diameter_error, &out.mean_area_error})
+    *mean /= std::max(1, out.coils);
+  double squares = 0;
+  for (const CoilPair& pair : table.pairs) {
+    if (!counts(pair.a) || !counts(pair.b) || !(pair.*pair_way)) continue;
+    const PairFigures& f = *(pair.*pair_way);
+    ++out.pairs;
+    squares += (f.mm - pair.drawn_mm) * (f.mm - pair.drawn_mm);
+    out.worst_spacing_mm = std::max(out.worst_spacing_mm, std::abs(f.mm - pair.drawn_mm));
+    if (f.k) out.worst_k = std::max(out.worst_k.value_or(0), std::abs(*f.k));
+  }
+  out.spacing_rms_mm = std::sqrt(squares / std::max(1, out.pairs));
+  return out;
+}
+
+}  // namespace
+
+std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& placement,
+                                  const VectorPrint& print, const Flattening& flattening,
+                                  const Alignment& alignment) {
+  const auto plain = [&](const Vector2d& uv) -> Vector2d {
+    return flattening.top_rest + alignment.chart(uv);
+  };
+  std::vector<CoilLoops> coils;
+  for (std::size_t i = 0; i < drawing.elements.size(); ++i) {
+    const Element& element = drawing.elements[i];
+    const auto drawn = element.id.empty() ? std::nullopt : drawn_loop(element);
+    if (!drawn) continue;
+    const PlaneLoopFigures flat = measure_plane_loop(drawn->line);
+    CoilLoops coil;
+    coil.id = element.id;
+    coil.drawn_centre = alignment.scale * flat.centre;
+    coil.drawn_diameter_mm = alignment.scale * flat.diameter_mm;
+    coil.drawn_area_mm2 = alignment.scale * alignment.scale * flat.area_mm2;
+    coil.drawn_circularity = flat.circularity;
+    coil.with = {printed_loop(print, element.id), {0, 0}};
+    coil.with.near = middle_of(coil.with.line);
+    for (const PlacedElement& placed : placement.elements)
+      if (placed.element == static_cast<int>(i)) {
+        coil.size = placed.size / alignment.scale;
+        coil.with.near = placed.centre_rest;
+      }
+    coil.trace_mm = drawn->width_mm * alignment.scale * coil.size;
+    for (const Vector2d& uv : drawn->line) coil.without.line.push_back(plain(uv));
+    coil.without.near = plain(flat.centre);
+    coil.with.line = counter_clockwise(std::move(coil.with.line));
+    coil.without.line = counter_clockwise(std::move(coil.without.line));
+    // What is left of a coil that runs off its patch may be a smaller loop.
+    const double expected = area_of(coil.without.line) * coil.size * coil.size;
+    if (area_of(coil.with.line) < 0.2 * expected) coil.with.line.clear();
+    coils.push_back(std::move(coil));
+  }
+  return coils;
+}
+
+std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, const Placement& placement,
+                                       const Drawing& drawing) {
+  std::set<std::pair<int, int>> pairs;
+  const auto coil_of = [&](int placed) {
+    const auto& id =
+        drawing
+            .elements[static_cast<std::size_t>(placement.elements[static_cast<std::size_t>(placed)].element)]
+            .id;
+    const auto found =
+        std::find_if(coils.begin(), coils.end(), [&](const CoilLoops& coil) { return coil.id == id; });
+    return found == coils.end() ? -1 : static_cast<int>(found - coils.begin());
+  };
+  for (const PlacedPair& pair : placement.pairs) {
+    const int a = coil_of(pair.a), b = coil_of(pair.b);
+    if (a >= 0 && b >= 0 && a != b) pairs.emplace(std::minmax(a, b));
+  }
+  const int count = static_cast<int>(coils.size());
+  if (placement.pairs.empty())
+    for (int a = 0; a < count; ++a)
+      for (int b = a + 1; b < count; ++b) {
+        const auto &p = coils[static_cast<std::size_t>(a)], &q = coils[static_cast<std::size_t>(b)];
+        const double radii = (p.drawn_diameter_mm + q.drawn_diameter_mm) / 2;
+        if ((p.drawn_centre - q.drawn_centre).norm() <= near_miss * radii) pairs.emplace(a, b);
+      }
+  std::vector<NeighbourLoops> out;
+  for (const auto& [a, b] : pairs) out.push_back({a, b});
+  return out;
+}
+
+Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flattening,
+                                const std::vector<CoilLoops>& loops, const std::vector<NeighbourLoops>& pairs,
+                                const Context& context) {
+  const MeasuredSheet measured(sheet, flattening);
+  // Two loops a coil, then two ways a pair, a few at once so that a cancel is heard.
+  const int coils = static_cast<int>(loops.size()), all = 2 * (coils + static_cast<int>(pairs.size()));
+  std::vector<std::optional<LoopFigures>> found(static_cast<std::size_t>(2 * coils));
+  std::vector<double> distances(2 * pairs.size(), std::nan(""));
+  const auto work = [&](int item) {
+    const bool with = item % 2 == 0;
+    if (item < 2 * coils) {
+      const CoilLoops& coil = loops[static_cast<std::size_t>(item / 2)];
+      const FlatLoop& loop = with ? coil.with : coil.without;
+      if (!loop.line.empty())
+        found[static_cast<std::size_t>(item)] = measure_loop(measured, loop.line, loop.near);
+      return;
+    }
+    const auto pair = static_cast<std::size_t>(item / 2 - coils);
+    const auto of = [&](int coil) -> const auto& {
+      return found[static_cast<std::size_t>(2 * coil + item % 2)];
+    };
+    const auto &a = of(pairs[pair].a), &b = of(pairs[pair].b);
+    if (a && b)
+      distances[static_cast<std::size_t>(item - 2 * coils)] =
+          geodesic_distance(measured, a->centre_rest, b->centre_rest);
+  };
+  constexpr int batch = 4;
+  for (int begin = 0; begin < all;) {
+    VACUFORM_CHECK(context.step(Stage::inspection, static_cast<double>(begin) / all));
+    // Pairs need the coils' centres.
+    const int end = std::min(begin + batch, begin < 2 * coils ? 2 * coils : all);
+    in_parallel(begin, end, [&](int first, int last) {
+      for (int item = first; item < last; ++item) work(item);
+    });
+    begin = end;
+  }
+
+  CoilTable table;
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    const CoilLoops& coil = loops[i];
+    Coil& row = table.coils.emplace_back();
+    row = {coil.id, coil.drawn_diameter_mm, coil.drawn_area_mm2, coil.drawn_circularity, coil.size, {}, {}};
+    if (found[2 * i]) row.with = figures_of(*found[2 * i], coil);
+    if (found[2 * i + 1]) {
+      CoilLoops as_drawn = coil;  // the plain drawing knows of no decoupling
+      as_drawn.size = 1;
+      row.without = figures_of(*found[2 * i + 1], as_drawn);
+    }
+  }
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto a = static_cast<std::size_t>(pairs[i].a), b = static_cast<std::size_t>(pairs[i].b);
+    CoilPair& row = table.pairs.emplace_back();
+    row.a = pairs[i].a, row.b = pairs[i].b;
+    row.drawn_mm = (loops[a].drawn_centre - loops[b].drawn_centre).norm();
+    row.drawn_overlap_mm = (loops[a].drawn_diameter_mm + loops[b].drawn_diameter_mm) / 2 - row.drawn_mm;
+    for (const std::size_t way : {0, 1}) {
+      const double mm = distances[2 * i + way];
+      if (!std::isfinite(mm)) continue;
+      const LoopFigures &one = *found[2 * a + way], &other = *found[2 * b + way];
+      PairFigures figures{mm, (one.diameter_mm + other.diameter_mm) / 2 - mm, {}};
+      if (loops[a].trace_mm > 0 && loops[b].trace_mm > 0)
+        figures.k = coupling(conductor(one), loops[a].trace_mm, conductor(other), loops[b].trace_mm);
+      (way == 0 ? row.with : row.without) = figures;
+    }
+  }
+  table.with = summary_of(table, &Coil::with, &CoilPair::with);
+  table.without = summary_of(table, &Coil::without, &CoilPair::without);
+  return table;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,250 @@
+#include "worker/inspection/loop_figures.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/inspection/geodesics.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+constexpr double step_mm = 0.25;        // of the line on the flat sheet
+constexpr double stretch_piece_mm = 1;  // over which a trace's stretch is taken
+constexpr int radii = 180;              // rays from the centre
+constexpr double settled_mm = 0.03;     // a move of the centre that its linear effect on the radii makes good
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double signed_area(const std::vector<Vector2d>& polygon) {
+  double twice = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+    twice += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
+  return twice / 2;
+}
+
+// `count` points evenly spaced along the closed line, whose points lie `at` in space, by length in space.
+std::vector<Vector2d> evenly(const std::vector<Vector2d>& line, const std::vector<Vector3d>& at, int count) {
+  std::vector<double> until{0};
+  for (std::size_t i = 0; i < at.size(); ++i)
+    until.push_back(until.back() + (at[(i + 1) % at.size()] - at[i]).norm());
+  std::vector<Vector2d> points;
+  std::size_t piece = 0;
+  for (int k = 0; k < count; ++k) {
+    const double wanted = until.back() * k / count;
+    while (piece + 1 < line.size() && until[piece + 1] <= wanted) ++piece;
+    const double length = until[piece + 1] - until[piece];
+    const double f = length > 0 ? (wanted - until[piece]) / length : 0;
+    points.push_back(line[piece] + f * (line[(piece + 1) % line.size()] - line[piece]));
+  }
+  return points;
+}
+
+// Least squares over rays of length r and direction `way` (one a row) from a centre: the move of the centre that makes
+// the lengths most equal, and the lengths after it, to first order.
+struct Centring {
+  Eigen::VectorXd move, radii;
+  double mean() const { return radii.mean(); }
+  double circularity() const { return (radii.array() - mean()).abs().maxCoeff() / mean(); }
+};
+Centring centre_of(const Eigen::VectorXd& r, const Eigen::MatrixXd& way) {
+  // r_i - way_i . move = R for all i, in move and R.
+  Eigen::MatrixXd equations(way.rows(), way.cols() + 1);
+  equations << way, Eigen::VectorXd::Ones(way.rows());
+  const Eigen::VectorXd solution = equations.completeOrthogonalDecomposition().solve(r);
+  const Eigen::VectorXd move = solution.head(way.cols());
+  return {move, r - way * move};
+}
+
+// The part of a polygon to the left of the line from a to b (one pass of Sutherland and Hodgman 1974).
+void cut(std::vector<Vector2d>& polygon, std::vector<Vector2d>& kept, const Vector2d& a, const Vector2d& b) {
+  kept.clear();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector2d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    const double side_p = cross(b - a, p - a), side_q = cross(b - a, q - a);
+    if (side_p >= 0) kept.push_back(p);
+    if ((side_p > 0 && side_q < 0) || (side_p < 0 && side_q > 0))
+      kept.push_back(p + side_p / (side_p - side_q) * (q - p));
+  }
+  polygon.swap(kept);
+}
+
+// The area of the surface inside a loop of the flat sheet: of each triangle the share of its flat area inside, exactly.
+double enclosed_area(const MeasuredSheet& sheet, const std::vector<Vector2d>& line) {
+  const FormedSheet& formed = sheet.sheet();
+  Vector2d low = line.front(), high = low;
+  for (const Vector2d& p : line) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  double sum = 0;
+  std::vector<Vector2d> polygon, kept;
+  for (const Triangle& t : formed.triangles) {
+    std::array<Vector2d, 3> c;
+    for (std::size_t k = 0; k < 3; ++k) c[k] = formed.rest[static_cast<std::size_t>(t[k])];
+    if ((c[0].cwiseMax(c[1]).cwiseMax(c[2]) - low).minCoeff() < 0 ||
+        (high - c[0].cwiseMin(c[1]).cwiseMin(c[2])).minCoeff() < 0)
+      continue;
+    polygon = line;
+    for (std::size_t k = 0; k < 3 && !polygon.empty(); ++k) cut(polygon, kept, c[k], c[(k + 1) % 3]);
+    const double flat = cross(c[1] - c[0], c[2] - c[0]) / 2;
+    if (polygon.empty() || !(flat > 0)) continue;
+    const auto at = [&](std::size_t k) { return sheet.inked()[static_cast<std::size_t>(t[k])]; };
+    sum += std::abs(signed_area(polygon)) / flat * (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
+  }
+  return sum;
+}
+
+// Sheet coordinates for a move in space within a triangle's plane.
+Vector2d in_rest(const MeasuredSheet& sheet, int triangle, const Vector3d& move) {
+  const Triangle& t = sheet.sheet().triangles[static_cast<std::size_t>(triangle)];
+  const auto rest = [&](std::size_t k) { return sheet.sheet().rest[static_cast<std::size_t>(t[k])]; };
+  const auto at = [&](std::size_t k) { return sheet.inked()[static_cast<std::size_t>(t[k])]; };
+  Eigen::Matrix<double, 3, 2> space;
+  space << at(1) - at(0), at(2) - at(0);
+  Eigen::Matrix2d flat;
+  flat << rest(1) - rest(0), rest(2) - rest(0);
+  return flat * space.colPivHouseholderQr().solve(move);
+}
+
+// The length of the straight line on the flat sheet from a to b once it is formed: an upper bound of the geodesic one.
+double straight_length(const MeasuredSheet& sheet, const Vector2d& a, const Vector2d& b) {
+  const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step_mm)));
+  double length = 0;
+  Vector3d last;
+  for (int i = 0; i <= pieces; ++i) {
+    const auto at = sheet.find(a + (b - a) * i / pieces);
+    if (!at) return std::nan("");
+    const Vector3d place = sheet.place(*at);
+    if (i > 0) length += (place - last).norm();
+    last = place;
+  }
+  return 1.01 * length + 0.1;  // the pieces cut corners
+}
+
+double worst_stretch(const std::vector<Vector2d>& line, const std::vector<Vector3d>& at) {
+  const std::size_t n = line.size();
+  double worst = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    double flat = 0, formed = 0;
+    for (std::size_t k = i; flat < stretch_piece_mm && k < i + n; ++k) {
+      flat += (line[(k + 1) % n] - line[k % n]).norm();
+      formed += (at[(k + 1) % n] - at[k % n]).norm();
+    }
+    if (flat > 0) worst = std::max(worst, formed / flat);
+  }
+  return worst;
+}
+
+}  // namespace
+
+MeasuredSheet::MeasuredSheet(const FormedSheet& sheet, const Flattening& flattening)
+    : sheet_(sheet),
+      flattening_(flattening),
+      on_chart_(sheet.triangles.size(), 0),
+      locator_(sheet.triangles, sheet.rest) {
+  for (const int t : flattening.triangles) on_chart_[static_cast<std::size_t>(t)] = 1;
+}
+
+std::vector<Vector2d> densified(const std::vector<Vector2d>& line, double step, bool closed) {
+  std::vector<Vector2d> out;
+  for (std::size_t i = 0; i + (closed ? 0 : 1) < line.size(); ++i) {
+    const Vector2d &a = line[i], &b = line[(i + 1) % line.size()];
+    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / step)));
+    for (int k = 0; k < pieces; ++k) out.push_back(a + (b - a) * k / pieces);
+  }
+  if (!closed && !line.empty()) out.push_back(line.back());
+  return out;
+}
+
+std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::vector<Vector2d>& given,
+                                        const Vector2d& near) {
+  const std::vector<Vector2d> line = densified(given, step_mm, true);
+  if (line.size() < 3) return std::nullopt;
+  LoopFigures out;
+  out.on_head = true;
+  for (const Vector2d& p : line) {
+    const auto at = sheet.find(p);
+    if (!at) return std::nullopt;
+    out.outline.push_back(sheet.place(*at));
+    out.on_head &= sheet.on_chart(*at);
+  }
+  std::vector<SheetPoint> ends;
+  for (const Vector2d& p : evenly(line, out.outline, radii)) {
+    const auto at = sheet.find(p);
+    if (!at) return std::nullopt;
+    ends.push_back(*at);
+  }
+
+  out.centre_rest = near;
+  double reach = 0;
+  for (std::size_t i = 0; i < line.size(); i += 4)
+    reach = std::max(reach, straight_length(sheet, near, line[i]));
+  const auto first = sheet.find(near);
+  if (!first || !std::isfinite(reach)) return std::nullopt;
+  const Vector3d middle = sheet.place(*first);
+  // The centre will move: by no more than a quarter, or the loop is so far from a circle that its figures mean little.
+  const double room = 1.25 * reach;
+  Geodesics geodesics(sheet.sheet().triangles, sheet.inked(),
+                      within_reach(sheet.sheet().triangles, sheet.inked(), middle, middle, 2 * room));
+  for (int round = 0; round < 12; ++round) {
+    const auto source = sheet.find(out.centre_rest);
+    if (!source || !geodesics.begin_at(*source)) return std::nullopt;
+    Eigen::VectorXd r(radii);
+    Eigen::MatrixXd way(radii, 3);
+    for (int i = 0; i < radii; ++i) {
+      const auto path = geodesics.to(ends[static_cast<std::size_t>(i)]);
+      if (!path) return std::nullopt;
+      r[i] = path->length;
+      way.row(i) = path->start;
+    }
+    const Centring centring = centre_of(r, way);
+    out.centre_rest += in_rest(sheet, source->triangle, centring.move);
+    out.diameter_mm = 2 * centring.mean();
+    out.circularity = centring.circularity();
+    out.centre = sheet.place(*source) + centring.move;
+    if (centring.move.norm() < settled_mm) break;
+  }
+  out.area_mm2 = enclosed_area(sheet, line);
+  out.worst_stretch = worst_stretch(line, out.outline);
+  return out;
+}
+
+PlaneLoopFigures measure_plane_loop(const std::vector<Vector2d>& given) {
+  PlaneLoopFigures out;
+  const std::vector<Vector2d> line = densified(given, step_mm, true);
+  std::vector<Vector3d> at;
+  for (const Vector2d& p : line) at.emplace_back(p.x(), p.y(), 0), out.centre += p;
+  out.centre /= static_cast<double>(std::max<std::size_t>(1, line.size()));
+  const std::vector<Vector2d> ends = evenly(line, at, radii);
+  for (int round = 0; round < 12; ++round) {
+    Eigen::VectorXd r(radii);
+    Eigen::MatrixXd way(radii, 2);
+    for (int i = 0; i < radii; ++i) {
+      const Vector2d d = ends[static_cast<std::size_t>(i)] - out.centre;
+      r[i] = d.norm();
+      way.row(i) = r[i] > 0 ? Vector2d(d / r[i]) : Vector2d(0, 0);
+    }
+    const Centring centring = centre_of(r, way);
+    out.centre += centring.move;
+    out.diameter_mm = 2 * centring.mean();
+    out.circularity = centring.circularity();
+    if (centring.move.norm() < 1e-6) break;
+  }
+  out.area_mm2 = std::abs(signed_area(given));
+  return out;
+}
+
+double geodesic_distance(const MeasuredSheet& sheet, const Vector2d& a, const Vector2d& b) {
+  const auto from = sheet.find(a), to = sheet.find(b);
+  const double bound = straight_length(sheet, a, b);
+  if (!from || !to || !std::isfinite(bound)) return std::nan("");
+  Geodesics geodesics(
+      sheet.sheet().triangles, sheet.inked(),
+      within_reach(sheet.sheet().triangles, sheet.inked(), sheet.place(*from), sheet.place(*to), bound));
+  if (!geodesics.begin_at(*from)) return std::nan("");
+  const auto path = geodesics.to(*to);
+  return path ? path->length : std::nan("");
+}
+
+}  // namespace vacuform

@@ -1,0 +1,69 @@
+// A closed line that lies on the flat sheet, measured where the formed sheet carries it. Internal to worker/inspection.
+//
+// The figures are those of DESIGN's definitions, on the inked surface. A loop's centre is found, not assumed: it is the
+// point of the surface from which the geodesic radius of the loop varies least (least squares over the loop by its formed
+// length), so that whoever has the print and the formed sheet, and nothing else, finds the same.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/flattening/flattening.hpp"
+#include "worker/forming/sheet_map.hpp"
+
+namespace vacuform {
+
+// Measures lines on one formed sheet; keeps references to what it is made of.
+class MeasuredSheet {
+ public:
+  MeasuredSheet(const FormedSheet& sheet, const Flattening& flattening);
+
+  std::optional<SheetPoint> find(const Eigen::Vector2d& rest) const { return locator_.find(rest); }
+  Eigen::Vector3d place(const SheetPoint& at) const {
+    return interpolate(sheet_.triangles, at, flattening_.inked);
+  }
+  bool on_chart(const SheetPoint& at) const { return on_chart_[static_cast<std::size_t>(at.triangle)] != 0; }
+
+  const FormedSheet& sheet() const { return sheet_; }
+  const std::vector<Eigen::Vector3d>& inked() const { return flattening_.inked; }
+
+ private:
+  const FormedSheet& sheet_;
+  const Flattening& flattening_;
+  std::vector<std::uint8_t> on_chart_;  // per triangle
+  PlaneLocator locator_;
+};
+
+struct LoopFigures {
+  bool on_head = false;                  // all of it lies on the chart
+  Eigen::Vector3d centre{0, 0, 0};       // on the inked surface, mm
+  Eigen::Vector2d centre_rest{0, 0};     // sheet coordinates, mm
+  double diameter_mm = 0;                // twice the mean geodesic radius
+  double circularity = 0;                // largest |r - mean r| / mean r
+  double area_mm2 = 0;                   // enclosed, on the surface
+  double worst_stretch = 1;              // formed length / flat length of the worst millimetre
+  std::vector<Eigen::Vector3d> outline;  // on the inked surface, mm, closed
+};
+
+// `line` is a closed polyline in sheet coordinates, the last point joined to the first; `near` a point near its centre.
+// Nothing when a part of it is off the sheet, or its centre cannot be joined to it. Exact on the triangles of the sheet
+// for lengths and areas; the centre to 0.01 mm. Deterministic.
+std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::vector<Eigen::Vector2d>& line,
+                                        const Eigen::Vector2d& near);
+
+// The same figures of a loop in the plane: circularity and diameter from its least squares centre.
+struct PlaneLoopFigures {
+  Eigen::Vector2d centre{0, 0};
+  double diameter_mm = 0, circularity = 0, area_mm2 = 0;
+};
+PlaneLoopFigures measure_plane_loop(const std::vector<Eigen::Vector2d>& line);
+
+// Length of the shortest way over the surface, mm; NaN where there is none.
+double geodesic_distance(const MeasuredSheet& sheet, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+
+// The line with further points, so that none of its pieces is longer than `step_mm`. `closed`: the piece from the last
+// point to the first counts, and the last point is not repeated.
+std::vector<Eigen::Vector2d> densified(const std::vector<Eigen::Vector2d>& line, double step_mm, bool closed);
+
+}  // namespace vacuform
