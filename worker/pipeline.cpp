@@ -34,18 +34,50 @@ Result<void> write_whole(const std::filesystem::path& path, std::span<const std:
   return {};
 }
 
+Result<Mold> mold_of(const Inputs& inputs, const nlohmann::ordered_json& made_from, const Context& context) {
+  if (auto kept = inputs.kept.mold(made_from)) {
+    VACUFORM_CHECK(context.step(Stage::scan, 1));
+    return *std::move(kept);
+  }
+  const Settings& s = inputs.settings;
+  VACUFORM_TRY(cut, make_mold(inputs.scan, inputs.scan_name, s.scan, context));
+  VACUFORM_TRY(mold, on_plug(std::move(cut), s.machine.plug_height_mm));
+  inputs.kept.keep(made_from, mold);
+  return mold;
+}
+
+Result<FormedSheet> sheet_of(const Inputs& inputs, const nlohmann::ordered_json& made_from, const Mold& mold,
+                             const TemperatureField& temperature, const Context& context) {
+  if (auto kept = inputs.kept.sheet(made_from)) {
+    VACUFORM_CHECK(context.step(Stage::forming, 1));
+    return *std::move(kept);
+  }
+  const Settings& s = inputs.settings;
+  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, temperature, context));
+  inputs.kept.keep(made_from, sheet);
+  return sheet;
+}
+
 }  // namespace
 
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
   const Settings& s = inputs.settings;
   VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
-  VACUFORM_TRY(cut, make_mold(inputs.scan, inputs.scan_name, s.scan, context));
-  VACUFORM_TRY(mold, on_plug(std::move(cut), s.machine.plug_height_mm));
+  const nlohmann::ordered_json all = to_json(s);
+  nlohmann::ordered_json of_mold = {{"scan", sha256_hex(inputs.scan)},
+                                    {"type", std::filesystem::path(inputs.scan_name).extension().string()},
+                                    {"settings", all["scan"]},
+                                    {"plug_height_mm", s.machine.plug_height_mm}};
+  VACUFORM_TRY(mold, mold_of(inputs, of_mold, context));
   VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
   VACUFORM_TRY(warmth, sheet_temperature(s.sheet, s.machine, s.heat, inputs.temperature, context));
   const double share = inputs.sensitivity ? 0.15 : 1;  // of the forming stage's work
   const Portion nominal(context, Stage::forming, 0, share), changed(context, Stage::forming, share, 1);
-  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, warmth.field, nominal.context()));
+  const nlohmann::ordered_json of_sheet = {
+      {"mold", std::move(of_mold)},
+      {"settings", {all["sheet"], all["machine"], all["heat"], all["forming"]}},
+      {"temperature", inputs.temperature ? sha256_hex(inputs.temperature->bytes) : std::string()}};
+  VACUFORM_TRY(sheet, sheet_of(inputs, of_sheet, mold, warmth.field, nominal.context()));
   std::vector<Variant> variants;
   if (inputs.sensitivity) {
     VACUFORM_TRY(formed, form_variants(mold, s, warmth.field, changed.context()));

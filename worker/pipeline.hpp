@@ -10,6 +10,7 @@
 #include "api/settings.hpp"
 #include "worker/context.hpp"
 #include "worker/forming/heat/measured_field.hpp"
+#include "worker/kept_stages.hpp"
 
 namespace vacuform {
 
@@ -21,6 +22,7 @@ struct Inputs {
   Settings settings;
   std::optional<MeasuredFile> temperature = {};  // of the sheet; only and always with heat.source measured
   bool sensitivity = false;  // report.json tells as well how far each coil lands off by errors of the machine
+  KeptStages kept = {};      // where to look for, and leave, what the scan and forming stages make
 };
 
 // Runs every stage and writes the artifacts of api/job.hpp into `out`, which is created when absent. Each file is

@@ -100,6 +100,26 @@ class Progress(Case):
         self.assertEqual(steps, sorted(steps), "progress goes back")
         self.assertTrue(all(0 <= fraction <= 1 for _, fraction in steps))
 
+    def test_a_kept_head_is_not_formed_again(self):
+        """Another pattern on it gives the bytes of a run that keeps nothing, without a step of scan or forming."""
+        def run(out, *words):
+            done = vacuform("run", "--scan", NEONATE, "--out", self.folder / out, "--progress", "json",
+                            "--set", "sheet.resolution_mm=10", "--set", "print.dpi=72", *words)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            lines = [json.loads(line) for line in done.stdout.splitlines()]
+            return [line["progress"] for line in lines if line["stage"] in ("scan", "forming")]
+
+        keep, turned = ("--keep", self.folder / "kept"), ("--pattern", RINGS, "--set", "pattern.rotate_deg=30")
+        self.assertGreater(len(run("first", "--pattern", PATTERNS / "rings-7x40mm.svg", *keep)), 10)
+        self.assertEqual(run("again", *turned, *keep), [1, 1])
+        self.assertGreater(len(run("alone", *turned)), 10)
+        names = sorted(file.name for file in (self.folder / "alone").iterdir())
+        self.assertEqual(names, sorted(file.name for file in (self.folder / "again").iterdir()))
+        for name in names:
+            self.assertEqual((self.folder / "again" / name).read_bytes(), (self.folder / "alone" / name).read_bytes(), name)
+        # Another sheet on the same mold is formed; only the scan is spared.
+        self.assertGreater(len(run("thicker", *turned, *keep, "--set", "sheet.thickness_mm=2")), 5)
+
     def test_problem_is_the_last_line_of_json(self):
         done = vacuform("run", "--scan", SCANS / "corrupt-head.glb", "--pattern", RINGS, "--out", self.folder / "none",
                         "--progress", "json")

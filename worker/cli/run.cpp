@@ -17,7 +17,7 @@ namespace vacuform::cli {
 namespace {
 
 struct RunOptions {
-  std::string scan, pattern, temperature, out, progress = "bar";
+  std::string scan, pattern, temperature, keep, out, progress = "bar";
   bool sensitivity = false;
   SettingsOptions settings;
 };
@@ -41,6 +41,7 @@ Result<void> run(const RunOptions& o, const Context& context) try {
     inputs.temperature = MeasuredFile{temperature, o.temperature};
   }
   inputs.sensitivity = o.sensitivity;
+  if (!o.keep.empty()) inputs.kept = KeptStages(o.keep);
   return run_pipeline(inputs, o.out, context);
 } catch (const std::bad_alloc&) {
   return tl::make_unexpected(out_of_memory());
@@ -110,6 +111,12 @@ void add_run(CLI::App& app, int& exit_code) {
       ->add_option("--temperature", options->temperature,
                    "Measured temperature of the sheet: CSV of degrees Celsius, or a gray PNG")
       ->type_name("FILE");
+  command
+      ->add_option("--keep", options->keep,
+                   "Folder for what scan and forming made: another pattern, or the same one moved, then "
+                   "prints without "
+                   "forming the head again. It holds heads; delete it when they are done")
+      ->type_name("DIR");
   options->settings.add_to(*command);
   command->add_flag(
       "--sensitivity", options->sensitivity,
