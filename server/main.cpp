@@ -14,19 +14,21 @@
 #include "server/http/origin.hpp"
 #include "server/http/server.hpp"
 #include "server/local_workers.hpp"
+#include "server/problem.hpp"
 #include "server/secrets.hpp"
 #include "server/service.hpp"
+#include "server/status_routes.hpp"
 
 namespace vacuform {
 namespace {
 
 struct Options {
-  std::string listen = "127.0.0.1:8080";
+  std::string listen = "127.0.0.1:8080", status_listen = "127.0.0.1:0";
   std::filesystem::path data = "vacuform-data";
   int workers = 0;
   int lease_seconds = 30;
   std::filesystem::path worker_program;
-  std::filesystem::path port_file;
+  std::filesystem::path port_file, status_port_file;
 };
 
 struct Address {
@@ -34,7 +36,7 @@ struct Address {
   int port = 0;
 };
 
-Result<Address> loopback_address(const std::string& listen) {
+Result<Address> loopback_address(const std::string& listen, const std::string& option) {
   const std::size_t colon = listen.rfind(':');
   Address address;
   address.host = listen.substr(0, colon);
@@ -42,11 +44,11 @@ Result<Address> loopback_address(const std::string& listen) {
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
   if (port.empty() || error != std::errc() || end != port.data() + port.size() || address.port < 0 ||
       address.port > 65535)
-    return fail(Code::bad_usage, "not an address with a port: " + listen, "--listen",
+    return fail(Code::bad_usage, "not an address with a port: " + listen, option,
                 "give for example 127.0.0.1:8080");
   if (!http::is_loopback_host(address.host))
     return fail(Code::bad_usage, "refusing to listen on " + address.host + " without sign-in and a TLS front",
-                "--listen", "give 127.0.0.1, localhost or [::1]");
+                option, "give 127.0.0.1, localhost or [::1]");
   if (address.host == "localhost") address.host = "127.0.0.1";
   if (address.host == "[::1]") address.host = "::1";
   return address;
@@ -65,7 +67,8 @@ Result<std::string> worker_token(const std::filesystem::path& file) {
   return token;
 }
 
-void observe(const http::Answered& answered) {
+void observe(Metrics& metrics, const http::Answered& answered) {
+  metrics.answered(answered);
   if (answered.status < 400) return;  // what a job went through is logged by its own events
   nlohmann::ordered_json fields = {{"method", answered.method},
                                    {"route", answered.route},
@@ -75,9 +78,34 @@ void observe(const http::Answered& answered) {
   log_event(answered.status < 500 ? "request-refused" : "request-failed", fields);
 }
 
+std::string url_of(const Address& address, const http::Server& server) {
+  const std::string host = address.host == "::1" ? "[::1]" : address.host;
+  return "http://" + host + ":" + std::to_string(server.port());
+}
+
+// Its few threads are its own, and a slow client keeps one for a second at most.
+http::ServerOptions status_listener(const Address& address) {
+  http::ServerOptions listener;
+  listener.host = address.host;
+  listener.port = address.port;
+  listener.threads = 8;
+  listener.limits.head_time = std::chrono::seconds(1);
+  listener.limits.wait = std::chrono::seconds(1);
+  listener.refuse = [](const http::Request&, const http::Refusal& refusal) {
+    return problem_response(refusal.error, refusal.status);
+  };
+  return listener;
+}
+
+Result<void> tell_port(const std::filesystem::path& file, const http::Server& server) {
+  if (file.empty()) return {};
+  return write_text_file(file, std::to_string(server.port()) + "\n");
+}
+
 // Serves until SIGTERM or SIGINT.
 Result<void> serve(const Options& options) {
-  VACUFORM_TRY(address, loopback_address(options.listen));
+  VACUFORM_TRY(address, loopback_address(options.listen, "--listen"));
+  VACUFORM_TRY(status_address, loopback_address(options.status_listen, "--status-listen"));
   if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
   const std::filesystem::path program =
       options.worker_program.empty()
@@ -101,20 +129,25 @@ Result<void> serve(const Options& options) {
   VACUFORM_TRY(token, worker_token(token_file));
   Service service{*store, token, static_cast<int>(store_options.lease / 1000)};
 
+  Metrics metrics;
   http::ServerOptions listener;
   listener.host = address.host;
   listener.port = address.port;
   listener.refuse = refuse;
-  listener.observe = observe;
-  VACUFORM_TRY(server, http::Server::start(std::move(listener), all_routes(service)));
-  const std::string host = address.host == "::1" ? "[::1]" : address.host;
-  const std::string url = "http://" + host + ":" + std::to_string(server->port());
-  if (!options.port_file.empty())
-    VACUFORM_CHECK(write_text_file(options.port_file, std::to_string(server->port()) + "\n"));
-  log_event("server-started", {{"url", url}, {"process", ::getpid()}, {"workers", options.workers}});
+  listener.observe = [&metrics](const http::Answered& answered) { observe(metrics, answered); };
+  VACUFORM_TRY(server, http::Server::start(listener, all_routes(service)));
+  Status status{*store, metrics, options.data, [&server] { return server->connections(); }, listener.threads};
+  VACUFORM_TRY(status_server, http::Server::start(status_listener(status_address), status_routes(status)));
+  const std::string url = url_of(address, *server), status_url = url_of(status_address, *status_server);
+  VACUFORM_CHECK(tell_port(options.status_port_file, *status_server));
+  VACUFORM_CHECK(tell_port(options.port_file, *server));
+  log_event(
+      "server-started",
+      {{"url", url}, {"status_url", status_url}, {"process", ::getpid()}, {"workers", options.workers}});
 
-  const auto log_expired = [](const Result<std::vector<Expired>>& expired) {
+  const auto log_expired = [&metrics](const Result<std::vector<Expired>>& expired) {
     if (!expired) return log_event("store-failed", {{"problem", expired.error().text()}});
+    metrics.leases_lost(expired->size());
     for (const Expired& e : *expired) log_event("lease-expired", {{"job", e.job}, {"state", name(e.state)}});
   };
   // Workers of an earlier run died with it; their jobs need not wait for the leases to end.
@@ -129,7 +162,8 @@ Result<void> serve(const Options& options) {
     log_expired(store->expire());
   }
   log_event("server-stopping", nlohmann::ordered_json::object());
-  workers.stop();  // they give their jobs back while the server still answers
+  workers.stop();         // they give their jobs back while the server still answers
+  status_server.reset();  // it looks at the other one
   server.reset();
   log_event("server-stopped", nlohmann::ordered_json::object());
   return {};
@@ -157,6 +191,13 @@ int main(int argc, char** argv) {
   app.add_option("--worker-program", options.worker_program,
                  "The worker (default: vacuform-worker beside this program)");
   app.add_option("--port-file", options.port_file, "File that receives the port when the server is ready");
+  app.add_option(
+         "--status-listen", options.status_listen,
+         "Loopback address and port of /healthz, /readyz and /metrics; port 0 takes any free one, which "
+         "the log names")
+      ->capture_default_str();
+  app.add_option("--status-port-file", options.status_port_file,
+                 "File that receives the port of --status-listen");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

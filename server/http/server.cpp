@@ -128,8 +128,7 @@ class Server::Library : public httplib::Server {
       port_ = bind_to_port(options_.host, options_.port) ? options_.port : -1;
     if (port_ <= 0)
       return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port),
-                  "--listen",
-                  "see whether another program listens there, or give another port (0: any free one)");
+                  {}, "see whether another program listens there, or give another port (0: any free one)");
     ::listen(svr_sock_, 256);  // the library's backlog of 5 turns bursts of clients away
     listener_ = std::thread([this] { listen_after_bind(); });
     return {};
@@ -146,6 +145,7 @@ class Server::Library : public httplib::Server {
   }
 
   int port() const { return port_; }
+  int connections() const { return active_; }
 
  private:
   bool process_and_close_socket(socket_t socket) override {
@@ -228,6 +228,7 @@ class Server::Library : public httplib::Server {
 Server::Server(std::unique_ptr<Library> library) : library_(std::move(library)) {}
 Server::~Server() { library_->end(); }
 int Server::port() const { return library_->port(); }
+int Server::connections() const { return library_->connections(); }
 
 Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router) {
   auto library = std::make_unique<Library>(std::move(options), std::move(router));

@@ -44,6 +44,7 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   int port() const;
+  int connections() const;  // being served at the moment
 
  private:
   class Library;

@@ -122,6 +122,18 @@ class SqliteStore : public Store {
     return page;
   }
 
+  Result<JobCounts> counts() override {
+    const std::lock_guard hold(commits_.lock());
+    JobCounts counts{};
+    Query query(db_, "SELECT state, count(*) FROM job GROUP BY state");
+    for (;;) {
+      VACUFORM_TRY(more, query.row());
+      if (!more) return counts;
+      if (const auto state = job_state_from(query.text(0)))
+        counts[static_cast<std::size_t>(*state)] = query.integer(1);
+    }
+  }
+
   Result<Job> cancel(const std::string& id) override {
     return write([&]() -> Result<Job> {
       VACUFORM_TRY(job, find(id));

@@ -12,6 +12,7 @@
 // Every function may be called from any thread.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -68,6 +69,8 @@ struct JobPage {
   std::optional<std::string> next;  // cursor of the page after this one
 };
 
+using JobCounts = std::array<std::int64_t, job_state_names.size()>;
+
 // What a worker names in every write.
 struct LeaseKey {
   std::string job, token;
@@ -98,6 +101,8 @@ class Store {
   virtual Result<Job> job(const std::string& id) = 0;
   // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor begins with the newest.
   virtual Result<JobPage> list(int limit, const std::string& cursor) = 0;
+  // How many jobs there are in each state, by the state's number.
+  virtual Result<JobCounts> counts() = 0;
   // A queued job is cancelled at once, a running one when its worker says so; a cancelled one stays so.
   // Errors: not_found; conflict when it has succeeded or failed.
   virtual Result<Job> cancel(const std::string& id) = 0;

@@ -33,7 +33,7 @@ class Deploy(Case):
         script(self.checkout / "deploy" / "packages", "echo 'Packages: all installed.'\n")
         (self.checkout / "path").mkdir()
         script(self.checkout / "path" / "cmake", "exit 0\n")
-        self.port = free_port()
+        self.port = free_port() & ~1  # the one after it is free too, as good as always
         self.var = self.checkout / "var"
         self.addCleanup(self.run_script, "stop")
 
@@ -62,6 +62,8 @@ class Deploy(Case):
         self.assertEqual((self.var / "sample" / "print.png").read_bytes()[:4], b"\x89PNG")
         self.assertEqual(self.var.stat().st_mode & 0o777, 0o700)
         self.assertTrue(self.healthy())
+        metrics = curl(f"http://127.0.0.1:{self.port + 1}/metrics").body.decode()
+        self.assertIn('\nvacuform_jobs{state="succeeded"} 1\n', metrics)
         pid = self.pid()
 
         second = self.start()

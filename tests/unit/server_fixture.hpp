@@ -12,6 +12,7 @@
 #include "server/http/server.hpp"
 #include "server/secrets.hpp"
 #include "server/service.hpp"
+#include "server/status_routes.hpp"
 
 namespace vacuform {
 
@@ -35,6 +36,7 @@ class ServerTest : public testing::Test {
     service_ = std::make_unique<Service>(Service{*store_, token_, 30, 1});
     http::ServerOptions options;
     options.refuse = refuse;
+    options.observe = [this](const http::Answered& answered) { metrics_.answered(answered); };
     options.limits.head_time = std::chrono::milliseconds(700);
     options.limits.wait = std::chrono::milliseconds(700);
     http::Router router = all_routes(*service_);
@@ -43,18 +45,28 @@ class ServerTest : public testing::Test {
     auto server = http::Server::start(std::move(options), std::move(router));
     ASSERT_TRUE(server) << server.error().text();
     server_ = std::move(*server);
+    status_ = std::make_unique<Status>(
+        Status{*store_, metrics_, data_, [this] { return server_->connections(); }, 64});
+    http::ServerOptions status_options;
+    status_options.refuse = refuse;
+    status_options.threads = 4;
+    auto status = http::Server::start(std::move(status_options), status_routes(*status_));
+    ASSERT_TRUE(status) << status.error().text();
+    status_server_ = std::move(*status);
   }
   void TearDown() override {
+    status_server_.reset();
     server_.reset();
     store_.reset();
     std::filesystem::remove_all(data_);
   }
 
-  int connected() const {
+  int connected() const { return connected_to(*server_); }
+  static int connected_to(const http::Server& server) {
     const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(server_->port()));
+    address.sin_port = htons(static_cast<std::uint16_t>(server.port()));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
     return socket;
@@ -100,6 +112,13 @@ class ServerTest : public testing::Test {
                body);
   }
 
+  // Of the listener for health and metrics.
+  Answer status(const std::string& path) const {
+    const int socket = connected_to(*status_server_);
+    send_all(socket, "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    return parsed(receive_all(socket));
+  }
+
   static std::string part(const std::string& name, const std::string& file_name, const std::string& bytes) {
     return "--XX\r\nContent-Disposition: form-data; name=\"" + name + "\"" +
            (file_name.empty() ? "" : "; filename=\"" + file_name + "\"") + "\r\n\r\n" + bytes + "\r\n";
@@ -119,6 +138,9 @@ class ServerTest : public testing::Test {
   std::unique_ptr<Store> store_;
   std::unique_ptr<Service> service_;
   std::unique_ptr<http::Server> server_;
+  Metrics metrics_;
+  std::unique_ptr<Status> status_;
+  std::unique_ptr<http::Server> status_server_;
 };
 
 }  // namespace vacuform

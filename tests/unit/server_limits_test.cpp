@@ -1,5 +1,6 @@
 // What a hostile or broken client can send to a real server, byte by byte.
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "server_fixture.hpp"
 
@@ -154,6 +155,25 @@ TEST_F(ServerLimits, MethodsThatAPathDoesNotKnow) {
   const Answer answer = ask("DELETE", "/api/v1/jobs");
   expect_problem(answer, 405, "this address does not answer to that method");
   EXPECT_EQ(answer.header("Allow"), "POST, GET, HEAD");
+}
+
+// Clients that send bodies without end hold every thread of the one listener; the other one has its own.
+TEST_F(ServerLimits, HealthAnswersWhileEveryThreadIsHeld) {
+  std::vector<int> stalled;
+  for (int i = 0; i < 64; ++i) {
+    stalled.push_back(connected());
+    send_all(stalled.back(), "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + worker_headers() +
+                                 form_type + "Content-Length: 1000000\r\n\r\n" +
+                                 part("scan", "a.stl", "half"));
+  }
+  while (server_->connections() < 64) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (const char* path : {"/healthz", "/readyz", "/metrics"}) {
+    const auto begun = std::chrono::steady_clock::now();
+    EXPECT_EQ(status(path).status, 200) << path;
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(1)) << path;
+  }
+  EXPECT_NE(status("/metrics").body.find("\nvacuform_http_connections 64\n"), std::string::npos);
+  for (const int socket : stalled) ::close(socket);
 }
 
 TEST_F(ServerLimits, StalledConnectionsDoNotBlockOthers) {

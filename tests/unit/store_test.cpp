@@ -97,6 +97,19 @@ TEST_F(StoreTest, KeepsAJobWithItsFiles) {
   EXPECT_EQ(bytes_of(found.pattern.blob), "<svg/>");
 }
 
+TEST_F(StoreTest, CountsItsJobsByState) {
+  EXPECT_EQ(store_->counts().value(), JobCounts{});
+  create();
+  create();
+  store_->cancel(create().id).value();
+  lease();
+  JobCounts expected{};
+  expected[static_cast<std::size_t>(JobState::queued)] = 1;
+  expected[static_cast<std::size_t>(JobState::running)] = 1;
+  expected[static_cast<std::size_t>(JobState::cancelled)] = 1;
+  EXPECT_EQ(store_->counts().value(), expected);
+}
+
 TEST_F(StoreTest, WhatWasCreatedSurvivesACrashAndWhatWasNotLeavesNothing) {
   const Job made = create("kept", "kept too");
   Upload unfinished = upload("half a scan");

@@ -1,0 +1,95 @@
+#include "server/metrics.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "api/clock.hpp"
+
+namespace vacuform {
+
+namespace {
+
+// Whole numbers without a point, others with all their digits.
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.15g", value);
+  return text;
+}
+
+void write_head(std::string& out, const std::string& name, const std::string& help, const char* type) {
+  out += "# HELP " + name + " " + help + "\n# TYPE " + name + " " + type + "\n";
+}
+
+void write_sample(std::string& out, const std::string& name, const std::string& labels, double value) {
+  out += name + (labels.empty() ? "" : "{" + labels + "}") + " " + number(value) + "\n";
+}
+
+}  // namespace
+
+void Metrics::answered(const http::Answered& answered) {
+  const auto interval = std::lower_bound(bounds.begin(), bounds.end(), answered.seconds) - bounds.begin();
+  const std::lock_guard hold(mutex_);
+  ++requests_[{answered.route.empty() ? "none" : answered.route, answered.method, answered.status}];
+  ++seconds_[static_cast<std::size_t>(interval)];
+  all_seconds_ += answered.seconds;
+}
+
+void Metrics::leases_lost(std::size_t number_lost) {
+  const std::lock_guard hold(mutex_);
+  leases_lost_ += number_lost;
+}
+
+std::string Metrics::text(const std::vector<Family>& read) const {
+  std::string out;
+  for (const Family& family : read) {
+    write_head(out, family.name, family.help, family.type.c_str());
+    for (const Sample& sample : family.samples) write_sample(out, sample.name, sample.labels, sample.value);
+  }
+  const std::lock_guard hold(mutex_);
+  write_head(out, "vacuform_http_requests_total", "Requests answered, by route and status", "counter");
+  for (const auto& [key, count] : requests_) {
+    const auto& [route, method, status] = key;
+    write_sample(
+        out, "vacuform_http_requests_total",
+        "route=\"" + route + "\",method=\"" + method + "\",status=\"" + std::to_string(status) + "\"",
+        static_cast<double>(count));
+  }
+  write_head(out, "vacuform_http_request_seconds", "From the end of a request's head to its answer",
+             "histogram");
+  std::uint64_t so_far = 0;
+  for (std::size_t i = 0; i < seconds_.size(); ++i) {
+    so_far += seconds_[i];
+    const std::string bound = i < bounds.size() ? number(bounds[i]) : "+Inf";
+    write_sample(out, "vacuform_http_request_seconds_bucket", "le=\"" + bound + "\"",
+                 static_cast<double>(so_far));
+  }
+  write_sample(out, "vacuform_http_request_seconds_sum", "", all_seconds_);
+  write_sample(out, "vacuform_http_request_seconds_count", "", static_cast<double>(so_far));
+  write_head(out, "vacuform_leases_lost_total", "Leases that ended without a word of their worker",
+             "counter");
+  write_sample(out, "vacuform_leases_lost_total", "", static_cast<double>(leases_lost_));
+  return out;
+}
+
+std::vector<Family> process_families() {
+  static const double started = static_cast<double>(wall_clock()) / 1000;
+  std::vector<Family> families;
+  const auto add = [&](const char* name, const char* help, double value) {
+    families.push_back({name, help, "gauge", {{name, "", value}}});
+  };
+  add("process_start_time_seconds", "Start of the process, in seconds since 1970", started);
+  if (double pages = 0, resident = 0; std::ifstream("/proc/self/statm") >> pages >> resident)
+    add("process_resident_memory_bytes", "Memory in use",
+        resident * static_cast<double>(::sysconf(_SC_PAGESIZE)));
+  std::error_code ec;
+  if (std::filesystem::directory_iterator files("/proc/self/fd", ec); !ec)
+    add("process_open_fds", "Open files and sockets", static_cast<double>(std::distance(files, {})));
+  return families;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,78 @@
+// Health and metrics: what they say, and that it can be read by the machines that it is meant for.
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "server_fixture.hpp"
+
+namespace vacuform {
+namespace {
+
+class ServerStatus : public ServerTest {};
+
+bool has_line(const std::string& text, const std::string& line) {
+  return ("\n" + text).find("\n" + line + "\n") != std::string::npos;
+}
+
+TEST_F(ServerStatus, SaysThatItLivesAndCanWork) {
+  EXPECT_EQ(status("/healthz").body, "{\"status\":\"ok\"}\n");
+  EXPECT_EQ(status("/readyz").body, "{\"status\":\"ready\"}\n");
+  EXPECT_EQ(status("/api/v1/jobs").status, 404);  // jobs are not there
+  status_->data = "/nowhere";                     // as little room as a full disk has
+  const Answer full = status("/readyz");
+  EXPECT_EQ(full.status, 503);
+  EXPECT_FALSE(full.header("Retry-After").empty());
+  EXPECT_EQ(status("/healthz").status, 200);
+}
+
+TEST_F(ServerStatus, CountsRequestsJobsAndLostLeases) {
+  ASSERT_EQ(submit().status, 202);
+  ASSERT_EQ(submit().status, 202);
+  ask("GET", "/api/v1/jobs/none");
+  ask("BREW", "/api/v1/jobs");
+  metrics_.leases_lost(3);
+  const std::string text = status("/metrics").body;
+  EXPECT_TRUE(has_line(text, "vacuform_jobs{state=\"queued\"} 2")) << text;
+  EXPECT_TRUE(has_line(text, "vacuform_jobs{state=\"running\"} 0"));
+  EXPECT_TRUE(has_line(
+      text, "vacuform_http_requests_total{route=\"/api/v1/jobs\",method=\"POST\",status=\"202\"} 2"));
+  EXPECT_TRUE(has_line(
+      text, "vacuform_http_requests_total{route=\"/api/v1/jobs/{id}\",method=\"GET\",status=\"404\"} 1"));
+  EXPECT_EQ(text.find("BREW"), std::string::npos);
+  EXPECT_TRUE(has_line(text, "vacuform_http_request_seconds_count 3")) << text;
+  EXPECT_TRUE(has_line(text, "vacuform_leases_lost_total 3"));
+  EXPECT_TRUE(has_line(text, "vacuform_http_connections_limit 64"));
+}
+
+// The text format: every sample has a family announced before it, the buckets never fall, and the last is the count.
+TEST_F(ServerStatus, WritesWhatPrometheusReads) {
+  submit();
+  const Answer answer = status("/metrics");
+  EXPECT_EQ(answer.header("Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
+  const std::regex head(R"(# (HELP \S+ .+|TYPE \S+ (gauge|counter|histogram)))");
+  const std::regex sample(R"(([a-z_]+)(\{[a-z_]+="[^"\\\n]*"(,[a-z_]+="[^"\\\n]*")*\})? [0-9.e+-]+)");
+  std::istringstream text(answer.body);
+  std::string family;
+  double last_bucket = 0;
+  int samples = 0;
+  for (std::string line; std::getline(text, line); ++samples) {
+    std::smatch match;
+    if (line.starts_with("#")) {
+      ASSERT_TRUE(std::regex_match(line, head)) << line;
+      family = line.substr(7, line.find(' ', 7) - 7);
+      continue;
+    }
+    ASSERT_TRUE(std::regex_match(line, match, sample)) << line;
+    EXPECT_TRUE(match[1].str().starts_with(family)) << line;
+    const double value = std::stod(line.substr(line.rfind(' ')));
+    if (line.find("_bucket") != std::string::npos) {
+      EXPECT_GE(value, last_bucket) << line;
+      last_bucket = value;
+    }
+  }
+  EXPECT_GT(samples, 20);
+  EXPECT_EQ(last_bucket, 1);
+}
+
+}  // namespace
+}  // namespace vacuform
