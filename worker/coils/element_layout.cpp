@@ -49,25 +49,4 @@ ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, 
   return out;
 }
 
-PolarGrid grid_around(const InkedSurface& surface, const Centre& centre, const LaidElement& element,
-                      double turn) {
-  constexpr double margin_mm = 3, widest_step_mm = 1.8;
-  // A geodesic radius is larger than the flat one on a dome: by 2 % at 80 mm on a small head.
-  const double reach = 1.08 * element.size * element.outline.reach_mm + margin_mm;
-  const int directions =
-      std::clamp(4 * static_cast<int>(std::ceil(M_PI / 2 * reach / widest_step_mm)), 96, 240);
-  return PolarGrid(surface, centre.point, turned(surface, centre.point.triangle, centre.axis, turn), reach,
-                   directions);
-}
-
-std::vector<Vector3d> loop_in_space(const PolarGrid& grid, const LaidElement& element) {
-  std::vector<Vector3d> out;
-  for (const Vector2d& p : element.outline.loop) {
-    const auto place = grid.place(element.size * p);
-    if (!place) return {};
-    out.push_back(*place);
-  }
-  return out;
-}
-
 }  // namespace vacuform

@@ -27,12 +27,16 @@ struct ElementLayout {
 // nearest point; beyond it by more than its element reaches, the element is left out.
 ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment);
 
-// The grid around one element, wide enough for its ink and a margin; direction 0 is its drawing's u.
-PolarGrid grid_around(const InkedSurface& surface, const Centre& centre, const LaidElement& element,
-                      double turn);
-
-// The element's loop in space, mm: counter-clockwise, about a hundred points. Empty without a loop, and where a part of
-// it would lie beyond the sheet.
-std::vector<Eigen::Vector3d> loop_in_space(const PolarGrid& grid, const LaidElement& element);
+// Flat coordinates (element_patch.hpp) to space: PolarGrid and PatchMap both do.
+template <class Map>
+std::vector<Eigen::Vector3d> loop_in_space(const Map& map, const LaidElement& element) {
+  std::vector<Eigen::Vector3d> out;
+  for (const Eigen::Vector2d& p : element.outline.loop) {
+    const auto place = map.place(element.size * p);
+    if (!place) return {};  // a part of it lies beyond the sheet
+    out.push_back(*place);
+  }
+  return out;
+}
 
 }  // namespace vacuform

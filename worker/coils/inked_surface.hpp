@@ -24,6 +24,7 @@ class InkedSurface {
 
   const std::vector<Triangle>& triangles() const { return sheet_->triangles; }
   const std::vector<Eigen::Vector3d>& inked() const { return flattening_->inked; }
+  const std::vector<Eigen::Vector2d>& rest() const { return sheet_->rest; }
   // Neighbour of triangle t across the edge opposite its corner k; -1 on the sheet's border.
   int across(int t, int k) const { return faces_[index(t)].across[index(k)]; }
   // Outward unit normal of a triangle; zero where it has no area.

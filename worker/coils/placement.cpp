@@ -5,6 +5,7 @@
 
 #include "worker/coils/alignment.hpp"
 #include "worker/coils/element_layout.hpp"
+#include "worker/coils/element_patch.hpp"
 #include "worker/coils/inductance.hpp"
 
 namespace vacuform {
@@ -64,7 +65,10 @@ Result<Laid> lay_elements(const InkedSurface& surface, const Drawing& drawing, c
     VACUFORM_CHECK(context.step(Stage::printing, 0));
     const LaidElement& element = layout.elements[i];
     const Centre& centre = layout.centres[i];
-    const PolarGrid grid = grid_around(surface, centre, element, turn[i]);
+    VACUFORM_TRY(patch, element_patch(surface, centre.point,
+                                      turned(surface, centre.point.triangle, centre.axis, turn[i]),
+                                      element.size * element.outline.reach_mm, context));
+    const PatchMap map(patch);
     PlacedElement placed;
     placed.element = element.element;
     placed.centre = surface.place(centre.point);
@@ -73,17 +77,19 @@ Result<Laid> lay_elements(const InkedSurface& surface, const Drawing& drawing, c
     placed.turned_deg = turn[i] * 180 / M_PI;
     placed.size = alignment.scale * element.size;
     placed.on_head = std::all_of(element.outline.points.begin(), element.outline.points.end(),
-                                 [&](const Vector2d& p) { return grid.on_chart(element.size * p); });
+                                 [&](const Vector2d& p) { return map.on_chart(element.size * p); });
     if (!placed.on_head) off.push_back(element.element);
-    if (grid.folded(element.size * element.outline.reach_mm)) folded.push_back(element.element);
-    placed.patch = grid.patch();
+    if (!patch.smooth) folded.push_back(element.element);
     for (Vector2d& uv : placed.patch.uv)
       uv = drawing.elements[index(element.element)].centre + uv / placed.size;
-    laid.loops.push_back(loop_in_space(grid, element));
+    laid.loops.push_back(loop_in_space(map, element));
     laid.self_nh.push_back(
         laid.loops.back().empty()
             ? 0
             : self_inductance_nh(laid.loops.back(), element.size * element.outline.width_mm));
+    placed.patch = std::move(patch.patch);
+    for (Vector2d& uv : placed.patch.uv)
+      uv = drawing.elements[index(element.element)].centre + uv / placed.size;
     out.elements.push_back(std::move(placed));
   }
   if (!off.empty())

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "worker/coils/geodesic.hpp"
-#include "worker/coils/patch.hpp"
 
 namespace vacuform {
+
+struct ElementPatch;
 
 class PolarGrid {
  public:
@@ -26,17 +27,22 @@ class PolarGrid {
 
   // The place of flat coordinates, linear in the grid's cells; beyond the reach or the border of the sheet nothing.
   std::optional<Eigen::Vector3d> place(const Eigen::Vector2d& flat) const;
-  // Whether the flat coordinates lie on the chart, by the nearest grid point within.
-  bool on_chart(const Eigen::Vector2d& flat) const;
   // Whether geodesics cross before `flat_mm`, so that places there have more than one direction.
   bool folded(double flat_mm) const;
 
-  // The grid as triangles with `uv` = flat coordinates.
-  Patch patch() const;
+  // The grid as triangles with `uv` = flat coordinates; on the chart is what has all its corners there.
+  ElementPatch patch() const;
 
-  int rings() const { return rings_; }
-  int directions() const { return directions_; }
-  double spacing_mm() const { return spacing_; }
+  // The geodesic distance of points of the sheet (sheet coordinates, mm) from the centre: where geodesics have crossed, the
+  // shortest of those that come by. Infinite where none does.
+  std::vector<double> distances(const std::vector<Eigen::Vector2d>& rest) const;
+
+  // Where the first `mm` of the geodesics come by, as direction (radians) and sheet coordinates.
+  struct Passing {
+    double direction;
+    Eigen::Vector2d rest;
+  };
+  std::vector<Passing> passing(double mm) const;
 
  private:
   struct Stop {

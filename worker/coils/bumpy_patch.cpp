@@ -1,0 +1,194 @@
+#include "worker/coils/bumpy_patch.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "worker/flattening/chart.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+// The triangles around the centre with a corner within `reach_mm` in space, connected over edges; ascending.
+std::vector<int> around(const InkedSurface& surface, const SurfacePoint& centre, double reach_mm) {
+  const Vector3d middle = surface.place(centre);
+  std::vector<char> seen(surface.triangles().size(), 0);
+  std::vector<int> out{centre.triangle};
+  seen[index(centre.triangle)] = 1;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const int n = surface.across(out[i], k);
+      if (n < 0 || seen[index(n)]) continue;
+      seen[index(n)] = 1;
+      const Triangle& c = surface.triangles()[index(n)];
+      if (std::any_of(c.begin(), c.end(),
+                      [&](int v) { return (surface.inked()[index(v)] - middle).norm() < reach_mm; }))
+        out.push_back(n);
+    }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+// The neighbourhood with its own numbers for the vertices, and its flattening.
+struct Neighbourhood {
+  std::vector<int> faces;  // of the sheet
+  Chart chart;
+  std::vector<Vector2d> rest;
+  Vector2d centre{0, 0};  // in the chart
+};
+
+Result<Neighbourhood> flattened(const InkedSurface& surface, const SurfacePoint& centre, double reach_mm,
+                                const Context& context) {
+  Neighbourhood out;
+  out.faces = around(surface, centre, reach_mm);
+  std::vector<int> local(surface.inked().size(), -1);
+  for (const int t : out.faces) {
+    Triangle corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int v = surface.triangles()[index(t)][k];
+      if (local[index(v)] < 0) {
+        local[index(v)] = static_cast<int>(out.rest.size());
+        out.rest.push_back(surface.rest()[index(v)]);
+        out.chart.inked.push_back(surface.inked()[index(v)]);
+      }
+      corners[k] = local[index(v)];
+    }
+    out.chart.triangles.push_back(corners);
+  }
+  out.chart.uv = out.rest;
+  // Its progress is none of the job's.
+  VACUFORM_CHECK(context.step(Stage::printing, 0));
+  VACUFORM_CHECK(flatten_arap(out.chart, Context()));
+  const Triangle& c = surface.triangles()[index(centre.triangle)];
+  for (std::size_t k = 0; k < 3; ++k)
+    out.centre += centre.weights[static_cast<Eigen::Index>(k)] * out.chart.uv[index(local[index(c[k])])];
+  return out;
+}
+
+// The chart's turn against the geodesics' directions near the centre, radians.
+double turn_of(const Neighbourhood& near, const PolarGrid& grid, double mm) {
+  ElementPatch by_rest;
+  by_rest.patch = {near.chart.triangles, near.rest, near.rest, {}};
+  for (const Vector2d& uv : near.chart.uv) by_rest.patch.inked.emplace_back(uv.x(), uv.y(), 0);
+  const PatchMap map(by_rest);
+  Vector2d sum(0, 0);
+  for (const auto& p : grid.passing(mm))
+    if (const auto at = map.place(p.rest)) {
+      const Vector2d d = at->head<2>() - near.centre;
+      const double turn = std::atan2(d.y(), d.x()) - p.direction;
+      sum += Vector2d(std::cos(turn), std::sin(turn));
+    }
+  return std::atan2(sum.y(), sum.x());
+}
+
+// Share of a triangle's area on which a linear function with these corner values is below `level`.
+double share_below(std::array<double, 3> f, double level) {
+  std::sort(f.begin(), f.end());
+  if (level <= f[0]) return 0;
+  if (level >= f[2]) return 1;
+  if (level <= f[1]) return (level - f[0]) * (level - f[0]) / ((f[1] - f[0]) * (f[2] - f[0]));
+  return 1 - (f[2] - level) * (f[2] - level) / ((f[2] - f[1]) * (f[2] - f[0]));
+}
+
+// Radius of the plane's circle with the area where `radius` is below each of 0, step, 2 step...
+std::vector<double> flat_radii(const Chart& chart, const std::vector<double>& radius, double step) {
+  double most = 0;
+  for (const double r : radius)
+    if (std::isfinite(r)) most = std::max(most, r);
+  std::vector<double> area(static_cast<std::size_t>(most / step) + 2, 0);
+  for (const Triangle& t : chart.triangles) {
+    const std::array<double, 3> f{radius[index(t[0])], radius[index(t[1])], radius[index(t[2])]};
+    if (!std::isfinite(f[0] + f[1] + f[2])) continue;
+    const FlatTriangle flat =
+        flat_triangle(chart.inked[index(t[0])], chart.inked[index(t[1])], chart.inked[index(t[2])]);
+    const double whole = 0.5 * flat.length * flat.height;
+    const std::size_t from = static_cast<std::size_t>(*std::min_element(f.begin(), f.end()) / step);
+    for (std::size_t j = from; j < area.size(); ++j) {
+      const double share = share_below(f, static_cast<double>(j) * step);
+      area[j] += share * whole;
+    }
+  }
+  for (double& a : area) a = std::sqrt(a / M_PI);
+  return area;
+}
+
+// Triangles that are turned over and have a corner within `ink_mm`.
+int turned_over(const Chart& chart, const std::vector<Vector2d>& uv, double ink_mm) {
+  return static_cast<int>(
+      std::count_if(chart.triangles.begin(), chart.triangles.end(), [&](const Triangle& t) {
+        const Vector2d &a = uv[index(t[0])], &b = uv[index(t[1])], &c = uv[index(t[2])];
+        return std::min({a.norm(), b.norm(), c.norm()}) < ink_mm && !(cross(b - a, c - a) > 0);
+      }));
+}
+
+}  // namespace
+
+Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SurfacePoint& centre,
+                                 const Vector3d& axis, double ink_mm, const Context& context) {
+  constexpr double step_mm = 0.5, margin_mm = 3;
+  constexpr int directions = 360;
+  constexpr std::array<double, 4> shares{0, 0.25, 0.5, 1};  // of the local flattening in the radius
+  const double reach = 1.15 * ink_mm + margin_mm;
+  const PolarGrid grid(surface, centre, axis, 1.1 * reach, directions);
+  VACUFORM_TRY(near, flattened(surface, centre, reach, context));
+  const double turn = turn_of(near, grid, std::min(10.0, ink_mm));
+  const std::vector<double> geodesic = grid.distances(near.rest);
+
+  std::vector<Vector2d> best;
+  int least = std::numeric_limits<int>::max();
+  for (const double share : shares) {
+    std::vector<double> radius;
+    for (std::size_t i = 0; i < geodesic.size(); ++i)
+      radius.push_back(share == 1
+                           ? (near.chart.uv[i] - near.centre).norm()
+                           : (1 - share) * geodesic[i] + share * (near.chart.uv[i] - near.centre).norm());
+    const std::vector<double> flat = flat_radii(near.chart, radius, step_mm);
+    std::vector<Vector2d> uv;
+    for (std::size_t i = 0; i < radius.size(); ++i) {
+      const Vector2d d = near.chart.uv[i] - near.centre;
+      const double ring = radius[i] / step_mm, angle = std::atan2(d.y(), d.x()) - turn;
+      double r = std::numeric_limits<double>::infinity();
+      if (std::isfinite(ring)) {
+        const std::size_t j = std::min(static_cast<std::size_t>(ring), flat.size() - 2);
+        r = flat[j] + (ring - static_cast<double>(j)) * (flat[j + 1] - flat[j]);
+      }
+      uv.push_back(r * Vector2d(std::cos(angle), std::sin(angle)));
+    }
+    const int over = turned_over(near.chart, uv, ink_mm);
+    if (over < least) least = over, best = std::move(uv);
+    if (least == 0) break;
+  }
+
+  ElementPatch out;
+  out.smooth = false;
+  std::vector<int> local(near.rest.size(), -1);
+  for (std::size_t f = 0; f < near.faces.size(); ++f) {
+    Triangle t = near.chart.triangles[f];
+    if (!std::all_of(t.begin(), t.end(), [&](int v) { return best[index(v)].allFinite(); })) continue;
+    for (int& v : t) {
+      int& to = local[index(v)];
+      if (to < 0) {
+        to = static_cast<int>(out.patch.uv.size());
+        out.patch.uv.push_back(best[index(v)]);
+        out.patch.rest.push_back(near.rest[index(v)]);
+        out.patch.inked.push_back(near.chart.inked[index(v)]);
+      }
+      v = to;
+    }
+    out.patch.triangles.push_back(t);
+    out.on_chart.push_back(surface.on_chart(near.faces[f]));
+  }
+  return out;
+}
+
+}  // namespace vacuform

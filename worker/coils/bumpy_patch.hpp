@@ -1,0 +1,12 @@
+// An element's patch where geodesics cross. Internal to worker/coils.
+#pragma once
+
+#include "worker/coils/element_patch.hpp"
+
+namespace vacuform {
+
+// As element_patch() says for bumps. Errors: cancelled.
+Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SurfacePoint& centre,
+                                 const Eigen::Vector3d& axis, double ink_mm, const Context& context);
+
+}  // namespace vacuform

@@ -1,0 +1,47 @@
+// The surface around an element in flat coordinates of its own, mm: origin at its centre, direction 0 along the drawing's
+// u, and the area within every radius around the centre as on the surface.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "worker/coils/patch.hpp"
+#include "worker/coils/polar_grid.hpp"
+
+namespace vacuform {
+
+struct ElementPatch {
+  Patch patch;                 // uv: flat coordinates
+  std::vector<char> on_chart;  // per triangle
+  bool smooth = true;          // geodesics from the centre do not cross within the ink's reach
+};
+
+// Out to `ink_mm` (flat) and a margin. On a smooth surface the grid of geodesics itself, so that geodesic radii are the
+// drawn ones but for the area (PolarGrid). Where bumps make geodesics cross, the sheet's own triangles, with the
+// direction of a local flattening (as rigid as possible) and the radius of the shortest geodesic; where even that would
+// turn triangles over, as much of the local flattening's radius as it takes not to. Errors: cancelled.
+Result<ElementPatch> element_patch(const InkedSurface& surface, const SurfacePoint& centre,
+                                   const Eigen::Vector3d& axis, double ink_mm, const Context& context);
+
+// Finds flat coordinates in a patch.
+class PatchMap {
+ public:
+  explicit PatchMap(const ElementPatch& patch);  // which must outlive it
+  // The place in space; nothing off the patch.
+  std::optional<Eigen::Vector3d> place(const Eigen::Vector2d& flat) const;
+  bool on_chart(const Eigen::Vector2d& flat) const;
+
+ private:
+  struct Found {
+    std::size_t triangle;
+    Eigen::Vector3d weights;
+  };
+  std::optional<Found> find(const Eigen::Vector2d& flat) const;
+  const ElementPatch* patch_;
+  double cell_;
+  int columns_ = 0, rows_ = 0;
+  Eigen::Vector2d corner_{0, 0};
+  std::vector<std::vector<int>> cells_;
+};
+
+}  // namespace vacuform
