@@ -9,7 +9,7 @@
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/scan/plug.hpp"
-#include "worker/studies/portion.hpp"
+#include "worker/portion.hpp"
 #include "worker/studies/sensitivity.hpp"
 
 namespace vacuform {

@@ -149,7 +149,7 @@ TEST(Flattening, NothingOnTheMoldIsRefused) {
 TEST(Chart, QualityCountsFlipsAndEnergy) {
   Chart chart{
       {{0, 1, 2}, {0, 2, 3}}, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 0}, {2, 0}, {2, 1}, {0, 1}}};
-  EXPECT_NEAR(chart_quality(chart).energy, 1, 1e-12);  // stretched by 2 one way: (2 - 1)^2
+  EXPECT_NEAR(chart_quality(chart).arap, 1, 1e-12);  // stretched by 2 one way: (2 - 1)^2
   EXPECT_EQ(chart_quality(chart).flipped, 0);
   chart.uv[3] = {3, 0};
   EXPECT_EQ(chart_quality(chart).flipped, 1);

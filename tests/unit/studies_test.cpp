@@ -7,7 +7,7 @@
 #include "tests/unit/shapes.hpp"
 #include "worker/forming/sheet_map.hpp"
 #include "worker/studies/calibration.hpp"
-#include "worker/studies/portion.hpp"
+#include "worker/portion.hpp"
 #include "worker/studies/registration.hpp"
 #include "worker/studies/sensitivity.hpp"
 

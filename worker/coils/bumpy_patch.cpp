@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "worker/flattening/chart.hpp"
+#include "worker/flattening/methods.hpp"
 
 namespace vacuform {
 

@@ -4,11 +4,12 @@
 #include <CGAL/Surface_mesh_parameterization/ARAP_parameterizer_3.h>
 #include <CGAL/Surface_mesh_parameterization/parameterize.h>
 
-#include "worker/flattening/chart.hpp"
+#include "worker/flattening/methods.hpp"
 
 namespace vacuform {
 
-Result<FlatteningOutcome> flatten_cgal_arap(Chart& chart, const Context& context) {
+Result<FlatteningOutcome> flatten_cgal_arap(Chart& chart, const Context& context,
+                                            std::optional<double> lambda) {
   namespace parameterization = CGAL::Surface_mesh_parameterization;
   using Kernel = CGAL::Simple_cartesian<double>;
   using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
@@ -29,8 +30,10 @@ Result<FlatteningOutcome> flatten_cgal_arap(Chart& chart, const Context& context
   if (border == Mesh::null_halfedge()) return refuse("it has no border");
   auto [uv, created] = mesh.add_property_map<Vertex, Kernel::Point_2>("v:uv");
   (void)created;
-  const auto code =
-      parameterization::parameterize(mesh, parameterization::ARAP_parameterizer_3<Mesh>(), border, uv);
+  const parameterization::ARAP_parameterizer_3<Mesh> method =
+      lambda ? parameterization::ARAP_parameterizer_3<Mesh>(*lambda)
+             : parameterization::ARAP_parameterizer_3<Mesh>();
+  const auto code = parameterization::parameterize(mesh, method, border, uv);
   if (code != parameterization::OK) return refuse("its error " + std::to_string(static_cast<int>(code)));
   for (std::size_t i = 0; i < chart.uv.size(); ++i) {
     const auto& p = uv[Vertex(static_cast<Mesh::size_type>(i))];

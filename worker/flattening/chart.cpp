@@ -1,7 +1,10 @@
 #include "worker/flattening/chart.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace vacuform {
 
@@ -12,25 +15,78 @@ FlatTriangle flat_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, c
   return {length, ac.dot(ab) / length, ab.cross(ac).norm() / length};
 }
 
+std::vector<Element> elements(const Chart& chart) {
+  constexpr double flattest = 1e-4, shortest_mm = 1e-6;
+  std::vector<Element> all;
+  all.reserve(chart.triangles.size());
+  for (const Triangle& t : chart.triangles) {
+    FlatTriangle f = flat_triangle(chart.inked[t[0]], chart.inked[t[1]], chart.inked[t[2]]);
+    f.length = std::max({f.length, flattest * std::abs(f.along), shortest_mm});
+    f.height = std::max({f.height, flattest * f.length, flattest * std::abs(f.along)});
+    // Inverse of the map (length, along; 0, height) that carries the unit triangle here.
+    Element e;
+    e.gradient.row(1) << 1 / f.length, -f.along / (f.length * f.height);
+    e.gradient.row(2) << 0, 1 / f.height;
+    e.gradient.row(0) = -e.gradient.row(1) - e.gradient.row(2);
+    e.area = 0.5 * f.length * f.height;
+    all.push_back(e);
+  }
+  return all;
+}
+
 ChartQuality chart_quality(const Chart& chart) {
   ChartQuality quality;
   double total = 0;
   for (const Triangle& t : chart.triangles) {
     const FlatTriangle f = flat_triangle(chart.inked[t[0]], chart.inked[t[1]], chart.inked[t[2]]);
     const double area = 0.5 * f.length * f.height;
+    const Eigen::Vector2d e1 = chart.uv[t[1]] - chart.uv[t[0]], e2 = chart.uv[t[2]] - chart.uv[t[0]];
+    quality.flipped += e1.x() * e2.y() - e1.y() * e2.x() <= 0;
     if (!(area > 0)) continue;
     // J from the triangle's plane to the chart: J (length, 0) = e1, J (along, height) = e2.
-    const Eigen::Vector2d e1 = chart.uv[t[1]] - chart.uv[t[0]], e2 = chart.uv[t[2]] - chart.uv[t[0]];
     const Eigen::Vector2d j1 = e1 / f.length, j2 = (e2 - f.along * j1) / f.height;
     const double frobenius = j1.squaredNorm() + j2.squaredNorm();
     const double determinant = j1.x() * j2.y() - j1.y() * j2.x();
-    const double sum = std::sqrt(std::max(0.0, frobenius + 2 * std::abs(determinant)));  // s1 + s2
-    quality.energy += area * (frobenius - 2 * sum + 2);
-    quality.flipped += determinant <= 0;
+    const double sum = std::sqrt(std::max(0.0, frobenius + 2 * determinant));  // s1 + s2
+    quality.arap += area * (frobenius - 2 * sum + 2);
+    quality.symmetric_dirichlet += determinant > 0 ? area * frobenius * (1 + 1 / (determinant * determinant))
+                                                   : std::numeric_limits<double>::infinity();
     total += area;
   }
-  if (total > 0) quality.energy /= total;
+  if (total > 0) quality.arap /= total, quality.symmetric_dirichlet /= total;
   return quality;
+}
+
+std::vector<std::vector<int>> border_loops(const std::vector<Triangle>& triangles) {
+  int vertices = 0;
+  for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+  // Border edges are those without a twin; edges by their lower vertex, so that twins meet.
+  std::vector<std::vector<std::pair<int, bool>>> edges(vertices);
+  for (const Triangle& t : triangles)
+    for (int e = 0; e < 3; ++e) {
+      const int a = t[e], b = t[(e + 1) % 3];
+      edges[std::min(a, b)].push_back({std::max(a, b), a < b});
+    }
+  std::vector<std::vector<int>> next(vertices);
+  for (int v = 0; v < vertices; ++v)
+    for (const auto& [to, upwards] : edges[v])
+      if (std::count_if(edges[v].begin(), edges[v].end(),
+                        [to = to](const auto& e) { return e.first == to; }) == 1)
+        next[upwards ? v : to].push_back(upwards ? to : v);
+
+  std::vector<std::vector<int>> loops;
+  for (int v = 0; v < vertices; ++v)
+    while (!next[v].empty()) {
+      std::vector<int> loop;
+      for (int at = v; !next[at].empty();) {
+        loop.push_back(at);
+        const int to = next[at].back();
+        next[at].pop_back();
+        at = to;
+      }
+      loops.push_back(std::move(loop));
+    }
+  return loops;
 }
 
 }  // namespace vacuform

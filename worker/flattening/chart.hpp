@@ -2,46 +2,63 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
-#include "worker/context.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
+
+// A point of a triangle, held at a point of the plane.
+struct ChartPin {
+  int triangle = 0;         // of Chart::triangles
+  Eigen::Vector3d corners;  // barycentric weights
+  Eigen::Vector2d target;   // mm
+};
 
 struct Chart {
   std::vector<Triangle> triangles;     // indices into the arrays below, which hold the chart's vertices alone
   std::vector<Eigen::Vector3d> inked;  // the inked surface, mm
   std::vector<Eigen::Vector2d> uv;     // on entry the start (the flat sheet), on return the flattening, mm
+  std::vector<double> weight = {};     // per triangle, above 0: how much its distortion counts; empty: all 1
+  std::vector<ChartPin> pins = {};     // none, or two and more: one alone only shifts the chart
+
+  double weight_of(std::size_t triangle) const { return weight.empty() ? 1 : weight[triangle]; }
 };
-
-struct FlatteningOutcome {
-  int iterations = 0;
-  bool converged = false;
-};
-
-// As-rigid-as-possible parameterization by local/global iterations (Liu, Zhang, Xu, Gotsman, Gortler, "A local/global
-// approach to mesh parameterization", SGP 2008): one factorization, both coordinates at once, started from chart.uv.
-// Stops when an iteration lowers the energy by less than a millionth. Deterministic. Errors: cancelled.
-Result<FlatteningOutcome> flatten_arap(Chart& chart, const Context& context);
-
-// CGAL's ARAP (Surface_mesh_parameterization), as the published predecessor used it: it starts from a map of its own
-// and knows nothing of chart.uv. Needs a chart that is a topological disk. Errors: unusable_surface, cancelled
-// (looked at before and after: CGAL cannot be interrupted).
-Result<FlatteningOutcome> flatten_cgal_arap(Chart& chart, const Context& context);
-
-// Singular values of the maps from the inked surface to the plane: the ARAP energy, sum A ((s1 - 1)^2 + (s2 - 1)^2)
-// over the sum of A, and the number of triangles turned over.
-struct ChartQuality {
-  double energy = 0;
-  int flipped = 0;
-};
-ChartQuality chart_quality(const Chart& chart);
 
 // A triangle laid into its own plane without distortion: corners at (0, 0), (length, 0), (along, height), height >= 0.
 struct FlatTriangle {
   double length, along, height;
 };
 FlatTriangle flat_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
+// A linear triangle: with the corners' places as columns of U, J = U gradient' maps its plane to the chart.
+struct Element {
+  Eigen::Matrix<double, 3, 2> gradient;  // of the corners' hat functions, one a row, 1/mm
+  double area;                           // mm2
+};
+// One a triangle. A triangle flatter than a ten thousandth of its length counts as that high, so that every element
+// has a map: slivers of any angle above 0.006 degrees are themselves.
+std::vector<Element> elements(const Chart& chart);
+
+inline Eigen::Matrix2d jacobian(const Chart& chart, const std::vector<Element>& all, std::size_t k) {
+  const Triangle& t = chart.triangles[k];
+  Eigen::Matrix<double, 2, 3> U;
+  U << chart.uv[t[0]], chart.uv[t[1]], chart.uv[t[2]];
+  return U * all[k].gradient;
+}
+
+// How far the maps of the triangles are from rigid, whatever weights and pins the flattening had. With s1 >= |s2| the
+// singular values of the map from the inked surface to the plane, s2 < 0 where a triangle is turned over:
+struct ChartQuality {
+  double arap = 0;  // sum A ((s1 - 1)^2 + (s2 - 1)^2) / sum A: 0 where nothing is distorted
+  double symmetric_dirichlet =
+      0;            // sum A (s1^2 + s2^2 + s1^-2 + s2^-2) / sum A: 4 there, infinite with a flip
+  int flipped = 0;  // triangles turned over or without area in the plane
+};
+ChartQuality chart_quality(const Chart& chart);
+
+// The chart's border as loops of vertices, counter-clockwise around the chart, in ascending order of the first vertex.
+std::vector<std::vector<int>> border_loops(const std::vector<Triangle>& triangles);
 
 }  // namespace vacuform

@@ -1,135 +1,73 @@
 // The region of interest becomes one chart, the chart is flattened, and the flattening is laid so that its origin is
-// the top of the mold and it is turned as little as possible against the sheet.
+// the top of the mold and it is turned as little as possible against the sheet; or onto its pins.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numeric>
+#include <stdexcept>
 
-#include "worker/flattening/chart.hpp"
+#include "worker/flattening/embedding.hpp"
 #include "worker/flattening/flattening.hpp"
+#include "worker/flattening/held_points.hpp"
+#include "worker/flattening/methods.hpp"
+#include "worker/flattening/region.hpp"
+#include "worker/portion.hpp"
 
 namespace vacuform {
 
 namespace {
 
-double area(const FormedSheet& sheet, int k) {
-  const Triangle& t = sheet.triangles[k];
-  return 0.5 *
-         (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm();
-}
+// The chart with its own numbering: sheet vertices in ascending order.
+struct Region {
+  Chart chart;
+  std::vector<int> vertices;           // of the chart: which of the sheet's each is
+  std::vector<Eigen::Vector2d> start;  // the flat sheet
+};
 
-// Neighbours across the three edges, -1 on the sheet's border.
-std::vector<std::array<int, 3>> neighbours(const std::vector<Triangle>& triangles) {
-  std::map<std::pair<int, int>, std::pair<int, int>> open;
-  std::vector<std::array<int, 3>> across(triangles.size(), {-1, -1, -1});
-  for (int k = 0; k < static_cast<int>(triangles.size()); ++k)
-    for (int e = 0; e < 3; ++e) {
-      const int a = triangles[k][e], b = triangles[k][(e + 1) % 3];
-      const auto twin = open.find({b, a});
-      if (twin == open.end()) {
-        open[{a, b}] = {k, e};
-      } else {
-        across[k][e] = twin->second.first;
-        across[twin->second.first][twin->second.second] = k;
-        open.erase(twin);
-      }
-    }
-  return across;
-}
-
-// Connected parts, across edges, of the triangles with inside[k] == wanted: a part number per triangle, else -1.
-std::vector<int> parts(const std::vector<std::array<int, 3>>& across, const std::vector<char>& inside,
-                       char wanted, int& count) {
-  std::vector<int> part(inside.size(), -1), stack;
-  count = 0;
-  for (int seed = 0; seed < static_cast<int>(inside.size()); ++seed) {
-    if (inside[seed] != wanted || part[seed] >= 0) continue;
-    stack.assign(1, seed);
-    part[seed] = count;
-    while (!stack.empty()) {
-      const int k = stack.back();
-      stack.pop_back();
-      for (int n : across[k])
-        if (n >= 0 && inside[n] == wanted && part[n] < 0) part[n] = count, stack.push_back(n);
-    }
-    ++count;
+Region chart_of(const FormedSheet& sheet, const std::vector<int>& triangles,
+                const std::vector<Eigen::Vector3d>& inked) {
+  Region region;
+  std::vector<int> local(sheet.rest.size(), -1);
+  for (const int k : triangles)
+    for (const int v : sheet.triangles[k]) local[v] = 0;
+  for (std::size_t v = 0; v < local.size(); ++v) {
+    if (local[v] < 0) continue;
+    local[v] = static_cast<int>(region.vertices.size());
+    region.vertices.push_back(static_cast<int>(v));
+    region.chart.inked.push_back(inked[v]);
+    region.start.push_back(sheet.rest[v]);
   }
-  return part;
-}
-
-// The largest part of the sheet that lies on the mold, with what it encloses.
-std::vector<int> region_of_interest(const FormedSheet& sheet) {
-  const auto across = neighbours(sheet.triangles);
-  std::vector<char> inside;
-  for (const Triangle& t : sheet.triangles)
-    inside.push_back(
-        std::all_of(t.begin(), t.end(), [&](int v) { return sheet.contact[v] == Contact::mold; }));
-
-  int count = 0;
-  const auto part = parts(across, inside, 1, count);
-  std::vector<double> size(count, 0);
-  for (std::size_t k = 0; k < part.size(); ++k)
-    if (part[k] >= 0) size[part[k]] += area(sheet, static_cast<int>(k));
-  const int largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
-  for (std::size_t k = 0; k < part.size(); ++k) inside[k] = count > 0 && part[k] == largest;
-
-  // What does not reach the sheet's border without crossing the region is a hole of it.
-  const auto rest = parts(across, inside, 0, count);
-  std::vector<char> reaches_border(count, 0);
-  for (std::size_t k = 0; k < rest.size(); ++k)
-    if (rest[k] >= 0 && std::count(across[k].begin(), across[k].end(), -1) > 0) reaches_border[rest[k]] = 1;
-  std::vector<int> region;
-  for (std::size_t k = 0; k < rest.size(); ++k)
-    if (inside[k] || (rest[k] >= 0 && !reaches_border[rest[k]])) region.push_back(static_cast<int>(k));
+  for (const int k : triangles) {
+    const Triangle& t = sheet.triangles[k];
+    region.chart.triangles.push_back({local[t[0]], local[t[1]], local[t[2]]});
+  }
+  region.chart.uv = region.start;
   return region;
 }
 
-// The face that carries the ink: the formed one, or the other, one thickness along the vertex normals.
-std::vector<Eigen::Vector3d> inked_surface(const FormedSheet& sheet, InkedFace face) {
-  std::vector<Eigen::Vector3d> inked = sheet.formed;
-  if (face == InkedFace::inner) return inked;
-  std::vector<Eigen::Vector3d> normal(inked.size(), Eigen::Vector3d::Zero());
-  for (const Triangle& t : sheet.triangles) {
-    const Eigen::Vector3d n =
-        (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]);
-    for (int v : t) normal[v] += n;
-  }
-  for (std::size_t i = 0; i < inked.size(); ++i)
-    if (const double length = normal[i].norm(); length > 0)
-      inked[i] += sheet.thickness[i] / length * normal[i];
-  return inked;
+// A spot of the sheet as a point of the chart, to be held at `target`.
+ChartPin pin_at(const Spot& spot, const std::vector<int>& triangles, const Eigen::Vector2d& target) {
+  const auto at = std::lower_bound(triangles.begin(), triangles.end(), spot.triangle);
+  return {static_cast<int>(at - triangles.begin()), spot.corners, target};
 }
 
-// Where the vertical through the top of the mold meets the chart: a triangle and barycentric weights.
-struct Spot {
-  Triangle triangle;
-  Eigen::Vector3d weights;
-  bool exact;  // else the vertex nearest to the top
-};
-Spot find_top(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector3d& top) {
-  Spot best{{}, {}, false};
-  double best_z = -std::numeric_limits<double>::infinity(), nearest = std::numeric_limits<double>::infinity();
-  for (const int k : region) {
-    const Triangle& t = sheet.triangles[k];
-    const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
-    const double whole = (b - a).cross(c - a).z();
-    const Eigen::Vector3d w((b - top).cross(c - top).z(), (c - top).cross(a - top).z(),
-                            (a - top).cross(b - top).z());
-    if (whole > 0 && w.minCoeff() >= 0) {
-      const double z = (w.x() * a.z() + w.y() * b.z() + w.z() * c.z()) / whole;
-      if (z > best_z) best_z = z, best = {t, w / whole, true};
-    }
-    for (int e = 0; e < 3 && !best.exact; ++e)
-      if (const double d = (sheet.formed[t[e]] - top).norm(); d < nearest)
-        nearest = d, best = {t, Eigen::Vector3d::Unit(e), false};
+Result<std::vector<ChartPin>> find_pins(const FormedSheet& sheet, const std::vector<int>& triangles,
+                                        const FlatteningSettings& settings) {
+  std::vector<ChartPin> pins;
+  for (std::size_t i = 0; i < settings.pins.size(); ++i) {
+    const auto& [s, t, u, v] = settings.pins[i];
+    const Spot spot = spot_at_rest(sheet, triangles, {s, t});
+    if (spot.triangle < 0)
+      return fail(Code::bad_settings,
+                  "the sheet's point of pin " + std::to_string(i + 1) + " is not on the chart",
+                  "flattening.pins", "choose points of the sheet that come to lie on the mold");
+    pins.push_back(pin_at(spot, triangles, {u, v}));
   }
-  return best;
+  return pins;
 }
 
-// Turns and shifts the chart: the least squares rotation towards the sheet's coordinates, weighted by formed area.
-void align(Chart& chart, const std::vector<Eigen::Vector2d>& start) {
+// Turns the chart by the least squares rotation towards the sheet's coordinates, weighted by formed area.
+void turn_to_sheet(Chart& chart, const std::vector<Eigen::Vector2d>& start) {
   Eigen::Vector2d mean_uv(0, 0), mean_st(0, 0);
   double total = 0;
   std::vector<double> weight(chart.uv.size(), 0);
@@ -150,63 +88,151 @@ void align(Chart& chart, const std::vector<Eigen::Vector2d>& start) {
   for (auto& u : chart.uv) u = turn * u;
 }
 
+// Where the flattening comes to lie in the plane: by its pins, or with the top at the origin.
+class Place {
+ public:
+  Place(std::vector<Eigen::Vector2d> start, const ChartPin& top, std::vector<ChartPin> pins)
+      : start_(std::move(start)), top_(top), pins_(std::move(pins)) {}
+
+  // Where the method begins: with two and more pins, as near to them as the flat sheet can.
+  void begin(Chart& chart) const {
+    if (pins_.size() < 2) return;
+    chart.pins = pins_;
+    move_onto_pins(chart.uv, chart.triangles, pins_);
+  }
+  void lay(Chart& chart) const {
+    if (pins_.size() < 2) turn_to_sheet(chart, start_);
+    move_onto_pins(chart.uv, chart.triangles, pins_.empty() ? std::vector{top_} : pins_);
+  }
+  // How far the worst pin is from its place, mm.
+  double miss(const Chart& chart) const {
+    double worst = 0;
+    for (const ChartPin& pin : pins_) worst = std::max(worst, (place_of(chart, pin) - pin.target).norm());
+    return worst;
+  }
+
+ private:
+  std::vector<Eigen::Vector2d> start_;
+  ChartPin top_;
+  std::vector<ChartPin> pins_;
+};
+
+Result<FlatteningOutcome> run(Chart& chart, const FlatteningSettings& settings, int seed,
+                              const Context& context) {
+  switch (settings.method) {
+    case FlatteningMethod::arap:
+      // Without any weight on areas the hybrid is the conformal map, which needs no iterations.
+      return settings.lambda == 0.0 ? flatten_lscm(chart, context)
+                                    : flatten_arap(chart, context, settings.lambda);
+    case FlatteningMethod::symmetric_dirichlet:
+      return flatten_symmetric_dirichlet(chart, context);
+    case FlatteningMethod::lscm:
+      return flatten_lscm(chart, context);
+    case FlatteningMethod::cgal_arap:
+      return flatten_cgal_arap(chart, context, settings.lambda);
+    case FlatteningMethod::bfs:
+      return flatten_breadth_first(chart, seed, context);
+  }
+  throw std::logic_error("a method of flattening that nobody knows");
+}
+
+bool knows_weights(FlatteningMethod method) {
+  return method != FlatteningMethod::cgal_arap && method != FlatteningMethod::bfs;
+}
+
+// Flattens and lays the chart, by weights that may hang on the chart itself.
+Result<FlatteningOutcome> flatten_weighted(Chart& chart, const FlatteningSettings& settings,
+                                           const ChartPin& top, const Place& place, const InkCoverage& ink,
+                                           const Context& context) {
+  const bool weighted = settings.weight > 1 && knows_weights(settings.method);
+  if (weighted && settings.weights == FlatteningWeights::center)
+    chart.weight = center_weights(chart, top.triangle, top.corners, settings.weight);
+  const int rounds = weighted && settings.weights == FlatteningWeights::ink ? 3 : 1;
+  FlatteningOutcome total{0, true};
+  for (int round = 0; round < rounds; ++round) {
+    const Portion part(context, Stage::flattening, double(round) / rounds, double(round + 1) / rounds);
+    if (round > 0) chart.weight = ink_weights(chart, ink, settings.weight);
+    VACUFORM_TRY(outcome, run(chart, settings, top.triangle, part.context()));
+    place.lay(chart);
+    total.iterations += outcome.iterations;
+    total.converged = outcome.converged;
+  }
+  return total;
+}
+
+void warn(Flattening& out, bool converged, double pins_missed_by) {
+  if (!converged)
+    out.warnings.push_back({"flattening-not-converged", "The flattening stopped before it settled"});
+  if (out.flipped > 0)
+    out.warnings.push_back({"flattening-flipped", std::to_string(out.flipped) +
+                                                      " triangles of the chart are folded over; the print is "
+                                                      "wrong there"});
+  if (out.crossings > 0)
+    out.warnings.push_back(
+        {"flattening-overlaps",
+         "The chart covers places of the drawing twice; what is drawn there is printed twice"});
+  constexpr double met_mm = 0.1;
+  if (pins_missed_by > met_mm) {
+    const auto tenths = std::to_string(std::lround(10 * pins_missed_by));
+    out.warnings.push_back(
+        {"pins-not-met", "A pin of the flattening is " +
+                             (tenths.size() > 1 ? tenths.substr(0, tenths.size() - 1) : "0") + "." +
+                             tenths.back() + " mm from its place"});
+  }
+}
+
+// The part that the weights favour, and the energies in and out of it.
+void split(Flattening& out, const Chart& chart, double weight) {
+  if (chart.weight.empty()) return;
+  out.weight = chart.weight;
+  Chart parts[2] = {{{}, chart.inked, chart.uv, {}, {}}, {{}, chart.inked, chart.uv, {}, {}}};
+  for (std::size_t k = 0; k < chart.triangles.size(); ++k) {
+    out.favoured.push_back(chart.weight[k] >= (1 + weight) / 2);
+    parts[out.favoured.back()].triangles.push_back(chart.triangles[k]);
+  }
+  out.energy_rest = chart_quality(parts[0]).arap;
+  out.energy_favoured = chart_quality(parts[1]).arap;
+}
+
 }  // namespace
 
 Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const FlatteningSettings& settings,
-                           InkedFace inked_face, const Context& context) {
+                           InkedFace inked_face, const Context& context, const InkCoverage& ink) {
+  if (settings.weights == FlatteningWeights::ink && !ink)
+    throw std::invalid_argument("weights by ink need to know where it is");
   Flattening out;
   out.triangles = region_of_interest(sheet);
   if (out.triangles.size() < 8)
     return fail(Code::unusable_surface, "hardly any of the sheet lies on the mold", "forming",
                 "give a finer sheet.resolution_mm, or a mold that is larger against it");
   out.inked = inked_surface(sheet, inked_face);
+  auto [chart, vertices, start] = chart_of(sheet, out.triangles, out.inked);
 
-  // The chart's own numbering: sheet vertices in ascending order.
-  std::vector<int> local(sheet.rest.size(), -1), global;
-  for (const int k : out.triangles)
-    for (int v : sheet.triangles[k]) local[v] = 0;
-  Chart chart;
-  for (std::size_t v = 0; v < local.size(); ++v) {
-    if (local[v] < 0) continue;
-    local[v] = static_cast<int>(global.size());
-    global.push_back(static_cast<int>(v));
-    chart.inked.push_back(out.inked[v]);
-    chart.uv.push_back(sheet.rest[v]);
-  }
-  for (const int k : out.triangles) {
-    const Triangle& t = sheet.triangles[k];
-    chart.triangles.push_back({local[t[0]], local[t[1]], local[t[2]]});
-  }
-
-  const std::vector<Eigen::Vector2d> start = chart.uv;
-  VACUFORM_TRY(outcome, settings.method == FlatteningMethod::arap ? flatten_arap(chart, context)
-                                                                  : flatten_cgal_arap(chart, context));
-  if (!outcome.converged)
-    out.warnings.push_back({"flattening-not-converged", "The flattening stopped before it settled"});
-  align(chart, start);
-  const ChartQuality quality = chart_quality(chart);
-  out.iterations = outcome.iterations;
-  out.energy = quality.energy;
-  out.flipped = quality.flipped;
-  if (quality.flipped > 0)
-    out.warnings.push_back(
-        {"flattening-flipped", std::to_string(quality.flipped) +
-                                   " triangles of the chart are folded over; the print is wrong there"});
-
-  const Spot top = find_top(sheet, out.triangles, mold.top);
-  if (!top.exact)
+  const Spot spot = spot_below(sheet, out.triangles, mold.top);
+  if (!spot.exact)
     out.warnings.push_back({"top-off-chart",
                             "The top of the mold is not covered by the chart; the pattern is centred "
                             "on the nearest point that is"});
-  Eigen::Vector2d origin(0, 0);
+  const ChartPin top = pin_at(spot, out.triangles, {0, 0});
+  VACUFORM_TRY(pins, find_pins(sheet, out.triangles, settings));
+  const Place place(start, top, std::move(pins));
+  place.begin(chart);
+  VACUFORM_TRY(outcome, flatten_weighted(chart, settings, top, place, ink, context));
+
+  const ChartQuality quality = chart_quality(chart);
+  out.iterations = outcome.iterations;
+  out.energy = quality.arap;
+  out.symmetric_dirichlet = quality.symmetric_dirichlet;
+  out.flipped = quality.flipped;
+  out.crossings = border_crossings(chart);
+  split(out, chart, settings.weight);
+  warn(out, outcome.converged, place.miss(chart));
+
   out.top_rest.setZero();
-  for (int e = 0; e < 3; ++e) {
-    origin += top.weights[e] * chart.uv[local[top.triangle[e]]];
-    out.top_rest += top.weights[e] * sheet.rest[top.triangle[e]];
-  }
+  for (int e = 0; e < 3; ++e) out.top_rest += spot.corners[e] * sheet.rest[sheet.triangles[spot.triangle][e]];
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   out.chart.assign(sheet.rest.size(), {nan, nan});
-  for (std::size_t i = 0; i < global.size(); ++i) out.chart[global[i]] = chart.uv[i] - origin;
+  for (std::size_t i = 0; i < vertices.size(); ++i) out.chart[vertices[i]] = chart.uv[i];
   context.report(Stage::flattening, 1);
   return out;
 }

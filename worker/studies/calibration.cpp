@@ -10,7 +10,7 @@
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/sheet_map.hpp"
 #include "worker/scan/topology.hpp"
-#include "worker/studies/portion.hpp"
+#include "worker/portion.hpp"
 #include "worker/studies/registration.hpp"
 
 namespace vacuform {

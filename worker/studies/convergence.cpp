@@ -9,7 +9,7 @@
 
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/sheet_map.hpp"
-#include "worker/studies/portion.hpp"
+#include "worker/portion.hpp"
 
 namespace vacuform {
 

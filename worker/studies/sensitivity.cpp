@@ -7,7 +7,7 @@
 #include "worker/decimal.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/forming/sheet_map.hpp"
-#include "worker/studies/portion.hpp"
+#include "worker/portion.hpp"
 
 namespace vacuform {
 

@@ -1,0 +1,55 @@
+// The methods of flattening. Each takes a chart with its start in uv and leaves its flattening there, up to a rigid
+// motion where the chart has no pins. All are deterministic, and end with Code::cancelled soon after a cancellation.
+#pragma once
+
+#include <optional>
+
+#include "worker/context.hpp"
+#include "worker/flattening/chart.hpp"
+
+namespace vacuform {
+
+struct FlatteningOutcome {
+  int iterations = 0;
+  bool converged = false;
+};
+
+// As-rigid-as-possible parameterization by local/global iterations (Liu, Zhang, Xu, Gotsman, Gortler, "A local/global
+// approach to mesh parameterization", SGP 2008): one factorization, both coordinates at once, started from chart.uv.
+//   sum w A min over rotations R of |J - R|^2
+// With `lambda` their hybrid, which lets a triangle grow at a price:
+//   sum w A min over R and s of |J - s R|^2 + lambda (s^2 - 1)^2
+// (their energy with lambda A in place of lambda, so that it hangs neither on the grid nor on the unit). lambda above 0:
+// towards 0 angles are kept at the cost of areas, and iterations grow; none is the limit of a large one.
+// Stops when an iteration lowers the energy by less than a millionth, or unconverged after `most_iterations`.
+// Triangles can turn over.
+Result<FlatteningOutcome> flatten_arap(Chart& chart, const Context& context,
+                                       std::optional<double> lambda = {}, int most_iterations = 300);
+
+// The symmetric Dirichlet energy, sum w A (s1^2 + s2^2 + s1^-2 + s2^-2) with the singular values of J, by projected
+// Newton on its analytic eigensystem (Smith, de Goes, Kim, "Analytic eigensystems for isotropic distortion energies",
+// ACM TOG 2019) with the longest step before a triangle turns over (Smith, Schaefer, "Bijective parameterization with
+// free boundaries", SIGGRAPH 2015). No triangle is turned over on return, nor on the way. Started from a few iterations
+// of flatten_arap where they turn none over, else from chart.uv, and where that has triangles turned over, from Tutte's
+// embedding. Errors: unusable_surface when the chart is no disk and its start has triangles turned over.
+Result<FlatteningOutcome> flatten_symmetric_dirichlet(Chart& chart, const Context& context);
+
+// Least squares conformal map with a free border, sum w A (s1 - s2)^2 (Levy, Petitjean, Ray, Maillot 2002; Mullen, Tong,
+// Alliez, Desbrun, "Spectral conformal parameterization", SGP 2008, so that no two vertices need be chosen), scaled so
+// that the chart's area is the inked surface's; with pins, which then say the scale, a single solve. Triangles can turn
+// over.
+Result<FlatteningOutcome> flatten_lscm(Chart& chart, const Context& context);
+
+// Unfolding breadth first from triangle `seed`: a vertex comes to lie at the mean of where the triangles that reach it
+// first, from two corners already placed, unfold it. Errors pile up outwards; triangles turn over on any dome. Knows
+// neither weights nor pins.
+Result<FlatteningOutcome> flatten_breadth_first(Chart& chart, int seed, const Context& context);
+
+// CGAL's ARAP (Surface_mesh_parameterization), as the published predecessor used it: it starts from a map of its own
+// and knows neither chart.uv nor weights nor pins. `lambda` is the library's (none: its default of 1000), in mm2.
+// Needs a chart that is a topological disk. Errors: unusable_surface, cancelled (looked at before and after: CGAL cannot
+// be interrupted).
+Result<FlatteningOutcome> flatten_cgal_arap(Chart& chart, const Context& context,
+                                            std::optional<double> lambda = {});
+
+}  // namespace vacuform

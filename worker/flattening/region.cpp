@@ -1,0 +1,138 @@
+#include "worker/flattening/region.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+
+namespace vacuform {
+
+namespace {
+
+double area(const FormedSheet& sheet, int k) {
+  const Triangle& t = sheet.triangles[k];
+  return 0.5 *
+         (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm();
+}
+
+// Neighbours across the three edges, -1 on the sheet's border.
+std::vector<std::array<int, 3>> neighbours(const std::vector<Triangle>& triangles, std::size_t vertices) {
+  std::vector<std::array<int, 3>> across(triangles.size(), {-1, -1, -1});
+  // The sides of triangles by the lower of their two vertices, so that twins stand in the same short list.
+  struct Side {
+    int upper, triangle, edge;
+  };
+  std::vector<std::vector<Side>> open(vertices);
+  for (int k = 0; k < static_cast<int>(triangles.size()); ++k)
+    for (int e = 0; e < 3; ++e) {
+      const auto [lower, upper] = std::minmax(triangles[k][e], triangles[k][(e + 1) % 3]);
+      auto& list = open[lower];
+      const auto twin =
+          std::find_if(list.begin(), list.end(), [&](const Side& s) { return s.upper == upper; });
+      if (twin == list.end()) {
+        list.push_back({upper, k, e});
+      } else {
+        across[k][e] = twin->triangle;
+        across[twin->triangle][twin->edge] = k;
+      }
+    }
+  return across;
+}
+
+// Connected parts, across edges, of the triangles with inside[k] == wanted: a part number per triangle, else -1.
+std::vector<int> parts(const std::vector<std::array<int, 3>>& across, const std::vector<char>& inside,
+                       char wanted, int& count) {
+  std::vector<int> part(inside.size(), -1), stack;
+  count = 0;
+  for (int seed = 0; seed < static_cast<int>(inside.size()); ++seed) {
+    if (inside[seed] != wanted || part[seed] >= 0) continue;
+    stack.assign(1, seed);
+    part[seed] = count;
+    while (!stack.empty()) {
+      const int k = stack.back();
+      stack.pop_back();
+      for (int n : across[k])
+        if (n >= 0 && inside[n] == wanted && part[n] < 0) part[n] = count, stack.push_back(n);
+    }
+    ++count;
+  }
+  return part;
+}
+
+}  // namespace
+
+std::vector<int> region_of_interest(const FormedSheet& sheet) {
+  const auto across = neighbours(sheet.triangles, sheet.rest.size());
+  std::vector<char> inside;
+  for (const Triangle& t : sheet.triangles)
+    inside.push_back(
+        std::all_of(t.begin(), t.end(), [&](int v) { return sheet.contact[v] == Contact::mold; }));
+
+  int count = 0;
+  const auto part = parts(across, inside, 1, count);
+  std::vector<double> size(count, 0);
+  for (std::size_t k = 0; k < part.size(); ++k)
+    if (part[k] >= 0) size[part[k]] += area(sheet, static_cast<int>(k));
+  const int largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
+  for (std::size_t k = 0; k < part.size(); ++k) inside[k] = count > 0 && part[k] == largest;
+
+  // What does not reach the sheet's border without crossing the region is a hole of it.
+  const auto rest = parts(across, inside, 0, count);
+  std::vector<char> reaches_border(count, 0);
+  for (std::size_t k = 0; k < rest.size(); ++k)
+    if (rest[k] >= 0 && std::count(across[k].begin(), across[k].end(), -1) > 0) reaches_border[rest[k]] = 1;
+  std::vector<int> region;
+  for (std::size_t k = 0; k < rest.size(); ++k)
+    if (inside[k] || (rest[k] >= 0 && !reaches_border[rest[k]])) region.push_back(static_cast<int>(k));
+  return region;
+}
+
+std::vector<Eigen::Vector3d> inked_surface(const FormedSheet& sheet, InkedFace face) {
+  std::vector<Eigen::Vector3d> inked = sheet.formed;
+  if (face == InkedFace::inner) return inked;
+  std::vector<Eigen::Vector3d> normal(inked.size(), Eigen::Vector3d::Zero());
+  for (const Triangle& t : sheet.triangles) {
+    const Eigen::Vector3d n =
+        (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]);
+    for (int v : t) normal[v] += n;
+  }
+  for (std::size_t i = 0; i < inked.size(); ++i)
+    if (const double length = normal[i].norm(); length > 0)
+      inked[i] += sheet.thickness[i] / length * normal[i];
+  return inked;
+}
+
+Spot spot_below(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector3d& top) {
+  Spot best{-1, {}, false};
+  double best_z = -std::numeric_limits<double>::infinity(), nearest = std::numeric_limits<double>::infinity();
+  for (const int k : region) {
+    const Triangle& t = sheet.triangles[k];
+    const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
+    const double whole = (b - a).cross(c - a).z();
+    const Eigen::Vector3d w((b - top).cross(c - top).z(), (c - top).cross(a - top).z(),
+                            (a - top).cross(b - top).z());
+    if (whole > 0 && w.minCoeff() >= 0) {
+      const double z = (w.x() * a.z() + w.y() * b.z() + w.z() * c.z()) / whole;
+      if (z > best_z) best_z = z, best = {k, w / whole, true};
+    }
+    for (int e = 0; e < 3 && !best.exact; ++e)
+      if (const double d = (sheet.formed[t[e]] - top).norm(); d < nearest)
+        nearest = d, best = {k, Eigen::Vector3d::Unit(e), false};
+  }
+  return best;
+}
+
+Spot spot_at_rest(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector2d& st) {
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
+  for (const int k : region) {
+    const Triangle& t = sheet.triangles[k];
+    const Eigen::Vector2d &a = sheet.rest[t[0]], &b = sheet.rest[t[1]], &c = sheet.rest[t[2]];
+    const double whole = cross(b - a, c - a);
+    const Eigen::Vector3d w(cross(b - st, c - st), cross(c - st, a - st), cross(a - st, b - st));
+    if (whole > 0 && w.minCoeff() >= -1e-9 * whole) return {k, w / whole, true};
+  }
+  return {};
+}
+
+}  // namespace vacuform

@@ -1,0 +1,30 @@
+// Which part of the formed sheet is laid flat, and where its ink lies.
+#pragma once
+
+#include <vector>
+
+#include "api/settings.hpp"
+#include "worker/forming/formed_sheet.hpp"
+
+namespace vacuform {
+
+// The largest connected part of the sheet that lies on the mold, with what it encloses: triangles, ascending. Empty when
+// nothing lies on the mold.
+std::vector<int> region_of_interest(const FormedSheet& sheet);
+
+// The face that carries the ink, one place a vertex of the sheet: the formed one (inner), or the other, one thickness
+// along the vertex normals.
+std::vector<Eigen::Vector3d> inked_surface(const FormedSheet& sheet, InkedFace face);
+
+// A point of the sheet: a triangle of it and barycentric weights of its corners.
+struct Spot {
+  int triangle = -1;  // of FormedSheet::triangles; -1: none
+  Eigen::Vector3d corners;
+  bool exact = true;  // else the vertex of the region nearest to what was asked for
+};
+// Where the vertical through `top` meets the region, at its highest.
+Spot spot_below(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector3d& top);
+// Where the region has the point `st` of the flat sheet.
+Spot spot_at_rest(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector2d& st);
+
+}  // namespace vacuform

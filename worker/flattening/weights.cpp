@@ -1,0 +1,93 @@
+#include "worker/flattening/weights.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace vacuform {
+
+namespace {
+
+// The distance of corner c when a wave has reached a and b: from its source in the triangle's plane, if that is seen
+// through the edge a b, else along an edge.
+double through(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, double at_a,
+               double at_b) {
+  const FlatTriangle f = flat_triangle(a, b, c);
+  const double along_edges = std::min(at_a + (c - a).norm(), at_b + (c - b).norm());
+  if (!(f.length > 0)) return along_edges;
+  const double x = (at_a * at_a - at_b * at_b + f.length * f.length) / (2 * f.length);
+  const double squared = at_a * at_a - x * x;
+  if (squared < 0) return along_edges;
+  const double y = -std::sqrt(squared);
+  const double crossing = f.height - y > 0 ? x + (f.along - x) * -y / (f.height - y) : x;
+  if (crossing < 0 || crossing > f.length) return along_edges;
+  return std::min(along_edges, std::hypot(f.along - x, f.height - y));
+}
+
+}  // namespace
+
+std::vector<double> surface_distance(const Chart& chart, std::vector<double> distance) {
+  std::vector<std::vector<int>> around(distance.size());
+  for (int k = 0; k < static_cast<int>(chart.triangles.size()); ++k)
+    for (const int v : chart.triangles[k]) around[v].push_back(k);
+  using Front = std::pair<double, int>;  // a distance and its vertex
+  std::priority_queue<Front, std::vector<Front>, std::greater<>> front;
+  for (int v = 0; v < static_cast<int>(distance.size()); ++v)
+    if (std::isfinite(distance[v])) front.push({distance[v], v});
+  std::vector<char> passed(distance.size(), 0);
+  while (!front.empty()) {
+    const int v = front.top().second;
+    front.pop();
+    if (passed[v]) continue;
+    passed[v] = 1;
+    for (const int k : around[v])
+      for (const int c : chart.triangles[k]) {
+        if (passed[c]) continue;
+        const Triangle& t = chart.triangles[k];
+        const int other = t[0] + t[1] + t[2] - v - c;
+        const double found = passed[other] ? through(chart.inked[v], chart.inked[other], chart.inked[c],
+                                                     distance[v], distance[other])
+                                           : distance[v] + (chart.inked[c] - chart.inked[v]).norm();
+        if (found < distance[c]) distance[c] = found, front.push({found, c});
+      }
+  }
+  return distance;
+}
+
+std::vector<double> center_weights(const Chart& chart, int triangle, const Eigen::Vector3d& corners,
+                                   double weight) {
+  std::vector<double> rim(chart.uv.size(), std::numeric_limits<double>::infinity()), top = rim;
+  for (const auto& loop : border_loops(chart.triangles))
+    for (const int v : loop) rim[v] = 0;
+  const Triangle& t = chart.triangles[triangle];
+  const Eigen::Vector3d point =
+      corners[0] * chart.inked[t[0]] + corners[1] * chart.inked[t[1]] + corners[2] * chart.inked[t[2]];
+  for (const int v : t) top[v] = (chart.inked[v] - point).norm();
+  rim = surface_distance(chart, std::move(rim));
+  top = surface_distance(chart, std::move(top));
+
+  std::vector<double> weights;
+  weights.reserve(chart.triangles.size());
+  for (const auto& [a, b, c] : chart.triangles) {
+    const double from_rim = rim[a] + rim[b] + rim[c], from_top = top[a] + top[b] + top[c];
+    const double x = from_rim > 0 ? from_rim / (from_rim + from_top) : 0;
+    weights.push_back(1 + (weight - 1) * x * x * (3 - 2 * x));
+  }
+  return weights;
+}
+
+std::vector<double> ink_weights(const Chart& chart, const InkCoverage& ink, double weight) {
+  constexpr double enough = 0.25;
+  std::vector<double> weights;
+  weights.reserve(chart.triangles.size());
+  for (const auto& [a, b, c] : chart.triangles) {
+    const Eigen::Vector2d &p = chart.uv[a], &q = chart.uv[b], &r = chart.uv[c];
+    const double longest = std::max({(q - p).norm(), (r - q).norm(), (p - r).norm()});
+    weights.push_back(1 + (weight - 1) * std::min(1.0, ink((p + q + r) / 3, longest) / enough));
+  }
+  return weights;
+}
+
+}  // namespace vacuform
