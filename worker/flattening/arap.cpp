@@ -81,7 +81,7 @@ class LocalGlobal {
 
   Chart& chart_;
   std::optional<double> lambda_;
-  std::vector<Element> elements_;
+  std::vector<ChartElement> elements_;
   std::vector<ChartPin> pins_;
   double stiffness_;
   ChartMatrix<1> matrix_;

@@ -15,16 +15,16 @@ FlatTriangle flat_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, c
   return {length, ac.dot(ab) / length, ab.cross(ac).norm() / length};
 }
 
-std::vector<Element> elements(const Chart& chart) {
+std::vector<ChartElement> elements(const Chart& chart) {
   constexpr double flattest = 1e-4, shortest_mm = 1e-6;
-  std::vector<Element> all;
+  std::vector<ChartElement> all;
   all.reserve(chart.triangles.size());
   for (const Triangle& t : chart.triangles) {
     FlatTriangle f = flat_triangle(chart.inked[t[0]], chart.inked[t[1]], chart.inked[t[2]]);
     f.length = std::max({f.length, flattest * std::abs(f.along), shortest_mm});
     f.height = std::max({f.height, flattest * f.length, flattest * std::abs(f.along)});
     // Inverse of the map (length, along; 0, height) that carries the unit triangle here.
-    Element e;
+    ChartElement e;
     e.gradient.row(1) << 1 / f.length, -f.along / (f.length * f.height);
     e.gradient.row(2) << 0, 1 / f.height;
     e.gradient.row(0) = -e.gradient.row(1) - e.gradient.row(2);

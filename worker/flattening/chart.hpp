@@ -33,15 +33,15 @@ struct FlatTriangle {
 FlatTriangle flat_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
 // A linear triangle: with the corners' places as columns of U, J = U gradient' maps its plane to the chart.
-struct Element {
+struct ChartElement {
   Eigen::Matrix<double, 3, 2> gradient;  // of the corners' hat functions, one a row, 1/mm
   double area;                           // mm2
 };
 // One a triangle. A triangle flatter than a ten thousandth of its length counts as that high, so that every element
 // has a map: slivers of any angle above 0.006 degrees are themselves.
-std::vector<Element> elements(const Chart& chart);
+std::vector<ChartElement> elements(const Chart& chart);
 
-inline Eigen::Matrix2d jacobian(const Chart& chart, const std::vector<Element>& all, std::size_t k) {
+inline Eigen::Matrix2d jacobian(const Chart& chart, const std::vector<ChartElement>& all, std::size_t k) {
   const Triangle& t = chart.triangles[k];
   Eigen::Matrix<double, 2, 3> U;
   U << chart.uv[t[0]], chart.uv[t[1]], chart.uv[t[2]];

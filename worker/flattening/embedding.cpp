@@ -61,7 +61,7 @@ bool embed_on_disk(Chart& chart) {
   const auto loops = border_loops(chart.triangles);
   if (!is_disk(chart, loops)) return false;
   double area = 0, length = 0;
-  for (const Element& e : elements(chart)) area += e.area;
+  for (const ChartElement& e : elements(chart)) area += e.area;
   const auto& loop = loops[0];
   std::vector<double> reached;
   for (std::size_t i = 0; i < loop.size(); ++i) {

@@ -10,7 +10,7 @@ namespace vacuform {
 namespace {
 
 // The quadratic form of w A (s1 - s2)^2 = w A (|J|^2 - 2 det J) in a triangle's corners.
-ChartMatrix<2>::Local conformal(const Element& element, double weight) {
+ChartMatrix<2>::Local conformal(const ChartElement& element, double weight) {
   ChartMatrix<2>::Local Q = ChartMatrix<2>::Local::Zero();
   const Eigen::Matrix3d dirichlet = weight * element.area * element.gradient * element.gradient.transpose();
   for (int i = 0; i < 3; ++i)
@@ -37,7 +37,7 @@ struct Masses {
   Eigen::VectorXd of;  // a third of the area around, for each coordinate of each vertex
   double total = 0;
 };
-Masses masses(const Chart& chart, const std::vector<Element>& all) {
+Masses masses(const Chart& chart, const std::vector<ChartElement>& all) {
   Masses m{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * chart.uv.size()))};
   for (std::size_t k = 0; k < all.size(); ++k) {
     for (const int v : chart.triangles[k]) m.of.segment<2>(2 * v).array() += all[k].area / 3;

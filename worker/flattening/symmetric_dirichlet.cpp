@@ -120,7 +120,7 @@ class ProjectedNewton {
   }
 
   Chart& chart_;
-  std::vector<Element> elements_;
+  std::vector<ChartElement> elements_;
   std::vector<ChartPin> pins_;
   double stiffness_;
   ChartMatrix<2> matrix_;
