@@ -20,7 +20,7 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // The triangles around the centre with a corner within `reach_mm` in space, connected over edges; ascending.
-std::vector<int> around(const InkedSurface& surface, const SurfacePoint& centre, double reach_mm) {
+std::vector<int> around(const InkedSurface& surface, const SheetPoint& centre, double reach_mm) {
   const Vector3d middle = surface.place(centre);
   std::vector<char> seen(surface.triangles().size(), 0);
   std::vector<int> out{centre.triangle};
@@ -47,7 +47,7 @@ struct Neighbourhood {
   Vector2d centre{0, 0};  // in the chart
 };
 
-Result<Neighbourhood> flattened(const InkedSurface& surface, const SurfacePoint& centre, double reach_mm,
+Result<Neighbourhood> flattened(const InkedSurface& surface, const SheetPoint& centre, double reach_mm,
                                 const Context& context) {
   Neighbourhood out;
   out.faces = around(surface, centre, reach_mm);
@@ -77,14 +77,11 @@ Result<Neighbourhood> flattened(const InkedSurface& surface, const SurfacePoint&
 
 // The chart's turn against the geodesics' directions near the centre, radians.
 double turn_of(const Neighbourhood& near, const PolarGrid& grid, double mm) {
-  ElementPatch by_rest;
-  by_rest.patch = {near.chart.triangles, near.rest, near.rest, {}};
-  for (const Vector2d& uv : near.chart.uv) by_rest.patch.inked.emplace_back(uv.x(), uv.y(), 0);
-  const PatchMap map(by_rest);
+  const PlaneLocator locator(near.chart.triangles, near.rest);
   Vector2d sum(0, 0);
   for (const auto& p : grid.passing(mm))
-    if (const auto at = map.place(p.rest)) {
-      const Vector2d d = at->head<2>() - near.centre;
+    if (const auto at = locator.find(p.rest)) {
+      const Vector2d d = interpolate(near.chart.triangles, *at, near.chart.uv) - near.centre;
       const double turn = std::atan2(d.y(), d.x()) - p.direction;
       sum += Vector2d(std::cos(turn), std::sin(turn));
     }
@@ -133,8 +130,8 @@ int turned_over(const Chart& chart, const std::vector<Vector2d>& uv, double ink_
 
 }  // namespace
 
-Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SurfacePoint& centre,
-                                 const Vector3d& axis, double ink_mm, const Context& context) {
+Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& centre, const Vector3d& axis,
+                                 double ink_mm, const Context& context) {
   constexpr double step_mm = 0.5, margin_mm = 3;
   constexpr int directions = 360;
   constexpr std::array<double, 4> shares{0, 0.25, 0.5, 1};  // of the local flattening in the radius

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/coils/inductance.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -47,6 +49,36 @@ ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, 
   }
   out.pairs = neighbours(out.centres);
   return out;
+}
+
+Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
+                                                     const Context& context) {
+  std::vector<ElementOnSurface> out;
+  const std::vector<double> turn = turns(surface, layout.centres, layout.pairs);
+  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+    VACUFORM_CHECK(context.step(Stage::printing, 0));
+    const LaidElement& element = layout.elements[i];
+    const Centre& centre = layout.centres[i];
+    VACUFORM_TRY(patch, element_patch(surface, centre.point,
+                                      turned(surface, centre.point.triangle, centre.axis, turn[i]),
+                                      element.size * element.outline.reach_mm, context));
+    ElementOnSurface laid;
+    laid.turn = turn[i];
+    laid.patch = std::move(patch);
+    const PatchMap map(laid.patch);
+    laid.on_head = std::all_of(element.outline.points.begin(), element.outline.points.end(),
+                               [&](const Vector2d& p) { return map.on_chart(element.size * p); });
+    laid.loop = loop_in_space(map, element);
+    if (!laid.loop.empty())
+      laid.self_nh = self_inductance_nh(laid.loop, element.size * element.outline.width_mm);
+    out.push_back(std::move(laid));
+  }
+  return out;
+}
+
+std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b) {
+  if (a.loop.empty() || b.loop.empty()) return {};
+  return mutual_inductance_nh(a.loop, b.loop) / std::sqrt(a.self_nh * b.self_nh);
 }
 
 }  // namespace vacuform

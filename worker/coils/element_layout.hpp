@@ -1,11 +1,12 @@
 // The elements of a drawing while they are being placed, and their loops in space.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "worker/coils/alignment.hpp"
+#include "worker/coils/element_patch.hpp"
 #include "worker/coils/outline.hpp"
-#include "worker/coils/polar_grid.hpp"
 #include "worker/coils/spacing.hpp"
 
 namespace vacuform {
@@ -27,13 +28,30 @@ struct ElementLayout {
 // nearest point; beyond it by more than its element reaches, the element is left out.
 ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment);
 
-// Flat coordinates (element_patch.hpp) to space: PolarGrid and PatchMap both do.
+// An element once it lies on the surface.
+struct ElementOnSurface {
+  double turn = 0;  // of its centre's axis, radians (spacing.hpp)
+  ElementPatch patch;
+  bool on_head = true;                // all of its curves lie on the chart
+  std::vector<Eigen::Vector3d> loop;  // in space, mm; empty without a loop, or where it runs off the sheet
+  double self_nh = 0;                 // the loop's own inductance
+};
+
+// The elements of a layout where their centres are now. Errors: cancelled.
+Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
+                                                     const Context& context);
+
+// M / sqrt(L1 L2); nothing unless both have a loop.
+std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b);
+
+// The element's loop in space by flat coordinates, mm; empty where a part of it lies beyond the map. PolarGrid and
+// PatchMap are such maps.
 template <class Map>
 std::vector<Eigen::Vector3d> loop_in_space(const Map& map, const LaidElement& element) {
   std::vector<Eigen::Vector3d> out;
   for (const Eigen::Vector2d& p : element.outline.loop) {
     const auto place = map.place(element.size * p);
-    if (!place) return {};  // a part of it lies beyond the sheet
+    if (!place) return {};
     out.push_back(*place);
   }
   return out;

@@ -7,6 +7,7 @@
 
 #include "worker/coils/patch.hpp"
 #include "worker/coils/polar_grid.hpp"
+#include "worker/forming/sheet_map.hpp"
 
 namespace vacuform {
 
@@ -20,7 +21,7 @@ struct ElementPatch {
 // drawn ones but for the area (PolarGrid). Where bumps make geodesics cross, the sheet's own triangles, with the
 // direction of a local flattening (as rigid as possible) and the radius of the shortest geodesic; where even that would
 // turn triangles over, as much of the local flattening's radius as it takes not to. Errors: cancelled.
-Result<ElementPatch> element_patch(const InkedSurface& surface, const SurfacePoint& centre,
+Result<ElementPatch> element_patch(const InkedSurface& surface, const SheetPoint& centre,
                                    const Eigen::Vector3d& axis, double ink_mm, const Context& context);
 
 // Finds flat coordinates in a patch.
@@ -32,16 +33,8 @@ class PatchMap {
   bool on_chart(const Eigen::Vector2d& flat) const;
 
  private:
-  struct Found {
-    std::size_t triangle;
-    Eigen::Vector3d weights;
-  };
-  std::optional<Found> find(const Eigen::Vector2d& flat) const;
   const ElementPatch* patch_;
-  double cell_;
-  int columns_ = 0, rows_ = 0;
-  Eigen::Vector2d corner_{0, 0};
-  std::vector<std::vector<int>> cells_;
+  PlaneLocator locator_;
 };
 
 }  // namespace vacuform

@@ -15,7 +15,7 @@ constexpr double beside = 1e-9;          // least weight of a vertex that is pas
 constexpr int most_crossings = 100'000;  // of one advance: a way that goes round and round ends there
 
 // The directions of a straight line in space at its two ends.
-Connection straight(const InkedSurface& surface, const SurfacePoint& a, const SurfacePoint& b) {
+Connection straight(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b) {
   const Vector3d way = surface.place(b) - surface.place(a);
   const auto in_plane = [&](int t) {
     const Vector3d d = way - way.dot(surface.normal(t)) * surface.normal(t);
@@ -25,8 +25,7 @@ Connection straight(const InkedSurface& surface, const SurfacePoint& a, const Su
 }
 
 // Newton's steps in polar coordinates about a, with the plane's derivatives.
-Connection shoot(const InkedSurface& surface, const SurfacePoint& a, const SurfacePoint& b,
-                 Connection guess) {
+Connection shoot(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b, Connection guess) {
   constexpr int most_steps = 25;
   const Vector3d goal = surface.place(b);
   Connection best = guess;
@@ -57,7 +56,7 @@ Connection shoot(const InkedSurface& surface, const SurfacePoint& a, const Surfa
 
 }  // namespace
 
-GeodesicWalk::GeodesicWalk(const InkedSurface& surface, const SurfacePoint& start, const Vector3d& along)
+GeodesicWalk::GeodesicWalk(const InkedSurface& surface, const SheetPoint& start, const Vector3d& along)
     : surface_(&surface), at_(start), along_(along) {
   at_.weights = at_.weights.cwiseMax(beside);
   at_.weights /= at_.weights.sum();
@@ -134,7 +133,7 @@ double angle_between(const InkedSurface& surface, int t, const Vector3d& from, c
   return std::atan2(surface.normal(t).dot(from.cross(to)), from.dot(to));
 }
 
-Connection connect(const InkedSurface& surface, const SurfacePoint& a, const SurfacePoint& b) {
+Connection connect(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b) {
   const Connection line = straight(surface, a, b);
   if (line.mm < 1e-9) return {0, line.leaving, line.arriving, true};
   Connection best = line;

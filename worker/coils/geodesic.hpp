@@ -12,19 +12,19 @@ namespace vacuform {
 class GeodesicWalk {
  public:
   // `along`: a direction in the plane of the point's triangle, of any length but zero.
-  GeodesicWalk(const InkedSurface& surface, const SurfacePoint& start, const Eigen::Vector3d& along);
+  GeodesicWalk(const InkedSurface& surface, const SheetPoint& start, const Eigen::Vector3d& along);
 
   // Walks on, and gives the millimetres walked: fewer than asked for at the border of the sheet, where it stays.
   double advance(double mm);
 
-  const SurfacePoint& at() const { return at_; }
+  const SheetPoint& at() const { return at_; }
   const Eigen::Vector3d& along() const { return along_; }  // unit, in the plane of at()'s triangle
   bool ended() const { return ended_; }                    // at the border of the sheet
 
  private:
   void cross(int corner);  // over the edge opposite the corner
   const InkedSurface* surface_;
-  SurfacePoint at_;
+  SheetPoint at_;
   Eigen::Vector3d along_;
   int entered_ = -1;  // the corner opposite the edge that was crossed last, else -1
   bool ended_ = false;
@@ -43,6 +43,6 @@ struct Connection {
   Eigen::Vector3d leaving{0, 0, 0}, arriving{0, 0, 0};  // unit directions at a and, onward, at b
   bool found = false;
 };
-Connection connect(const InkedSurface& surface, const SurfacePoint& a, const SurfacePoint& b);
+Connection connect(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b);
 
 }  // namespace vacuform

@@ -98,23 +98,17 @@ InkedSurface::InkedSurface(const FormedSheet& sheet, const Flattening& flattenin
   }
 }
 
-Vector3d InkedSurface::place(const SurfacePoint& p) const {
-  const Triangle& t = sheet_->triangles[index(p.triangle)];
-  const auto& x = flattening_->inked;
-  return p.weights[0] * x[index(t[0])] + p.weights[1] * x[index(t[1])] + p.weights[2] * x[index(t[2])];
+Vector3d InkedSurface::place(const SheetPoint& p) const {
+  return interpolate(sheet_->triangles, p, flattening_->inked);
 }
 
-Vector2d InkedSurface::rest(const SurfacePoint& p) const {
-  const Triangle& t = sheet_->triangles[index(p.triangle)];
-  const auto& x = sheet_->rest;
-  return p.weights[0] * x[index(t[0])] + p.weights[1] * x[index(t[1])] + p.weights[2] * x[index(t[2])];
+Vector2d InkedSurface::rest(const SheetPoint& p) const {
+  return interpolate(sheet_->triangles, p, sheet_->rest);
 }
 
-Vector2d InkedSurface::chart(const SurfacePoint& p) const {
+Vector2d InkedSurface::chart(const SheetPoint& p) const {
   if (!on_chart(p.triangle)) return Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  const Triangle& t = sheet_->triangles[index(p.triangle)];
-  const auto& x = flattening_->chart;
-  return p.weights[0] * x[index(t[0])] + p.weights[1] * x[index(t[1])] + p.weights[2] * x[index(t[2])];
+  return interpolate(sheet_->triangles, p, flattening_->chart);
 }
 
 InkedSurface::OnChart InkedSurface::at_chart(const Vector2d& chart) const {

@@ -3,19 +3,12 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "worker/flattening/flattening.hpp"
-#include "worker/forming/formed_sheet.hpp"
+#include "worker/forming/sheet_map.hpp"
 
 namespace vacuform {
-
-// A point of the surface: a triangle of the sheet and barycentric weights, which sum to 1.
-struct SurfacePoint {
-  int triangle = -1;
-  Eigen::Vector3d weights{1, 0, 0};
-};
 
 // Keeps references to both: they must outlive it. Made in one pass over the triangles.
 class InkedSurface {
@@ -33,20 +26,20 @@ class InkedSurface {
   const Eigen::Vector3d& gradient(int t, int k) const { return faces_[index(t)].gradient[index(k)]; }
   bool on_chart(int t) const { return on_chart_[index(t)] != 0; }
 
-  Eigen::Vector3d place(const SurfacePoint& p) const;  // on the inked surface, mm
-  Eigen::Vector2d rest(const SurfacePoint& p) const;   // sheet coordinates, mm
-  Eigen::Vector2d chart(const SurfacePoint& p) const;  // chart coordinates, mm; NaN off the chart
+  Eigen::Vector3d place(const SheetPoint& p) const;  // on the inked surface, mm
+  Eigen::Vector2d rest(const SheetPoint& p) const;   // sheet coordinates, mm
+  Eigen::Vector2d chart(const SheetPoint& p) const;  // chart coordinates, mm; NaN off the chart
 
   // The point with the given chart coordinates, or, off the chart, the nearest one of the chart's border; of charts that
   // overlap themselves the first triangle. Linear in the chart's triangles.
   struct OnChart {
-    SurfacePoint point;
+    SheetPoint point{};
     double off_mm = 0;  // distance from the chart, chart millimetres; 0 on it
   };
   OnChart at_chart(const Eigen::Vector2d& chart) const;
   // The point of the chart's triangles nearest to a place in space, and how far away it is, mm.
   struct Nearest {
-    SurfacePoint point;
+    SheetPoint point{};
     double distance_mm = 0;
   };
   Nearest nearest_on_chart(const Eigen::Vector3d& place) const;

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "worker/coils/alignment.hpp"
+#include "worker/coils/decoupling.hpp"
 #include "worker/coils/element_layout.hpp"
-#include "worker/coils/element_patch.hpp"
-#include "worker/coils/inductance.hpp"
+#include "worker/decimal.hpp"
 
 namespace vacuform {
 
@@ -50,91 +50,89 @@ std::string names(const Drawing& drawing, const std::vector<int>& elements) {
   return out;
 }
 
-// What stays of the layout once every element has its patch.
-struct Laid {
-  std::vector<std::vector<Vector3d>> loops;
-  std::vector<double> self_nh;
-};
-
-Result<Laid> lay_elements(const InkedSurface& surface, const Drawing& drawing, const ElementLayout& layout,
-                          const Alignment& alignment, const Context& context, Placement& out) {
-  Laid laid;
-  std::vector<int> off, folded;
-  const std::vector<double> turn = turns(surface, layout.centres, layout.pairs);
-  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
-    VACUFORM_CHECK(context.step(Stage::printing, 0));
-    const LaidElement& element = layout.elements[i];
-    const Centre& centre = layout.centres[i];
-    VACUFORM_TRY(patch, element_patch(surface, centre.point,
-                                      turned(surface, centre.point.triangle, centre.axis, turn[i]),
-                                      element.size * element.outline.reach_mm, context));
-    const PatchMap map(patch);
-    PlacedElement placed;
-    placed.element = element.element;
-    placed.centre = surface.place(centre.point);
-    placed.centre_rest = surface.rest(centre.point);
-    placed.moved_mm = centre.moved.norm();
-    placed.turned_deg = turn[i] * 180 / M_PI;
-    placed.size = alignment.scale * element.size;
-    placed.on_head = std::all_of(element.outline.points.begin(), element.outline.points.end(),
-                                 [&](const Vector2d& p) { return map.on_chart(element.size * p); });
-    if (!placed.on_head) off.push_back(element.element);
-    if (!patch.smooth) folded.push_back(element.element);
-    for (Vector2d& uv : placed.patch.uv)
-      uv = drawing.elements[index(element.element)].centre + uv / placed.size;
-    laid.loops.push_back(loop_in_space(map, element));
-    laid.self_nh.push_back(
-        laid.loops.back().empty()
-            ? 0
-            : self_inductance_nh(laid.loops.back(), element.size * element.outline.width_mm));
-    placed.patch = std::move(patch.patch);
-    for (Vector2d& uv : placed.patch.uv)
-      uv = drawing.elements[index(element.element)].centre + uv / placed.size;
-    out.elements.push_back(std::move(placed));
-  }
-  if (!off.empty())
-    out.warnings.push_back({"coil-off-head", names(drawing, off) + (off.size() > 1 ? " do" : " does") +
-                                                 " not lie wholly on the formed part"});
-  if (!layout.left_out.empty())
-    out.warnings.push_back(
-        {"coil-left-out", names(drawing, layout.left_out) + (layout.left_out.size() > 1 ? " lie" : " lies") +
-                              " off the formed part and " + (layout.left_out.size() > 1 ? "are" : "is") +
-                              " not printed"});
-  if (!folded.empty())
-    out.warnings.push_back(
-        {"coil-on-bumps", names(drawing, folded) + (folded.size() > 1 ? " lie" : " lies") +
-                              " on bumps so steep that the straight ways from the centre cross"});
-  return laid;
+Warning about(const Drawing& drawing, const char* code, const std::vector<int>& elements,
+              const std::string& one, const std::string& several) {
+  return {code, names(drawing, elements) + (elements.size() > 1 ? several : one)};
 }
 
-std::optional<double> coupling_of(const Laid& laid, const Neighbours& pair) {
-  const auto &a = laid.loops[index(pair.a)], &b = laid.loops[index(pair.b)];
-  if (a.empty() || b.empty()) return {};
-  return mutual_inductance_nh(a, b) / std::sqrt(laid.self_nh[index(pair.a)] * laid.self_nh[index(pair.b)]);
+void say_what_was_found(const Drawing& drawing, const ElementLayout& layout,
+                        const std::vector<ElementOnSurface>& laid, std::vector<Warning>& warnings) {
+  std::vector<int> off, bumpy;
+  for (std::size_t i = 0; i < laid.size(); ++i) {
+    if (!laid[i].on_head) off.push_back(layout.elements[i].element);
+    if (laid[i].on_head && !laid[i].patch.smooth) bumpy.push_back(layout.elements[i].element);
+  }
+  if (!layout.left_out.empty())
+    warnings.push_back(about(drawing, "coil-left-out", layout.left_out,
+                             " lies off the formed part and is not printed.",
+                             " lie off the formed part and are not printed."));
+  if (!off.empty())
+    warnings.push_back(about(drawing, "coil-off-head", off, " does not lie wholly on the formed part.",
+                             " do not lie wholly on the formed part."));
+  if (!bumpy.empty())
+    warnings.push_back(about(drawing, "coil-on-bumps", bumpy,
+                             " lies on bumps where the surface has no smooth polar coordinates.",
+                             " lie on bumps where the surface has no smooth polar coordinates."));
+}
+
+PlacedElement placed(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
+                     const LaidElement& element, const Centre& centre, ElementOnSurface&& laid) {
+  PlacedElement out;
+  out.element = element.element;
+  out.centre = surface.place(centre.point);
+  out.centre_rest = surface.rest(centre.point);
+  out.moved_mm = centre.moved.norm();
+  out.turned_deg = laid.turn * 180 / M_PI;
+  out.size = alignment.scale * element.size;
+  out.on_head = laid.on_head;
+  out.patch = std::move(laid.patch.patch);
+  for (Vector2d& uv : out.patch.uv) uv = drawing.elements[index(element.element)].centre + uv / out.size;
+  return out;
+}
+
+double geodesic_mm(const InkedSurface& surface, const ElementLayout& layout, const Neighbours& pair) {
+  return connect(surface, layout.centres[index(pair.a)].point, layout.centres[index(pair.b)].point).mm;
 }
 
 Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
-                            const Context& context, Placement& out) {
+                            const CoilSettings& settings, const Context& context, Placement& out) {
   ElementLayout layout = lay_by_chart(surface, drawing, alignment);
-  for (const Neighbours& n : layout.pairs) {
-    PlacedPair pair{n.a, n.b, n.drawn_mm, 0, 0, {}, {}};
-    pair.chart_mm = connect(surface, layout.centres[index(n.a)].point, layout.centres[index(n.b)].point).mm;
-    out.pairs.push_back(pair);
-  }
+  for (const Neighbours& n : layout.pairs)
+    out.pairs.push_back({n.a, n.b, n.drawn_mm, geodesic_mm(surface, layout, n), 0, {}, {}});
   VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
-  VACUFORM_TRY(laid, lay_elements(surface, drawing, layout, alignment, context, out));
+  VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
+  const auto couplings = [&](std::optional<double> PlacedPair::*k) {
+    for (PlacedPair& p : out.pairs) p.*k = coupling(laid[index(p.a)], laid[index(p.b)]);
+  };
+  couplings(&PlacedPair::k_before);
+  if (settings.decouple) VACUFORM_CHECK(decouple(surface, layout, laid, settings.size_limit, context));
+  couplings(&PlacedPair::k);
+
   double squares = 0;
   int counted = 0;
+  std::string coupled;
   for (std::size_t i = 0; i < out.pairs.size(); ++i) {
-    VACUFORM_CHECK(context.step(Stage::printing, 0));
     PlacedPair& pair = out.pairs[i];
-    pair.mm = connect(surface, layout.centres[index(pair.a)].point, layout.centres[index(pair.b)].point).mm;
-    pair.k_before = pair.k = coupling_of(laid, layout.pairs[i]);
-    if (!out.elements[index(pair.a)].on_head || !out.elements[index(pair.b)].on_head) continue;
+    pair.mm = geodesic_mm(surface, layout, layout.pairs[i]);
+    if (!laid[index(pair.a)].on_head || !laid[index(pair.b)].on_head) continue;
     squares += (pair.mm - pair.drawn_mm) * (pair.mm - pair.drawn_mm);
     ++counted;
+    if (settings.decouple && pair.k && std::abs(*pair.k) >= 0.01)
+      coupled +=
+          (coupled.empty() ? "" : ", ") +
+          names(drawing, {layout.elements[index(pair.a)].element, layout.elements[index(pair.b)].element}) +
+          " (k = " + decimal(*pair.k, 3) + ")";
   }
   if (counted > 0) out.spacing_rms_mm = std::sqrt(squares / counted);
+  say_what_was_found(drawing, layout, laid, out.warnings);
+  if (!coupled.empty())
+    out.warnings.push_back({"coils-coupled",
+                            "The surface does not let these neighbours be decoupled within "
+                            "coils.size_limit: " +
+                                coupled + "."});
+  for (std::size_t i = 0; i < laid.size(); ++i)
+    out.elements.push_back(
+        placed(surface, drawing, alignment, layout.elements[i], layout.centres[i], std::move(laid[i])));
   return {};
 }
 
@@ -153,7 +151,7 @@ Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, 
     return fail(Code::unusable_pattern, "the drawing has no elements", "pattern.placement",
                 "give an SVG whose coils are groups with an id, or pattern.placement=auto");
   if (elements && settings.pattern.placement != PatternPlacement::chart)
-    VACUFORM_CHECK(place_elements(surface, *drawing, alignment, context, out));
+    VACUFORM_CHECK(place_elements(surface, *drawing, alignment, settings.coils, context, out));
   return out;
 }
 

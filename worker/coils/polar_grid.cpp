@@ -23,14 +23,14 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 
 }  // namespace
 
-PolarGrid::PolarGrid(const InkedSurface& surface, const SurfacePoint& centre, const Vector3d& axis,
+PolarGrid::PolarGrid(const InkedSurface& surface, const SheetPoint& centre, const Vector3d& axis,
                      double reach_mm, int directions)
     : directions_(directions),
       rings_(std::max(2, static_cast<int>(std::ceil(reach_mm)))),
       spacing_(reach_mm / rings_),
       stops_(static_cast<std::size_t>((rings_ + 1) * directions)) {
   for (int d = 0; d < directions; ++d) {
-    const auto put = [&](int ring, const SurfacePoint& p) {
+    const auto put = [&](int ring, const SheetPoint& p) {
       stops_[static_cast<std::size_t>(ring * directions + d)] = {true, surface.on_chart(p.triangle),
                                                                  surface.rest(p), surface.place(p)};
     };

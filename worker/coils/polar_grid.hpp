@@ -16,7 +16,7 @@ class PolarGrid {
  public:
   // Out to `reach_mm` along the surface. Direction 0 is `axis`, in the plane of the centre's triangle; the others follow
   // counter-clockwise as seen from outside. `directions` at least 8. A hundredth of a second for 40 mm.
-  PolarGrid(const InkedSurface& surface, const SurfacePoint& centre, const Eigen::Vector3d& axis,
+  PolarGrid(const InkedSurface& surface, const SheetPoint& centre, const Eigen::Vector3d& axis,
             double reach_mm, int directions = 96);
 
   // *Flat polar coordinates* keep the direction and turn the geodesic radius into that of the plane's circle of the same

@@ -9,7 +9,7 @@ namespace vacuform {
 
 // A centre with the direction of the drawing's u axis there, carried along parallel as the centre moves.
 struct Centre {
-  SurfacePoint point;
+  SheetPoint point{};
   Eigen::Vector3d axis{1, 0, 0};  // unit, in the plane of the point's triangle
   Eigen::Vector2d drawn{0, 0};    // in the drawing at its scale, mm
   Eigen::Vector2d moved{0, 0};    // sum of all moves along axis and across it, mm
