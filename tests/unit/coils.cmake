@@ -1,1 +1,1 @@
-vacuform_test(coils_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/placement_test.cpp LINKS vacuform_coils)
+vacuform_test(coils_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/placement_test.cpp ${CMAKE_CURRENT_LIST_DIR}/segments_test.cpp LINKS vacuform_coils)
