@@ -30,9 +30,10 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs that have something to show make it
 };
-inline constexpr std::array<ArtifactKind, 15> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 16> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
+    {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
     {"preview-without.png", "image/png", "Formed part with the plain pattern"},
     {"preview-with.png", "image/png", "Formed part with the pre-distorted print"},
     {"preview-anisotropy.png", "image/png", "Heat map: change of shape that the print makes good"},

@@ -9,6 +9,7 @@
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/scan/plug.hpp"
+#include "worker/pattern/drawing.hpp"
 #include "worker/portion.hpp"
 #include "worker/studies/sensitivity.hpp"
 
@@ -99,7 +100,13 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   digest.add(identity.dump());
   const std::string label = digest.hex().substr(0, 12);
 
-  VACUFORM_TRY(print, make_print(sheet, flattening, pattern, s, label, context));
+  std::vector<Warning> of_drawing;
+  const std::optional<Drawing> drawing = read_drawing(inputs.pattern, pattern, of_drawing);
+  const Drawing* lines = drawing ? &*drawing : nullptr;
+  VACUFORM_TRY(placement, place(sheet, flattening, lines, s, context));
+  VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, label, context));
+  for (const auto* warnings : {&placement.warnings, &of_drawing})
+    print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   const Finished job{s, mold, sheet, flattening, pattern, print, warmth.summary};
   VACUFORM_TRY(files, artifacts(job, context));
 

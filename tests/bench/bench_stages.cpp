@@ -104,8 +104,15 @@ class Bench {
       return Pattern::read(drawing, pattern_name, settings.pattern, settings.print.dpi);
     });
     rows.back().made = pattern.format();
+    std::vector<Warning> of_drawing;
+    const auto lines = read_drawing(drawing, pattern, of_drawing);
+    const auto placement = measure(head, "placement", [&] {
+      return place(sheet, flattening, lines ? &*lines : nullptr, settings, context);
+    });
+    rows.back().made = count(placement.elements.size(), "elements");
     const auto print = measure(head, "printing", [&] {
-      return make_print(sheet, flattening, pattern, settings, "benchmark", context);
+      return make_print(sheet, flattening, pattern, lines ? &*lines : nullptr, placement, settings, "benchmark",
+                        context);
     });
     rows.back().made = count(print.png.size() / 1024, "KiB of print.png");
 

@@ -14,8 +14,8 @@ from harness import PATTERNS, SCANS, Case, Server, curl, vacuform, wait_for
 RINGS = PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
 FINE = {"sheet": {"resolution_mm": 1}}  # long enough to be interrupted
-ARTIFACTS = ["print.png", "print.svg", "preview-without.png", "preview-with.png", "preview-anisotropy.png",
-             "preview-area.png", "preview-thickness.png", "preview-findings.png", "formed.ply", "formed.obj",
+ARTIFACTS = ["print.png", "print.svg", "print.pdf", "preview-without.png", "preview-with.png",
+             "preview-anisotropy.png", "preview-area.png", "preview-thickness.png", "preview-findings.png", "formed.ply", "formed.obj",
              "formed.mtl", "uv-map.obj", "mold.stl", "report.json"]
 
 

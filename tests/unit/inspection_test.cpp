@@ -36,8 +36,9 @@ struct Job {
                                         "viewBox='-30 -25 60 50'>" +
                                         body + "</svg>"),
                                "drawing", sample.settings.pattern, sample.settings.print.dpi)),
-        print(*make_print(sample.sheet, sample.flattening, pattern, sample.settings, "3f9a12c4", Context())) {
-  }
+        print(*make_print(sample.sheet, sample.flattening, pattern, nullptr,
+                          *place(sample.sheet, sample.flattening, nullptr, sample.settings, Context()),
+                          sample.settings, "3f9a12c4", Context())) {}
   Finished finished() const {
     return {sample.settings, sample.mold, sample.sheet, sample.flattening, pattern, print};
   }

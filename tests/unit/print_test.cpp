@@ -29,8 +29,15 @@ Pattern svg_pattern(const std::string& body, double side, const Settings& settin
                "mm' viewBox='" + half + " " + half + " " + mm + " " + mm + "'>" + body + "</svg>"),
       settings);
 }
+// Of the pattern as a picture.
+Result<Print> try_print(const Sample& x, const Pattern& pattern, const std::string& label = "3f9a12c4",
+                        const Context& context = Context()) {
+  const auto placement = place(x.sheet, x.flattening, nullptr, x.settings, Context());
+  if (!placement) throw std::runtime_error(placement.error().text());
+  return make_print(x.sheet, x.flattening, pattern, nullptr, *placement, x.settings, label, context);
+}
 Print print_of(const Sample& x, const Pattern& pattern) {
-  auto print = make_print(x.sheet, x.flattening, pattern, x.settings, "3f9a12c4", Context());
+  auto print = try_print(x, pattern);
   if (!print) throw std::runtime_error(print.error().text());
   return std::move(*print);
 }
@@ -231,8 +238,7 @@ TEST(Print, TellsHowMuchInkFallsOffTheChart) {
   EXPECT_NEAR(std::stod(print.warnings[0].text), 20, 0.2);
 
   x.settings.pattern.offset_mm = {200, 0};
-  const auto none = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings),
-                               x.settings, "", Context());
+  const auto none = try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings));
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, Code::unusable_pattern);
   EXPECT_EQ(none.error().text(),
@@ -412,8 +418,7 @@ TEST(Print, TheSvgLooksLikeThePng) {
 TEST(Print, ALabelCannotBreakTheSvg) {
   const Sample x = hand_made::flat(200, 20, 60);
   const Pattern pattern = svg_pattern("<circle r='30'/>", 70, x.settings);
-  const auto print =
-      make_print(x.sheet, x.flattening, pattern, x.settings, "</text><script>&\"\n\xff", Context());
+  const auto print = try_print(x, pattern, "</text><script>&\"\n\xff");
   ASSERT_TRUE(print);
   pugi::xml_document svg;
   ASSERT_TRUE(svg.load_string(print->svg.c_str()));
@@ -429,14 +434,14 @@ TEST(Print, GivesTheSameBytesTwice) {
                 b = print_of(x, svg_pattern(body, 70, x.settings));
     EXPECT_EQ(a.png, b.png);
     EXPECT_EQ(a.svg, b.svg);
+    EXPECT_EQ(a.pdf, b.pdf);
   }
 }
 
 TEST(Print, RefusesMorePixelsThanItCanDraw) {
   Sample x = hand_made::flat(1500, 10);
   x.settings.print.dpi = 1200;
-  const auto print = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings),
-                                x.settings, "", Context());
+  const auto print = try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings));
   ASSERT_FALSE(print);
   EXPECT_EQ(print.error().code, Code::too_large);
   EXPECT_EQ(print.error().text(),
@@ -447,8 +452,7 @@ TEST(Print, CanBeCancelled) {
   const Sample x = hand_made::flat(100, 10);
   Context context;
   context.cancel();
-  const auto print = make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings),
-                                x.settings, "", context);
+  const auto print = try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings), "", context);
   ASSERT_FALSE(print);
   EXPECT_EQ(print.error().code, Code::cancelled);
 }
@@ -461,8 +465,7 @@ TEST(Print, ReportsProgressThatNeverFalls) {
     EXPECT_GE(fraction, last);
     last = fraction;
   });
-  ASSERT_TRUE(make_print(x.sheet, x.flattening, svg_pattern("<circle r='5'/>", 20, x.settings), x.settings,
-                         "", context));
+  ASSERT_TRUE(try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings), "", context));
   EXPECT_EQ(last, 1);
 }
 

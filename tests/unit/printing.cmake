@@ -5,5 +5,8 @@ pkg_check_modules(printing_test_drawing REQUIRED IMPORTED_TARGET glib-2.0 pugixm
 
 vacuform_test(printing_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/print_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/print_files_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/scan_lines_test.cpp
   LINKS vacuform_printing PNG::PNG JPEG::JPEG ZLIB::ZLIB PkgConfig::printing_test_drawing)
+
+vacuform_test(vector_print_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/vector_print_test.cpp LINKS vacuform_printing)

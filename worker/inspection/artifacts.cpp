@@ -16,6 +16,7 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
   std::vector<Artifact> files;
   files.push_back({"print.png", job.print.png});
   files.push_back({"print.svg", {job.print.svg.begin(), job.print.svg.end()}});
+  files.push_back({"print.pdf", job.print.pdf});
   VACUFORM_TRY(pictures, previews(job, context));
   for (auto& picture : pictures) files.push_back(std::move(picture));
   VACUFORM_CHECK(context.step(Stage::inspection, 0.9));

@@ -1,18 +1,19 @@
 #include "worker/printing/print.hpp"
 
-#include <glib.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
 
 #include "worker/decimal.hpp"
+#include "worker/printing/ink_compensation.hpp"
 #include "worker/printing/ink_on_chart.hpp"
 #include "worker/printing/marks.hpp"
 #include "worker/printing/png_writer.hpp"
+#include "worker/printing/print_pdf.hpp"
+#include "worker/printing/print_svg.hpp"
 #include "worker/printing/sheet_raster.hpp"
+#include "worker/printing/vector_raster.hpp"
 
 namespace vacuform {
 namespace {
@@ -20,46 +21,10 @@ namespace {
 using Eigen::Vector2d;
 constexpr double largest_side = 32'000;  // cairo's own limit is 32,767
 
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-  std::unique_ptr<gchar, void (*)(gpointer)> text(g_base64_encode(bytes.data(), bytes.size()), g_free);
-  return text.get();
-}
-
 std::string printable(std::string label) {
   for (char& c : label)
     if (c < ' ' || c > '~') c = '?';
   return label;
-}
-
-std::string make_svg(const Settings& settings, const std::string& label, const Print& print,
-                     const PixelBox& box, const std::vector<std::uint8_t>& image, const Marks& marks) {
-  const std::string w = decimal(settings.sheet.width_mm, 3), h = decimal(settings.sheet.height_mm, 3);
-  const double d = print.pixel_mm;
-  std::string svg =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"" +
-      w + "mm\" height=\"" + h + "mm\" viewBox=\"" + decimal(-settings.sheet.width_mm / 2, 3) + " " +
-      decimal(-settings.sheet.height_mm / 2, 3) + " " + w + " " + h + "\">\n";
-  std::string safe;
-  for (const char c : label) safe += c == '&' || c == '<' || c == '>' ? '?' : c;
-  svg += "  <title>Vacuform print " + safe + "</title>\n";
-  svg += std::string("  <desc>Pre-distorted print at 1:1 for the ") +
-         (print.mirrored ? "inner face, mirrored: print on the side that touches the mold"
-                         : "outer face, seen from above") +
-         ". User units are millimetres; the origin is the sheet's centre, x = s and y = -t before any "
-         "mirroring.</desc>\n";
-  svg += std::string("  <g id=\"pattern\"") + (print.mirrored ? " transform=\"scale(-1 1)\"" : "") + ">\n";
-  svg += "    <image x=\"" + decimal((box.left - 0.5 * print.width) * d, 6) + "\" y=\"" +
-         decimal((box.top - 0.5 * print.height) * d, 6) + "\" width=\"" +
-         decimal((box.right - box.left) * d, 6) + "\" height=\"" + decimal((box.bottom - box.top) * d, 6) +
-         "\" preserveAspectRatio=\"none\" xlink:href=\"data:image/png;base64,";
-  svg += base64(image);
-  svg +=
-      "\"/>\n  </g>\n  <g id=\"marks\" fill=\"none\" stroke=\"#000\" stroke-width=\"0.15\">\n"
-      "    <style>text { font-family: \"DejaVu Sans\", sans-serif; fill: #000; stroke: none; }</style>\n";
-  svg += svg_of(marks);
-  svg += "  </g>\n</svg>\n";
-  return svg;
 }
 
 // Lays the marks over a row of the print, as black ink.
@@ -86,20 +51,8 @@ void reverse(std::vector<std::uint8_t>& row, int channels) {
                      row.begin() + static_cast<std::ptrdiff_t>(b * n));
 }
 
-}  // namespace
-
-Vector2d pattern_coordinates(const Vector2d& chart, const PatternSettings& settings) {
-  const double angle = settings.rotate_deg * M_PI / 180, c = std::cos(angle), s = std::sin(angle);
-  const Vector2d d = chart - Vector2d(settings.offset_mm[0], settings.offset_mm[1]);
-  return Vector2d(c * d.x() + s * d.y(), -s * d.x() + c * d.y()) / settings.scale;
-}
-
-Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening, const Pattern& pattern,
-                         const Settings& settings, const std::string& label, const Context& context) {
-  VACUFORM_CHECK(context.step(Stage::printing, 0));
-  Print print;
+Result<void> measure(const Settings& settings, Print& print) {
   print.mirrored = settings.pattern.inked_face == InkedFace::inner;
-  print.warnings = pattern.warnings();
   print.pixel_mm = 25.4 / settings.print.dpi;
   // A sheet that is a whole number of pixels wide must not gain one by rounding.
   const double columns = std::ceil(settings.sheet.width_mm / print.pixel_mm - 1e-9);
@@ -112,14 +65,21 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
   }
   print.width = static_cast<int>(columns);
   print.height = static_cast<int>(rows);
+  return {};
+}
 
-  print.pattern_uv.assign(sheet.rest.size(), Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
-  for (std::size_t i = 0; i < sheet.rest.size(); ++i)
-    if (flattening.chart[i].allFinite())
-      print.pattern_uv[i] = pattern_coordinates(flattening.chart[i], settings.pattern);
+// The placement's chart has the flattening's triangles, in their order.
+std::vector<Vector2d> uv_of_sheet(const FormedSheet& sheet, const Flattening& flattening,
+                                  const Patch& chart) {
+  std::vector<Vector2d> uv(sheet.rest.size(), Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
+  for (std::size_t i = 0; i < flattening.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      uv[static_cast<std::size_t>(sheet.triangles[static_cast<std::size_t>(flattening.triangles[i])][k])] =
+          chart.uv[static_cast<std::size_t>(chart.triangles[i][k])];
+  return uv;
+}
 
-  print.ink_area_mm2 = pattern.ink_mm2();
-  print.ink_printed = ink_on_chart(sheet, flattening, print.pattern_uv, pattern);
+Result<void> check_ink(Print& print) {
   if (!(print.ink_printed > 0))
     return fail(Code::unusable_pattern, "none of the drawing's ink falls onto the formed part",
                 "pattern.offset_mm",
@@ -128,48 +88,169 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
     print.warnings.push_back(
         {"ink-off-chart", decimal(100 * (1 - print.ink_printed), 1) +
                               " % of the drawing's ink lies off the formed part and is not printed."});
+  return {};
+}
 
-  const SheetRaster raster(sheet, flattening, print, pattern, settings.print.dpi);
-  Marks marks;
-  if (settings.print.marks) {
-    std::vector<Eigen::AlignedBox2d> taken;
-    for (const int t : flattening.triangles) {
-      Eigen::AlignedBox2d box;
-      for (const int v : sheet.triangles[static_cast<std::size_t>(t)]) {
-        const Vector2d& st = sheet.rest[static_cast<std::size_t>(v)];
-        box.extend(Vector2d(print.mirrored ? -st.x() : st.x(), st.y()));
-      }
-      taken.push_back(box);
-    }
-    marks = lay_out_marks(settings, printable(label), taken);
-    print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
+void extend(Eigen::AlignedBox2d& box, const Vector2d& st, bool mirrored) {
+  box.extend(Vector2d(mirrored ? -st.x() : st.x(), st.y()));
+}
+
+// What the marks keep off, print coordinates: the chart, and what elements paint beyond it.
+std::vector<Eigen::AlignedBox2d> taken_by(const Patch& chart, const Print& print) {
+  std::vector<Eigen::AlignedBox2d> taken;
+  for (const Triangle& t : chart.triangles) {
+    taken.emplace_back();
+    for (const int v : t) extend(taken.back(), chart.rest[static_cast<std::size_t>(v)], print.mirrored);
+  }
+  if (!print.vectors) return taken;
+  for (const PrintedElement& element : print.vectors->elements)
+    for (const PaintedArea& area : element.areas)
+      for (const Curve& curve : area.outlines)
+        for (std::size_t i = 0; i + 3 < curve.points.size(); i += 3) {
+          taken.emplace_back();
+          for (std::size_t k = i; k < i + 4; ++k) extend(taken.back(), curve.points[k], print.mirrored);
+        }
+  return taken;
+}
+
+// The files of a picture's part of the print, made beside the whole. PDF wants colour and opacity apart.
+class PictureFiles {
+ public:
+  PictureFiles(const PixelBox& box, int channels, double dpi)
+      : box_(box), channels_(channels), whole_(width(), height(), channels, dpi) {
+    if (channels != 4) return;
+    colour_.emplace(width(), height(), 3, dpi);
+    opacity_.emplace(width(), height(), 1, dpi);
+    rgb_.resize(3 * static_cast<std::size_t>(width()));
+    alpha_.resize(static_cast<std::size_t>(width()));
   }
 
-  const int channels = pattern.grayscale() ? 1 : 4;
-  const PixelBox box = raster.box();
+  // `row` of the whole print, before any mirroring.
+  void row(int y, const std::uint8_t* row) {
+    if (y < box_.top || y >= box_.bottom) return;
+    const std::uint8_t* p = row + static_cast<std::ptrdiff_t>(box_.left) * channels_;
+    whole_.row(p);
+    if (!colour_) return;
+    for (std::size_t x = 0; x < alpha_.size(); ++x, p += 4) {
+      std::copy_n(p, 3, rgb_.begin() + 3 * static_cast<std::ptrdiff_t>(x));
+      alpha_[x] = p[3];
+    }
+    colour_->row(rgb_.data());
+    opacity_->row(alpha_.data());
+  }
+
+  void finish() {
+    png = whole_.finish();
+    if (!colour_) return;
+    rgb_ = colour_->finish();
+    alpha_ = opacity_->finish();
+  }
+
+  std::vector<std::uint8_t> png;  // as it is in the SVG
+  std::span<const std::uint8_t> colour() const { return colour_ ? rgb_ : png; }
+  std::span<const std::uint8_t> opacity() const { return alpha_; }
+
+ private:
+  int width() const { return box_.right - box_.left; }
+  int height() const { return box_.bottom - box_.top; }
+  const PixelBox box_;
+  const int channels_;
+  PngWriter whole_;
+  std::optional<PngWriter> colour_, opacity_;
+  std::vector<std::uint8_t> rgb_, alpha_;  // a row each; at the end the files
+};
+
+// Draws the rows, and makes the files of them.
+Result<void> draw(const RowSource& source, const Marks& marks, const Settings& settings, int channels,
+                  const std::string& label, double from, const Context& context, Print& print) {
+  const PixelBox box = source.box();
   PngWriter whole(print.width, print.height, channels, settings.print.dpi);
-  PngWriter part(box.right - box.left, box.bottom - box.top, channels, settings.print.dpi);
-  const int band = raster.band_rows();
+  std::optional<PictureFiles> files;
+  if (!print.vectors) files.emplace(box, channels, settings.print.dpi);
+  const int band = source.band_rows();
   std::vector<std::uint8_t> row(static_cast<std::size_t>(print.width) * static_cast<std::size_t>(channels));
   for (int top = 0; top < print.height; top += band) {
-    VACUFORM_CHECK(context.step(Stage::printing, static_cast<double>(top) / print.height));
+    VACUFORM_CHECK(context.step(Stage::printing, from + (1 - from) * top / print.height));
     const int bottom = std::min(top + band, print.height);
-    const std::vector<std::uint8_t> inked = raster.rows(top, bottom);
+    const std::vector<std::uint8_t> inked = source.rows(top, bottom);
     std::vector<std::uint8_t> marked;
     if (!marks.marks.empty())
       marked = draw_marks(marks, print.width, print.height, print.pixel_mm, top, bottom - top);
     for (int y = top; y < bottom; ++y) {
       const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(y - top) * print.width;
       std::copy_n(inked.begin() + at * channels, row.size(), row.begin());
-      if (y >= box.top && y < box.bottom)
-        part.row(row.data() + static_cast<std::ptrdiff_t>(box.left) * channels);
+      if (files) files->row(y, row.data());
       if (print.mirrored) reverse(row, channels);
       if (!marked.empty()) lay_over(marked.data() + at, print.width, channels, row.data());
       whole.row(row.data());
     }
   }
   print.png = whole.finish();
-  print.svg = make_svg(settings, printable(label), print, box, part.finish(), marks);
+  const PrintPage page{{settings.sheet.width_mm, settings.sheet.height_mm}, print.mirrored, label};
+  if (!files) {
+    print.svg = make_svg(page, &*print.vectors, nullptr, marks);
+    print.pdf = make_pdf(page, &*print.vectors, nullptr, {}, marks);
+    return {};
+  }
+  files->finish();
+  const double d = print.pixel_mm;
+  PlacedPicture picture{(box.left - 0.5 * print.width) * d, (box.top - 0.5 * print.height) * d,
+                        (box.right - box.left) * d, (box.bottom - box.top) * d, files->png};
+  print.svg = make_svg(page, nullptr, &picture, marks);
+  picture.png = files->colour();
+  print.pdf = make_pdf(page, nullptr, &picture, files->opacity(), marks);
+  return {};
+}
+
+}  // namespace
+
+Vector2d pattern_coordinates(const Vector2d& chart, const PatternSettings& settings) {
+  const double angle = settings.rotate_deg * M_PI / 180, c = std::cos(angle), s = std::sin(angle);
+  const Vector2d d = chart - Vector2d(settings.offset_mm[0], settings.offset_mm[1]);
+  return Vector2d(c * d.x() + s * d.y(), -s * d.x() + c * d.y()) / settings.scale;
+}
+
+Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening, const Pattern& pattern,
+                         const Drawing* drawing, const Placement& placement, const Settings& settings,
+                         const std::string& label, const Context& context) {
+  VACUFORM_CHECK(context.step(Stage::printing, 0));
+  Print print;
+  print.warnings = pattern.warnings();
+  VACUFORM_CHECK(measure(settings, print));
+  print.pattern_uv = uv_of_sheet(sheet, flattening, placement.chart);
+  print.ink_area_mm2 = pattern.ink_mm2();
+  if (drawing) {
+    VACUFORM_TRY(vectors, pull_back(*drawing, placement, settings, context));
+    const double lost = vectors.painted_mm2 > 0 ? vectors.lost_mm2 / vectors.painted_mm2 : 1;
+    print.ink_printed = lost < 1e-9 ? 1 : std::clamp(1 - lost, 0.0, 1.0);
+    print.vectors = std::move(vectors);
+  } else {
+    print.ink_printed = ink_on_chart(sheet, flattening, print.pattern_uv, pattern);
+  }
+  VACUFORM_CHECK(check_ink(print));
+
+  std::vector<double> gain;
+  if (settings.print.compensate_ink) {
+    if (!drawing) gain = ink_gain(placement.chart, pattern);
+    if (gain.empty())
+      print.warnings.push_back(
+          {"ink-not-compensated",
+           "print.compensate_ink has nothing to act on: the drawing has no shades of gray."});
+  }
+  Marks marks;
+  if (settings.print.marks) {
+    marks = lay_out_marks(settings, printable(label), taken_by(placement.chart, print));
+    print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
+  }
+
+  std::unique_ptr<RowSource> source;
+  if (drawing)
+    source = std::make_unique<VectorRaster>(*print.vectors, print.width, print.height, print.pixel_mm,
+                                            pattern.grayscale());
+  else
+    source = std::make_unique<SheetRaster>(placement.chart, gain, print, pattern, settings.print.dpi);
+  VACUFORM_CHECK(draw(*source, marks, settings, pattern.grayscale() ? 1 : 4, printable(label),
+                      drawing ? 0.2 : 0, context, print));
   VACUFORM_CHECK(context.step(Stage::printing, 1));
   return print;
 }

@@ -12,7 +12,7 @@ namespace vacuform {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-SheetRaster::SheetRaster(const FormedSheet& sheet, const Flattening& flattening, const Print& print,
+SheetRaster::SheetRaster(const Patch& chart, const std::vector<double>& gain, const Print& print,
                          const Pattern& pattern, int dpi)
     : pattern_(pattern),
       width_(print.width),
@@ -23,30 +23,31 @@ SheetRaster::SheetRaster(const FormedSheet& sheet, const Flattening& flattening,
       band_(std::clamp(1'000'000 / print.width, 16, 256)) {
   const double n = samples_;
   Vector2d low(width_, height_), high(0, 0);
-  for (const int t : flattening.triangles) {
-    const auto& corners = sheet.triangles[static_cast<std::size_t>(t)];
-    Patch patch;
+  for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
+    const Triangle& corners = chart.triangles[t];
+    Piece piece;
     std::array<Vector2d, 3> uv;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vector2d& st = sheet.rest[static_cast<std::size_t>(corners[k])];
+      const Vector2d& st = chart.rest[static_cast<std::size_t>(corners[k])];
       const Vector2d pixel(st.x() / print.pixel_mm + 0.5 * width_, 0.5 * height_ - st.y() / print.pixel_mm);
-      patch.corners[k] = n * pixel;
-      uv[k] = print.pattern_uv[static_cast<std::size_t>(corners[k])];
+      piece.corners[k] = n * pixel;
+      uv[k] = chart.uv[static_cast<std::size_t>(corners[k])];
       low = low.cwiseMin(pixel);
       high = high.cwiseMax(pixel);
     }
     Matrix2d place, drawn;
-    place << patch.corners[1] - patch.corners[0], patch.corners[2] - patch.corners[0];
+    place << piece.corners[1] - piece.corners[0], piece.corners[2] - piece.corners[0];
     drawn << uv[1] - uv[0], uv[2] - uv[0];
     const Matrix2d map = drawn * place.inverse();
-    if (!map.allFinite() || !patch.corners[0].allFinite()) continue;
-    patch.across = map.col(0);
-    patch.down = map.col(1);
-    patch.origin = uv[0] - map * patch.corners[0];
+    if (!map.allFinite() || !piece.corners[0].allFinite()) continue;
+    piece.across = map.col(0);
+    piece.down = map.col(1);
+    piece.origin = uv[0] - map * piece.corners[0];
     // A unit square has the variance of a disk of diameter 2 / sqrt(3); a stretched one is taken as round,
     // with the same variance in the mean.
-    patch.blur = 2 / std::sqrt(3.0) * map.norm() / std::sqrt(2.0);
-    patches_.push_back(patch);
+    piece.blur = 2 / std::sqrt(3.0) * map.norm() / std::sqrt(2.0);
+    piece.gain = gain.empty() ? 1.0f : static_cast<float>(gain[t]);
+    pieces_.push_back(piece);
   }
   const auto pixel = [](double x, int limit) {
     return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
@@ -56,8 +57,8 @@ SheetRaster::SheetRaster(const FormedSheet& sheet, const Flattening& flattening,
   box_.bottom = std::max(box_.top + 1, pixel(std::ceil(high.y()), height_));
 
   of_band_.resize(static_cast<std::size_t>((height_ + band_ - 1) / band_));
-  for (std::size_t i = 0; i < patches_.size(); ++i) {
-    const auto& c = patches_[i].corners;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const auto& c = pieces_[i].corners;
     const double top = std::min({c[0].y(), c[1].y(), c[2].y()}) / n,
                  bottom = std::max({c[0].y(), c[1].y(), c[2].y()}) / n;
     const int first = pixel(top - 1, height_ - 1) / band_, last = pixel(bottom + 1, height_ - 1) / band_;
@@ -65,19 +66,19 @@ SheetRaster::SheetRaster(const FormedSheet& sheet, const Flattening& flattening,
   }
 }
 
-void SheetRaster::scan(const Patch& patch, int first_row, int last_row, int top,
+void SheetRaster::scan(const Piece& piece, int first_row, int last_row, int top,
                        std::vector<float>& sums) const {
   const int n = samples_;
-  const Vector2d reach = pattern_.size_mm() / 2 + Vector2d::Constant(2 * patch.blur) +
+  const Vector2d reach = pattern_.size_mm() / 2 + Vector2d::Constant(2 * piece.blur) +
                          2 * pattern_.size_mm().cwiseQuotient(pattern_.size_pixels().cast<double>());
-  constexpr int piece = 512;
-  float line[4 * piece];
-  scan_triangle(patch.corners, width_ * n, first_row * n, last_row * n, [&](int row, int begin, int end) {
-    const Vector2d start = patch.origin + (row + 0.5) * patch.down;
+  constexpr int run = 512;
+  float line[4 * run];
+  scan_triangle(piece.corners, width_ * n, first_row * n, last_row * n, [&](int row, int begin, int end) {
+    const Vector2d start = piece.origin + (row + 0.5) * piece.down;
     // Most of a large chart may lie off a small drawing: skip there.
     double from = begin, to = end;
     for (int k = 0; k < 2; ++k) {
-      const double a = patch.across[k], at = start[k];
+      const double a = piece.across[k], at = start[k];
       if (std::abs(a) < 1e-12) {
         if (std::abs(at) > reach[k]) return;
         continue;
@@ -91,12 +92,15 @@ void SheetRaster::scan(const Patch& patch, int first_row, int last_row, int top,
     end = std::min(end, static_cast<int>(std::ceil(to)));
     float* out =
         sums.data() + static_cast<std::ptrdiff_t>(row / n - top) * (box_.right - box_.left) * channels_;
-    for (int x = begin; x < end; x += piece) {
-      const int count = std::min(piece, end - x);
-      pattern_.sample_line(start + (x + 0.5) * patch.across, patch.across, count, patch.blur, line);
+    for (int x = begin; x < end; x += run) {
+      const int count = std::min(run, end - x);
+      pattern_.sample_line(start + (x + 0.5) * piece.across, piece.across, count, piece.blur, line);
       for (int k = 0; k < count; ++k) {
         float* sum = out + static_cast<std::ptrdiff_t>((x + k) / n - box_.left) * channels_;
-        for (int c = 0; c < channels_; ++c) sum[c] += line[k * channels_ + c];
+        if (piece.gain != 1)
+          sum[0] += std::min(1.0f, piece.gain * line[k]);
+        else
+          for (int c = 0; c < channels_; ++c) sum[c] += line[k * channels_ + c];
       }
     }
   });
@@ -106,14 +110,14 @@ std::vector<std::uint8_t> SheetRaster::rows(int top, int bottom) const {
   const std::size_t columns = static_cast<std::size_t>(width_), n = static_cast<std::size_t>(channels_);
   std::vector<std::uint8_t> pixels(columns * static_cast<std::size_t>(bottom - top) * n,
                                    channels_ == 1 ? 255 : 0);
-  const auto& patches = of_band_[static_cast<std::size_t>(top / band_)];
-  if (patches.empty()) return pixels;
+  const auto& pieces = of_band_[static_cast<std::size_t>(top / band_)];
+  if (pieces.empty()) return pixels;
   const int box_width = box_.right - box_.left;
   std::vector<float> sums(static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top) * n,
                           0.0f);
   const float scale = 1.0f / static_cast<float>(samples_ * samples_);
   in_parallel(top, bottom, [&](int first, int last) {
-    for (const int i : patches) scan(patches_[static_cast<std::size_t>(i)], first, last, top, sums);
+    for (const int i : pieces) scan(pieces_[static_cast<std::size_t>(i)], first, last, top, sums);
     for (int y = first; y < last; ++y) {
       const float* sum = sums.data() + static_cast<std::ptrdiff_t>(y - top) * box_width * channels_;
       std::uint8_t* out =

@@ -1,0 +1,42 @@
+// From pattern coordinates to sheet coordinates on a patch. Internal to worker/printing.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "worker/coils/patch.hpp"
+#include "worker/pattern/area.hpp"
+
+namespace vacuform {
+
+// Keeps a reference to its patch.
+class PatchMap {
+ public:
+  explicit PatchMap(const Patch& patch);
+
+  // Where `uv` lies on the flat sheet; nothing where it is off the patch by more than `beyond_mm`. Up to there the nearest
+  // triangle's map runs on. Where the patch is folded, the first triangle in order holds.
+  std::optional<Eigen::Vector2d> rest_at(const Eigen::Vector2d& uv, double beyond_mm = 1e-3) const;
+
+  // What the patch covers in pattern coordinates.
+  const Area& outline() const { return outline_; }
+  // Whether all of the box is inside: then nothing in it needs to be cut.
+  bool covers(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
+
+ private:
+  struct Hit {
+    int triangle = -1;
+    double off = 0;  // mm outside
+    Eigen::Vector3d weights;
+  };
+  void look(int column, int row, const Eigen::Vector2d& uv, Hit& hit) const;
+
+  const Patch& patch_;
+  Area outline_;
+  Eigen::Vector2d low_{0, 0};
+  double cell_ = 1;
+  int columns_ = 0, rows_ = 0;
+  std::vector<int> first_, triangles_;  // of each cell, rows of cells from below
+};
+
+}  // namespace vacuform

@@ -1,0 +1,33 @@
+// print.svg: the print at 1:1 as DESIGN.md's table of artifacts says. Internal to worker/printing.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "worker/printing/marks.hpp"
+#include "worker/printing/row_source.hpp"
+#include "worker/printing/vector_print.hpp"
+
+namespace vacuform {
+
+// What the page of a print is, whatever the file.
+struct PrintPage {
+  Eigen::Vector2d size_mm{0, 0};  // of the sheet
+  bool mirrored = false;
+  std::string label;  // printable ASCII
+};
+
+// A picture on the page, before any mirroring.
+struct PlacedPicture {
+  double left_mm = 0, top_mm = 0, width_mm = 0, height_mm = 0;  // from the sheet's centre, y down
+  std::span<const std::uint8_t> png;
+};
+
+// Layer "pattern" holds the vectors, each element in a group with its id, or else the picture, under scale(-1 1) when
+// mirrored; layer "marks" the marks as vectors and text. Where an element has the id of a layer, the layer is called
+// "pattern-layer" or "marks-layer". Coordinates to 1e-4 mm.
+std::string make_svg(const PrintPage& page, const VectorPrint* vectors, const PlacedPicture* picture,
+                     const Marks& marks);
+
+}  // namespace vacuform

@@ -1,0 +1,307 @@
+#include "worker/printing/vector_print.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "worker/parallel.hpp"
+#include "worker/pattern/area.hpp"
+#include "worker/pattern/curve.hpp"
+#include "worker/printing/curve_fit.hpp"
+#include "worker/printing/patch_map.hpp"
+#include "worker/printing/tied_line.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+
+// Together below the 0.02 mm that are promised.
+constexpr double polygon_tolerance = 0.002, fit_tolerance = 0.01, sample_mm = 0.2;
+constexpr double corner_cosine = 0.94;  // 20 degrees; chords of smooth curves turn less
+
+using Map = std::function<std::optional<Vector2d>(const Vector2d&)>;
+
+// What a shape is laid on.
+struct Ground {
+  Map rest_at;
+  const PatchMap* patch;  // whose outline cuts
+};
+
+double ink(const Colour& c) { return c.a * (1 - (0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b)); }
+
+AlignedBox2d box_of(const Area& area) {
+  AlignedBox2d box;
+  for (const Ring& ring : area)
+    for (const Vector2d& p : ring) box.extend(p);
+  return box;
+}
+
+Ring page_ring(const Vector2d& size) {
+  const Vector2d h = size / 2;
+  return {{-h.x(), -h.y()}, {h.x(), -h.y()}, {h.x(), h.y()}, {-h.x(), h.y()}};
+}
+
+Area on_page(Area area, const Vector2d& size) {
+  const AlignedBox2d page(-size / 2 - Vector2d::Constant(1e-3), size / 2 + Vector2d::Constant(1e-3));
+  const AlignedBox2d box = box_of(area);
+  return box.isEmpty() || page.contains(box) ? area : intersection(area, {page_ring(size)});
+}
+
+Area on_patch(const Area& area, const PatchMap& patch) {
+  const AlignedBox2d box = box_of(area);
+  if (box.isEmpty() || patch.covers(box.min(), box.max())) return area;
+  return intersection(area, patch.outline());
+}
+
+bool is_corner(const Vector2d& before, const Vector2d& after) {
+  return before.dot(after) < corner_cosine * before.norm() * after.norm();
+}
+
+Curve pulled_back(const Ring& ring, const Map& rest_at) {
+  std::vector<FitPoint> points;
+  const std::size_t n = ring.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector2d &a = ring[i], &b = ring[(i + 1) % n], &before = ring[(i + n - 1) % n];
+    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / sample_mm)));
+    for (int k = 0; k < pieces; ++k)
+      if (const auto rest = rest_at(a + (b - a) * k / pieces))
+        points.push_back({*rest, k == 0 && is_corner(a - before, b - a)});
+  }
+  return fit_curve(points, true, fit_tolerance);
+}
+
+PaintedArea pulled_back(const Area& area, const Colour& colour, const Map& rest_at) {
+  PaintedArea out;
+  out.colour = colour;
+  for (const Ring& ring : area)
+    if (Curve curve = pulled_back(ring, rest_at); curve.points.size() > 3)
+      out.outlines.push_back(std::move(curve));
+  return out;
+}
+
+// The parts of a curve that lie on the ground and on the page.
+void pull_back_line(const std::vector<CurvePoint>& line, bool closed, const Map& rest_at,
+                    const Vector2d& page, double width_mm, std::vector<Centreline>& out) {
+  const auto place = [&](const Vector2d& uv) -> std::optional<Vector2d> {
+    if ((uv.cwiseAbs() - page / 2).maxCoeff() > 1e-3) return std::nullopt;
+    return rest_at(uv);
+  };
+  // Where the line crosses the border between a point that is placed and one that is not.
+  const auto border = [&](Vector2d in, Vector2d off) {
+    for (int i = 0; i < 16; ++i) {
+      const Vector2d middle = (in + off) / 2;
+      (place(middle) ? in : off) = middle;
+    }
+    return *place(in);
+  };
+  std::vector<std::vector<FitPoint>> parts(1);
+  bool whole = true;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const auto rest = place(line[i].at);
+    const bool before = i > 0 && !parts.back().empty();
+    if (rest) {
+      if (i > 0 && !before) parts.back().push_back({border(line[i].at, line[i - 1].at), true});
+      parts.back().push_back({*rest, is_corner(line[i].before, line[i].after)});
+    } else {
+      whole = false;
+      if (!before) continue;
+      parts.back().push_back({border(line[i - 1].at, line[i].at), true});
+      parts.emplace_back();
+    }
+  }
+  if (whole && closed) {
+    parts.back().pop_back();  // the first point again
+    out.push_back({fit_curve(parts.back(), true, fit_tolerance), width_mm});
+    return;
+  }
+  if (closed && parts.size() > 1 && !parts.front().empty() && !parts.back().empty() &&
+      place(line.front().at)) {
+    parts.back().insert(parts.back().end(), parts.front().begin() + 1, parts.front().end());
+    parts.erase(parts.begin());
+  }
+  for (const auto& part : parts)
+    if (Curve curve = fit_curve(part, false, fit_tolerance); curve.points.size() > 3)
+      out.push_back({std::move(curve), width_mm});
+}
+
+// One shape on its way to the sheet, and what came of it.
+struct Work {
+  const Shape* shape;
+  std::size_t element;  // index into Drawing::elements
+  std::vector<PaintedArea> areas;
+  std::vector<Centreline> centrelines;
+  double painted = 0, lost = 0;
+};
+
+class Puller {
+ public:
+  Puller(const Drawing& drawing, const Placement& placement, double scale)
+      : drawing_(drawing),
+        scale_(scale),
+        chart_(placement.chart),
+        elements_placed_(!placement.elements.empty()) {
+    for (const PlacedElement& placed : placement.elements)
+      placed_.try_emplace(static_cast<std::size_t>(placed.element),
+                          Placed{std::make_unique<PatchMap>(placed.patch), placed.size});
+  }
+
+  bool elements_placed() const { return elements_placed_; }
+
+  // What the elements paint in the pattern, for lines that are tied to them.
+  void look_for_ties() {
+    for (const auto& [index, placed] : placed_) {
+      std::vector<Ring> rings;
+      for (const Shape& shape : drawing_.elements[index].shapes) {
+        if (shape.fill && ink(*shape.fill) > 0)
+          for (Ring& r : fill_area(shape.curves, shape.even_odd, polygon_tolerance))
+            rings.push_back(std::move(r));
+        if (shape.stroke && ink(shape.stroke->colour) > 0)
+          for (Ring& r : stroke_area(shape.curves, *shape.stroke, polygon_tolerance))
+            rings.push_back(std::move(r));
+      }
+      ink_.emplace(index, union_of(rings));
+    }
+  }
+
+  void run(Work& work) const {
+    const Shape& shape = *work.shape;
+    const std::string& id = drawing_.elements[work.element].id;
+    const auto placed = placed_.find(work.element);
+    const bool own = !id.empty() && placed != placed_.end();
+    const PatchMap& patch = own ? *placed->second.map : chart_;
+    const bool nowhere = !id.empty() && elements_placed_ && !own;
+    const Ground ground{[&](const Vector2d& uv) { return patch.rest_at(uv); }, &patch};
+    if (shape.fill)
+      paint(fill_area(shape.curves, shape.even_odd, polygon_tolerance), *shape.fill,
+            nowhere ? nullptr : &ground, work);
+    if (!shape.stroke) return;
+    Stroke stroke = *shape.stroke;
+    if (own) resize(stroke, scale_ / placed->second.size);
+    std::vector<Curve> plain;
+    for (const Curve& curve : shape.curves)
+      if (!id.empty() || !elements_placed_ || !tied(curve, stroke, work)) plain.push_back(curve);
+    if (plain.empty()) return;
+    paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, nowhere ? nullptr : &ground, work);
+    if (nowhere || !(ink(stroke.colour) > 0)) return;
+    for (const Curve& curve : plain) centre(flatten(curve, fine()), curve.closed, ground.rest_at, work);
+  }
+
+ private:
+  struct Placed {
+    std::unique_ptr<PatchMap> map;
+    double size;
+  };
+
+  static Fineness fine() { return {.tolerance_mm = polygon_tolerance, .turn = 0.2, .longest_mm = sample_mm}; }
+
+  // A coil that is printed larger keeps the width of its line.
+  static void resize(Stroke& stroke, double factor) {
+    stroke.width_mm *= factor;
+    stroke.dash_offset_mm *= factor;
+    for (double& d : stroke.dashes_mm) d *= factor;
+  }
+
+  void paint(const Area& drawn, const Colour& colour, const Ground* ground, Work& work) const {
+    const Area area = on_page(drawn, drawing_.size_mm);
+    const double all = ink(colour) * square_mm(area);
+    work.painted += all;
+    if (!ground) {
+      work.lost += all;
+      return;
+    }
+    const Area kept = on_patch(area, *ground->patch);
+    work.lost += all - ink(colour) * square_mm(kept);
+    PaintedArea out = pulled_back(kept, colour, ground->rest_at);
+    if (!out.outlines.empty()) work.areas.push_back(std::move(out));
+  }
+
+  void centre(const std::vector<CurvePoint>& line, bool closed, const Map& rest_at, Work& work) const {
+    if (line.size() < 2) return;
+    const double width = work.shape->stroke->width_mm * scale_;
+    pull_back_line(line, closed, rest_at, drawing_.size_mm, width, work.centrelines);
+  }
+
+  // The map of the element whose ink `end` touches.
+  const PatchMap* touched(const Vector2d& end, double within) const {
+    const PatchMap* out = nullptr;
+    double least = within + 1e-6;
+    for (const auto& [index, area] : ink_) {
+      const AlignedBox2d box = box_of(area);
+      if (box.isEmpty() || box.exteriorDistance(end) > least) continue;
+      const double d = distance(end, area);
+      if (d >= least) continue;
+      least = d;
+      out = placed_.at(index).map.get();
+    }
+    return out;
+  }
+
+  // Lays the curve as a tied line; false where neither end touches an element.
+  bool tied(const Curve& curve, const Stroke& stroke, Work& work) const {
+    if (curve.closed || curve.points.empty()) return false;
+    const PatchMap *start = touched(curve.points.front(), stroke.width_mm / 2),
+                   *end = touched(curve.points.back(), stroke.width_mm / 2);
+    if (!start && !end) return false;
+    auto points = flatten(curve, fine());
+    if (points.size() < 2) return false;
+    const TiedLine line(points, stroke.width_mm, chart_, start, end);
+    const Ground ground{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart_};
+    paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, &ground, work);
+    if (ink(stroke.colour) > 0) centre(points, false, ground.rest_at, work);
+    return true;
+  }
+
+  const Drawing& drawing_;
+  const double scale_;
+  const PatchMap chart_;
+  const bool elements_placed_;
+  std::map<std::size_t, Placed> placed_;
+  std::map<std::size_t, Area> ink_;
+};
+
+}  // namespace
+
+Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement, const Settings& settings,
+                              const Context& context) {
+  VACUFORM_CHECK(context.step(Stage::printing, 0));
+  Puller puller(drawing, placement, settings.pattern.scale);
+  std::vector<Work> all;
+  VectorPrint out;
+  bool loose = false;
+  for (std::size_t e = 0; e < drawing.elements.size(); ++e) {
+    const Element& element = drawing.elements[e];
+    out.elements.push_back({element.id, {}, {}});
+    for (const Shape& shape : element.shapes) {
+      all.push_back({&shape, e, {}, {}, 0, 0});
+      loose |= element.id.empty() && shape.stroke;
+    }
+  }
+  if (loose && puller.elements_placed()) puller.look_for_ties();
+
+  constexpr std::size_t batch = 16;
+  for (std::size_t first = 0; first < all.size(); first += batch) {
+    VACUFORM_CHECK(
+        context.step(Stage::printing, 0.2 * static_cast<double>(first) / static_cast<double>(all.size())));
+    in_parallel(static_cast<int>(first), static_cast<int>(std::min(first + batch, all.size())),
+                [&](int begin, int end) {
+                  for (int i = begin; i < end && !context.cancelled(); ++i)
+                    puller.run(all[static_cast<std::size_t>(i)]);
+                });
+  }
+  VACUFORM_CHECK(context.step(Stage::printing, 0.2));
+  for (Work& work : all) {
+    PrintedElement& element = out.elements[work.element];
+    for (PaintedArea& area : work.areas) element.areas.push_back(std::move(area));
+    for (Centreline& line : work.centrelines) element.centrelines.push_back(std::move(line));
+    out.painted_mm2 += work.painted;
+    out.lost_mm2 += work.lost;
+  }
+  return out;
+}
+
+}  // namespace vacuform

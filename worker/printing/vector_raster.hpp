@@ -1,0 +1,32 @@
+// A vector print in rows of pixels, drawn with anti-aliasing. Internal to worker/printing.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "worker/printing/row_source.hpp"
+#include "worker/printing/vector_print.hpp"
+
+namespace vacuform {
+
+// Keeps a reference to the print.
+class VectorRaster : public RowSource {
+ public:
+  VectorRaster(const VectorPrint& print, int width, int height, double pixel_mm, bool grayscale);
+
+  PixelBox box() const override;
+  int band_rows() const override { return band_; }
+  std::vector<std::uint8_t> rows(int top, int bottom) const override;
+
+ private:
+  struct Painted {
+    const PaintedArea* area;
+    double low, high;  // t, mm
+  };
+  const int width_, height_, band_;
+  const double pixel_mm_;
+  const bool grayscale_;
+  std::vector<Painted> areas_;
+  Eigen::AlignedBox2d box_;
+};
+
+}  // namespace vacuform
