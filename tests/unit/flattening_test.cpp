@@ -3,40 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
-#include <functional>
+#include <limits>
+#include <stdexcept>
 
-#include "tests/unit/shapes.hpp"
-#include "worker/flattening/chart.hpp"
+#include "tests/unit/flattening_charts.hpp"
 
 namespace vacuform {
 namespace {
-
-// A sheet of (2n + 1)^2 vertices, `spacing` apart, formed by `place`, all of it on the mold but a frame of two cells.
-FormedSheet sheet_of(int n, double spacing, const std::function<Eigen::Vector3d(double, double)>& place) {
-  FormedSheet sheet;
-  const int side = 2 * n + 1;
-  for (int j = -n; j <= n; ++j)
-    for (int i = -n; i <= n; ++i) {
-      sheet.rest.emplace_back(i * spacing, j * spacing);
-      sheet.formed.push_back(place(i * spacing, j * spacing));
-      sheet.contact.push_back(std::max(std::abs(i), std::abs(j)) > n - 2 ? Contact::free : Contact::mold);
-    }
-  for (int j = 0; j + 1 < side; ++j)
-    for (int i = 0; i + 1 < side; ++i) {
-      const int a = j * side + i, b = a + 1, c = b + side, d = a + side;
-      sheet.triangles.push_back({a, b, c});
-      sheet.triangles.push_back({a, c, d});
-    }
-  sheet.thickness.assign(sheet.rest.size(), 1.0);
-  return sheet;
-}
-
-Mold top_at(const Eigen::Vector3d& top) {
-  Mold mold;
-  mold.top = top;
-  return mold;
-}
 
 Result<Flattening> flat(const FormedSheet& sheet, const Eigen::Vector3d& top,
                         FlatteningMethod method = FlatteningMethod::arap, InkedFace face = InkedFace::inner) {
@@ -62,14 +37,6 @@ TEST(Flattening, CylinderUnrollsExactly) {
     EXPECT_NEAR(f->chart[i].x(), 1.3 * sheet.rest[i].x(), 0.01);
     EXPECT_NEAR(f->chart[i].y(), 0.9 * sheet.rest[i].y(), 0.01);
   }
-}
-
-FormedSheet dome(double R) {
-  return sheet_of(24, 2, [R](double s, double t) {
-    const double r = std::hypot(s, t), polar = std::min(1.3, 1.2 * r / R);
-    if (r == 0) return Eigen::Vector3d(0, 0, R);
-    return Eigen::Vector3d(R * std::sin(polar) * s / r, R * std::sin(polar) * t / r, R * std::cos(polar));
-  });
 }
 
 TEST(Flattening, ReachesCgalsEnergyOnADome) {
@@ -146,13 +113,213 @@ TEST(Flattening, NothingOnTheMoldIsRefused) {
   EXPECT_EQ(f.error().code, Code::unusable_surface);
 }
 
-TEST(Chart, QualityCountsFlipsAndEnergy) {
-  Chart chart{
-      {{0, 1, 2}, {0, 2, 3}}, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 0}, {2, 0}, {2, 1}, {0, 1}}};
-  EXPECT_NEAR(chart_quality(chart).arap, 1, 1e-12);  // stretched by 2 one way: (2 - 1)^2
-  EXPECT_EQ(chart_quality(chart).flipped, 0);
-  chart.uv[3] = {3, 0};
-  EXPECT_EQ(chart_quality(chart).flipped, 1);
+// The largest distance between two flattenings of the same chart.
+double apart(const FormedSheet& sheet, const Flattening& a, const Flattening& b) {
+  double furthest = 0;
+  for (const int k : a.triangles)
+    for (const int v : sheet.triangles[k]) furthest = std::max(furthest, (a.chart[v] - b.chart[v]).norm());
+  return furthest;
+}
+
+// Where a point of the flat sheet, which must be one of its vertices, lies on the chart.
+Eigen::Vector2d at_rest(const FormedSheet& sheet, const Flattening& f, double s, double t) {
+  for (std::size_t i = 0; i < sheet.rest.size(); ++i)
+    if ((sheet.rest[i] - Eigen::Vector2d(s, t)).norm() < 1e-9) return f.chart[i];
+  throw std::logic_error("no such vertex");
+}
+
+TEST(Flattening, EveryMethodIsLaidTheSameWay) {
+  const auto sheet = sheet_of(16, 2, [](double s, double t) {
+    return Eigen::Vector3d(40 * std::sin(s / 40), t, 40 * std::cos(s / 40));
+  });
+  const auto expected = flat(sheet, {0, 0, 40});
+  ASSERT_TRUE(expected);
+  for (const auto method : {FlatteningMethod::symmetric_dirichlet, FlatteningMethod::lscm,
+                            FlatteningMethod::cgal_arap, FlatteningMethod::bfs}) {
+    const auto f = flat(sheet, {0, 0, 40}, method);
+    ASSERT_TRUE(f) << f.error().text();
+    EXPECT_LT(apart(sheet, *expected, *f), 0.01);
+    EXPECT_TRUE(f->warnings.empty());
+  }
+}
+
+TEST(Flattening, WarnsWhereAMethodTurnsTrianglesOver) {
+  const auto sheet = sheet_of(16, 2, [](double s, double t) {
+    return Eigen::Vector3d(s, t, 30 + 8 * std::sin(0.4 * s) * std::cos(0.3 * t));
+  });
+  const auto f = flat(sheet, {0, 0, 30}, FlatteningMethod::bfs);
+  ASSERT_TRUE(f);
+  EXPECT_GT(f->flipped, 0);
+  EXPECT_TRUE(std::isinf(f->symmetric_dirichlet));
+  ASSERT_FALSE(f->warnings.empty());
+  EXPECT_EQ(f->warnings[0].code, "flattening-flipped");
+  const auto d = flat(sheet, {0, 0, 30}, FlatteningMethod::symmetric_dirichlet);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->flipped, 0);
+  EXPECT_EQ(d->crossings, 0);
+  EXPECT_TRUE(d->warnings.empty());
+  EXPECT_LT(d->symmetric_dirichlet, 6);
+}
+
+TEST(Flattening, OnePinOnlyShifts) {
+  const auto sheet = dome(60);
+  const auto free = flat(sheet, {0, 0, 60});
+  FlatteningSettings settings;
+  settings.pins = {{10, -8, 30, 40}};
+  for (const auto method : {FlatteningMethod::arap, FlatteningMethod::bfs}) {
+    settings.method = method;
+    const auto unpinned = flat(sheet, {0, 0, 60}, method);
+    const auto f = flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{});
+    ASSERT_TRUE(f && unpinned);
+    EXPECT_LT((at_rest(sheet, *f, 10, -8) - Eigen::Vector2d(30, 40)).norm(), 1e-9);
+    const Eigen::Vector2d shift = Eigen::Vector2d(30, 40) - at_rest(sheet, *unpinned, 10, -8);
+    for (const int k : f->triangles)
+      for (const int v : sheet.triangles[k])
+        EXPECT_LT((f->chart[v] - unpinned->chart[v] - shift).norm(), 1e-9);
+    EXPECT_NEAR(f->energy, unpinned->energy, 1e-12);
+  }
+}
+
+// Two pins at the distance that the free chart gives them turn it and distort nothing; further apart, they are met at the
+// cost of distortion by the methods that bend, and missed, with a warning, by those that do not.
+TEST(Flattening, TwoPinsTurnAndBend) {
+  const auto sheet = dome(60);
+  const auto free = flat(sheet, {0, 0, 60});
+  ASSERT_TRUE(free);
+  const Eigen::Rotation2Dd turn(0.5);
+  const Eigen::Vector2d a = turn * at_rest(sheet, *free, -20, 4), b = turn * at_rest(sheet, *free, 24, -6);
+  const auto pinned = [&](FlatteningMethod method, double stretch) {
+    FlatteningSettings settings;
+    settings.method = method;
+    settings.pins = {{-20, 4, stretch * a.x(), stretch * a.y()}, {24, -6, stretch * b.x(), stretch * b.y()}};
+    return *flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{});
+  };
+  const Flattening turned = pinned(FlatteningMethod::arap, 1);
+  EXPECT_NEAR(turned.energy, free->energy, 1e-4 * free->energy);
+  for (const int k : turned.triangles)
+    for (const int v : sheet.triangles[k]) EXPECT_LT((turned.chart[v] - turn * free->chart[v]).norm(), 0.05);
+  for (const auto method : {FlatteningMethod::arap, FlatteningMethod::symmetric_dirichlet}) {
+    const Flattening bent = pinned(method, 1.1);
+    EXPECT_LT((at_rest(sheet, bent, -20, 4) - 1.1 * a).norm(), 1e-3);
+    EXPECT_LT((at_rest(sheet, bent, 24, -6) - 1.1 * b).norm(), 1e-3);
+    EXPECT_GT(bent.energy, 1.001 * free->energy);
+    EXPECT_TRUE(bent.warnings.empty());
+  }
+  const Flattening missed = pinned(FlatteningMethod::cgal_arap, 1.1);
+  ASSERT_EQ(missed.warnings.size(), 1u);
+  EXPECT_EQ(missed.warnings[0].code, "pins-not-met");
+  const double miss = (at_rest(sheet, missed, 24, -6) - 1.1 * b).norm();
+  EXPECT_NEAR(miss, 0.05 * (a - b).norm(), 0.2);  // half of what is missing at either end
+}
+
+TEST(Flattening, APinOffTheChartIsRefusedByItsNumber) {
+  FlatteningSettings settings;
+  settings.pins = {{0, 0, 0, 0}, {47, 0, 60, 0}};
+  const auto f = flatten(dome(60), top_at({0, 0, 60}), settings, InkedFace::inner, Context{});
+  ASSERT_FALSE(f);
+  EXPECT_EQ(f.error().code, Code::bad_settings);
+  EXPECT_EQ(f.error().text(),
+            "the sheet's point of pin 2 is not on the chart (flattening.pins); choose points of the sheet "
+            "that come to "
+            "lie on the mold");
+}
+
+// A weight of 10 where a ring of ink lies cuts the energy there by more than four, for little more elsewhere.
+TEST(Flattening, InkIsSparedWhereItLies) {
+  const auto sheet = dome(60, 36, 1.4);
+  const InkCoverage ring = [](const Eigen::Vector2d& p, double) {
+    return std::abs(p.norm() - 35) < 2.5 ? 1.0 : 0.0;
+  };
+  FlatteningSettings settings;
+  settings.weights = FlatteningWeights::ink;
+  for (const auto method : {FlatteningMethod::arap, FlatteningMethod::symmetric_dirichlet}) {
+    settings.method = method;
+    const auto even = flat(sheet, {0, 0, 60}, method);
+    const auto f = flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{}, ring);
+    ASSERT_TRUE(even && f);
+    ASSERT_EQ(f->favoured.size(), f->triangles.size());
+    ASSERT_EQ(f->weight.size(), f->triangles.size());
+    Chart before{{}, even->inked, even->chart};
+    for (std::size_t k = 0; k < f->triangles.size(); ++k) {
+      const Triangle& t = sheet.triangles[f->triangles[k]];
+      const Eigen::Vector2d middle = (f->chart[t[0]] + f->chart[t[1]] + f->chart[t[2]]) / 3;
+      if (std::abs(middle.norm() - 35) < 1.5) {
+        EXPECT_EQ(f->favoured[k], 1);  // the ink is where the weights are: the rounds have settled
+      }
+      if (f->favoured[k]) before.triangles.push_back(t);
+    }
+    EXPECT_LT(4 * f->energy_favoured, chart_quality(before).arap);
+    EXPECT_LT(f->energy, 1.3 * even->energy);
+    EXPECT_GT(f->energy_rest, f->energy);
+  }
+}
+
+TEST(Flattening, InkMustBeGivenWhereItCounts) {
+  FlatteningSettings settings;
+  settings.weights = FlatteningWeights::ink;
+  EXPECT_THROW((void)flatten(dome(60), top_at({0, 0, 60}), settings, InkedFace::inner, Context{}),
+               std::invalid_argument);
+}
+
+TEST(Flattening, CenterSparesTheTop) {
+  const auto sheet = dome(60);
+  const auto even = flat(sheet, {0, 0, 60});
+  FlatteningSettings settings;
+  settings.weights = FlatteningWeights::center;
+  settings.weight = 50;
+  const auto f = flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{});
+  ASSERT_TRUE(even && f);
+  Chart before{{}, even->inked, even->chart};
+  for (std::size_t k = 0; k < f->triangles.size(); ++k) {
+    const Triangle& t = sheet.triangles[f->triangles[k]];
+    const double r = std::max({sheet.rest[t[0]].norm(), sheet.rest[t[1]].norm(), sheet.rest[t[2]].norm()});
+    if (r < 3) {
+      EXPECT_GT(f->weight[k], 49);
+    }
+    if (f->favoured[k]) before.triangles.push_back(t);
+    EXPECT_GE(f->weight[k], 1);
+    EXPECT_LE(f->weight[k], 50);
+  }
+  EXPECT_LT(4 * f->energy_favoured, chart_quality(before).arap);
+}
+
+TEST(Weights, CenterIsOneAtTheRimAndSmoothBetween) {
+  const Chart chart = grid_chart(40, 40, [](double x, double y) { return Eigen::Vector3d(x, y, 0); });
+  const auto weights = center_weights(chart, 2 * (20 * 40 + 20), {1, 0, 0}, 11);  // the point (20, 20)
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const Triangle& t = chart.triangles[k];
+    double x = 0, rim = 0, top = 0;
+    for (const int v : t) {
+      const Eigen::Vector3d& p = chart.inked[v];
+      rim += std::min({p.x(), p.y(), 40 - p.x(), 40 - p.y()}) / 3;
+      top += (p - Eigen::Vector3d(20, 20, 0)).norm() / 3;
+    }
+    x = rim / (rim + top);
+    EXPECT_NEAR(weights[k], 1 + 10 * x * x * (3 - 2 * x), 0.15);
+  }
+  EXPECT_NEAR(*std::max_element(weights.begin(), weights.end()), 11, 0.2);
+}
+
+TEST(Weights, DistancesAreGeodesic) {
+  const Chart sphere = cap(2.0, 30);
+  std::vector<double> start(sphere.uv.size(), std::numeric_limits<double>::infinity());
+  start[0] = 0;
+  const auto distance = surface_distance(sphere, start);
+  for (std::size_t v = 1; v < distance.size(); ++v) {
+    const double polar = std::acos(std::clamp(sphere.inked[v].z(), -1.0, 1.0));
+    EXPECT_NEAR(distance[v], polar, 0.02 * polar);
+  }
+}
+
+TEST(Weights, InkOfAQuarterCountsInFull) {
+  const Chart chart = grid_chart(20, 1, [](double x, double y) { return Eigen::Vector3d(x, y, 0); });
+  const auto weights = ink_weights(
+      chart, [](const Eigen::Vector2d& p, double blur) { return blur > 1.4 ? p.x() / 40 : -1; }, 9);
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const Triangle& t = chart.triangles[k];
+    const double x = (chart.uv[t[0]] + chart.uv[t[1]] + chart.uv[t[2]]).x() / 3;
+    EXPECT_NEAR(weights[k], std::min(9.0, 1 + 8 * x / 10), 1e-12);
+  }
 }
 
 }  // namespace

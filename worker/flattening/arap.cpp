@@ -86,7 +86,7 @@ class LocalGlobal {
   double stiffness_;
   ChartMatrix<1> matrix_;
   SupernodalCholesky cholesky_;
-  Eigen::MatrixXd rhs_;
+  SupernodalCholesky::Columns<2> rhs_;
 };
 
 }  // namespace

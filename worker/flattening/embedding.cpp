@@ -79,7 +79,7 @@ bool embed_on_disk(Chart& chart) {
   // Every other vertex in the middle of its neighbours.
   ChartMatrix<1> L(chart);
   L.reset(0);
-  Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(chart.uv.size()), 2);
+  SupernodalCholesky::Columns<2> rhs = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(chart.uv.size()), 2);
   for (std::size_t k = 0; k < chart.triangles.size(); ++k) {
     const Triangle& t = chart.triangles[k];
     Eigen::Matrix3d local = Eigen::Matrix3d::Zero();

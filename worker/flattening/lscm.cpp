@@ -26,11 +26,11 @@ ChartMatrix<2>::Local conformal(const ChartElement& element, double weight) {
 }
 
 // Both coordinates of all vertices as one column.
-Eigen::MatrixXd column_of(const std::vector<Eigen::Vector2d>& uv) {
+Eigen::VectorXd column_of(const std::vector<Eigen::Vector2d>& uv) {
   return Eigen::Map<const Eigen::VectorXd>(uv.front().data(), static_cast<Eigen::Index>(2 * uv.size()));
 }
-void set_column(std::vector<Eigen::Vector2d>& uv, const Eigen::MatrixXd& column) {
-  for (std::size_t i = 0; i < uv.size(); ++i) uv[i] = column.block<2, 1>(static_cast<Eigen::Index>(2 * i), 0);
+void set_column(std::vector<Eigen::Vector2d>& uv, const Eigen::VectorXd& column) {
+  for (std::size_t i = 0; i < uv.size(); ++i) uv[i] = column.segment<2>(static_cast<Eigen::Index>(2 * i));
 }
 
 struct Masses {
@@ -47,11 +47,11 @@ Masses masses(const Chart& chart, const std::vector<ChartElement>& all) {
 }
 
 // Its centre of mass to the origin.
-void centre(Eigen::MatrixXd& x, const Masses& mass) {
+void centre(Eigen::VectorXd& x, const Masses& mass) {
   Eigen::Vector2d mean(0, 0);
-  for (Eigen::Index i = 0; i < x.rows(); i += 2) mean += mass.of[i] * x.block<2, 1>(i, 0);
+  for (Eigen::Index i = 0; i < x.rows(); i += 2) mean += mass.of[i] * x.segment<2>(i);
   mean /= mass.total;
-  for (Eigen::Index i = 0; i < x.rows(); i += 2) x.block<2, 1>(i, 0) -= mean;
+  for (Eigen::Index i = 0; i < x.rows(); i += 2) x.segment<2>(i) -= mean;
 }
 
 double area_in_plane(const Chart& chart) {
@@ -80,17 +80,17 @@ Result<FlatteningOutcome> flatten_lscm(Chart& chart, const Context& context) {
   }
   const double stiffness = stiffness_of_pins(chart);
   add_pins(Q, chart.pins, stiffness);
-  SupernodalCholesky cholesky(Q.matrix());
+  SupernodalCholesky cholesky(Q.matrix(), 2);
   VACUFORM_CHECK(context.step(Stage::flattening, 0.2));
   if (!cholesky.factor(Q.matrix())) throw std::logic_error("the conformal energy is not positive definite");
 
   FlatteningOutcome outcome;
-  Eigen::MatrixXd x = column_of(chart.uv);
+  Eigen::VectorXd x = column_of(chart.uv);
   if (!chart.pins.empty()) {
     x.setZero();
     for (const ChartPin& pin : chart.pins)
       for (int i = 0; i < 3; ++i)
-        x.block<2, 1>(2 * chart.triangles[pin.triangle][i], 0) += stiffness * pin.corners[i] * pin.target;
+        x.segment<2>(2 * chart.triangles[pin.triangle][i]) += stiffness * pin.corners[i] * pin.target;
     cholesky.solve(x);
     set_column(chart.uv, x);
     return FlatteningOutcome{1, true};
@@ -99,16 +99,16 @@ Result<FlatteningOutcome> flatten_lscm(Chart& chart, const Context& context) {
   constexpr int most_iterations = 100;
   constexpr double least_turn = 1e-9;
   centre(x, mass);
-  x /= std::sqrt(x.col(0).dot(mass.of.cwiseProduct(x.col(0))));
+  x /= std::sqrt(x.dot(mass.of.cwiseProduct(x)));
   while (outcome.iterations < most_iterations && !outcome.converged) {
     VACUFORM_CHECK(context.step(Stage::flattening, 1 - 1 / (1.5 + 0.1 * outcome.iterations)));
-    const Eigen::MatrixXd before = x;
-    x = mass.of.cwiseProduct(x.col(0));
+    const Eigen::VectorXd before = x;
+    x = mass.of.cwiseProduct(x);
     cholesky.solve(x);
     centre(x, mass);
-    x /= std::sqrt(x.col(0).dot(mass.of.cwiseProduct(x.col(0))));
+    x /= std::sqrt(x.dot(mass.of.cwiseProduct(x)));
     ++outcome.iterations;
-    const Eigen::VectorXd turned = x.col(0) - before.col(0);
+    const Eigen::VectorXd turned = x - before;
     outcome.converged = turned.dot(mass.of.cwiseProduct(turned)) < least_turn;
   }
   set_column(chart.uv, x);

@@ -55,51 +55,72 @@ class Analysis {
   cholmod_factor* factor_ = nullptr;
 };
 
+// The pattern in which every group is one unknown.
+SymmetricMatrix groups_of(const SymmetricMatrix& pattern, int group) {
+  SymmetricMatrix groups;
+  groups.size = pattern.size / group;
+  groups.column_start.push_back(0);
+  for (int c = 0; c < pattern.size; c += group) {
+    for (int k = pattern.column_start[c]; k < pattern.column_start[c + 1]; ++k)
+      if (pattern.row[k] % group == 0) groups.row.push_back(pattern.row[k] / group);
+    groups.column_start.push_back(static_cast<int>(groups.row.size()));
+  }
+  return groups;
+}
+
 }  // namespace
 
-SupernodalCholesky::SupernodalCholesky(const SymmetricMatrix& pattern) : size_(pattern.size) {
-  const Analysis analysis(pattern);
-  order_.assign(analysis.order(), analysis.order() + size_);
-  std::vector<int> place(order_.size()), owner(order_.size());
-  for (int k = 0; k < size_; ++k) place[order_[k]] = k;
+SupernodalCholesky::SupernodalCholesky(const SymmetricMatrix& pattern, int group) : size_(pattern.size) {
+  find_supernodes(pattern, group);
+  find_slots(pattern);
+}
 
+void SupernodalCholesky::find_supernodes(const SymmetricMatrix& pattern, int group) {
+  const Analysis analysis(group == 1 ? pattern : groups_of(pattern, group));
+  for (int k = 0; k < size_; ++k) order_.push_back(group * analysis.order()[k / group] + k % group);
+  owner_.resize(order_.size());
   std::size_t values = 0;
   for (int s = 0; s < analysis.supernodes(); ++s) {
     Supernode node;
-    node.first = analysis.first_column()[s];
-    node.columns = analysis.first_column()[s + 1] - node.first;
-    node.rows = analysis.first_row()[s + 1] - analysis.first_row()[s];
+    node.first = group * analysis.first_column()[s];
+    node.columns = group * analysis.first_column()[s + 1] - node.first;
+    node.rows = group * (analysis.first_row()[s + 1] - analysis.first_row()[s]);
     node.index = rows_.size();
     node.value = values;
-    rows_.insert(rows_.end(), analysis.rows() + analysis.first_row()[s],
-                 analysis.rows() + analysis.first_row()[s + 1]);
+    for (int i = analysis.first_row()[s]; i < analysis.first_row()[s + 1]; ++i)
+      for (int d = 0; d < group; ++d) rows_.push_back(group * analysis.rows()[i] + d);
     values += static_cast<std::size_t>(node.rows) * static_cast<std::size_t>(node.columns);
-    std::fill_n(owner.begin() + node.first, node.columns, s);
+    std::fill_n(owner_.begin() + node.first, node.columns, s);
     supernodes_.push_back(node);
   }
   factor_.resize(values);
 
-  const auto place_in = [&](const Supernode& node, int row) {
-    const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(node.index);
-    return static_cast<int>(std::lower_bound(begin, begin + node.rows, row) - begin);
-  };
   in_parent_.assign(rows_.size(), 0);
   for (Supernode& node : supernodes_) {
     if (node.rows == node.columns) continue;
-    node.parent = owner[rows_[node.index + static_cast<std::size_t>(node.columns)]];
+    node.parent = owner_[rows_[node.index + static_cast<std::size_t>(node.columns)]];
+    // Both lists ascend: one walk finds all.
+    int place = 0;
     for (int i = node.columns; i < node.rows; ++i) {
       const std::size_t k = node.index + static_cast<std::size_t>(i);
-      in_parent_[k] = place_in(supernodes_[node.parent], rows_[k]);
+      while (rows_[supernodes_[node.parent].index + static_cast<std::size_t>(place)] != rows_[k]) ++place;
+      in_parent_[k] = place;
     }
   }
+}
 
+void SupernodalCholesky::find_slots(const SymmetricMatrix& pattern) {
+  std::vector<int> place(order_.size());
+  for (int k = 0; k < size_; ++k) place[order_[k]] = k;
   slot_.reserve(pattern.row.size());
   for (int c = 0; c < size_; ++c)
     for (int k = pattern.column_start[c]; k < pattern.column_start[c + 1]; ++k) {
       const auto [column, row] = std::minmax(place[c], place[pattern.row[k]]);
-      const Supernode& node = supernodes_[owner[column]];
+      const Supernode& node = supernodes_[owner_[column]];
+      const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(node.index);
+      const auto at = std::lower_bound(begin, begin + node.rows, row) - begin;
       slot_.push_back(node.value + static_cast<std::size_t>(column - node.first) * node.rows +
-                      static_cast<std::size_t>(place_in(node, row)));
+                      static_cast<std::size_t>(at));
     }
 }
 
@@ -145,27 +166,39 @@ bool SupernodalCholesky::factor(const SymmetricMatrix& matrix) {
   return true;
 }
 
-void SupernodalCholesky::solve(Eigen::MatrixXd& B) const {
-  Eigen::MatrixXd x(B.rows(), B.cols()), part;
+template <int C>
+void SupernodalCholesky::substitute(Columns<C>& B) const {
+  Columns<C> x(B.rows(), C), part;
   for (int k = 0; k < size_; ++k) x.row(k) = B.row(order_[k]);
   for (const Supernode& node : supernodes_) {
     const ConstBlock block(factor_.data() + node.value, node.rows, node.columns);
     const int* rows = rows_.data() + node.index;
-    auto own = x.middleRows(node.first, node.columns);
-    block.topRows(node.columns).triangularView<Eigen::Lower>().solveInPlace(own);
-    part.noalias() = block.bottomRows(node.rows - node.columns) * own;
-    for (int i = node.columns; i < node.rows; ++i) x.row(rows[i]) -= part.row(i - node.columns);
+    part.setZero(node.rows, C);
+    part.topRows(node.columns) = x.middleRows(node.first, node.columns);
+    for (int j = 0; j < node.columns; ++j) {
+      part.row(j) /= block(j, j);
+      const Eigen::Matrix<double, 1, C> found = part.row(j);
+      for (int i = j + 1; i < node.rows; ++i) part.row(i) -= block(i, j) * found;
+    }
+    x.middleRows(node.first, node.columns) = part.topRows(node.columns);
+    for (int i = node.columns; i < node.rows; ++i) x.row(rows[i]) += part.row(i);
   }
   for (auto node = supernodes_.rbegin(); node != supernodes_.rend(); ++node) {
     const ConstBlock block(factor_.data() + node->value, node->rows, node->columns);
     const int* rows = rows_.data() + node->index;
-    auto own = x.middleRows(node->first, node->columns);
-    part.resize(node->rows - node->columns, x.cols());
-    for (int i = node->columns; i < node->rows; ++i) part.row(i - node->columns) = x.row(rows[i]);
-    own.noalias() -= block.bottomRows(node->rows - node->columns).transpose() * part;
-    block.topRows(node->columns).triangularView<Eigen::Lower>().transpose().solveInPlace(own);
+    part.resize(node->rows, C);
+    for (int i = 0; i < node->rows; ++i) part.row(i) = x.row(rows[i]);
+    for (int j = node->columns - 1; j >= 0; --j) {
+      const int below = node->rows - j - 1;
+      part.row(j) -= block.col(j).tail(below).transpose() * part.bottomRows(below);
+      part.row(j) /= block(j, j);
+    }
+    x.middleRows(node->first, node->columns) = part.topRows(node->columns);
   }
   for (int k = 0; k < size_; ++k) B.row(order_[k]) = x.row(k);
 }
+
+void SupernodalCholesky::solve(Columns<1>& B) const { substitute<1>(B); }
+void SupernodalCholesky::solve(Columns<2>& B) const { substitute<2>(B); }
 
 }  // namespace vacuform

@@ -22,8 +22,8 @@ class ProjectedNewton {
         pins_(held_points(chart)),
         stiffness_(stiffness_of_pins(chart)),
         matrix_(chart),
-        cholesky_(matrix_.matrix()),
-        step_(static_cast<Eigen::Index>(2 * chart.uv.size()), 1) {}
+        cholesky_(matrix_.matrix(), 2),
+        step_(static_cast<Eigen::Index>(2 * chart.uv.size())) {}
 
   // Infinite where a triangle is turned over.
   double energy() const {
@@ -41,10 +41,10 @@ class ProjectedNewton {
       if (cholesky_.factor(matrix_.matrix())) break;
       matrix_.shift_diagonal(shift * largest_);
     }
-    const Eigen::MatrixXd gradient = step_;
+    const Eigen::VectorXd gradient = step_;
     cholesky_.solve(step_);
     step_ = -step_;
-    return -gradient.col(0).dot(step_.col(0)) / 2;
+    return -gradient.dot(step_) / 2;
   }
 
   // The longest part of the step, of at most 1, that leaves every triangle on its side.
@@ -77,7 +77,7 @@ class ProjectedNewton {
   }
 
  private:
-  Eigen::Vector2d move(int vertex) const { return {step_(2 * vertex, 0), step_(2 * vertex + 1, 0)}; }
+  Eigen::Vector2d move(int vertex) const { return {step_[2 * vertex], step_[2 * vertex + 1]}; }
 
   // The first positive x at which c + b x + a x^2 vanishes, for c > 0; infinite without any.
   static double first_root(double c, double b, double a) {
@@ -99,7 +99,7 @@ class ProjectedNewton {
       const SymmetricDirichlet e = symmetric_dirichlet_expansion(jacobian(chart_, elements_, k));
       // How the corners' coordinates move J: dJ = [du0 du1 du2] G.
       const Eigen::Matrix<double, 2, 3> force = weight * e.gradient * G.transpose();
-      for (int i = 0; i < 3; ++i) step_.block<2, 1>(2 * chart_.triangles[k][i], 0) += force.col(i);
+      for (int i = 0; i < 3; ++i) step_.segment<2>(2 * chart_.triangles[k][i]) += force.col(i);
       Eigen::Matrix<double, 6, 4> pulled;
       for (int m = 0; m < 4; ++m) {
         const Eigen::Matrix2d direction = e.directions.col(m).reshaped(2, 2);
@@ -114,7 +114,7 @@ class ProjectedNewton {
     for (const ChartPin& pin : pins_) {
       const Eigen::Vector2d pull = 2 * stiffness_ * (place_of(chart_, pin) - pin.target);
       for (int i = 0; i < 3; ++i)
-        step_.block<2, 1>(2 * chart_.triangles[pin.triangle][i], 0) += pin.corners[i] * pull;
+        step_.segment<2>(2 * chart_.triangles[pin.triangle][i]) += pin.corners[i] * pull;
     }
     add_pins(matrix_, pins_, 2 * stiffness_);
   }
@@ -125,7 +125,7 @@ class ProjectedNewton {
   double stiffness_;
   ChartMatrix<2> matrix_;
   SupernodalCholesky cholesky_;
-  Eigen::MatrixXd step_;  // the gradient, then the step: 2 v and 2 v + 1 are vertex v's
+  Eigen::VectorXd step_;  // the gradient, then the step: 2 v and 2 v + 1 are vertex v's
   double largest_ = 0;
 };
 
