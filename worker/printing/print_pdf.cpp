@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <string_view>
+#include <utility>
 
 #include "worker/printing/pdf_writer.hpp"
 
@@ -87,7 +88,9 @@ std::string content_of(const VectorPrint& vectors, std::map<std::string, std::st
     for (const PaintedArea& area : element.areas) {
       const Colour& c = area.colour;
       const std::string opacity = pdf_number(c.a);
-      const auto named = opacities.try_emplace(opacity, std::string("A") + std::to_string(opacities.size())).first;
+      std::string name("A");
+      name += std::to_string(opacities.size());
+      const auto named = opacities.try_emplace(opacity, std::move(name)).first;
       out += "/" + named->second + " gs\n";
       if (c.r == c.g && c.g == c.b)
         out += pdf_number(c.r) + " g\n";
