@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "worker/coils/inductance.hpp"
 
@@ -17,23 +19,27 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double good_k = 1e-3;
+constexpr double required_k = 0.0098, good_k = 1e-3;
 // What weighs as much: a coupling, a move, a change of size. The first is small, so that it goes first.
 constexpr double unit_k = 1e-3, unit_mm = 5, unit_size = 0.02;
-constexpr double beside_head = 0.2;  // weight of pairs of which one lies off the head
+// Where not every pair can be decoupled, the worst pairs count most: by the fourth power of k over this bound, too.
+constexpr double bound_k = 0.008, bound_weight = 10;
+constexpr double off_weight = 0.1;  // of pairs of which one has its centre off the head
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-// The loop of one element with its own inductance, by the polar grid alone.
+// The loop of one element with its own inductance, by the polar grid alone and with half of its points: good enough for
+// differences.
 struct Probe {
   std::vector<Vector3d> loop;
   double self_nh = 0;
 };
 
 Probe probe(const PolarGrid& grid, const LaidElement& element, double size) {
-  LaidElement resized = element;
-  resized.size = size;
-  Probe out{loop_in_space(grid, resized), 0};
+  LaidElement coarse{element.element, {}, size};
+  for (std::size_t i = 0; i < element.outline.loop.size(); i += 2)
+    coarse.outline.loop.push_back(element.outline.loop[i]);
+  Probe out{loop_in_space(grid, coarse), 0};
   if (!out.loop.empty()) out.self_nh = self_inductance_nh(out.loop, size * element.outline.width_mm);
   return out;
 }
@@ -50,41 +56,56 @@ class Decoupling {
     for (const Neighbours& n : layout.pairs) {
       if (!coupling(laid[index(n.a)], laid[index(n.b)])) continue;
       pairs_.push_back(n);
-      weights_.push_back(laid[index(n.a)].on_head && laid[index(n.b)].on_head ? 1 : beside_head);
+      weights_.push_back(std::min(weight(index(n.a)), weight(index(n.b))));
     }
     for (const Centre& c : layout.centres) start_.push_back(c.moved);
   }
 
   Result<void> run() {
+    VACUFORM_CHECK(improve());
+    if (worst(couplings(laid_)) < required_k) return {};
+    stay_on_head_ = false;  // better off the head than coupled
+    return improve();
+  }
+
+ private:
+  Result<void> improve() {
     constexpr int most_steps = 25;
-    constexpr double most_damping = 1e4;
-    double damping = 1e-3;
+    constexpr double most_damping = 1e4, least_gain = 0.01;
+    double damping = 1e-3, gain = 1;
     VectorXd k = couplings(laid_);
-    for (int step = 0; step < most_steps && worst(k) > good_k && damping < most_damping; ++step) {
+    for (int step = 0; step < most_steps && worst(k) > good_k && gain > least_gain; ++step) {
       VACUFORM_TRY(J, jacobian());
-      for (bool better = false; !better && damping < most_damping;) {
-        const ElementLayout before = layout_;
-        const double cost = cost_of(k);
-        take(solve(J, k, damping));
-        VACUFORM_TRY(next, lay_on_surface(surface_, layout_, context_));
+      const ElementLayout before = layout_;
+      const double cost = cost_of(k);
+      gain = 0;
+      for (bool first = true; gain == 0 && damping < most_damping; first = false) {
+        VACUFORM_TRY(next, take(solve(J, k, damping), before));
         const VectorXd k_next = couplings(next);
-        better = k_next.allFinite() && cost_of(k_next) < cost;
-        if (better) {
-          gain_ = 1 - cost_of(k_next) / cost;
+        if (k_next.allFinite() && cost_of(k_next) < cost) {
+          gain = 1 - cost_of(k_next) / cost;
           laid_ = std::move(next);
           k = k_next;
-          damping = std::max(1e-6, damping / 10);
+          if (first) damping = std::max(1e-6, damping / 10);
         } else {
           layout_ = before;
           damping *= 10;
         }
       }
-      if (gain_ < 1e-3) break;
     }
     return {};
   }
 
- private:
+  double weight(std::size_t i) const {
+    return surface_.on_chart(layout_.centres[i].point.triangle) ? 1 : off_weight;
+  }
+
+  // The fourth power's residual of a weighted k, and its slope.
+  static std::pair<double, double> beyond_bound(double k) {
+    const double ratio = k / bound_k, cube = ratio * ratio * ratio;
+    return {bound_weight * cube * ratio, 4 * bound_weight * cube / bound_k};
+  }
+
   VectorXd couplings(const std::vector<ElementOnSurface>& laid) const {
     VectorXd k(static_cast<Index>(pairs_.size()));
     for (std::size_t p = 0; p < pairs_.size(); ++p)
@@ -96,7 +117,7 @@ class Decoupling {
   double worst(const VectorXd& k) const {
     double most = 0;
     for (std::size_t p = 0; p < pairs_.size(); ++p)
-      if (weights_[p] == 1) most = std::max(most, std::abs(k[static_cast<Index>(p)]));
+      most = std::max(most, weights_[p] * std::abs(k[static_cast<Index>(p)]));
     return most;
   }
 
@@ -114,8 +135,9 @@ class Decoupling {
   double cost_of(const VectorXd& k) const {
     double sum = strain().squaredNorm();
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      const double r = weights_[p] * k[static_cast<Index>(p)] / unit_k;
-      sum += r * r;
+      const double weighted = weights_[p] * k[static_cast<Index>(p)], r = weighted / unit_k;
+      const double b = beyond_bound(weighted).first;
+      sum += r * r + b * b;
     }
     return sum;
   }
@@ -168,13 +190,15 @@ class Decoupling {
     VectorXd rhs = -x;
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       const std::array<int, 2> end{3 * pairs_[p].a, 3 * pairs_[p].b};
-      const double w = weights_[p] / unit_k;
+      const double w = weights_[p], weighted = w * k[static_cast<Index>(p)];
+      const auto [beyond, slope] = beyond_bound(weighted);
+      const double pull = w * (weighted / (unit_k * unit_k) + beyond * slope);
+      const double stiffness = w * w * (1 / (unit_k * unit_k) + slope * slope);
       for (std::size_t i = 0; i < 2; ++i) {
-        const Vector3d ri = w * J[p][i];
-        rhs.segment<3>(end[i]) -= w * k[static_cast<Index>(p)] * ri;
-        normal.diagonal().segment<3>(end[i]) += damping * ri.cwiseAbs2();
+        rhs.segment<3>(end[i]) -= pull * J[p][i];
+        normal.diagonal().segment<3>(end[i]) += damping * stiffness * J[p][i].cwiseAbs2();
         for (std::size_t j = 0; j < 2; ++j)
-          normal.block<3, 3>(end[i], end[j]) += ri * (w * J[p][j]).transpose();
+          normal.block<3, 3>(end[i], end[j]) += stiffness * J[p][i] * J[p][j].transpose();
       }
     }
     const double bound = limit_ / unit_size;
@@ -198,7 +222,8 @@ class Decoupling {
     return step;
   }
 
-  void take(const VectorXd& step) {
+  // The layout after a step. What lay on the head and would leave it stays where it was.
+  Result<std::vector<ElementOnSurface>> take(const VectorXd& step, const ElementLayout& before) {
     constexpr double longest_mm = 4;
     for (std::size_t i = 0; i < start_.size(); ++i) {
       const Vector3d d = step.segment<3>(3 * static_cast<Index>(i));
@@ -208,6 +233,16 @@ class Decoupling {
       double& size = layout_.elements[i].size;
       size = std::clamp(size + unit_size * d[2], 1 - limit_, 1 + limit_);
     }
+    VACUFORM_TRY(next, lay_on_surface(surface_, layout_, context_));
+    bool left = false;
+    for (std::size_t i = 0; i < next.size() && stay_on_head_; ++i) {
+      if (!laid_[i].on_head || next[i].on_head) continue;
+      layout_.centres[i] = before.centres[i];
+      layout_.elements[i].size = before.elements[i].size;
+      left = true;
+    }
+    if (!left) return next;
+    return lay_on_surface(surface_, layout_, context_);
   }
 
   const InkedSurface& surface_;
@@ -218,7 +253,7 @@ class Decoupling {
   std::vector<Neighbours> pairs_;
   std::vector<double> weights_;
   std::vector<Vector2d> start_;
-  double gain_ = 1;
+  bool stay_on_head_ = true;
 };
 
 }  // namespace

@@ -7,8 +7,8 @@ namespace vacuform {
 
 // Changes the centres and sizes of the layout's loops so that the coupling of all its pairs of loops vanishes, as near as
 // possible to where and as large as they were, and no size by more than `size_limit` (a ratio). Levenberg and
-// Marquardt's method with the sizes in their bounds; pairs beside the head count less than those on it. `laid` is
-// the layout on the surface, before and, on return, after. Stops once every pair's |k| is below 0.001 or nothing more is
+// Marquardt's method with the sizes in their bounds. Where the surface does not let all vanish, the largest is made small; pairs
+// with a centre off the head hardly count. `laid` is the layout on the surface, before and, on return, after. Stops once every pair's |k| is below 0.001 or nothing more is
 // gained: some tenths of a second for 19 loops. Deterministic. Errors: cancelled.
 Result<void> decouple(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
                       double size_limit, const Context& context);

@@ -33,12 +33,18 @@ Segment segment(Loop loop, std::size_t i) {
   return {loop[i], way, way.norm()};
 }
 
+// The exponential of asinh x, without cancellation.
+double growth(double x) {
+  const double root = std::sqrt(x * x + 1);
+  return x > 0 ? root + x : 1 / (root - x);
+}
+
 // The integral of 1 / sqrt(r^2 + gap^2) along b, r the distance from p.
 double along(const Vector3d& p, const Segment& b, double gap) {
   const Vector3d unit = b.way / b.length;
   const double foot = (p - b.start).dot(unit);
   const double aside = std::sqrt(((p - b.start) - foot * unit).squaredNorm() + gap * gap);
-  return std::asinh((b.length - foot) / aside) + std::asinh(foot / aside);
+  return std::log(growth((b.length - foot) / aside) * growth(foot / aside));
 }
 
 double on_part(const Segment& a, double from, double to, const Segment& b, double gap) {
@@ -59,6 +65,7 @@ double neumann(const Segment& a, const Segment& b, double gap) {
   if (a.length == 0 || b.length == 0) return 0;
   const double cosine = a.way.dot(b.way) / (a.length * b.length);
   const double apart = (a.start + 0.5 * a.way - b.start - 0.5 * b.way).norm(), size = a.length + b.length;
+  if (apart > 8 * size) return cosine * a.length * b.length / std::sqrt(apart * apart + gap * gap);
   if (apart > 2 * size) {
     double sum = 0;
     for (const Node& n : two)
