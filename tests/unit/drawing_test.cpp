@@ -286,6 +286,9 @@ TEST(Drawing, AHostileOneIsRefusedSoon) {
   for (int i = 0; i < 20'000; ++i) rules += "*{fill:red}";
   std::string dots;
   for (int i = 0; i < 20'000; ++i) dots += "<path d='M0 0h1v1'/>";
+  std::string scribble = "M0 0";
+  for (int i = 0; i < 5000; ++i)
+    scribble += "L" + std::to_string(i * 7919 % 40 - 20) + " " + std::to_string(i * 104729 % 41 - 20);
   // librsvg itself is not asked about these.
   const Pattern page_of = read_page("<circle r='3'/>").pattern;
   for (const auto& [body, kept] : {std::pair<std::string, bool>{bomb + "</defs><use href='#u30'/>", false},
@@ -297,7 +300,8 @@ TEST(Drawing, AHostileOneIsRefusedSoon) {
                                    {"<circle r='1e200' stroke='red' stroke-width='1e99'/>", false},
                                    {"<path d='M0 0Lnan inf'/><circle r='-3'/><path d='M0 0L1e999 5'/>", true},
                                    {"<rect width='nan' height='1'/>", false},
-                                   {"<path d='M0 0h4' stroke='red' stroke-dasharray='1e-30'/>", true}}) {
+                                   {"<path d='M0 0h4' stroke='red' stroke-dasharray='1e-30'/>", false},
+                                   {"<path d='" + scribble + "' fill='none' stroke='red'/>", false}}) {
     std::vector<Warning> warnings;
     const auto drawing = read_drawing(bytes_of(page(body)), page_of, warnings);
     EXPECT_EQ(drawing.has_value(), kept) << body.substr(0, 100);

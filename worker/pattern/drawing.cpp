@@ -25,7 +25,10 @@ using Eigen::Vector2d;
 constexpr std::size_t most_segments = 200'000;
 constexpr std::size_t most_work = 4'000'000;  // elements looked at, texts by 16 characters, rules tried
 constexpr int deepest = 256;
-constexpr double farthest_mm = 1e5;
+constexpr double farthest_mm = 1e5, longest_mm = 1e6;
+// Crossings of outlines that are to be resolved, by the length of what is drawn in a box: as of random lines (Santalo,
+// "Integral geometry and geometric probability", 1976), up to a factor. Half a million take a second or two.
+constexpr double most_crossings = 5e5, plain_crossings = 50;
 
 bool one_of(std::string_view name, std::initializer_list<std::string_view> names) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -486,16 +489,36 @@ class Reader {
   // From user units to pattern coordinates.
   void place(Shape& shape, const Under& under) {
     AlignedBox2d box;
-    for (Curve& curve : shape.curves)
+    double length = 0, pieces = 0;
+    for (Curve& curve : shape.curves) {
       for (Vector2d& p : curve.points) {
         p = under.to_pattern * p;
         if (!p.allFinite() || p.cwiseAbs().maxCoeff() > farthest_mm)
           return refuse("shapes far off the page", "take them away");
         box.extend(p);
       }
-    const double margin = shape.stroke ? shape.stroke->width_mm / 2 : 0;
-    if (margin > farthest_mm) return refuse_size();
-    boxes_.emplace_back(box.min() - Vector2d::Constant(margin), box.max() + Vector2d::Constant(margin));
+      for (std::size_t i = 1; i < curve.points.size(); ++i)
+        length += (curve.points[i] - curve.points[i - 1]).norm();
+      pieces += static_cast<double>(curve.points.size() / 3);
+    }
+    const double width = shape.stroke ? shape.stroke->width_mm : 0;
+    if (width > farthest_mm) return refuse_size();
+    if (shape.stroke && !shape.stroke->dashes_mm.empty()) {
+      double period = 0;
+      for (const double d : shape.stroke->dashes_mm) period += d;
+      const double dashes = length / period * static_cast<double>(shape.stroke->dashes_mm.size());
+      if (!(dashes < most_segments)) return refuse_size();
+      segments_ += static_cast<std::size_t>(dashes);
+      pieces += dashes;
+    }
+    const Vector2d sides = box.sizes() + Vector2d::Constant(width + 0.01);
+    const double drawn = length + pieces * width;
+    length_ += length;
+    crossings_ += std::max(0.0, drawn * drawn / sides.prod() - plain_crossings);
+    if (length_ > longest_mm || crossings_ > most_crossings || segments_ > most_segments)
+      return refuse_size();
+    const Vector2d margin = Vector2d::Constant(width / 2);
+    boxes_.emplace_back(box.min() - margin, box.max() + margin);
   }
 
   const StyleSheets sheets_;
@@ -507,6 +530,7 @@ class Reader {
   std::set<std::string> ids_;        // of elements
   std::map<std::string, int> copies_;
   std::size_t work_ = 0, segments_ = 0, paints_ = 0;
+  double length_ = 0, crossings_ = 0;
   std::string what_, mend_;
 };
 
