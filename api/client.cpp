@@ -129,8 +129,8 @@ Result<void> fetch(Http& http, HttpRequest request, const std::filesystem::path&
 
 }  // namespace
 
-Result<Client> Client::to(const std::string& server) {
-  VACUFORM_TRY(http, Http::to(server));
+Result<Client> Client::to(const std::string& server, const std::string& token) {
+  VACUFORM_TRY(http, Http::to(server, token));
   return Client(std::move(http));
 }
 
@@ -179,12 +179,13 @@ Result<WorkerClient> WorkerClient::to(const std::string& server, const std::stri
   return WorkerClient(std::move(http));
 }
 
-Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker) {
+Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
+                                                 const std::vector<std::string>& sandbox) {
   HttpRequest request;
   request.method = "POST";
   request.path = "/api/v1/leases";
   request.headers = {{"Content-Type", "application/json"}};
-  request.body = written(json{{"worker", worker}});
+  request.body = written(json{{"worker", worker}, {"sandbox", sandbox}});
   request.limit = short_call;
   VACUFORM_TRY(response, good(http_.send(request)));
   if (response.status == 204) return std::nullopt;

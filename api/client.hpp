@@ -39,7 +39,8 @@ struct RemoteJob {
 // What a user does with jobs.
 class Client {
  public:
-  static Result<Client> to(const std::string& server);
+  // `token` goes with every request; empty: none.
+  static Result<Client> to(const std::string& server, const std::string& token);
 
   // Creates a job; the files are streamed, `temperature` unless its name is empty. `uploaded` receives the fraction sent and may give up. Never made twice by
   // itself: when the answer is lost the caller cannot know whether the job exists.
@@ -80,7 +81,8 @@ class WorkerClient {
  public:
   static Result<WorkerClient> to(const std::string& server, const std::string& token);
 
-  Result<std::optional<Lease>> lease(const std::string& worker);  // nothing: no job waits
+  // Nothing: no job waits. `sandbox` names the measures that this worker's jobs run under.
+  Result<std::optional<Lease>> lease(const std::string& worker, const std::vector<std::string>& sandbox);
   // `input` is "scan", "pattern" or, where the lease has one, "temperature"; checked against its length and SHA-256.
   Result<void> download_input(const Lease& lease, const std::string& input, const std::filesystem::path& file,
                               const Going& going);

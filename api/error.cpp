@@ -49,6 +49,12 @@ CodeMeaning meaning(Code code) {
       return {"conflict", "The job's state does not allow this", 409, 2};
     case Code::lease_lost:
       return {"lease-lost", "The lease is no longer held", 409, 1};
+    case Code::unauthorized:
+      return {"unauthorized", "A valid token is needed", 401, 2};
+    case Code::forbidden:
+      return {"forbidden", "The token does not allow this", 403, 2};
+    case Code::too_many_attempts:
+      return {"too-many-attempts", "There were too many wrong tokens", 429, 1};
     case Code::unavailable:
       return {"unavailable", "The service cannot do this now", 503, 1};
     case Code::internal:

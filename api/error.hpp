@@ -27,6 +27,9 @@ enum class Code {
   not_found,           // no such job, artifact or page
   conflict,            // the job is not in a state that allows this
   lease_lost,          // the lease token is no longer the job's
+  unauthorized,        // there is no token, or it is wrong, expired or revoked
+  forbidden,           // the token is good, but not for this
+  too_many_attempts,   // too many wrong tokens; try again later
   unavailable,         // the service cannot do this now; try again later
   internal,            // a fault of Vacuform's own
 };

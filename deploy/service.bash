@@ -8,6 +8,7 @@ case $data in /*) ;; *) data=$PWD/$data ;; esac
 pid_file=$data/server.pid
 log_file=$data/server.log
 url_file=$data/server.url
+token_file=$data/token  # of the owner "local": makes jobs and sees them
 build_file=$data/server.build  # checksums of the programs that were started
 
 # Prints the server's process id; fails when it does not run. A process id that now belongs to another program,

@@ -3,8 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "api/log.hpp"
-#include "api/settings.hpp"
-#include "server/assets.hpp"
 #include "server/job_json.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
@@ -19,17 +17,18 @@ using nlohmann::ordered_json;
 
 namespace {
 
-Result<Response> create_job(Service& service, Request& request) {
+Result<Response> create_job(Service& service, Request& request, const Caller& caller) {
   std::map<std::string, std::string> fields;
   VACUFORM_TRY(submission, read_submission(request, service.store, fields));
+  submission.owner = caller.owner;
   VACUFORM_TRY(job, service.store.create(std::move(submission)));
-  log_event("job-created", {{"job", job.id}});
+  log_event("job-created", {{"job", job.id}, {"token", caller.token}});
   Response response = json_response(job_json(job), 202);
   response.set("Location", "/api/v1/jobs/" + job.id);
   return response;
 }
 
-Result<Response> list_jobs(Service& service, const Request& request) {
+Result<Response> list_jobs(Service& service, const Request& request, const Caller& caller) {
   int limit = 20;
   if (const std::string text = request.query_value("limit"); !text.empty()) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
@@ -37,21 +36,21 @@ Result<Response> list_jobs(Service& service, const Request& request) {
       return fail(Code::bad_usage, "limit is not a number from 1 to 100: " + text, "limit",
                   "give for example 20");
   }
-  VACUFORM_TRY(page, service.store.list(limit, request.query_value("cursor")));
+  VACUFORM_TRY(page, service.store.list(limit, request.query_value("cursor"), caller.only()));
   ordered_json jobs = ordered_json::array();
   for (const Job& job : page.jobs) jobs.push_back(job_json(job));
   return json_response({{"jobs", jobs}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
 }
 
-Result<Response> list_artifacts(Service& service, const Request& request) {
-  VACUFORM_TRY(job, service.store.job(request.at("id")));
+Result<Response> list_artifacts(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(job, job_for(service, request, caller));
   ordered_json artifacts = ordered_json::array();
   for (const auto& artifact : job.artifacts) artifacts.push_back(artifact_json(job, artifact));
   return json_response({{"artifacts", artifacts}});
 }
 
-Result<Response> get_artifact(Service& service, const Request& request) {
-  VACUFORM_TRY(job, service.store.job(request.at("id")));
+Result<Response> get_artifact(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(job, job_for(service, request, caller));
   const ArtifactKind* kind = artifact_kind(request.at("name"));
   for (const auto& artifact : job.artifacts) {
     if (!kind || artifact.name != kind->name) continue;
@@ -68,8 +67,8 @@ Result<Response> get_artifact(Service& service, const Request& request) {
               "see /api/v1/jobs/" + request.at("id") + "/artifacts");
 }
 
-Result<Response> get_zip(Service& service, const Request& request) {
-  VACUFORM_TRY(job, service.store.job(request.at("id")));
+Result<Response> get_zip(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(job, job_for(service, request, caller));
   if (job.artifacts.empty())
     return fail(Code::not_found, "the job has no artifacts yet", job.id, "wait until it has succeeded");
   VACUFORM_TRY(file, make_zip(service.store, job));
@@ -79,53 +78,42 @@ Result<Response> get_zip(Service& service, const Request& request) {
   return response;
 }
 
+Result<Response> get_job(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(job, job_for(service, request, caller));
+  return json_response(job_json(job));
+}
+
+Result<Response> cancel_job(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(seen, job_for(service, request, caller));
+  VACUFORM_TRY(job, service.store.cancel(seen.id));
+  log_event("job-cancel-asked", {{"job", job.id}, {"state", name(job.state)}, {"token", caller.token}});
+  return json_response(job_json(job));
+}
+
+Result<Response> delete_job(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(seen, job_for(service, request, caller));
+  VACUFORM_CHECK(service.store.remove(seen.id));
+  log_event("job-deleted", {{"job", seen.id}, {"token", caller.token}});
+  Response response;
+  response.status = 204;
+  return response;
+}
+
 }  // namespace
 
 void add_job_routes(http::Router& router, Service& service) {
-  Service* const s = &service;
-  router.add("POST", "/api/v1/jobs", [s](Request& request) { return create_job(*s, request); });
-  router.add("GET", "/api/v1/jobs", [s](Request& request) { return list_jobs(*s, request); });
-  router.add("GET", "/api/v1/jobs/{id}", [s](Request& request) -> Result<Response> {
-    VACUFORM_TRY(job, s->store.job(request.at("id")));
-    return json_response(job_json(job));
-  });
-  router.add("POST", "/api/v1/jobs/{id}/cancel", [s](Request& request) -> Result<Response> {
-    VACUFORM_TRY(job, s->store.cancel(request.at("id")));
-    log_event("job-cancel-asked", {{"job", job.id}, {"state", name(job.state)}});
-    return json_response(job_json(job));
-  });
-  router.add("DELETE", "/api/v1/jobs/{id}", [s](Request& request) -> Result<Response> {
-    VACUFORM_CHECK(s->store.remove(request.at("id")));
-    log_event("job-deleted", {{"job", request.at("id")}});
-    Response response;
-    response.status = 204;
-    return response;
-  });
-  router.add("GET", "/api/v1/jobs/{id}/artifacts",
-             [s](Request& request) { return list_artifacts(*s, request); });
-  router.add("GET", "/api/v1/jobs/{id}/artifacts/{name}",
-             [s](Request& request) { return get_artifact(*s, request); });
-  router.add("GET", "/api/v1/jobs/{id}/artifacts.zip",
-             [s](Request& request) { return get_zip(*s, request); });
-  router.add("GET", "/api/v1/settings-schema", [](Request&) -> Result<Response> {
-    Response response = json_response(settings_schema());
-    response.media_type = "application/schema+json";
-    return response;
-  });
-  router.add("GET", "/api/v1/openapi.yaml", [](Request&) -> Result<Response> {
-    return http::text_response("application/yaml", std::string(openapi_yaml()));
-  });
-  router.add("GET", "/healthz", [](Request&) -> Result<Response> {
-    return json_response({{"status", "ok"}});
-  });
-}
-
-http::Router all_routes(Service& service) {
-  http::Router router;
-  add_job_routes(router, service);
-  add_worker_routes(router, service);
-  add_page_routes(router, service);
-  return router;
+  const auto add = [&](Scope scope, const char* method, const std::string& tail,
+                       const GuardedHandler& handler) {
+    add_guarded(router, service, scope, method, "/api/v1/jobs" + tail, handler);
+  };
+  add(Scope::submit, "POST", "", create_job);
+  add(Scope::read, "GET", "", list_jobs);
+  add(Scope::read, "GET", "/{id}", get_job);
+  add(Scope::submit, "POST", "/{id}/cancel", cancel_job);
+  add(Scope::submit, "DELETE", "/{id}", delete_job);
+  add(Scope::read, "GET", "/{id}/artifacts", list_artifacts);
+  add(Scope::read, "GET", "/{id}/artifacts/{name}", get_artifact);
+  add(Scope::read, "GET", "/{id}/artifacts.zip", get_zip);
 }
 
 }  // namespace vacuform

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
@@ -18,6 +19,8 @@
 #include "server/secrets.hpp"
 #include "server/service.hpp"
 #include "server/status_routes.hpp"
+#include "server/token_command.hpp"
+#include "server/tokens.hpp"
 
 namespace vacuform {
 namespace {
@@ -47,24 +50,25 @@ Result<Address> loopback_address(const std::string& listen, const std::string& o
     return fail(Code::bad_usage, "not an address with a port: " + listen, option,
                 "give for example 127.0.0.1:8080");
   if (!http::is_loopback_host(address.host))
-    return fail(Code::bad_usage, "refusing to listen on " + address.host + " without sign-in and a TLS front",
+    return fail(Code::bad_usage, "refusing to listen on " + address.host + " without a TLS front",
                 option, "give 127.0.0.1, localhost or [::1]");
   if (address.host == "localhost") address.host = "127.0.0.1";
   if (address.host == "[::1]") address.host = "::1";
   return address;
 }
 
-Result<std::string> worker_token(const std::filesystem::path& file) {
-  if (std::filesystem::exists(file)) {
-    VACUFORM_TRY(text, read_text_file(file, 4096));
-    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
-    if (text.size() >= 32) return text;
-    return fail(Code::unreadable, "the worker token has fewer than 32 characters", file.string(),
-                "delete the file; the server makes a new one");
-  }
-  std::string token = random_hex(32);
-  VACUFORM_CHECK(write_text_file(file, token + "\n"));
-  return token;
+// The tokens that a service needs to begin with, each in a file of its own in the data folder.
+Result<void> first_tokens(Store& store, const std::filesystem::path& data,
+                          const std::filesystem::path& worker_token) {
+  VACUFORM_CHECK(token_in_file(store, worker_token, {"local-workers", {Scope::work}, std::nullopt}));
+  VACUFORM_TRY(tokens, store.tokens());
+  const bool someone_can_make_more = std::any_of(tokens.begin(), tokens.end(), [](const Token& token) {
+    return token.scopes.has(Scope::admin) && usable(token, wall_clock());
+  });
+  if (someone_can_make_more) return {};
+  VACUFORM_CHECK(token_in_file(store, data / "admin-token", {"admin", {Scope::admin}, std::nullopt}));
+  log_event("admin-token-made", {{"file", "admin-token"}});
+  return {};
 }
 
 void observe(Metrics& metrics, const http::Answered& answered) {
@@ -126,8 +130,9 @@ Result<void> serve(const Options& options) {
   store_options.lease = options.lease_seconds * Millis{1000};
   VACUFORM_TRY(store, open_store(options.data, store_options));
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
-  VACUFORM_TRY(token, worker_token(token_file));
-  Service service{*store, token, static_cast<int>(store_options.lease / 1000)};
+  VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
+  Access access(*store);
+  Service service{*store, access, static_cast<int>(store_options.lease / 1000)};
 
   Metrics metrics;
   http::ServerOptions listener;
@@ -139,6 +144,7 @@ Result<void> serve(const Options& options) {
   Status status{*store, metrics, options.data, [&server] { return server->connections(); }, listener.threads};
   VACUFORM_TRY(status_server, http::Server::start(status_listener(status_address), status_routes(status)));
   const std::string url = url_of(address, *server), status_url = url_of(status_address, *status_server);
+  VACUFORM_CHECK(write_text_file(options.data / "server-url", url + "\n"));  // for vacuform-server token
   VACUFORM_CHECK(tell_port(options.status_port_file, *status_server));
   VACUFORM_CHECK(tell_port(options.port_file, *server));
   log_event(
@@ -198,6 +204,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--status-port-file", options.status_port_file,
                  "File that receives the port of --status-listen");
+  vacuform::TokenCommand token;
+  token.add_to(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -206,7 +214,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const auto served = vacuform::serve(options);
+    const auto served = token.asked() ? token.run() : vacuform::serve(options);
     if (served) return 0;
     std::fprintf(stderr, "vacuform-server: %s\n", served.error().text().c_str());
     return vacuform::meaning(served.error().code).exit_code;

@@ -24,7 +24,10 @@ http::Response problem_response(const Error& error, int status) {
   response.set("Cache-Control", "no-store");
   response.set("X-Content-Type-Options", "nosniff");
   if (given == 503) response.set("Retry-After", "5");
-  if (given == 401) response.set("WWW-Authenticate", "Bearer");
+  if (given == 429) response.set("Retry-After", "60");
+  if (error.code == Code::unauthorized) response.set("WWW-Authenticate", "Bearer realm=\"vacuform\"");
+  if (error.code == Code::forbidden)
+    response.set("WWW-Authenticate", "Bearer realm=\"vacuform\", error=\"insufficient_scope\"");
   return response;
 }
 

@@ -1,8 +1,10 @@
-// The routes: what the server answers, and where.
+// The routes: what the server answers, where, and to whom.
 #pragma once
 
+#include <functional>
 #include <string>
 
+#include "server/access.hpp"
 #include "server/http/router.hpp"
 #include "server/store/store.hpp"
 
@@ -11,15 +13,26 @@ namespace vacuform {
 // What every route works on. Outlives the listener.
 struct Service {
   Store& store;
-  std::string worker_token;  // what a worker must show
+  Access& access;
   int lease_seconds = 30;
   int heartbeat_seconds = 1;
 };
 
-void add_job_routes(http::Router& router, Service& service);     // /api/v1/jobs..., for everyone
-void add_worker_routes(http::Router& router, Service& service);  // /api/v1/leases..., for workers
-void add_page_routes(http::Router& router, Service& service);    // /, /jobs/{id}, /problems/{slug}: HTML
+void add_job_routes(http::Router& router, Service& service);      // /api/v1/jobs..., for people and programs
+void add_worker_routes(http::Router& router, Service& service);   // /api/v1/leases..., for workers
+void add_token_routes(http::Router& router, Service& service);    // /api/v1/tokens..., for administrators
+void add_page_routes(http::Router& router, Service& service);     // /, /jobs/{id}: HTML
+void add_sign_in_routes(http::Router& router, Service& service);  // /sign-in, /sign-out: HTML
+void add_public_routes(http::Router& router, Service& service);   // what is about the service itself
 http::Router all_routes(Service& service);
+
+// Adds a route that only a caller with this scope reaches.
+using GuardedHandler = std::function<Result<http::Response>(Service&, http::Request&, const Caller&)>;
+void add_guarded(http::Router& router, Service& service, Scope scope, std::string method, std::string pattern,
+                 GuardedHandler handler);
+
+// The job of the route's {id}, if the caller may see it; not_found otherwise, so that nobody learns of another's jobs.
+Result<Job> job_for(Service& service, const http::Request& request, const Caller& caller);
 
 // The answer to a refused request: a page for a browser, otherwise a problem.
 http::Response refuse(const http::Request& request, const http::Refusal& refusal);

@@ -1,13 +1,11 @@
-// The protocol of the workers. A worker shows the server's worker token, asks for a lease, and names the
-// lease's token in everything that it does for the job. Whoever lacks the first gets 401, whoever lost the
-// second gets lease-lost.
+// The protocol of the workers. A worker shows a token of the scope work, asks for a lease, and names the lease's own
+// token in everything that it does for the job. Whoever lost the lease gets lease-lost.
 #include <array>
 #include <nlohmann/json.hpp>
 
 #include "api/log.hpp"
 #include "server/job_json.hpp"
 #include "server/problem.hpp"
-#include "server/secrets.hpp"
 #include "server/service.hpp"
 
 namespace vacuform {
@@ -138,16 +136,14 @@ Result<Response> fail_job(Service& service, Request& request) {
 }  // namespace
 
 void add_worker_routes(http::Router& router, Service& service) {
-  Service* const s = &service;
-  const auto add = [&](const char* method, const std::string& pattern, auto route) {
-    router.add(method, "/api/v1/leases" + pattern, [s, route](Request& request) -> Result<Response> {
-      constexpr std::string_view scheme = "Bearer ";
-      const std::string_view shown = request.header("Authorization");
-      if (!shown.starts_with(scheme) || !equal_secrets(shown.substr(scheme.size()), s->worker_token))
-        return problem_response({Code::bad_usage, "the worker token is missing or wrong", "Authorization",
-                                 "give the worker the file worker-token of the server's data folder"},
-                                401);
-      return route(*s, request);
+  const auto add = [&](const char* method, const std::string& tail, auto route) {
+    add_guarded(router, service, Scope::work, method, "/api/v1/leases" + tail,
+                [route](Service& s, Request& request, const Caller&) { return route(s, request); });
+  };
+  const auto add_end = [&](const std::string& tail, const char* event, auto change) {
+    add("POST", "/{job}/" + tail, [event, change](Service& s, Request& request) -> Result<Response> {
+      VACUFORM_TRY(job, (s.store.*change)(key_of(request)));
+      return ended_as(event, job);
     });
   };
   add("POST", "", take_lease);
@@ -155,18 +151,9 @@ void add_worker_routes(http::Router& router, Service& service) {
   add("POST", "/{job}/heartbeat", heartbeat);
   add("PUT", "/{job}/artifacts/{name}", put_artifact);
   add("POST", "/{job}/fail", fail_job);
-  add("POST", "/{job}/complete", [](Service& service_, Request& request) -> Result<Response> {
-    VACUFORM_TRY(job, service_.store.complete(key_of(request)));
-    return ended_as("job-completed", job);
-  });
-  add("POST", "/{job}/cancelled", [](Service& service_, Request& request) -> Result<Response> {
-    VACUFORM_TRY(job, service_.store.cancelled(key_of(request)));
-    return ended_as("job-cancelled", job);
-  });
-  add("POST", "/{job}/release", [](Service& service_, Request& request) -> Result<Response> {
-    VACUFORM_TRY(job, service_.store.release(key_of(request)));
-    return ended_as("job-released", job);
-  });
+  add_end("complete", "job-completed", &Store::complete);
+  add_end("cancelled", "job-cancelled", &Store::cancelled);
+  add_end("release", "job-released", &Store::release);
 }
 
 }  // namespace vacuform

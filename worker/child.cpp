@@ -63,7 +63,7 @@ bool limit(int resource, std::uint64_t soft, std::uint64_t hard) {
 
 // In the child, between fork and exec: only async-signal-safe calls. A step that fails ends it: no half sandbox.
 [[noreturn]] void become(char* const* argv, char* const* envp, const char* home, const ChildLimits& limits,
-                         int out, int err, pid_t parent) {
+                         const Confinement& confinement, int out, int err, pid_t parent) {
   constexpr int refused = 126;
   for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP, SIGCHLD}) ::signal(number, SIG_DFL);
   sigset_t none;
@@ -71,13 +71,16 @@ bool limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   const int null = ::open("/dev/null", O_RDONLY);
   const bool ready =
       ::sigprocmask(SIG_SETMASK, &none, nullptr) == 0 && ::setpgid(0, 0) == 0 &&
-      ::prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && ::getppid() == parent &&  // else the worker is dead already
+      confinement.leave_namespaces() && ::prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 &&
+      ::getppid() == parent &&  // else the worker is dead already
       ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && null >= 0 && ::dup2(null, 0) == 0 &&
-      ::dup2(out, 1) == 1 && ::dup2(err, 2) == 2 && ::close_range(3, ~0u, 0) == 0 && ::chdir(home) == 0 &&
-      limit(RLIMIT_CORE, 0, 0) && limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 5) &&
+      ::dup2(out, 1) == 1 && ::dup2(err, 2) == 2 && confinement.leave_files() &&
+      ::close_range(3, ~0u, 0) == 0 && ::chdir(home) == 0 && limit(RLIMIT_CORE, 0, 0) &&
+      limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 5) &&
       limit(RLIMIT_FSIZE, limits.file_size, limits.file_size) &&
       limit(RLIMIT_NOFILE, limits.open_files, limits.open_files) &&
-      (limits.address_space == 0 || limit(RLIMIT_AS, limits.address_space, limits.address_space));
+      (limits.address_space == 0 || limit(RLIMIT_AS, limits.address_space, limits.address_space)) &&
+      confinement.leave_calls();
   if (!ready) ::_exit(refused);
   ::execve(argv[0], argv, envp);
   ::_exit(refused);
@@ -143,7 +146,7 @@ ChildLine parse_child_line(std::string_view line) {
 }
 
 Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::filesystem::path& home,
-                           const ChildLimits& limits,
+                           const ChildLimits& limits, const Sandbox& sandbox,
                            const std::function<void(const ChildProgress&)>& progress,
                            const std::function<bool()>& stop) {
   std::vector<char*> argv, envp;
@@ -154,13 +157,15 @@ Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::f
   for (const std::string& variable : environment) envp.push_back(const_cast<char*>(variable.c_str()));
   envp.push_back(nullptr);
 
+  VACUFORM_TRY(confinement, Confinement::prepare(sandbox, argv[0], home));
   Pipe out, err;
   const Error no_process{Code::internal, "no process could be made for the job", "", "try again later"};
   if (!out.open() || !err.open()) return tl::make_unexpected(no_process);
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid < 0) return tl::make_unexpected(no_process);
-  if (pid == 0) become(argv.data(), envp.data(), home.c_str(), limits, out.write, err.write, parent);
+  if (pid == 0)
+    become(argv.data(), envp.data(), home.c_str(), limits, confinement, out.write, err.write, parent);
   ::setpgid(pid, pid);  // whoever comes first
   out.close_write();
   err.close_write();

@@ -1,5 +1,5 @@
-// One run of the pipeline in a process of its own, with nothing to lose: `vacuform run` with hard limits, no inherited
-// environment, no new privileges and no way to outlive its worker. What it writes is hostile until parsed.
+// One run of the pipeline in a process of its own, with nothing to lose: `vacuform run` with hard limits, in a sandbox, with no
+// inherited environment, no new privileges and no way to outlive its worker. What it writes is hostile until parsed.
 #pragma once
 
 #include <chrono>
@@ -14,6 +14,7 @@
 
 #include "api/error.hpp"
 #include "api/job.hpp"
+#include "worker/sandbox.hpp"
 
 namespace vacuform {
 
@@ -51,12 +52,13 @@ struct ChildEnd {
 };
 
 // Runs `command` (absolute program, arguments) to its end in the folder `home`, in its own process group, with stdin
-// from /dev/null and only PATH, LANG and HOME in its environment. `progress` is called for each progress line and
+// from /dev/null and only PATH, LANG and HOME in its environment, in the sandbox; a measure of it that fails ends the child
+// with exit status 126. `progress` is called for each progress line and
 // `stop` at least every 0.1 s; when `stop` gives true the group gets SIGTERM and, half a second later, SIGKILL. Nothing
 // of the group is left when this returns. Call it from a thread that lives at least as long as the child: the
-// kernel kills the child when that thread ends. Errors: internal (no process could be made).
+// kernel kills the child when that thread ends. Errors: internal (no process or sandbox could be made).
 Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::filesystem::path& home,
-                           const ChildLimits& limits,
+                           const ChildLimits& limits, const Sandbox& sandbox,
                            const std::function<void(const ChildProgress&)>& progress,
                            const std::function<bool()>& stop);
 

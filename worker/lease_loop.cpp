@@ -112,7 +112,7 @@ class LeasedJob {
       command.insert(command.end(), {"--temperature", temperature.filename().string()});
     }
     const auto end = run_child(
-        command, folder_, loop_.limits,
+        command, folder_, loop_.limits, loop_.sandbox,
         [this](const ChildProgress& at) { heartbeat_.at(at.stage, at.fraction); },
         [this] { return !going(); });
     if (!end) {
@@ -164,10 +164,13 @@ class LeasedJob {
 Result<void> LeaseLoop::run(const StopSignal& stop) const {
   VACUFORM_TRY(client, WorkerClient::to(server, token));
   VACUFORM_TRY(swept, sweep(work));
-  log_event("worker-started", {{"worker", name}, {"swept", swept}});
+  log_event("worker-started", {{"worker", name},
+                               {"swept", swept},
+                               {"sandbox", sandbox.measures(true)},
+                               {"sandbox_lacks", sandbox.measures(false)}});
   milliseconds pause = poll;
   while (!stop.within(milliseconds(0))) {
-    const auto lease = client.lease(name);
+    const auto lease = client.lease(name, sandbox.measures(true));
     if (!lease && !passing(lease.error())) return tl::make_unexpected(lease.error());
     if (!lease || !*lease) {
       if (!lease && pause == poll) log_event("server-away", {{"worker", name}, {"why", lease.error().what}});

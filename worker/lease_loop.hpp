@@ -17,10 +17,11 @@ struct LeaseLoop {
   std::filesystem::path program;         // `vacuform`
   std::chrono::milliseconds poll{1000};  // between two questions for a job
   ChildLimits limits;
+  Sandbox sandbox;
 
   // Until `stop` says so: the running child is then ended and its job released. A server that is away is asked again, with
-  // a pause that grows to 10 s. Errors: bad_usage (the server does not know the token, or the address is no
-  // address), unreadable (the folder for work).
+  // a pause that grows to 10 s. Errors: unauthorized or forbidden (the server does not take the token), bad_usage (the address
+  // is no address), unreadable (the folder for work).
   Result<void> run(const StopSignal& stop) const;
 };
 

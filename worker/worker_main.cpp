@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 
+#include "api/token.hpp"
 #include "api/version.hpp"
 #include "worker/lease_loop.hpp"
 
@@ -15,16 +15,6 @@ namespace {
 int refuse(const Error& error) {
   std::fprintf(stderr, "vacuform-worker: %s\n", error.text().c_str());
   return meaning(error.code).exit_code;
-}
-
-// The first line of the file, so that a token never stands on a command line.
-Result<std::string> read_token(const std::string& file) {
-  std::ifstream in(file);
-  std::string token;
-  if (!std::getline(in, token) || token.empty())
-    return fail(Code::unreadable, "the token cannot be read", file,
-                "give a file with the worker token on its first line");
-  return token;
 }
 
 std::string default_name() {
@@ -39,19 +29,23 @@ int run(int argc, char** argv) {
   LeaseLoop loop;
   std::string token_file;
   double poll_seconds = 1;
+  bool no_sandbox = false;
   std::error_code ec;
   const auto here = std::filesystem::read_symlink("/proc/self/exe", ec).parent_path();
   loop.program = here / "vacuform";
   loop.name = default_name();
   loop.work = std::filesystem::temp_directory_path() / ("vacuform-worker-" + std::to_string(::geteuid()));
   app.add_option("--server", loop.server, "Address of the server")->required()->type_name("URL");
-  app.add_option("--token-file", token_file, "File that holds the worker token")
-      ->required()
+  app.add_option("--token-file", token_file,
+                 "File that holds a token of the scope work (default: VACUFORM_TOKEN, or the file that "
+                 "VACUFORM_TOKEN_FILE names)")
       ->type_name("FILE");
   app.add_option("--name", loop.name, "Name of this worker in the server's log");
   app.add_option("--work", loop.work, "Folder for the jobs' private folders")->type_name("DIR");
   app.add_option("--poll-seconds", poll_seconds, "Pause between two questions for a job")
       ->check(CLI::Range(0.05, 3600.0));
+  app.add_flag("--no-sandbox", no_sandbox,
+               "Run jobs with the rights of this user, for finding faults; never for files of others");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version
@@ -63,12 +57,17 @@ int run(int argc, char** argv) {
   loop.work = std::filesystem::absolute(loop.work);
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   loop.limits.address_space = 0;  // their shadow memory takes terabytes of addresses
+  no_sandbox = true;              // and their checks look into /proc and at other threads
 #endif
+  if (!no_sandbox) loop.sandbox = Sandbox::of_this_machine();
   if (::access(loop.program.c_str(), X_OK) != 0)
     return refuse({Code::unreadable, "the program vacuform is not beside this one", loop.program.string(),
                    "install both in one folder"});
-  const auto token = read_token(token_file);
+  const auto token = find_token(token_file);
   if (!token) return refuse(token.error());
+  if (token->empty())
+    return refuse({Code::bad_usage, "there is no token", "--token-file",
+                   "give a file that holds a token of the scope work, or set VACUFORM_TOKEN_FILE"});
   loop.token = *token;
   std::signal(SIGPIPE, SIG_IGN);
   const StopSignal stop;

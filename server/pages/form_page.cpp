@@ -151,6 +151,7 @@ Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error
                const std::map<std::string, std::string>& fields) {
   Page page;
   page.title = error ? "The job was not accepted" : "New job";
+  page.signed_in = true;
   page.status = error ? meaning(error->code).http_status : 200;
   page.main = "<h1>" + page.title + "</h1>\n";
   if (error)

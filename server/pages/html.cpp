@@ -41,7 +41,11 @@ http::Response html_response(const Page& page) {
       "<link rel=\"stylesheet\" href=\"/style.css\">\n<link rel=\"icon\" href=\"data:,\">\n</head>\n<body>\n"
       "<a class=\"skip\" href=\"#main\">Skip to the content</a>\n"
       "<header><a href=\"/\">Vacuform</a> <span>pre-distorted prints for vacuum-formed "
-      "sheets</span></header>\n"
+      "sheets</span>" +
+      std::string(page.signed_in ? "<form method=\"post\" action=\"/sign-out\"><button type=\"submit\">Sign "
+                                   "out</button></form>"
+                                 : "") +
+      "</header>\n"
       "<main id=\"main\">\n" +
       page.main +
       "</main>\n<footer><a href=\"/api/v1/openapi.yaml\">API</a> <a href=\"/problems/\">Problems "
@@ -58,6 +62,13 @@ http::Response html_response(const Page& page) {
   response.set("Cross-Origin-Opener-Policy", "same-origin");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   response.set("Cache-Control", "no-store");
+  return response;
+}
+
+http::Response see_other(const std::string& place) {
+  http::Response response;
+  response.status = 303;
+  response.set("Location", place);
   return response;
 }
 

@@ -16,10 +16,14 @@ struct Page {
   std::string main;   // HTML
   int status = 200;
   int refresh_seconds = 0;  // 0: the page stays
+  bool signed_in = false;   // then it offers the way out
 };
 
 // The whole document with the headers that keep scripts, frames and other origins out of it.
 http::Response html_response(const Page& page);
+
+// "See the result there": after a form.
+http::Response see_other(const std::string& place);
 
 // A problem as a box at the top of a page.
 std::string problem_box(const Error& error);

@@ -162,6 +162,7 @@ Page job_page(const Job& job, const json& report) {
   Page page;
   const std::string state(name(job.state));
   page.title = "Job " + state;
+  page.signed_in = true;
   page.main = "<h1>Job <span class=\"state " + state + "\">" + state + "</span></h1>\n";
   if (!ended(job.state)) {
     page.refresh_seconds = 2;

@@ -22,6 +22,9 @@ Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error
 // there is none; parts that it lacks are left out.
 Page job_page(const Job& job, const nlohmann::json& report);
 
+// The form that takes a token; after a refusal `error` stands above it.
+Page sign_in_page(const std::optional<Error>& error = std::nullopt);
+
 // What each problem means and what helps; an empty slug gives the list of all.
 Page problems_page();
 Page problem_page(Code code);

@@ -80,6 +80,17 @@ Explanation explanation(Code code) {
       return {
           "A worker was too late with its sign of life, and the job was given to another.",
           "Nothing is lost. If it happens often, the worker's machine is overloaded or its network is slow."};
+    case Code::unauthorized:
+      return {"The service answers to those who show a token. There was none, or it is wrong, has expired or was revoked.",
+              "Sign in with your token; programs read it from --token-file or VACUFORM_TOKEN. Whoever runs the service "
+              "makes tokens with vacuform-server token create."};
+    case Code::forbidden:
+      return {"The token is good, but it has not the scope that this needs: submit, read, work or admin.",
+              "Use a token that has the scope, or ask whoever runs the service for one."};
+    case Code::too_many_attempts:
+      return {"So many wrong tokens came in a short time that further ones are turned away for a while.",
+              "Wait a minute, and see that no program of yours keeps asking with a token that was revoked. Right "
+              "tokens are answered all the time."};
     case Code::unavailable:
       return {"The service cannot do this now: the disk is full, or it is just stopping.",
               "Try again a little later."};

@@ -42,6 +42,15 @@ CREATE INDEX job_by_temperature ON job(temperature) WHERE temperature IS NOT NUL
     R"sql(
 ALTER TABLE job ADD COLUMN request TEXT NOT NULL DEFAULT '';
 )sql",
+    // 3: there were no tokens, and nobody owned a job
+    R"sql(
+ALTER TABLE job ADD COLUMN owner TEXT NOT NULL DEFAULT '';
+CREATE INDEX job_by_owner ON job(owner, id);
+CREATE TABLE token(
+  id TEXT PRIMARY KEY, owner TEXT NOT NULL, scopes TEXT NOT NULL, hash TEXT NOT NULL,
+  created INTEGER NOT NULL, expires INTEGER, revoked INTEGER
+) STRICT, WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace

@@ -78,16 +78,17 @@ class SqliteStore : public Store {
       last_id_time_ = std::max(now, last_id_time_ + 1);
       const std::string id = make_job_id(last_id_time_);
       std::optional<std::string> client_key;
-      if (!job.client_key.empty()) client_key = job.client_key;
-      VACUFORM_CHECK(Query(db_,
-                           "INSERT INTO job(id, client_key, state, created, settings, scan, scan_bytes, "
-                           "scan_extension, pattern,"
-                           " pattern_bytes, pattern_extension, temperature, temperature_bytes,"
-                           " temperature_extension, request) VALUES(?,?,'queued',?,?,?,?,?,?,?,?,?,?,?,?)",
-                           id, client_key, now, job.settings, scan.sha256, scan.bytes, job.scan_extension,
-                           pattern.sha256, pattern.bytes, job.pattern_extension, temperature_hash,
-                           temperature_bytes, temperature_extension, job.request)
-                         .run());
+      if (!job.client_key.empty()) client_key = key_of(job);
+      VACUFORM_CHECK(
+          Query(db_,
+                "INSERT INTO job(id, client_key, state, created, settings, scan, scan_bytes, "
+                "scan_extension, pattern,"
+                " pattern_bytes, pattern_extension, temperature, temperature_bytes,"
+                " temperature_extension, request, owner) VALUES(?,?,'queued',?,?,?,?,?,?,?,?,?,?,?,?,?)",
+                id, client_key, now, job.settings, scan.sha256, scan.bytes, job.scan_extension,
+                pattern.sha256, pattern.bytes, job.pattern_extension, temperature_hash, temperature_bytes,
+                temperature_extension, job.request, job.owner)
+              .run());
       return find(id);
     });
   }
@@ -97,19 +98,24 @@ class SqliteStore : public Store {
     return find(id);
   }
 
-  Result<JobPage> list(int limit, const std::string& cursor) override {
+  Result<JobPage> list(int limit, const std::string& cursor,
+                       const std::optional<std::string>& owner) override {
     const std::lock_guard hold(commits_.lock());
     limit = std::clamp(limit, 1, 100);
     std::vector<std::string> ids;
-    {
-      Query query(db_, "SELECT id FROM job WHERE id < ? ORDER BY id DESC LIMIT ?",
-                  cursor.empty() ? "~" : cursor, limit + 1);
+    const std::string before = cursor.empty() ? "~" : cursor;
+    const auto collect = [&](Query query) -> Result<void> {
       for (;;) {
         VACUFORM_TRY(more, query.row());
-        if (!more) break;
+        if (!more) return {};
         ids.push_back(query.text(0));
       }
-    }
+    };
+    VACUFORM_CHECK(
+        owner
+            ? collect({db_, "SELECT id FROM job WHERE owner=? AND id < ? ORDER BY id DESC LIMIT ?", *owner,
+                       before, limit + 1})
+            : collect({db_, "SELECT id FROM job WHERE id < ? ORDER BY id DESC LIMIT ?", before, limit + 1}));
     JobPage page;
     if (ids.size() > static_cast<std::size_t>(limit)) {
       ids.pop_back();
@@ -163,6 +169,50 @@ class SqliteStore : public Store {
   }
 
   Result<File> open(const Blob& blob) override { return blobs_.read(blob.sha256); }
+
+  Result<void> add_token(const Token& token) override {
+    return write([&]() -> Result<void> {
+      if (find_token(token.id)) return fail(Code::conflict, "there is a token of this id", token.id);
+      return Query(db_,
+                   "INSERT INTO token(id, owner, scopes, hash, created, expires, revoked) "
+                   "VALUES(?,?,?,?,?,?,?)",
+                   token.id, token.owner, token.scopes.text(), token.hash, token.created, token.expires,
+                   token.revoked)
+          .run();
+    });
+  }
+
+  Result<Token> token(const std::string& id) override {
+    const std::lock_guard hold(commits_.lock());
+    return find_token(id);
+  }
+
+  Result<std::vector<Token>> tokens() override {
+    const std::lock_guard hold(commits_.lock());
+    std::vector<std::string> ids;
+    {
+      Query query(db_, "SELECT id FROM token ORDER BY created, id");
+      for (;;) {
+        VACUFORM_TRY(more, query.row());
+        if (!more) break;
+        ids.push_back(query.text(0));
+      }
+    }
+    std::vector<Token> found;
+    for (const auto& id : ids) {
+      VACUFORM_TRY(token, find_token(id));
+      found.push_back(std::move(token));
+    }
+    return found;
+  }
+
+  Result<void> revoke_token(const std::string& id) override {
+    return write([&]() -> Result<void> {
+      VACUFORM_CHECK(find_token(id));
+      return Query(db_, "UPDATE token SET revoked=coalesce(revoked, ?) WHERE id=?", options_.clock(), id)
+          .run();
+    });
+  }
 
   Result<std::optional<LeasedJob>> lease(const std::string& worker) override {
     return write([&]() -> Result<std::optional<LeasedJob>> {
@@ -281,10 +331,27 @@ class SqliteStore : public Store {
     return query.row();
   }
 
+  Result<Token> find_token(const std::string& id) {
+    Query query(db_, "SELECT id, owner, scopes, hash, created, expires, revoked FROM token WHERE id=?", id);
+    VACUFORM_TRY(found, query.row());
+    if (!found) return fail(Code::not_found, "there is no such token", id, "see the list of tokens");
+    Token token{query.text(0), query.text(1),    Scopes::from(query.text(2)).value_or(Scopes()),
+                query.text(3), query.integer(4), std::nullopt,
+                std::nullopt};
+    if (!query.null(5)) token.expires = query.integer(5);
+    if (!query.null(6)) token.revoked = query.integer(6);
+    return token;
+  }
+
+  // Each owner has keys of his own: nobody learns of another's jobs, or is refused, because both chose the same.
+  static std::string key_of(const NewJob& job) {
+    return job.owner.empty() ? job.client_key : job.owner + "/" + job.client_key;
+  }
+
   // The job that an earlier submission under the same key made.
   Result<std::optional<Job>> made_before(const NewJob& job, const Blob& scan, const Blob& pattern,
                                          const std::optional<Blob>& temperature) {
-    Query query(db_, "SELECT id FROM job WHERE client_key=?", job.client_key);
+    Query query(db_, "SELECT id FROM job WHERE client_key=?", key_of(job));
     VACUFORM_TRY(found, query.row());
     if (!found) return std::optional<Job>();
     VACUFORM_TRY(earlier, find(query.text(0)));
@@ -302,8 +369,8 @@ class SqliteStore : public Store {
         db_,
         "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
         " error_where, error_mend, settings, scan, scan_bytes, scan_extension, pattern, pattern_bytes,"
-        " pattern_extension, temperature, temperature_bytes, temperature_extension, request FROM job WHERE "
-        "id=?",
+        " pattern_extension, temperature, temperature_bytes, temperature_extension, request, owner"
+        " FROM job WHERE id=?",
         id);
     VACUFORM_TRY(found, query.row());
     if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
@@ -328,6 +395,7 @@ class SqliteStore : public Store {
       job.temperature =
           Input{{query.text(19), static_cast<std::uint64_t>(query.integer(20))}, query.text(21)};
     job.request = query.text(22);
+    job.owner = query.text(23);
     Query artifacts(db_, "SELECT name, blob, bytes FROM artifact WHERE job=?", id);
     for (;;) {
       VACUFORM_TRY(more, artifacts.row());

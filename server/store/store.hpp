@@ -21,6 +21,7 @@
 #include "api/clock.hpp"
 #include "api/error.hpp"
 #include "api/job.hpp"
+#include "server/scopes.hpp"
 #include "server/store/blobs.hpp"
 
 namespace vacuform {
@@ -49,6 +50,7 @@ struct Job {
   Input scan, pattern;
   std::optional<Input> temperature;       // measured, of the sheet
   std::string request;                    // the id of the request that made it; may be empty
+  std::string owner;                      // of the token that made it; empty: made before there were tokens
   std::vector<StoredArtifact> artifacts;  // in the order of api/job.hpp
 };
 
@@ -58,15 +60,26 @@ struct NewJob {
   std::string scan_extension;
   Upload pattern;
   std::string pattern_extension;
-  std::string client_key = {};  // the client's own name for this submission; may be empty
+  std::string client_key = {};  // the client's own name for this submission, among the owner's; may be empty
   std::optional<Upload> temperature = {};
   std::string temperature_extension = {};
   std::string request = {};
+  std::string owner = {};
 };
 
 struct JobPage {
   std::vector<Job> jobs;            // newest first
   std::optional<std::string> next;  // cursor of the page after this one
+};
+
+// Who may do what; see tokens.hpp.
+struct Token {
+  std::string id;     // 16 hexadecimal digits; no secret
+  std::string owner;  // whose jobs it sees and makes
+  Scopes scopes;
+  std::string hash;  // SHA-256 of its secret, in hexadecimal
+  Millis created = 0;
+  std::optional<Millis> expires, revoked;
 };
 
 using JobCounts = std::array<std::int64_t, job_state_names.size()>;
@@ -99,8 +112,10 @@ class Store {
   // came with other files or settings.
   virtual Result<Job> create(NewJob job) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
-  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor begins with the newest.
-  virtual Result<JobPage> list(int limit, const std::string& cursor) = 0;
+  // `limit` jobs (1 to 100) older than the job that the cursor names, of one owner or of all; an empty cursor begins
+  // with the newest.
+  virtual Result<JobPage> list(int limit, const std::string& cursor,
+                               const std::optional<std::string>& owner = std::nullopt) = 0;
   // How many jobs there are in each state, by the state's number.
   virtual Result<JobCounts> counts() = 0;
   // A queued job is cancelled at once, a running one when its worker says so; a cancelled one stays so.
@@ -110,6 +125,14 @@ class Store {
   virtual Result<void> remove(const std::string& id) = 0;
   // Opens a blob that a job names; it stays readable when the job is deleted meanwhile.
   virtual Result<File> open(const Blob& blob) = 0;
+
+  // Conflict when there is one of that id.
+  virtual Result<void> add_token(const Token& token) = 0;
+  // Also one that has expired or was revoked. Errors: not_found.
+  virtual Result<Token> token(const std::string& id) = 0;
+  virtual Result<std::vector<Token>> tokens() = 0;  // oldest first
+  // For good; revoking twice is harmless. Errors: not_found.
+  virtual Result<void> revoke_token(const std::string& id) = 0;
 
   // The oldest queued job, or none.
   virtual Result<std::optional<LeasedJob>> lease(const std::string& worker) = 0;

@@ -55,9 +55,27 @@ def children(pid):
     return found
 
 
+TOKEN_FILES = {}  # by the address of a server that a test started, the file of its administrator's token
+
+
+def signed(words):
+    """The words of curl with the token of the server that they go to, unless they bring their own."""
+    if any(str(w).startswith(("Authorization:", "Cookie:")) for w in words):
+        return words
+    for url, file in TOKEN_FILES.items():
+        if file.exists() and any(str(w).startswith(url + "/") for w in words):
+            return ["-H", "Authorization: Bearer " + file.read_text().strip(), *words]
+    return words
+
+
 def vacuform(*words, **options):
-    """Runs `vacuform` to its end."""
-    return subprocess.run([BIN / "vacuform", *map(str, words)], capture_output=True, text=True, timeout=PATIENCE, **options)
+    """Runs `vacuform` to its end, with the token of the server that it speaks to in its environment."""
+    environment = dict(os.environ)
+    for url, file in TOKEN_FILES.items():
+        if url in words:
+            environment["VACUFORM_TOKEN_FILE"] = str(file)
+    return subprocess.run([BIN / "vacuform", *map(str, words)], capture_output=True, text=True, timeout=PATIENCE,
+                          env=environment, **options)
 
 
 class Response:
@@ -73,7 +91,8 @@ class Response:
 
 
 def curl(*words, patience=PATIENCE):
-    """One request by curl: the last response's status, headers (names in lower case) and body."""
+    """One request by curl, signed: the last response's status, headers (names in lower case) and body."""
+    words = signed(words)
     with tempfile.TemporaryDirectory() as folder:
         head, body = pathlib.Path(folder, "head"), pathlib.Path(folder, "body")
         done = subprocess.run(["curl", "-sS", "--noproxy", "*", "--max-time", str(patience), "-D", head, "-o", body,
@@ -148,6 +167,8 @@ class Server:
         self.api = self.url + "/api/v1"
         self.workers, self.options = workers, options
         self.program = None
+        self.token_file = self.data / "admin-token"
+        TOKEN_FILES[self.url] = self.token_file
 
     def __enter__(self):
         return self.start()

@@ -61,6 +61,9 @@ class Deploy(Case):
         self.assertEqual(report["scan"]["size_mm"], [152.0, 195.0, 183.0])
         self.assertEqual((self.var / "sample" / "print.png").read_bytes()[:4], b"\x89PNG")
         self.assertEqual(self.var.stat().st_mode & 0o777, 0o700)
+        self.assertIn(f"sign in with the token in {self.var / 'token'}", first.stdout)
+        self.assertEqual((self.var / "token").stat().st_mode & 0o777, 0o600)
+        token = (self.var / "token").read_text()
         self.assertTrue(self.healthy())
         metrics = curl(f"http://127.0.0.1:{self.port + 1}/metrics").body.decode()
         self.assertIn('\nvacuform_jobs{state="succeeded"} 1\n', metrics)
@@ -84,6 +87,7 @@ class Deploy(Case):
         self.assertEqual(third.returncode, 0, third.stderr)
         self.assertIn("The programs have changed since Vacuform was started; restarting it.", third.stdout)
         self.assertNotEqual(self.pid(), pid)
+        self.assertEqual((self.var / "token").read_text(), token)
         self.assertTrue(self.healthy())
         pid = self.pid()
 
@@ -105,7 +109,7 @@ class Deploy(Case):
     def test_shows_why_the_server_did_not_come_up(self):
         refused = self.run_script("start", "--listen", f"0.0.0.0:{self.port}")
         self.assertEqual(refused.returncode, 1)
-        self.assertIn("refusing to listen on 0.0.0.0 without sign-in", refused.stderr)
+        self.assertIn("refusing to listen on 0.0.0.0 without a TLS front", refused.stderr)
         self.assertIn("the server did not come up", refused.stderr)
 
     def test_foreground_becomes_the_server_in_the_folder_asked_for(self):

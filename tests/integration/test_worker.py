@@ -117,7 +117,7 @@ class Worker(Case):
         program.write_text('#!/bin/sh\nOUT=out; mkdir -p $OUT; echo $$ > %s/pid\n' % self.here + pipeline)
         program.chmod(0o755)
         worker = Program([self.here / "vacuform-worker", "--server", self.server.url, "--token-file", self.token,
-                          "--work", self.work, "--poll-seconds", "0.05", "--name", "w1"], self.here / "log")
+                          "--no-sandbox", "--work", self.work, "--poll-seconds", "0.05", "--name", "w1"], self.here / "log")
         self.addCleanup(worker.end)
         return worker
 

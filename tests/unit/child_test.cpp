@@ -51,8 +51,8 @@ class Child : public testing::Test {
 
   ChildEnd run(const std::string& script) {
     auto end = run_child(
-        {"/bin/sh", "-c", script}, home, limits, [this](const ChildProgress& at) { seen.push_back(at); },
-        [this] { return stop(); });
+        {"/bin/sh", "-c", script}, home, limits, Sandbox(),
+        [this](const ChildProgress& at) { seen.push_back(at); }, [this] { return stop(); });
     EXPECT_TRUE(end);
     return *end;
   }
@@ -112,7 +112,7 @@ TEST_F(Child, CrashIsASignal) {
 
 TEST_F(Child, ProgramThatDoesNotExistIsNoSuccess) {
   const auto end = run_child(
-      {"/no/such/program"}, home, limits, [](const ChildProgress&) {}, stop);
+      {"/no/such/program"}, home, limits, Sandbox(), [](const ChildProgress&) {}, stop);
   ASSERT_TRUE(end);
   EXPECT_EQ(end->how, ChildEnd::How::exited);
   EXPECT_EQ(end->number, 126);
@@ -178,8 +178,8 @@ TEST_F(Child, DiesWithItsWorker) {
   const pid_t worker = ::fork();
   if (worker == 0) {
     (void)run_child(
-        {"/bin/sh", "-c", "echo $$ > pid; sleep 300 & wait"}, home, limits, [](const ChildProgress&) {},
-        stop);
+        {"/bin/sh", "-c", "echo $$ > pid; sleep 300 & wait"}, home, limits, Sandbox(),
+        [](const ChildProgress&) {}, stop);
     ::_exit(0);
   }
   ASSERT_TRUE(becomes_true([&] { return content(home / "pid").find('\n') != std::string::npos; }));

@@ -124,17 +124,6 @@ TEST_F(ServerApi, DownloadsKnowRangesAndEntityTags) {
   EXPECT_TRUE(head.body.empty());
 }
 
-TEST_F(ServerApi, WorkersNeedTheirToken) {
-  created();
-  EXPECT_EQ(ask("POST", "/api/v1/leases", "", "{}").status, 401);
-  EXPECT_EQ(
-      ask("POST", "/api/v1/leases", "Authorization: Bearer " + std::string(64, 'b') + "\r\n", "{}").status,
-      401);
-  EXPECT_EQ(ask("POST", "/api/v1/leases", "Authorization: Basic " + token_ + "\r\n", "{}").status, 401);
-  EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), "{}").status, 200);
-  EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), "{}").status, 204);
-}
-
 TEST_F(ServerApi, AFailureReachesTheUserWithItsReason) {
   const std::string id = created();
   const json held = lease();

@@ -13,6 +13,7 @@
 #include "server/secrets.hpp"
 #include "server/service.hpp"
 #include "server/status_routes.hpp"
+#include "server/tokens.hpp"
 
 namespace vacuform {
 
@@ -33,7 +34,11 @@ class ServerTest : public testing::Test {
     ASSERT_TRUE(start_secrets());
     data_ = std::filesystem::temp_directory_path() / ("vacuform-server-" + random_hex(8));
     store_ = std::move(*open_store(data_));
-    service_ = std::make_unique<Service>(Service{*store_, token_, 30, 1});
+    access_ = std::make_unique<Access>(*store_);
+    service_ = std::make_unique<Service>(Service{*store_, *access_, 30, 1});
+    user_ = token("station-1", {Scope::submit, Scope::read});
+    worker_ = token("workers", {Scope::work});
+    admin_ = token("admin", {Scope::admin});
     http::ServerOptions options;
     options.refuse = refuse;
     options.observe = [this](const http::Answered& answered) { metrics_.answered(answered); };
@@ -60,6 +65,12 @@ class ServerTest : public testing::Test {
     store_.reset();
     std::filesystem::remove_all(data_);
   }
+
+  std::string token(const std::string& owner, Scopes scopes) const {
+    return make_token(*store_, {owner, scopes, std::nullopt})->text;
+  }
+  static std::string bearer(const std::string& token) { return "Authorization: Bearer " + token + "\r\n"; }
+  static constexpr const char* anonymous = "Authorization: none\r\n";
 
   int connected() const { return connected_to(*server_); }
   static int connected_to(const http::Server& server) {
@@ -104,10 +115,13 @@ class ServerTest : public testing::Test {
     return parsed(receive_all(socket));
   }
   std::string host() const { return "127.0.0.1:" + std::to_string(server_->port()); }
-  // `headers` as lines that end with \r\n.
+  // `headers` as lines that end with \r\n; the user's token goes with them, unless they say who asks.
   Answer ask(const std::string& method, const std::string& path, const std::string& headers = "",
              const std::string& body = "") const {
+    const bool said = ("\n" + headers).find("\nAuthorization:") != std::string::npos ||
+                      ("\n" + headers).find("\nCookie:") != std::string::npos;
     return raw(method + " " + path + " HTTP/1.1\r\nHost: " + host() + "\r\n" + headers +
+               (said ? "" : bearer(user_)) +
                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" +
                body);
   }
@@ -129,13 +143,13 @@ class ServerTest : public testing::Test {
                part("scan", "Head.STL", "solid") + part("pattern", "p.svg", "<svg/>") + more + "--XX--\r\n");
   }
   std::string worker_headers(const std::string& lease = "") const {
-    return "Authorization: Bearer " + token_ + "\r\n" +
-           (lease.empty() ? "" : "Vacuform-Lease: " + lease + "\r\n");
+    return bearer(worker_) + (lease.empty() ? "" : "Vacuform-Lease: " + lease + "\r\n");
   }
 
   std::filesystem::path data_;
-  std::string token_ = std::string(64, 'a');
+  std::string user_, worker_, admin_;
   std::unique_ptr<Store> store_;
+  std::unique_ptr<Access> access_;
   std::unique_ptr<Service> service_;
   std::unique_ptr<http::Server> server_;
   Metrics metrics_;

@@ -71,7 +71,7 @@ TEST_F(ServerLimits, ASlowHeadIsEnded) {
 
 TEST_F(ServerLimits, ASlowBodyIsEndedAndLeavesNothing) {
   const int socket = connected();
-  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type +
+  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
                        "Content-Length: 1000\r\n\r\n" + part("scan", "a.stl", "half"));
   expect_problem(parsed(receive_all(socket)), 422, "the body of the request came too slowly");
   EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
@@ -79,7 +79,7 @@ TEST_F(ServerLimits, ASlowBodyIsEndedAndLeavesNothing) {
 
 TEST_F(ServerLimits, ABodyThatBreaksOffMakesNoJob) {
   const int socket = connected();
-  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type +
+  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
                        "Content-Length: 1000\r\n\r\n" + part("scan", "a.stl", "half"));
   ::shutdown(socket, SHUT_WR);
   EXPECT_EQ(parsed(receive_all(socket)).status, 400);
@@ -88,7 +88,7 @@ TEST_F(ServerLimits, ABodyThatBreaksOffMakesNoJob) {
 }
 
 TEST_F(ServerLimits, AFormThatAnnouncesTooMuchIsRefusedBeforeItsBytes) {
-  expect_problem(raw("POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type +
+  expect_problem(raw("POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
                      "Content-Length: 3000000000\r\n\r\n"),
                  413, "the form is larger than 1345 MiB");
 }
@@ -105,7 +105,8 @@ TEST_F(ServerLimits, SettingsAreBounded) {
 
 // The bytes behind a refused or unread body must never become a request.
 TEST_F(ServerLimits, NothingBehindARequestIsReadAsAnother) {
-  const std::string second = "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type;
+  const std::string second =
+      "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type;
   const std::string body = part("scan", "a.stl", "x") + part("pattern", "p.svg", "x") + "--XX--\r\n";
   const std::string smuggled = second + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
   for (const std::string& first :
@@ -113,8 +114,8 @@ TEST_F(ServerLimits, NothingBehindARequestIsReadAsAnother) {
             "\r\nContent-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n",
         "GET /healthz HTTP/1.1\r\nHost: " + host() + "\r\nConnection: keep-alive\r\n\r\n",
         "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\nTransfer-Encoding: chunked\r\n\r\n",
-        "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 9000000000\r\n" + form_type +
-            "\r\n"}) {
+        "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 9000000000\r\n" +
+            bearer(user_) + form_type + "\r\n"}) {
     const int socket = connected();
     send_all(socket, first + smuggled);
     const std::string all = receive_all(socket);
@@ -162,7 +163,7 @@ TEST_F(ServerLimits, HealthAnswersWhileEveryThreadIsHeld) {
   std::vector<int> stalled;
   for (int i = 0; i < 64; ++i) {
     stalled.push_back(connected());
-    send_all(stalled.back(), "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + worker_headers() +
+    send_all(stalled.back(), "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) +
                                  form_type + "Content-Length: 1000000\r\n\r\n" +
                                  part("scan", "a.stl", "half"));
   }

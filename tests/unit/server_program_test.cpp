@@ -95,6 +95,12 @@ class ServerProgram : public testing::Test {
     ::close(socket);
     return answer;
   }
+  static std::string first_line(const fs::path& path) {
+    std::string line;
+    std::ifstream file(path);
+    std::getline(file, line);
+    return line;
+  }
   static mode_t mode(const fs::path& path) {
     struct stat status {};
     EXPECT_EQ(::stat(path.c_str(), &status), 0) << path;
@@ -129,7 +135,7 @@ TEST_F(ServerProgram, ListensOnLoopbackOrNotAtAll) {
        {"0.0.0.0:8080", "[::]:8080", "192.168.1.5:80", "example.org:80", "127.0.0.1.example.org:80"}) {
     start({"--listen", address, "--data", data()});
     EXPECT_EQ(wait(), 2) << address;
-    EXPECT_NE(said().find("without sign-in and a TLS front"), std::string::npos) << said();
+    EXPECT_NE(said().find("without a TLS front"), std::string::npos) << said();
     EXPECT_EQ(times_said("\n"), 1) << said();
   }
   for (const char* address : {"127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:http"}) {
@@ -148,7 +154,8 @@ TEST_F(ServerProgram, KeepsItsFilesToItselfAndStopsWhenAsked) {
   EXPECT_EQ(mode(data()), 0700u);
   EXPECT_EQ(mode(data() / "worker-token"), 0600u);
   EXPECT_EQ(mode(data() / "jobs.sqlite"), 0600u);
-  EXPECT_EQ(fs::file_size(data() / "worker-token"), 65u);
+  EXPECT_EQ(mode(data() / "admin-token"), 0600u);
+  EXPECT_EQ(fs::file_size(data() / "worker-token"), 86u);
   EXPECT_EQ(stop(SIGTERM), 0);
   EXPECT_NE(said().find("\"event\":\"server-stopped\""), std::string::npos);
   std::string before, after;
@@ -157,6 +164,41 @@ TEST_F(ServerProgram, KeepsItsFilesToItselfAndStopsWhenAsked) {
   std::ifstream(data() / "worker-token") >> after;
   EXPECT_EQ(before, after);
   EXPECT_EQ(stop(SIGINT), 0);
+}
+
+// The command works beside a running server and without one; a token is shown once and stands nowhere.
+TEST_F(ServerProgram, MakesListsAndRevokesTokens) {
+  const auto command = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "token");
+    words.insert(words.end(), {"--data", data()});
+    start(words);
+    return wait();
+  };
+  const fs::path out = folder_ / "token";
+  const auto status = [&] {
+    const std::string answer =
+        talk(connected(), "GET /api/v1/jobs HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer " +
+                              first_line(out) + "\r\n\r\n");
+    return answer.substr(9, 3);
+  };
+  ASSERT_EQ(command({"create", "--owner", "local", "--scopes", "submit,read", "--out", out}), 0) << said();
+  EXPECT_EQ(mode(out), 0600u);
+  serve();
+  const pid_t server = process_;
+  EXPECT_EQ(status(), "200");
+  ASSERT_EQ(command({"revoke", first_line(out).substr(4, 16)}), 0) << said();
+  EXPECT_EQ(status(), "401");
+  ASSERT_EQ(command({"create", "--owner", "local", "--scopes", "read", "--days", "1", "--out", out}), 0)
+      << said();
+  EXPECT_EQ(status(), "200");
+  EXPECT_EQ(command({"list"}), 0) << said();
+  EXPECT_EQ(command({"revoke", "0123456789abcdef"}), 2);
+  EXPECT_NE(said().find("there is no such token"), std::string::npos) << said();
+  EXPECT_EQ(command({"create", "--owner", "Jane Doe", "--scopes", "read"}), 2);
+  EXPECT_NE(said().find("never the name of a person"), std::string::npos) << said();
+  EXPECT_EQ(command({"create", "--owner", "a", "--scopes", "all"}), 2);
+  process_ = server;
+  EXPECT_EQ(stop(SIGTERM), 0);
 }
 
 TEST_F(ServerProgram, OneServerAPort) {
@@ -177,7 +219,8 @@ TEST_F(ServerProgram, KilledInTheMiddleOfAnUploadItLeavesNoTrace) {
       std::string(200'000, 's');
   const int socket = connected();
   const std::string text =
-      "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host +
+      "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host + "\r\nAuthorization: Bearer " +
+      first_line(data() / "admin-token") +
       "\r\nContent-Type: multipart/form-data; boundary=XX\r\nContent-Length: 10000000\r\n\r\n" + part;
   ASSERT_EQ(::send(socket, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
   ASSERT_TRUE(soon([&] { return !fs::is_empty(data() / "incoming"); }));
@@ -187,7 +230,8 @@ TEST_F(ServerProgram, KilledInTheMiddleOfAnUploadItLeavesNoTrace) {
   EXPECT_TRUE(fs::is_empty(data() / "incoming"));
   EXPECT_TRUE(fs::is_empty(data() / "blobs"));
   const std::string answer =
-      talk(connected(), "GET /api/v1/jobs HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\n\r\n");
+      talk(connected(), "GET /api/v1/jobs HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+                            "\r\nAuthorization: Bearer " + first_line(data() / "admin-token") + "\r\n\r\n");
   EXPECT_NE(answer.find("{\"jobs\":[],\"next\":null}"), std::string::npos) << answer;
   EXPECT_EQ(stop(SIGTERM), 0);
 }

@@ -97,6 +97,58 @@ TEST_F(StoreTest, KeepsAJobWithItsFiles) {
   EXPECT_EQ(bytes_of(found.pattern.blob), "<svg/>");
 }
 
+TEST_F(StoreTest, KeepsTokensAndRevokesThemForGood) {
+  const Token first{"0001",    "station-1", {Scope::submit, Scope::read}, std::string(64, 'a'), 5,
+                    now_ + 10, {}};
+  const Token second{"0002", "admin", {Scope::admin}, std::string(64, 'b'), 6, {}, {}};
+  ASSERT_TRUE(store_->add_token(first));
+  ASSERT_TRUE(store_->add_token(second));
+  EXPECT_EQ(store_->add_token(first).error().code, Code::conflict);
+  ASSERT_TRUE(store_->revoke_token("0002"));
+  const Millis revoked = now_;
+  now_ += 1000;
+  ASSERT_TRUE(store_->revoke_token("0002"));  // it stays the first time
+  EXPECT_EQ(store_->revoke_token("0003").error().code, Code::not_found);
+  crash();
+  const Token found = store_->token("0001").value();
+  EXPECT_EQ(found.owner, "station-1");
+  EXPECT_EQ(found.scopes, first.scopes);
+  EXPECT_EQ(found.hash, first.hash);
+  EXPECT_EQ(found.created, 5);
+  EXPECT_EQ(found.expires, first.expires);
+  EXPECT_FALSE(found.revoked);
+  EXPECT_EQ(store_->token("0002")->revoked, revoked);
+  EXPECT_EQ(store_->token("0003").error().code, Code::not_found);
+  EXPECT_EQ(store_->tokens()->size(), 2u);
+}
+
+TEST_F(StoreTest, ListsTheJobsOfOneOwner) {
+  const auto submit = [&](const std::string& owner) {
+    NewJob job{"{}", upload("a"), "stl", upload("b"), "svg"};
+    job.owner = owner;
+    return store_->create(std::move(job))->id;
+  };
+  std::vector<std::string> first, all;
+  for (int i = 0; i < 5; ++i) {
+    first.insert(first.begin(), submit("first"));
+    all.insert(all.begin(), first.front());
+    all.insert(all.begin(), submit("second"));
+  }
+  const auto ids = [&](const std::optional<std::string>& owner) {
+    std::vector<std::string> found;
+    std::string cursor;
+    for (;;) {
+      const JobPage page = store_->list(2, cursor, owner).value();
+      for (const Job& job : page.jobs) found.push_back(job.id);
+      if (!page.next) return found;
+      cursor = *page.next;
+    }
+  };
+  EXPECT_EQ(ids("first"), first);
+  EXPECT_EQ(ids(std::nullopt), all);
+  EXPECT_TRUE(ids("third").empty());
+}
+
 TEST_F(StoreTest, CountsItsJobsByState) {
   EXPECT_EQ(store_->counts().value(), JobCounts{});
   create();
@@ -155,7 +207,8 @@ TEST_F(StoreTest, TakesOverAStoreOfVersionOne) {
         "DROP INDEX job_by_temperature; ALTER TABLE job DROP COLUMN temperature; ALTER TABLE job DROP COLUMN"
         " temperature_bytes; ALTER TABLE job DROP COLUMN temperature_extension; ALTER TABLE job DROP COLUMN "
         "request;"
-        " PRAGMA user_version=1"));
+        " DROP INDEX job_by_owner; ALTER TABLE job DROP COLUMN owner; DROP TABLE token; PRAGMA "
+        "user_version=1"));
   }
   reopen();
   EXPECT_EQ(bytes_of(job(made.id).scan.blob), "old scan");

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/client.hpp"
+#include "api/token.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/progress_bar.hpp"
 #include "worker/cli/settings_options.hpp"
@@ -24,7 +25,7 @@ extern "C" void interrupt(int) { interrupted.store(true); }
 bool going() { return !interrupted.load(); }
 
 struct SubmitOptions {
-  std::string server = "http://127.0.0.1:8080", scan, pattern, temperature, job, out;
+  std::string server = "http://127.0.0.1:8080", scan, pattern, temperature, job, out, token_file;
   SettingsOptions settings;
   bool wait = false;
 };
@@ -69,7 +70,9 @@ Result<void> download_all(Client& client, const RemoteJob& job, const std::strin
 }
 
 int submit(const SubmitOptions& o) {
-  auto client = Client::to(o.server);
+  const auto token = find_token(o.token_file);
+  if (!token) return refuse(token.error());
+  auto client = Client::to(o.server, *token);
   if (!client) return refuse(client.error());
   if (o.job.empty() && (o.scan.empty() || o.pattern.empty()))
     return refuse({Code::bad_usage, "submit needs a scan and a pattern, or a job to come back to", "",
@@ -99,8 +102,9 @@ int submit(const SubmitOptions& o) {
   const auto come_back = [&](Error error) {
     bar.clear();
     error.mend = "the job goes on; come back with vacuform submit --server " + o.server + " --job " + id +
-                 " --wait" + (o.out.empty() ? "" : " --out " + o.out) + ", or cancel it with curl -X POST " +
-                 client->job_url(id) + "/cancel";
+                 " --wait" + (o.out.empty() ? "" : " --out " + o.out) +
+                 (o.token_file.empty() ? "" : " --token-file " + o.token_file) +
+                 ", or cancel it on its page, " + o.server + "/jobs/" + id;
     return refuse(error);
   };
   const auto job = follow(*client, id, o.job.empty(), bar);
@@ -129,6 +133,11 @@ void add_submit(CLI::App& app, int& exit_code) {
   command->add_option("--server", options->server, "Address of the server")
       ->type_name("URL")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--token-file", options->token_file,
+          "File that holds your token (default: VACUFORM_TOKEN, or the file that VACUFORM_TOKEN_FILE names)")
+      ->type_name("FILE");
   auto* scan = command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->type_name("FILE");
   auto* pattern = command->add_option("--pattern", options->pattern, "SVG, PNG or JPEG")->type_name("FILE");
   auto* temperature =

@@ -1,0 +1,58 @@
+// Who asks, and whether they may: a bearer token in Authorization, or the cookie of someone who signed in with one.
+//
+// A cookie is a session of its own, in memory, so that what a browser holds is not the token and ends with sign-out, with
+// the server, or after twelve hours. It goes to no other site (SameSite=Strict) and to no script (HttpOnly); a request
+// that changes something must also come with an Origin, which origin.hpp has compared with the Host.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "server/http/message.hpp"
+#include "server/store/store.hpp"
+
+namespace vacuform {
+
+struct Caller {
+  std::string token;  // its id, for the log
+  std::string owner;
+  Scopes scopes;
+
+  bool sees(const Job& job) const { return scopes.has(Scope::admin) || job.owner == owner; }
+  // The owner whose jobs a list shows; none: everybody's.
+  std::optional<std::string> only() const;
+};
+
+// From any thread.
+class Access {
+ public:
+  explicit Access(Store& store, Clock clock = wall_clock) : store_(store), clock_(std::move(clock)) {}
+
+  // Errors: unauthorized (no token, or one that cannot be used), forbidden (not of this scope), too_many_attempts: wrong
+  // tokens beyond twenty at once and one a second later. A right token is never refused because others are wrong.
+  Result<Caller> check(const http::Request& request, Scope wanted);
+
+  // The value of Set-Cookie for someone who shows a usable token. Errors: as above.
+  Result<std::string> sign_in(std::string_view token);
+  // Ends the session of the request's cookie; gives the value of Set-Cookie that takes it away.
+  std::string sign_out(const http::Request& request);
+
+ private:
+  struct Session {
+    std::string token;  // id
+    Millis ends = 0;
+  };
+  Result<Token> token_of(const http::Request& request);
+  Result<Token> token_of_session(const http::Request& request);
+  Error refused(Error error);
+
+  Store& store_;
+  const Clock clock_;
+  std::mutex mutex_;
+  std::map<std::string, Session> sessions_;  // by the hash of the cookie's value
+  double patience_ = 20;                     // wrong tokens that are still answered
+  Millis patience_at_ = 0;
+};
+
+}  // namespace vacuform
