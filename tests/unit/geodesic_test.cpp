@@ -1,0 +1,127 @@
+#include "worker/coils/geodesic.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/coils_shapes.hpp"
+#include "worker/coils/element_patch.hpp"
+
+namespace vacuform {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using hand_made::Sample;
+
+SheetPoint at(const InkedSurface& surface, const Vector2d& chart) { return surface.at_chart(chart).point; }
+
+TEST(Geodesic, OnAFlatSheetIsAStraightLineAlsoThroughVerticesAndAlongEdges) {
+  const Sample x = hand_made::flat(100, 20);
+  const InkedSurface surface(x.sheet, x.flattening);
+  // From a vertex along a row of edges, along diagonals through vertices, and askew.
+  for (const Vector2d& way : {Vector2d(40, 0), Vector2d(-30, 30), Vector2d(17, -33)}) {
+    GeodesicWalk walk(surface, at(surface, {0, 0}), {way.x(), way.y(), 0});
+    EXPECT_DOUBLE_EQ(walk.advance(way.norm()), way.norm());
+    EXPECT_LT((surface.rest(walk.at()) - way).norm(), 1e-6);
+    EXPECT_FALSE(walk.ended());
+  }
+}
+
+TEST(Geodesic, StopsAtTheBorderOfTheSheet) {
+  const Sample x = hand_made::flat(100, 20);
+  const InkedSurface surface(x.sheet, x.flattening);
+  GeodesicWalk walk(surface, at(surface, {11, 3}), {1, 0, 0});
+  EXPECT_NEAR(walk.advance(100), 39, 1e-6);
+  EXPECT_TRUE(walk.ended());
+  EXPECT_EQ(walk.advance(1), 0);
+  EXPECT_NEAR(surface.place(walk.at()).x(), 50, 1e-6);
+}
+
+TEST(Geodesic, OnASphereFollowsTheGreatCircle) {
+  constexpr double radius = 85;
+  const Sample x = hand_made::sphere(radius, 240, 120);
+  const InkedSurface surface(x.sheet, x.flattening);
+  const SheetPoint start = at(surface, {20, 10});
+  const Vector3d from = surface.place(start).normalized();
+  for (int i = 0; i < 12; ++i) {
+    const Vector3d along = turned(surface, start.triangle, surface.chart_axis(start.triangle), i * M_PI / 6);
+    GeodesicWalk walk(surface, start, along);
+    walk.advance(60);
+    const Vector3d tangent = (along - along.dot(from) * from).normalized();
+    const Vector3d exact = radius * (std::cos(60 / radius) * from + std::sin(60 / radius) * tangent);
+    EXPECT_LT((surface.place(walk.at()) - exact).norm(), 0.15) << i;
+  }
+}
+
+TEST(Geodesic, ConnectsTwoPointsOfASphereTheShortestWay) {
+  constexpr double radius = 85;
+  const Sample x = hand_made::sphere(radius, 240, 120);
+  const InkedSurface surface(x.sheet, x.flattening);
+  const SheetPoint a = at(surface, {-30, 5}), b = at(surface, {35, 40});
+  const Connection way = connect(surface, a, b);
+  const Vector3d p = surface.place(a).normalized(), q = surface.place(b).normalized();
+  EXPECT_TRUE(way.found);
+  EXPECT_NEAR(way.mm, radius * std::acos(p.dot(q)), 0.03);
+  EXPECT_LT(way.leaving.dot(p), 0.02);
+  GeodesicWalk walk(surface, a, way.leaving);
+  walk.advance(way.mm);
+  EXPECT_LT((surface.place(walk.at()) - surface.place(b)).norm(), 0.05);
+  EXPECT_EQ(connect(surface, a, a).mm, 0);
+}
+
+TEST(ElementPatch, OnASphereHasTrueAreasAndGeodesicRadii) {
+  constexpr double radius = 60;
+  const Sample x = hand_made::sphere(radius, 240, 160);
+  const InkedSurface surface(x.sheet, x.flattening);
+  const SheetPoint centre = at(surface, {20, 10});
+  const auto patch = element_patch(surface, centre, surface.chart_axis(centre.triangle), 40, Context());
+  ASSERT_TRUE(patch);
+  EXPECT_TRUE(patch->smooth);
+  const PatchMap map(*patch);
+  const Vector3d middle = surface.place(centre).normalized();
+  for (const double drawn : {10.0, 25.0, 40.0})
+    for (int i = 0; i < 30; ++i) {
+      const auto place = map.place(drawn * Vector2d(std::cos(i * 0.2), std::sin(i * 0.2)));
+      ASSERT_TRUE(place);
+      // A cap of polar angle a has the area 4 pi R^2 sin^2(a / 2).
+      const double angle = 2 * std::asin(drawn / (2 * radius));
+      EXPECT_NEAR(std::acos(place->normalized().dot(middle)) / angle, 1, 0.002);
+    }
+}
+
+TEST(ElementPatch, OnABumpKeepsRadiiAndTurnsNothingOver) {
+  // A bump on a plane, steep enough that geodesics from beside it cross behind it.
+  Sample x = hand_made::flat(160, 100);
+  for (std::size_t i = 0; i < x.sheet.rest.size(); ++i) {
+    const Vector2d d = x.sheet.rest[i] - Vector2d(9, 0);
+    x.sheet.formed[i].z() = x.flattening.inked[i].z() = 8 * std::exp(-d.squaredNorm() / 30);
+  }
+  const InkedSurface surface(x.sheet, x.flattening);
+  const SheetPoint centre = at(surface, {0.3, 0.2});
+  const auto patch = element_patch(surface, centre, surface.chart_axis(centre.triangle), 25, Context());
+  ASSERT_TRUE(patch);
+  EXPECT_FALSE(patch->smooth);
+  for (const Triangle& t : patch->patch.triangles) {
+    const auto uv = [&](int k) {
+      return patch->patch.uv[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+    };
+    const Vector2d a = uv(1) - uv(0), b = uv(2) - uv(0);
+    if (uv(0).norm() < 25) {
+      EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 0);
+    }
+  }
+  // Behind the centre, radii feel nothing but the area that the bump adds, which makes them smaller all around.
+  const PatchMap map(*patch);
+  double least = 1e9, most = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = 2 * M_PI / 3 + i * M_PI / 90;
+    const auto place = map.place(20 * Vector2d(std::cos(angle), std::sin(angle)));
+    ASSERT_TRUE(place);
+    const double r = (*place - surface.place(centre)).head<2>().norm();
+    least = std::min(least, r), most = std::max(most, r);
+  }
+  EXPECT_LT(most / least, 1.005);
+  EXPECT_LT(most, 20);
+}
+
+}  // namespace
+}  // namespace vacuform
