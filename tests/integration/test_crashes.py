@@ -122,6 +122,7 @@ class Crashes(Case):
         half = part + NEONATE.read_bytes()
         with socket.create_connection(("127.0.0.1", server.port)) as connection:
             connection.sendall((f"POST /api/v1/jobs HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
+                                f"Authorization: Bearer {server.token_file.read_text().strip()}\r\n"
                                 f"Content-Type: multipart/form-data; boundary={boundary}\r\n"
                                 f"Content-Length: {10 * len(half)}\r\n\r\n").encode() + half)
             wait_for(lambda: len(self.blobs(server)) > len(before), "the half upload on disk")
