@@ -192,6 +192,30 @@ TEST(SymmetricDirichletMethod, AChartThatIsNoDiskAndFoldedIsRefused) {
   EXPECT_EQ(refused.error().code, Code::unusable_surface);
 }
 
+// A ramp that winds 400 degrees around a post develops onto itself. LSCM lays it there; symmetric_dirichlet stops where its
+// ends touch, and pays little for it.
+TEST(SymmetricDirichletMethod, ARampThatWouldCoverItselfDoesNot) {
+  Chart ramp = grid_chart(60, 5, [](double x, double y) {
+    const double angle = 7 * x / 60, r = 10 + y;
+    return Eigen::Vector3d(-r * std::cos(angle), r * std::sin(angle), 0.8 * angle);
+  });
+  Chart conformal = ramp;
+  ASSERT_TRUE(flatten_lscm(conformal, Context{}));
+  EXPECT_GT(border_crossings(conformal), 0);  // or this is no hard case
+  double last = 0;
+  const Context context([&](Stage, double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+  });
+  const auto outcome = flatten_symmetric_dirichlet(ramp, context);
+  ASSERT_TRUE(outcome);
+  EXPECT_TRUE(outcome->converged);
+  const ChartQuality quality = chart_quality(ramp);
+  EXPECT_EQ(quality.flipped, 0);
+  EXPECT_EQ(border_crossings(ramp), 0);
+  EXPECT_LT(quality.symmetric_dirichlet, 4.01);
+}
+
 // Weights of 1, 10 and 1000 on half of the chart: the energy there falls with each, and nothing turns over.
 TEST(Methods, WeightsMoveTheDistortionAway) {
   for (const Named& method : {arap, dirichlet}) {

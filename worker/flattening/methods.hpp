@@ -30,8 +30,11 @@ Result<FlatteningOutcome> flatten_arap(Chart& chart, const Context& context,
 // Newton on its analytic eigensystem (Smith, de Goes, Kim, "Analytic eigensystems for isotropic distortion energies",
 // ACM TOG 2019) with the longest step before a triangle turns over (Smith, Schaefer, "Bijective parameterization with
 // free boundaries", SIGGRAPH 2015). No triangle is turned over on return, nor on the way. Started from a few iterations
-// of flatten_arap where they turn none over, else from chart.uv, and where that has triangles turned over, from Tutte's
-// embedding. Errors: unusable_surface when the chart is no disk and its start has triangles turned over.
+// of flatten_arap where they turn none over, else from chart.uv, and where that covers anything twice, from Tutte's
+// embedding. If the border then comes to lie over itself, the way is gone again with the plane around the chart as
+// triangles that must not turn over either (Jiang, Schaefer, Panozzo, "Simplicial complex augmentation framework for
+// bijective maps", SIGGRAPH Asia 2017), so that on return no point of the plane is covered twice.
+// Errors: unusable_surface when the chart is no disk and its start covers anything twice.
 Result<FlatteningOutcome> flatten_symmetric_dirichlet(Chart& chart, const Context& context);
 
 // Least squares conformal map with a free border, sum w A (s1 - s2)^2 (Levy, Petitjean, Ray, Maillot 2002; Mullen, Tong,

@@ -1,11 +1,15 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numbers>
+#include <stdexcept>
 
 #include "worker/flattening/embedding.hpp"
 #include "worker/flattening/held_points.hpp"
 #include "worker/flattening/methods.hpp"
+#include "worker/flattening/outside.hpp"
 #include "worker/flattening/supernodal_cholesky.hpp"
 #include "worker/flattening/symmetric_dirichlet_energy.hpp"
 #include "worker/portion.hpp"
@@ -16,9 +20,9 @@ namespace {
 
 class ProjectedNewton {
  public:
-  explicit ProjectedNewton(Chart& chart)
+  ProjectedNewton(Chart& chart, std::vector<ChartElement> shapes)
       : chart_(chart),
-        elements_(elements(chart)),
+        elements_(std::move(shapes)),
         pins_(held_points(chart)),
         stiffness_(stiffness_of_pins(chart)),
         matrix_(chart),
@@ -37,8 +41,8 @@ class ProjectedNewton {
   // Finds the step that the projected Hessian gives; how much half of it is expected to lower the energy.
   double find_step() {
     assemble();
-    for (double shift = 1e-9;; shift *= 100) {
-      if (cholesky_.factor(matrix_.matrix())) break;
+    for (double shift = 1e-9; !cholesky_.factor(matrix_.matrix()); shift *= 100) {
+      if (!(shift < 1)) throw std::logic_error("the projected Hessian is not positive definite");
       matrix_.shift_diagonal(shift * largest_);
     }
     const Eigen::VectorXd gradient = step_;
@@ -62,18 +66,24 @@ class ProjectedNewton {
     return std::min(1.0, margin * least);
   }
 
-  // Takes as much of the step as lowers the energy; 0 when none does.
-  double take(double energy_now, double expected, double& energy_then) {
+  // Takes as much of the step as lowers the energy: whether any does.
+  bool take(double expected) {
     const std::vector<Eigen::Vector2d> from = chart_.uv;
-    constexpr double armijo = 1e-4;
-    for (double part = longest(); part > 1e-12; part /= 2) {
+    const double before = energy();
+    constexpr double armijo = 1e-4, least_part = 1e-12;
+    for (double part = longest(); part > least_part; part /= 2) {
       for (std::size_t i = 0; i < from.size(); ++i) chart_.uv[i] = from[i] + part * move(static_cast<int>(i));
-      energy_then = energy();
-      if (energy_then <= energy_now - armijo * part * 2 * expected) return part;
+      if (energy() <= before - armijo * part * 2 * expected) return true;
     }
     chart_.uv = from;
-    energy_then = energy_now;
-    return 0;
+    return false;
+  }
+
+  // A whole step: whether it was the last.
+  bool settled() {
+    constexpr double least_gain = 1e-6;
+    const double before = energy(), expected = find_step();
+    return !take(expected) || expected <= least_gain * before;
   }
 
  private:
@@ -90,7 +100,8 @@ class ProjectedNewton {
 
   // The projected Hessian into matrix_, the gradient into step_.
   void assemble() {
-    matrix_.reset(0);
+    // Entries are about 1 whatever the grid. The chart's turn, which costs nothing, needs a little to hold on to.
+    matrix_.reset(1e-9);
     step_.setZero();
     largest_ = 0;
     for (std::size_t k = 0; k < elements_.size(); ++k) {
@@ -133,36 +144,99 @@ class ProjectedNewton {
 Result<void> start_from_arap(Chart& chart, const Context& context) {
   constexpr int iterations = 10;
   Chart warm = chart;
-  const Portion part(context, Stage::flattening, 0, 0.3);
-  VACUFORM_CHECK(flatten_arap(warm, part.context(), {}, iterations));
+  VACUFORM_CHECK(flatten_arap(warm, context, {}, iterations));
   const ChartQuality before = chart_quality(chart), after = chart_quality(warm);
   if (after.flipped == 0 && after.symmetric_dirichlet < before.symmetric_dirichlet)
     chart.uv = std::move(warm.uv);
   return {};
 }
 
+// The chart with the plane around it out to a circle that stays where it is, as triangles whose own shape is the one they
+// have now and which count little: they give way, and turn over no more than the chart's do.
+struct Surrounded {
+  Chart chart;
+  std::vector<ChartElement> shapes;
+};
+Surrounded surround(const Chart& chart, const std::vector<ChartElement>& shapes,
+                    const std::vector<std::vector<int>>& loops) {
+  constexpr int points = 48;
+  constexpr double share = 0.01;  // of the chart's own weight
+  Surrounded out{chart, shapes};
+  Eigen::Vector2d low = chart.uv[0], high = low;
+  for (const auto& p : chart.uv) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  std::vector<int> circle;
+  for (int i = 0; i < points; ++i) {
+    const double angle = 2 * std::numbers::pi * i / points;
+    circle.push_back(static_cast<int>(out.chart.uv.size()));
+    out.chart.uv.push_back((low + high) / 2 +
+                           (high - low).norm() * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  Chart plane;
+  plane.uv = out.chart.uv;
+  plane.triangles = triangles_outside(plane.uv, loops, circle);
+  for (const auto& p : plane.uv) plane.inked.emplace_back(p.x(), p.y(), 0);
+  const std::vector<ChartElement> outside = elements(plane);
+
+  double inner = 0, outer = 0;
+  for (std::size_t k = 0; k < shapes.size(); ++k) inner += chart.weight_of(k) * shapes[k].area;
+  for (const ChartElement& e : outside) outer += e.area;
+  out.chart.weight.resize(shapes.size(), 1);
+  out.chart.weight.resize(shapes.size() + outside.size(), share * inner / outer);
+  out.shapes.insert(out.shapes.end(), outside.begin(), outside.end());
+  for (const Triangle& t : plane.triangles) {
+    for (int c = 0; c < 3; ++c)
+      if (t[c] >= static_cast<int>(chart.uv.size()))
+        out.chart.pins.push_back(
+            {static_cast<int>(out.chart.triangles.size()), Eigen::Vector3d::Unit(c), plane.uv[t[c]]});
+    out.chart.triangles.push_back(t);
+  }
+  return out;
+}
+
+using Steps = std::function<bool()>;  // one step: whether it was the last
+Result<FlatteningOutcome> until_settled(const Steps& step, int most_iterations, const Context& context) {
+  FlatteningOutcome outcome;
+  while (outcome.iterations < most_iterations && !outcome.converged) {
+    VACUFORM_CHECK(context.step(Stage::flattening, 1 - 1 / (1 + 0.3 * outcome.iterations)));
+    outcome.converged = step();
+    ++outcome.iterations;
+  }
+  return outcome;
+}
+
+// Nothing turned over and nothing covered twice.
+bool injective(const Chart& chart) {
+  return chart_quality(chart).flipped == 0 && border_crossings(chart) == 0;
+}
+
 }  // namespace
 
 Result<FlatteningOutcome> flatten_symmetric_dirichlet(Chart& chart, const Context& context) {
-  constexpr int most_iterations = 200;
-  constexpr double least_gain = 1e-6;
-  if (chart_quality(chart).flipped > 0 && (!embed_on_disk(chart) || chart_quality(chart).flipped > 0))
+  if (!injective(chart) && (!embed_on_disk(chart) || !injective(chart)))
     return fail(Code::unusable_surface, "the region has no start without triangles turned over",
                 "flattening.method", "use flattening.method = arap");
   if (!chart.pins.empty()) move_onto_pins(chart.uv, chart.triangles, chart.pins);
-  VACUFORM_CHECK(start_from_arap(chart, context));
-  ProjectedNewton newton(chart);
-  FlatteningOutcome outcome;
-  double energy = newton.energy();
-  while (outcome.iterations < most_iterations && !outcome.converged) {
-    VACUFORM_CHECK(context.step(Stage::flattening, 1 - 1 / (1.5 + 0.3 * outcome.iterations)));
-    const double expected = newton.find_step();
-    const double before = energy;
-    const double part = newton.take(before, expected, energy);
-    ++outcome.iterations;
-    outcome.converged = expected <= least_gain * before || part == 0;
-  }
-  return outcome;
+  const std::vector<Eigen::Vector2d> start = chart.uv;
+  const Portion first(context, Stage::flattening, 0, 0.3), second(context, Stage::flattening, 0.3, 0.8),
+      third(context, Stage::flattening, 0.8, 1);
+  VACUFORM_CHECK(start_from_arap(chart, first.context()));
+  const std::vector<ChartElement> shapes = elements(chart);
+  ProjectedNewton newton(chart, shapes);
+  VACUFORM_TRY(free, until_settled([&] { return newton.settled(); }, 200, second.context()));
+  if (border_crossings(chart) == 0) return free;
+
+  // Free, its border ran over itself: once more, within the plane around it.
+  chart.uv = start;
+  const auto loops = border_loops(chart.triangles);
+  const auto step = [&] {
+    Surrounded around = surround(chart, shapes, loops);
+    const bool settled = ProjectedNewton(around.chart, around.shapes).settled();
+    std::copy_n(around.chart.uv.begin(), chart.uv.size(), chart.uv.begin());
+    return settled;
+  };
+  VACUFORM_TRY(held, until_settled(step, 200, third.context()));
+  held.iterations += free.iterations;
+  return held;
 }
 
 }  // namespace vacuform

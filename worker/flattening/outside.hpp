@@ -1,0 +1,18 @@
+// The plane around a chart as triangles, so that a flattening that turns none of them over cannot overlap itself.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "worker/scan/triangle_mesh.hpp"
+
+namespace vacuform {
+
+// Constrained Delaunay triangles, counter-clockwise, of the convex hull of `points` without what the chart covers.
+// `loops` are the chart's border, indices into points, and must not cross themselves or each other. Points inside the
+// chart must not be among `points` other than on the loops; those outside, as of a circle around, may. Deterministic.
+std::vector<Triangle> triangles_outside(const std::vector<Eigen::Vector2d>& points,
+                                        const std::vector<std::vector<int>>& loops,
+                                        const std::vector<int>& around);
+
+}  // namespace vacuform
