@@ -113,7 +113,13 @@ Mark t_arrow(double x) {
   Mark mark{.name = "t-axis", .lines = {segment({x, -10}, {x, 8})}, .circles = {}, .texts = {}};
   mark.lines.push_back({.points = {{x, 11}, {x - 1.2, 7.5}, {x + 1.2, 7.5}}, .closed = true, .filled = true});
   mark.texts.push_back(
-      {.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "+t"});
+      {.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "+t, extrusion"});
+  return mark;
+}
+
+Mark mold_outline(const std::vector<std::vector<Vector2d>>& rings) {
+  Mark mark{.name = "mold-outline", .lines = {}, .circles = {}, .texts = {}};
+  for (const auto& ring : rings) mark.lines.push_back({.points = ring, .closed = true, .dashed = true});
   return mark;
 }
 
@@ -182,7 +188,8 @@ std::string escaped(const std::string& text) {
 }  // namespace
 
 Marks lay_out_marks(const Settings& settings, const std::string& label,
-                    const std::vector<Eigen::AlignedBox2d>& taken) {
+                    const std::vector<Eigen::AlignedBox2d>& taken,
+                    const std::vector<std::vector<Vector2d>>& outline) {
   const auto& sheet = settings.sheet;
   const auto& machine = settings.machine;
   const double margin = settings.print.margin_mm;
@@ -267,6 +274,13 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
       laid.marks.push_back(std::move(mark));
     else
       left_out += (left_out.empty() ? "" : ", ") + mark.name;
+  }
+  if (Mark mold = mold_outline(outline); !mold.lines.empty()) {
+    const Eigen::AlignedBox2d box = box_of(mold);
+    if ((box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).array() < half.array()).all())
+      laid.marks.push_back(std::move(mold));
+    else
+      left_out += (left_out.empty() ? "" : ", ") + mold.name;
   }
   if (!left_out.empty())
     laid.warnings.push_back({"marks-left-out",

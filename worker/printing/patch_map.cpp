@@ -16,8 +16,18 @@ using Eigen::Vector2d;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// Rings along the edges that only one triangle has.
-std::vector<Ring> border(const Patch& patch) {
+std::vector<Ring> border_in_pattern(const Patch& patch) {
+  std::vector<Ring> rings;
+  for (const auto& vertices : border_of(patch)) {
+    rings.emplace_back();
+    for (const int v : vertices) rings.back().push_back(patch.uv[static_cast<std::size_t>(v)]);
+  }
+  return rings;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> border_of(const Patch& patch) {
   using Edge = std::pair<int, int>;
   std::vector<Edge> edges;
   edges.reserve(3 * patch.triangles.size());
@@ -27,23 +37,20 @@ std::vector<Ring> border(const Patch& patch) {
   std::multimap<int, int> next;
   for (const auto& [a, b] : edges)
     if (!std::binary_search(edges.begin(), edges.end(), Edge(b, a))) next.emplace(a, b);
-  std::vector<Ring> rings;
+  std::vector<std::vector<int>> rings;
   while (!next.empty()) {
-    Ring ring;
+    rings.emplace_back();
     for (auto at = next.begin(); at != next.end();) {
-      ring.push_back(patch.uv[static_cast<std::size_t>(at->first)]);
+      rings.back().push_back(at->first);
       const int to = at->second;
       next.erase(at);
       at = next.find(to);
     }
-    rings.push_back(std::move(ring));
   }
   return rings;
 }
 
-}  // namespace
-
-PatchMap::PatchMap(const Patch& patch) : patch_(patch), outline_(union_of(border(patch))) {
+PatchMap::PatchMap(const Patch& patch) : patch_(patch), outline_(union_of(border_in_pattern(patch))) {
   AlignedBox2d box;
   for (const Vector2d& uv : patch.uv)
     if (uv.allFinite()) box.extend(uv);

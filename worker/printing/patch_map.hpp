@@ -9,6 +9,9 @@
 
 namespace vacuform {
 
+// The patch's border: rings of vertices, along the edges that only one triangle has.
+std::vector<std::vector<int>> border_of(const Patch& patch);
+
 // Keeps a reference to its patch.
 class PatchMap {
  public:

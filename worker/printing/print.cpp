@@ -6,9 +6,11 @@
 #include <memory>
 
 #include "worker/decimal.hpp"
+#include "worker/pattern/curve.hpp"
 #include "worker/printing/ink_compensation.hpp"
 #include "worker/printing/ink_on_chart.hpp"
 #include "worker/printing/marks.hpp"
+#include "worker/printing/patch_map.hpp"
 #include "worker/printing/png_writer.hpp"
 #include "worker/printing/print_pdf.hpp"
 #include "worker/printing/print_svg.hpp"
@@ -111,6 +113,40 @@ std::vector<Eigen::AlignedBox2d> taken_by(const Patch& chart, const Print& print
           for (std::size_t k = i; k < i + 4; ++k) extend(taken.back(), curve.points[k], print.mirrored);
         }
   return taken;
+}
+
+// Points along what was painted, to which a mark must keep its distance.
+std::vector<Vector2d> painted_points(const Print& print) {
+  std::vector<Vector2d> points;
+  if (!print.vectors) return points;
+  for (const PrintedElement& element : print.vectors->elements)
+    for (const PaintedArea& area : element.areas)
+      for (const Curve& curve : area.outlines)
+        for (const CurvePoint& p : flatten(curve, {.tolerance_mm = 0.1, .turn = 0.5, .longest_mm = 2}))
+          points.push_back(p.at);
+  return points;
+}
+
+// Where the plastic leaves the mold, print coordinates; nothing where ink comes within 2 mm of it.
+std::vector<std::vector<Vector2d>> mold_outline(const Patch& chart, const Pattern& pattern,
+                                                const Print& print) {
+  constexpr double clear_mm = 2;
+  const std::vector<Vector2d> painted = painted_points(print);
+  std::vector<std::vector<Vector2d>> rings;
+  for (const auto& vertices : border_of(chart)) {
+    rings.emplace_back();
+    for (const int v : vertices) {
+      const Vector2d st = chart.rest[static_cast<std::size_t>(v)];
+      const bool touched =
+          print.vectors
+              ? std::any_of(painted.begin(), painted.end(),
+                            [&](const Vector2d& p) { return (p - st).squaredNorm() < clear_mm * clear_mm; })
+              : pattern.sample(chart.uv[static_cast<std::size_t>(v)], 2 * clear_mm).coverage() > 0.01;
+      if (touched) return {};
+      rings.back().emplace_back(print.mirrored ? -st.x() : st.x(), st.y());
+    }
+  }
+  return rings;
 }
 
 // The files of a picture's part of the print, made beside the whole. PDF wants colour and opacity apart.
@@ -239,7 +275,8 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
   }
   Marks marks;
   if (settings.print.marks) {
-    marks = lay_out_marks(settings, printable(label), taken_by(placement.chart, print));
+    marks = lay_out_marks(settings, printable(label), taken_by(placement.chart, print),
+                          mold_outline(placement.chart, pattern, print));
     print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
   }
 
