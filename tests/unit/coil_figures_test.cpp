@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/hand_made_sheets.hpp"
-#include "worker/inspection/geodesics.hpp"
+#include "worker/coils/exact_geodesics.hpp"
 #include "worker/inspection/loop_figures.hpp"
 
 namespace vacuform {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/coils/exact_geodesics.hpp"
 #include "worker/flattening/methods.hpp"
 
 namespace vacuform {
@@ -76,16 +77,49 @@ Result<Neighbourhood> flattened(const InkedSurface& surface, const SheetPoint& c
 }
 
 // The chart's turn against the geodesics' directions near the centre, radians.
-double turn_of(const Neighbourhood& near, const PolarGrid& grid, double mm) {
+double turn_of(const Neighbourhood& near, const PolarGrid& grid) {
   const PlaneLocator locator(near.chart.triangles, near.rest);
   Vector2d sum(0, 0);
-  for (const auto& p : grid.passing(mm))
+  for (const auto& p : grid.passing())
     if (const auto at = locator.find(p.rest)) {
       const Vector2d d = interpolate(near.chart.triangles, *at, near.chart.uv) - near.centre;
       const double turn = std::atan2(d.y(), d.x()) - p.direction;
       sum += Vector2d(std::cos(turn), std::sin(turn));
     }
   return std::atan2(sum.y(), sum.x());
+}
+
+// Of the neighbourhood's vertices from the centre, the shortest way over its triangles; infinite where there is none.
+std::vector<double> distances(const InkedSurface& surface, const Neighbourhood& near,
+                              const SheetPoint& centre) {
+  std::vector<double> out(near.rest.size(), std::numeric_limits<double>::infinity());
+  Geodesics geodesics(surface.triangles(), surface.inked(), near.faces);
+  if (!geodesics.begin_at(centre)) return out;
+  std::vector<char> asked(out.size(), 0);
+  for (std::size_t f = 0; f < near.faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t v = index(near.chart.triangles[f][k]);
+      if (asked[v]) continue;
+      asked[v] = 1;
+      if (const auto way = geodesics.to({near.faces[f], Vector3d::Unit(static_cast<Eigen::Index>(k))}))
+        out[v] = way->length;
+    }
+  return out;
+}
+
+// Whether a good part of what is within `mm` in the flattening lies off the chart.
+bool leaves_chart(const InkedSurface& surface, const Neighbourhood& near, double mm) {
+  constexpr double good_part = 0.1;
+  double off = 0, all = 0;
+  for (std::size_t f = 0; f < near.faces.size(); ++f) {
+    const Triangle& t = near.chart.triangles[f];
+    const auto uv = [&](std::size_t k) -> const Vector2d& { return near.chart.uv[index(t[k])]; };
+    if ((uv(0) - near.centre).norm() > mm) continue;
+    const double area = std::abs(cross(uv(1) - uv(0), uv(2) - uv(0)));
+    all += area;
+    if (!surface.on_chart(near.faces[f])) off += area;
+  }
+  return off > good_part * all;
 }
 
 // Share of a triangle's area on which a linear function with these corner values is below `level`.
@@ -132,18 +166,21 @@ int turned_over(const Chart& chart, const std::vector<Vector2d>& uv, double ink_
 
 Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& centre, const Vector3d& axis,
                                  double ink_mm, const Context& context) {
-  constexpr double step_mm = 0.5, margin_mm = 3;
-  constexpr int directions = 360;
-  constexpr std::array<double, 4> shares{0, 0.25, 0.5, 1};  // of the local flattening in the radius
+  constexpr double step_mm = 0.5, margin_mm = 3, near_mm = 10;
+  constexpr std::array<double, 4> shares{0, 0.2, 0.5, 1};  // of the local flattening in the radius
   const double reach = 1.15 * ink_mm + margin_mm;
-  const PolarGrid grid(surface, centre, axis, 1.1 * reach, directions);
+  const PolarGrid grid(surface, centre, axis, std::min(near_mm, ink_mm));
   VACUFORM_TRY(near, flattened(surface, centre, reach, context));
-  const double turn = turn_of(near, grid, std::min(10.0, ink_mm));
-  const std::vector<double> geodesic = grid.distances(near.rest);
+  const double turn = turn_of(near, grid);
+  // Off the chart, on the folds at the foot of the mold, nothing is measured: the local flattening will do.
+  const bool flattening_alone = leaves_chart(surface, near, ink_mm);
+  const std::vector<double> geodesic =
+      flattening_alone ? std::vector<double>(near.rest.size()) : distances(surface, near, centre);
 
   std::vector<Vector2d> best;
   int least = std::numeric_limits<int>::max();
   for (const double share : shares) {
+    if (flattening_alone && share < 1) continue;
     std::vector<double> radius;
     for (std::size_t i = 0; i < geodesic.size(); ++i)
       radius.push_back(share == 1

@@ -2,9 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "worker/coils/element_patch.hpp"
 
@@ -151,61 +149,11 @@ ElementPatch PolarGrid::patch() const {
   return whole;
 }
 
-std::vector<PolarGrid::Passing> PolarGrid::passing(double mm) const {
+std::vector<PolarGrid::Passing> PolarGrid::passing() const {
   std::vector<Passing> out;
-  for (int ring = 1; ring <= rings_ && ring * spacing_ <= mm; ++ring)
+  for (int ring = 1; ring <= rings_; ++ring)
     for (int d = 0; d < directions_; ++d)
       if (stop(ring, d).there) out.push_back({2 * M_PI * d / directions_, stop(ring, d).rest});
-  return out;
-}
-
-std::vector<double> PolarGrid::distances(const std::vector<Vector2d>& rest) const {
-  // The points in bins, and each of the grid's triangles over the bins that it touches.
-  constexpr double bin = 2;
-  Eigen::AlignedBox2d box;
-  for (const Vector2d& p : rest) box.extend(p);
-  const auto place = [&](const Vector2d& p) -> Eigen::Vector2i {
-    return ((p - box.min()) / bin).cast<int>();
-  };
-  const Eigen::Vector2i size = place(box.max()) + Eigen::Vector2i(1, 1);
-  std::vector<std::vector<std::size_t>> bins(static_cast<std::size_t>(size.x() * size.y()));
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const Eigen::Vector2i at = place(rest[i]);
-    bins[static_cast<std::size_t>(at.y() * size.x() + at.x())].push_back(i);
-  }
-  std::vector<double> out(rest.size(), std::numeric_limits<double>::infinity());
-  // Directions and radii of three stops, the first as the origin of the angles. The norm of the plane's vectors is what is
-  // linear enough: the radius alone would be too long on the chord between two stops of a ring.
-  const auto lay = [&](const std::array<Vector2d, 3>& corner, const std::array<Vector2d, 3>& flat) {
-    Eigen::AlignedBox2d of;
-    for (const Vector2d& p : corner) of.extend(p);
-    of = of.intersection(box);
-    const double whole = cross(corner[1] - corner[0], corner[2] - corner[0]);
-    if (of.isEmpty() || whole == 0) return;
-    const Eigen::Vector2i low = place(of.min()), high = place(of.max());
-    for (int y = low.y(); y <= high.y(); ++y)
-      for (int x = low.x(); x <= high.x(); ++x)
-        for (const std::size_t i : bins[static_cast<std::size_t>(y * size.x() + x)]) {
-          const Vector3d w = Vector3d(cross(corner[1] - rest[i], corner[2] - rest[i]),
-                                      cross(corner[2] - rest[i], corner[0] - rest[i]),
-                                      cross(corner[0] - rest[i], corner[1] - rest[i])) /
-                             whole;
-          if (w.minCoeff() >= -1e-9)
-            out[i] = std::min(out[i], (w[0] * flat[0] + w[1] * flat[1] + w[2] * flat[2]).norm());
-        }
-  };
-  const double step = 2 * M_PI / directions_;
-  const auto flat = [&](int ring, int d) -> Vector2d {
-    return ring * spacing_ * Vector2d(std::cos(d * step), std::sin(d * step));
-  };
-  for (int ring = 0; ring < rings_; ++ring)
-    for (int d = 0; d < directions_; ++d) {
-      const Stop &a = stop(ring, d), &b = stop(ring + 1, d), &c = stop(ring + 1, d + 1),
-                 &e = stop(ring, d + 1);
-      if (!b.there || !c.there) continue;
-      lay({a.rest, b.rest, c.rest}, {flat(ring, d), flat(ring + 1, d), flat(ring + 1, d + 1)});
-      if (ring > 0) lay({a.rest, c.rest, e.rest}, {flat(ring, d), flat(ring + 1, d + 1), flat(ring, d + 1)});
-    }
   return out;
 }
 

@@ -33,16 +33,12 @@ class PolarGrid {
   // The grid as triangles with `uv` = flat coordinates; on the chart is what has all its corners there.
   ElementPatch patch() const;
 
-  // The geodesic distance of points of the sheet (sheet coordinates, mm) from the centre: where geodesics have crossed, the
-  // shortest of those that come by. Infinite where none does.
-  std::vector<double> distances(const std::vector<Eigen::Vector2d>& rest) const;
-
-  // Where the first `mm` of the geodesics come by, as direction (radians) and sheet coordinates.
+  // Where the geodesics come by, as direction (radians) and sheet coordinates.
   struct Passing {
     double direction;
     Eigen::Vector2d rest;
   };
-  std::vector<Passing> passing(double mm) const;
+  std::vector<Passing> passing() const;
 
  private:
   struct Stop {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/inspection/geodesics.hpp"
+#include "worker/coils/exact_geodesics.hpp"
 
 namespace vacuform {
 

@@ -1,5 +1,5 @@
 // Exact shortest paths over the triangles of a surface (S.-Q. Xin and G.-J. Wang, "Improving Chen and Han's algorithm on
-// the discrete geodesic problem", 2009, by CGAL). Internal to worker/inspection.
+// the discrete geodesic problem", 2009, by CGAL).
 #pragma once
 
 #include <Eigen/Core>

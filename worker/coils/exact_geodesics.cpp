@@ -1,4 +1,4 @@
-#include "worker/inspection/geodesics.hpp"
+#include "worker/coils/exact_geodesics.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
