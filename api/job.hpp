@@ -30,10 +30,12 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs that have something to show make it
 };
-inline constexpr std::array<ArtifactKind, 16> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 19> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
+    {"preview-pattern.png", "image/png", "The drawing"},
+    {"preview-print.png", "image/png", "The pre-distorted print on the flat sheet"},
     {"preview-without.png", "image/png", "Formed part with the plain pattern"},
     {"preview-with.png", "image/png", "Formed part with the pre-distorted print"},
     {"preview-anisotropy.png", "image/png", "Heat map: change of shape that the print makes good"},
@@ -47,6 +49,7 @@ inline constexpr std::array<ArtifactKind, 16> artifact_kinds{{
     {"uv-map.obj", "model/obj", "The formed surface, textured with the pattern"},
     {"mold.stl", "model/stl", "The mold as placed and trimmed, watertight"},
     {"report.json", "application/json", "What was asked, what was done, the figures, the warnings"},
+    {"report.html", "text/html; charset=utf-8", "The report for people: figures, pictures, all settings"},
 }};
 // nullptr when no artifact has that name.
 const ArtifactKind* artifact_kind(std::string_view name);

@@ -8,9 +8,10 @@
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/inspection/inspection.hpp"
-#include "worker/scan/plug.hpp"
+#include "worker/inspection/report_html.hpp"
 #include "worker/pattern/drawing.hpp"
 #include "worker/portion.hpp"
+#include "worker/scan/plug.hpp"
 #include "worker/studies/sensitivity.hpp"
 
 namespace vacuform {
@@ -107,8 +108,17 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, label, context));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
-  const Finished job{s, mold, sheet, flattening, pattern, print, warmth.summary};
-  VACUFORM_TRY(files, artifacts(job, context));
+  VACUFORM_TRY(alignment, align(InkedSurface(sheet, flattening), s.pattern));
+  std::optional<Measured> measured;
+  const Portion measuring(context, Stage::inspection, 0, 0.3), showing(context, Stage::inspection, 0.3, 1);
+  if (lines && print.vectors) {
+    VACUFORM_TRY(figures, measure(sheet, flattening, *lines, placement, *print.vectors, alignment, s.coils,
+                                  measuring.context()));
+    measured = std::move(figures);
+  }
+  const Finished job{
+      s, mold, sheet, flattening, pattern, print, warmth.summary, alignment, measured ? &*measured : nullptr};
+  VACUFORM_TRY(files, artifacts(job, showing.context()));
 
   nlohmann::ordered_json whole = {{"vacuform", version},
                                   {"label", label},
@@ -119,7 +129,7 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
     whole["sensitivity"] = sensitivity_json(
         sheet, variants,
         printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv));
-  const std::string text = whole.dump(2) + "\n";
+  const std::string text = whole.dump(2) + "\n", page = report_html(whole, files);
 
   std::error_code error;
   std::filesystem::create_directories(out, error);
@@ -127,7 +137,11 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
     return fail(Code::unreadable, "the folder cannot be made", out.string(),
                 "check its name and permissions");
   for (const Artifact& file : files) VACUFORM_CHECK(write_whole(out / file.name, file.bytes));
-  return write_whole(out / "report.json", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  const auto bytes_of = [](const std::string& words) {
+    return std::span(reinterpret_cast<const std::uint8_t*>(words.data()), words.size());
+  };
+  VACUFORM_CHECK(write_whole(out / "report.html", bytes_of(page)));
+  return write_whole(out / "report.json", bytes_of(text));
 }
 
 Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit) {

@@ -5,6 +5,7 @@
 #include "tests/unit/hand_made_sheets.hpp"
 #include "worker/coils/exact_geodesics.hpp"
 #include "worker/inspection/loop_figures.hpp"
+#include "worker/inspection/stretched_traces.hpp"
 
 namespace vacuform {
 namespace {
@@ -108,6 +109,7 @@ TEST(LoopFigures, OfGeodesicCirclesOnADomeAreExact) {
       EXPECT_NEAR(loop->diameter_mm / (2 * r), 1, 0.002);
       EXPECT_LT(loop->circularity, 0.003);
       EXPECT_LT((loop->centre_rest - centre).norm(), 0.05);
+      EXPECT_LT((loop->centre - on_dome(centre)).norm(), 0.1);
       EXPECT_NEAR(loop->area_mm2 / (2 * M_PI * radius * radius * (1 - std::cos(r / radius))), 1, 0.004);
       EXPECT_TRUE(loop->on_head);
     }
@@ -300,6 +302,52 @@ TEST(CoilFigures, AreTheSameTwiceAndCanBeCancelled) {
       measure_coils(coils.sample.sheet, coils.sample.flattening, coils.loops, coils.pairs, context);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().code, Code::cancelled);
+}
+
+Curve straight(const Vector2d& a, const Vector2d& b) {
+  return {.points = {a, a + (b - a) / 3, a + 2 * (b - a) / 3, b}, .closed = false};
+}
+
+// A sheet that became 1.3 times as wide: lines along s are stretched, lines along t are not, circles at two places.
+TEST(StretchedTraces, AreThoseAlongTheStretch) {
+  Matrix2d stretch;
+  stretch << 1.3, 0, 0, 1;
+  const Sample x = hand_made::stretched(200, 40, stretch);
+  VectorPrint print;
+  print.elements = {{"along", {}, {{straight({-10, 50}, {30, 50}), 1}}},
+                    {"across", {}, {{straight({50, -20}, {50, 20}), 1}}},
+                    {"ring", {}, {{bezier_circle({0, 0}, 20), 1}}},
+                    {"", {}, {{straight({60, 0}, {70, 0}), 1}, {straight({60, 9}, {70, 9}), 1}}},
+                    {"off", {}, {{straight({300, 0}, {320, 0}), 1}}}};
+  const TraceFigures figures = measure_traces(x.sheet, x.flattening, print, 0.2);
+  EXPECT_EQ(figures.traces, 4);
+  EXPECT_NEAR(figures.worst_stretch, 1.3, 1e-9);
+  ASSERT_EQ(figures.stretched.size(), 3u);
+  const auto of = [&](const std::string& id) {
+    return *std::find_if(figures.stretched.begin(), figures.stretched.end(),
+                         [&](const StretchedTrace& trace) { return trace.id == id; });
+  };
+  EXPECT_NEAR(of("along").stretched_mm, 52, 1e-6);
+  EXPECT_NEAR(of("along").length_mm, 52, 1e-6);
+  ASSERT_EQ(of("along").marks.size(), 1u);
+  EXPECT_NEAR(of("along").marks[0].size_mm, 52, 1e-6);
+  EXPECT_NEAR(of("along").worst_place.y(), 50, 1e-6);
+  EXPECT_EQ(of("").marks.size(), 2u);
+  // Tangents within acos sqrt(0.44 / 0.69) = 37 degrees of the s axis: 37 of 90 degrees of the ring, above and below.
+  // A ring is cut where it begins, on its right, where nothing is stretched.
+  EXPECT_EQ(of("ring").marks.size(), 2u);
+  EXPECT_NEAR(of("ring").worst_stretch, 1.3, 1e-3);
+  EXPECT_NEAR(std::abs(of("ring").worst_place.y()), 20, 0.2);
+  EXPECT_NEAR(of("ring").marks[0].size_mm, 1.3 * 40 * std::sin(37.0 * M_PI / 180), 3);
+  ASSERT_EQ(figures.warnings.size(), 1u);
+  EXPECT_EQ(figures.warnings[0].code, "trace-stretched");
+  EXPECT_EQ(figures.warnings[0].marks.size(), 5u);
+  EXPECT_EQ(figures.warnings[0].text.find("3 of 4 traces are stretched by more than the 20 %"), 0u);
+  EXPECT_NE(figures.warnings[0].text.find("by 30 %"), std::string::npos);
+
+  const TraceFigures enough = measure_traces(x.sheet, x.flattening, print, 0.31);
+  EXPECT_TRUE(enough.stretched.empty() && enough.warnings.empty());
+  EXPECT_EQ(measure_traces(x.sheet, x.flattening, {}, 0.2).traces, 0);
 }
 
 }  // namespace

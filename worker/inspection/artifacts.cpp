@@ -3,6 +3,7 @@
 
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/mesh_files.hpp"
+#include "worker/inspection/mold_marks.hpp"
 #include "worker/inspection/previews.hpp"
 
 namespace vacuform {
@@ -24,7 +25,7 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
   files.push_back({"formed.obj", formed_obj(job)});
   files.push_back({"formed.mtl", formed_mtl()});
   files.push_back({"uv-map.obj", uv_map_obj(job)});
-  files.push_back({"mold.stl", stl_bytes(job.mold.mesh)});
+  files.push_back({"mold.stl", stl_bytes(marked_mold(job.mold.mesh))});
   VACUFORM_CHECK(context.step(Stage::inspection, 1));
   return files;
 }

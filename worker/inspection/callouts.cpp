@@ -25,7 +25,7 @@ struct Look {
   bool extent = true;    // its size lies along the sheet, and a ring shows it
   std::size_t most = 6;  // marks that are drawn
 };
-constexpr std::array<Look, 11> looks{{
+constexpr std::array<Look, 12> looks{{
     {"undercut", "undercuts", Shape::arrow, {213, 94, 0}, false},
     {"trapped-air", "vents to drill", Shape::disk, {86, 180, 233}, true, false, 20},
     {"not-reached", "not reached", Shape::square, {0, 114, 178}, false},
@@ -36,6 +36,7 @@ constexpr std::array<Look, 11> looks{{
     {"clamp-narrow", "narrow clamp", Shape::house, {255, 255, 255}, true, false},
     {"too-cold", "too cold", Shape::bar, {20, 50, 120}, false},
     {"too-hot", "too hot", Shape::octagon, {150, 15, 35}, false},
+    {"trace-stretched", "stretched traces", Shape::hexagon, {0, 0, 0}, false},
     {"", "", Shape::house, {60, 60, 60}, false},  // any other code
 }};
 int look_of(const Warning& warning) {
@@ -44,12 +45,12 @@ int look_of(const Warning& warning) {
   return static_cast<int>(it - looks.begin());
 }
 
-Colour colour_of(const Look& look) {
-  return Colour(static_cast<float>(look.colour[0]), static_cast<float>(look.colour[1]),
-                static_cast<float>(look.colour[2])) /
+Rgb colour_of(const Look& look) {
+  return Rgb(static_cast<float>(look.colour[0]), static_cast<float>(look.colour[1]),
+             static_cast<float>(look.colour[2])) /
          255;
 }
-const Colour ink(0.08f, 0.09f, 0.11f), paper(1, 1, 1);
+const Rgb ink(0.08f, 0.09f, 0.11f), paper(1, 1, 1);
 
 constexpr double badge = 23;     // radius, pixels: its number can be read at the width of a phone
 constexpr int row = 70;          // of the legend

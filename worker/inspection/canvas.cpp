@@ -25,7 +25,7 @@ void Canvas::band(double top, double bottom, double line) {
 }
 
 void Canvas::text(const std::string& words, double x, double y, double size, bool bold, double along,
-                  const Colour& colour_of_words) {
+                  const Rgb& colour_of_words) {
   cairo_select_font_face(cairo(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
                          bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo(), size);

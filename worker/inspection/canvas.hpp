@@ -19,15 +19,15 @@ class Canvas {
   Canvas& operator=(const Canvas&) = delete;
 
   cairo_t* cairo() { return context_.get(); }
-  void colour(const Colour& c) { cairo_set_source_rgb(cairo(), c.x(), c.y(), c.z()); }
+  void colour(const Rgb& c) { cairo_set_source_rgb(cairo(), c.x(), c.y(), c.z()); }
 
   // Paper for words to stand on, from row `top` to row `bottom`, with a line at its edge.
   void band(double top, double bottom, double line);
   // The words' base line at y; `along` of their width (0: none, 1: all) lies to the left of x.
   void text(const std::string& words, double x, double y, double size, bool bold, double along,
-            const Colour& colour);
+            const Rgb& colour);
   void text(const std::string& words, double x, double y, double size, bool bold, double along, float gray) {
-    text(words, x, y, size, bold, along, Colour(gray, gray, gray + 0.02f));
+    text(words, x, y, size, bold, along, Rgb(gray, gray, gray + 0.02f));
   }
 
  private:

@@ -31,12 +31,12 @@ constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},
 
 }  // namespace
 
-Colour viridis(double fraction) {
+Rgb viridis(double fraction) {
   const double x =
       std::clamp(std::isfinite(fraction) ? fraction : 0.0, 0.0, 1.0) * (viridis_table.size() - 1);
   const std::size_t i = std::min(static_cast<std::size_t>(x), viridis_table.size() - 2);
   const float f = static_cast<float>(x - static_cast<double>(i));
-  Colour c;
+  Rgb c;
   for (int k = 0; k < 3; ++k) {
     const auto j = static_cast<std::size_t>(k);
     c[k] = ((1 - f) * static_cast<float>(viridis_table[i][j]) +
@@ -70,7 +70,7 @@ void write(const Caption& caption, Picture& picture) {
     const Scale& s = *caption.scale;
     const double left = 40, right = picture.width - 40.0, top = picture.height - 55.0, thick = 18;
     for (int x = static_cast<int>(left); x < static_cast<int>(right); ++x) {
-      const Colour c = viridis((x + 0.5 - left) / (right - left));
+      const Rgb c = viridis((x + 0.5 - left) / (right - left));
       canvas.colour(c);
       cairo_rectangle(cairo, x, top, 1, thick);
       cairo_fill(cairo);

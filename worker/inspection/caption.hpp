@@ -10,7 +10,7 @@ namespace vacuform {
 
 // Viridis (S. van der Walt, N. Smith 2015): even steps look even, also without colour vision and in gray.
 // `fraction` is clamped to [0, 1].
-Colour viridis(double fraction);
+Rgb viridis(double fraction);
 
 struct Scale {
   double low, high, step;   // ticks at low, low + step, ..., high

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "worker/coils/inductance.hpp"
 #include "worker/inspection/loop_figures.hpp"
@@ -155,9 +155,10 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
     for (const PlacedElement& placed : placement.elements)
       if (placed.element == static_cast<int>(i)) {
         coil.size = placed.size / alignment.scale;
+        coil.moved_mm = placed.moved_mm;
         coil.with.near = placed.centre_rest;
       }
-    coil.trace_mm = drawn->width_mm * alignment.scale * coil.size;
+    coil.trace_mm = drawn->width_mm * alignment.scale;
     for (const Vector2d& uv : drawn->line) coil.without.line.push_back(plain(uv));
     coil.without.near = plain(flat.centre);
     coil.with.line = counter_clockwise(std::move(coil.with.line));
@@ -172,7 +173,7 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
 
 std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, const Placement& placement,
                                        const Drawing& drawing) {
-  std::set<std::pair<int, int>> pairs;
+  std::map<std::pair<int, int>, std::optional<double>> pairs;  // with the coupling before decoupling
   const auto coil_of = [&](int placed) {
     const auto& id =
         drawing
@@ -184,7 +185,7 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
   };
   for (const PlacedPair& pair : placement.pairs) {
     const int a = coil_of(pair.a), b = coil_of(pair.b);
-    if (a >= 0 && b >= 0 && a != b) pairs.emplace(std::minmax(a, b));
+    if (a >= 0 && b >= 0 && a != b) pairs.emplace(std::minmax(a, b), pair.k_before);
   }
   const int count = static_cast<int>(coils.size());
   if (placement.pairs.empty())
@@ -192,10 +193,11 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
       for (int b = a + 1; b < count; ++b) {
         const auto &p = coils[static_cast<std::size_t>(a)], &q = coils[static_cast<std::size_t>(b)];
         const double radii = (p.drawn_diameter_mm + q.drawn_diameter_mm) / 2;
-        if ((p.drawn_centre - q.drawn_centre).norm() <= near_miss * radii) pairs.emplace(a, b);
+        if ((p.drawn_centre - q.drawn_centre).norm() <= near_miss * radii)
+          pairs.emplace(std::pair(a, b), std::nullopt);
       }
   std::vector<NeighbourLoops> out;
-  for (const auto& [a, b] : pairs) out.push_back({a, b});
+  for (const auto& [pair, k_before] : pairs) out.push_back({pair.first, pair.second, k_before});
   return out;
 }
 
@@ -240,7 +242,14 @@ Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flat
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const CoilLoops& coil = loops[i];
     Coil& row = table.coils.emplace_back();
-    row = {coil.id, coil.drawn_diameter_mm, coil.drawn_area_mm2, coil.drawn_circularity, coil.size, {}, {}};
+    row = {coil.id,
+           coil.drawn_diameter_mm,
+           coil.drawn_area_mm2,
+           coil.drawn_circularity,
+           coil.size,
+           coil.moved_mm,
+           {},
+           {}};
     if (found[2 * i]) row.with = figures_of(*found[2 * i], coil);
     if (found[2 * i + 1]) {
       CoilLoops as_drawn = coil;  // the plain drawing knows of no decoupling
@@ -252,6 +261,7 @@ Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flat
     const auto a = static_cast<std::size_t>(pairs[i].a), b = static_cast<std::size_t>(pairs[i].b);
     CoilPair& row = table.pairs.emplace_back();
     row.a = pairs[i].a, row.b = pairs[i].b;
+    row.k_before = pairs[i].k_before;
     row.drawn_mm = (loops[a].drawn_centre - loops[b].drawn_centre).norm();
     row.drawn_overlap_mm = (loops[a].drawn_diameter_mm + loops[b].drawn_diameter_mm) / 2 - row.drawn_mm;
     for (const std::size_t way : {0, 1}) {

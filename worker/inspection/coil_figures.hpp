@@ -28,6 +28,7 @@ struct CoilLoops {
   double drawn_area_mm2 = 0;
   double drawn_circularity = 0;  // largest |r - mean r| / mean r: 0 of a circle
   double size = 1;               // that decoupling gave it, against the drawing
+  double moved_mm = 0;           // by the placement, from where the chart puts it
   double trace_mm = 0;           // width of the line once formed
   FlatLoop with, without;
 };
@@ -39,7 +40,8 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
                                   const Alignment& alignment);
 
 struct NeighbourLoops {
-  int a = 0, b = 0;  // indices into the coils, a < b
+  int a = 0, b = 0;                // indices into the coils, a < b
+  std::optional<double> k_before;  // coupling before decoupling moved and resized them
 };
 // The placement's pairs; without any, loops that overlap or nearly touch in the drawing: whose centres are no farther
 // apart than 1.15 times the sum of their radii.
@@ -60,7 +62,7 @@ struct CoilFigures {
 };
 struct Coil {
   std::string id;
-  double drawn_diameter_mm = 0, drawn_area_mm2 = 0, drawn_circularity = 0, size = 1;
+  double drawn_diameter_mm = 0, drawn_area_mm2 = 0, drawn_circularity = 0, size = 1, moved_mm = 0;
   std::optional<CoilFigures> with, without;  // nothing where it lies off the sheet, or is not printed whole
 };
 
@@ -72,6 +74,7 @@ struct PairFigures {
 struct CoilPair {
   int a = 0, b = 0;                           // indices into coils
   double drawn_mm = 0, drawn_overlap_mm = 0;  // in the drawing at pattern.scale
+  std::optional<double> k_before;             // before decoupling
   std::optional<PairFigures> with, without;
 };
 

@@ -9,10 +9,6 @@
 namespace vacuform {
 namespace {
 
-struct Weighted {
-  double value, area;
-};
-
 // Percentiles by area: the smallest value such that at least this share of the area has no larger one.
 Statistics statistics(std::vector<Weighted> values) {
   Statistics result;
@@ -34,7 +30,37 @@ Statistics statistics(std::vector<Weighted> values) {
   return result;
 }
 
+// 1, 2, 2.5 or 5 times a power of ten, not below `least`.
+double round_step(double least) {
+  const double decade = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 2.5, 5.0})
+    if (factor * decade >= least * (1 - 1e-9)) return factor * decade;
+  return 10 * decade;
+}
+
 }  // namespace
+
+Bins even_bins(const std::vector<Weighted>& values, double low) {
+  constexpr int wanted = 30;
+  Bins bins{low, 0.01, 1};
+  double high = low + 0.02;
+  if (!values.empty()) high = std::max(high, statistics(values).p99);
+  bins.step = round_step((high - low) / wanted);
+  bins.count = std::max(1, static_cast<int>(std::ceil((high - low) / bins.step - 1e-9)));
+  return bins;
+}
+
+std::vector<double> shares(const std::vector<Weighted>& values, const Bins& bins) {
+  std::vector<double> sums(static_cast<std::size_t>(bins.count), 0);
+  double area = 0;
+  for (const Weighted& w : values) {
+    const double bin = std::floor((w.value - bins.low) / bins.step);
+    sums[static_cast<std::size_t>(std::clamp(bin, 0.0, bins.count - 1.0))] += w.area;
+    area += w.area;
+  }
+  for (double& sum : sums) sum /= area > 0 ? area : 1;
+  return sums;
+}
 
 SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from,
                                const std::array<Eigen::Vector3d, 3>& to) {
@@ -53,9 +79,9 @@ SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from,
   return {largest, largest > 0 ? product / largest : 0};
 }
 
-Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
-                      const std::vector<Eigen::Vector2d>& uv) {
-  std::vector<Weighted> anisotropy, area_ratio;
+DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
+                                   const std::vector<Eigen::Vector2d>& uv) {
+  DistortionValues out;
   for (const int t : flattening.triangles) {
     std::array<Eigen::Vector2d, 3> from;
     std::array<Eigen::Vector3d, 3> to;
@@ -69,10 +95,16 @@ Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
     const double ratio = s.largest * s.smallest;
     // A triangle without area on either side has no figure and no weight.
     if (!(area > 0) || !(ratio > 0) || !std::isfinite(ratio)) continue;
-    anisotropy.push_back({s.largest / s.smallest, area});
-    area_ratio.push_back({std::max(ratio, 1 / ratio), area});
+    out.anisotropy.push_back({s.largest / s.smallest, area});
+    out.area_ratio.push_back({std::max(ratio, 1 / ratio), area});
   }
-  return {statistics(std::move(anisotropy)), statistics(std::move(area_ratio))};
+  return out;
+}
+
+Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
+                      const std::vector<Eigen::Vector2d>& uv) {
+  DistortionValues values = distortion_values(sheet, flattening, uv);
+  return {statistics(std::move(values.anisotropy)), statistics(std::move(values.area_ratio))};
 }
 
 }  // namespace vacuform

@@ -8,9 +8,21 @@
 #include <vector>
 
 #include "worker/forming/heat/sheet_temperature.hpp"
+#include "worker/inspection/coil_figures.hpp"
+#include "worker/inspection/stretched_traces.hpp"
 #include "worker/printing/print.hpp"
 
 namespace vacuform {
+
+// What is measured of a print of vectors.
+struct Measured {
+  CoilTable coils;
+  TraceFigures traces;
+};
+// Errors: cancelled.
+Result<Measured> measure(const FormedSheet& sheet, const Flattening& flattening, const Drawing& drawing,
+                         const Placement& placement, const VectorPrint& print, const Alignment& alignment,
+                         const CoilSettings& settings, const Context& context);
 
 // Everything that the stages made of one job, as inspection reads it.
 struct Finished {
@@ -21,6 +33,8 @@ struct Finished {
   const Pattern& pattern;
   const Print& print;
   HeatSummary heat = {};
+  Alignment alignment = {};            // of the drawing on the chart
+  const Measured* measured = nullptr;  // where the print is one of vectors
 };
 
 // A named file of the job's output; the names are those of api/job.hpp.
@@ -46,6 +60,25 @@ struct Distortion {
   Statistics anisotropy;  // sigma1 / sigma2 of J from pattern coordinates to the inked surface
   Statistics area_ratio;  // max(sigma1 sigma2, 1 / (sigma1 sigma2))
 };
+// The figures of every triangle of the chart, with its area on the inked surface, mm2.
+struct Weighted {
+  double value, area;
+};
+struct DistortionValues {
+  std::vector<Weighted> anisotropy, area_ratio;
+};
+DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
+                                   const std::vector<Eigen::Vector2d>& uv);
+
+// Even bins from `low` on, about thirty of a round width, to the 99th percentile of the values.
+struct Bins {
+  double low, step;
+  int count;
+};
+Bins even_bins(const std::vector<Weighted>& values, double low);
+// The share of the area in each; what lies above the last bin counts there.
+std::vector<double> shares(const std::vector<Weighted>& values, const Bins& bins);
+
 // J from `uv` (per vertex of the sheet) to Flattening::inked, over Flattening::triangles.
 // With pre-distortion uv is Flattening::chart, without it FormedSheet::rest.
 Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,

@@ -54,7 +54,11 @@ Centring centre_of(const Eigen::VectorXd& r, const Eigen::MatrixXd& way) {
   // r_i - way_i . move = R for all i, in move and R.
   Eigen::MatrixXd equations(way.rows(), way.cols() + 1);
   equations << way, Eigen::VectorXd::Ones(way.rows());
-  const Eigen::VectorXd solution = equations.completeOrthogonalDecomposition().solve(r);
+  // In space all ways lie in one plane, to rounding: across it nothing may move.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(1e-6);
+  decomposition.compute(equations);
+  const Eigen::VectorXd solution = decomposition.solve(r);
   const Eigen::VectorXd move = solution.head(way.cols());
   return {move, r - way * move};
 }

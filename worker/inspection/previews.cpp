@@ -3,11 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "worker/decimal.hpp"
 #include "worker/inspection/callouts.hpp"
 #include "worker/inspection/caption.hpp"
+#include "worker/inspection/flat_previews.hpp"
 #include "worker/inspection/view.hpp"
 #include "worker/printing/png_writer.hpp"
 
@@ -16,8 +18,8 @@ namespace {
 
 using Eigen::Vector2d;
 constexpr int side = 1000;
-const Colour plastic(0.90f, 0.925f, 0.945f);
-const Colour black_ink(0.07f, 0.08f, 0.10f);
+const Rgb plastic(0.90f, 0.925f, 0.945f);
+const Rgb black_ink(0.07f, 0.08f, 0.10f);
 
 std::vector<std::uint8_t> png_of(const Picture& picture) {
   PngWriter writer(picture.width, picture.height, 3);
@@ -100,45 +102,48 @@ std::string figures_of(const Statistics& s) {
          ", 99 % below " + decimal(s.p99, 3) + ", largest " + decimal(s.max, 2);
 }
 
-// The drawing on the sheet by one map from its vertices to pattern coordinates.
+Rgb inked(const Finished& job, const Ink& ink, const Seen& seen) {
+  const Rgb colour = job.pattern.grayscale() ? black_ink : Rgb(ink.r, ink.g, ink.b);
+  return seen.light * (plastic + ink.a * (colour - plastic)) + Rgb::Constant(seen.gloss);
+}
+
+// What one way of printing shows on the formed sheet: `ink_at` gives the ink at a place of the flat one.
 class Inked {
  public:
-  Inked(const Finished& job, std::vector<Vector2d> uv)
-      : job_(job), uv_(std::move(uv)), blur_(job.sheet.triangles.size(), 0) {
-    for (std::size_t t = 0; t < blur_.size(); ++t) {
+  using InkAt = std::function<Ink(const Vector2d& rest, double blur_mm)>;
+  Inked(const Finished& job, InkAt ink_at)
+      : job_(job), ink_at_(std::move(ink_at)), shrink_(job.sheet.triangles.size(), 0) {
+    for (std::size_t t = 0; t < shrink_.size(); ++t) {
       const auto& c = job.sheet.triangles[t];
       std::array<Vector2d, 3> from;
       std::array<Eigen::Vector3d, 3> to;
       for (std::size_t k = 0; k < 3; ++k)
-        from[k] = uv_[static_cast<std::size_t>(c[k])],
+        from[k] = job.sheet.rest[static_cast<std::size_t>(c[k])],
         to[k] = job.sheet.formed[static_cast<std::size_t>(c[k])];
-      // Millimetres of pattern for one on the sheet, in the mean over directions.
+      // Millimetres of flat sheet for one of formed sheet, in the mean over directions.
       const SingularValues s = singular_values(from, to);
-      blur_[t] = std::sqrt((1 / (s.largest * s.largest) + 1 / (s.smallest * s.smallest)) / 2);
+      shrink_[t] = std::sqrt((1 / (s.largest * s.largest) + 1 / (s.smallest * s.smallest)) / 2);
     }
   }
 
-  Colour operator()(const Seen& seen) const {
+  Rgb operator()(const Seen& seen) const {
     const auto& c = job_.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
-    Vector2d uv = Vector2d::Zero();
-    for (std::size_t k = 0; k < 3; ++k) uv += seen.weights[k] * uv_[static_cast<std::size_t>(c[k])];
-    const double blur = blur_[static_cast<std::size_t>(seen.triangle)];
-    Ink ink;
-    if (uv.allFinite() && std::isfinite(blur)) ink = job_.pattern.sample(uv, 1.2 * blur * seen.spacing_mm);
-    const Colour colour = job_.pattern.grayscale() ? black_ink : Colour(ink.r, ink.g, ink.b);
-    const Colour base = plastic + ink.a * (colour - plastic);
-    return seen.light * base + Colour::Constant(seen.gloss);
+    Vector2d rest = Vector2d::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+      rest += seen.weights[k] * job_.sheet.rest[static_cast<std::size_t>(c[k])];
+    const double shrink = shrink_[static_cast<std::size_t>(seen.triangle)];
+    return inked(job_, std::isfinite(shrink) ? ink_at_(rest, 1.2 * shrink * seen.spacing_mm) : Ink{}, seen);
   }
 
  private:
   const Finished& job_;
-  std::vector<Vector2d> uv_;
-  std::vector<double> blur_;
+  InkAt ink_at_;
+  std::vector<double> shrink_;
 };
 
-Colour bare(const Seen& seen) { return seen.light * plastic + Colour::Constant(seen.gloss); }
+Rgb bare(const Seen& seen) { return seen.light * plastic + Rgb::Constant(seen.gloss); }
 
-Colour hot(const Finished& job, const Heat& heat, const Seen& seen) {
+Rgb hot(const Finished& job, const Heat& heat, const Seen& seen) {
   const auto& c = job.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
   double value = 0;
   for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * heat.values[static_cast<std::size_t>(c[k])];
@@ -151,6 +156,9 @@ Colour hot(const Finished& job, const Heat& heat, const Seen& seen) {
 Result<Picture> findings_preview(const Finished& job, View& view, Picture&& picture, const Context& context) {
   std::vector<Warning> warnings = job.mold.warnings;
   warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
+  if (job.measured)
+    warnings.insert(warnings.end(), job.measured->traces.warnings.begin(),
+                    job.measured->traces.warnings.end());
   Callouts seen(warnings);
   Callouts hidden = seen.take_hidden(view);
   std::optional<Picture> behind;
@@ -160,7 +168,7 @@ Result<Picture> findings_preview(const Finished& job, View& view, Picture&& pict
     if (!hidden.empty()) {
       VACUFORM_TRY(pictures,
                    view.draw(
-                       1, [](const Seen& at, Colour* colour) { *colour = bare(at); }, context, 0.86, 0.9));
+                       1, [](const Seen& at, Rgb* colour) { *colour = bare(at); }, context, 0.86, 0.9));
       behind = std::move(pictures.front());
       hidden.draw(view, *behind, behind_top, behind_height);
     }
@@ -174,10 +182,12 @@ Result<Picture> findings_preview(const Finished& job, View& view, Picture&& pict
 }  // namespace
 
 Result<std::vector<Artifact>> previews(const Finished& job, const Context& context) {
-  std::vector<Vector2d> plain(job.sheet.rest.size());
-  for (std::size_t i = 0; i < plain.size(); ++i)
-    plain[i] = pattern_coordinates(job.sheet.rest[i] - job.flattening.top_rest, job.settings.pattern);
-  const Inked without(job, std::move(plain)), with(job, job.print.pattern_uv);
+  const Alignment& alignment = job.alignment;
+  const SheetPicture print(job);
+  const Inked without(job, [&](const Vector2d& rest, double blur) {
+    return job.pattern.sample(alignment.pattern(rest - job.flattening.top_rest), blur / alignment.scale);
+  });
+  const Inked with(job, [&](const Vector2d& rest, double blur) { return print.sample(rest, blur); });
   const Distortion before = distortion(job.sheet, job.flattening, job.sheet.rest);
   const Distortion after = distortion(job.sheet, job.flattening, job.flattening.chart);
   const Heat anisotropy = heat_of(over_vertices(job, [](SingularValues s) { return s.largest / s.smallest; }),
@@ -195,7 +205,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   View view(job.sheet, side, side, caption_top, caption_bottom);
   VACUFORM_TRY(pictures, view.draw(
                              uneven ? 7 : 6,
-                             [&](const Seen& seen, Colour* colours) {
+                             [&](const Seen& seen, Rgb* colours) {
                                colours[0] = without(seen);
                                colours[1] = with(seen);
                                colours[2] = hot(job, anisotropy, seen);
@@ -227,6 +237,8 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png",
                          "preview-area.png", "preview-thickness.png"};
   std::vector<Artifact> files;
+  files.push_back({"preview-pattern.png", png_of(pattern_preview(job, side))});
+  files.push_back({"preview-print.png", png_of(print_preview(job, print, side))});
   for (std::size_t i = 0; i < 5; ++i) {
     VACUFORM_CHECK(context.step(Stage::inspection, 0.7 + 0.04 * static_cast<double>(i)));
     write(captions[i], pictures[i]);

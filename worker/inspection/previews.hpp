@@ -1,15 +1,16 @@
-// The six pictures of a finished job. Internal to worker/inspection.
+// The pictures of a finished job. Internal to worker/inspection.
 #pragma once
 
 #include "worker/inspection/inspection.hpp"
 
 namespace vacuform {
 
+// preview-pattern.png, preview-print.png: the drawing, and the print on the flat sheet (flat_previews.hpp).
 // preview-without.png: the drawing as it would come out if it were printed as it is, its centre on the point
 // of the sheet that comes to lie on the top of the mold. preview-with.png: the pre-distorted print.
 // preview-anisotropy.png, preview-area.png: the figures without pre-distortion over the chart.
 // preview-thickness.png: the whole sheet. preview-findings.png: the bare sheet with the marks of the warnings of
-// scan and forming.
+// scan, forming and of stretched traces.
 Result<std::vector<Artifact>> previews(const Finished& job, const Context& context);
 
 }  // namespace vacuform

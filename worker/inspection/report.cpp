@@ -1,8 +1,11 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "worker/inspection/coil_json.hpp"
 #include "worker/inspection/inspection.hpp"
+#include "worker/inspection/json_numbers.hpp"
 #include "worker/inspection/mold_distance.hpp"
 #include "worker/scan/findings_json.hpp"
 
@@ -10,26 +13,6 @@ namespace vacuform {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Infinities and NaN have no place in JSON.
-Json rounded(double value, int places = 4) {
-  if (!std::isfinite(value)) return nullptr;
-  const double scale = std::pow(10.0, places), r = std::round(value * scale) / scale;
-  return std::isfinite(r) ? r + 0.0 : value;
-}
-// For errors and residuals, whose size counts and not their digits.
-Json significant(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  if (value == 0) return 0.0;
-  const double scale = std::pow(10.0, 2 - std::floor(std::log10(std::abs(value))));
-  return std::isfinite(scale) ? std::round(value * scale) / scale : value;
-}
-template <class Vector>
-Json array(const Vector& v, int places) {
-  Json out = Json::array();
-  for (int k = 0; k < v.size(); ++k) out.push_back(rounded(v[k], places));
-  return out;
-}
 
 Json forming_of(const Finished& job) {
   const FormedSheet& sheet = job.sheet;
@@ -105,11 +88,27 @@ Json thickness_of(const Finished& job) {
 }
 
 Json flattening_of(const Flattening& f) {
-  return {{"triangles", f.triangles.size()},
-          {"iterations", f.iterations},
-          {"energy", significant(f.energy)},
-          {"flipped", f.flipped},
-          {"top_rest_mm", array(f.top_rest, 3)}};
+  Json out = {{"triangles", f.triangles.size()},
+              {"iterations", f.iterations},
+              {"energy", significant(f.energy)},
+              {"symmetric_dirichlet", significant(f.symmetric_dirichlet)},
+              {"flipped", f.flipped},
+              {"crossings", f.crossings},
+              {"top_rest_mm", array(f.top_rest, 3)}};
+  if (!f.favoured.empty())
+    out.update({{"favoured_triangles", std::count(f.favoured.begin(), f.favoured.end(), 1)},
+                {"energy_favoured", significant(f.energy_favoured)},
+                {"energy_rest", significant(f.energy_rest)}});
+  return out;
+}
+
+// The part of the chart that the settings favour, or the rest, for figures of its own.
+Flattening part_of(const Flattening& f, bool favoured) {
+  Flattening part;
+  part.inked = f.inked;
+  for (std::size_t i = 0; i < f.triangles.size(); ++i)
+    if ((f.favoured[i] != 0) == favoured) part.triangles.push_back(f.triangles[i]);
+  return part;
 }
 
 Json pattern_of(const Finished& job) {
@@ -136,6 +135,38 @@ Json distortion_of(const Distortion& d) {
   return {{"anisotropy", statistics_of(d.anisotropy)}, {"area_ratio", statistics_of(d.area_ratio)}};
 }
 
+// Shares of the inked area, the last bin with all that lies above.
+Json histograms_of(const Finished& job) {
+  const auto before = distortion_values(job.sheet, job.flattening, job.sheet.rest);
+  const auto after = distortion_values(job.sheet, job.flattening, job.flattening.chart);
+  std::vector<Weighted> thickness;
+  for (std::size_t i = 0; i < job.flattening.triangles.size(); ++i) {
+    const auto t = static_cast<std::size_t>(job.flattening.triangles[i]);
+    const auto at = [&](std::size_t k) {
+      return job.flattening.inked[static_cast<std::size_t>(job.sheet.triangles[t][k])];
+    };
+    thickness.push_back({job.sheet.element_thickness[t] / job.settings.sheet.thickness_mm,
+                         (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2});
+  }
+  const auto list = [](const std::vector<double>& shares) {
+    Json out = Json::array();
+    for (const double share : shares) out.push_back(rounded(share));
+    return out;
+  };
+  const auto both = [&](const std::vector<Weighted>& without, const std::vector<Weighted>& with, double low) {
+    const Bins bins = even_bins(without, low);
+    return Json{{"low", bins.low},
+                {"step", rounded(bins.step)},
+                {"without", list(shares(without, bins))},
+                {"with", list(shares(with, bins))}};
+  };
+  const Bins bins = even_bins(thickness, 0);
+  return {{"anisotropy", both(before.anisotropy, after.anisotropy, 1)},
+          {"area_ratio", both(before.area_ratio, after.area_ratio, 1)},
+          {"thickness_ratio",
+           {{"low", bins.low}, {"step", rounded(bins.step)}, {"shares", list(shares(thickness, bins))}}}};
+}
+
 Json vents_of(const FormedSheet& sheet) {
   Json vents = Json::array();
   for (const Vent& vent : sheet.vents)
@@ -158,6 +189,22 @@ Json report(const Finished& job) {
   out["print"] = print_of(job);
   out["figures"] = {{"without", distortion_of(distortion(job.sheet, job.flattening, job.sheet.rest))},
                     {"with", distortion_of(distortion(job.sheet, job.flattening, job.flattening.chart))}};
+  if (!job.flattening.favoured.empty())
+    for (const bool favoured : {true, false}) {
+      const Flattening part = part_of(job.flattening, favoured);
+      const char* name = favoured ? "favoured" : "rest";
+      out["figures"]["without"][name] = distortion_of(distortion(job.sheet, part, job.sheet.rest));
+      out["figures"]["with"][name] = distortion_of(distortion(job.sheet, part, job.flattening.chart));
+    }
+  if (job.measured) {
+    const Measured& measured = *job.measured;
+    out["figures"]["without"]["coils"] = summary_json(measured.coils.without);
+    out["figures"]["with"]["coils"] = summary_json(measured.coils.with);
+    out["coils"] = coils_json(measured.coils);
+    out["pairs"] = pairs_json(measured.coils);
+    out["ink"] = traces_json(measured.traces);
+  }
+  out["histograms"] = histograms_of(job);
   Json warnings = Json::array();
   const auto add = [&](Stage stage, const std::vector<Warning>& of_stage) {
     for (const auto& w : of_stage)
@@ -168,6 +215,7 @@ Json report(const Finished& job) {
   add(Stage::forming, job.sheet.warnings);
   add(Stage::flattening, job.flattening.warnings);
   add(Stage::printing, job.print.warnings);
+  if (job.measured) add(Stage::inspection, job.measured->traces.warnings);
   out["warnings"] = std::move(warnings);
   out["vents"] = vents_of(job.sheet);
   Json files = Json::array();

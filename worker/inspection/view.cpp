@@ -38,11 +38,11 @@ std::vector<Vector3d> sky(int count) {
   return directions;
 }
 
-Colour backdrop(double height) {
-  return Colour(0.985f, 0.985f, 0.99f) - static_cast<float>(height) * Colour(0.085f, 0.08f, 0.07f);
+Rgb backdrop(double height) {
+  return Rgb(0.985f, 0.985f, 0.99f) - static_cast<float>(height) * Rgb(0.085f, 0.08f, 0.07f);
 }
 
-std::uint32_t pixel_of(const Colour& c) {
+std::uint32_t pixel_of(const Rgb& c) {
   const auto byte = [](float v) {
     return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255));
   };
@@ -170,7 +170,7 @@ std::optional<View::Spot> View::spot(const Vector3d& place) const {
               1 / (depth * pixel), hit ? (1 - hit->t) * way.norm() : 0};
 }
 
-Result<std::vector<Picture>> View::draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
+Result<std::vector<Picture>> View::draw(int count, const std::function<void(const Seen&, Rgb*)>& shade,
                                         const Context& context, double from, double to) {
   const double lit = from + 0.2 * (to - from);
   VACUFORM_CHECK(light(context, from, lit));
@@ -183,10 +183,10 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
   const double pixel = 2 * tangent_ / width_;  // at distance 1
 
   const auto row = [&](int y) {
-    std::vector<Colour> sums(n), colours(n);
-    const Colour behind = backdrop(static_cast<double>(y) / height_);
+    std::vector<Rgb> sums(n), colours(n);
+    const Rgb behind = backdrop(static_cast<double>(y) / height_);
     for (int x = 0; x < width_; ++x) {
-      std::fill(sums.begin(), sums.end(), Colour(0, 0, 0));
+      std::fill(sums.begin(), sums.end(), Rgb(0, 0, 0));
       for (const double dy : {0.25, 0.75})
         for (const double dx : {0.25, 0.75}) {
           const Vector3d aim =

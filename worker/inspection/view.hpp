@@ -28,7 +28,7 @@ struct Seen {
   float light;                    // how bright the surface is, about 0.3 to 1.1
   float gloss;                    // white to add
 };
-using Colour = Eigen::Vector3f;  // red, green, blue in [0, 1]
+using Rgb = Eigen::Vector3f;  // red, green, blue in [0, 1]
 
 // From the front, a little from the left and above; the drawn part fills the picture but for `top` and
 // `bottom` rows that are left empty for captions. Smooth normals, a key light from the left, a sky, and the
@@ -43,7 +43,7 @@ class View {
 
   // Draws `count` pictures with one set of rays, 2 x 2 a pixel: shade gives the colour of a sample in each.
   // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
-  Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Colour*)>& shade,
+  Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Rgb*)>& shade,
                                     const Context& context, double from, double to);
 
   // Where a point in space lies in a picture. Nothing behind the eye.

@@ -1,0 +1,91 @@
+#include "worker/inspection/coil_json.hpp"
+
+#include "worker/inspection/json_numbers.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json figures_json(const std::optional<CoilFigures>& figures) {
+  if (!figures) return nullptr;
+  return {{"on_head", figures->on_head},
+          {"centre_mm", array(figures->centre, 2)},
+          {"diameter_mm", rounded(figures->diameter_mm)},
+          {"diameter_error", rounded(figures->diameter_error, 5)},
+          {"circularity", rounded(figures->circularity, 5)},
+          {"area_mm2", rounded(figures->area_mm2, 3)},
+          {"area_error", rounded(figures->area_error, 5)},
+          {"worst_stretch", rounded(figures->worst_stretch)},
+          {"inductance_nh", rounded(figures->inductance_nh, 2)}};
+}
+
+Json figures_json(const std::optional<PairFigures>& figures) {
+  if (!figures) return nullptr;
+  return {{"distance_mm", rounded(figures->mm)},
+          {"overlap_mm", rounded(figures->overlap_mm)},
+          {"k", rounded(figures->k, 5)}};
+}
+
+}  // namespace
+
+Json coils_json(const CoilTable& table) {
+  Json out = Json::array();
+  for (const Coil& coil : table.coils)
+    out.push_back({{"id", coil.id},
+                   {"drawn_diameter_mm", rounded(coil.drawn_diameter_mm)},
+                   {"drawn_area_mm2", rounded(coil.drawn_area_mm2, 3)},
+                   {"drawn_circularity", rounded(coil.drawn_circularity, 5)},
+                   {"size", rounded(coil.size, 5)},
+                   {"moved_mm", rounded(coil.moved_mm, 3)},
+                   {"with", figures_json(coil.with)},
+                   {"without", figures_json(coil.without)}});
+  return out;
+}
+
+Json pairs_json(const CoilTable& table) {
+  Json out = Json::array();
+  for (const CoilPair& pair : table.pairs)
+    out.push_back({{"coils",
+                    {table.coils[static_cast<std::size_t>(pair.a)].id,
+                     table.coils[static_cast<std::size_t>(pair.b)].id}},
+                   {"drawn_distance_mm", rounded(pair.drawn_mm)},
+                   {"drawn_overlap_mm", rounded(pair.drawn_overlap_mm)},
+                   {"k_before_decoupling", rounded(pair.k_before, 5)},
+                   {"with", figures_json(pair.with)},
+                   {"without", figures_json(pair.without)}});
+  return out;
+}
+
+Json summary_json(const CoilSummary& s) {
+  if (s.coils == 0) return nullptr;
+  const bool pairs = s.pairs > 0;
+  const Json none = nullptr;
+  return {{"on_head", s.coils},
+          {"mean_circularity", rounded(s.mean_circularity, 5)},
+          {"worst_circularity", rounded(s.worst_circularity, 5)},
+          {"mean_diameter_error", rounded(s.mean_diameter_error, 5)},
+          {"worst_diameter_error", rounded(s.worst_diameter_error, 5)},
+          {"mean_area_error", rounded(s.mean_area_error, 5)},
+          {"worst_area_error", rounded(s.worst_area_error, 5)},
+          {"pairs", s.pairs},
+          {"spacing_rms_mm", pairs ? rounded(s.spacing_rms_mm) : none},
+          {"worst_spacing_mm", pairs ? rounded(s.worst_spacing_mm) : none},
+          {"worst_k", rounded(s.worst_k, 5)}};
+}
+
+Json traces_json(const TraceFigures& figures) {
+  Json list = Json::array();
+  for (const StretchedTrace& trace : figures.stretched)
+    list.push_back({{"id", trace.id},
+                    {"worst_stretch", rounded(trace.worst_stretch)},
+                    {"worst_place_mm", array(trace.worst_place, 1)},
+                    {"length_mm", rounded(trace.length_mm, 2)},
+                    {"stretched_mm", rounded(trace.stretched_mm, 2)}});
+  return {{"stretch_limit", rounded(figures.limit)},          {"traces", figures.traces},
+          {"worst_stretch", rounded(figures.worst_stretch)},  {"length_mm", rounded(figures.length_mm, 2)},
+          {"stretched_mm", rounded(figures.stretched_mm, 2)}, {"stretched", std::move(list)}};
+}
+
+}  // namespace vacuform

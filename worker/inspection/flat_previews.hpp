@@ -1,0 +1,17 @@
+// preview-pattern.png and preview-print.png: the drawing, and the print on the flat sheet with what will become of it.
+// Internal to worker/inspection.
+#pragma once
+
+#include "worker/inspection/sheet_picture.hpp"
+#include "worker/inspection/view.hpp"
+
+namespace vacuform {
+
+// The drawing on its page, with a scale.
+Picture pattern_preview(const Finished& job, int side);
+
+// The whole sheet as it is printed (mirrored where the print is), the part of it that comes to lie on the mold tinted, and
+// the frame's window.
+Picture print_preview(const Finished& job, const SheetPicture& print, int side);
+
+}  // namespace vacuform

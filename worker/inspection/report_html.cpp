@@ -1,0 +1,122 @@
+#include "worker/inspection/report_html.hpp"
+
+#include <algorithm>
+
+#include "worker/inspection/caption.hpp"
+#include "worker/inspection/html.hpp"
+#include "worker/inspection/report_sections.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using html::escaped;
+constexpr int picture_width = 620;
+
+// A preview under its title, which the picture itself then need not say.
+std::string picture(const std::vector<Artifact>& files, const std::string& name) {
+  const auto file =
+      std::find_if(files.begin(), files.end(), [&](const Artifact& f) { return f.name == name; });
+  const ArtifactKind* kind = artifact_kind(name);
+  if (file == files.end() || !kind) return "";
+  const std::string data = embedded_png(file->bytes, picture_width, caption_top);
+  if (data.empty()) return "";
+  const std::string title = escaped(kind->title);
+  return "<figure><img alt=\"" + title + "\" src=\"data:image/png;base64," + data + "\"><figcaption>" +
+         title + "</figcaption></figure>\n";
+}
+
+std::string pictures(const std::string& heading, const std::vector<Artifact>& files,
+                     std::initializer_list<const char*> names) {
+  std::string out;
+  for (const char* name : names) out += picture(files, name);
+  return out.empty() ? "" : "<h2>" + heading + "</h2>\n<div class=\"pictures\">\n" + out + "</div>\n";
+}
+
+std::string numbers(const ReportJson& values, int places, const char* between) {
+  std::string out;
+  if (values.is_array())
+    for (const auto& value : values) out += (out.empty() ? "" : between) + number_text(value, places);
+  return out.empty() ? "–" : out;
+}
+
+// What was asked and what was done, in a few sentences.
+std::string summary(const ReportJson& r) {
+  const ReportJson& s = at(r, {"settings"});
+  const ReportJson& offset = at(s, {"pattern", "offset_mm"});
+  std::string material = text_of(at(s, {"sheet", "material"}));
+  for (char& c : material)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  const ReportJson& coils = at(r, {"coils"});
+  std::string text = "A drawing of " + numbers(at(r, {"pattern", "size_mm"}), 1, " × ") + " mm (" +
+                     text_of(at(r, {"pattern", "format"}));
+  if (coils.is_array() && !coils.empty()) text += ", " + std::to_string(coils.size()) + " coils";
+  text += ") for a sheet of " + material + ", " + number_text(at(s, {"sheet", "width_mm"}), 0) + " × " +
+          number_text(at(s, {"sheet", "height_mm"}), 0) + " × " + text_of(at(s, {"sheet", "thickness_mm"})) +
+          " mm, formed over a mold of " + numbers(at(r, {"mold", "size_mm"}), 0, " × ") + " mm at " +
+          number_text(at(r, {"heat", "mean_c"}), 0, "°C") + ". The print is for the " +
+          text_of(at(r, {"print", "inked_face"})) + " face";
+  text += at(r, {"print", "mirrored"}) == true ? " and mirrored. " : ". ";
+  const std::string from_top = numbers(offset, 1, ", ");
+  text += "The drawing's centre lies ";
+  if (from_top != "0.0, 0.0") text.append("(").append(from_top).append(") mm from ");
+  text += from_top == "0.0, 0.0" ? "on the top of the mold" : "the top of the mold";
+  text += ", turned by " + text_of(at(s, {"pattern", "rotate_deg"})) + " degrees, at " +
+          text_of(at(s, {"pattern", "scale"})) + " times its size.";
+  return "<p>" + escaped(text) + "</p>\n";
+}
+
+std::string reading() {
+  return "<h2>How to read this</h2>\n<ul>\n"
+         "<li>Everything is measured on the simulated part, on the face of the sheet that carries the ink. "
+         "No formed part "
+         "was measured.</li>\n"
+         "<li><b>Printed as drawn</b> is the plain drawing on the flat sheet, its centre where the top of "
+         "the mold comes "
+         "to lie. <b>Printed with Vacuform</b> is this job's print.</li>\n"
+         "<li><b>Diameter</b>: twice the mean distance of a coil from its centre along the surface. <b>Out "
+         "of round</b>: "
+         "the largest departure from that mean, as a share of it. The centre is the point from which the "
+         "distances vary "
+         "least.</li>\n"
+         "<li><b>Coupling k</b>: mutual inductance over the geometric mean of the self inductances, of the "
+         "lines in "
+         "space. Neighbours that do not couple have 0.</li>\n"
+         "<li><b>Anisotropy</b>: how much longer a small circle of the drawing comes out one way than the "
+         "other. <b>Area "
+         "ratio</b>: how much larger or smaller it comes out, always given above 1.</li>\n"
+         "<li>Places are in mm: z is the height above the platform, x and y are from the sheet's centre, as "
+         "on the "
+         "print.</li>\n</ul>\n";
+}
+
+}  // namespace
+
+std::string report_html(const ReportJson& report, const std::vector<Artifact>& files) {
+  const std::string label = escaped(text_of(at(report, {"label"})));
+  std::string out =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Vacuform report " +
+      label + "</title>\n<style>";
+  out += html::style();
+  out += "</style>\n</head>\n<body>\n<header>\n<h1>Vacuform report " + label + "</h1>\n" + summary(report) +
+         "</header>\n<main>\n";
+  out += key_figures_section(report);
+  out += pictures("Drawing, print and part", files,
+                  {"preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png"});
+  out += warnings_section(report);
+  out += coils_section(report);
+  out += traces_section(report);
+  out += pictures("On the part", files,
+                  {"preview-findings.png", "preview-thickness.png", "preview-anisotropy.png",
+                   "preview-area.png", "preview-temperature.png"});
+  out += histograms_section(report);
+  out += process_section(report);
+  out += sensitivity_section(report);
+  out += reading();
+  out += repeat_section(report);
+  out += "</main>\n<footer class=\"soft\"><p>Not a medical device.</p></footer>\n</body>\n</html>\n";
+  return out;
+}
+
+}  // namespace vacuform

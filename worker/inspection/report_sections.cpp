@@ -1,0 +1,267 @@
+#include "worker/inspection/report_sections.hpp"
+
+#include <cmath>
+
+#include "worker/decimal.hpp"
+#include "worker/inspection/html.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using html::escaped;
+using Rows = std::vector<std::vector<std::string>>;
+const std::string none = "–";
+
+std::string pair_text(const std::string& mean, const std::string& worst) {
+  return mean == none ? none : mean + " (" + worst + ")";
+}
+
+// "(x, y, z)" in mm.
+std::string place_text(const ReportJson& place) {
+  if (!place.is_array()) return none;
+  std::string out;
+  for (const auto& value : place) out += (out.empty() ? "(" : ", ") + number_text(value, 1);
+  return out + ")";
+}
+
+std::string coil_cell(const ReportJson& coil, const char* way, const char* key, int places, bool percent) {
+  const ReportJson& value = at(coil, {way, key});
+  return percent ? signed_percent_text(value, places) : number_text(value, places);
+}
+
+Rows coil_rows(const ReportJson& coils) {
+  Rows rows;
+  for (const auto& coil : coils) {
+    const ReportJson& on_head = at(coil, {"with", "on_head"});
+    rows.push_back(
+        {text_of(at(coil, {"id"})),
+         on_head.is_boolean() ? (on_head.get<bool>() ? "yes" : "in part") : "not whole",
+         number_text(at(coil, {"drawn_diameter_mm"}), 2), coil_cell(coil, "with", "diameter_mm", 2, false),
+         coil_cell(coil, "without", "diameter_error", 1, true),
+         coil_cell(coil, "with", "diameter_error", 2, true),
+         percent_text(at(coil, {"without", "circularity"}), 1),
+         percent_text(at(coil, {"with", "circularity"})), coil_cell(coil, "without", "area_error", 1, true),
+         coil_cell(coil, "with", "area_error", 2, true), number_text(at(coil, {"with", "worst_stretch"}), 2),
+         number_text(at(coil, {"with", "inductance_nh"}), 1)});
+  }
+  return rows;
+}
+
+Rows pair_rows(const ReportJson& pairs) {
+  Rows rows;
+  for (const auto& pair : pairs)
+    rows.push_back({text_of(pair["coils"][0]) + " – " + text_of(pair["coils"][1]),
+                    number_text(at(pair, {"drawn_distance_mm"}), 2),
+                    number_text(at(pair, {"without", "distance_mm"}), 2),
+                    number_text(at(pair, {"with", "distance_mm"}), 2),
+                    number_text(at(pair, {"drawn_overlap_mm"}), 2),
+                    number_text(at(pair, {"with", "overlap_mm"}), 2),
+                    number_text(at(pair, {"without", "k"}), 3), number_text(at(pair, {"with", "k"}), 4)});
+  return rows;
+}
+
+std::optional<double> percent_of(const ReportJson& value) {
+  return value.is_number() ? std::optional(100 * value.get<double>()) : std::nullopt;
+}
+std::string bars_of(const ReportJson& coils, const char* key, const std::string& title, bool signed_values) {
+  html::Bars bars{title, "per cent", signed_values, {}};
+  for (const auto& coil : coils)
+    bars.rows.push_back({text_of(at(coil, {"id"})), percent_of(at(coil, {"with", key})),
+                         percent_of(at(coil, {"without", key}))});
+  return html::bars(bars);
+}
+
+std::vector<double> numbers(const ReportJson& list) {
+  std::vector<double> out;
+  for (const auto& value : list) out.push_back(value.is_number() ? value.get<double>() : 0);
+  return out;
+}
+
+}  // namespace
+
+const ReportJson& at(const ReportJson& json, std::initializer_list<const char*> path) {
+  static const ReportJson nothing;
+  const ReportJson* here = &json;
+  for (const char* key : path) {
+    if (!here->is_object()) return nothing;
+    const auto found = here->find(key);
+    if (found == here->end()) return nothing;
+    here = &*found;
+  }
+  return *here;
+}
+
+std::string number_text(const ReportJson& value, int places, const std::string& unit, double factor) {
+  if (!value.is_number()) return none;
+  return decimal(factor * value.get<double>(), places) + (unit.empty() ? "" : " " + unit);
+}
+std::string percent_text(const ReportJson& value, int places) { return number_text(value, places, "%", 100); }
+std::string signed_percent_text(const ReportJson& value, int places) {
+  const std::string text = percent_text(value, places);
+  return value.is_number() && value.get<double>() > 0 ? "+" + text : text;
+}
+std::string text_of(const ReportJson& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_null()) return none;
+  if (value.is_number_float()) return short_decimal(value.get<double>(), 6);
+  return value.dump();
+}
+
+std::string key_figures_section(const ReportJson& report) {
+  Rows rows;
+  const ReportJson &without = at(report, {"figures", "without"}), &with = at(report, {"figures", "with"});
+  const auto both = [&](const std::string& title, auto&& text) {
+    const std::string a = text(without), b = text(with);
+    if (a != none || b != none) rows.push_back({title, a, b});
+  };
+  const auto percents = [](const char* mean, const char* worst) {
+    return [=](const ReportJson& way) {
+      return pair_text(percent_text(at(way, {"coils", mean})), percent_text(at(way, {"coils", worst})));
+    };
+  };
+  both("Coils out of round, mean (worst)", percents("mean_circularity", "worst_circularity"));
+  both("Coil diameters off, mean (worst)", percents("mean_diameter_error", "worst_diameter_error"));
+  both("Areas inside coils off, mean (worst)", percents("mean_area_error", "worst_area_error"));
+  both("Distances of neighbouring coils off, RMS (worst)", [](const ReportJson& way) {
+    return pair_text(number_text(at(way, {"coils", "spacing_rms_mm"}), 2, "mm"),
+                     number_text(at(way, {"coils", "worst_spacing_mm"}), 2, "mm"));
+  });
+  both("Largest coupling |k| of neighbouring coils", [](const ReportJson& way) {
+    return number_text(at(way, {"coils", "worst_k"}), 3);
+  });
+  const std::string all = std::to_string(at(report, {"coils"}).size());
+  both("Coils wholly on the head", [&](const ReportJson& way) {
+    const std::string on_head = number_text(at(way, {"coils", "on_head"}), 0);
+    return on_head == none ? none : on_head + " of " + all;
+  });
+  for (const auto& [key, title] :
+       {std::pair{"anisotropy", "Shape: longer one way than the other, mean (95 % below)"},
+        std::pair{"area_ratio", "Area: larger or smaller, mean (95 % below)"}})
+    for (const auto& [part, where] :
+         {std::pair{"", "The whole chart"}, std::pair{"favoured", "Its favoured region"},
+          std::pair{"rest", "Its rest"}})
+      both(std::string(where) + ". " + title, [name = key, region = part](const ReportJson& way) {
+        const ReportJson& of = *region == 0 ? at(way, {name}) : at(way, {region, name});
+        return pair_text(number_text(at(of, {"mean"}), 3, "×"), number_text(at(of, {"p95"}), 3, "×"));
+      });
+  std::vector<std::pair<std::string, std::string>> facts;
+  const auto fact = [&](const char* title, const std::string& text) {
+    if (text != none) facts.emplace_back(title, text);
+  };
+  fact("Ink of the drawing that found a place", percent_text(at(report, {"pattern", "ink_printed"}), 1));
+  fact("Longest stretch along a printed line",
+       signed_percent_text(at(report, {"ink", "worst_stretch"}).is_number()
+                               ? ReportJson(at(report, {"ink", "worst_stretch"}).get<double>() - 1)
+                               : ReportJson(),
+                           0));
+  fact("Thinnest wall of the whole sheet", number_text(at(report, {"thickness", "least_mm"}), 2, "mm"));
+  fact("Thinnest wall under the drawing's region",
+       percent_text(at(report, {"thickness", "chart_least_ratio"}), 0) + " of the flat sheet");
+  return "<h2>Key figures</h2>\n" +
+         html::table("Measured on the formed surface that carries the ink; 0 % and 1 × are perfect",
+                     {{"Figure"}, {"Printed as drawn", true}, {"Printed with Vacuform", true}}, rows) +
+         html::facts("Ink and wall", facts);
+}
+
+std::string warnings_section(const ReportJson& report) {
+  const ReportJson& warnings = at(report, {"warnings"});
+  if (!warnings.is_array()) return "";
+  if (warnings.empty()) return "<h2>Warnings</h2>\n<p>None.</p>\n";
+  std::string out = "<h2>Warnings</h2>\n<ul class=\"warnings\">\n";
+  for (const auto& warning : warnings) {
+    out += "<li><b>" + escaped(text_of(at(warning, {"code"}))) +
+           "</b>: " + escaped(text_of(at(warning, {"text"})));
+    const ReportJson& marks = at(warning, {"marks"});
+    if (marks.is_array() && !marks.empty()) {
+      out += "<br><span class=\"soft\">Places (x, y, z) in mm on the part, and how large:";
+      for (std::size_t i = 0; i < marks.size(); ++i)
+        out += std::string(i == 0 ? " " : "; ") + std::to_string(i + 1) + ". " +
+               escaped(place_text(at(marks[i], {"place_mm"}))) + " " +
+               escaped(number_text(at(marks[i], {"size_mm"}), 1));
+      out += "</span>";
+    }
+    out += "</li>\n";
+  }
+  return out + "</ul>\n";
+}
+
+std::string coils_section(const ReportJson& report) {
+  const ReportJson &coils = at(report, {"coils"}), &pairs = at(report, {"pairs"});
+  if (!coils.is_array() || coils.empty()) return "";
+  std::string out = "<h2>Coils</h2>\n" + html::legend() + "<div class=\"charts\">" +
+                    bars_of(coils, "circularity", "Out of round, by coil", false) +
+                    bars_of(coils, "diameter_error", "Diameter off, by coil", true) + "</div>\n" +
+                    html::table("Coils, each from its own centre along the surface. Plain: printed as drawn",
+                                {{"Coil"},
+                                 {"On the head"},
+                                 {"Drawn Ø, mm", true},
+                                 {"Formed Ø, mm", true},
+                                 {"Ø off, plain", true},
+                                 {"Ø off", true},
+                                 {"Out of round, plain", true},
+                                 {"Out of round", true},
+                                 {"Area off, plain", true},
+                                 {"Area off", true},
+                                 {"Stretch ×", true},
+                                 {"L, nH", true}},
+                                coil_rows(coils));
+  if (pairs.is_array() && !pairs.empty())
+    out += html::table("Neighbours: distances of the centres along the surface, overlap and coupling k",
+                       {{"Coils"},
+                        {"Drawn, mm", true},
+                        {"Formed, plain", true},
+                        {"Formed, mm", true},
+                        {"Overlap drawn", true},
+                        {"Overlap formed", true},
+                        {"k, plain", true},
+                        {"k", true}},
+                       pair_rows(pairs));
+  return out;
+}
+
+std::string traces_section(const ReportJson& report) {
+  const ReportJson& ink = at(report, {"ink"});
+  if (!ink.is_object()) return "";
+  std::string out = "<h2>Traces and ink</h2>\n";
+  const std::string limit = percent_text(at(ink, {"stretch_limit"}), 0);
+  const ReportJson& stretched = at(ink, {"stretched"});
+  if (!stretched.is_array() || stretched.empty())
+    return out + "<p>No printed line is stretched by more than " + escaped(limit) +
+           ", the limit of the ink.</p>\n";
+  Rows rows;
+  for (const auto& trace : stretched) {
+    const std::string id = text_of(at(trace, {"id"}));
+    rows.push_back({id.empty() ? "between elements" : id, number_text(at(trace, {"worst_stretch"}), 2, "×"),
+                    place_text(at(trace, {"worst_place_mm"})), number_text(at(trace, {"stretched_mm"}), 0),
+                    number_text(at(trace, {"length_mm"}), 0)});
+  }
+  return out + html::table(
+                   "Traces stretched by more than " + limit + ", which coils.stretch_limit sets for the ink",
+                   {{"Trace"},
+                    {"Worst stretch", true},
+                    {"There, mm", true},
+                    {"Length beyond the limit, mm", true},
+                    {"Length, mm", true}},
+                   rows);
+}
+
+std::string histograms_section(const ReportJson& report) {
+  const ReportJson& all = at(report, {"histograms"});
+  if (!all.is_object()) return "";
+  std::string out = "<h2>Distributions</h2>\n" + html::legend() + "<div class=\"charts\">";
+  for (const auto& [key, title, quantity] :
+       {std::tuple{"anisotropy", "Change of shape over the chart", "anisotropy (1: a circle stays a circle)"},
+        std::tuple{"area_ratio", "Change of area over the chart", "area ratio (1: true to scale)"},
+        std::tuple{"thickness_ratio", "Wall after forming", "thickness, of the flat sheet"}}) {
+    const ReportJson& h = at(all, {key});
+    const bool one = at(h, {"shares"}).is_array();
+    if (!h.is_object()) continue;
+    out += html::histogram({title, quantity, at(h, {"low"}).get<double>(), at(h, {"step"}).get<double>(),
+                            numbers(at(h, {one ? "shares" : "with"})),
+                            one ? std::vector<double>{} : numbers(at(h, {"without"})), true});
+  }
+  return out + "</div>\n";
+}
+
+}  // namespace vacuform

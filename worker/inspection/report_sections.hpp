@@ -1,0 +1,31 @@
+// The sections of report.html, each from the part of report.json that it shows, and empty where that is not there.
+// Internal to worker/inspection.
+#pragma once
+
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace vacuform {
+
+using ReportJson = nlohmann::ordered_json;
+
+// The value at a path of keys; null where there is none.
+const ReportJson& at(const ReportJson& json, std::initializer_list<const char*> path);
+
+// A number times `factor` as text, with `places` digits and the unit; an en dash where there is none.
+std::string number_text(const ReportJson& value, int places, const std::string& unit = "", double factor = 1);
+std::string percent_text(const ReportJson& value, int places = 2);         // of a ratio
+std::string signed_percent_text(const ReportJson& value, int places = 2);  // with its sign
+std::string text_of(const ReportJson& value);                              // of any value, as people read it
+
+std::string key_figures_section(const ReportJson& report);
+std::string warnings_section(const ReportJson& report);
+std::string coils_section(const ReportJson& report);
+std::string traces_section(const ReportJson& report);
+std::string histograms_section(const ReportJson& report);
+std::string process_section(const ReportJson& report);  // mold, heat, forming, vents
+std::string sensitivity_section(const ReportJson& report);
+std::string repeat_section(const ReportJson& report);  // settings, versions, digests
+
+}  // namespace vacuform

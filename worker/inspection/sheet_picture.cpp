@@ -1,0 +1,55 @@
+#include "worker/inspection/sheet_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/printing/vector_raster.hpp"
+
+namespace vacuform {
+
+namespace {
+constexpr double pixel_mm = 0.15;
+}
+
+SheetPicture::SheetPicture(const Finished& job)
+    : job_(job), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
+  if (!job.print.vectors) return;
+  width_ = static_cast<int>(std::ceil(job.settings.sheet.width_mm / pixel_mm));
+  height_ = static_cast<int>(std::ceil(job.settings.sheet.height_mm / pixel_mm));
+  const VectorRaster raster(*job.print.vectors, width_, height_, pixel_mm, false);
+  for (int top = 0; top < height_; top += raster.band_rows()) {
+    const auto band = raster.rows(top, std::min(top + raster.band_rows(), height_));
+    rgba_.insert(rgba_.end(), band.begin(), band.end());
+  }
+}
+
+Ink SheetPicture::sample(const Eigen::Vector2d& rest, double blur_mm) const {
+  return job_.print.vectors ? of_vectors(rest) : of_pattern(rest, blur_mm);
+}
+
+// Bilinear, each pixel by its opacity.
+Ink SheetPicture::of_vectors(const Eigen::Vector2d& rest) const {
+  const double x = rest.x() / pixel_mm + width_ / 2.0 - 0.5, y = height_ / 2.0 - rest.y() / pixel_mm - 0.5;
+  const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
+  float sum[4] = {0, 0, 0, 0};
+  for (int j = top; j < top + 2; ++j)
+    for (int i = left; i < left + 2; ++i) {
+      if (i < 0 || j < 0 || i >= width_ || j >= height_) continue;
+      const std::uint8_t* p = &rgba_[4 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) +
+                                          static_cast<std::size_t>(i))];
+      const double weight = (1 - std::abs(x - i)) * (1 - std::abs(y - j));
+      const float opacity = static_cast<float>(weight) * static_cast<float>(p[3]) / 255;
+      for (int k = 0; k < 3; ++k) sum[k] += opacity * static_cast<float>(p[k]) / 255;
+      sum[3] += opacity;
+    }
+  if (!(sum[3] > 0)) return {};
+  return {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3], std::min(1.0f, sum[3])};
+}
+
+Ink SheetPicture::of_pattern(const Eigen::Vector2d& rest, double blur_mm) const {
+  const auto at = chart_.find(rest);
+  if (!at) return {};
+  return job_.pattern.sample(interpolate(job_.sheet.triangles, *at, job_.print.pattern_uv), blur_mm);
+}
+
+}  // namespace vacuform

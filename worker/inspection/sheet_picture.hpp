@@ -1,0 +1,32 @@
+// The print as it lies on the flat sheet, to be looked up at sheet coordinates. Internal to worker/inspection.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "worker/forming/sheet_map.hpp"
+#include "worker/inspection/inspection.hpp"
+
+namespace vacuform {
+
+// Of a print of vectors its own drawing, 0.15 mm a pixel; of any other the pattern under the chart. Keeps a reference to
+// the job.
+class SheetPicture {
+ public:
+  explicit SheetPicture(const Finished& job);
+
+  // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off it.
+  Ink sample(const Eigen::Vector2d& rest, double blur_mm) const;
+
+ private:
+  Ink of_vectors(const Eigen::Vector2d& rest) const;
+  Ink of_pattern(const Eigen::Vector2d& rest, double blur_mm) const;  // of the flat sheet
+
+  const Finished& job_;
+  int width_ = 0, height_ = 0;
+  std::vector<std::uint8_t> rgba_;  // of vectors: straight, rows from the top
+  PlaneLocator chart_;              // of a pattern: the triangles of the chart
+};
+
+}  // namespace vacuform
