@@ -33,29 +33,32 @@ bool is_shade(const Pattern& pattern, const Vector2d& uv, double coverage, doubl
 
 }  // namespace
 
-std::vector<double> ink_gain(const Patch& chart, const Pattern& pattern) {
+std::vector<std::vector<double>> ink_gain(const std::vector<const Patch*>& patches, const Pattern& pattern) {
   if (!pattern.grayscale()) return {};
   const double texel = pattern.size_mm().x() / pattern.size_pixels().x();
-  std::vector<double> gain;
+  std::vector<std::vector<double>> gain;
   double most = 1;
   int inked = 0, shades = 0;
-  for (const Triangle& t : chart.triangles) {
-    gain.push_back(stretched_area(chart, t));
-    const Vector2d &a = chart.uv[static_cast<std::size_t>(t[0])],
-                   &b = chart.uv[static_cast<std::size_t>(t[1])],
-                   &c = chart.uv[static_cast<std::size_t>(t[2])];
-    for (int i = 0; i < steps; ++i)
-      for (int j = 0; i + j < steps; ++j) {
-        const Vector2d uv = a + (b - a) * (i + 1.0 / 3) / steps + (c - a) * (j + 1.0 / 3) / steps;
-        const double coverage = pattern.sample(uv, 0).coverage();
-        if (coverage < 0.05) continue;
-        ++inked;
-        if (is_shade(pattern, uv, coverage, texel)) ++shades;
-        most = std::max(most, coverage * gain.back());
-      }
+  for (const Patch* patch : patches) {
+    gain.emplace_back();
+    for (const Triangle& t : patch->triangles) {
+      gain.back().push_back(stretched_area(*patch, t));
+      const auto at = [&](std::size_t k) { return patch->uv[static_cast<std::size_t>(t[k])]; };
+      const Vector2d a = at(0), b = at(1) - a, c = at(2) - a;
+      for (int i = 0; i < steps; ++i)
+        for (int j = 0; i + j < steps; ++j) {
+          const Vector2d uv = a + b * (i + 1.0 / 3) / steps + c * (j + 1.0 / 3) / steps;
+          const double coverage = pattern.sample(uv, 0).coverage();
+          if (coverage < 0.05) continue;
+          ++inked;
+          if (is_shade(pattern, uv, coverage, texel)) ++shades;
+          most = std::max(most, coverage * gain.back().back());
+        }
+    }
   }
   if (shades * 100 < inked || inked == 0) return {};
-  for (double& g : gain) g /= most;
+  for (auto& of_patch : gain)
+    for (double& g : of_patch) g /= most;
   return gain;
 }
 

@@ -60,13 +60,13 @@ int PdfWriter::deflated_stream(const std::string& dictionary, const std::string&
 std::vector<std::uint8_t> PdfWriter::finish(int catalogue) {
   const std::size_t table = bytes_.size();
   const std::string count = std::to_string(offsets_.size() + 1);
-  text("xref\n0 " + count + "\n0000000000 65535 f \n");
+  text(std::string("xref\n0 ") + count + "\n0000000000 65535 f \n");
   for (const std::size_t offset : offsets_) {
     const std::string digits = std::to_string(offset);
     text(std::string(10 - digits.size(), '0') + digits + " 00000 n \n");
   }
-  text("trailer\n<< /Size " + count + " /Root " + std::to_string(catalogue) + " 0 R >>\nstartxref\n" +
-       std::to_string(table) + "\n%%EOF\n");
+  text(std::string("trailer\n<< /Size ") + count + " /Root " + std::to_string(catalogue) +
+       " 0 R >>\nstartxref\n" + std::to_string(table) + "\n%%EOF\n");
   return std::move(bytes_);
 }
 

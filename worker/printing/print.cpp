@@ -196,6 +196,25 @@ class PictureFiles {
   std::vector<std::uint8_t> rgb_, alpha_;  // a row each; at the end the files
 };
 
+// A picture is seen through its parts' own patches, and what is in no part through the chart.
+std::vector<RasterLayer> layers_of(const Placement& placement) {
+  if (placement.elements.empty()) return {{&placement.chart, RasterLayer::whole, {}}};
+  std::vector<RasterLayer> layers{{&placement.chart, -1, {}}};
+  for (const PlacedElement& element : placement.elements)
+    layers.push_back({&element.patch, element.element, {}});
+  return layers;
+}
+
+// False where there are no shades to make up for.
+bool compensate(std::vector<RasterLayer>& layers, const Pattern& pattern) {
+  std::vector<const Patch*> patches;
+  for (const RasterLayer& layer : layers) patches.push_back(layer.patch);
+  const auto gain = ink_gain(patches, pattern);
+  if (gain.empty()) return false;
+  for (std::size_t i = 0; i < layers.size(); ++i) layers[i].gain = gain[i];
+  return true;
+}
+
 // Draws the rows, and makes the files of them.
 Result<void> draw(const RowSource& source, const Marks& marks, const Settings& settings, int channels,
                   const std::string& label, double from, const Context& context, Print& print) {
@@ -265,14 +284,13 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
   }
   VACUFORM_CHECK(check_ink(print));
 
-  std::vector<double> gain;
-  if (settings.print.compensate_ink) {
-    if (!drawing) gain = ink_gain(placement.chart, pattern);
-    if (gain.empty())
-      print.warnings.push_back(
-          {"ink-not-compensated",
-           "print.compensate_ink has nothing to act on: the drawing has no shades of gray."});
-  }
+  const std::optional<InkParts> parts =
+      drawing || placement.elements.empty() ? std::optional<InkParts>() : InkParts(pattern);
+  std::vector<RasterLayer> layers = drawing ? std::vector<RasterLayer>() : layers_of(placement);
+  if (settings.print.compensate_ink && !compensate(layers, pattern))
+    print.warnings.push_back(
+        {"ink-not-compensated",
+         "print.compensate_ink has nothing to act on: the drawing has no shades of gray."});
   Marks marks;
   if (settings.print.marks) {
     marks = lay_out_marks(settings, printable(label), taken_by(placement.chart, print),
@@ -285,7 +303,8 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
     source = std::make_unique<VectorRaster>(*print.vectors, print.width, print.height, print.pixel_mm,
                                             pattern.grayscale());
   else
-    source = std::make_unique<SheetRaster>(placement.chart, gain, print, pattern, settings.print.dpi);
+    source =
+        std::make_unique<SheetRaster>(layers, parts ? &*parts : nullptr, print, pattern, settings.print.dpi);
   VACUFORM_CHECK(draw(*source, marks, settings, pattern.grayscale() ? 1 : 4, printable(label),
                       drawing ? 0.2 : 0, context, print));
   VACUFORM_CHECK(context.step(Stage::printing, 1));

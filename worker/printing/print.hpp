@@ -52,7 +52,7 @@ struct Print {
 };
 
 // `drawing` is what read_drawing() made of the pattern's file, null where that is a picture; `placement` is what place()
-// made of it. Lines are pulled back as vectors and drawn anti-aliased. Of a picture every pixel is the mean of 4 to 16
+// made of it, or of the drawing of parts_to_place(): each part of a picture is then printed through its own patch. Lines are pulled back as vectors and drawn anti-aliased. Of a picture every pixel is the mean of 4 to 16
 // samples, each filtered by the footprint that its triangle gives it, so that edges are smooth, also the chart's own.
 // With settings.print.compensate_ink, shades of gray are printed darker where the sheet stretches more (see
 // ink_compensation.hpp). Memory is that of the files made plus a band of rows, whatever the dpi. `label` is the readable

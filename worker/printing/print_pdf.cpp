@@ -75,8 +75,9 @@ std::string content_of(const Mark& mark) {
   for (const Text& text : mark.texts) {
     const double back = text.centred ? text_width(text.text) * text.size / 2 : 0;
     const Vector2d start = text.at - back * (text.upwards ? Vector2d(0, 1) : Vector2d(1, 0));
-    out += "BT /F1 " + pdf_number(text.size) + " Tf " + (text.upwards ? "0 1 -1 0 " : "1 0 0 1 ") +
-           point(start) + "Tm " + pdf_text(text.text) + " Tj ET\n";
+    out += std::string("BT /F1 ") + pdf_number(text.size) + " Tf " +
+           (text.upwards ? "0 1 -1 0 " : "1 0 0 1 ") + point(start) + "Tm " + pdf_text(text.text) +
+           " Tj ET\n";
   }
   return out;
 }
@@ -91,7 +92,7 @@ std::string content_of(const VectorPrint& vectors, std::map<std::string, std::st
       std::string name("A");
       name += std::to_string(opacities.size());
       const auto named = opacities.try_emplace(opacity, std::move(name)).first;
-      out += "/" + named->second + " gs\n";
+      out += std::string("/") + named->second + " gs\n";
       if (c.r == c.g && c.g == c.b)
         out += pdf_number(c.r) + " g\n";
       else
@@ -119,8 +120,8 @@ int embed(PdfWriter& pdf, std::span<const std::uint8_t> png, const std::string& 
                   png.begin() + static_cast<std::ptrdiff_t>(at + 8 + length));
     at += length + 12;
   }
-  return pdf.stream("/Type /XObject /Subtype /Image /Width " + std::to_string(width) + " /Height " +
-                        std::to_string(height) + " /BitsPerComponent 8 /ColorSpace " +
+  return pdf.stream(std::string("/Type /XObject /Subtype /Image /Width ") + std::to_string(width) +
+                        " /Height " + std::to_string(height) + " /BitsPerComponent 8 /ColorSpace " +
                         (channels == 1 ? "/DeviceGray" : "/DeviceRGB") + more +
                         " /Filter /FlateDecode /DecodeParms << /Predictor 15 /Colors " +
                         std::to_string(channels) + " /BitsPerComponent 8 /Columns " + std::to_string(width) +
@@ -148,8 +149,9 @@ std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vec
   if (vectors) content += content_of(*vectors, opacities);
   if (picture) {
     const int mask = alpha.empty() ? 0 : embed(pdf, alpha, "");
-    const int image = embed(pdf, picture->png, mask ? " /SMask " + reference(mask) : std::string());
-    resources += " /XObject << /Picture " + reference(image) + " >>";
+    const int image =
+        embed(pdf, picture->png, mask ? std::string(" /SMask ") + reference(mask) : std::string());
+    resources += std::string(" /XObject << /Picture ") + reference(image) + " >>";
     content += pdf_number(picture->width_mm, 6) + " 0 0 " + pdf_number(picture->height_mm, 6) + " " +
                pdf_number(picture->left_mm, 6) + " " + pdf_number(-picture->top_mm - picture->height_mm, 6) +
                " cm\n/Picture Do\n";
@@ -162,23 +164,23 @@ std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vec
   const int marks_layer = pdf.object("<< /Type /OCG /Name (marks) >>");
   const int font =
       pdf.object("<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>");
-  resources += " /Font << /F1 " + reference(font) + " >> /Properties << /Pattern " +
+  resources += std::string(" /Font << /F1 ") + reference(font) + " >> /Properties << /Pattern " +
                reference(pattern_layer) + " /Marks " + reference(marks_layer) + " >>";
   if (!opacities.empty()) {
     resources += " /ExtGState <<";
     for (const auto& [opacity, name] : opacities)
-      resources += " /" + name + " << /Type /ExtGState /ca " + opacity + " >>";
+      resources += std::string(" /") + name + " << /Type /ExtGState /ca " + opacity + " >>";
     resources += " >>";
   }
   const int stream = pdf.deflated_stream("", content);
   const int pages = pdf.reserve();
-  const int only = pdf.object("<< /Type /Page /Parent " + reference(pages) + " /MediaBox [0 0 " +
+  const int only = pdf.object(std::string("<< /Type /Page /Parent ") + reference(pages) + " /MediaBox [0 0 " +
                               pdf_number(size.x(), 6) + " " + pdf_number(size.y(), 6) + "] /Contents " +
                               reference(stream) + " /Resources <<" + resources + " >> >>");
-  pdf.object(pages, "<< /Type /Pages /Count 1 /Kids [" + reference(only) + "] >>");
+  pdf.object(pages, std::string("<< /Type /Pages /Count 1 /Kids [") + reference(only) + "] >>");
   const std::string layers = std::string("[") + reference(pattern_layer) + " " + reference(marks_layer) + "]";
   // Printed at its own size: viewers would else fit the page to the paper.
-  return pdf.finish(pdf.object("<< /Type /Catalog /Pages " + reference(pages) +
+  return pdf.finish(pdf.object(std::string("<< /Type /Catalog /Pages ") + reference(pages) +
                                " /ViewerPreferences << /PrintScaling /None >> /OCProperties << /OCGs " +
                                layers + " /D << /Order " + layers + " /ON " + layers + " >> >> >>"));
 }

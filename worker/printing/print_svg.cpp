@@ -70,24 +70,26 @@ std::string escaped(const std::string& text) {
 }
 
 std::string group_of(const PrintedElement& element) {
-  std::string out = element.id.empty() ? "    <g>\n" : "    <g id=\"" + escaped(element.id) + "\">\n";
+  std::string out =
+      element.id.empty() ? "    <g>\n" : std::string("    <g id=\"") + escaped(element.id) + "\">\n";
   for (const PaintedArea& area : element.areas) {
-    out += "      <path fill=\"" + hex(area.colour) + "\"";
-    if (area.colour.a < 1) out += " fill-opacity=\"" + short_decimal(area.colour.a) + "\"";
+    out += std::string("      <path fill=\"") + hex(area.colour) + "\"";
+    if (area.colour.a < 1) out += std::string(" fill-opacity=\"") + short_decimal(area.colour.a) + "\"";
     if (area.even_odd) out += " fill-rule=\"evenodd\"";
     out += " d=\"";
     for (const Curve& outline : area.outlines) out += path_of(outline);
     out += "\"/>\n";
   }
   for (const Centreline& line : element.centrelines)
-    out += "      <path class=\"centreline\" fill=\"none\" stroke=\"none\" data-width-mm=\"" +
+    out += std::string("      <path class=\"centreline\" fill=\"none\" stroke=\"none\" data-width-mm=\"") +
            short_decimal(line.width_mm, 6) + "\" d=\"" + path_of(line.curve) + "\"/>\n";
   return out + "    </g>\n";
 }
 
 std::string image_of(const PlacedPicture& picture) {
-  return "    <image x=\"" + decimal(picture.left_mm, 6) + "\" y=\"" + decimal(picture.top_mm, 6) +
-         "\" width=\"" + decimal(picture.width_mm, 6) + "\" height=\"" + decimal(picture.height_mm, 6) +
+  return std::string("    <image x=\"") + decimal(picture.left_mm, 6) + "\" y=\"" +
+         decimal(picture.top_mm, 6) + "\" width=\"" + decimal(picture.width_mm, 6) + "\" height=\"" +
+         decimal(picture.height_mm, 6) +
          "\" preserveAspectRatio=\"none\" xlink:href=\"data:image/png;base64," + base64(picture.png) +
          "\"/>\n";
 }
@@ -110,18 +112,19 @@ std::string make_svg(const PrintPage& page, const VectorPrint* vectors, const Pl
   std::string safe = page.label;
   for (char& c : safe)
     if (c == '&' || c == '<' || c == '>') c = '?';
-  svg += "  <title>Vacuform print " + safe + "</title>\n";
+  svg += std::string("  <title>Vacuform print ") + safe + "</title>\n";
   svg += std::string("  <desc>Pre-distorted print at 1:1 for the ") +
          (page.mirrored ? "inner face, mirrored: print on the side that touches the mold"
                         : "outer face, seen from above") +
          ". User units are millimetres; the origin is the sheet's centre, x = s and y = -t before any "
          "mirroring.</desc>\n";
-  svg += "  <g id=\"" + layer("pattern") + "\"" + (page.mirrored ? " transform=\"scale(-1 1)\"" : "") + ">\n";
+  svg += std::string("  <g id=\"") + layer("pattern") + "\"" +
+         (page.mirrored ? " transform=\"scale(-1 1)\"" : "") + ">\n";
   if (picture) svg += image_of(*picture);
   if (vectors)
     for (const PrintedElement& element : vectors->elements)
       if (!element.areas.empty() || !element.centrelines.empty()) svg += group_of(element);
-  svg += "  </g>\n  <g id=\"" + layer("marks") +
+  svg += std::string("  </g>\n  <g id=\"") + layer("marks") +
          "\" fill=\"none\" stroke=\"#000\" stroke-width=\"0.15\">\n"
          "    <style>text { font-family: \"DejaVu Sans\", sans-serif; fill: #000; stroke: none; }</style>\n";
   svg += svg_of(marks);

@@ -12,9 +12,10 @@ namespace vacuform {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-SheetRaster::SheetRaster(const Patch& chart, const std::vector<double>& gain, const Print& print,
+SheetRaster::SheetRaster(const std::vector<RasterLayer>& layers, const InkParts* parts, const Print& print,
                          const Pattern& pattern, int dpi)
     : pattern_(pattern),
+      parts_(parts),
       width_(print.width),
       height_(print.height),
       channels_(pattern.grayscale() ? 1 : 4),
@@ -23,32 +24,34 @@ SheetRaster::SheetRaster(const Patch& chart, const std::vector<double>& gain, co
       band_(std::clamp(1'000'000 / print.width, 16, 256)) {
   const double n = samples_;
   Vector2d low(width_, height_), high(0, 0);
-  for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
-    const Triangle& corners = chart.triangles[t];
-    Piece piece;
-    std::array<Vector2d, 3> uv;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vector2d& st = chart.rest[static_cast<std::size_t>(corners[k])];
-      const Vector2d pixel(st.x() / print.pixel_mm + 0.5 * width_, 0.5 * height_ - st.y() / print.pixel_mm);
-      piece.corners[k] = n * pixel;
-      uv[k] = chart.uv[static_cast<std::size_t>(corners[k])];
-      low = low.cwiseMin(pixel);
-      high = high.cwiseMax(pixel);
+  for (const RasterLayer& layer : layers)
+    for (std::size_t t = 0; t < layer.patch->triangles.size(); ++t) {
+      const Triangle& corners = layer.patch->triangles[t];
+      Piece piece;
+      std::array<Vector2d, 3> uv;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector2d& st = layer.patch->rest[static_cast<std::size_t>(corners[k])];
+        const Vector2d pixel(st.x() / print.pixel_mm + 0.5 * width_, 0.5 * height_ - st.y() / print.pixel_mm);
+        piece.corners[k] = n * pixel;
+        uv[k] = layer.patch->uv[static_cast<std::size_t>(corners[k])];
+        low = low.cwiseMin(pixel);
+        high = high.cwiseMax(pixel);
+      }
+      Matrix2d place, drawn;
+      place << piece.corners[1] - piece.corners[0], piece.corners[2] - piece.corners[0];
+      drawn << uv[1] - uv[0], uv[2] - uv[0];
+      const Matrix2d map = drawn * place.inverse();
+      if (!map.allFinite() || !piece.corners[0].allFinite()) continue;
+      piece.across = map.col(0);
+      piece.down = map.col(1);
+      piece.origin = uv[0] - map * piece.corners[0];
+      // A unit square has the variance of a disk of diameter 2 / sqrt(3); a stretched one is taken as round,
+      // with the same variance in the mean.
+      piece.blur = 2 / std::sqrt(3.0) * map.norm() / std::sqrt(2.0);
+      piece.gain = layer.gain.empty() ? 1.0f : static_cast<float>(layer.gain[t]);
+      piece.part = layer.part;
+      pieces_.push_back(piece);
     }
-    Matrix2d place, drawn;
-    place << piece.corners[1] - piece.corners[0], piece.corners[2] - piece.corners[0];
-    drawn << uv[1] - uv[0], uv[2] - uv[0];
-    const Matrix2d map = drawn * place.inverse();
-    if (!map.allFinite() || !piece.corners[0].allFinite()) continue;
-    piece.across = map.col(0);
-    piece.down = map.col(1);
-    piece.origin = uv[0] - map * piece.corners[0];
-    // A unit square has the variance of a disk of diameter 2 / sqrt(3); a stretched one is taken as round,
-    // with the same variance in the mean.
-    piece.blur = 2 / std::sqrt(3.0) * map.norm() / std::sqrt(2.0);
-    piece.gain = gain.empty() ? 1.0f : static_cast<float>(gain[t]);
-    pieces_.push_back(piece);
-  }
   const auto pixel = [](double x, int limit) {
     return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
   };
@@ -94,7 +97,12 @@ void SheetRaster::scan(const Piece& piece, int first_row, int last_row, int top,
         sums.data() + static_cast<std::ptrdiff_t>(row / n - top) * (box_.right - box_.left) * channels_;
     for (int x = begin; x < end; x += run) {
       const int count = std::min(run, end - x);
-      pattern_.sample_line(start + (x + 0.5) * piece.across, piece.across, count, piece.blur, line);
+      const Vector2d from_here = start + (x + 0.5) * piece.across;
+      pattern_.sample_line(from_here, piece.across, count, piece.blur, line);
+      if (piece.part != RasterLayer::whole)
+        for (int k = 0; k < count; ++k)
+          if (parts_->part_at(from_here + k * piece.across) != piece.part)
+            std::fill_n(line + k * channels_, channels_, 0.0f);
       for (int k = 0; k < count; ++k) {
         float* sum = out + static_cast<std::ptrdiff_t>((x + k) / n - box_.left) * channels_;
         if (piece.gain != 1)

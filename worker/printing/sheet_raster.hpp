@@ -4,18 +4,28 @@
 #include <array>
 #include <vector>
 
+#include "worker/pattern/ink_parts.hpp"
 #include "worker/printing/print.hpp"
 #include "worker/printing/row_source.hpp"
 
 namespace vacuform {
 
-// Keeps references to what it is made of. Pixels are those of the print before any mirroring; the box is the chart's.
+// A patch through which the drawing is looked at.
+struct RasterLayer {
+  static constexpr int whole = -2;
+  const Patch* patch;
+  int part = whole;  // of InkParts: only its ink is seen; -1: only ink of no part
+  std::vector<double>
+      gain;  // for the ink of each triangle, up to full coverage; empty: 1. Of a grayscale drawing only
+};
+
+// Keeps references to what it is made of. Pixels are those of the print before any mirroring; the box is around all
+// patches.
 class SheetRaster : public RowSource {
  public:
-  // Of `print`, the size and the pixel are read. `gain` multiplies the ink of each of the chart's triangles, up to full
-  // coverage; empty for none. Of a grayscale drawing only.
-  SheetRaster(const Patch& chart, const std::vector<double>& gain, const Print& print, const Pattern& pattern,
-              int dpi);
+  // Of `print`, the size and the pixel are read. `parts` may be null where every layer shows the whole.
+  SheetRaster(const std::vector<RasterLayer>& layers, const InkParts* parts, const Print& print,
+              const Pattern& pattern, int dpi);
 
   PixelBox box() const override { return box_; }
   int band_rows() const override { return band_; }
@@ -28,10 +38,12 @@ class SheetRaster : public RowSource {
     Eigen::Vector2d origin, across, down;  // uv = origin + x across + y down
     double blur;
     float gain;
+    int part;
   };
   void scan(const Piece& piece, int first_row, int last_row, int top, std::vector<float>& sums) const;
 
   const Pattern& pattern_;
+  const InkParts* parts_;
   int width_, height_, channels_, samples_, band_;
   PixelBox box_;
   std::vector<Piece> pieces_;

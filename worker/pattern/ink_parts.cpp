@@ -1,0 +1,191 @@
+#include "worker/pattern/ink_parts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "worker/pattern/curve.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr float inked = 0.5f;
+
+// Disjoint sets of grid points; the first in order names its set.
+class Sets {
+ public:
+  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int root(int i) {
+    while (parent_[static_cast<std::size_t>(i)] != i) {
+      int& up = parent_[static_cast<std::size_t>(i)];
+      up = parent_[static_cast<std::size_t>(up)];
+      i = up;
+    }
+    return i;
+  }
+  void join(int a, int b) {
+    a = root(a), b = root(b);
+    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+}  // namespace
+
+InkParts::InkParts(const Pattern& pattern) {
+  drawing_.size_mm = pattern.size_mm();
+  step_ = std::max(0.1, std::sqrt(drawing_.size_mm.prod() / 1e6));
+  // A margin of one point on each side, so that outlines close.
+  columns_ = static_cast<int>(std::ceil(drawing_.size_mm.x() / step_)) + 2;
+  rows_ = static_cast<int>(std::ceil(drawing_.size_mm.y() / step_)) + 2;
+  const std::vector<float> ink = coverage(pattern);
+  label(ink);
+  outline(ink);
+  spread();
+}
+
+Vector2d InkParts::uv(double x, double y) const {
+  return {(x - 0.5) * step_ - drawing_.size_mm.x() / 2, drawing_.size_mm.y() / 2 - (y - 0.5) * step_};
+}
+
+std::vector<float> InkParts::coverage(const Pattern& pattern) const {
+  const int channels = pattern.grayscale() ? 1 : 4;
+  std::vector<float> line(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(channels));
+  std::vector<float> ink(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0.0f);
+  for (int y = 1; y + 1 < rows_; ++y) {
+    pattern.sample_line(uv(0, y), {step_, 0}, columns_, step_, line.data());
+    for (int x = 1; x + 1 < columns_; ++x) {
+      const float* p = line.data() + static_cast<std::ptrdiff_t>(x) * channels;
+      ink[index(x, y)] = channels == 1 ? p[0] : p[3] - (0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2]);
+    }
+  }
+  return ink;
+}
+
+void InkParts::label(const std::vector<float>& ink) {
+  Sets sets(ink.size());
+  for (int y = 1; y < rows_; ++y)
+    for (int x = 1; x + 1 < columns_; ++x) {
+      if (ink[index(x, y)] < inked) continue;
+      for (const auto& [dx, dy] : {std::pair{-1, 0}, {-1, -1}, {0, -1}, {1, -1}})
+        if (const auto beside = index(x + dx, y + dy); ink[beside] >= inked)
+          sets.join(static_cast<int>(index(x, y)), static_cast<int>(beside));
+    }
+  std::vector<Eigen::Vector3d> sums(ink.size(), Eigen::Vector3d::Zero());  // u, v, points
+  for (int y = 0; y < rows_; ++y)
+    for (int x = 0; x < columns_; ++x)
+      if (ink[index(x, y)] >= inked) {
+        const Vector2d at = uv(x, y);
+        sums[static_cast<std::size_t>(sets.root(static_cast<int>(index(x, y))))] +=
+            Eigen::Vector3d(at.x(), at.y(), 1);
+      }
+  std::vector<std::int32_t> element(ink.size(), -1);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (sums[i].z() * step_ * step_ <= 1) continue;
+    element[i] = static_cast<std::int32_t>(drawing_.elements.size());
+    Shape shape;
+    shape.fill = Colour{};
+    shape.even_odd = true;
+    drawing_.elements.push_back({.id = std::string("ink-") + std::to_string(drawing_.elements.size() + 1),
+                                 .centre = sums[i].head<2>() / sums[i].z(),
+                                 .shapes = {std::move(shape)}});
+  }
+  labels_.assign(ink.size(), -1);
+  for (std::size_t i = 0; i < ink.size(); ++i)
+    if (ink[i] >= inked) labels_[i] = element[static_cast<std::size_t>(sets.root(static_cast<int>(i)))];
+}
+
+// Marching squares (Lorensen, Cline 1987, in the plane), ink on the left; where corners of a cell have ink crosswise they
+// are joined, as in the labels.
+void InkParts::outline(const std::vector<float>& ink) {
+  // Edges of the grid: 2 i from point i to the right, 2 i + 1 from it downwards.
+  std::vector<std::int32_t> next(2 * ink.size(), -1);
+  for (int y = 0; y + 1 < rows_; ++y)
+    for (int x = 0; x + 1 < columns_; ++x) {
+      // Counter-clockwise from the lower left, and the edges that follow each corner.
+      const std::array<std::size_t, 4> corner{index(x, y + 1), index(x + 1, y + 1), index(x + 1, y),
+                                              index(x, y)};
+      const std::array<std::size_t, 4> edge{2 * corner[0], 2 * corner[2] + 1, 2 * corner[3],
+                                            2 * corner[3] + 1};
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (ink[corner[k]] < inked || ink[corner[(k + 1) % 4]] >= inked) continue;
+        std::size_t other = (k + 1) % 4;
+        while ((ink[corner[other]] >= inked) == (ink[corner[(other + 1) % 4]] >= inked))
+          other = (other + 1) % 4;
+        next[edge[k]] = static_cast<std::int32_t>(edge[other]);
+      }
+    }
+  const auto crossing = [&](std::size_t e) {
+    const std::size_t a = e / 2, b = e % 2 == 0 ? a + 1 : a + static_cast<std::size_t>(columns_);
+    const double f = (inked - ink[a]) / (ink[b] - ink[a]);
+    const double x = static_cast<double>(a % static_cast<std::size_t>(columns_)),
+                 y = static_cast<double>(a / static_cast<std::size_t>(columns_));
+    return e % 2 == 0 ? uv(x + f, y) : uv(x, y + f);
+  };
+  for (std::size_t first = 0; first < next.size(); ++first) {
+    if (next[first] < 0) continue;
+    const std::size_t a = first / 2, b = first % 2 == 0 ? a + 1 : a + static_cast<std::size_t>(columns_);
+    const std::int32_t element = std::max(labels_[a], labels_[b]);
+    Curve curve{.points = {crossing(first)}, .closed = true};
+    for (std::size_t e = first; next[e] >= 0;) {
+      const auto to = static_cast<std::size_t>(next[e]);
+      next[e] = -1;
+      e = to;
+      const Vector2d from = curve.points.back(), p = e == first ? curve.points.front() : crossing(e);
+      curve.points.insert(curve.points.end(), {from + (p - from) / 3, p - (p - from) / 3, p});
+    }
+    if (element >= 0)
+      drawing_.elements[static_cast<std::size_t>(element)].shapes[0].curves.push_back(std::move(curve));
+  }
+}
+
+// Ink beside a part is its smoothed edge.
+void InkParts::spread() {
+  std::vector<std::size_t> front, then;
+  for (std::size_t i = 0; i < labels_.size(); ++i)
+    if (labels_[i] >= 0) front.push_back(i);
+  const int reach = static_cast<int>(std::ceil(1 / step_));
+  for (int round = 0; round < reach; ++round, std::swap(front, then)) {
+    then.clear();
+    for (const std::size_t i : front) {
+      const int x = static_cast<int>(i % static_cast<std::size_t>(columns_)),
+                y = static_cast<int>(i / static_cast<std::size_t>(columns_));
+      for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+        if (x + dx < 0 || x + dx >= columns_ || y + dy < 0 || y + dy >= rows_) continue;
+        const std::size_t beside = index(x + dx, y + dy);
+        if (labels_[beside] >= 0) continue;
+        labels_[beside] = labels_[i];
+        then.push_back(beside);
+      }
+    }
+  }
+}
+
+int InkParts::part_at(const Vector2d& at) const {
+  const double x = (at.x() + drawing_.size_mm.x() / 2) / step_ + 1,
+               y = (drawing_.size_mm.y() / 2 - at.y()) / step_ + 1;
+  if (!(x >= 0 && y >= 0 && x < columns_ && y < rows_)) return -1;
+  return labels_[index(static_cast<int>(x), static_cast<int>(y))];
+}
+
+std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement placement) {
+  if (placement == PatternPlacement::chart) return std::nullopt;
+  InkParts parts(pattern);
+  const auto& elements = parts.drawing().elements;
+  if (placement == PatternPlacement::elements && !elements.empty()) return parts;
+  if (elements.size() < 2 || elements.size() > 128) return std::nullopt;
+  for (const Element& element : elements) {
+    Eigen::AlignedBox2d box;
+    for (const Curve& curve : element.shapes[0].curves) box.extend(box_of(curve));
+    if (box.sizes().maxCoeff() > 150) return std::nullopt;
+  }
+  return parts;
+}
+
+}  // namespace vacuform
