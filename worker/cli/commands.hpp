@@ -10,6 +10,7 @@ namespace vacuform::cli {
 
 void add_run(CLI::App& app, int& exit_code);        // the whole pipeline, without a server
 void add_inspect(CLI::App& app, int& exit_code);    // what is in a scan, without forming anything
+void add_layout(CLI::App& app, int& exit_code);     // an array of coils made for a scan, as a pattern
 void add_sample(CLI::App& app, int& exit_code);     // writes the bundled head form and coil pattern
 void add_submit(CLI::App& app, int& exit_code);     // the same as run, through a server
 void add_converge(CLI::App& app, int& exit_code);   // how far the result hangs on the grid

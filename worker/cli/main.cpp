@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   int exit_code = 0;
   add_run(app, exit_code);
   add_inspect(app, exit_code);
+  add_layout(app, exit_code);
   add_sample(app, exit_code);
   add_submit(app, exit_code);
   add_converge(app, exit_code);

@@ -1,0 +1,362 @@
+#include "worker/coils/array_layout.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "worker/coils/decoupling.hpp"
+#include "worker/coils/element_layout.hpp"
+#include "worker/coils/flat_picture.hpp"
+#include "worker/coils/voronoi.hpp"
+#include "worker/decimal.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double critical = 0.75;           // spacing over diameter: 0.758 on a plane, 0.736 on a small head
+const double hexagon = std::sqrt(3.0) / 2;  // area of a cell over its spacing squared
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Vertices of the chart that may take a centre, with their areas.
+struct Ground {
+  std::vector<int> vertices;
+  std::vector<double> areas;
+  double area = 0;
+};
+
+struct Chartland {
+  std::vector<double> area;       // per vertex of the sheet; 0 off the chart
+  std::vector<double> to_border;  // mm in space to the chart's border, of the chart's vertices
+};
+
+Chartland survey(const InkedSurface& surface, const Flattening& flattening) {
+  Chartland out{std::vector<double>(surface.inked().size(), 0), {}};
+  std::vector<Vector3d> border;
+  for (const int t : flattening.triangles) {
+    const Triangle& c = surface.triangles()[index(t)];
+    const auto at = [&](std::size_t k) -> const Vector3d& { return surface.inked()[index(c[k])]; };
+    const double third = (at(1) - at(0)).cross(at(2) - at(0)).norm() / 6;
+    for (int k = 0; k < 3; ++k) {
+      out.area[index(c[index(k)])] += third;
+      const int n = surface.across(t, k);
+      if (n < 0 || !surface.on_chart(n))
+        border.push_back(0.5 * (at(index((k + 1) % 3)) + at(index((k + 2) % 3))));
+    }
+  }
+  out.to_border.assign(out.area.size(), 0);
+  for (std::size_t v = 0; v < out.area.size(); ++v) {
+    if (out.area[v] == 0) continue;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector3d& b : border) least = std::min(least, (surface.inked()[v] - b).squaredNorm());
+    out.to_border[v] = std::sqrt(least);
+  }
+  return out;
+}
+
+Ground ground(const InkedSurface& surface, const Chartland& land, ArrayRegion region, double margin_mm) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t v = 0; v < land.area.size(); ++v)
+    if (land.area[v] > 0)
+      low = std::min(low, surface.inked()[v].y()), high = std::max(high, surface.inked()[v].y());
+  const double middle = (low + high) / 2;
+  Ground out;
+  for (std::size_t v = 0; v < land.area.size(); ++v) {
+    if (land.area[v] == 0 || land.to_border[v] < margin_mm) continue;
+    const double y = surface.inked()[v].y() - middle;
+    if ((region == ArrayRegion::front && y < 0) || (region == ArrayRegion::back && y > 0)) continue;
+    out.vertices.push_back(static_cast<int>(v));
+    out.areas.push_back(land.area[v]);
+    out.area += land.area[v];
+  }
+  return out;
+}
+
+// A loop's centre stays half a cell from the border of what is tessellated, and its line reaches farther.
+double margin_for(double spacing_mm, double trace_mm) {
+  return (0.5 / critical - 0.5) * spacing_mm + trace_mm / 2 + 1;
+}
+
+// The part of the ground about its middle that holds an area; `middle` in space.
+Ground about_middle(const InkedSurface& surface, const Ground& whole, const Vector3d& middle, double area) {
+  std::vector<std::size_t> order(whole.vertices.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto far = [&](std::size_t i) {
+    return (surface.inked()[index(whole.vertices[i])] - middle).squaredNorm();
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return far(a) < far(b); });
+  Ground out;
+  for (std::size_t i = 0; i < order.size() && out.area < area; ++i) {
+    out.vertices.push_back(whole.vertices[order[i]]);
+    out.areas.push_back(whole.areas[order[i]]);
+    out.area += whole.areas[order[i]];
+  }
+  return out;
+}
+
+Vector3d middle_of(const InkedSurface& surface, const Ground& land, const Vector3d& top, ArrayRegion region) {
+  if (region == ArrayRegion::dome) return top;
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 0; i < land.vertices.size(); ++i)
+    sum += land.areas[i] * surface.inked()[index(land.vertices[i])];
+  return sum / land.area;
+}
+
+// The `count` nodes of a hexagonal lattice on the chart that are nearest to the middle of the ground.
+std::vector<Vector3d> lattice(const InkedSurface& surface, const Flattening& flattening, const Ground& land,
+                              int count) {
+  Vector2d middle = Vector2d::Zero();
+  for (const int v : land.vertices)
+    middle += flattening.chart[index(v)] / static_cast<double>(land.vertices.size());
+  const double spacing = std::sqrt(land.area / (hexagon * count));
+  std::vector<Vector2d> nodes;
+  for (int j = -count; j <= count; ++j)
+    for (int i = -count; i <= count; ++i) nodes.push_back(spacing * Vector2d(i + 0.5 * (j & 1), hexagon * j));
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [](const Vector2d& a, const Vector2d& b) { return a.squaredNorm() < b.squaredNorm(); });
+  std::vector<Vector3d> out;
+  for (int i = 0; i < count; ++i)
+    out.push_back(surface.place(surface.at_chart(middle + nodes[index(i)]).point));
+  return out;
+}
+
+LaidElement loop_of(int number, double radius, double trace_mm) {
+  LaidElement out{number, {}, 1};
+  constexpr int points = 96;
+  for (int i = 0; i < points; ++i)
+    out.outline.loop.push_back(radius *
+                               Vector2d(std::cos(2 * M_PI * i / points), std::sin(2 * M_PI * i / points)));
+  out.outline.points = out.outline.loop;
+  out.outline.radius_mm = radius;
+  out.outline.reach_mm = radius + trace_mm;
+  out.outline.width_mm = trace_mm;
+  return out;
+}
+
+// A corner of one of the chart's triangles.
+SheetPoint point_at(const InkedSurface& surface, const Flattening& flattening, int vertex) {
+  for (const int t : flattening.triangles)
+    for (int k = 0; k < 3; ++k)
+      if (surface.triangles()[index(t)][index(k)] == vertex) return {t, Vector3d::Unit(k)};
+  return {flattening.triangles.front(), Vector3d::Unit(0)};
+}
+
+ElementLayout element_layout(const InkedSurface& surface, const Flattening& flattening,
+                             const Tessellation& cells) {
+  ElementLayout out;
+  for (const int v : cells.sites) {
+    Centre centre;
+    centre.point = point_at(surface, flattening, v);
+    centre.axis = surface.chart_axis(centre.point.triangle);
+    centre.drawn = flattening.chart[index(v)];
+    out.centres.push_back(centre);
+  }
+  // From the back to the front, and from left to right where that is the same.
+  std::vector<int> order(cells.sites.size()), place(order.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    const Vector2d &p = out.centres[index(a)].drawn, &q = out.centres[index(b)].drawn;
+    return p.y() != q.y() ? p.y() < q.y() : p.x() < q.x();
+  });
+  std::vector<Centre> sorted;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    place[index(order[i])] = static_cast<int>(i), sorted.push_back(out.centres[index(order[i])]);
+  out.centres = std::move(sorted);
+  for (const auto& [a, b] : cells.touch)
+    out.pairs.push_back(
+        {std::min(place[index(a)], place[index(b)]), std::max(place[index(a)], place[index(b)]), 0});
+  return out;
+}
+
+double distance(const InkedSurface& surface, const ElementLayout& layout, const Neighbours& n) {
+  return connect(surface, layout.centres[index(n.a)].point, layout.centres[index(n.b)].point).mm;
+}
+
+// Cells that touch in a short border are farther apart than neighbours are.
+void drop_distant(const InkedSurface& surface, ElementLayout& layout) {
+  std::vector<double> nearest(layout.centres.size(), std::numeric_limits<double>::infinity()), mm;
+  for (const Neighbours& n : layout.pairs) {
+    mm.push_back(distance(surface, layout, n));
+    for (const int i : {n.a, n.b}) nearest[index(i)] = std::min(nearest[index(i)], mm.back());
+  }
+  std::vector<Neighbours> kept;
+  for (std::size_t p = 0; p < mm.size(); ++p)
+    if (mm[p] <= 1.25 * std::max(nearest[index(layout.pairs[p].a)], nearest[index(layout.pairs[p].b)]))
+      kept.push_back(layout.pairs[p]);
+  layout.pairs = std::move(kept);
+}
+
+Element ring(const std::string& id, const Vector2d& centre, double radius, double trace_mm) {
+  const double k = 0.5522847498307936 * radius, r = radius;
+  Curve circle;
+  circle.closed = true;
+  for (const Vector2d& p : {Vector2d(r, 0), Vector2d(r, k), Vector2d(k, r), Vector2d(0, r), Vector2d(-k, r),
+                            Vector2d(-r, k), Vector2d(-r, 0), Vector2d(-r, -k), Vector2d(-k, -r),
+                            Vector2d(0, -r), Vector2d(k, -r), Vector2d(r, -k), Vector2d(r, 0)})
+    circle.points.push_back(centre + p);
+  Shape shape;
+  shape.curves.push_back(std::move(circle));
+  shape.stroke = Stroke{};
+  shape.stroke->width_mm = trace_mm;
+  return {id, centre, {shape}};
+}
+
+Drawing drawing_of(const ElementLayout& layout, const std::vector<Vector2d>& picture, double trace_mm) {
+  Drawing out;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    const double radius = layout.elements[i].size * layout.elements[i].outline.radius_mm;
+    out.elements.push_back(ring("coil-" + std::to_string(i + 1), picture[i], radius, trace_mm));
+    out.size_mm = out.size_mm.cwiseMax(2 * (picture[i].cwiseAbs() + Vector2d::Constant(radius + trace_mm)));
+  }
+  return out;
+}
+
+// The region's ground for the wish, `extra_mm` farther from the border than the loops need.
+Result<Ground> ground_for(const InkedSurface& surface, const Chartland& land, const ArrayWish& wish,
+                          double extra_mm) {
+  const auto refuse = [&](const std::string& mend) {
+    return fail(Code::unusable_surface, std::to_string(wish.count) + " loops do not fit on the region",
+                "--count", mend);
+  };
+  double spacing = wish.diameter_mm.value_or(0) * critical;
+  Ground out = ground(surface, land, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));
+  if (wish.diameter_mm) {
+    const double cell = hexagon * spacing * spacing;
+    if (out.area < wish.count * cell)
+      return refuse("about " + std::to_string(static_cast<int>(out.area / cell)) + " of this diameter fit");
+    const Vector3d top = surface.place(surface.at_chart({0, 0}).point);
+    out = about_middle(surface, out, middle_of(surface, out, top, wish.region), wish.count * cell);
+  }
+  constexpr int rounds = 4;  // spacing and margin hang on each other
+  for (int round = 0; round < rounds && !wish.diameter_mm; ++round) {
+    spacing = std::sqrt(out.area / (hexagon * wish.count));
+    out = ground(surface, land, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));
+  }
+  if (out.vertices.size() < 4 * index(wish.count))
+    return refuse("give fewer, or a finer sheet.resolution_mm");
+  return out;
+}
+
+// Loops of one size, evenly spread.
+Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flattening, const Chartland& land,
+                             const ArrayWish& wish, double extra_mm, const Context& context) {
+  VACUFORM_TRY(where, ground_for(surface, land, wish, extra_mm));
+  const Tessellation cells =
+      tessellate(surface, where.vertices, where.areas, lattice(surface, flattening, where, wish.count));
+  VACUFORM_CHECK(context.step(Stage::printing, 0));
+  ElementLayout layout = element_layout(surface, flattening, cells);
+  drop_distant(surface, layout);
+  double sum = 0;
+  for (const Neighbours& n : layout.pairs) sum += distance(surface, layout, n);
+  const double diameter =
+      wish.diameter_mm.value_or(sum / std::max(1.0, static_cast<double>(layout.pairs.size())) / critical);
+  for (int i = 0; i < wish.count; ++i) {
+    layout.elements.push_back(loop_of(i, diameter / 2, wish.trace_mm));
+    layout.centres[index(i)].radius_mm = diameter / 2;
+  }
+  for (Neighbours& n : layout.pairs) n.drawn_mm = critical * diameter;
+  VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
+  for (Centre& c : layout.centres) c.moved.setZero();
+  return layout;
+}
+
+int off_head(const std::vector<ElementOnSurface>& laid) {
+  return static_cast<int>(
+      std::count_if(laid.begin(), laid.end(), [](const ElementOnSurface& e) { return !e.on_head; }));
+}
+
+// The picture, shifted loop by loop until the least squares of the drawn distances (spacing.hpp) put each centre where
+// the layout has it; the best one met.
+Result<Drawing> picture_that_lands(const InkedSurface& surface, const ElementLayout& layout,
+                                   std::vector<Vector2d> picture, double trace_mm, const Context& context) {
+  constexpr int rounds = 12;
+  constexpr double share = 0.7;
+  Drawing best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < rounds; ++round) {
+    const Drawing drawing = drawing_of(layout, picture, trace_mm);
+    ElementLayout landed = lay_by_chart(surface, drawing, {});
+    if (landed.centres.size() != picture.size()) break;  // some have left the chart
+    VACUFORM_CHECK(equalise(surface, landed.centres, landed.pairs, context));
+    double off = 0;
+    for (std::size_t i = 0; i < picture.size(); ++i) {
+      const Vector2d is = surface.chart(landed.centres[i].point),
+                     wanted = surface.chart(layout.centres[i].point);
+      off += (surface.place(landed.centres[i].point) - surface.place(layout.centres[i].point)).squaredNorm();
+      if (is.allFinite() && wanted.allFinite()) picture[i] += share * (wanted - is);
+    }
+    if (off < least) least = off, best = drawing;
+  }
+  return best.elements.empty() ? drawing_of(layout, picture, trace_mm) : best;
+}
+
+}  // namespace
+
+Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flattening, const ArrayWish& wish,
+                            double size_limit, const Context& context) {
+  VACUFORM_CHECK(context.step(Stage::printing, 0));
+  const InkedSurface surface(sheet, flattening);
+  const Chartland land = survey(surface, flattening);
+  VACUFORM_TRY(layout, spread(surface, flattening, land, wish, 0, context));
+  VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
+  constexpr double farther_mm = 2.5;
+  constexpr int most_tries = 4;  // at equal distances some reach farther out than their cells
+  for (int again = 1; again < most_tries && off_head(laid) > 0; ++again) {
+    auto next = spread(surface, flattening, land, wish, again * farther_mm, context);
+    if (!next && next.error().code != Code::cancelled) break;  // no room for that
+    VACUFORM_CHECK(next);
+    VACUFORM_TRY(next_laid, lay_on_surface(surface, *next, context));
+    if (off_head(next_laid) >= off_head(laid)) continue;
+    layout = std::move(*next);
+    laid = std::move(next_laid);
+  }
+  VACUFORM_CHECK(decouple(surface, layout, laid, size_limit, context));
+
+  Array out;
+  out.diameter_mm = 2 * layout.elements.front().outline.radius_mm;
+  out.pairs = static_cast<int>(layout.pairs.size());
+  out.off_head = off_head(laid);
+  std::vector<double> mm;
+  for (const Neighbours& n : layout.pairs) {
+    mm.push_back(distance(surface, layout, n));
+    out.spacing_mm += mm.back() / out.pairs;
+    if (const auto k = coupling(laid[index(n.a)], laid[index(n.b)]))
+      out.worst_k = std::max(out.worst_k, std::abs(*k));
+  }
+  for (const double d : mm) out.spacing_rms_mm += (d - out.spacing_mm) * (d - out.spacing_mm) / out.pairs;
+  out.spacing_rms_mm = std::sqrt(out.spacing_rms_mm);
+  std::vector<Vector2d> start;
+  for (const Centre& c : layout.centres) {
+    out.centres.push_back(surface.place(c.point));
+    start.push_back(surface.on_chart(c.point.triangle) ? surface.chart(c.point) : c.drawn);
+  }
+  VACUFORM_TRY(drawing, picture_that_lands(surface, layout, flat_picture(start, layout.pairs, mm),
+                                           wish.trace_mm, context));
+  out.drawing = std::move(drawing);
+  return out;
+}
+
+std::string svg_of_rings(const Drawing& drawing, const std::string& title) {
+  const std::string w = decimal(drawing.size_mm.x(), 3), h = decimal(drawing.size_mm.y(), 3);
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "mm\" height=\"" + h +
+                    "mm\" viewBox=\"" + decimal(-drawing.size_mm.x() / 2, 3) + " " +
+                    decimal(-drawing.size_mm.y() / 2, 3) + " " + w + " " + h + "\">\n  <title>" + title +
+                    "</title>\n";
+  for (const Element& e : drawing.elements) {
+    const Shape& shape = e.shapes.front();
+    svg += "  <g id=\"" + e.id + "\"><circle cx=\"" + decimal(e.centre.x(), 4) + "\" cy=\"" +
+           decimal(-e.centre.y(), 4) + "\" r=\"" +
+           decimal((shape.curves.front().points.front() - e.centre).norm(), 4) +
+           "\" fill=\"none\" stroke=\"#000\" stroke-width=\"" + decimal(shape.stroke->width_mm, 3) +
+           "\"/></g>\n";
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace vacuform

@@ -1,0 +1,43 @@
+// An array of loops made for one formed head: spread evenly over a region, critically overlapped, decoupled on the surface.
+#pragma once
+
+#include <optional>
+
+#include "worker/coils/placement.hpp"
+
+namespace vacuform {
+
+// Front is the half of the formed part towards +y, back the other; scan.yaw_deg turns the head.
+enum class ArrayRegion { dome, front, back };
+
+struct ArrayWish {
+  int count = 16;                     // of loops, 4 to 64
+  std::optional<double> diameter_mm;  // none: as large as covers the region
+  ArrayRegion region = ArrayRegion::dome;
+  double trace_mm = 3;  // width of the loops' lines
+};
+
+struct Array {
+  // Circles with the ids coil-1, coil-2... from the back to the front, around (0, 0): at the best flat picture of the
+  // array, whose neighbours are as far apart as on the surface, as nearly as the plane lets. Laid without an offset, and with
+  // coils.decouple, they come to lie where the array has them, as nearly again.
+  Drawing drawing;
+  std::vector<Eigen::Vector3d> centres;  // on the inked surface, mm
+  double diameter_mm = 0;                // of the loops before decoupling changed their sizes
+  double spacing_mm = 0;                 // mean geodesic distance of neighbours
+  double spacing_rms_mm = 0;             // of what differs from the mean
+  double worst_k = 0;
+  int pairs = 0, off_head = 0;
+};
+
+// Loops of equal size spread as the centres of a centroidal Voronoi tessellation of the region, started from a hexagonal
+// lattice on the chart (hexagons where it is flat, pentagons where the curvature needs them), then moved to equal geodesic
+// distances and decoupled with sizes within `size_limit`. Where the diameter is given, the loops lie about the middle
+// of the region. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
+Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flattening, const ArrayWish& wish,
+                            double size_limit, const Context& context);
+
+// The drawing as an SVG in millimetres, a group a coil.
+std::string svg_of_rings(const Drawing& drawing, const std::string& title);
+
+}  // namespace vacuform
