@@ -10,6 +10,7 @@
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
 #include "worker/pattern/drawing.hpp"
+#include "worker/pattern/ink_parts.hpp"
 #include "worker/portion.hpp"
 #include "worker/scan/plug.hpp"
 #include "worker/studies/sensitivity.hpp"
@@ -104,7 +105,8 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   std::vector<Warning> of_drawing;
   const std::optional<Drawing> drawing = read_drawing(inputs.pattern, pattern, of_drawing);
   const Drawing* lines = drawing ? &*drawing : nullptr;
-  VACUFORM_TRY(placement, place(sheet, flattening, lines, s, context));
+  const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement);
+  VACUFORM_TRY(placement, place(sheet, flattening, parts ? &parts->drawing() : lines, s, context));
   VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, label, context));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());

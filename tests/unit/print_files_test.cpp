@@ -10,6 +10,7 @@
 
 #include "tests/unit/drawing_files.hpp"
 #include "tests/unit/hand_made_sheets.hpp"
+#include "worker/pattern/ink_parts.hpp"
 #include "worker/printing/print.hpp"
 
 namespace vacuform {
@@ -166,6 +167,46 @@ TEST(PrintFiles, ReturnsToTheDrawingThroughTheFormedPart) {
     }
   EXPECT_GT(either, 10000);
   EXPECT_GE(static_cast<double>(both) / either, 0.98);
+}
+
+TEST(PrintFiles, EachPartOfAPictureIsPrintedThroughItsOwnPatch) {
+  Sample x = hand_made::flat(120, 24);
+  x.settings.print.marks = false;
+  x.settings.print.dpi = 254;
+  // Two squares of 8 mm, 20 mm apart.
+  const auto gray = [](int i, int j) {
+    return (i / 10 % 20) > 5 && (i / 10 % 20) < 14 && j > 160 && j < 240 ? 0 : 255;
+  };
+  const auto pattern = Pattern::read(gray_png(400, 400, 10000, gray), "two.png", x.settings.pattern, 254);
+  const InkParts parts(*pattern);
+  ASSERT_EQ(parts.drawing().elements.size(), 2u);
+  auto placement = *place(x.sheet, x.flattening, nullptr, x.settings, Context());
+  for (int part = 0; part < 2; ++part) {
+    PlacedElement placed;
+    placed.element = part;
+    placed.patch = placement.chart;
+    // The first goes 7 mm up, the second 7 mm down.
+    for (Vector2d& st : placed.patch.rest) st.y() += part == 0 ? 7 : -7;
+    placement.elements.push_back(placed);
+  }
+  const auto print =
+      make_print(x.sheet, x.flattening, *pattern, nullptr, placement, x.settings, "", Context());
+  ASSERT_TRUE(print) << print.error().text();
+  const Decoded image = decode_png(print->png);
+  Vector2d sums[2]{{0, 0}, {0, 0}};
+  double inks[2]{0, 0};
+  for (int j = 0; j < image.height; ++j)
+    for (int i = 0; i < image.width; ++i) {
+      const double ink = (255 - image.at(i, j)) / 255.0;
+      const Vector2d st((i + 0.5 - 0.5 * image.width) * 0.1, (0.5 * image.height - j - 0.5) * 0.1);
+      const int side = st.x() > 0 ? 1 : 0;
+      sums[side] += ink * st;
+      inks[side] += ink;
+    }
+  EXPECT_LT((sums[0] / inks[0] - Vector2d(-10, 7)).norm(), 0.1);
+  EXPECT_LT((sums[1] / inks[1] - Vector2d(10, -7)).norm(), 0.1);
+  EXPECT_NEAR(inks[0], 8.0 * 7.9 * 100, 20);
+  EXPECT_NEAR(inks[1], inks[0], 1);
 }
 
 std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }

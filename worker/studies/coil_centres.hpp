@@ -14,9 +14,7 @@ struct CoilCentre {
   Eigen::Vector2d uv;  // pattern coordinates, mm from the drawing's centre, v up
 };
 
-// Of an SVG, the middles of the boxes around its groups with an id (around its shapes with an id where they are in no
-// such group; layers and groups of groups are looked into), in the order of the file. Of any other drawing, or where
-// there is no id, the centroids of the connected parts of its ink that are larger than 1 mm2, by rows from the top.
+// The elements of a drawing of lines; of any other, or where there is no id, the parts of its ink (ink_parts.hpp).
 // `bytes` are those that `pattern` was read from. Deterministic.
 std::vector<CoilCentre> coil_centres(std::span<const std::uint8_t> bytes, const Pattern& pattern);
 
