@@ -1,6 +1,5 @@
 #include "worker/pattern/drawing.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,9 +8,7 @@
 #include <string_view>
 
 #include "worker/pattern/curve.hpp"
-#include "worker/pattern/svg_path.hpp"
-#include "worker/pattern/svg_style.hpp"
-#include "worker/pattern/svg_values.hpp"
+#include "worker/pattern/svg_shape.hpp"
 
 namespace vacuform {
 
@@ -70,10 +67,10 @@ class Reader {
     if (!sheets_.complete())
       refuse("a style sheet with selectors of several parts", "export it with plain attributes");
     read_root();
-    if (what_.empty()) return std::move(drawing_);
+    if (!refused()) return std::move(drawing_);
     warnings.push_back({"pattern-as-picture",
                         std::string("The drawing is printed as a picture and not as lines, for it holds ") +
-                            what_ + "; " + mend_ + " to keep its lines exact."});
+                            refusal_.what() + "; " + refusal_.mend() + " to keep its lines exact."});
     return std::nullopt;
   }
 
@@ -107,12 +104,8 @@ class Reader {
     if (found) refuse("values by entities", "save it as plain SVG");
   }
 
-  void refuse(const std::string& what, const std::string& mend) {
-    if (!what_.empty()) return;
-    what_ = what;
-    mend_ = mend;
-  }
-  bool refused() const { return !what_.empty(); }
+  void refuse(const std::string& what, const std::string& mend) { refusal_.because(what, mend); }
+  bool refused() const { return refusal_.given(); }
   void refuse_size() { refuse("more than can be kept as lines", "simplify it"); }
 
   void read_root() {
@@ -275,8 +268,9 @@ class Reader {
     const pugi::xml_node drawn = target(node);
     if (!drawn) return;
     Under moved = under;
-    moved.to_pattern.translate(Vector2d(length(node, "x", LengthOf::width, under).value_or(0),
-                                        length(node, "y", LengthOf::height, under).value_or(0)));
+    moved.to_pattern.translate(
+        Vector2d(length_of(node, "x", LengthOf::width, under.viewport, refusal_).value_or(0),
+                 length_of(node, "y", LengthOf::height, under.viewport, refusal_).value_or(0)));
     const std::string_view name = local_name(drawn);
     if (name != "symbol" && name != "svg") return visit(drawn, moved);
     moved.style = sheets_.of(drawn, under.style, work_);
@@ -302,8 +296,9 @@ class Reader {
     if (!w || !h) return refuse("a size in units that hang on a font", "give sizes in mm");
     if (!(*w > 0) || !(*h > 0)) return;
     if (local_name(node) == "svg")
-      under.to_pattern.translate(Vector2d(length(node, "x", LengthOf::width, under).value_or(0),
-                                          length(node, "y", LengthOf::height, under).value_or(0)));
+      under.to_pattern.translate(
+          Vector2d(length_of(node, "x", LengthOf::width, under.viewport, refusal_).value_or(0),
+                   length_of(node, "y", LengthOf::height, under.viewport, refusal_).value_or(0)));
     const Affine2d outside = under.to_pattern;
     under.viewport = {*w, *h};
     if (node.attribute("refX") || node.attribute("refY"))
@@ -339,132 +334,21 @@ class Reader {
     }
   }
 
-  std::optional<double> length(const pugi::xml_node& node, const char* name, LengthOf of,
-                               const Under& under) {
-    const std::string_view text = trimmed(node.attribute(name).value());
-    if (text.empty() || text == "auto") return std::nullopt;
-    const auto value = svg_length(text, of, under.viewport);
-    if (!value) refuse("lengths that cannot be read", "give them in mm");
-    return value;
-  }
-
-  std::vector<Curve> curves_of(const pugi::xml_node& node, std::string_view name, const Under& under) {
-    const auto x = [&](const char* key) { return length(node, key, LengthOf::width, under).value_or(0); };
-    const auto y = [&](const char* key) { return length(node, key, LengthOf::height, under).value_or(0); };
-    if (name == "path") {
-      const std::string_view d = node.attribute("d").value();
-      work_ += d.size() / 16;
-      return svg_path(d, most_segments - std::min(most_segments, segments_) + 1);
-    }
-    if (name == "circle") {
-      const double r = length(node, "r", LengthOf::diagonal, under).value_or(0);
-      if (!(r > 0)) return {};
-      return svg_ellipse({x("cx"), y("cy")}, {r, r});
-    }
-    auto rx = length(node, "rx", LengthOf::width, under), ry = length(node, "ry", LengthOf::height, under);
-    if (!rx) rx = ry;
-    if (!ry) ry = rx;
-    const Vector2d radii(rx.value_or(0), ry.value_or(0));
-    if (name == "ellipse") {
-      if (!(radii.minCoeff() > 0)) return {};
-      return svg_ellipse({x("cx"), y("cy")}, radii);
-    }
-    if (name == "rect") {
-      const Vector2d size(x("width"), y("height"));
-      if (!(size.minCoeff() > 0)) return {};
-      return svg_rectangle({x("x"), y("y")}, size, radii.cwiseMax(0));
-    }
-    if (name == "line") return svg_polyline({x("x1"), y("y1"), x("x2"), y("y2")}, false);
-    const std::string_view points = node.attribute("points").value();
-    work_ += points.size() / 16;
-    std::vector<double> coordinates;
-    for (NumberCursor cursor(points); const auto value = cursor.number();) coordinates.push_back(*value);
-    return svg_polyline(coordinates, name == "polygon");
-  }
-
-  std::optional<Colour> paint_of(const Style& style, Property paint, Property opacity, double whole) {
-    const std::string_view text = style[paint];
-    if (text == "none") return std::nullopt;
-    if (text.starts_with("url(") || text.starts_with("context-")) {
-      refuse("gradients or patterns as colours", "give plain colours");
-      return std::nullopt;
-    }
-    auto colour = text == "currentColor" || text == "currentcolor" ? svg_colour(style[Property::color])
-                                                                   : svg_colour(text);
-    // Inkscape and Illustrator may say the colour for print behind it.
-    if (!colour) colour = svg_colour(text.substr(0, text.find(' ')));
-    if (!colour) return std::nullopt;
-    colour->a *= svg_opacity(style[opacity]).value_or(1) * whole;
-    if (!(colour->a > 0)) return std::nullopt;
-    return colour;
-  }
-
-  std::optional<Stroke> stroke_of(const Under& under) {
-    const Style& style = under.style;
-    const auto colour = paint_of(style, Property::stroke, Property::stroke_opacity, under.opacity);
-    if (!colour) return std::nullopt;
-    const auto width = svg_length(style[Property::stroke_width], LengthOf::diagonal, under.viewport);
-    if (!width) refuse("widths of lines that cannot be read", "give them in mm");
-    if (!width || !(*width > 0)) return std::nullopt;
-    const Eigen::Vector2d sizes = under.to_pattern.linear().jacobiSvd().singularValues();
-    // A pen's round tip would become oval.
-    if (sizes[0] - sizes[1] > 1e-4 * sizes[0]) {
-      refuse("lines stretched more one way than the other", "turn them into outlines");
-      return std::nullopt;
-    }
-    if (style[Property::vector_effect] == "non-scaling-stroke")
-      refuse("lines that keep their width when scaled", "give their width itself");
-    const double scale = std::sqrt(sizes[0] * sizes[1]);
-    Stroke stroke;
-    stroke.colour = *colour;
-    stroke.width_mm = *width * scale;
-    const std::string_view cap = style[Property::stroke_linecap], join = style[Property::stroke_linejoin];
-    stroke.cap = cap == "round" ? LineCap::round : cap == "square" ? LineCap::square : LineCap::butt;
-    stroke.join = join == "round" ? LineJoin::round : join == "bevel" ? LineJoin::bevel : LineJoin::miter;
-    if (const auto limit = svg_numbers(style[Property::stroke_miterlimit]); limit && limit->size() == 1)
-      stroke.miter_limit = limit->front();
-    read_dashes(under, scale, stroke);
-    return stroke;
-  }
-
-  void read_dashes(const Under& under, double scale, Stroke& stroke) {
-    std::string_view list = trimmed(under.style[Property::stroke_dasharray]);
-    if (list == "none") return;
-    double sum = 0;
-    while (!list.empty()) {
-      const auto end = std::min(list.find_first_of(", \t\r\n"), list.size());
-      if (end > 0) {
-        const auto dash = svg_length(list.substr(0, end), LengthOf::diagonal, under.viewport);
-        // SVG draws a continuous line where a dash is wrong.
-        if (!dash || *dash < 0) return stroke.dashes_mm.clear();
-        stroke.dashes_mm.push_back(*dash * scale);
-        sum += *dash;
-      }
-      list.remove_prefix(std::min(end + 1, list.size()));
-    }
-    if (!(sum > 0)) return stroke.dashes_mm.clear();
-    if (stroke.dashes_mm.size() > 1000) return refuse_size();
-    if (stroke.dashes_mm.size() % 2 == 1) {
-      const auto once = stroke.dashes_mm;
-      stroke.dashes_mm.insert(stroke.dashes_mm.end(), once.begin(), once.end());
-    }
-    const auto offset =
-        svg_length(under.style[Property::stroke_dashoffset], LengthOf::diagonal, under.viewport);
-    stroke.dash_offset_mm = offset.value_or(0) * scale;
-  }
-
   void paint(const pugi::xml_node& node, std::string_view name, const Under& under) {
     const Style& style = under.style;
     if (style[Property::visibility] != "visible") return;
     if (!(std::abs(under.to_pattern.linear().determinant()) > 0)) return;
     Shape shape;
-    shape.curves = curves_of(node, name, under);
+    for (const char* text : {"d", "points"})
+      work_ += std::string_view(node.attribute(text).value()).size() / 16;
+    shape.curves =
+        curves_of(node, under.viewport, most_segments - std::min(most_segments, segments_) + 1, refusal_);
     for (const Curve& curve : shape.curves) segments_ += curve.points.size() / 3;
     if (segments_ > most_segments) return refuse_size();
     if (shape.curves.empty() || refused()) return;
-    if (name != "line") shape.fill = paint_of(style, Property::fill, Property::fill_opacity, under.opacity);
+    if (name != "line") shape.fill = fill_of(style, under.opacity, refusal_);
     shape.even_odd = style[Property::fill_rule] == "evenodd";
-    shape.stroke = stroke_of(under);
+    shape.stroke = stroke_of(style, under.opacity, under.to_pattern, under.viewport, refusal_);
     if (shape.stroke && !shape.stroke->dashes_mm.empty() && node.attribute("pathLength"))
       refuse("dashes by a path's own measure", "give them in mm");
     const bool marked = style[Property::marker_start] != "none" || style[Property::marker_mid] != "none" ||
@@ -531,7 +415,7 @@ class Reader {
   std::map<std::string, int> copies_;
   std::size_t work_ = 0, segments_ = 0, paints_ = 0;
   double length_ = 0, crossings_ = 0;
-  std::string what_, mend_;
+  Refusal refusal_;
 };
 
 }  // namespace

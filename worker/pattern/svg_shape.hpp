@@ -1,0 +1,46 @@
+// What one shape of an SVG is: its curves, its fill, its line. Internal to worker/pattern.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <pugixml.hpp>
+#include <string>
+#include <vector>
+
+#include "worker/pattern/drawing.hpp"
+#include "worker/pattern/svg_style.hpp"
+#include "worker/pattern/svg_values.hpp"
+
+namespace vacuform {
+
+// Why a drawing cannot be held as vectors, and how to mend it. The first reason stays.
+class Refusal {
+ public:
+  void because(const std::string& what, const std::string& mend) {
+    if (given()) return;
+    what_ = what;
+    mend_ = mend;
+  }
+  bool given() const { return !what_.empty(); }
+  const std::string& what() const { return what_; }
+  const std::string& mend() const { return mend_; }
+
+ private:
+  std::string what_, mend_;
+};
+
+// A length among the node's attributes; nothing where it is absent, "auto" or refused.
+std::optional<double> length_of(const pugi::xml_node& node, const char* name, LengthOf of,
+                                const Eigen::Vector2d& viewport, Refusal& refusal);
+
+// In user units; of a path at most `most` segments and a few more. Empty for what is no shape, or draws nothing.
+std::vector<Curve> curves_of(const pugi::xml_node& node, const Eigen::Vector2d& viewport, std::size_t most,
+                             Refusal& refusal);
+
+// Nothing where nothing is painted. `opacity` is that of the element and what it lies in.
+std::optional<Colour> fill_of(const Style& style, double opacity, Refusal& refusal);
+// In pattern coordinates. Refused under a transform that would make a pen's round tip oval.
+std::optional<Stroke> stroke_of(const Style& style, double opacity, const Eigen::Affine2d& to_pattern,
+                                const Eigen::Vector2d& viewport, Refusal& refusal);
+
+}  // namespace vacuform
