@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "api/names.hpp"
 #include "api/settings.hpp"
 #include "server/http/multipart.hpp"
 
@@ -13,6 +14,7 @@ namespace {
 
 struct UploadedFile {
   std::optional<Upload> upload;
+  std::optional<NameFilter> names;  // on the way there
   std::string extension;
 };
 
@@ -30,6 +32,7 @@ class Form : public http::PartSink {
       VACUFORM_TRY(upload, store_.upload());
       file_->upload.emplace(std::move(upload));
       file_->extension = http::safe_extension(file_name);
+      file_->names.emplace(file_->extension);
       limit_ = name == "scan" ? largest_scan : name == "pattern" ? largest_pattern : largest_temperature;
     } else if (name == "settings" && !settings) {
       text_ = &settings.emplace();
@@ -49,7 +52,7 @@ class Form : public http::PartSink {
         return fail(Code::too_large,
                     "the " + part_ + " is larger than " + std::to_string(limit_ >> 20) + " MiB", part_,
                     "send a smaller file");
-      return file_->upload->write(bytes);
+      return file_->upload->write(file_->names->pass(bytes));
     }
     text_bytes_ += bytes.size();
     if (text_bytes_ > largest_settings)
@@ -58,7 +61,9 @@ class Form : public http::PartSink {
     return {};
   }
 
-  Result<void> end() override { return {}; }
+  Result<void> end() override {
+    return file_ ? file_->upload->write(file_->names->finish()) : Result<void>();
+  }
 
   UploadedFile scan, pattern, temperature;
   std::optional<std::string> settings;

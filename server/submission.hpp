@@ -15,7 +15,7 @@ inline constexpr std::uint64_t largest_pattern = 256ull << 20;
 inline constexpr std::uint64_t largest_temperature = 64ull << 20;
 inline constexpr std::uint64_t largest_settings = 64ull << 10;  // the JSON text and all fields together
 
-// Streams the files into the store and validates the settings; a field overrides the same setting of the JSON
+// Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; a field overrides the same setting of the JSON
 // text, an empty field keeps the default. An empty file of temperatures is none, as a browser sends it; any other turns
 // a uniform heat.source into a measured one. `fields` receives what the form held, also when the result is an
 // error. Errors: too_large, bad_settings, bad_usage (a part is missing, unknown or doubled, the body is no

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "api/names.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/progress_bar.hpp"
 #include "worker/cli/settings_options.hpp"
@@ -32,11 +33,14 @@ Result<void> run(const RunOptions& o, const Context& context) try {
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
   VACUFORM_TRY(pattern, read_file(o.pattern));
+  blank_names(scan, o.scan);  // as the service does, so that both make the same of a file
+  blank_names(pattern, o.pattern);
   Inputs inputs{scan, o.scan, pattern, o.pattern, settings};
   std::vector<std::uint8_t> temperature;
   if (!o.temperature.empty()) {
     if (settings.heat.source == HeatSource::uniform) inputs.settings.heat.source = HeatSource::measured;
     VACUFORM_TRY(measured, read_file(o.temperature));
+    blank_names(measured, o.temperature);
     temperature = std::move(measured);
     inputs.temperature = MeasuredFile{temperature, o.temperature};
   }

@@ -1,0 +1,18 @@
+// Names in pictures: texts, Exif and whatever follows the picture's end.
+#pragma once
+
+#include <memory>
+
+#include "api/names.hpp"
+
+namespace vacuform {
+
+// PNG (W3C, third edition): the data of tEXt, zTXt, iTXt and eXIf become zeros in a private chunk that every reader steps
+// over, under a checksum that is right.
+std::unique_ptr<NameFilter::Format> png_names();
+
+// JPEG (ITU-T T.81): the data of comments and application segments become zeros, but for JFIF (density), Adobe (colours)
+// and, of Exif, the orientation.
+std::unique_ptr<NameFilter::Format> jpeg_names();
+
+}  // namespace vacuform

@@ -1,0 +1,14 @@
+// Names in scans that are text, line by line: what follows a comment sign, a "solid", an "o" or a "comment" becomes
+// blanks. Lines keep their ends and their number.
+#pragma once
+
+#include <memory>
+
+#include "api/names.hpp"
+
+namespace vacuform {
+
+enum class TextKind { stl, obj, ply, off };
+std::unique_ptr<NameFilter::Format> text_names(TextKind kind);
+
+}  // namespace vacuform
