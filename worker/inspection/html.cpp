@@ -206,7 +206,7 @@ p, ul { margin: .4rem 0; max-width: 52rem; }
 table { border-collapse: collapse; margin: .6rem 0; font-size: .92rem; }
 caption { text-align: left; padding: .2rem 0; font-size: .92rem; }
 th, td { text-align: left; padding: .18rem .7rem .18rem 0; border-bottom: 1px solid var(--rule); vertical-align: top; }
-tbody th { font-weight: 500; }
+tbody th { font-weight: 500; min-width: 4.6rem; }
 th.group { background: var(--band); font-weight: 600; padding-left: .4rem; }
 .number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 th.number { white-space: normal; min-width: 4.2rem; }

@@ -1,0 +1,134 @@
+"""Coils on a real newborn's head: the bounds of the product, by a checker that reads only what a lab gets."""
+import json
+import math
+import re
+import subprocess
+import unittest
+from html.parser import HTMLParser
+
+from harness import BIN, PATTERNS, SCANS, Case, vacuform
+
+PATTERN = PATTERNS / "rings-7x40mm.svg"
+
+
+class Page(HTMLParser):
+    """What a self-contained page must and must not have."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.headings, self.links, self.tables, self.captions, self.images, self.open = [], [], 0, 0, [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        of = dict(attributes)
+        if tag not in ("meta", "img", "br", "rect", "line", "path"):
+            self.open.append(tag)
+        if re.fullmatch("h[1-6]", tag):
+            self.headings.append(int(tag[1]))
+        self.tables += tag == "table"
+        self.captions += tag == "caption"
+        if tag == "img":
+            self.images.append(of)
+        self.links += [of[name] for name in ("href", "src", "action", "data") if name in of]
+        assert tag not in ("script", "link", "iframe", "object"), tag
+        assert not any(name.startswith("on") for name in of), attributes
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+        if self.open and self.open[-1] == tag:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, tag
+
+
+class Coils(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.out = cls.folder / "out"
+        done = vacuform("run", "--scan", SCANS / "neonate-40w.stl", "--pattern", PATTERN, "--out", cls.out,
+                        "--set", "sheet.resolution_mm=3", "--set", "print.dpi=150")
+        assert done.returncode == 0, done.stderr
+        cls.report = json.loads((cls.out / "report.json").read_text())
+        checked = subprocess.run([BIN / "measure_coils", cls.out / "formed.ply", cls.out / "print.svg", PATTERN],
+                                 capture_output=True, text=True)
+        assert checked.returncode == 0, checked.stderr
+        cls.measured = json.loads(checked.stdout)
+
+    def test_coils_come_out_as_drawn(self):
+        m = self.measured
+        self.assertEqual(m["missing"], [])
+        self.assertEqual(len(m["coils"]), 7)
+        self.assertEqual(len(m["pairs"]), 12)
+        self.assertLess(m["mean_circularity"], 0.008)
+        self.assertLess(m["worst_circularity"], 0.016)
+        self.assertLess(m["mean_area_error"], 0.005)
+        self.assertLess(m["worst_area_error"], 0.04)
+        self.assertLess(m["spacing_rms_mm"], 2)
+        for coil in m["coils"]:
+            self.assertAlmostEqual(coil["drawn_diameter_mm"], 40, delta=0.001)
+
+    def test_the_report_says_the_same(self):
+        coils = {c["id"]: c for c in self.report["coils"]}
+        self.assertEqual([c["id"] for c in self.measured["coils"]], list(coils))
+        for measured in self.measured["coils"]:
+            said = coils[measured["id"]]["with"]
+            for key in ("diameter_mm", "area_mm2"):
+                self.assertAlmostEqual(said[key] / measured[key], 1, delta=0.001, msg=key)
+            # Of the worst millimetre: it begins elsewhere.
+            self.assertAlmostEqual(said["worst_stretch"] / measured["worst_stretch"], 1, delta=0.005)
+            for key in ("circularity", "area_error"):
+                self.assertAlmostEqual(said[key], measured[key], delta=0.001, msg=key)
+            self.assertAlmostEqual(said["inductance_nh"] / measured["inductance_nh"], 1, delta=0.01)
+        pairs = {frozenset(p["coils"]): p for p in self.report["pairs"]}
+        for measured in self.measured["pairs"]:
+            said = pairs[frozenset(measured["coils"])]
+            self.assertAlmostEqual(said["drawn_distance_mm"], measured["drawn_distance_mm"], delta=0.001)
+            self.assertAlmostEqual(said["with"]["distance_mm"] / measured["distance_mm"], 1, delta=0.001)
+            self.assertAlmostEqual(said["with"]["k"], measured["k"], delta=0.003)
+        summary = self.report["figures"]["with"]["coils"]
+        for key in ("mean_circularity", "worst_circularity", "mean_area_error", "worst_area_error"):
+            self.assertAlmostEqual(summary[key], self.measured[key], delta=0.001, msg=key)
+
+    def test_printed_as_drawn_they_come_out_far_worse(self):
+        with_, without = (self.report["figures"][way]["coils"] for way in ("with", "without"))
+        self.assertGreater(without["mean_circularity"], 5 * with_["mean_circularity"])
+        self.assertGreater(without["mean_area_error"], 10 * with_["mean_area_error"])
+
+    def test_stretched_traces_are_marked(self):
+        ink = self.report["ink"]
+        self.assertEqual(ink["traces"], 7)
+        for trace in ink["stretched"]:
+            self.assertGreater(trace["worst_stretch"], 1 + ink["stretch_limit"])
+            self.assertLessEqual(trace["stretched_mm"], trace["length_mm"])
+            # Around 20 mm of a dome: shorter than in the plane.
+            self.assertLess(trace["length_mm"], 40 * math.pi)
+            self.assertGreater(trace["length_mm"], 0.95 * 40 * math.pi)
+        warnings = [w for w in self.report["warnings"] if w["code"] == "trace-stretched"]
+        self.assertEqual(len(warnings), 1 if ink["stretched"] else 0)
+
+    def test_the_page_needs_nothing_else_and_says_the_same(self):
+        text = (self.out / "report.html").read_text()
+        self.assertLess(len(text), 3_000_000)
+        page = Page(text)
+        self.assertEqual(page.open, [])
+        self.assertEqual(page.headings[0], 1)
+        self.assertEqual(page.headings.count(1), 1)
+        self.assertTrue(all(b - a <= 1 for a, b in zip(page.headings, page.headings[1:])))
+        self.assertEqual(page.tables, page.captions)
+        for link in page.links:
+            self.assertTrue(link.startswith("data:image/png;base64,"), link[:80])
+        self.assertNotIn("url(", text)
+        self.assertGreaterEqual(len(page.images), 7)
+        for image in page.images:
+            self.assertTrue(image["alt"])
+        for coil in self.report["coils"]:
+            self.assertIn(f'<th scope="row">{coil["id"]}</th>', text)
+            self.assertIn(f'{coil["with"]["diameter_mm"]:.2f}', text)
+        self.assertIn(self.report["label"], text)
+        self.assertIn(self.report["sha256"]["scan"], text)
+
+
+if __name__ == "__main__":
+    unittest.main()
