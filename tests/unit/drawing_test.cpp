@@ -182,7 +182,7 @@ TEST(Drawing, StylesFollowTheCascade) {
         ".b{stroke:#000} .a{fill:none;stroke:#777}", "#p{fill:#444} path.b{fill:#aaa} *{stroke:#000}",
         "path,g{stroke:black}.a{fill:none !important}",
         "/* .a{fill:none} */ .b.a{stroke:#333;stroke-width:3} .b{stroke-width:1}"})
-    expect_as_drawn("<style>" + std::string(sheet) + "</style>" + shape);
+    expect_as_drawn(std::string("<style>") + std::string(sheet) + "</style>" + shape);
   expect_as_drawn(
       "<g color='#555' fill='none' stroke='currentColor'><g stroke-width='3'>"
       "<path d='M-12-9H12V9Z' fill='inherit'/></g></g>");
@@ -245,8 +245,8 @@ TEST(Drawing, SortsWhatIsDrawnIntoElements) {
 TEST(Drawing, OpacityOfOneShapeIsItsColoursAndOfMoreIsRefused) {
   const std::string two = "<circle r='8'/><circle cx='6' r='8'/>";
   expect_as_drawn("<g opacity='0.5'><circle r='8' opacity='0.5'/></g>");
-  expect_as_drawn("<g fill-opacity='0.5'>" + two + "</g>");
-  EXPECT_FALSE(read_page("<g opacity='0.5'>" + two + "</g>").drawing);
+  expect_as_drawn(std::string("<g fill-opacity='0.5'>") + two + "</g>");
+  EXPECT_FALSE(read_page(std::string("<g opacity='0.5'>") + two + "</g>").drawing);
   EXPECT_FALSE(read_page("<circle r='8' stroke='#000' opacity='0.5'/>").drawing);
 }
 
@@ -275,8 +275,8 @@ TEST(Drawing, AHostileOneIsRefusedSoon) {
   // Thirty doublings of one circle.
   std::string bomb = "<defs><circle id='u0' r='1'/>";
   for (int i = 1; i <= 30; ++i) {
-    const std::string below = "<use href='#u" + std::to_string(i - 1) + "'/>";
-    bomb += "<g id='u" + std::to_string(i) + "'>" + below + below + "</g>";
+    const std::string below = std::string("<use href='#u") + std::to_string(i - 1) + "'/>";
+    bomb += std::string("<g id='u") + std::to_string(i) + "'>" + below + below + "</g>";
   }
   std::string classes;
   for (int i = 0; i < 20'000; ++i) classes += " a";
@@ -288,20 +288,22 @@ TEST(Drawing, AHostileOneIsRefusedSoon) {
   for (int i = 0; i < 20'000; ++i) dots += "<path d='M0 0h1v1'/>";
   std::string scribble = "M0 0";
   for (int i = 0; i < 5000; ++i)
-    scribble += "L" + std::to_string(i * 7919 % 40 - 20) + " " + std::to_string(i * 104729 % 41 - 20);
+    scribble +=
+        std::string("L") + std::to_string(i * 7919 % 40 - 20) + " " + std::to_string(i * 104729 % 41 - 20);
   // librsvg itself is not asked about these.
   const Pattern page_of = read_page("<circle r='3'/>").pattern;
-  for (const auto& [body, kept] : {std::pair<std::string, bool>{bomb + "</defs><use href='#u30'/>", false},
-                                   {"<use id='x' href='#x'/>", false},
-                                   {"<style>" + rules + "</style>" + dots, false},
-                                   {"<g class='" + classes + "'>" + dots + "</g>", true},
-                                   {"<path d='" + path + "'/>", false},
-                                   {"<path d='M0 0L1e300 1e300 -1e308 5'/>", false},
-                                   {"<circle r='1e200' stroke='red' stroke-width='1e99'/>", false},
-                                   {"<path d='M0 0Lnan inf'/><circle r='-3'/><path d='M0 0L1e999 5'/>", true},
-                                   {"<rect width='nan' height='1'/>", false},
-                                   {"<path d='M0 0h4' stroke='red' stroke-dasharray='1e-30'/>", false},
-                                   {"<path d='" + scribble + "' fill='none' stroke='red'/>", false}}) {
+  for (const auto& [body, kept] :
+       {std::pair<std::string, bool>{bomb + "</defs><use href='#u30'/>", false},
+        {"<use id='x' href='#x'/>", false},
+        {std::string("<style>") + rules + "</style>" + dots, false},
+        {std::string("<g class='") + classes + "'>" + dots + "</g>", true},
+        {std::string("<path d='") + path + "'/>", false},
+        {"<path d='M0 0L1e300 1e300 -1e308 5'/>", false},
+        {"<circle r='1e200' stroke='red' stroke-width='1e99'/>", false},
+        {"<path d='M0 0Lnan inf'/><circle r='-3'/><path d='M0 0L1e999 5'/>", true},
+        {"<rect width='nan' height='1'/>", false},
+        {"<path d='M0 0h4' stroke='red' stroke-dasharray='1e-30'/>", false},
+        {std::string("<path d='") + scribble + "' fill='none' stroke='red'/>", false}}) {
     std::vector<Warning> warnings;
     const auto drawing = read_drawing(bytes_of(page(body)), page_of, warnings);
     EXPECT_EQ(drawing.has_value(), kept) << body.substr(0, 100);

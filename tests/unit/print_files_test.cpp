@@ -42,7 +42,7 @@ Made make(const Sample& x, const Bytes& bytes, bool as_lines = true) {
 }
 Bytes page(const std::string& body, double side = 70) {
   const std::string mm = std::to_string(side), half = std::to_string(-side / 2);
-  return bytes_of("<svg xmlns='http://www.w3.org/2000/svg' width='" + mm + "mm' height='" + mm +
+  return bytes_of(std::string("<svg xmlns='http://www.w3.org/2000/svg' width='") + mm + "mm' height='" + mm +
                   "mm' viewBox='" + half + " " + half + " " + mm + " " + mm + "'>" + body + "</svg>");
 }
 Bytes real(const std::string& name) {
@@ -215,7 +215,7 @@ std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 std::string content_of(const std::string& pdf) {
   std::smatch found;
   if (!std::regex_search(pdf, found, std::regex("/Contents (\\d+) 0 R"))) return {};
-  const auto object = pdf.find("\n" + found[1].str() + " 0 obj");
+  const auto object = pdf.find(std::string("\n") + found[1].str() + " 0 obj");
   const auto begin = pdf.find("stream\n", object) + 7, end = pdf.find("\nendstream", begin);
   std::string out(1 << 22, '\0');
   uLongf size = out.size();
