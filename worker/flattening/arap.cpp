@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "worker/flattening/held_points.hpp"
@@ -34,6 +35,12 @@ class LocalGlobal {
         cholesky_(matrix_.matrix()) {
     if (!cholesky_.factor(matrix_.matrix()))
       throw std::logic_error("the cotangent Laplacian is not positive definite");
+  }
+
+  double area() const {
+    double sum = 0;
+    for (const ChartElement& e : elements_) sum += e.area;
+    return sum;
   }
 
   // Finds each triangle's best rotation (and scale); the energy of the chart as it is, and rhs_ for the step.
@@ -89,22 +96,41 @@ class LocalGlobal {
   SupernodalCholesky::Columns<2> rhs_;
 };
 
+// Tells when an energy that falls step by step has little left to fall: the sum of all that would follow if its gains
+// kept shrinking as in the last two steps, or in the slower of them.
+class Settling {
+ public:
+  // An energy no larger than `nothing` has settled too.
+  Settling(double energy, double nothing) : energy_(energy), nothing_(nothing) {}
+
+  bool after(double energy) {
+    constexpr double little = 1e-6, rounding = 1e-13, never = std::numeric_limits<double>::infinity();
+    const double gain = energy_ - energy, ratio = gain_ > 0 ? gain / gain_ : never;
+    const double slower = std::max(ratio, ratio_);
+    energy_ = energy, gain_ = gain, ratio_ = ratio;
+    if (energy <= nothing_ || gain <= rounding * energy) return true;
+    return slower < 1 && gain * slower / (1 - slower) <= little * energy;
+  }
+
+ private:
+  double energy_, nothing_;
+  double gain_ = 0, ratio_ = std::numeric_limits<double>::infinity();
+};
+
 }  // namespace
 
 Result<FlatteningOutcome> flatten_arap(Chart& chart, const Context& context, std::optional<double> lambda,
                                        int most_iterations) {
-  constexpr double least_gain = 1e-6;
   VACUFORM_CHECK(context.step(Stage::flattening, 0));
   LocalGlobal steps(chart, lambda);
   FlatteningOutcome outcome;
-  double energy = steps.local();
+  constexpr double least_strain_squared = 1e-14;
+  Settling settling(steps.local(), least_strain_squared * steps.area());
   while (outcome.iterations < most_iterations && !outcome.converged) {
     VACUFORM_CHECK(context.step(Stage::flattening, 1 - 1 / (1 + 0.1 * outcome.iterations)));
     steps.global();
     ++outcome.iterations;
-    const double now = steps.local();
-    outcome.converged = energy - now <= least_gain * energy;
-    energy = now;
+    outcome.converged = settling.after(steps.local());
   }
   return outcome;
 }

@@ -72,7 +72,7 @@ ChartMatrix<D>::ChartMatrix(const Chart& chart) {
     for (int i = 0, k = 0; i < 3 * D; ++i)
       for (int j = 0; j <= i; ++j) {
         const std::pair<int, int> a{chart.triangles[t][i / D], i % D}, b{chart.triangles[t][j / D], j % D};
-        const auto& [low, high] = std::minmax(a, b);
+        const auto [low, high] = std::minmax(a, b);
         slots_[t][k++] = slot(low.first, low.second, high.first, high.second);
       }
 }

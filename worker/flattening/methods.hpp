@@ -21,7 +21,7 @@ struct FlatteningOutcome {
 //   sum w A min over R and s of |J - s R|^2 + lambda (s^2 - 1)^2
 // (their energy with lambda A in place of lambda, so that it hangs neither on the grid nor on the unit). lambda above 0:
 // towards 0 angles are kept at the cost of areas, and iterations grow; none is the limit of a large one.
-// Stops when an iteration lowers the energy by less than a millionth, or unconverged after `most_iterations`.
+// Stops when the last gains leave a millionth of the energy to gain, or unconverged after `most_iterations`.
 // Triangles can turn over.
 Result<FlatteningOutcome> flatten_arap(Chart& chart, const Context& context,
                                        std::optional<double> lambda = {}, int most_iterations = 300);

@@ -16,24 +16,26 @@ double area(const FormedSheet& sheet, int k) {
 
 // Neighbours across the three edges, -1 on the sheet's border.
 std::vector<std::array<int, 3>> neighbours(const std::vector<Triangle>& triangles, std::size_t vertices) {
-  std::vector<std::array<int, 3>> across(triangles.size(), {-1, -1, -1});
   // The sides of triangles by the lower of their two vertices, so that twins stand in the same short list.
   struct Side {
     int upper, triangle, edge;
   };
-  std::vector<std::vector<Side>> open(vertices);
+  std::vector<int> first(vertices + 1, 0);
+  for (const Triangle& t : triangles)
+    for (int e = 0; e < 3; ++e) ++first[std::min(t[e], t[(e + 1) % 3]) + 1];
+  for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
+  std::vector<Side> sides(3 * triangles.size());
+  std::vector<int> end(first.begin(), first.end() - 1);
+  std::vector<std::array<int, 3>> across(triangles.size(), {-1, -1, -1});
   for (int k = 0; k < static_cast<int>(triangles.size()); ++k)
     for (int e = 0; e < 3; ++e) {
       const auto [lower, upper] = std::minmax(triangles[k][e], triangles[k][(e + 1) % 3]);
-      auto& list = open[lower];
-      const auto twin =
-          std::find_if(list.begin(), list.end(), [&](const Side& s) { return s.upper == upper; });
-      if (twin == list.end()) {
-        list.push_back({upper, k, e});
-      } else {
-        across[k][e] = twin->triangle;
-        across[twin->triangle][twin->edge] = k;
-      }
+      for (int i = first[lower]; i < end[lower]; ++i)
+        if (sides[i].upper == upper) {
+          across[k][e] = sides[i].triangle;
+          across[sides[i].triangle][sides[i].edge] = k;
+        }
+      sides[end[lower]++] = {upper, k, e};
     }
   return across;
 }
