@@ -4,7 +4,6 @@
 //   bench_stages [--json]
 //
 // Peak memory is the process's resident peak within the stage (Linux: clear_refs and VmHWM), inputs included.
-// CGAL's ARAP on the same surface is the peer of our flattening; it stands in the row below it.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -86,19 +85,13 @@ class Bench {
     });
     rows.back().made = count(sheet.triangles.size(), "triangles");
 
-    const auto flat = [&](FlatteningMethod method) {
-      FlatteningSettings flattening;
-      flattening.method = method;
-      auto made = measure(head, method == FlatteningMethod::arap ? "flattening" : "flattening (CGAL)", [&] {
-        return flatten(sheet, mold, flattening, settings.pattern.inked_face, context);
-      });
-      char text[96];
-      std::snprintf(text, sizeof text, "%zu triangles, energy %.5f", made.triangles.size(), made.energy);
-      rows.back().made = text;
-      return made;
-    };
-    const auto flattening = flat(FlatteningMethod::arap);
-    flat(FlatteningMethod::cgal_arap);
+    const auto flattening = measure(head, "flattening", [&] {
+      return flatten(sheet, mold, settings.flattening, settings.pattern.inked_face, context);
+    });
+    char text[96];
+    std::snprintf(text, sizeof text, "%zu triangles, energy %.5f", flattening.triangles.size(),
+                  flattening.energy);
+    rows.back().made = text;
 
     const auto pattern = measure(head, "pattern", [&] {
       return Pattern::read(drawing, pattern_name, settings.pattern, settings.print.dpi);
@@ -111,8 +104,8 @@ class Bench {
     });
     rows.back().made = count(placement.elements.size(), "elements");
     const auto print = measure(head, "printing", [&] {
-      return make_print(sheet, flattening, pattern, lines ? &*lines : nullptr, placement, settings, "benchmark",
-                        context);
+      return make_print(sheet, flattening, pattern, lines ? &*lines : nullptr, placement, settings,
+                        "benchmark", context);
     });
     rows.back().made = count(print.png.size() / 1024, "KiB of print.png");
 
