@@ -192,6 +192,23 @@ void drop_distant(const InkedSurface& surface, ElementLayout& layout) {
   layout.pairs = std::move(kept);
 }
 
+// Neighbours by the distances as they are now, by the measure of a drawing's (spacing.hpp). Whether they have changed.
+bool find_pairs(const InkedSurface& surface, ElementLayout& layout, double spacing_mm) {
+  ElementLayout near;
+  near.centres = layout.centres;
+  for (std::size_t a = 0; a < near.centres.size(); ++a)
+    for (std::size_t b = a + 1; b < near.centres.size(); ++b)
+      if ((surface.place(near.centres[a].point) - surface.place(near.centres[b].point)).norm() <
+          1.4 * spacing_mm)
+        near.pairs.push_back({static_cast<int>(a), static_cast<int>(b), 0});
+  drop_distant(surface, near);
+  const bool same =
+      std::equal(near.pairs.begin(), near.pairs.end(), layout.pairs.begin(), layout.pairs.end(),
+                 [](const Neighbours& p, const Neighbours& q) { return p.a == q.a && p.b == q.b; });
+  layout.pairs = std::move(near.pairs);
+  return !same;
+}
+
 Element ring(const std::string& id, const Vector2d& centre, double radius, double trace_mm) {
   const double k = 0.5522847498307936 * radius, r = radius;
   Curve circle;
@@ -260,9 +277,14 @@ Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flat
     layout.elements.push_back(loop_of(i, diameter / 2, wish.trace_mm));
     layout.centres[index(i)].radius_mm = diameter / 2;
   }
-  for (Neighbours& n : layout.pairs) n.drawn_mm = critical * diameter;
-  VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
-  for (Centre& c : layout.centres) c.moved.setZero();
+  // Where the centres have moved, others may be neighbours.
+  constexpr int rounds = 4;
+  for (int round = 0; round < rounds; ++round) {
+    for (Neighbours& n : layout.pairs) n.drawn_mm = critical * diameter;
+    VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
+    for (Centre& c : layout.centres) c.moved.setZero();
+    if (!find_pairs(surface, layout, critical * diameter)) break;
+  }
   return layout;
 }
 

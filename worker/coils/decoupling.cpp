@@ -61,11 +61,30 @@ class Decoupling {
     for (const Centre& c : layout.centres) start_.push_back(c.moved);
   }
 
+  // On bumps the steps are taken on a rough layout, whose couplings are corrected by what it was wrong at their start.
   Result<void> run() {
-    VACUFORM_CHECK(improve());
-    if (worst(couplings(laid_)) < required_k) return {};
-    stay_on_head_ = false;  // better off the head than coupled
-    return improve();
+    constexpr int most_corrections = 3;
+    correction_ = VectorXd::Zero(static_cast<Index>(pairs_.size()));
+    for (int pass = 0; pass < most_corrections && worst(couplings(laid_)) > good_k; ++pass) {
+      const VectorXd exact = couplings(laid_);
+      const bool bumps = !all_smooth();
+      if (bumps) {
+        VACUFORM_TRY(rough, lay_on_surface(surface_, layout_, context_, true));
+        laid_ = std::move(rough);
+        correction_ = exact - couplings(laid_);
+        if (!correction_.allFinite()) correction_.setZero();
+      }
+      VACUFORM_CHECK(improve());
+      if (worst(couplings(laid_)) > required_k) {
+        stay_on_head_ = false;  // better off the head than coupled
+        VACUFORM_CHECK(improve());
+      }
+      correction_.setZero();
+      if (!bumps && all_smooth()) break;
+      VACUFORM_TRY(fine, lay_on_surface(surface_, layout_, context_));
+      laid_ = std::move(fine);
+    }
+    return {};
   }
 
  private:
@@ -94,6 +113,10 @@ class Decoupling {
       }
     }
     return {};
+  }
+
+  bool all_smooth() const {
+    return std::all_of(laid_.begin(), laid_.end(), [](const ElementOnSurface& e) { return e.patch.smooth; });
   }
 
   double weight(std::size_t i) const {
@@ -233,7 +256,7 @@ class Decoupling {
       double& size = layout_.elements[i].size;
       size = std::clamp(size + unit_size * d[2], 1 - limit_, 1 + limit_);
     }
-    VACUFORM_TRY(next, lay_on_surface(surface_, layout_, context_));
+    VACUFORM_TRY(next, lay_on_surface(surface_, layout_, context_, true));
     bool left = false;
     for (std::size_t i = 0; i < next.size() && stay_on_head_; ++i) {
       if (!laid_[i].on_head || next[i].on_head) continue;
@@ -242,7 +265,7 @@ class Decoupling {
       left = true;
     }
     if (!left) return next;
-    return lay_on_surface(surface_, layout_, context_);
+    return lay_on_surface(surface_, layout_, context_, true);
   }
 
   const InkedSurface& surface_;
@@ -254,6 +277,7 @@ class Decoupling {
   std::vector<double> weights_;
   std::vector<Vector2d> start_;
   bool stay_on_head_ = true;
+  VectorXd correction_;  // of the rough layout's couplings
 };
 
 }  // namespace

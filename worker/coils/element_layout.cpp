@@ -52,7 +52,7 @@ ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, 
 }
 
 Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
-                                                     const Context& context) {
+                                                     const Context& context, bool rough) {
   std::vector<ElementOnSurface> out;
   const std::vector<double> turn = turns(surface, layout.centres, layout.pairs);
   for (std::size_t i = 0; i < layout.elements.size(); ++i) {
@@ -61,7 +61,7 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface
     const Centre& centre = layout.centres[i];
     VACUFORM_TRY(patch, element_patch(surface, centre.point,
                                       turned(surface, centre.point.triangle, centre.axis, turn[i]),
-                                      element.size * element.outline.reach_mm, context));
+                                      element.size * element.outline.reach_mm, context, rough));
     ElementOnSurface laid;
     laid.turn = turn[i];
     laid.patch = std::move(patch);

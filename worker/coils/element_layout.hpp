@@ -37,9 +37,9 @@ struct ElementOnSurface {
   double self_nh = 0;                 // the loop's own inductance
 };
 
-// The elements of a layout where their centres are now. Errors: cancelled.
+// The elements of a layout where their centres are now; `rough` as in element_patch(). Errors: cancelled.
 Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
-                                                     const Context& context);
+                                                     const Context& context, bool rough = false);
 
 // M / sqrt(L1 L2); nothing unless both have a loop.
 std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b);
