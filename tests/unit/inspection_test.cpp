@@ -168,8 +168,8 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   std::vector<std::string> groups;
   for (const auto& [key, value] : r.items()) groups.push_back(key);
   EXPECT_EQ(groups, (std::vector<std::string>{"settings", "scan", "mold", "heat", "forming", "thickness",
-                                              "flattening", "pattern", "print", "figures", "warnings",
-                                              "vents", "artifacts"}));
+                                              "flattening", "pattern", "print", "figures", "histograms",
+                                              "warnings", "vents", "artifacts"}));
   EXPECT_EQ(r["pattern"]["format"], "SVG");
   EXPECT_EQ(r["pattern"]["size_mm"], (nlohmann::json{60.0, 50.0}));
   EXPECT_NEAR(r["pattern"]["ink_area_mm2"].get<double>(), 2 * M_PI * 20 * 3, 0.5);
@@ -184,6 +184,15 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
     for (const char* figure : {"anisotropy", "area_ratio"})
       for (const char* statistic : {"mean", "p95", "p99", "max"})
         EXPECT_GE(figures[side][figure][statistic], 1.0);
+  for (const auto& [figure, way] : {std::pair{"anisotropy", "with"},
+                                    {"anisotropy", "without"},
+                                    {"area_ratio", "with"},
+                                    {"area_ratio", "without"},
+                                    {"thickness_ratio", "shares"}}) {
+    double sum = 0;
+    for (const double share : r["histograms"][figure][way]) sum += share;
+    EXPECT_NEAR(sum, 1, 0.002) << figure << " " << way;
+  }
   const auto& thickness = job.sample.sheet.element_thickness;
   EXPECT_NEAR(r["thickness"]["least_ratio"].get<double>(),
               *std::min_element(thickness.begin(), thickness.end()), 1e-4);
