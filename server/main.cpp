@@ -50,8 +50,8 @@ Result<Address> loopback_address(const std::string& listen, const std::string& o
     return fail(Code::bad_usage, "not an address with a port: " + listen, option,
                 "give for example 127.0.0.1:8080");
   if (!http::is_loopback_host(address.host))
-    return fail(Code::bad_usage, "refusing to listen on " + address.host + " without a TLS front",
-                option, "give 127.0.0.1, localhost or [::1]");
+    return fail(Code::bad_usage, "refusing to listen on " + address.host + " without a TLS front", option,
+                "give 127.0.0.1, localhost or [::1]");
   if (address.host == "localhost") address.host = "127.0.0.1";
   if (address.host == "[::1]") address.host = "::1";
   return address;
@@ -132,7 +132,8 @@ Result<void> serve(const Options& options) {
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
   VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
   Access access(*store);
-  Service service{*store, access, static_cast<int>(store_options.lease / 1000)};
+  Workers seen_workers;
+  Service service{*store, access, seen_workers, static_cast<int>(store_options.lease / 1000)};
 
   Metrics metrics;
   http::ServerOptions listener;

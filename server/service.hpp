@@ -7,6 +7,7 @@
 #include "server/access.hpp"
 #include "server/http/router.hpp"
 #include "server/store/store.hpp"
+#include "server/workers.hpp"
 
 namespace vacuform {
 
@@ -14,6 +15,7 @@ namespace vacuform {
 struct Service {
   Store& store;
   Access& access;
+  Workers& workers;
   int lease_seconds = 30;
   int heartbeat_seconds = 1;
 };
@@ -21,6 +23,7 @@ struct Service {
 void add_job_routes(http::Router& router, Service& service);      // /api/v1/jobs..., for people and programs
 void add_worker_routes(http::Router& router, Service& service);   // /api/v1/leases..., for workers
 void add_token_routes(http::Router& router, Service& service);    // /api/v1/tokens..., for administrators
+void add_limits_routes(http::Router& router, Service& service);   // /api/v1/limits
 void add_page_routes(http::Router& router, Service& service);     // /, /jobs/{id}: HTML
 void add_sign_in_routes(http::Router& router, Service& service);  // /sign-in, /sign-out: HTML
 void add_public_routes(http::Router& router, Service& service);   // what is about the service itself

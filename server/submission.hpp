@@ -13,6 +13,7 @@ namespace vacuform {
 inline constexpr std::uint64_t largest_scan = 1ull << 30;
 inline constexpr std::uint64_t largest_pattern = 256ull << 20;
 inline constexpr std::uint64_t largest_temperature = 64ull << 20;
+inline constexpr std::uint64_t largest_artifact = 2ull << 30;
 inline constexpr std::uint64_t largest_settings = 64ull << 10;  // the JSON text and all fields together
 
 // Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; a field overrides the same setting of the JSON

@@ -7,6 +7,7 @@
 #include "server/job_json.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
+#include "server/submission.hpp"
 
 namespace vacuform {
 
@@ -18,7 +19,6 @@ using nlohmann::ordered_json;
 namespace {
 
 constexpr std::uint64_t largest_message = 64 << 10;
-constexpr std::uint64_t largest_artifact = 2ull << 30;
 
 // The body as a JSON object; an empty body is an empty object.
 Result<json> read_object(Request& request) {
@@ -36,13 +36,24 @@ std::string text_of(const json& object, const char* key) {
   return it != object.end() && it->is_string() ? it->get<std::string>().substr(0, 2000) : std::string();
 }
 
+std::vector<std::string> texts_of(const json& object, const char* key) {
+  std::vector<std::string> texts;
+  const auto it = object.find(key);
+  if (it != object.end() && it->is_array())
+    for (const json& item : *it)
+      if (item.is_string()) texts.push_back(item.get<std::string>());
+  return texts;
+}
+
 LeaseKey key_of(const Request& request) {
   return {request.at("job"), std::string(request.header("Vacuform-Lease"))};
 }
 
 Result<Response> take_lease(Service& service, Request& request) {
   VACUFORM_TRY(body, read_object(request));
-  VACUFORM_TRY(lease, service.store.lease(text_of(body, "worker").substr(0, 64)));
+  const std::string worker = text_of(body, "worker").substr(0, 64);
+  service.workers.seen(worker, texts_of(body, "sandbox"), wall_clock());
+  VACUFORM_TRY(lease, service.store.lease(worker));
   if (!lease) {
     Response response;
     response.status = 204;

@@ -21,6 +21,8 @@
 #include <cstdint>
 #include <memory>
 
+#include "api/sandbox_measures.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -225,9 +227,9 @@ Sandbox Sandbox::of_this_machine() {
 
 std::vector<std::string> Sandbox::measures(bool taken) const {
   std::vector<std::string> names;
-  if (namespaces == taken) names.push_back("namespaces");
-  if ((landlock > 0) == taken) names.push_back("landlock");
-  if (seccomp == taken) names.push_back("seccomp");
+  const std::array<bool, sandbox_measures.size()> takes{namespaces, landlock > 0, seccomp};
+  for (std::size_t i = 0; i < takes.size(); ++i)
+    if (takes[i] == taken) names.emplace_back(sandbox_measures[i]);
   return names;
 }
 

@@ -222,7 +222,7 @@ class Service(Case):
             return None if 'http-equiv="refresh"' in text else text  # the page follows the job by itself
         text = wait_for(finished, "the job's last page")
         pictures = [html.unescape(src) for src in re.findall(r'<img[^>]*src="([^"]+)"', text)]
-        self.assertEqual(len([p for p in pictures if "/preview-" in p]), 6)
+        self.assertEqual(len([p for p in pictures if "/preview-" in p]), 8)
         self.assertTrue(all(re.search(r'alt="[^"]+"', img) for img in re.findall(r"<img[^>]*>", text)))
         for picture in pictures:
             self.assertEqual(curl(self.server.url + picture).body[:8], b"\x89PNG\r\n\x1a\n")

@@ -94,6 +94,20 @@ TEST_F(ServerApi, TheRequestThatMadeAJobIsKnownToItsWorker) {
   EXPECT_EQ(raw("nonsense\r\n\r\n").header("X-Request-Id").size(), 32u);
 }
 
+TEST_F(ServerApi, SaysItsLimitsAndWhatKeepsJobsIn) {
+  const std::string ask_for_job = R"({"worker":"w1","sandbox":["seccomp","namespaces","magic",7]})";
+  EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), ask_for_job).status, 204);
+  EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"w2"})").status, 204);
+  const json limits = json::parse(ask("GET", "/api/v1/limits").body);
+  EXPECT_EQ(limits["scan_bytes"], 1 << 30);
+  EXPECT_EQ(limits["head_lines"], 100);
+  ASSERT_EQ(limits["workers"].size(), 2u);
+  EXPECT_EQ(
+      limits["workers"][0],
+      (json{{"worker", "w1"}, {"sandbox", {"namespaces", "seccomp"}}, {"lacks", json::array({"landlock"})}}));
+  EXPECT_EQ(limits["workers"][1]["lacks"].size(), 3u);
+}
+
 TEST_F(ServerApi, DownloadsKnowRangesAndEntityTags) {
   const std::string id = created(), path = "/api/v1/jobs/" + id + "/artifacts/formed.ply";
   const json held = lease();

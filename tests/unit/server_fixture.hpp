@@ -35,7 +35,7 @@ class ServerTest : public testing::Test {
     data_ = std::filesystem::temp_directory_path() / ("vacuform-server-" + random_hex(8));
     store_ = std::move(*open_store(data_));
     access_ = std::make_unique<Access>(*store_);
-    service_ = std::make_unique<Service>(Service{*store_, *access_, 30, 1});
+    service_ = std::make_unique<Service>(Service{*store_, *access_, workers_, 30, 1});
     user_ = token("station-1", {Scope::submit, Scope::read});
     worker_ = token("workers", {Scope::work});
     admin_ = token("admin", {Scope::admin});
@@ -150,6 +150,7 @@ class ServerTest : public testing::Test {
   std::string user_, worker_, admin_;
   std::unique_ptr<Store> store_;
   std::unique_ptr<Access> access_;
+  Workers workers_;
   std::unique_ptr<Service> service_;
   std::unique_ptr<http::Server> server_;
   Metrics metrics_;

@@ -1,0 +1,52 @@
+// What the service takes, how long it waits, and what its workers' jobs are kept from.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "api/sandbox_measures.hpp"
+#include "server/http/connection.hpp"
+#include "server/problem.hpp"
+#include "server/service.hpp"
+#include "server/submission.hpp"
+
+namespace vacuform {
+
+using http::Request;
+using http::Response;
+using nlohmann::ordered_json;
+
+namespace {
+
+ordered_json workers_json(const Workers& workers) {
+  ordered_json list = ordered_json::array();
+  for (const SeenWorker& worker : workers.lately(wall_clock())) {
+    ordered_json lacks = ordered_json::array();
+    for (const std::string_view measure : sandbox_measures)
+      if (std::find(worker.sandbox.begin(), worker.sandbox.end(), measure) == worker.sandbox.end())
+        lacks.push_back(measure);
+    list.push_back({{"worker", worker.name}, {"sandbox", worker.sandbox}, {"lacks", lacks}});
+  }
+  return list;
+}
+
+}  // namespace
+
+void add_limits_routes(http::Router& router, Service& service) {
+  add_guarded(router, service, Scope::read, "GET", "/api/v1/limits",
+              [](Service& s, Request&, const Caller&) -> Result<Response> {
+                const http::Limits limits;
+                return json_response({{"scan_bytes", largest_scan},
+                                      {"pattern_bytes", largest_pattern},
+                                      {"temperature_bytes", largest_temperature},
+                                      {"settings_bytes", largest_settings},
+                                      {"artifact_bytes", largest_artifact},
+                                      {"head_bytes", limits.head_bytes},
+                                      {"head_lines", limits.head_lines},
+                                      {"head_seconds", limits.head_time.count() / 1000},
+                                      {"wait_seconds", limits.wait.count() / 1000},
+                                      {"body_bytes_per_second", limits.slowest_body},
+                                      {"lease_seconds", s.lease_seconds},
+                                      {"workers", workers_json(s.workers)}});
+              });
+}
+
+}  // namespace vacuform
