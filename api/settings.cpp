@@ -548,6 +548,10 @@ Result<void> check_together(const Settings& s) {
                 "give a window of at most " + number(s.sheet.width_mm) + " x " + number(s.sheet.height_mm) +
                     " mm, or a larger sheet");
   VACUFORM_CHECK(check_heat(s));
+  if (s.flattening.weights == FlatteningWeights::ink && !s.pattern.points.empty())
+    return fail(Code::bad_settings, "where the ink lies is known by pattern.offset_mm, not by pattern.points",
+                "flattening.weights",
+                "lay the drawing by pattern.offset_mm and rotate_deg, or choose other weights");
   const double cells =
       (s.sheet.width_mm / s.sheet.resolution_mm) * (s.sheet.height_mm / s.sheet.resolution_mm);
   if (cells > 640000)

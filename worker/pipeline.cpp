@@ -61,11 +61,15 @@ Result<FormedSheet> sheet_of(const Inputs& inputs, const nlohmann::ordered_json&
   return sheet;
 }
 
-}  // namespace
+struct Formed {
+  Mold mold;
+  FormedSheet sheet;  // with the warnings of everything up to it
+  HeatSummary heat;
+  std::vector<Variant> variants;  // where the sensitivity is asked for
+};
 
-Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
+Result<Formed> form_head(const Inputs& inputs, const Context& context) {
   const Settings& s = inputs.settings;
-  VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
   const nlohmann::ordered_json all = to_json(s);
   nlohmann::ordered_json of_mold = {{"scan", sha256_hex(inputs.scan)},
                                     {"type", std::filesystem::path(inputs.scan_name).extension().string()},
@@ -90,24 +94,61 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   sheet.warnings.insert(sheet.warnings.begin(), of_fit.begin(), of_fit.end());
   for (Warning& w : warmth.warnings) sheet.warnings.push_back(std::move(w));
   for (Warning& w : temperature_findings(sheet, s.sheet.material)) sheet.warnings.push_back(std::move(w));
-  VACUFORM_TRY(flattening, flatten(sheet, mold, s.flattening, s.pattern.inked_face, context));
+  return Formed{std::move(mold), std::move(sheet), warmth.summary, std::move(variants)};
+}
 
-  // The same inputs, settings and version make the same print: their digest is its name.
-  nlohmann::ordered_json identity = {{"scan", sha256_hex(inputs.scan)},
-                                     {"pattern", sha256_hex(inputs.pattern)},
-                                     {"settings", to_json(s)},
-                                     {"version", version}};
-  if (inputs.temperature) identity["temperature"] = sha256_hex(inputs.temperature->bytes);
+// The same inputs, settings and version make the same print: the digest of all of them is its name.
+struct Identity {
+  std::string label;
+  nlohmann::ordered_json sha256;
+};
+Identity identity_of(const Inputs& inputs) {
+  nlohmann::ordered_json whole = {{"scan", sha256_hex(inputs.scan)},
+                                  {"pattern", sha256_hex(inputs.pattern)},
+                                  {"settings", to_json(inputs.settings)},
+                                  {"version", version}};
+  if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
   Sha256 digest;
-  digest.add(identity.dump());
-  const std::string label = digest.hex().substr(0, 12);
+  digest.add(whole.dump());
+  nlohmann::ordered_json of_files = {{"scan", whole["scan"]}, {"pattern", whole["pattern"]}};
+  if (inputs.temperature) of_files["temperature"] = whole["temperature"];
+  return {digest.hex().substr(0, 12), std::move(of_files)};
+}
+
+Result<void> write_files(const std::filesystem::path& out, const std::vector<Artifact>& files,
+                         const nlohmann::ordered_json& whole) {
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error)
+    return fail(Code::unreadable, "the folder cannot be made", out.string(),
+                "check its name and permissions");
+  const auto bytes_of = [](const std::string& words) {
+    return std::span(reinterpret_cast<const std::uint8_t*>(words.data()), words.size());
+  };
+  for (const Artifact& file : files) VACUFORM_CHECK(write_whole(out / file.name, file.bytes));
+  VACUFORM_CHECK(write_whole(out / "report.html", bytes_of(report_html(whole, files))));
+  return write_whole(out / "report.json", bytes_of(whole.dump(2) + "\n"));
+}
+
+}  // namespace
+
+Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
+  const Settings& s = inputs.settings;
+  VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
+  VACUFORM_TRY(formed, form_head(inputs, context));
+  const FormedSheet& sheet = formed.sheet;
+  const InkCoverage ink = [&](const Eigen::Vector2d& chart, double blur_mm) {
+    return pattern.sample(pattern_coordinates(chart, s.pattern), blur_mm / s.pattern.scale).coverage();
+  };
+  VACUFORM_TRY(flattening, flatten(sheet, formed.mold, s.flattening, s.pattern.inked_face, context, ink));
+  const Identity identity = identity_of(inputs);
 
   std::vector<Warning> of_drawing;
   const std::optional<Drawing> drawing = read_drawing(inputs.pattern, pattern, of_drawing);
   const Drawing* lines = drawing ? &*drawing : nullptr;
   const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement);
   VACUFORM_TRY(placement, place(sheet, flattening, parts ? &parts->drawing() : lines, s, context));
-  VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, label, context));
+  VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, identity.label, context));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   VACUFORM_TRY(alignment, align(InkedSurface(sheet, flattening), s.pattern));
@@ -118,32 +159,19 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
                                   measuring.context()));
     measured = std::move(figures);
   }
-  const Finished job{
-      s, mold, sheet, flattening, pattern, print, warmth.summary, alignment, measured ? &*measured : nullptr};
+  const Finished job{s,           formed.mold, sheet,
+                     flattening,  pattern,     print,
+                     formed.heat, alignment,   measured ? &*measured : nullptr};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
-  nlohmann::ordered_json whole = {{"vacuform", version},
-                                  {"label", label},
-                                  {"sha256", {{"scan", identity["scan"]}, {"pattern", identity["pattern"]}}}};
-  if (inputs.temperature) whole["sha256"]["temperature"] = identity["temperature"];
+  nlohmann::ordered_json whole = {
+      {"vacuform", version}, {"label", identity.label}, {"sha256", identity.sha256}};
   whole.update(report(job));
   if (inputs.sensitivity)
     whole["sensitivity"] = sensitivity_json(
-        sheet, variants,
+        sheet, formed.variants,
         printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv));
-  const std::string text = whole.dump(2) + "\n", page = report_html(whole, files);
-
-  std::error_code error;
-  std::filesystem::create_directories(out, error);
-  if (error)
-    return fail(Code::unreadable, "the folder cannot be made", out.string(),
-                "check its name and permissions");
-  for (const Artifact& file : files) VACUFORM_CHECK(write_whole(out / file.name, file.bytes));
-  const auto bytes_of = [](const std::string& words) {
-    return std::span(reinterpret_cast<const std::uint8_t*>(words.data()), words.size());
-  };
-  VACUFORM_CHECK(write_whole(out / "report.html", bytes_of(page)));
-  return write_whole(out / "report.json", bytes_of(text));
+  return write_files(out, files, whole);
 }
 
 Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit) {
