@@ -262,10 +262,10 @@ Result<Ground> ground_for(const InkedSurface& surface, const Chartland& land, co
 
 // Loops of one size, evenly spread.
 Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flattening, const Chartland& land,
-                             const ArrayWish& wish, double extra_mm, const Context& context) {
+                             const ArrayWish& wish, double extra_mm, bool settle, const Context& context) {
   VACUFORM_TRY(where, ground_for(surface, land, wish, extra_mm));
-  const Tessellation cells =
-      tessellate(surface, where.vertices, where.areas, lattice(surface, flattening, where, wish.count));
+  const Tessellation cells = tessellate(surface, where.vertices, where.areas,
+                                        lattice(surface, flattening, where, wish.count), settle);
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   ElementLayout layout = element_layout(surface, flattening, cells);
   drop_distant(surface, layout);
@@ -291,6 +291,39 @@ Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flat
 int off_head(const std::vector<ElementOnSurface>& laid) {
   return static_cast<int>(
       std::count_if(laid.begin(), laid.end(), [](const ElementOnSurface& e) { return !e.on_head; }));
+}
+
+struct Trial {
+  ElementLayout layout;
+  std::vector<ElementOnSurface> laid;
+};
+
+double worst_coupling(const Trial& trial) {
+  double worst = 0;
+  for (const Neighbours& n : trial.layout.pairs)
+    if (const auto k = coupling(trial.laid[index(n.a)], trial.laid[index(n.b)]))
+      worst = std::max(worst, std::abs(*k));
+  return worst;
+}
+
+// Spread and decoupled.
+Result<Trial> try_out(const InkedSurface& surface, const Flattening& flattening, const Chartland& land,
+                      const ArrayWish& wish, double size_limit, bool settle, const Context& context) {
+  VACUFORM_TRY(layout, spread(surface, flattening, land, wish, 0, settle, context));
+  VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
+  constexpr double farther_mm = 2.5;
+  constexpr int most_tries = 4;  // at equal distances some reach farther out than their cells
+  for (int again = 1; again < most_tries && off_head(laid) > 0; ++again) {
+    auto next = spread(surface, flattening, land, wish, again * farther_mm, settle, context);
+    if (!next && next.error().code != Code::cancelled) break;  // no room for that
+    VACUFORM_CHECK(next);
+    VACUFORM_TRY(next_laid, lay_on_surface(surface, *next, context));
+    if (off_head(next_laid) >= off_head(laid)) continue;
+    layout = std::move(*next);
+    laid = std::move(next_laid);
+  }
+  VACUFORM_CHECK(decouple(surface, layout, laid, size_limit, context));
+  return Trial{std::move(layout), std::move(laid)};
 }
 
 // The picture, shifted loop by loop until the least squares of the drawn distances (spacing.hpp) put each centre where
@@ -325,31 +358,25 @@ Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flatteni
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   const InkedSurface surface(sheet, flattening);
   const Chartland land = survey(surface, flattening);
-  VACUFORM_TRY(layout, spread(surface, flattening, land, wish, 0, context));
-  VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
-  constexpr double farther_mm = 2.5;
-  constexpr int most_tries = 4;  // at equal distances some reach farther out than their cells
-  for (int again = 1; again < most_tries && off_head(laid) > 0; ++again) {
-    auto next = spread(surface, flattening, land, wish, again * farther_mm, context);
-    if (!next && next.error().code != Code::cancelled) break;  // no room for that
-    VACUFORM_CHECK(next);
-    VACUFORM_TRY(next_laid, lay_on_surface(surface, *next, context));
-    if (off_head(next_laid) >= off_head(laid)) continue;
-    layout = std::move(*next);
-    laid = std::move(next_laid);
+  // A given size is laid as the lattice is; a fitted one as the region asks. What cannot be decoupled is tried the other way.
+  VACUFORM_TRY(best, try_out(surface, flattening, land, wish, size_limit, !wish.diameter_mm, context));
+  constexpr double required_k = 0.01;
+  if (worst_coupling(best) >= required_k) {
+    auto other = try_out(surface, flattening, land, wish, size_limit, wish.diameter_mm.has_value(), context);
+    if (!other && other.error().code == Code::cancelled) return tl::make_unexpected(other.error());
+    if (other && worst_coupling(*other) < worst_coupling(best)) best = std::move(*other);
   }
-  VACUFORM_CHECK(decouple(surface, layout, laid, size_limit, context));
+  const auto& [layout, laid] = best;
 
   Array out;
   out.diameter_mm = 2 * layout.elements.front().outline.radius_mm;
   out.pairs = static_cast<int>(layout.pairs.size());
   out.off_head = off_head(laid);
+  out.worst_k = worst_coupling(best);
   std::vector<double> mm;
   for (const Neighbours& n : layout.pairs) {
     mm.push_back(distance(surface, layout, n));
     out.spacing_mm += mm.back() / out.pairs;
-    if (const auto k = coupling(laid[index(n.a)], laid[index(n.b)]))
-      out.worst_k = std::max(out.worst_k, std::abs(*k));
   }
   for (const double d : mm) out.spacing_rms_mm += (d - out.spacing_mm) * (d - out.spacing_mm) / out.pairs;
   out.spacing_rms_mm = std::sqrt(out.spacing_rms_mm);

@@ -30,10 +30,11 @@ struct Array {
   int pairs = 0, off_head = 0;
 };
 
-// Loops of equal size spread as the centres of a centroidal Voronoi tessellation of the region, started from a hexagonal
-// lattice on the chart (hexagons where it is flat, pentagons where the curvature needs them), then moved to equal geodesic
-// distances and decoupled with sizes within `size_limit`. Where the diameter is given, the loops lie about the middle
-// of the region. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
+// Loops of equal size: of a given diameter a piece of a hexagonal lattice about the middle of the region, fitted ones the
+// centres of a centroidal Voronoi tessellation of it (hexagons where it is flat, pentagons where the curvature needs
+// them); each way is tried where the other cannot be decoupled. Then moved to equal geodesic distances and decoupled with
+// sizes within `size_limit`; worst_k says how well that went. Deterministic. Errors: unusable_surface (they do
+// not fit), cancelled.
 Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flattening, const ArrayWish& wish,
                             double size_limit, const Context& context);
 

@@ -21,7 +21,7 @@ std::size_t nearest(const std::vector<Vector3d>& sites, const Vector3d& p) {
 }  // namespace
 
 Tessellation tessellate(const InkedSurface& surface, const std::vector<int>& vertices,
-                        const std::vector<double>& areas, std::vector<Vector3d> sites) {
+                        const std::vector<double>& areas, std::vector<Vector3d> sites, bool settle) {
   constexpr int most_iterations = 200;
   constexpr double settled_mm = 0.02;
   std::vector<std::size_t> cell(vertices.size());
@@ -34,6 +34,7 @@ Tessellation tessellate(const InkedSurface& surface, const std::vector<int>& ver
       sum[cell[i]] += areas[i] * p;
       area[cell[i]] += areas[i];
     }
+    if (!settle) break;
     double moved = 0;
     for (std::size_t s = 0; s < sites.size(); ++s) {
       if (area[s] == 0) continue;
