@@ -24,7 +24,8 @@ constexpr double required_k = 0.0098, good_k = 1e-3;
 constexpr double unit_k = 1e-3, unit_mm = 5, unit_size = 0.02;
 // Where not every pair can be decoupled, the worst pairs count most: by the fourth power of k over this bound, too.
 constexpr double bound_k = 0.008, bound_weight = 10;
-constexpr double off_weight = 0.1;  // of pairs of which one has its centre off the head
+constexpr double array_weight = 100;  // of a shift of the array as a whole against that of each loop
+constexpr double off_weight = 0.1;    // of pairs of which one has its centre off the head
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -75,10 +76,12 @@ class Decoupling {
         if (!correction_.allFinite()) correction_.setZero();
       }
       VACUFORM_CHECK(improve());
-      if (worst(couplings(laid_)) > required_k) {
-        stay_on_head_ = false;  // better off the head than coupled
-        VACUFORM_CHECK(improve());
-      }
+      // Better the whole array elsewhere than coupled, and better a loop off the head.
+      for (const auto& give_up : {&Decoupling::drop_place, &Decoupling::drop_head})
+        if (worst(couplings(laid_)) > required_k) {
+          (this->*give_up)();
+          VACUFORM_CHECK(improve());
+        }
       correction_.setZero();
       if (!bumps && all_smooth()) break;
       VACUFORM_TRY(fine, lay_on_surface(surface_, layout_, context_));
@@ -88,6 +91,9 @@ class Decoupling {
   }
 
  private:
+  void drop_place() { array_weight_ = 0; }
+  void drop_head() { stay_on_head_ = false; }
+
   Result<void> improve() {
     constexpr int most_steps = 25;
     constexpr double most_damping = 1e4, least_gain = 0.01;
@@ -155,8 +161,16 @@ class Decoupling {
     return x;
   }
 
+  // The sums of the moves along and across the axes: where the user laid the array, it stays.
+  static Eigen::RowVector2d drift(const VectorXd& x) {
+    const auto by_element = Eigen::Map<const Eigen::Matrix3Xd>(x.data(), 3, x.size() / 3);
+    return by_element.topRows<2>().rowwise().sum().transpose();
+  }
+
   double cost_of(const VectorXd& k) const {
-    double sum = strain().squaredNorm();
+    const VectorXd x = strain();
+    double sum =
+        x.squaredNorm() + array_weight_ / static_cast<double>(start_.size()) * drift(x).squaredNorm();
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       const double weighted = weights_[p] * k[static_cast<Index>(p)], r = weighted / unit_k;
       const double b = beyond_bound(weighted).first;
@@ -211,6 +225,13 @@ class Decoupling {
     const VectorXd x = strain();
     MatrixXd normal = (1 + damping) * MatrixXd::Identity(x.size(), x.size());
     VectorXd rhs = -x;
+    const double per_element = array_weight_ / static_cast<double>(start_.size());
+    const Eigen::RowVector2d drifted = drift(x);
+    for (Index i = 0; i < x.size(); ++i) {
+      if (i % 3 == 2) continue;
+      rhs[i] -= per_element * drifted[i % 3];
+      for (Index j = i % 3; j < x.size(); j += 3) normal(i, j) += per_element;
+    }
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       const std::array<int, 2> end{3 * pairs_[p].a, 3 * pairs_[p].b};
       const double w = weights_[p], weighted = w * k[static_cast<Index>(p)];
@@ -277,6 +298,7 @@ class Decoupling {
   std::vector<double> weights_;
   std::vector<Vector2d> start_;
   bool stay_on_head_ = true;
+  double array_weight_ = array_weight;
   VectorXd correction_;  // of the rough layout's couplings
 };
 

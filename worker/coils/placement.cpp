@@ -75,6 +75,22 @@ void say_what_was_found(const Drawing& drawing, const ElementLayout& layout,
                              " lie on bumps where the surface has no smooth polar coordinates."));
 }
 
+// Decoupling may lead an array away from where the user laid it.
+void say_how_far(const Drawing& drawing, const ElementLayout& layout, const std::vector<Centre>& before,
+                 std::vector<Warning>& warnings) {
+  constexpr double far_mm = 10;
+  std::size_t worst = 0;
+  double most = 0;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (const double mm = (layout.centres[i].moved - before[i].moved).norm(); mm > most) most = mm, worst = i;
+  if (most > far_mm)
+    warnings.push_back(
+        {"coils-moved", "Decoupling moved the coils by up to " + decimal(most, 0) + " mm (" +
+                            drawing.elements[index(layout.elements[worst].element)].id +
+                            "): look whether they still cover what they shall see; another size or "
+                            "place of the array, or a larger coils.size_limit, moves them less."});
+}
+
 PlacedElement placed(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
                      const LaidElement& element, const Centre& centre, ElementOnSurface&& laid) {
   PlacedElement out;
@@ -105,7 +121,11 @@ Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing,
     for (PlacedPair& p : out.pairs) p.*k = coupling(laid[index(p.a)], laid[index(p.b)]);
   };
   couplings(&PlacedPair::k_before);
-  if (settings.decouple) VACUFORM_CHECK(decouple(surface, layout, laid, settings.size_limit, context));
+  if (settings.decouple) {
+    const std::vector<Centre> before = layout.centres;
+    VACUFORM_CHECK(decouple(surface, layout, laid, settings.size_limit, context));
+    say_how_far(drawing, layout, before, out.warnings);
+  }
   couplings(&PlacedPair::k);
 
   double squares = 0;
