@@ -95,6 +95,12 @@ class Coils(Case):
         with_, without = (self.report["figures"][way]["coils"] for way in ("with", "without"))
         self.assertGreater(without["mean_circularity"], 5 * with_["mean_circularity"])
         self.assertGreater(without["mean_area_error"], 10 * with_["mean_area_error"])
+        # Around the coils nothing is as distorted as on the chart, where lines outside of coils would lie.
+        figures = self.report["figures"]
+        for figure in ("anisotropy", "area_ratio"):
+            around, chart = figures["with"]["elements"][figure], figures["with"][figure]
+            self.assertLess(around["mean"] - 1, 0.7 * (chart["mean"] - 1), figure)
+            self.assertLess(around["mean"] - 1, 0.7 * (figures["without"]["elements"][figure]["mean"] - 1), figure)
 
     def test_stretched_traces_are_marked(self):
         ink = self.report["ink"]

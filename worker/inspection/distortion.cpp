@@ -79,6 +79,21 @@ SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from,
   return {largest, largest > 0 ? product / largest : 0};
 }
 
+namespace {
+
+void add(const std::array<Eigen::Vector2d, 3>& from, const std::array<Eigen::Vector3d, 3>& to,
+         DistortionValues& out) {
+  const double area = (to[1] - to[0]).cross(to[2] - to[0]).norm() / 2;
+  const SingularValues s = singular_values(from, to);
+  const double ratio = s.largest * s.smallest;
+  // A triangle without area on either side has no figure and no weight.
+  if (!(area > 0) || !(ratio > 0) || !std::isfinite(ratio)) return;
+  out.anisotropy.push_back({s.largest / s.smallest, area});
+  out.area_ratio.push_back({std::max(ratio, 1 / ratio), area});
+}
+
+}  // namespace
+
 DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
                                    const std::vector<Eigen::Vector2d>& uv) {
   DistortionValues out;
@@ -90,13 +105,7 @@ DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& f
       from[k] = uv[v];
       to[k] = flattening.inked[v];
     }
-    const double area = (to[1] - to[0]).cross(to[2] - to[0]).norm() / 2;
-    const SingularValues s = singular_values(from, to);
-    const double ratio = s.largest * s.smallest;
-    // A triangle without area on either side has no figure and no weight.
-    if (!(area > 0) || !(ratio > 0) || !std::isfinite(ratio)) continue;
-    out.anisotropy.push_back({s.largest / s.smallest, area});
-    out.area_ratio.push_back({std::max(ratio, 1 / ratio), area});
+    add(from, to, out);
   }
   return out;
 }
@@ -104,6 +113,19 @@ DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& f
 Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
                       const std::vector<Eigen::Vector2d>& uv) {
   DistortionValues values = distortion_values(sheet, flattening, uv);
+  return {statistics(std::move(values.anisotropy)), statistics(std::move(values.area_ratio))};
+}
+
+Distortion distortion(const std::vector<const Patch*>& patches,
+                      const std::function<Eigen::Vector2d(const Patch&, std::size_t)>& of) {
+  DistortionValues values;
+  for (const Patch* patch : patches)
+    for (const Triangle& t : patch->triangles) {
+      const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]),
+                 c = static_cast<std::size_t>(t[2]);
+      add({of(*patch, a), of(*patch, b), of(*patch, c)}, {patch->inked[a], patch->inked[b], patch->inked[c]},
+          values);
+    }
   return {statistics(std::move(values.anisotropy)), statistics(std::move(values.area_ratio))};
 }
 

@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,10 +16,25 @@
 
 namespace vacuform {
 
+// Area-weighted statistics of one figure over the triangles of the chart (DESIGN's definitions). A percentile
+// is the smallest value such that at least its share of the inked area has no larger one. All 0 for an empty
+// chart.
+struct Statistics {
+  double mean = 0, p95 = 0, p99 = 0, max = 0;
+};
+struct Distortion {
+  Statistics anisotropy;  // sigma1 / sigma2 of J from pattern coordinates to the inked surface
+  Statistics area_ratio;  // max(sigma1 sigma2, 1 / (sigma1 sigma2))
+};
 // What is measured of a print of vectors.
 struct Measured {
   CoilTable coils;
   TraceFigures traces;
+  // Over the neighbourhoods of the elements that lie on the head; where the drawing has elements.
+  struct Elements {
+    Distortion with, without;
+  };
+  std::optional<Elements> elements = {};
 };
 // Errors: cancelled.
 Result<Measured> measure(const FormedSheet& sheet, const Flattening& flattening, const Drawing& drawing,
@@ -50,16 +67,6 @@ struct SingularValues {
 SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from,
                                const std::array<Eigen::Vector3d, 3>& to);
 
-// Area-weighted statistics of one figure over the triangles of the chart (DESIGN's definitions). A percentile
-// is the smallest value such that at least its share of the inked area has no larger one. All 0 for an empty
-// chart.
-struct Statistics {
-  double mean = 0, p95 = 0, p99 = 0, max = 0;
-};
-struct Distortion {
-  Statistics anisotropy;  // sigma1 / sigma2 of J from pattern coordinates to the inked surface
-  Statistics area_ratio;  // max(sigma1 sigma2, 1 / (sigma1 sigma2))
-};
 // The figures of every triangle of the chart, with its area on the inked surface, mm2.
 struct Weighted {
   double value, area;
@@ -69,6 +76,10 @@ struct DistortionValues {
 };
 DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
                                    const std::vector<Eigen::Vector2d>& uv);
+
+// The same over patches, from their coordinates `of` a vertex (mm of the inked surface).
+Distortion distortion(const std::vector<const Patch*>& patches,
+                      const std::function<Eigen::Vector2d(const Patch&, std::size_t)>& of);
 
 // Even bins from `low` on, about thirty of a round width, to the 99th percentile of the values.
 struct Bins {

@@ -2,13 +2,28 @@
 
 namespace vacuform {
 
+namespace {
+
+std::optional<Measured::Elements> distortion_of_elements(const Placement& placement, double scale) {
+  std::vector<const Patch*> patches;
+  for (const PlacedElement& element : placement.elements)
+    if (element.on_head) patches.push_back(&element.patch);
+  if (patches.empty()) return {};
+  return Measured::Elements{
+      distortion(patches, [&](const Patch& p, std::size_t v) -> Eigen::Vector2d { return scale * p.uv[v]; }),
+      distortion(patches, [](const Patch& p, std::size_t v) { return p.rest[v]; })};
+}
+
+}  // namespace
+
 Result<Measured> measure(const FormedSheet& sheet, const Flattening& flattening, const Drawing& drawing,
                          const Placement& placement, const VectorPrint& print, const Alignment& alignment,
                          const CoilSettings& settings, const Context& context) {
   const std::vector<CoilLoops> loops = coil_loops(drawing, placement, print, flattening, alignment);
   VACUFORM_TRY(coils,
                measure_coils(sheet, flattening, loops, neighbours(loops, placement, drawing), context));
-  return Measured{std::move(coils), measure_traces(sheet, flattening, print, settings.stretch_limit)};
+  return Measured{std::move(coils), measure_traces(sheet, flattening, print, settings.stretch_limit),
+                  distortion_of_elements(placement, alignment.scale)};
 }
 
 }  // namespace vacuform

@@ -97,6 +97,14 @@ std::string figures_of(const Distortion& d) {
          decimal(d.anisotropy.p95, 3) + "     area ratio: mean " + decimal(d.area_ratio.mean, 3) +
          ", 95 % below " + decimal(d.area_ratio.p95, 3);
 }
+// Of the coils where there are any on the head, else of the chart.
+std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const Distortion& chart) {
+  if (!job.measured || (job.measured->coils.*way).coils == 0) return figures_of(chart);
+  const CoilSummary& c = job.measured->coils.*way;
+  return std::to_string(c.coils) + (c.coils == 1 ? " coil" : " coils") + " on the head: out of round by " +
+         decimal(100 * c.mean_circularity, 1) + " % in the mean, " + decimal(100 * c.worst_circularity, 1) +
+         " % at worst     area off by " + decimal(100 * c.mean_area_error, 1) + " % in the mean";
+}
 std::string figures_of(const Statistics& s) {
   return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) +
          ", 99 % below " + decimal(s.p99, 3) + ", largest " + decimal(s.max, 2);
@@ -224,10 +232,10 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
                                : "All of the drawing's ink lies on the formed part.";
   const Caption captions[] = {
       {"The plain pattern, printed as drawn, then formed",
-       figures_of(before),
+       figures_of(job, &CoilTable::without, before),
        {},
        "Its centre lies where the top of the mold comes to lie, as for the pre-distorted print."},
-      {"The pre-distorted print, formed", figures_of(after), {}, lost},
+      {"The pre-distorted print, formed", figures_of(job, &CoilTable::with, after), {}, lost},
       {"Change of shape that the print makes good", figures_of(before.anisotropy), anisotropy.scale, ""},
       {"Change of area that the print makes good", figures_of(before.area_ratio), area.scale, ""},
       {"Thickness of the formed sheet",

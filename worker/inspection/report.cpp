@@ -200,6 +200,10 @@ Json report(const Finished& job) {
     const Measured& measured = *job.measured;
     out["figures"]["without"]["coils"] = summary_json(measured.coils.without);
     out["figures"]["with"]["coils"] = summary_json(measured.coils.with);
+    if (measured.elements) {
+      out["figures"]["without"]["elements"] = distortion_of(measured.elements->without);
+      out["figures"]["with"]["elements"] = distortion_of(measured.elements->with);
+    }
     out["coils"] = coils_json(measured.coils);
     out["pairs"] = pairs_json(measured.coils);
     out["ink"] = traces_json(measured.traces);

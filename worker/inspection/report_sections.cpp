@@ -139,8 +139,8 @@ std::string key_figures_section(const ReportJson& report) {
        {std::pair{"anisotropy", "Shape: longer one way than the other, mean (95 % below)"},
         std::pair{"area_ratio", "Area: larger or smaller, mean (95 % below)"}})
     for (const auto& [part, where] :
-         {std::pair{"", "The whole chart"}, std::pair{"favoured", "Its favoured region"},
-          std::pair{"rest", "Its rest"}})
+         {std::pair{"elements", "Around the coils"}, std::pair{"", "The whole chart"},
+          std::pair{"favoured", "Its favoured region"}, std::pair{"rest", "Its rest"}})
       both(std::string(where) + ". " + title, [name = key, region = part](const ReportJson& way) {
         const ReportJson& of = *region == 0 ? at(way, {name}) : at(way, {region, name});
         return pair_text(number_text(at(of, {"mean"}), 3, "×"), number_text(at(of, {"p95"}), 3, "×"));
