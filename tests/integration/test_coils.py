@@ -42,6 +42,14 @@ class Page(HTMLParser):
         assert self.open.pop() == tag, tag
 
 
+def checked(folder, pattern):
+    """The figures of the independent checker."""
+    done = subprocess.run([BIN / "measure_coils", folder / "formed.ply", folder / "print.svg", pattern],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
 class Coils(Case):
     @classmethod
     def setUpClass(cls):
@@ -51,10 +59,7 @@ class Coils(Case):
                         "--set", "sheet.resolution_mm=3", "--set", "print.dpi=150")
         assert done.returncode == 0, done.stderr
         cls.report = json.loads((cls.out / "report.json").read_text())
-        checked = subprocess.run([BIN / "measure_coils", cls.out / "formed.ply", cls.out / "print.svg", PATTERN],
-                                 capture_output=True, text=True)
-        assert checked.returncode == 0, checked.stderr
-        cls.measured = json.loads(checked.stdout)
+        cls.measured = checked(cls.out, PATTERN)
 
     def test_coils_come_out_as_drawn(self):
         m = self.measured
@@ -134,6 +139,43 @@ class Coils(Case):
             self.assertIn(f'{coil["with"]["diameter_mm"]:.2f}', text)
         self.assertIn(self.report["label"], text)
         self.assertIn(self.report["sha256"]["scan"], text)
+
+
+class Decoupled(Case):
+    GIVEN = ("--scan", SCANS / "neonate-40w.stl", "--set", "sheet.resolution_mm=4", "--set", "print.dpi=72")
+
+    def run_decoupled(self, pattern, *words):
+        out = self.folder / "out"
+        done = vacuform("run", *self.GIVEN, "--pattern", pattern, "--out", out, "--set", "coils.decouple=true", *words)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads((out / "report.json").read_text()), checked(out, pattern)
+
+    def test_a_drawn_array(self):
+        report, measured = self.run_decoupled(PATTERN)
+        self.assertGreater(max(abs(p["k_before_decoupling"]) for p in report["pairs"]), 0.01)
+        self.assertLess(max(abs(p["k"]) for p in measured["pairs"]), 0.005)
+        for coil in report["coils"]:
+            self.assertLessEqual(abs(coil["size"] - 1), 0.05 + 1e-9)
+            self.assertTrue(coil["with"]["on_head"])
+
+    def test_an_array_laid_out_from_the_scan_alone(self):
+        pattern = self.folder / "array.svg"
+        done = vacuform("layout", *self.GIVEN, "--count", "9", "--diameter_mm", "40", "--out", pattern)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("9 coils, 40.0 mm", done.stdout)
+        report, measured = self.run_decoupled(pattern)
+        self.assertEqual([c["id"] for c in report["coils"]], [f"coil-{i}" for i in range(1, 10)])
+        self.assertTrue(all(c["with"]["on_head"] for c in report["coils"]))
+        self.assertGreaterEqual(len(measured["pairs"]), 12)
+        self.assertLess(max(abs(p["k"]) for p in measured["pairs"]), 0.005)
+        self.assertNotIn("coils-moved", [w["code"] for w in report["warnings"]])
+
+    def test_a_layout_of_too_few_or_too_many_is_refused(self):
+        for count in "3", "65":
+            done = vacuform("layout", *self.GIVEN, "--count", count, "--out", self.folder / "none.svg")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("--count", done.stderr)
+        self.assertFalse((self.folder / "none.svg").exists())
 
 
 if __name__ == "__main__":
