@@ -22,12 +22,12 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST(Html, EscapesWhatCouldBeMarkup) {
-  EXPECT_EQ(html::escaped("<b a=\"x\" c='y'>&amp;"), "&lt;b a=&quot;x&quot; c=&#39;y&#39;&gt;&amp;amp;");
-  EXPECT_EQ(html::escaped("°C × ≥ 𝄞"), "°C × ≥ 𝄞");
-  EXPECT_EQ(html::escaped(std::string("a\0b\x01\x7f\nc", 7)), "a?b?? c");
+  EXPECT_EQ(escaped("<b a=\"x\" c='y'>&amp;"), "&lt;b a=&quot;x&quot; c=&#39;y&#39;&gt;&amp;amp;");
+  EXPECT_EQ(escaped("°C × ≥ 𝄞"), "°C × ≥ 𝄞");
+  EXPECT_EQ(escaped(std::string("a\0b\x01\x7f\nc", 7)), "a?b?? c");
   // No UTF-8: a lone continuation, an overlong one, a cut one, one beyond Unicode.
-  EXPECT_EQ(html::escaped("\x80 \xc0\xaf \xe2\x82"), "? ?? ??");
-  EXPECT_EQ(html::escaped("\xf5\x80\x80\x80"), "????");
+  EXPECT_EQ(escaped("\x80 \xc0\xaf \xe2\x82"), "? ?? ??");
+  EXPECT_EQ(escaped("\xf5\x80\x80\x80"), "????");
 }
 
 TEST(Html, TablesHaveCaptionsAndHeadings) {

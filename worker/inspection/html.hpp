@@ -7,10 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace vacuform::html {
+#include "worker/markup.hpp"
 
-// & < > " ' as entities; control characters, and bytes that are no UTF-8, become '?'.
-std::string escaped(std::string_view text);
+namespace vacuform::html {
 
 struct Column {
   std::string title;

@@ -10,7 +10,6 @@ namespace vacuform {
 
 namespace {
 
-using html::escaped;
 constexpr int picture_width = 620;
 
 // A preview under its title, which the picture itself then need not say.

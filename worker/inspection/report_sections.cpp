@@ -9,7 +9,6 @@ namespace vacuform {
 
 namespace {
 
-using html::escaped;
 using Rows = std::vector<std::vector<std::string>>;
 const std::string none = "–";
 

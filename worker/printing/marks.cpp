@@ -8,6 +8,7 @@
 #include <new>
 
 #include "worker/decimal.hpp"
+#include "worker/markup.hpp"
 
 namespace vacuform {
 namespace {
@@ -169,21 +170,6 @@ void draw(cairo_t* cairo, const Mark& mark) {
 }
 
 std::string coordinates(double x, double y) { return decimal(x, 3) + "," + decimal(y, 3); }
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += c;
-  }
-  return out;
-}
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "worker/decimal.hpp"
+#include "worker/markup.hpp"
 
 namespace vacuform {
 
@@ -51,22 +52,6 @@ std::string hex(const Colour& c) {
     return std::string{"0123456789abcdef"[n / 16], "0123456789abcdef"[n % 16]};
   };
   return std::string("#") + two(c.r) + two(c.g) + two(c.b);
-}
-
-// Of an attribute in double quotes; what XML cannot hold becomes '?'.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += static_cast<unsigned char>(c) < ' ' ? '?' : c;
-  }
-  return out;
 }
 
 std::string group_of(const PrintedElement& element) {
