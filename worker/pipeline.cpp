@@ -138,7 +138,7 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   VACUFORM_TRY(formed, form_head(inputs, context));
   const FormedSheet& sheet = formed.sheet;
   const InkCoverage ink = [&](const Eigen::Vector2d& chart, double blur_mm) {
-    return pattern.sample(pattern_coordinates(chart, s.pattern), blur_mm / s.pattern.scale).coverage();
+    return pattern.sample(plain_alignment(s.pattern).pattern(chart), blur_mm / s.pattern.scale).coverage();
   };
   VACUFORM_TRY(flattening, flatten(sheet, formed.mold, s.flattening, s.pattern.inked_face, context, ink));
   const Identity identity = identity_of(inputs);

@@ -19,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/coils/alignment.hpp"
 #include "worker/flattening/methods.hpp"
 #include "worker/printing/print.hpp"
 
@@ -216,7 +217,7 @@ int main(int argc, char** argv) {
                                      settings.pattern, settings.print.dpi);
   if (!pattern) stop(pattern.error().text());
   const InkCoverage ink = [&](const Eigen::Vector2d& chart, double blur_mm) {
-    return pattern->sample(pattern_coordinates(chart, settings.pattern), blur_mm).coverage();
+    return pattern->sample(plain_alignment(settings.pattern).pattern(chart), blur_mm).coverage();
   };
 
   Bench bench;

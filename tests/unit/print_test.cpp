@@ -10,6 +10,7 @@
 
 #include "tests/unit/drawing_files.hpp"
 #include "tests/unit/hand_made_sheets.hpp"
+#include "worker/coils/alignment.hpp"
 
 namespace vacuform {
 namespace {
@@ -144,7 +145,7 @@ TEST(Print, OffsetRotationAndScaleActOnTheFormedPart) {
   EXPECT_NEAR(e.s, 22, 0.02);
   EXPECT_NEAR(e.t, 0, 0.02);
   EXPECT_NEAR(e.area, M_PI * 16, 0.1);
-  const Eigen::Vector2d uv = pattern_coordinates({22, 0}, x.settings.pattern);
+  const Eigen::Vector2d uv = plain_alignment(x.settings.pattern).pattern({22, 0});
   EXPECT_NEAR(uv.x(), 10, 1e-12);
   EXPECT_NEAR(uv.y(), 4, 1e-12);
 }

@@ -42,9 +42,12 @@ Vector2d Alignment::chart(const Vector2d& pattern_mm) const {
   return Eigen::Rotation2Dd(turn_deg * M_PI / 180) * (scale * pattern_mm) + shift_mm;
 }
 
+Alignment plain_alignment(const PatternSettings& settings) {
+  return {settings.rotate_deg, settings.scale, {settings.offset_mm[0], settings.offset_mm[1]}};
+}
+
 Result<Alignment> align(const InkedSurface& surface, const PatternSettings& settings) {
-  const Vector2d offset(settings.offset_mm[0], settings.offset_mm[1]);
-  if (settings.points.empty()) return Alignment{settings.rotate_deg, settings.scale, offset};
+  if (settings.points.empty()) return plain_alignment(settings);
   VACUFORM_TRY(met, pairs(surface, settings));
   // Of two points the first is the pivot: it meets exactly.
   Vector2d drawn = met[0].drawn, chart = met[0].chart;
@@ -62,7 +65,7 @@ Result<Alignment> align(const InkedSurface& surface, const PatternSettings& sett
                 "pick points that lie apart, in the drawing and on the mold");
   const double turn = met.size() > 1 ? std::atan2(s, c) * 180 / M_PI : 0;
   Alignment out{turn + settings.rotate_deg, settings.scale, Vector2d::Zero()};
-  out.shift_mm = chart + offset - out.chart(drawn / settings.scale);
+  out.shift_mm = chart + plain_alignment(settings).shift_mm - out.chart(drawn / settings.scale);
   return out;
 }
 

@@ -15,9 +15,11 @@ struct Alignment {
   Eigen::Vector2d chart(const Eigen::Vector2d& pattern) const;
 };
 
-// By settings.points, offset_mm, rotate_deg and scale. Without points the drawing's centre lies offset_mm from the top of
-// the mold. A point of the mold means the nearest one of the chart's inked surface. One point shifts the drawing onto
-// it; of two the first meets and the second lies in its direction; three and more are met by rigid least squares. Then the
+// By offset_mm, rotate_deg and scale alone: the drawing's centre lies offset_mm from the top of the mold.
+Alignment plain_alignment(const PatternSettings& settings);
+
+// By settings.points, offset_mm, rotate_deg and scale. Without points it is the plain one. A point of the mold means the
+// nearest one of the chart's inked surface. One point shifts the drawing onto it; of two the first meets and the second lies in its direction; three and more are met by rigid least squares. Then the
 // drawing is turned by rotate_deg about the middle of the mold's points (the first of two), and shifted by offset_mm.
 // Errors: bad_settings, naming the row: a point more than 20 mm off the chart's surface, or points that give no direction.
 Result<Alignment> align(const InkedSurface& surface, const PatternSettings& settings);

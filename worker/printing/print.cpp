@@ -259,12 +259,6 @@ Result<void> draw(const RowSource& source, const Marks& marks, const Settings& s
 
 }  // namespace
 
-Vector2d pattern_coordinates(const Vector2d& chart, const PatternSettings& settings) {
-  const double angle = settings.rotate_deg * M_PI / 180, c = std::cos(angle), s = std::sin(angle);
-  const Vector2d d = chart - Vector2d(settings.offset_mm[0], settings.offset_mm[1]);
-  return Vector2d(c * d.x() + s * d.y(), -s * d.x() + c * d.y()) / settings.scale;
-}
-
 Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening, const Pattern& pattern,
                          const Drawing* drawing, const Placement& placement, const Settings& settings,
                          const std::string& label, const Context& context) {

@@ -63,7 +63,4 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
                          const Drawing* drawing, const Placement& placement, const Settings& settings,
                          const std::string& label, const Context& context);
 
-// Pattern coordinates of a point on the chart (or of anything laid on as the chart is), mm.
-Eigen::Vector2d pattern_coordinates(const Eigen::Vector2d& chart, const PatternSettings& settings);
-
 }  // namespace vacuform
