@@ -55,6 +55,12 @@ CodeMeaning meaning(Code code) {
       return {"forbidden", "The token does not allow this", 403, 2};
     case Code::too_many_attempts:
       return {"too-many-attempts", "There were too many wrong tokens", 429, 1};
+    case Code::busy:
+      return {"busy", "Too much is waiting already", 429, 1};
+    case Code::wrong_digest:
+      return {"wrong-digest", "The bytes do not match their digest", 400, 1};
+    case Code::gone:
+      return {"gone", "This has expired", 410, 2};
     case Code::unavailable:
       return {"unavailable", "The service cannot do this now", 503, 1};
     case Code::internal:

@@ -30,6 +30,9 @@ enum class Code {
   unauthorized,        // there is no token, or it is wrong, expired or revoked
   forbidden,           // the token is good, but not for this
   too_many_attempts,   // too many wrong tokens; try again later
+  busy,                // a bound on waiting jobs, uploads or streams is reached; try again later
+  wrong_digest,        // bytes do not match the digest that was sent with them
+  gone,                // there was such a thing, and it has expired
   unavailable,         // the service cannot do this now; try again later
   internal,            // a fault of Vacuform's own
 };

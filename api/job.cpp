@@ -18,6 +18,12 @@ std::optional<JobState> job_state_from(std::string_view name) {
   return from_name<JobState>(job_state_names, name);
 }
 
+const InputKind* input_kind(std::string_view name) {
+  for (const InputKind& kind : input_kinds)
+    if (kind.name == name) return &kind;
+  return nullptr;
+}
+
 const ArtifactKind* artifact_kind(std::string_view name) {
   for (const ArtifactKind& kind : artifact_kinds)
     if (kind.name == name) return &kind;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
@@ -22,6 +23,24 @@ std::optional<JobState> job_state_from(std::string_view name);
 constexpr bool ended(JobState s) {
   return s == JobState::succeeded || s == JobState::failed || s == JobState::cancelled;
 }
+
+// The files that a job is made from: the same names in the form, the store, the lease and the command line.
+struct InputKind {
+  std::string_view name;
+  std::string_view title;       // one line for people
+  std::string_view extensions;  // of what is read, as a file dialog takes them
+  std::uint64_t most_bytes;
+  bool always = true;  // otherwise only where the settings ask for it
+};
+inline constexpr std::array<InputKind, 4> input_kinds{{
+    {"scan", "Scan of the head", ".stl,.obj,.ply,.off,.glb", 1ull << 30},
+    {"pattern", "Pattern", ".svg,.png,.jpg,.jpeg", 256ull << 20},
+    {"temperature", "Temperature, where measured", ".csv,.txt,.png", 64ull << 20, false},
+    {"weights", "Where the chart shall be least distorted, painted", ".png,.jpg,.jpeg,.svg", 64ull << 20,
+     false},
+}};
+// nullptr when no input has that name.
+const InputKind* input_kind(std::string_view name);
 
 // The artifacts of a job: the same names from the command line, the API and the web page.
 struct ArtifactKind {

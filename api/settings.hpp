@@ -23,8 +23,8 @@ enum class FormingModel { membrane, viscoplastic, mass_spring, projection };
 enum class MembraneLaw { neo_hookean, mooney_rivlin };
 enum class Integrator { implicit_euler, verlet };
 enum class FlatteningMethod { arap, symmetric_dirichlet, lscm, cgal_arap, bfs };
-enum class FlatteningWeights { uniform, ink, center };
-enum class PatternPlacement { automatic, elements, chart };
+enum class FlatteningWeights { uniform, ink, center, painted };
+enum class PatternPlacement { automatic, elements, chart, segments };
 enum class InkedFace { outer, inner };
 
 struct ScanSettings {
@@ -110,6 +110,9 @@ struct PatternSettings {
   // Rows u, v, x, y, z: points of the drawing and of the mold that shall meet. One moves the drawing; a second turns it
   // too; three and more do both by least squares. offset_mm and rotate_deg then come on top.
   std::vector<std::array<double, 5>> points;
+  double distortion_limit = 1.1;  // segments: of each, as worker/coils/segments.hpp defines it
+  // segments: rows x, y, z, x, y, z, each a cut from a point of the mold to another; rows that share points continue
+  std::vector<std::array<double, 6>> seams;
   InkedFace inked_face = InkedFace::outer;
 };
 

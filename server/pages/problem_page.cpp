@@ -81,16 +81,32 @@ Explanation explanation(Code code) {
           "A worker was too late with its sign of life, and the job was given to another.",
           "Nothing is lost. If it happens often, the worker's machine is overloaded or its network is slow."};
     case Code::unauthorized:
-      return {"The service answers to those who show a token. There was none, or it is wrong, has expired or was revoked.",
-              "Sign in with your token; programs read it from --token-file or VACUFORM_TOKEN. Whoever runs the service "
-              "makes tokens with vacuform-server token create."};
+      return {
+          "The service answers to those who show a token. There was none, or it is wrong, has expired or was "
+          "revoked.",
+          "Sign in with your token; programs read it from --token-file or VACUFORM_TOKEN. Whoever runs the "
+          "service "
+          "makes tokens with vacuform-server token create."};
     case Code::forbidden:
       return {"The token is good, but it has not the scope that this needs: submit, read, work or admin.",
               "Use a token that has the scope, or ask whoever runs the service for one."};
     case Code::too_many_attempts:
-      return {"So many wrong tokens came in a short time that further ones are turned away for a while.",
-              "Wait a minute, and see that no program of yours keeps asking with a token that was revoked. Right "
-              "tokens are answered all the time."};
+      return {
+          "So many wrong tokens came in a short time that further ones are turned away for a while.",
+          "Wait a minute, and see that no program of yours keeps asking with a token that was revoked. Right "
+          "tokens are answered all the time."};
+    case Code::busy:
+      return {"As many jobs, uploads or listeners are waiting as the service takes at a time.",
+              "Try again after the time that Retry-After names. Nothing was kept of this request."};
+    case Code::wrong_digest:
+      return {
+          "The bytes that arrived are not those of the digest that was sent with them: they were changed or "
+          "cut "
+          "short on the way.",
+          "Send them again. If it happens twice, compute the digest anew from the file."};
+    case Code::gone:
+      return {"What was asked for has expired: an unfinished upload is kept for a day after its last byte.",
+              "Begin the upload again."};
     case Code::unavailable:
       return {"The service cannot do this now: the disk is full, or it is just stopping.",
               "Try again a little later."};
