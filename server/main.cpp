@@ -93,6 +93,7 @@ http::ServerOptions status_listener(const Address& address) {
   listener.host = address.host;
   listener.port = address.port;
   listener.threads = 8;
+  listener.streams = 0;
   listener.limits.head_time = std::chrono::seconds(1);
   listener.limits.wait = std::chrono::seconds(1);
   listener.refuse = [](const http::Request&, const http::Refusal& refusal) {
@@ -142,7 +143,13 @@ Result<void> serve(const Options& options) {
   listener.refuse = refuse;
   listener.observe = [&metrics](const http::Answered& answered) { observe(metrics, answered); };
   VACUFORM_TRY(server, http::Server::start(listener, all_routes(service)));
-  Status status{*store, metrics, options.data, [&server] { return server->connections(); }, listener.threads};
+  Status status{*store,
+                metrics,
+                options.data,
+                [&server] { return server->connections(); },
+                listener.threads + listener.streams,
+                [&server] { return server->streams(); },
+                listener.streams};
   VACUFORM_TRY(status_server, http::Server::start(status_listener(status_address), status_routes(status)));
   const std::string url = url_of(address, *server), status_url = url_of(status_address, *status_server);
   VACUFORM_CHECK(write_text_file(options.data / "server-url", url + "\n"));  // for vacuform-server token

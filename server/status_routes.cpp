@@ -40,6 +40,8 @@ Result<Response> metrics(const Status& status) {
   gauge("vacuform_http_connections", "Connections being served", status.connections());
   gauge("vacuform_http_connections_limit", "Connections that can be served at a time",
         status.most_connections);
+  gauge("vacuform_http_streams", "Connections among them that stream or wait", status.streams());
+  gauge("vacuform_http_streams_limit", "Connections that can stream or wait at a time", status.most_streams);
   gauge("vacuform_store_free_bytes", "Room on the disk of the data folder",
         static_cast<double>(room(status)));
   if (const auto counts = status.store.counts()) {

@@ -18,6 +18,8 @@ struct Status {
   std::filesystem::path data;        // whose disk is looked at
   std::function<int()> connections;  // that the job listener serves at the moment
   int most_connections = 0;
+  std::function<int()> streams = [] { return 0; };  // those among them that stream or wait
+  int most_streams = 0;
 };
 
 // GET /healthz (the process answers; touches nothing that could block), GET /readyz (503 unless the store answers and

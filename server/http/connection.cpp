@@ -183,6 +183,11 @@ bool Connection::write(std::string_view bytes) {
   return true;
 }
 
+bool Connection::gone() const {
+  pollfd watched{socket_, POLLRDHUP, 0};
+  return ::poll(&watched, 1, 0) > 0;
+}
+
 void Connection::finish() {
   ::shutdown(socket_, SHUT_WR);
   const bool all_read = !refusal_ && body_read_ == head_.content_length;

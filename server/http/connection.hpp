@@ -46,7 +46,8 @@ class Connection : public Body {
   // Says that nothing more will come, and takes in what the client is still sending for a moment, so that a
   // refusal in the middle of an upload reaches it.
   void finish();
-  int socket() const { return socket_; }
+  // Whether the client has closed its side, or the connection broke.
+  bool gone() const;
 
  private:
   using Instant = std::chrono::steady_clock::time_point;

@@ -55,12 +55,26 @@ struct FileBody {
   std::uint64_t offset = 0, bytes = 0;
 };
 
+// Whether the client is still there and the server goes on. Whatever waits on a client's behalf asks it about every
+// second.
+using Going = std::function<bool()>;
+
+// A body that is made while it is sent. Called again and again: waits a second at most for what comes next and gives its
+// bytes, an empty text when nothing came, none at the end.
+using Producer = std::function<std::optional<std::string>()>;
+
+struct Response;
+// A response that has to wait for something before it is known. Ends soon after `going` has become false.
+using Waiter = std::function<Result<Response>(const Going& going)>;
+
 struct Response {
   int status = 200;
   std::vector<Header> headers;
   std::string media_type;
   std::string text;
   std::optional<FileBody> file;  // in place of text
+  Producer stream;  // in place of both, until the producer ends, the client leaves or the server stops
+  Waiter waiter;    // in place of everything else
 
   void set(std::string name, std::string value) { headers.push_back({std::move(name), std::move(value)}); }
 };

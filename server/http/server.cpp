@@ -14,6 +14,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "api/log.hpp"
@@ -73,6 +74,16 @@ void process(L& library, httplib::Stream& stream,
   (library.*request)(stream, "", 0, "", 0, true, closed, nullptr);
 }
 
+// One of a bounded number of places; given back when the last copy goes.
+using Place = std::shared_ptr<void>;
+Place take_place(std::atomic<int>& taken, int most) {
+  if (++taken > most) {
+    --taken;
+    return nullptr;
+  }
+  return {static_cast<void*>(&taken), [&taken](void*) { --taken; }};
+}
+
 void give(const Response& from, httplib::Response& to) {
   to.status = from.status;
   for (const Header& header : from.headers) to.set_header(header.name, header.value);
@@ -91,12 +102,29 @@ void give(const Response& from, httplib::Response& to) {
       });
 }
 
+// Without a length: the end of the connection is the end of the body.
+void give_stream(const Response& from, const Going& going, Place place, httplib::Response& to) {
+  to.status = from.status;
+  for (const Header& header : from.headers) to.set_header(header.name, header.value);
+  to.set_content_provider(from.media_type, [going, place = std::move(place), producer = from.stream](
+                                               std::size_t, httplib::DataSink& sink) {
+    try {
+      const std::optional<std::string> bytes = going() ? producer() : std::nullopt;
+      if (!bytes) return sink.done(), true;
+      return bytes->empty() || sink.write(bytes->data(), bytes->size());
+    } catch (const std::exception& fault) {  // the library would let it end the process
+      log_event("stream-failed", {{"fault", fault.what()}});
+      return false;
+    }
+  });
+}
+
 }  // namespace
 
 class Server::Library : public httplib::Server {
  public:
   Library(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {
-    new_task_queue = [threads = options_.threads] {
+    new_task_queue = [threads = options_.threads + options_.streams] {
       return new httplib::ThreadPool(static_cast<std::size_t>(threads));
     };
     set_tcp_nodelay(true);
@@ -138,6 +166,7 @@ class Server::Library : public httplib::Server {
     using namespace std::chrono_literals;
     if (!listener_.joinable()) return;
     while (!is_running()) std::this_thread::sleep_for(1ms);
+    ending_ = true;
     stop();
     for (int i = 0; i < 500 && active_ > 0; ++i) std::this_thread::sleep_for(10ms);
     stopping_ = true;
@@ -146,12 +175,13 @@ class Server::Library : public httplib::Server {
 
   int port() const { return port_; }
   int connections() const { return active_; }
+  int streams() const { return streams_; }
 
  private:
   bool process_and_close_socket(socket_t socket) override {
     Limits limits = options_.limits;
     // Clients that are slow to say what they want must not take the last threads from the others.
-    if (++active_ > options_.threads * 3 / 4)
+    if (++active_ - streams_ > options_.threads * 3 / 4)
       limits.head_time = std::min(limits.head_time, crowded_head_time);
     {
       Connection connection(socket, limits, stopping_);
@@ -174,19 +204,47 @@ class Server::Library : public httplib::Server {
     request.id = request_id(served->head().headers);
     const LoggedRequest logged(request.id);
     Response response;
+    Place place;
     try {
       response = respond(from, request, answered);
+      if (response.waiter || (response.stream && from.method != "HEAD")) {
+        place = take_place(streams_, options_.streams);
+        response = place ? waited(request, std::move(response)) : crowded(request);
+      }
     } catch (const std::exception& fault) {
       answered.fault = fault.what();
       response = options_.refuse(
           request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
     }
     response.set("X-Request-Id", request.id);
-    give(response, to);
+    if (response.stream && place)
+      give_stream(response, going(), std::move(place), to);
+    else
+      give(response, to);
     answered.method = request.method;
     answered.status = response.status;
     answered.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     if (options_.observe) options_.observe(answered);
+  }
+
+  // For the thread that serves the connection.
+  Going going() const {
+    return [this] { return !ending_ && !served->gone(); };
+  }
+
+  Response waited(const Request& request, Response response) {
+    if (!response.waiter) return response;
+    auto result = response.waiter(going());
+    if (result) return std::move(*result);
+    return options_.refuse(request, {meaning(result.error().code).http_status, result.error()});
+  }
+
+  Response crowded(const Request& request) {
+    return options_.refuse(request, {503,
+                                     {Code::busy,
+                                      "too many clients are being kept informed already",
+                                      {},
+                                      "try again, or ask from time to time in place of waiting"}});
   }
 
   Response respond(const httplib::Request& from, Request& request, Answered& answered) {
@@ -219,8 +277,9 @@ class Server::Library : public httplib::Server {
 
   ServerOptions options_;
   Router router_;
-  std::atomic<bool> stopping_ = false;
-  std::atomic<int> active_ = 0;
+  std::atomic<bool> ending_ = false;    // streams end
+  std::atomic<bool> stopping_ = false;  // every wait ends
+  std::atomic<int> active_ = 0, streams_ = 0;
   int port_ = 0;
   std::thread listener_;
 };
@@ -229,6 +288,7 @@ Server::Server(std::unique_ptr<Library> library) : library_(std::move(library)) 
 Server::~Server() { library_->end(); }
 int Server::port() const { return library_->port(); }
 int Server::connections() const { return library_->connections(); }
+int Server::streams() const { return library_->streams(); }
 
 Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router) {
   auto library = std::make_unique<Library>(std::move(options), std::move(router));

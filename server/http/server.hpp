@@ -4,6 +4,10 @@
 // Every request passes, in this order: the limits of connection.hpp, the checks of origin.hpp, the router,
 // the route. A connection serves one request. Peer addresses are not looked at, and no header of a client
 // reaches the library.
+//
+// A response that streams or waits (message.hpp) keeps its thread, so these have a bound and threads of their own: when
+// `streams` of them are under way the next one is refused with 503 and Retry-After, and `threads` are always left for
+// the other requests.
 #pragma once
 
 #include <functional>
@@ -27,6 +31,7 @@ struct ServerOptions {
   std::string host = "127.0.0.1";
   int port = 0;      // 0: any free one
   int threads = 64;  // requests at a time; a thread waits for its client, so more than cores
+  int streams = 64;  // responses at a time that stream or wait, besides
   Limits limits;
   // Makes the answer to a refusal; `request` has a path only if the head could be read.
   std::function<Response(const Request& request, const Refusal& refusal)> refuse;
@@ -45,6 +50,7 @@ class Server {
 
   int port() const;
   int connections() const;  // being served at the moment
+  int streams() const;      // those among them that stream or wait
 
  private:
   class Library;

@@ -161,26 +161,27 @@ TEST_F(ServerLimits, MethodsThatAPathDoesNotKnow) {
 // Clients that send bodies without end hold every thread of the one listener; the other one has its own.
 TEST_F(ServerLimits, HealthAnswersWhileEveryThreadIsHeld) {
   std::vector<int> stalled;
-  for (int i = 0; i < 64; ++i) {
+  const int threads = http::ServerOptions{}.threads + http::ServerOptions{}.streams;
+  for (int i = 0; i < threads; ++i) {
     stalled.push_back(connected());
     send_all(stalled.back(), "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) +
                                  form_type + "Content-Length: 1000000\r\n\r\n" +
                                  part("scan", "a.stl", "half"));
   }
-  while (server_->connections() < 64) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  while (server_->connections() < threads) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   for (const char* path : {"/healthz", "/readyz", "/metrics"}) {
     const auto begun = std::chrono::steady_clock::now();
     EXPECT_EQ(status(path).status, 200) << path;
     EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(1)) << path;
   }
-  EXPECT_NE(status("/metrics").body.find("\nvacuform_http_connections 64\n"), std::string::npos);
+  EXPECT_NE(status("/metrics").body.find("\nvacuform_http_connections " + std::to_string(threads) + "\n"), std::string::npos);
   for (const int socket : stalled) ::close(socket);
 }
 
 TEST_F(ServerLimits, StalledConnectionsDoNotBlockOthers) {
   std::vector<int> stalled;
-  for (int i = 0; i < 100; ++i) stalled.push_back(connected());  // more than there are threads
-  for (int i = 0; i < 64; ++i) send_all(stalled[static_cast<std::size_t>(i)], "GET / HTTP/1.1\r\n");
+  for (int i = 0; i < 200; ++i) stalled.push_back(connected());  // more than there are threads
+  for (int i = 0; i < 128; ++i) send_all(stalled[static_cast<std::size_t>(i)], "GET / HTTP/1.1\r\n");
   const auto begun = std::chrono::steady_clock::now();
   EXPECT_EQ(ask("GET", "/healthz").status, 200);
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3));
