@@ -79,6 +79,14 @@ Result<RemoteJob> job_from(const HttpResponse& response) {
   return job;
 }
 
+LeasedInput input_from(const InputKind& kind, const json& from) {
+  LeasedInput input{std::string(kind.name), text_of(from, "extension"), count_of(from, "bytes"),
+                    text_of(from, "sha256")};
+  if (!input.extension.empty() && input.extension.front() == '.') input.extension.erase(0, 1);
+  if (!plain(input.extension, 8)) input.extension.clear();
+  return input;
+}
+
 // The headers of a call under a lease. The job's request id makes the server's lines about it found with the worker's.
 std::map<std::string, std::string> headers_of(const Lease& lease) {
   std::map<std::string, std::string> headers{{"Vacuform-Lease", lease.token}};
@@ -134,18 +142,19 @@ Result<Client> Client::to(const std::string& server, const std::string& token) {
   return Client(std::move(http));
 }
 
-Result<RemoteJob> Client::submit(const std::filesystem::path& scan, const std::filesystem::path& pattern,
-                                 const std::filesystem::path& temperature, const std::string& settings_json,
+Result<RemoteJob> Client::submit(const std::map<std::string, std::filesystem::path>& files,
+                                 const std::string& settings_json,
                                  const std::function<bool(double)>& uploaded) {
-  for (const auto& file : {scan, pattern, temperature})
-    if (!file.empty() && (::access(file.c_str(), R_OK) != 0 || !std::filesystem::is_regular_file(file)))
-      return vacuform::fail(Code::unreadable, "the file cannot be read", file.string(),
-                            "check its name and permissions");
   HttpRequest request;
   request.method = "POST";
   request.path = "/api/v1/jobs";
-  request.form = {{"settings", {}, settings_json}, {"scan", scan, {}}, {"pattern", pattern, {}}};
-  if (!temperature.empty()) request.form.push_back({"temperature", temperature, {}});
+  request.form = {{"settings", {}, settings_json}};
+  for (const auto& [name, file] : files) {
+    if (::access(file.c_str(), R_OK) != 0 || !std::filesystem::is_regular_file(file))
+      return vacuform::fail(Code::unreadable, "the file cannot be read", file.string(),
+                            "check its name and permissions");
+    request.form.push_back({name, file, {}});
+  }
   request.going = [&](std::uint64_t sent, std::uint64_t total) {
     return uploaded(total ? static_cast<double>(sent) / static_cast<double>(total) : 0.0);
   };
@@ -203,20 +212,16 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
   const auto settings = object.find("settings");
   lease.settings = settings == object.end() || settings->is_null() ? "{}" : settings->dump();
   const auto inputs = object.find("inputs");
-  const auto input = [&](const char* name, LeasedInput& to) {
-    if (inputs == object.end() || !inputs->is_object() || !inputs->contains(name) ||
-        !(*inputs)[name].is_object())
-      return false;
-    const json& from = (*inputs)[name];
-    to = {text_of(from, "extension"), count_of(from, "bytes"), text_of(from, "sha256")};
-    if (!to.extension.empty() && to.extension.front() == '.') to.extension.erase(0, 1);
-    if (!plain(to.extension, 8)) to.extension.clear();
-    return true;
-  };
-  if (!plain(lease.job, 64) || !plain(lease.token, 256) || !input("scan", lease.scan) ||
-      !input("pattern", lease.pattern))
+  if (inputs != object.end() && inputs->is_object())
+    for (const InputKind& kind : input_kinds)
+      if (const auto from = inputs->find(kind.name); from != inputs->end() && from->is_object())
+        lease.inputs.push_back(input_from(kind, *from));
+  const bool whole = std::all_of(input_kinds.begin(), input_kinds.end(), [&](const InputKind& kind) {
+    return !kind.always || std::any_of(lease.inputs.begin(), lease.inputs.end(),
+                                       [&](const LeasedInput& input) { return input.name == kind.name; });
+  });
+  if (!plain(lease.job, 64) || !plain(lease.token, 256) || !whole)
     return tl::make_unexpected(not_vacuform("a lease without its job, token or inputs"));
-  if (LeasedInput temperature; input("temperature", temperature)) lease.temperature = temperature;
   return lease;
 }
 
@@ -234,15 +239,12 @@ Result<HttpResponse> WorkerClient::call(const Lease& lease, const std::string& m
   return good(http_.send(request));
 }
 
-Result<void> WorkerClient::download_input(const Lease& lease, const std::string& input,
+Result<void> WorkerClient::download_input(const Lease& lease, const LeasedInput& input,
                                           const std::filesystem::path& file, const Going& going) {
   HttpRequest request;
-  request.path = "/api/v1/leases/" + lease.job + "/inputs/" + input;
+  request.path = "/api/v1/leases/" + lease.job + "/inputs/" + input.name;
   request.headers = headers_of(lease);
-  const LeasedInput& wanted = input == "temperature" && lease.temperature ? *lease.temperature
-                              : input == "scan"                           ? lease.scan
-                                                                          : lease.pattern;
-  return fetch(http_, std::move(request), file, wanted.bytes, wanted.sha256, going);
+  return fetch(http_, std::move(request), file, input.bytes, input.sha256, going);
 }
 
 Result<bool> WorkerClient::heartbeat(const Lease& lease, Stage stage, double progress, const Going& going) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,11 +43,10 @@ class Client {
   // `token` goes with every request; empty: none.
   static Result<Client> to(const std::string& server, const std::string& token);
 
-  // Creates a job; the files are streamed, `temperature` unless its name is empty. `uploaded` receives the fraction sent and may give up. Never made twice by
-  // itself: when the answer is lost the caller cannot know whether the job exists.
-  Result<RemoteJob> submit(const std::filesystem::path& scan, const std::filesystem::path& pattern,
-                           const std::filesystem::path& temperature, const std::string& settings_json,
-                           const std::function<bool(double)>& uploaded);
+  // Creates a job; the files, by the name of their kind of input, are streamed. `uploaded` receives the fraction sent and
+  // may give up. Never made twice by itself: when the answer is lost the caller cannot know whether the job exists.
+  Result<RemoteJob> submit(const std::map<std::string, std::filesystem::path>& files,
+                           const std::string& settings_json, const std::function<bool(double)>& uploaded);
   Result<RemoteJob> job(const std::string& id, const Going& going = {});
   // Into `folder`, under the artifact's name: written beside it, checked against its SHA-256, then renamed.
   Result<void> download(const std::string& id, const RemoteArtifact& artifact,
@@ -61,6 +61,7 @@ class Client {
 
 // A job as a worker holds it.
 struct LeasedInput {
+  std::string name;       // one of api/job.hpp: other names that a server lists are left out
   std::string extension;  // lower case letters and digits, no dot; may be empty
   std::uint64_t bytes = 0;
   std::string sha256;
@@ -72,8 +73,7 @@ struct Lease {
   std::chrono::seconds heartbeat{10};  // the longest that the server wants between two
   std::string settings;                // JSON text
   std::string request;                 // the id of the request that made the job, for the log; may be empty
-  LeasedInput scan, pattern;
-  std::optional<LeasedInput> temperature;
+  std::vector<LeasedInput> inputs;     // scan and pattern among them, in the order of input_kinds
 };
 
 // What a worker does with leases. Every call but the first may give lease_lost: the job is someone else's now.
@@ -83,8 +83,8 @@ class WorkerClient {
 
   // Nothing: no job waits. `sandbox` names the measures that this worker's jobs run under.
   Result<std::optional<Lease>> lease(const std::string& worker, const std::vector<std::string>& sandbox);
-  // `input` is "scan", "pattern" or, where the lease has one, "temperature"; checked against its length and SHA-256.
-  Result<void> download_input(const Lease& lease, const std::string& input, const std::filesystem::path& file,
+  // One of the lease's inputs, checked against its length and SHA-256.
+  Result<void> download_input(const Lease& lease, const LeasedInput& input, const std::filesystem::path& file,
                               const Going& going);
   // True: the user asks to cancel.
   Result<bool> heartbeat(const Lease& lease, Stage stage, double progress, const Going& going);

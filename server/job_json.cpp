@@ -47,8 +47,8 @@ ordered_json artifact_json(const Job& job, const StoredArtifact& artifact) {
 }
 
 ordered_json inputs_json(const Job& job) {
-  ordered_json inputs = {{"scan", input_json(job.scan)}, {"pattern", input_json(job.pattern)}};
-  if (job.temperature) inputs["temperature"] = input_json(*job.temperature);
+  ordered_json inputs = ordered_json::object();
+  for (const Input& input : job.inputs) inputs[input.name] = input_json(input);
   return inputs;
 }
 

@@ -34,18 +34,19 @@ void add_limits_routes(http::Router& router, Service& service) {
   add_guarded(router, service, Scope::read, "GET", "/api/v1/limits",
               [](Service& s, Request&, const Caller&) -> Result<Response> {
                 const http::Limits limits;
-                return json_response({{"scan_bytes", largest_scan},
-                                      {"pattern_bytes", largest_pattern},
-                                      {"temperature_bytes", largest_temperature},
-                                      {"settings_bytes", largest_settings},
-                                      {"artifact_bytes", largest_artifact},
-                                      {"head_bytes", limits.head_bytes},
-                                      {"head_lines", limits.head_lines},
-                                      {"head_seconds", limits.head_time.count() / 1000},
-                                      {"wait_seconds", limits.wait.count() / 1000},
-                                      {"body_bytes_per_second", limits.slowest_body},
-                                      {"lease_seconds", s.lease_seconds},
-                                      {"workers", workers_json(s.workers)}});
+                ordered_json object;
+                for (const InputKind& kind : input_kinds)
+                  object[std::string(kind.name) + "_bytes"] = kind.most_bytes;
+                object.update({{"settings_bytes", largest_settings},
+                               {"artifact_bytes", largest_artifact},
+                               {"head_bytes", limits.head_bytes},
+                               {"head_lines", limits.head_lines},
+                               {"head_seconds", limits.head_time.count() / 1000},
+                               {"wait_seconds", limits.wait.count() / 1000},
+                               {"body_bytes_per_second", limits.slowest_body},
+                               {"lease_seconds", s.lease_seconds},
+                               {"workers", workers_json(s.workers)}});
+                return json_response(object);
               });
 }
 

@@ -16,7 +16,15 @@ struct UploadedFile {
   std::optional<Upload> upload;
   std::optional<NameFilter> names;  // on the way there
   std::string extension;
+
+  bool given() const { return upload && upload->bytes() > 0; }
 };
+
+std::string parts_text() {
+  std::string text;
+  for (const InputKind& kind : input_kinds) text += std::string(kind.name) + ", ";
+  return text + "settings";
+}
 
 class Form : public http::PartSink {
  public:
@@ -26,32 +34,30 @@ class Form : public http::PartSink {
     part_ = name;
     file_ = nullptr;
     text_ = nullptr;
-    if (name == "scan" || name == "pattern" || name == "temperature") {
-      file_ = name == "scan" ? &scan : name == "pattern" ? &pattern : &temperature;
+    if ((kind_ = input_kind(name))) {
+      file_ = &files[kind_->name];
       if (file_->upload) return fail(Code::bad_usage, "there is more than one " + name, name, "send one");
       VACUFORM_TRY(upload, store_.upload());
       file_->upload.emplace(std::move(upload));
       file_->extension = http::safe_extension(file_name);
       file_->names.emplace(file_->extension);
-      limit_ = name == "scan" ? largest_scan : name == "pattern" ? largest_pattern : largest_temperature;
     } else if (name == "settings" && !settings) {
       text_ = &settings.emplace();
     } else if (name.find('.') != std::string::npos && fields_.find(name) == fields_.end()) {
       text_ = &fields_[name];
     } else {
       return fail(Code::bad_usage, "an unknown or doubled part of the form: " + name.substr(0, 64),
-                  "request body",
-                  "send scan, pattern, temperature, settings, and fields named group.key, each once");
+                  "request body", "send " + parts_text() + ", and fields named group.key, each once");
     }
     return {};
   }
 
   Result<void> data(std::string_view bytes) override {
     if (file_) {
-      if (file_->upload->bytes() + bytes.size() > limit_)
+      if (file_->upload->bytes() + bytes.size() > kind_->most_bytes)
         return fail(Code::too_large,
-                    "the " + part_ + " is larger than " + std::to_string(limit_ >> 20) + " MiB", part_,
-                    "send a smaller file");
+                    "the " + part_ + " is larger than " + std::to_string(kind_->most_bytes >> 20) + " MiB",
+                    part_, "send a smaller file");
       return file_->upload->write(file_->names->pass(bytes));
     }
     text_bytes_ += bytes.size();
@@ -65,22 +71,38 @@ class Form : public http::PartSink {
     return file_ ? file_->upload->write(file_->names->finish()) : Result<void>();
   }
 
-  UploadedFile scan, pattern, temperature;
+  std::map<std::string_view, UploadedFile> files;  // by the names of input_kinds
   std::optional<std::string> settings;
 
  private:
   Store& store_;
   std::map<std::string, std::string>& fields_;
   std::string part_;
-  UploadedFile* file_ = nullptr;  // where the current part goes
+  const InputKind* kind_ = nullptr;  // of the current part, if it is a file
+  UploadedFile* file_ = nullptr;     // where it goes
   std::string* text_ = nullptr;
-  std::uint64_t limit_ = 0, text_bytes_ = 0;
+  std::uint64_t text_bytes_ = 0;
 };
 
-Result<void> check_file(const UploadedFile& file, const std::string& name, const std::string& kinds) {
-  if (!file.upload || file.upload->bytes() == 0)
-    return fail(Code::bad_usage, "there is no " + name + ", or it is empty", name, "choose a file: " + kinds);
+// Files that every job needs must be there, and not empty.
+Result<void> check_files(std::map<std::string_view, UploadedFile>& files) {
+  for (const InputKind& kind : input_kinds)
+    if (kind.always && !files[kind.name].given())
+      return fail(Code::bad_usage, "there is no " + std::string(kind.name) + ", or it is empty",
+                  std::string(kind.name), "choose a file: " + std::string(kind.extensions));
   return {};
+}
+
+// A file that the settings can do without turns their default into its use; what asks for a file needs it.
+template <class Choice>
+Result<void> match(bool given, const std::string& part, Choice& setting, Choice by_default, Choice of_file,
+                   const std::string& key, const std::string& value) {
+  if (given && setting == by_default) setting = of_file;
+  if (given == (setting == of_file)) return {};
+  return fail(Code::bad_settings,
+              given ? "a file is given as " + part + ", but the settings do not use it"
+                    : "the settings ask for a file that is not given: " + part,
+              key, "send the file as the part " + part + " together with " + key + " " + value);
 }
 
 Result<Settings> merged_settings(const std::string& text, const std::map<std::string, std::string>& fields) {
@@ -113,31 +135,24 @@ Result<std::string> client_key_of(const http::Request& request) {
 
 Result<NewJob> read_submission(http::Request& request, Store& store,
                                std::map<std::string, std::string>& fields) {
-  constexpr std::uint64_t most = largest_scan + largest_pattern + largest_temperature + largest_settings +
-                                 (1u << 20);  // and the part heads
+  std::uint64_t most = largest_settings + (1u << 20);  // the part heads
+  for (const InputKind& kind : input_kinds) most += kind.most_bytes;
   if (request.content_length > most)
     return fail(Code::too_large, "the form is larger than " + std::to_string(most >> 20) + " MiB",
                 "request body", "send a smaller scan");
   VACUFORM_TRY(client_key, client_key_of(request));
   Form form(store, fields);
   VACUFORM_CHECK(http::read_multipart(request, form));
-  VACUFORM_CHECK(check_file(form.scan, "scan", "STL, OBJ, PLY, OFF or GLB"));
-  VACUFORM_CHECK(check_file(form.pattern, "pattern", "SVG, PNG or JPEG"));
+  VACUFORM_CHECK(check_files(form.files));
   VACUFORM_TRY(settings, merged_settings(form.settings.value_or(""), fields));
-  const bool measured = form.temperature.upload && form.temperature.upload->bytes() > 0;
-  if (measured && settings.heat.source == HeatSource::uniform) settings.heat.source = HeatSource::measured;
-  if (measured != (settings.heat.source == HeatSource::measured))
-    return fail(Code::bad_settings,
-                measured ? "measured temperatures are given, but the settings take them from the heaters"
-                         : "there is no file of measured temperatures",
-                "heat.source", "send the file as the part temperature together with heat.source measured");
-  NewJob job{to_json(settings).dump(),          std::move(*form.scan.upload),
-             std::move(form.scan.extension),    std::move(*form.pattern.upload),
-             std::move(form.pattern.extension), std::move(client_key)};
-  if (measured) {
-    job.temperature.emplace(std::move(*form.temperature.upload));
-    job.temperature_extension = std::move(form.temperature.extension);
-  }
+  VACUFORM_CHECK(match(form.files["temperature"].given(), "temperature", settings.heat.source,
+                       HeatSource::uniform, HeatSource::measured, "heat.source", "measured"));
+  VACUFORM_CHECK(match(form.files["weights"].given(), "weights", settings.flattening.weights,
+                       FlatteningWeights::uniform, FlatteningWeights::painted, "flattening.weights",
+                       "painted"));
+  NewJob job{to_json(settings).dump(), std::move(client_key)};
+  for (auto& [name, file] : form.files)
+    if (file.given()) job.add(std::string(name), std::move(*file.upload), std::move(file.extension));
   job.request = request.id;
   return job;
 }

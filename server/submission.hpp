@@ -1,5 +1,5 @@
-// A new job as it arrives in a form: the parts scan, pattern and perhaps temperature (files), settings (JSON text), and
-// fields named group.key as the HTML form sends them.
+// A new job as it arrives in a form: a file for each kind of input (api/job.hpp), settings (JSON text), and fields named
+// group.key as the HTML form sends them.
 #pragma once
 
 #include <map>
@@ -10,17 +10,14 @@
 
 namespace vacuform {
 
-inline constexpr std::uint64_t largest_scan = 1ull << 30;
-inline constexpr std::uint64_t largest_pattern = 256ull << 20;
-inline constexpr std::uint64_t largest_temperature = 64ull << 20;
 inline constexpr std::uint64_t largest_artifact = 2ull << 30;
 inline constexpr std::uint64_t largest_settings = 64ull << 10;  // the JSON text and all fields together
 
-// Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; a field overrides the same setting of the JSON
-// text, an empty field keeps the default. An empty file of temperatures is none, as a browser sends it; any other turns
-// a uniform heat.source into a measured one. `fields` receives what the form held, also when the result is an
-// error. Errors: too_large, bad_settings, bad_usage (a part is missing, unknown or doubled, the body is no
-// form).
+// Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; a field
+// overrides the same setting of the JSON text, an empty field keeps the default. An empty file is none, as a browser sends
+// it. A temperature turns a uniform heat.source into a measured one, weights turn uniform flattening.weights into painted
+// ones. `fields` receives what the form held, also when the result is an error. Errors: too_large, bad_settings, bad_usage
+// (a part is missing, unknown or doubled, the body is no form).
 Result<NewJob> read_submission(http::Request& request, Store& store,
                                std::map<std::string, std::string>& fields);
 

@@ -74,15 +74,11 @@ Result<Response> take_lease(Service& service, Request& request) {
 Result<Response> get_input(Service& service, const Request& request) {
   VACUFORM_TRY(job, service.store.leased(key_of(request)));
   const std::string& which = request.at("input");
-  const Input* input = which == "scan"                             ? &job.scan
-                       : which == "pattern"                        ? &job.pattern
-                       : which == "temperature" && job.temperature ? &*job.temperature
-                                                                   : nullptr;
+  const Input* input = job.input(which);
   if (!input)
     return fail(Code::not_found, "there is no such input", which, "ask for those that the lease names");
-  const Blob& blob = input->blob;
-  VACUFORM_TRY(file, service.store.open(blob));
-  return http::file_response(request, std::move(file), "application/octet-stream", blob.sha256);
+  VACUFORM_TRY(file, service.store.open(input->blob));
+  return http::file_response(request, std::move(file), "application/octet-stream", input->blob.sha256);
 }
 
 Result<Response> heartbeat(Service& service, Request& request) {

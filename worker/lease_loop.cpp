@@ -83,33 +83,19 @@ class LeasedJob {
   }
 
   Result<void> work() {
-    const fs::path scan = folder_ / ("scan" + extension(lease_.scan)), out = folder_ / "out",
-                   pattern = folder_ / ("pattern" + extension(lease_.pattern)),
-                   settings = folder_ / "settings.json";
+    const fs::path out = folder_ / "out", settings = folder_ / "settings.json";
     const auto alive = [this] { return going(); };
-    VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, "scan", scan, alive); }));
-    VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, "pattern", pattern, alive); }));
+    std::vector<std::string> command{
+        loop_.program.string(),  "run",        "--settings", settings.filename().string(), "--out",
+        out.filename().string(), "--progress", "json"};
+    for (const LeasedInput& input : lease_.inputs) {
+      const std::string file = input.name + (input.extension.empty() ? "" : "." + input.extension);
+      VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, input, folder_ / file, alive); }));
+      command.insert(command.end(), {std::string("--") + input.name, file});
+    }
     if (std::ofstream file(settings, std::ios::binary); !(file << lease_.settings << std::flush)) {
       retry_ = true;
       return fail(Code::internal, "the worker has no room for the job", "", "try again later");
-    }
-    std::vector<std::string> command{loop_.program.string(),
-                                     "run",
-                                     "--scan",
-                                     scan.filename().string(),
-                                     "--pattern",
-                                     pattern.filename().string(),
-                                     "--settings",
-                                     settings.filename().string(),
-                                     "--out",
-                                     out.filename().string(),
-                                     "--progress",
-                                     "json"};
-    if (lease_.temperature) {
-      const fs::path temperature = folder_ / ("temperature" + extension(*lease_.temperature));
-      VACUFORM_CHECK(
-          persist([&] { return client_.download_input(lease_, "temperature", temperature, alive); }));
-      command.insert(command.end(), {"--temperature", temperature.filename().string()});
     }
     const auto end = run_child(
         command, folder_, loop_.limits, loop_.sandbox,
@@ -124,10 +110,6 @@ class LeasedJob {
       if (const fs::path file = out / kind.name; fs::is_regular_file(fs::symlink_status(file)))
         VACUFORM_CHECK(persist([&] { return client_.upload(lease_, std::string(kind.name), file, alive); }));
     return persist([&] { return client_.complete(lease_); });
-  }
-
-  static std::string extension(const LeasedInput& input) {
-    return input.extension.empty() ? "" : "." + input.extension;
   }
 
   // What the end of the child means for the job.

@@ -88,13 +88,30 @@ std::string field_html(const std::string& name, const std::string& key, const or
          "<p class=\"hint\" id=\"" + escaped(id) + "-hint\">" + hint + "</p></div>\n";
 }
 
-std::string file_html(const char* name, const char* label, const char* accept, const char* hint,
-                      bool required = true) {
-  const std::string id = std::string("f-") + name;
-  return "<div class=\"field\"><label for=\"" + id + "\">" + label + "</label><input type=\"file\"" +
-         (required ? " required" : "") + " id=\"" + id + "\" name=\"" + name + "\" accept=\"" + accept +
-         "\" aria-describedby=\"" + id + "-hint\"><p class=\"hint\" id=\"" + id + "-hint\">" + hint +
-         "</p></div>\n";
+// ".svg,.png" -> "SVG, PNG".
+std::string formats(std::string_view extensions) {
+  std::string text;
+  for (const char c : extensions)
+    if (c == ',')
+      text += ", ";
+    else if (c != '.')
+      text += static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+  return text;
+}
+
+std::string file_html(const InputKind& kind) {
+  const std::string name(kind.name), id = "f-" + name;
+  return "<div class=\"field\"><label for=\"" + id + "\">" + escaped(kind.title) +
+         "</label><input type=\"file\"" + (kind.always ? " required" : "") + " id=\"" + id + "\" name=\"" +
+         name + "\" accept=\"" + escaped(kind.extensions) + "\" aria-describedby=\"" + id +
+         "-hint\"><p class=\"hint\" id=\"" + id + "-hint\">" + formats(kind.extensions) + "; at most " +
+         readable_bytes(kind.most_bytes) + "</p></div>\n";
+}
+
+std::string files_html() {
+  std::string html;
+  for (const InputKind& kind : input_kinds) html += file_html(kind);
+  return html;
 }
 
 std::string settings_html(const std::map<std::string, std::string>& fields) {
@@ -160,15 +177,7 @@ Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error
   page.main +=
       "<form method=\"post\" action=\"/jobs\" enctype=\"multipart/form-data\">\n<fieldset class=\"files\">\n"
       "<legend>Files</legend>\n" +
-      file_html("scan", "Scan", ".stl,.obj,.ply,.off,.glb",
-                "The head or model, as STL, OBJ, PLY, OFF or GLB, at most 1 GiB") +
-      file_html("pattern", "Pattern", ".svg,.png,.jpg,.jpeg",
-                "What shall appear on it, as SVG (true to size), PNG or JPEG, at most 256 MiB") +
-      file_html(
-          "temperature", "Temperature, where measured", ".csv,.txt,.png",
-          "Of the sheet when it meets the mold: CSV of degrees Celsius, or a gray PNG with heat.black_c and "
-          "heat.white_c; at most 64 MiB",
-          false) +
+      files_html() +
       "</fieldset>\n<h2>Settings</h2>\n<p>All have a default: an empty field keeps the value that it shows "
       "in grey.</p>\n" +
       settings_html(fields) +

@@ -143,9 +143,9 @@ std::string facts_html(const Job& job) {
            readable_bytes(input.blob.bytes);
   };
   std::string html = "<h2>This job</h2>\n<dl>\n" + row("Job", "<code>" + escaped(job.id) + "</code>") +
-                     row("Created", rfc3339(job.created)) + row("Scan", file(job.scan)) +
-                     row("Pattern", file(job.pattern));
-  if (job.temperature) html += row("Temperature", file(*job.temperature));
+                     row("Created", rfc3339(job.created));
+  for (const Input& input : job.inputs)
+    if (const InputKind* kind = input_kind(input.name)) html += row(escaped(kind->title), file(input));
   if (job.ended && job.started) {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%.1f s", static_cast<double>(*job.ended - *job.started) / 1000);

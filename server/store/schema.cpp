@@ -51,11 +51,37 @@ CREATE TABLE token(
   created INTEGER NOT NULL, expires INTEGER, revoked INTEGER
 ) STRICT, WITHOUT ROWID;
 )sql",
+    // 4: each kind of input had columns of its own
+    R"sql(
+CREATE TABLE input(
+  job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, name TEXT NOT NULL,
+  blob TEXT NOT NULL, bytes INTEGER NOT NULL, extension TEXT NOT NULL, PRIMARY KEY(job, name)
+) STRICT, WITHOUT ROWID;
+INSERT INTO input SELECT id, 'scan', scan, scan_bytes, scan_extension FROM job;
+INSERT INTO input SELECT id, 'pattern', pattern, pattern_bytes, pattern_extension FROM job;
+INSERT INTO input SELECT id, 'temperature', temperature, temperature_bytes, coalesce(temperature_extension, '')
+  FROM job WHERE temperature IS NOT NULL;
+CREATE INDEX input_by_blob ON input(blob);
+DROP INDEX job_by_scan;
+DROP INDEX job_by_pattern;
+DROP INDEX job_by_temperature;
+ALTER TABLE job DROP COLUMN scan;
+ALTER TABLE job DROP COLUMN scan_bytes;
+ALTER TABLE job DROP COLUMN scan_extension;
+ALTER TABLE job DROP COLUMN pattern;
+ALTER TABLE job DROP COLUMN pattern_bytes;
+ALTER TABLE job DROP COLUMN pattern_extension;
+ALTER TABLE job DROP COLUMN temperature;
+ALTER TABLE job DROP COLUMN temperature_bytes;
+ALTER TABLE job DROP COLUMN temperature_extension;
+)sql",
 };
 
 }  // namespace
 
-Result<void> bring_up_to_date(Database& db) {
+const std::int64_t newest_schema = changes.size();
+
+Result<void> bring_up_to_date(Database& db, std::int64_t wanted) {
   std::int64_t app = 0, version = 0, tables = 0;
   {
     Query query(db,
@@ -64,21 +90,20 @@ Result<void> bring_up_to_date(Database& db) {
     VACUFORM_TRY(found, query.row());
     if (found) app = query.integer(0), version = query.integer(1), tables = query.integer(2);
   }
-  constexpr std::int64_t newest = changes.size();
   const bool empty = app == 0 && version == 0 && tables == 0;
   if (!empty && (app != application || version < 1))
     return fail(Code::corrupt_file, "the file is not a job store of Vacuform", "jobs.sqlite",
                 "give another folder with --data");
-  if (version > newest)
+  if (version > newest_schema)
     return fail(Code::corrupt_file,
                 "the job store has version " + std::to_string(version) + ", this server knows " +
-                    std::to_string(newest),
+                    std::to_string(newest_schema),
                 "jobs.sqlite", "start the server that wrote it, or give another folder with --data");
-  if (version == newest) return {};
+  if (version >= wanted) return {};
   std::string all = "BEGIN IMMEDIATE;";
-  for (std::int64_t i = version; i < newest; ++i) all += changes[static_cast<std::size_t>(i)];
+  for (std::int64_t i = version; i < wanted; ++i) all += changes[static_cast<std::size_t>(i)];
   return db.execute(all + "PRAGMA application_id=" + std::to_string(application) +
-                    ";PRAGMA user_version=" + std::to_string(newest) + ";COMMIT");
+                    ";PRAGMA user_version=" + std::to_string(wanted) + ";COMMIT");
 }
 
 }  // namespace vacuform

@@ -47,48 +47,34 @@ class SqliteStore : public Store {
   std::filesystem::path temporary_path() override { return blobs_.temporary_path(); }
 
   Result<Job> create(NewJob job) override {
-    // The slow flush of the bytes happens before the lock.
-    VACUFORM_TRY(scan, job.scan.seal());
-    VACUFORM_TRY(pattern, job.pattern.seal());
-    std::optional<Blob> temperature;
-    if (job.temperature) {
-      VACUFORM_TRY(sealed, job.temperature->seal());
-      temperature = std::move(sealed);
+    std::vector<Blob> blobs;
+    for (auto& input : job.inputs) {
+      if (auto* upload = std::get_if<Upload>(&input.file)) {
+        VACUFORM_CHECK(upload->seal());  // the slow flush of the bytes comes before the lock
+      }
+      blobs.push_back(blob_of(input));
     }
     return write([&]() -> Result<Job> {
       if (!job.client_key.empty()) {
-        VACUFORM_TRY(earlier, made_before(job, scan, pattern, temperature));
+        VACUFORM_TRY(earlier, made_before(job, blobs));
         if (earlier) return *earlier;
-      }
-      // Under the lock, so that a job deleted at the same time does not take the files away again.
-      maybe_garbage(scan.sha256);
-      maybe_garbage(pattern.sha256);
-      VACUFORM_CHECK(blobs_.keep(job.scan));
-      VACUFORM_CHECK(blobs_.keep(job.pattern));
-      std::optional<std::string> temperature_hash, temperature_extension;
-      std::optional<std::int64_t> temperature_bytes;
-      if (temperature) {
-        maybe_garbage(temperature->sha256);
-        VACUFORM_CHECK(blobs_.keep(*job.temperature));
-        temperature_hash = temperature->sha256;
-        temperature_bytes = static_cast<std::int64_t>(temperature->bytes);
-        temperature_extension = job.temperature_extension;
       }
       const Millis now = options_.clock();
       last_id_time_ = std::max(now, last_id_time_ + 1);
       const std::string id = make_job_id(last_id_time_);
       std::optional<std::string> client_key;
       if (!job.client_key.empty()) client_key = key_of(job);
-      VACUFORM_CHECK(
-          Query(db_,
-                "INSERT INTO job(id, client_key, state, created, settings, scan, scan_bytes, "
-                "scan_extension, pattern,"
-                " pattern_bytes, pattern_extension, temperature, temperature_bytes,"
-                " temperature_extension, request, owner) VALUES(?,?,'queued',?,?,?,?,?,?,?,?,?,?,?,?,?)",
-                id, client_key, now, job.settings, scan.sha256, scan.bytes, job.scan_extension,
-                pattern.sha256, pattern.bytes, job.pattern_extension, temperature_hash, temperature_bytes,
-                temperature_extension, job.request, job.owner)
-              .run());
+      VACUFORM_CHECK(Query(db_,
+                           "INSERT INTO job(id, client_key, state, created, settings, request, owner)"
+                           " VALUES(?,?,'queued',?,?,?,?)",
+                           id, client_key, now, job.settings, job.request, job.owner)
+                         .run());
+      for (std::size_t i = 0; i < blobs.size(); ++i) {
+        VACUFORM_CHECK(keep(job.inputs[i], blobs[i]));
+        VACUFORM_CHECK(Query(db_, "INSERT INTO input(job, name, blob, bytes, extension) VALUES(?,?,?,?,?)",
+                             id, job.inputs[i].name, blobs[i].sha256, blobs[i].bytes, job.inputs[i].extension)
+                           .run());
+      }
       return find(id);
     });
   }
@@ -160,9 +146,7 @@ class SqliteStore : public Store {
       VACUFORM_TRY(job, find(id));
       if (!ended(job.state))
         return fail(Code::conflict, "the job is " + std::string(name(job.state)), id, "cancel it first");
-      maybe_garbage(job.scan.blob.sha256);
-      maybe_garbage(job.pattern.blob.sha256);
-      if (job.temperature) maybe_garbage(job.temperature->blob.sha256);
+      for (const auto& input : job.inputs) maybe_garbage(input.blob.sha256);
       for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
       return Query(db_, "DELETE FROM job WHERE id=?", id).run();
     });
@@ -324,9 +308,7 @@ class SqliteStore : public Store {
   // Whether any row names the blob.
   Result<bool> named(const std::string& sha256) {
     Query query(db_,
-                "SELECT 1 FROM job WHERE scan=?1 UNION ALL SELECT 1 FROM job WHERE pattern=?1"
-                " UNION ALL SELECT 1 FROM job WHERE temperature=?1 UNION ALL SELECT 1 FROM artifact WHERE "
-                "blob=?1 LIMIT 1",
+                "SELECT 1 FROM input WHERE blob=?1 UNION ALL SELECT 1 FROM artifact WHERE blob=?1 LIMIT 1",
                 sha256);
     return query.row();
   }
@@ -348,30 +330,42 @@ class SqliteStore : public Store {
     return job.owner.empty() ? job.client_key : job.owner + "/" + job.client_key;
   }
 
+  static Blob blob_of(NewInput& input) {
+    const auto* blob = std::get_if<Blob>(&input.file);
+    return blob ? *blob : *std::get<Upload>(input.file).seal();  // which has been sealed before
+  }
+
+  // Under the lock, so that a job deleted at the same time does not take the file away again.
+  Result<void> keep(NewInput& input, const Blob& blob) {
+    maybe_garbage(blob.sha256);
+    if (auto* upload = std::get_if<Upload>(&input.file)) return blobs_.keep(*upload);
+    VACUFORM_TRY(there, named(blob.sha256));
+    if (there) return {};
+    return fail(Code::gone, "the file was deleted meanwhile", input.name, "send it again");
+  }
+
   // The job that an earlier submission under the same key made.
-  Result<std::optional<Job>> made_before(const NewJob& job, const Blob& scan, const Blob& pattern,
-                                         const std::optional<Blob>& temperature) {
+  Result<std::optional<Job>> made_before(const NewJob& job, const std::vector<Blob>& blobs) {
     Query query(db_, "SELECT id FROM job WHERE client_key=?", key_of(job));
     VACUFORM_TRY(found, query.row());
     if (!found) return std::optional<Job>();
     VACUFORM_TRY(earlier, find(query.text(0)));
-    if (earlier.scan.blob.sha256 != scan.sha256 || earlier.pattern.blob.sha256 != pattern.sha256 ||
-        earlier.temperature.has_value() != temperature.has_value() ||
-        (temperature && earlier.temperature->blob.sha256 != temperature->sha256) ||
-        earlier.settings != job.settings)
+    bool same = earlier.settings == job.settings && earlier.inputs.size() == blobs.size();
+    for (std::size_t i = 0; same && i < blobs.size(); ++i) {
+      const Input* input = earlier.input(job.inputs[i].name);
+      same = input && input->blob.sha256 == blobs[i].sha256;
+    }
+    if (!same)
       return fail(Code::conflict, "the idempotency key was used for another submission", earlier.id,
                   "take a new key");
     return std::optional<Job>(std::move(earlier));
   }
 
   Result<Job> find(const std::string& id) {
-    Query query(
-        db_,
-        "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
-        " error_where, error_mend, settings, scan, scan_bytes, scan_extension, pattern, pattern_bytes,"
-        " pattern_extension, temperature, temperature_bytes, temperature_extension, request, owner"
-        " FROM job WHERE id=?",
-        id);
+    Query query(db_,
+                "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
+                " error_where, error_mend, settings, request, owner FROM job WHERE id=?",
+                id);
     VACUFORM_TRY(found, query.row());
     if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
     const auto state = job_state_from(query.text(1));
@@ -389,13 +383,18 @@ class SqliteStore : public Store {
       job.error = Error{code_from(query.text(8)).value_or(Code::internal), query.text(9), query.text(10),
                         query.text(11)};
     job.settings = query.text(12);
-    job.scan = {{query.text(13), static_cast<std::uint64_t>(query.integer(14))}, query.text(15)};
-    job.pattern = {{query.text(16), static_cast<std::uint64_t>(query.integer(17))}, query.text(18)};
-    if (!query.null(19))
-      job.temperature =
-          Input{{query.text(19), static_cast<std::uint64_t>(query.integer(20))}, query.text(21)};
-    job.request = query.text(22);
-    job.owner = query.text(23);
+    job.request = query.text(13);
+    job.owner = query.text(14);
+    Query inputs(db_, "SELECT name, blob, bytes, extension FROM input WHERE job=?", id);
+    for (;;) {
+      VACUFORM_TRY(more, inputs.row());
+      if (!more) break;
+      job.inputs.push_back(
+          {inputs.text(0), {inputs.text(1), static_cast<std::uint64_t>(inputs.integer(2))}, inputs.text(3)});
+    }
+    std::sort(job.inputs.begin(), job.inputs.end(), [](const Input& a, const Input& b) {
+      return input_kind(a.name) < input_kind(b.name);  // places in one table
+    });
     Query artifacts(db_, "SELECT name, blob, bytes FROM artifact WHERE job=?", id);
     for (;;) {
       VACUFORM_TRY(more, artifacts.row());

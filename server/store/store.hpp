@@ -20,52 +20,10 @@
 
 #include "api/clock.hpp"
 #include "api/error.hpp"
-#include "api/job.hpp"
 #include "server/scopes.hpp"
-#include "server/store/blobs.hpp"
+#include "server/store/job.hpp"
 
 namespace vacuform {
-
-struct Input {
-  Blob blob;
-  std::string
-      extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits, or none
-};
-
-struct StoredArtifact {
-  std::string name;  // one of api/job.hpp
-  Blob blob;
-};
-
-struct Job {
-  std::string id;  // 26 characters; later jobs have greater ids
-  JobState state = JobState::queued;
-  std::optional<Stage> stage;  // none before a worker has said so
-  double stage_progress = 0;   // 0..1 of that stage
-  int attempt = 0;             // leases so far
-  Millis created = 0;
-  std::optional<Millis> started, ended;  // start of the current attempt
-  std::optional<Error> error;            // why it failed
-  std::string settings;                  // JSON text, complete
-  Input scan, pattern;
-  std::optional<Input> temperature;       // measured, of the sheet
-  std::string request;                    // the id of the request that made it; may be empty
-  std::string owner;                      // of the token that made it; empty: made before there were tokens
-  std::vector<StoredArtifact> artifacts;  // in the order of api/job.hpp
-};
-
-struct NewJob {
-  std::string settings;
-  Upload scan;
-  std::string scan_extension;
-  Upload pattern;
-  std::string pattern_extension;
-  std::string client_key = {};  // the client's own name for this submission, among the owner's; may be empty
-  std::optional<Upload> temperature = {};
-  std::string temperature_extension = {};
-  std::string request = {};
-  std::string owner = {};
-};
 
 struct JobPage {
   std::vector<Job> jobs;            // newest first
@@ -109,7 +67,7 @@ class Store {
   // A new name for a file of the caller's own; what is left there is deleted at the next start.
   virtual std::filesystem::path temporary_path() = 0;
   // A job that was made under the same client key is given in place of a second one; conflict when that key
-  // came with other files or settings.
+  // came with other files or settings. gone: nothing names a blob any more that the job was to share.
   virtual Result<Job> create(NewJob job) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
   // `limit` jobs (1 to 100) older than the job that the cursor names, of one owner or of all; an empty cursor begins

@@ -144,7 +144,7 @@ class Worker(Case):
         self.the_call("/complete")
         self.assertEqual(self.server.artifacts, {"print.png": b"print", "report.json": b"{}"})
         self.assertEqual((self.here / "words").read_text().split(),
-                         "run --scan scan.stl --pattern pattern.svg --settings settings.json --out out --progress json".split())
+                         "run --settings settings.json --out out --progress json --scan scan.stl --pattern pattern.svg".split())
         self.assertEqual((self.here / "scan.stl").read_bytes(), SCAN)
         self.assertEqual((self.here / "pattern.svg").read_bytes(), PATTERN)
         self.assertEqual(json.loads((self.here / "settings.json").read_text()), {"print": {"dpi": 100}})

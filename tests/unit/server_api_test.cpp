@@ -234,8 +234,9 @@ TEST_F(ServerApi, MeasuredTemperaturesReachTheWorker) {
   const json held = lease();
   EXPECT_EQ(held["inputs"], job["inputs"]);
   EXPECT_EQ(worker("GET", held, "/inputs/temperature", "").body, "140,141");
-  EXPECT_NE(ask("GET", "/jobs/" + job["id"].get<std::string>()).body.find("<dt>Temperature</dt>"),
-            std::string::npos);
+  EXPECT_NE(
+      ask("GET", "/jobs/" + job["id"].get<std::string>()).body.find("<dt>Temperature, where measured</dt>"),
+      std::string::npos);
 
   // A browser sends a file that nobody chose as an empty one.
   const Answer without = submit(part("temperature", "", ""));
@@ -251,6 +252,14 @@ TEST_F(ServerApi, MeasuredTemperaturesReachTheWorker) {
   const Answer both = submit(part("settings", "", heated) + part("temperature", "a.csv", "140"));
   EXPECT_EQ(both.status, 422);
   EXPECT_EQ(json::parse(both.body)["where"], "heat.source");
+  // Painted weights likewise.
+  const Answer painted = submit(part("weights", "w.PNG", "paint"));
+  ASSERT_EQ(painted.status, 202) << painted.body;
+  EXPECT_EQ(json::parse(painted.body)["settings"]["flattening"]["weights"], "painted");
+  EXPECT_EQ(json::parse(painted.body)["inputs"]["weights"]["extension"], "png");
+  EXPECT_EQ(json::parse(submit(part("flattening.weights", "", "painted")).body)["where"],
+            "flattening.weights");
+  EXPECT_EQ(submit(part("flattening.weights", "", "ink") + part("weights", "w.png", "paint")).status, 422);
   // Lists and objects as a field of the form carries them.
   const Answer fields =
       submit(part("machine.heaters", "", R"([{"celsius":500,"zone":"a"},{"celsius":400,"x_mm":200}])") +

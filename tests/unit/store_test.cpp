@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "server/secrets.hpp"
-#include "server/store/sqlite.hpp"
 #include "server/store/store.hpp"
 
 namespace vacuform {
@@ -53,8 +52,15 @@ class StoreTest : public testing::Test {
     EXPECT_TRUE(upload && upload->write(bytes));
     return std::move(*upload);
   }
+  NewJob submission(const std::string& scan = "a scan", const std::string& pattern = "a pattern",
+                    const std::string& key = "") {
+    NewJob job{"{}", key};
+    job.add("scan", upload(scan), "stl");
+    job.add("pattern", upload(pattern), "svg");
+    return job;
+  }
   Job create(const std::string& scan = "a scan", const std::string& pattern = "a pattern") {
-    auto job = store_->create({"{}", upload(scan), "stl", upload(pattern), "svg"});
+    auto job = store_->create(submission(scan, pattern));
     EXPECT_TRUE(job) << job.error().text();
     return *job;
   }
@@ -90,11 +96,11 @@ TEST_F(StoreTest, KeepsAJobWithItsFiles) {
   EXPECT_EQ(found.state, JobState::queued);
   EXPECT_EQ(found.attempt, 0);
   EXPECT_EQ(found.created, now_);
-  EXPECT_EQ(found.scan.extension, "stl");
-  EXPECT_EQ(found.scan.blob.bytes, 10u);
-  EXPECT_EQ(found.scan.blob.sha256, text_hash("solid head"));
-  EXPECT_EQ(bytes_of(found.scan.blob), "solid head");
-  EXPECT_EQ(bytes_of(found.pattern.blob), "<svg/>");
+  EXPECT_EQ(found.input("scan")->extension, "stl");
+  EXPECT_EQ(found.input("scan")->blob.bytes, 10u);
+  EXPECT_EQ(found.input("scan")->blob.sha256, text_hash("solid head"));
+  EXPECT_EQ(bytes_of(found.input("scan")->blob), "solid head");
+  EXPECT_EQ(bytes_of(found.input("pattern")->blob), "<svg/>");
 }
 
 TEST_F(StoreTest, KeepsTokensAndRevokesThemForGood) {
@@ -124,7 +130,7 @@ TEST_F(StoreTest, KeepsTokensAndRevokesThemForGood) {
 
 TEST_F(StoreTest, ListsTheJobsOfOneOwner) {
   const auto submit = [&](const std::string& owner) {
-    NewJob job{"{}", upload("a"), "stl", upload("b"), "svg"};
+    NewJob job = submission("a", "b");
     job.owner = owner;
     return store_->create(std::move(job))->id;
   };
@@ -166,58 +172,50 @@ TEST_F(StoreTest, WhatWasCreatedSurvivesACrashAndWhatWasNotLeavesNothing) {
   const Job made = create("kept", "kept too");
   Upload unfinished = upload("half a scan");
   crash();
-  EXPECT_EQ(bytes_of(job(made.id).scan.blob), "kept");
+  EXPECT_EQ(bytes_of(job(made.id).input("scan")->blob), "kept");
   EXPECT_TRUE(fs::is_empty(data() / "incoming"));
   EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("kept"), text_hash("kept too")}));
 }
 
-// Measured temperatures are an input as the others: kept over a crash, part of what a key means, gone with the job.
-TEST_F(StoreTest, KeepsTheTemperaturesOfAJobThatHasThem) {
+// Every kind of input is kept over a crash, is part of what a key means, and goes with the job.
+TEST_F(StoreTest, KeepsTheFurtherInputsOfAJobThatHasThem) {
   const auto submit = [&](const std::string& celsius) {
-    NewJob job{"{}", upload("a scan"), "stl", upload("a pattern"), "svg", "key-0001"};
-    if (!celsius.empty()) {
-      job.temperature.emplace(upload(celsius));
-      job.temperature_extension = "csv";
-    }
+    NewJob job = submission("a scan", "a pattern", "key-0001");
+    if (!celsius.empty()) job.add("temperature", upload(celsius), "csv");
     return store_->create(std::move(job));
   };
   const auto made = submit("140,141");
   ASSERT_TRUE(made) << made.error().text();
   crash();
   const Job found = job(made->id);
-  ASSERT_TRUE(found.temperature);
-  EXPECT_EQ(found.temperature->extension, "csv");
-  EXPECT_EQ(bytes_of(found.temperature->blob), "140,141");
+  ASSERT_EQ(found.inputs.size(), 3u);
+  EXPECT_EQ(found.inputs[0].name, "scan");  // the order of api/job.hpp
+  EXPECT_EQ(found.inputs[2].name, "temperature");
+  EXPECT_EQ(found.inputs[2].extension, "csv");
+  EXPECT_EQ(bytes_of(found.input("temperature")->blob), "140,141");
   EXPECT_EQ(submit("140,141")->id, made->id);
   EXPECT_EQ(submit("140,142").error().code, Code::conflict);
   EXPECT_EQ(submit("").error().code, Code::conflict);
-  EXPECT_FALSE(job(create().id).temperature);
+  EXPECT_FALSE(job(create().id).input("temperature"));
   ASSERT_TRUE(store_->cancel(made->id) && store_->remove(made->id));
   EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("a scan"), text_hash("a pattern")}));
 }
 
-// A store that a server without temperatures wrote is brought up to date with its jobs.
-TEST_F(StoreTest, TakesOverAStoreOfVersionOne) {
-  const Job made = create("old scan", "old pattern");
-  store_.reset();
-  {
-    Database database;
-    ASSERT_TRUE(database.open((data() / "jobs.sqlite").string()));
-    ASSERT_TRUE(database.execute(
-        "DROP INDEX job_by_temperature; ALTER TABLE job DROP COLUMN temperature; ALTER TABLE job DROP COLUMN"
-        " temperature_bytes; ALTER TABLE job DROP COLUMN temperature_extension; ALTER TABLE job DROP COLUMN "
-        "request;"
-        " DROP INDEX job_by_owner; ALTER TABLE job DROP COLUMN owner; DROP TABLE token; PRAGMA "
-        "user_version=1"));
-  }
-  reopen();
-  EXPECT_EQ(bytes_of(job(made.id).scan.blob), "old scan");
-  EXPECT_FALSE(job(made.id).temperature);
-  NewJob next{"{}", upload("a scan"), "stl", upload("a pattern"), "svg"};
-  next.temperature.emplace(upload("140"));
-  EXPECT_EQ(bytes_of(store_->create(std::move(next))->temperature->blob), "140");
-  reopen();  // now of its own version
-  EXPECT_EQ(bytes_of(job(made.id).scan.blob), "old scan");
+TEST_F(StoreTest, AJobCanShareTheFilesOfAnother) {
+  const Job first = create("a scan", "a pattern");
+  const auto shared = [&] {
+    NewJob job{"{}"};
+    job.add("scan", first.input("scan")->blob, "stl");
+    job.add("pattern", upload("another pattern"), "svg");
+    return store_->create(std::move(job));
+  };
+  const Job second = shared().value();
+  ASSERT_TRUE(store_->cancel(first.id) && store_->remove(first.id));
+  EXPECT_EQ(bytes_of(job(second.id).input("scan")->blob), "a scan");
+  ASSERT_TRUE(store_->cancel(second.id) && store_->remove(second.id));
+  EXPECT_EQ(shared().error().code, Code::gone);
+  EXPECT_TRUE(blobs().empty());
+  EXPECT_TRUE(store_->list(1, "")->jobs.empty());
 }
 
 TEST_F(StoreTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
@@ -240,15 +238,6 @@ TEST_F(StoreTest, OneProcessAtATime) {
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, Code::unavailable);
   EXPECT_EQ(second.error().what, "another server uses this data folder");
-}
-
-TEST_F(StoreTest, RefusesAStoreThatIsNotItsOwn) {
-  store_.reset();
-  std::ofstream(data() / "jobs.sqlite", std::ios::trunc) << std::string(8192, 'x');
-  fs::remove(data() / "jobs.sqlite-wal");
-  const auto store = open_store(data(), options());
-  ASSERT_FALSE(store);
-  EXPECT_EQ(store.error().code, Code::corrupt_file);
 }
 
 TEST_F(StoreTest, LeasesTheOldestJobOnceAndOnlyOnce) {
@@ -447,10 +436,10 @@ TEST_F(StoreTest, ASharedFileStaysAsLongAsAnyJobNamesIt) {
   const LeaseKey key = lease();
   ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("one")));  // the bytes of a pattern
   ASSERT_TRUE(store_->complete(key));
-  auto reading = store_->open(job(first).pattern.blob).value();
+  auto reading = store_->open(job(first).input("pattern")->blob).value();
   ASSERT_TRUE(store_->remove(first));
   EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("same scan"), text_hash("two")}));
-  EXPECT_EQ(bytes_of(job(second).scan.blob), "same scan");
+  EXPECT_EQ(bytes_of(job(second).input("scan")->blob), "same scan");
   std::string text(3, '\0');
   EXPECT_EQ(reading.read_at(0, text).value(), 3u);  // a download under way ends well
   EXPECT_EQ(text, "one");
@@ -502,7 +491,7 @@ TEST_F(StoreTest, ARestartLeavesRunningJobsAWholeLeaseMore) {
 
 TEST_F(StoreTest, OneKeyMakesOneJob) {
   const auto submit = [&](const std::string& scan, const std::string& key) {
-    return store_->create({"{}", upload(scan), "stl", upload("a pattern"), "svg", key});
+    return store_->create(submission(scan, "a pattern", key));
   };
   const std::string id = submit("a scan", "key-0001")->id;
   EXPECT_EQ(submit("a scan", "key-0001")->id, id);

@@ -1,9 +1,11 @@
 // vacuform submit: the same as run, through a server.
 #include <poll.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -25,14 +27,24 @@ extern "C" void interrupt(int) { interrupted.store(true); }
 bool going() { return !interrupted.load(); }
 
 struct SubmitOptions {
-  std::string server = "http://127.0.0.1:8080", scan, pattern, temperature, job, out, token_file;
+  std::string server = "http://127.0.0.1:8080", job, out, token_file;
+  std::array<std::string, input_kinds.size()> files;  // in the order of input_kinds
   SettingsOptions settings;
   bool wait = false;
 };
 
+bool lacks_files(const SubmitOptions& o) {
+  for (std::size_t i = 0; i < input_kinds.size(); ++i)
+    if (input_kinds[i].always && o.files[i].empty()) return true;
+  return false;
+}
+
 Result<RemoteJob> create(Client& client, const SubmitOptions& o, ProgressBar& bar) {
   VACUFORM_TRY(settings, o.settings.read());
-  return client.submit(o.scan, o.pattern, o.temperature, settings.dump(), [&](double fraction) {
+  std::map<std::string, std::filesystem::path> files;
+  for (std::size_t i = 0; i < input_kinds.size(); ++i)
+    if (!o.files[i].empty()) files[std::string(input_kinds[i].name)] = o.files[i];
+  return client.submit(files, settings.dump(), [&](double fraction) {
     bar.show("upload", fraction);
     return going();
   });
@@ -74,7 +86,7 @@ int submit(const SubmitOptions& o) {
   if (!token) return refuse(token.error());
   auto client = Client::to(o.server, *token);
   if (!client) return refuse(client.error());
-  if (o.job.empty() && (o.scan.empty() || o.pattern.empty()))
+  if (o.job.empty() && lacks_files(o))
     return refuse({Code::bad_usage, "submit needs a scan and a pattern, or a job to come back to", "",
                    "give --scan FILE and --pattern FILE, or --job ID"});
 
@@ -138,19 +150,15 @@ void add_submit(CLI::App& app, int& exit_code) {
           "--token-file", options->token_file,
           "File that holds your token (default: VACUFORM_TOKEN, or the file that VACUFORM_TOKEN_FILE names)")
       ->type_name("FILE");
-  auto* scan = command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->type_name("FILE");
-  auto* pattern = command->add_option("--pattern", options->pattern, "SVG, PNG or JPEG")->type_name("FILE");
-  auto* temperature =
-      command
-          ->add_option("--temperature", options->temperature,
-                       "Measured temperature of the sheet: CSV of degrees Celsius, or a gray PNG")
-          ->type_name("FILE");
   options->settings.add_to(*command);
-  command->add_option("--job", options->job, "Come back to a job that was submitted before")
-      ->type_name("ID")
-      ->excludes(scan)
-      ->excludes(pattern)
-      ->excludes(temperature);
+  auto* job = command->add_option("--job", options->job, "Come back to a job that was submitted before")
+                  ->type_name("ID");
+  for (std::size_t i = 0; i < input_kinds.size(); ++i)
+    command
+        ->add_option("--" + std::string(input_kinds[i].name), options->files[i],
+                     std::string(input_kinds[i].title) + " (" + std::string(input_kinds[i].extensions) + ")")
+        ->type_name("FILE")
+        ->excludes(job);
   auto* wait = command->add_flag("--wait", options->wait, "Wait until the job has ended");
   command->add_option("--out", options->out, "Folder for the artifacts")->type_name("DIR")->needs(wait);
   command->callback([options, &exit_code] { exit_code = submit(*options); });

@@ -1,0 +1,65 @@
+// A job as the store keeps it, and as it is given to the store.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "api/clock.hpp"
+#include "api/error.hpp"
+#include "api/job.hpp"
+#include "server/store/blobs.hpp"
+
+namespace vacuform {
+
+struct Input {
+  std::string name;  // one of input_kinds
+  Blob blob;
+  std::string
+      extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits, or none
+};
+
+struct StoredArtifact {
+  std::string name;  // one of artifact_kinds
+  Blob blob;
+};
+
+struct Job {
+  std::string id;  // 26 characters; later jobs have greater ids
+  JobState state = JobState::queued;
+  std::optional<Stage> stage;  // none before a worker has said so
+  double stage_progress = 0;   // 0..1 of that stage
+  int attempt = 0;             // leases so far
+  Millis created = 0;
+  std::optional<Millis> started, ended;   // start of the current attempt
+  std::optional<Error> error;             // why it failed
+  std::string settings;                   // JSON text, complete
+  std::vector<Input> inputs;              // those that it has, in the order of input_kinds
+  std::string request;                    // the id of the request that made it; may be empty
+  std::string owner;                      // of the token that made it; empty: made before there were tokens
+  std::vector<StoredArtifact> artifacts;  // in the order of artifact_kinds
+
+  // nullptr when it has none of that name.
+  const Input* input(std::string_view name) const;
+};
+
+// A file of a new job: an upload, or a blob that something in the store names already.
+struct NewInput {
+  std::string name;
+  std::variant<Upload, Blob> file;
+  std::string extension;
+};
+
+struct NewJob {
+  std::string settings;
+  std::string client_key = {};  // the client's own name for this submission, among the owner's; may be empty
+  std::vector<NewInput> inputs = {};  // in any order, each name once
+  std::string request = {};
+  std::string owner = {};
+
+  void add(std::string name, std::variant<Upload, Blob> file, std::string extension);
+};
+
+}  // namespace vacuform

@@ -1,0 +1,104 @@
+// What is the store's on SQLite alone: files that are not its own, and files of every version before.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "server/secrets.hpp"
+#include "server/store/schema.hpp"
+#include "server/store/store.hpp"
+
+namespace vacuform {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SqliteStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(start_secrets());
+    data_ = fs::temp_directory_path() / ("vacuform-sqlite-" + random_hex(8));
+    fs::create_directories(data_);
+  }
+  void TearDown() override { fs::remove_all(data_); }
+
+  // A blob as the store leaves it; gives its hash.
+  std::string blob(const std::string& bytes) const {
+    const std::string hash = text_hash(bytes);
+    fs::create_directories(data_ / "blobs" / hash.substr(0, 2));
+    std::ofstream(data_ / "blobs" / hash.substr(0, 2) / hash) << bytes;
+    return hash;
+  }
+  // A store of an older version, with rows.
+  void old_store(std::int64_t version, const std::string& rows) const {
+    Database database;
+    ASSERT_TRUE(database.open((data_ / "jobs.sqlite").string()));
+    ASSERT_TRUE(bring_up_to_date(database, version));
+    const auto added = database.execute(rows);
+    ASSERT_TRUE(added) << added.error().text();
+  }
+  std::string bytes_of(Store& store, const Input& input) const {
+    const auto file = store.open(input.blob);
+    std::string text(input.blob.bytes, '\0');
+    return file && file->read_at(0, text).value_or(0) == text.size() ? text : "no file";
+  }
+
+  fs::path data_;
+};
+
+TEST_F(SqliteStoreTest, RefusesAStoreThatIsNotItsOwn) {
+  std::ofstream(data_ / "jobs.sqlite") << std::string(8192, 'x');
+  const auto store = open_store(data_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Code::corrupt_file);
+}
+
+TEST_F(SqliteStoreTest, RefusesAStoreOfANewerVersion) {
+  old_store(newest_schema, "PRAGMA user_version=" + std::to_string(newest_schema + 1));
+  const auto store = open_store(data_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Code::corrupt_file);
+  EXPECT_NE(store.error().what.find("version " + std::to_string(newest_schema + 1)), std::string::npos);
+}
+
+// The first release's store: a scan and a pattern, no tokens, no owners.
+TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionOne) {
+  old_store(1,
+            "INSERT INTO job(id, state, created, settings, scan, scan_bytes, scan_extension, pattern,"
+            " pattern_bytes, pattern_extension) VALUES('0001', 'queued', 7, '{}', '" +
+                blob("old scan") + "', 8, 'stl', '" + blob("old pattern") + "', 11, 'svg')");
+  for (int opened = 1; opened <= 2; ++opened) {  // the second time of its own version
+    auto store = open_store(data_);
+    ASSERT_TRUE(store) << store.error().text();
+    const Job job = (*store)->job("0001").value();
+    ASSERT_EQ(job.inputs.size(), 2u);
+    EXPECT_EQ(bytes_of(**store, job.inputs[0]), "old scan");
+    EXPECT_EQ(bytes_of(**store, job.inputs[1]), "old pattern");
+    EXPECT_EQ(job.inputs[1].extension, "svg");
+    EXPECT_EQ(job.owner, "");
+  }
+}
+
+// Before inputs had a table of their own, a job had columns for three of them.
+TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionFour) {
+  const std::string columns =
+      "INSERT INTO job(id, state, created, settings, owner, scan, scan_bytes, scan_extension, pattern,"
+      " pattern_bytes, pattern_extension, temperature, temperature_bytes, temperature_extension) VALUES";
+  const std::string files =
+      std::string("'") + blob("a scan") + "', 6, 'stl', '" + blob("a pattern") + "', 9, 'svg', ";
+  old_store(4, columns + "('0001', 'succeeded', 7, '{}', 'station-1', " + files + "'" + blob("140") +
+                   "', 3, 'csv'), ('0002', 'queued', 8, '{}', 'station-2', " + files + "NULL, NULL, NULL)");
+  auto store = open_store(data_);
+  ASSERT_TRUE(store) << store.error().text();
+  const Job first = (*store)->job("0001").value(), second = (*store)->job("0002").value();
+  ASSERT_EQ(first.inputs.size(), 3u);
+  EXPECT_EQ(bytes_of(**store, first.inputs[2]), "140");
+  EXPECT_EQ(first.inputs[2].extension, "csv");
+  EXPECT_EQ(second.inputs.size(), 2u);
+  ASSERT_TRUE((*store)->remove("0001"));
+  EXPECT_EQ(bytes_of(**store, second.inputs[0]), "a scan");  // which both name
+  EXPECT_FALSE((*store)->open(first.inputs[2].blob));
+}
+
+}  // namespace
+}  // namespace vacuform
