@@ -56,7 +56,7 @@ Result<Response> get_artifact(Service& service, const Request& request, const Ca
     if (!kind || artifact.name != kind->name) continue;
     VACUFORM_TRY(file, service.store.open(artifact.blob));
     VACUFORM_TRY(response, http::file_response(request, std::move(file), std::string(kind->media_type),
-                                               artifact.blob.sha256));
+                                               artifact.blob.sha256, artifact.blob.sha256));
     response.set("X-Content-Type-Options", "nosniff");
     // An SVG opened on its own must not run what a pattern brought along.
     response.set("Content-Security-Policy",

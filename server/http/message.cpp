@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "api/sha256.hpp"
+#include "server/http/digest.hpp"
 #include "server/http/range.hpp"
 
 namespace vacuform::http {
@@ -45,8 +47,39 @@ Response text_response(std::string media_type, std::string text, int status) {
   return response;
 }
 
+namespace {
+
+constexpr std::uint64_t largest_digested_part = 16 << 20;
+
+Result<std::string> sha256_of(const FileBody& body) {
+  Sha256 hash;
+  std::vector<char> piece(64 * 1024);
+  for (std::uint64_t done = 0; done < body.bytes;) {
+    const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), body.bytes - done));
+    VACUFORM_TRY(n, body.file->read_at(body.offset + done, {piece.data(), wanted}));
+    if (n == 0) return fail(Code::unreadable, "a file is shorter than it was");
+    hash.add(std::string_view(piece.data(), n));
+    done += n;
+  }
+  return hash.hex();
+}
+
+// `sha256` is that of the whole file.
+Result<void> set_digests(Response& response, const FileBody& body, const std::string& sha256) {
+  response.set("Repr-Digest", digest_field(sha256));
+  if (response.status == 200) {
+    response.set("Content-Digest", digest_field(sha256));
+  } else if (body.bytes <= largest_digested_part) {
+    VACUFORM_TRY(part, sha256_of(body));
+    response.set("Content-Digest", digest_field(part));
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<Response> file_response(const Request& request, File file, std::string media_type,
-                               const std::string& etag) {
+                               const std::string& etag, const std::string& sha256) {
   VACUFORM_TRY(bytes, file.size());
   const std::string quoted = "\"" + etag + "\"";
   Response response;
@@ -76,6 +109,7 @@ Result<Response> file_response(const Request& request, File file, std::string me
                                         std::to_string(answer.last) + "/" + std::to_string(bytes));
     }
   }
+  if (!sha256.empty()) VACUFORM_CHECK(set_digests(response, body, sha256));
   response.file = std::move(body);
   return response;
 }

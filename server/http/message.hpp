@@ -83,9 +83,10 @@ Response text_response(std::string media_type, std::string text, int status = 20
 
 // A whole file, or the range of it that the request asks for (206, 416), or 304 when the client has it
 // already. `etag` without quotes. One range at a time; a request for several gets the whole file, as RFC 9110
-// allows.
+// allows. `sha256` of the whole file, where it is known, goes out as Repr-Digest; Content-Digest is that of the bytes that
+// are sent, left out of parts beyond 16 MiB, which would have to be read twice.
 Result<Response> file_response(const Request& request, File file, std::string media_type,
-                               const std::string& etag);
+                               const std::string& etag, const std::string& sha256 = {});
 
 // A refusal before or beside the routes: an HTTP status of its own with the error behind it.
 struct Refusal {

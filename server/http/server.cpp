@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "api/log.hpp"
+#include "server/http/digest.hpp"
 #include "server/http/origin.hpp"
 #include "server/http/request_id.hpp"
 
@@ -217,6 +218,9 @@ class Server::Library : public httplib::Server {
           request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
     }
     response.set("X-Request-Id", request.id);
+    // It is about what is sent, and that is nothing here.
+    if (from.method == "HEAD")
+      std::erase_if(response.headers, [](const Header& header) { return header.name == "Content-Digest"; });
     if (response.stream && place)
       give_stream(response, going(), std::move(place), to);
     else
@@ -247,6 +251,16 @@ class Server::Library : public httplib::Server {
                                       "try again, or ask from time to time in place of waiting"}});
   }
 
+  static Result<Response> handled(const Route& route, Request& request) {
+    VACUFORM_TRY(digest, stated_digest(request, "Content-Digest"));
+    std::unique_ptr<Body> checked;
+    if (!digest.empty()) {
+      checked = checked_body(*request.body, digest);
+      request.body = checked.get();
+    }
+    return route.handler(request);
+  }
+
   Response respond(const httplib::Request& from, Request& request, Answered& answered) {
     if (served->refusal()) return options_.refuse(request, *served->refusal());
     request.method = from.method == "HEAD" ? "GET" : from.method;
@@ -270,7 +284,7 @@ class Server::Library : public httplib::Server {
                              {404, {Code::not_found, "there is nothing at this address", {}, "see /"}});
     answered.route = match.route->pattern;
     request.captures = std::move(match.captures);
-    auto result = match.route->handler(request);
+    auto result = handled(*match.route, request);
     if (result) return std::move(*result);
     return options_.refuse(request, {meaning(result.error().code).http_status, result.error()});
   }

@@ -2,7 +2,7 @@
 // stands.
 //
 // Every request passes, in this order: the limits of connection.hpp, the checks of origin.hpp, the router,
-// the route. A connection serves one request. Peer addresses are not looked at, and no header of a client
+// the route. A body whose Content-Digest was sent is checked while the route reads it (digest.hpp). A connection serves one request. Peer addresses are not looked at, and no header of a client
 // reaches the library.
 //
 // A response that streams or waits (message.hpp) keeps its thread, so these have a bound and threads of their own: when
