@@ -206,7 +206,8 @@ Result<void> check_heat(const Settings& s) {
     }
   }
   for (const auto& [zone, gain] : s.heat.gains)
-    if (std::none_of(heaters.begin(), heaters.end(), [&](const Heater& h) { return h.zone == zone; }))
+    if (std::none_of(heaters.begin(), heaters.end(),
+                     [&zone = zone](const Heater& h) { return h.zone == zone; }))
       return fail(Code::bad_settings, "no heater is in this zone", "heat.gains." + zone,
                   "give it to a heater as its zone, or leave it out");
   if (s.heat.source == HeatSource::heaters && heaters.empty())

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double offset_mm = 0.1;
 constexpr double plate_depth_mm = 0.5;
-constexpr double kept_volume = 0.7;  // of what the widest bridging encloses
+constexpr double kept_volume = 0.7;       // of what the widest bridging encloses
+constexpr int most_fine_steps = 150'000;  // a head's outside takes 105,000 at the narrowest
 
 // A plate a little below the platform, as wide as the scan: the cut at the platform takes it off again.
 TriangleMesh with_plate(TriangleMesh skin) {
@@ -27,7 +28,8 @@ TriangleMesh with_plate(TriangleMesh skin) {
 
 // A wide bridging finds out what volume the scan encloses, and whether it is open below. Then the narrowest
 // that keeps the volume is taken: one that is too narrow slips through the scan's gaps and wraps its inside
-// too.
+// too. A wrap of both sides, in and out of every crevice, costs many times one of the outside alone, hence from
+// wide to narrow: what slips is not made narrower still, and ends where no outside would.
 Result<TriangleMesh> rebuild(const TriangleMesh& skin, const ScanProgress& progress) {
   const double size = bounds(skin).size().norm();
   VACUFORM_TRY(coarse, wrap(skin, 0.15 * size, offset_mm, progress));
@@ -35,9 +37,12 @@ Result<TriangleMesh> rebuild(const TriangleMesh& skin, const ScanProgress& progr
   VACUFORM_TRY(coarse_plated, wrap(plated, 0.15 * size, offset_mm, progress));
   const bool open_below = signed_volume(coarse) < kept_volume * signed_volume(coarse_plated);
   if (open_below) coarse = std::move(coarse_plated);
-  for (const double share : {0.012, 0.03, 0.075}) {
-    VACUFORM_TRY(fine, wrap(open_below ? plated : skin, share * size, offset_mm, progress));
-    if (signed_volume(fine) > kept_volume * signed_volume(coarse)) return fine;
+  const double least_volume = kept_volume * signed_volume(coarse);
+  for (const double share : {0.075, 0.03, 0.012}) {
+    auto fine = wrap(open_below ? plated : skin, share * size, offset_mm, progress, most_fine_steps);
+    if (!fine && fine.error().code == Code::cancelled) return fine;
+    if (!fine || signed_volume(*fine) <= least_volume) break;
+    coarse = std::move(*fine);
   }
   return coarse;
 }

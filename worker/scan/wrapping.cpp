@@ -13,8 +13,6 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
-constexpr int most_steps = 4'000'000;  // Steiner points tried: about a minute, and half a gigabyte
-
 struct Stopped {
   bool cancelled;
 };
@@ -22,6 +20,7 @@ struct Stopped {
 // CGAL calls this between its steps; leaving by an exception is the one way out that both 5.5 and 6 know.
 struct Watch {
   const ScanProgress* progress;
+  int most_steps;
   int steps = 0;
 
   template <class W>
@@ -50,8 +49,8 @@ struct Watch {
 
 }  // namespace
 
-Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
-                          const ScanProgress& progress) {
+Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset, const ScanProgress& progress,
+                          int most_steps) {
   std::vector<Kernel::Point_3> points;
   std::vector<std::array<std::size_t, 3>> faces;
   points.reserve(soup.vertices.size());
@@ -62,7 +61,7 @@ Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
     if (!CGAL::collinear(points[face[0]], points[face[1]], points[face[2]])) faces.push_back(face);
   }
   Surface surface;
-  Watch watch{&progress};
+  Watch watch{&progress, most_steps};
   try {
     // CGAL 5.5 looks for the visitor among the parameters of the output, 6 among those of the input.
     CGAL::alpha_wrap_3(points, faces, alpha, offset, surface, CGAL::parameters::visitor(watch),

@@ -11,8 +11,9 @@ namespace vacuform {
 // around the triangles; openings narrower than about `alpha` mm are bridged. Facets are about alpha wide, and
 // their vertices lie at the offset: on a surface of radius R the facets' middles fall short by about alpha^2
 // / (6 R). Alliez, Cohen-Steiner, Hemmer, Portaneri, Rouxel-Labbe 2022, "Alpha wrapping with an offset"
-// (CGAL). Deterministic. Memory and time grow with area / alpha^2. Errors: cancelled, unusable_scan.
-Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
-                          const ScanProgress& progress);
+// (CGAL). Deterministic. Memory and time grow with area / alpha^2; a step takes about 20 microseconds. Errors: cancelled;
+// unusable_scan after `most_steps`.
+Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset, const ScanProgress& progress,
+                          int most_steps = 400'000);
 
 }  // namespace vacuform

@@ -1,0 +1,198 @@
+// Runs one entry point over every file of some folders, and then over what becomes of them by chance: bytes turned,
+// numbers made extreme, pieces cut out, doubled and swapped between files. The chance is the same on every machine, so a
+// failure comes again.
+//
+//   fuzz_replay TARGET SECONDS FOLDER...
+//
+// An input may take ten seconds of an idle processor (half as much again is allowed, for a machine that does two things at
+// once) and 1 GiB of memory. What takes more, or breaks a promise, ends the program, and the input is left in the working
+// directory as found-TARGET.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/targets.hpp"
+
+namespace {
+
+using namespace vacuform::fuzz;
+using Input = std::vector<std::uint8_t>;
+
+constexpr int most_seconds = 15;
+constexpr rlim_t most_memory = rlim_t{1} << 30;
+constexpr std::size_t largest_input = 1 << 20;
+
+// What a signal handler needs, where it can reach it.
+std::array<char, 64> found_file{};
+const Input* running = nullptr;
+
+void keep_what_ran(int signal) {
+  const int file = ::open(found_file.data(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (file >= 0 && running) {
+    [[maybe_unused]] const ssize_t n = ::write(file, running->data(), running->size());
+  }
+  constexpr char late[] = "the input took longer than 15 s of the processor\n";
+  if (signal == SIGPROF) {
+    [[maybe_unused]] const ssize_t n = ::write(STDERR_FILENO, late, sizeof late - 1);
+  }
+  ::signal(SIGABRT, SIG_DFL);
+  ::abort();
+}
+
+void limit_this_process(std::string_view target_name) {
+  std::snprintf(found_file.data(), found_file.size(), "found-%s", target_name.data());
+  for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGPROF})
+    ::signal(signal, keep_what_ran);
+  const rlimit memory{most_memory, most_memory};
+  ::setrlimit(RLIMIT_DATA, &memory);
+}
+
+double run(const Target& target, const Input& input) {
+  running = &input;
+  const itimerval limit{{0, 0}, {most_seconds, 0}}, none{};
+  ::setitimer(ITIMER_PROF, &limit, nullptr);
+  const auto begun = std::chrono::steady_clock::now();
+  target.run(input);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  ::setitimer(ITIMER_PROF, &none, nullptr);
+  return seconds;
+}
+
+struct Seed {
+  std::string name;
+  Input bytes;
+};
+
+std::vector<Seed> read_seeds(int count, char** folders) {
+  std::vector<std::filesystem::path> files;
+  for (int i = 0; i < count; ++i)
+    if (std::filesystem::is_directory(folders[i]))
+      for (const auto& entry : std::filesystem::directory_iterator(folders[i])) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::vector<Seed> seeds;
+  for (const auto& file : files) {
+    std::ifstream in(file, std::ios::binary);
+    seeds.push_back({file.filename().string(), Input(std::istreambuf_iterator<char>(in), {})});
+  }
+  return seeds;
+}
+
+// The same numbers everywhere: only mt19937_64 itself is fixed by the standard, its distributions are not.
+class Chance {
+ public:
+  std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(engine_() % n); }
+
+ private:
+  std::mt19937_64 engine_{20181};
+};
+
+// Turns one thing of the input.
+void mutate_once(Input& input, const std::vector<Seed>& seeds, Chance& chance) {
+  static constexpr std::array<std::uint32_t, 10> numbers{
+      0, 1, 0x7f, 0xff, 0x7fff, 0x7fffffff, 0x80000000, 0xffffffff, 0x7fc00000, 0x7f800000};
+  static constexpr std::array<std::string_view, 12> words{
+      "-1", "0",     "1e308", "nan", "inf", "4294967296",
+      "\n", "solid", "\r\n",  "\"",  "{",   "999999999999999999999"};
+  const std::size_t at = chance.below(input.size() + 1);
+  const auto place = input.begin() + static_cast<std::ptrdiff_t>(at);
+  const std::size_t length = 1 + chance.below(std::min<std::size_t>(input.size() - at + 1, 256));
+  const auto end = input.begin() + static_cast<std::ptrdiff_t>(std::min(at + length, input.size()));
+  switch (chance.below(7)) {
+    case 0:  // a bit
+      if (at < input.size()) input[at] ^= static_cast<std::uint8_t>(1u << chance.below(8));
+      break;
+    case 1: {  // a number, in either order of bytes
+      std::uint32_t number = numbers[chance.below(numbers.size())];
+      if (chance.below(2) == 1) number = __builtin_bswap32(number);
+      if (at + 4 <= input.size()) std::memcpy(&input[at], &number, 4);
+      break;
+    }
+    case 2: {  // a word
+      const std::string_view word = words[chance.below(words.size())];
+      input.insert(place, word.begin(), word.end());
+      break;
+    }
+    case 3:  // without a piece
+      input.erase(place, end);
+      break;
+    case 4: {  // a piece twice
+      const Input piece(place, end);
+      input.insert(input.begin() + static_cast<std::ptrdiff_t>(at), piece.begin(), piece.end());
+      break;
+    }
+    case 5: {  // a piece of another input
+      const Input& other = seeds[chance.below(seeds.size())].bytes;
+      const std::size_t from = chance.below(other.size() + 1);
+      const std::size_t n = std::min(length, other.size() - from);
+      const auto piece = other.begin() + static_cast<std::ptrdiff_t>(from);
+      input.insert(place, piece, piece + static_cast<std::ptrdiff_t>(n));
+      break;
+    }
+    default:  // the end is missing
+      if (chance.below(4) == 0) input.resize(at);
+  }
+}
+
+Input mutated(const std::vector<Seed>& seeds, Chance& chance) {
+  Input input;
+  do input = seeds[chance.below(seeds.size())].bytes;
+  while (input.size() > largest_input);
+  for (std::size_t i = 0, turns = 1 + chance.below(6); i < turns; ++i) mutate_once(input, seeds, chance);
+  if (input.size() > largest_input) input.resize(largest_input);
+  return input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Target* chosen = argc > 3 ? target(argv[1]) : nullptr;
+  double seconds = 0;
+  if (!chosen || std::from_chars(argv[2], argv[2] + std::strlen(argv[2]), seconds).ec != std::errc()) {
+    std::fprintf(stderr, "usage: fuzz_replay TARGET SECONDS FOLDER...\n");
+    return 2;
+  }
+  const auto seeds = read_seeds(argc - 3, argv + 3);
+  if (std::none_of(seeds.begin(), seeds.end(),
+                   [](const Seed& s) { return s.bytes.size() <= largest_input; })) {
+    std::fprintf(stderr, "there is nothing to run in the folders\n");
+    return 2;
+  }
+  limit_this_process(chosen->name);
+
+  double slowest = 0;
+  std::string which;
+  for (const Seed& seed : seeds) {
+    std::printf("%s\n", seed.name.c_str());
+    std::fflush(stdout);
+    const double took = run(*chosen, seed.bytes);
+    if (took > slowest) slowest = took, which = seed.name;
+  }
+  Chance chance;
+  std::size_t count = 0;
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  for (; std::chrono::steady_clock::now() < until; ++count) {
+    const Input input = mutated(seeds, chance);
+    const double took = run(*chosen, input);
+    if (took > slowest) slowest = took, which = "mutation " + std::to_string(count);
+  }
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  std::printf("%s: %zu files and %zu mutations; slowest %.2f s (%s), memory at most %ld MiB\n", argv[1],
+              seeds.size(), count, slowest, which.c_str(), used.ru_maxrss / 1024);
+  return 0;
+}

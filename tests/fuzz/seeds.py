@@ -1,0 +1,170 @@
+"""Makes the inputs that fuzzing begins with, one folder a target: small whole files of every kind, and the hostile ones of
+the integration tests.
+
+    seeds.py FOLDER
+"""
+import base64
+import json
+import math
+import pathlib
+import struct
+import sys
+import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
+import hostile  # noqa: E402
+
+SMALL = {"n": 8, "rows": 4}
+
+
+def small_dome():
+    return hostile.dome(**SMALL)
+
+
+def triangles(**shape):
+    return hostile.dome_triangles(**(SMALL | shape))
+
+
+def off(points, faces):
+    lines = ["OFF", f"{len(points)} {len(faces)} 0", *(" ".join("%g" % x for x in p) for p in points)]
+    return "\n".join([*lines, *("3 %d %d %d" % f for f in faces), ""]).encode()
+
+
+def ascii_ply(points, faces):
+    lines = ["ply", "format ascii 1.0", "comment of our own", f"element vertex {len(points)}", "property float x",
+             "property float y", "property float z", f"element face {len(faces)}", "property list uchar int vertex_indices",
+             "end_header", *("%g %g %g" % p for p in points), *("3 %d %d %d" % f for f in faces), ""]
+    return "\n".join(lines).encode()
+
+
+def whole_glb():
+    points, faces = small_dome()
+    positions = b"".join(struct.pack("<3f", *p) for p in points)
+    indices = b"".join(struct.pack("<3H", *f) for f in faces)
+    box = [[f(p[i] for p in points) for i in range(3)] for f in (min, max)]
+    return hostile.glb({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"children": [1], "scale": [0.001, 0.001, 0.001]}, {"mesh": 0, "rotation": [0, 0, 0, 1]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": len(positions) + len(indices)}],
+        "bufferViews": [{"buffer": 0, "byteLength": len(positions)},
+                        {"buffer": 0, "byteOffset": len(positions), "byteLength": len(indices)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": len(points), "min": box[0], "max": box[1]},
+                      {"bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 3 * len(faces)}]},
+        positions + indices)
+
+
+def coloured_png(width, height, depth=8, kind=6, interlace=0, extra=b""):
+    channels = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}[kind]
+    row = (width * channels * depth + 7) // 8
+    rows = b"".join(bytes([y % 5]) + bytes((x * y) & 255 for x in range(row)) for y in range(height))
+    palette = hostile.chunk(b"PLTE", bytes(range(3 * min(256, 1 << depth)))) if kind == 3 else b""
+    return (b"\x89PNG\r\n\x1a\n" + hostile.chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, depth, kind, 0, 0, interlace)) +
+            hostile.chunk(b"pHYs", struct.pack(">IIB", 3937, 3937, 1)) + palette + extra +
+            hostile.chunk(b"IDAT", zlib.compress(rows)) + hostile.chunk(b"IEND", b""))
+
+
+def largest_png():
+    """As many pixels as a drawing may have, in colour, in a quarter of a megabyte."""
+    squeeze = zlib.compressobj(9)
+    row = b"\0" + b"\xff\x00\x00\xff" * 8000
+    data = b"".join(squeeze.compress(row) for _ in range(8000)) + squeeze.flush()
+    return (b"\x89PNG\r\n\x1a\n" + hostile.chunk(b"IHDR", struct.pack(">IIBBBBB", 8000, 8000, 8, 6, 0, 0, 0)) +
+            hostile.chunk(b"pHYs", struct.pack(">IIB", 11811, 11811, 1)) + hostile.chunk(b"IDAT", data) +
+            hostile.chunk(b"IEND", b""))
+
+
+# Disks on 20 x 17 pixels, encoded by libjpeg in each of its ways.
+JPEGS = {name: base64.b64decode(text) for name, text in json.loads(
+    (pathlib.Path(__file__).with_name("jpegs.json")).read_text()).items()}
+
+SVGS = {
+    "rings": "".join(f'<g id="c{i}"><circle cx="{20 + 15 * i}" cy="50" r="12" fill="none" stroke="black" stroke-width="2" '
+                     f'transform="rotate({7 * i} 50 50)"/></g>' for i in range(5)),
+    "paths": '<path id="a" d="M10 10h5v5l-5 2zm1 1c1 2 3 4 5 6s7 8 9 1q2 3 4 5t6 7a5 8 30 1 0 4 4A3 3 0 0 1 9 9Z" fill-rule="evenodd"/>'
+             '<polyline points="1,2 3,4 5e0,-6" stroke="#f00" fill="none" stroke-dasharray="1 2 .5" stroke-linejoin="round"/>',
+    "styles": '<style>.a{stroke:rgb(10%,20%,30%);fill:none} #b, g > rect {stroke-width:2px}</style><defs><symbol id="s" '
+              'viewBox="0 0 9 9"><rect class="a" width="5" height="5" rx="1"/></symbol></defs>'
+              '<use href="#s" x="9" width="20" height="20"/><g id="g" opacity=".5"><rect id="b" class="a" width="3" height="4"/></g>',
+    "use of use": "<defs>" + "".join(f'<g id="u{i + 1}"><use href="#u{i}"/><use href="#u{i}" x="1"/></g>' for i in range(16)) +
+                  '<g id="u0"><rect width="1" height="1"/></g></defs><use href="#u16"/>',
+    "dashes": '<path d="M0 0H100" stroke="black" stroke-dasharray="1e-7"/>',
+    "filter": '<filter id="f"><feGaussianBlur stdDeviation="50"/></filter><rect width="80" height="80" filter="url(#f)"/>',
+    "pattern": '<pattern id="p" width="1e-4" height="1e-4"><rect width="1" height="1"/></pattern><rect width="90" height="90" fill="url(#p)"/>',
+    "text": '<text x="5" y="40" font-size="20">ink</text>',
+    "nested pages": '<svg x="5" y="5" width="50" height="50" viewBox="0 0 10 10">' * 20 + '<circle r="5"/>' + "</svg>" * 20,
+    "deep": "<g>" * 180 + '<circle r="5"/>' + "</g>" * 180,
+}
+
+SETTINGS = [
+    "", "{}", '{"print":{"dpi":600,"marks":false}}', '{"scan":{"units":"mm","up":"-y","yaw_deg":12.5,"trim_mm":"auto"}}',
+    '{"machine":{"heaters":[{"z_mm":120,"width_mm":300,"height_mm":300,"celsius":450}]},"heat":{"source":"heaters","gains":{"a":1.5}}}',
+    '{"pattern":{"offset_mm":[3,-4],"points":[[0,0,1,2,3],[1,1,4,5,6]]},"flattening":{"pins":[[0,0,1,1]],"lambda":1e-3}}',
+    '{"sheet":{"width_mm":1e308,"material":"hips"}}', '{"print":{"dpi":3e2}}', "[" * 5000, '{"a":' * 500, '{"print":{"dpi":"\\ud800"}}',
+    "\ufeff{}", '{"print":{"dpi":300,"dpi":600}}',
+]
+
+TEMPERATURES = [
+    "150,151,152\n149,150,151\n", "# s, t\ns,t,celsius\n0,0,150\n100,0,140\n0,100,141\n-90,-90,139\n", "1;2,5;3\n4;5;6\n",
+    "150 150\n150 150\n", "s;t;celsius\n0;0;150,5\n", "s,t,celsius\n0,0,150\n0,0,160\n", "1e308,-1e308\n", "nan\n", "1\n" * 3000,
+    "s,t,celsius\n" + "".join(f"{i % 50},{i // 50},{100 + i % 7}\n" for i in range(2000)),
+]
+
+FORM = ('--XX\r\nContent-Disposition: form-data; name="scan"; filename="he\\"ad.STL"\r\nContent-Type: model/stl\r\n\r\nsolid\r\n--X\r\n'
+        '--XX\r\nContent-Disposition: form-data; name=settings\r\n\r\n{}\r\n--XX--\r\n')
+FORMS = [FORM, "preamble\r\n" + FORM, FORM.replace("--XX--", "--XX"), FORM.replace("\r\n\r\n", "\r\nX: " + "y" * 9000 + "\r\n\r\n"),
+         '--XX\r\nContent-Disposition: form-data; name="../../etc"; filename="a\r\nSet-Cookie: b"\r\n\r\n\r\n--XX--', "--XX--",
+         FORM[:-6] * 200, "multipart/form-data; boundary=\"a;b\"; boundary=c"]
+
+REQUEST = "POST /api/v1/jobs?a=b HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\nIf-None-Match: \"abc\", W/\"d\"\r\nRange: bytes=0-9\r\n\r\nhello"
+REQUESTS = [REQUEST, REQUEST.replace("5", "99999999999999999999"), REQUEST.replace("Range", "Expect: 100-continue\r\nRange"),
+            REQUEST.replace("Content-Length: 5", "Transfer-Encoding: chunked"), REQUEST.replace("0-9", "-18446744073709551616"),
+            REQUEST.replace("0-9", "5-,7-8"), REQUEST.replace("0-9", "18446744073709551615-"), "GET / HTTP/1.1\r\n" + "A: b\r\n" * 200 + "\r\n",
+            "GET " + "/" * 5000 + " HTTP/1.1\r\nHost: a\r\n\r\n", REQUEST + REQUEST, "GET / HTTP/1.1\nHost: a\n\n", "\r\n\r\n"]
+
+
+def seeds():
+    """By target, by name, the bytes."""
+    found = {name: {} for name in ("stl", "obj", "ply", "off", "glb", "png", "jpeg", "svg", "settings", "multipart", "names",
+                                   "temperature", "request")}
+    points, faces = small_dome()
+    found["stl"] |= {"binary": hostile.stl(triangles()), "text": hostile.ascii_stl(triangles()),
+                     "two": hostile.stl(triangles() + triangles(scale=0.5)), "open": hostile.stl(triangles()[:-8]),
+                     "crossing": hostile.stl(triangles() + [tuple(tuple(x + 9.7 for x in p) for p in t) for t in triangles()])}
+    found["obj"]["whole"] = hostile.obj(points=points, faces=[[i + 1 for i in f] for f in faces])
+    found["ply"] |= {"text": ascii_ply(points, faces), "little": hostile.ply(), "big": hostile.ply(order=">")}
+    found["off"]["whole"] = off(points, faces)
+    found["glb"]["whole"] = whole_glb()
+    for name, (_, _, extension, make) in hostile.SCANS.items():
+        if extension in found:
+            found[extension][name] = make()
+    found["png"] |= {f"kind {kind} depth {depth} interlaced {i}": coloured_png(21, 17, depth, kind, i)
+                     for kind, depth in ((0, 1), (0, 16), (2, 8), (3, 4), (4, 8), (6, 16)) for i in (0, 1)}
+    found["png"]["largest"] = largest_png()
+    found["jpeg"] |= JPEGS
+    found["svg"] |= {name: hostile.svg(inner) for name, inner in SVGS.items()}
+    found["svg"] |= {f"{name} on a page of metres": hostile.svg(inner, root='width="4900mm" height="4900mm" viewBox="0 0 100 100"')
+                     for name, inner in SVGS.items()}
+    for name, (_, _, extension, make) in hostile.PATTERNS.items():
+        found["jpeg" if extension == "jpg" else extension][name] = make()
+    for target, texts in (("settings", SETTINGS), ("temperature", TEMPERATURES)):
+        found[target] |= {str(i): text.encode("utf-8", "surrogatepass") for i, text in enumerate(texts)}
+    found["temperature"]["gray"] = coloured_png(9, 7, 16, 0)
+    found["multipart"] |= {str(i): b"\x07" + text.encode() for i, text in enumerate(FORMS)}
+    found["request"] |= {str(i): text.encode() for i, text in enumerate(REQUESTS)}
+    for target, order in (("stl", 0), ("obj", 1), ("ply", 2), ("off", 3), ("png", 4), ("jpeg", 5)):
+        for name, data in found[target].items():
+            if len(data) < 20000:  # the first byte chooses the pieces, and by that the extension
+                found["names"][f"{target} {name}"] = bytes([7 + order - 1]) + data
+    return found
+
+
+def main(folder):
+    for target, files in seeds().items():
+        (folder / target).mkdir(parents=True, exist_ok=True)
+        for name, data in files.items():
+            (folder / target / name.replace("/", " ")).write_bytes(data)
+
+
+if __name__ == "__main__":
+    main(pathlib.Path(sys.argv[1]))

@@ -1,0 +1,39 @@
+#include "tests/fuzz/targets.hpp"
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+
+namespace vacuform::fuzz {
+
+namespace {
+constexpr std::array<Target, 13> all{{{"stl", read_stl},
+                                      {"obj", read_obj},
+                                      {"ply", read_ply},
+                                      {"off", read_off},
+                                      {"glb", read_glb},
+                                      {"png", read_png},
+                                      {"jpeg", read_jpeg},
+                                      {"svg", read_svg},
+                                      {"settings", read_settings},
+                                      {"multipart", read_multipart},
+                                      {"names", blank_names},
+                                      {"temperature", read_temperature},
+                                      {"request", read_request}}};
+}
+
+std::span<const Target> targets() { return all; }
+
+const Target* target(std::string_view name) {
+  for (const Target& t : all)
+    if (t.name == name) return &t;
+  return nullptr;
+}
+
+void require(bool holds, const char* promise) {
+  if (holds) return;
+  std::fprintf(stderr, "a promise does not hold: %s\n", promise);
+  std::abort();
+}
+
+}  // namespace vacuform::fuzz
