@@ -46,6 +46,10 @@ ordered_json artifact_json(const Job& job, const StoredArtifact& artifact) {
           {"href", "/api/v1/jobs/" + job.id + "/artifacts/" + artifact.name}};
 }
 
+ordered_json log_line_json(const LogLine& line) {
+  return {{"number", line.number}, {"time", rfc3339(line.time)}, {"text", line.text}};
+}
+
 ordered_json inputs_json(const Job& job) {
   ordered_json inputs = ordered_json::object();
   for (const Input& input : job.inputs) inputs[input.name] = input_json(input);
@@ -62,9 +66,13 @@ ordered_json job_json(const Job& job) {
           {"progress", rounded(whole_progress(job))},
           {"stage_progress", rounded(job.stage_progress)},
           {"attempt", job.attempt},
+          {"priority", job.priority},
+          {"derived_from", job.derived_from ? ordered_json(*job.derived_from) : ordered_json()},
+          {"version", job.version},
           {"created", rfc3339(job.created)},
           {"started", time_or_null(job.started)},
           {"ended", time_or_null(job.ended)},
+          {"not_before", time_or_null(job.not_before)},
           {"settings", ordered_json::parse(job.settings)},
           {"inputs", inputs_json(job)},
           {"artifacts", artifacts},
@@ -74,6 +82,7 @@ ordered_json job_json(const Job& job) {
             {"page", "/jobs/" + job.id},
             {"artifacts", self + "/artifacts"},
             {"zip", self + "/artifacts.zip"},
+            {"log", self + "/log"},
             {"cancel", self + "/cancel"}}}};
 }
 

@@ -1,5 +1,6 @@
 // The API that people and programs use; api/openapi.yaml describes it.
 #include <charconv>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "api/log.hpp"
@@ -28,15 +29,25 @@ Result<Response> create_job(Service& service, Request& request, const Caller& ca
   return response;
 }
 
+// A number of the query, or the one that stands for none.
+Result<std::int64_t> query_number(const Request& request, const std::string& name, std::int64_t fallback,
+                                  std::int64_t least, std::int64_t most) {
+  const std::string text = request.query_value(name);
+  if (text.empty()) return fallback;
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number < least || number > most)
+    return fail(
+        Code::bad_usage,
+        name + " is not a number from " + std::to_string(least) + " to " + std::to_string(most) + ": " + text,
+        name, "give for example " + std::to_string(fallback));
+  return number;
+}
+
 Result<Response> list_jobs(Service& service, const Request& request, const Caller& caller) {
-  int limit = 20;
-  if (const std::string text = request.query_value("limit"); !text.empty()) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
-    if (error != std::errc() || end != text.data() + text.size() || limit < 1 || limit > 100)
-      return fail(Code::bad_usage, "limit is not a number from 1 to 100: " + text, "limit",
-                  "give for example 20");
-  }
-  VACUFORM_TRY(page, service.store.list(limit, request.query_value("cursor"), caller.only()));
+  VACUFORM_TRY(limit, query_number(request, "limit", 20, 1, 100));
+  VACUFORM_TRY(page,
+               service.store.list(static_cast<int>(limit), request.query_value("cursor"), caller.only()));
   ordered_json jobs = ordered_json::array();
   for (const Job& job : page.jobs) jobs.push_back(job_json(job));
   return json_response({{"jobs", jobs}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
@@ -83,6 +94,18 @@ Result<Response> get_job(Service& service, const Request& request, const Caller&
   return json_response(job_json(job));
 }
 
+Result<Response> get_log(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(after, query_number(request, "after", 0, 0, std::numeric_limits<std::int64_t>::max()));
+  VACUFORM_TRY(limit, query_number(request, "limit", 200, 1, 1000));
+  VACUFORM_TRY(lines, service.store.log_after(job.id, after, static_cast<int>(limit)));
+  ordered_json list = ordered_json::array();
+  for (const LogLine& line : lines) list.push_back(log_line_json(line));
+  return json_response({{"lines", list},
+                        {"next", lines.empty() ? after : lines.back().number},
+                        {"ended", ended(job.state) && lines.size() < static_cast<std::size_t>(limit)}});
+}
+
 Result<Response> cancel_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(seen, job_for(service, request, caller));
   VACUFORM_TRY(job, service.store.cancel(seen.id));
@@ -109,6 +132,7 @@ void add_job_routes(http::Router& router, Service& service) {
   add(Scope::submit, "POST", "", create_job);
   add(Scope::read, "GET", "", list_jobs);
   add(Scope::read, "GET", "/{id}", get_job);
+  add(Scope::read, "GET", "/{id}/log", get_log);
   add(Scope::submit, "POST", "/{id}/cancel", cancel_job);
   add(Scope::submit, "DELETE", "/{id}", delete_job);
   add(Scope::read, "GET", "/{id}/artifacts", list_artifacts);

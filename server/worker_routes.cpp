@@ -97,6 +97,15 @@ Result<Response> heartbeat(Service& service, Request& request) {
   return json_response({{"cancel", cancel}});
 }
 
+Result<Response> add_log(Service& service, Request& request) {
+  VACUFORM_TRY(body, read_object(request));
+  const auto first = body.find("first");
+  if (first == body.end() || !first->is_number_unsigned() || first->get<std::uint64_t>() > most_log_lines)
+    return fail(Code::bad_usage, "there is no number of the first line", "first", "number lines from 0");
+  VACUFORM_CHECK(service.store.log(key_of(request), first->get<int>(), texts_of(body, "lines")));
+  return json_response(ordered_json::object());
+}
+
 Result<Response> put_artifact(Service& service, Request& request) {
   const std::string& name = request.at("name");
   if (!artifact_kind(name))
@@ -156,6 +165,7 @@ void add_worker_routes(http::Router& router, Service& service) {
   add("POST", "", take_lease);
   add("GET", "/{job}/inputs/{input}", get_input);
   add("POST", "/{job}/heartbeat", heartbeat);
+  add("POST", "/{job}/log", add_log);
   add("PUT", "/{job}/artifacts/{name}", put_artifact);
   add("POST", "/{job}/fail", fail_job);
   add_end("complete", "job-completed", &Store::complete);

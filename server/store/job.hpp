@@ -1,6 +1,7 @@
 // A job as the store keeps it, and as it is given to the store.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +22,8 @@ struct Input {
       extension;  // of the uploaded file's name: "stl"; at most 8 lower-case letters and digits, or none
 };
 
+inline constexpr int lowest_priority = -10, highest_priority = 10;
+
 struct StoredArtifact {
   std::string name;  // one of artifact_kinds
   Blob blob;
@@ -32,17 +35,28 @@ struct Job {
   std::optional<Stage> stage;  // none before a worker has said so
   double stage_progress = 0;   // 0..1 of that stage
   int attempt = 0;             // leases so far
+  int priority = 0;            // lowest_priority..highest_priority; see Store::lease()
   Millis created = 0;
-  std::optional<Millis> started, ended;   // start of the current attempt
-  std::optional<Error> error;             // why it failed
-  std::string settings;                   // JSON text, complete
-  std::vector<Input> inputs;              // those that it has, in the order of input_kinds
-  std::string request;                    // the id of the request that made it; may be empty
-  std::string owner;                      // of the token that made it; empty: made before there were tokens
-  std::vector<StoredArtifact> artifacts;  // in the order of artifact_kinds
+  std::optional<Millis> started, ended;     // start of the current attempt
+  std::optional<Millis> not_before;         // a queued job rests until then after a fault
+  std::optional<Error> error;               // why it failed
+  std::string settings;                     // JSON text, complete
+  std::vector<Input> inputs;                // those that it has, in the order of input_kinds
+  std::string request;                      // the id of the request that made it; may be empty
+  std::string owner;                        // of the token that made it; empty: made before there were tokens
+  std::optional<std::string> derived_from;  // the job whose inputs it shares, which may be deleted since
+  std::vector<StoredArtifact> artifacts;    // in the order of artifact_kinds
+  std::int64_t version = 0;                 // grows with everything about the job that anybody can see
 
   // nullptr when it has none of that name.
   const Input* input(std::string_view name) const;
+};
+
+// What happened to a job, in its order; ids and words of our own, nothing out of a file.
+struct LogLine {
+  std::int64_t number;  // from 1
+  Millis time;
+  std::string text;
 };
 
 // A file of a new job: an upload, or a blob that something in the store names already.
@@ -58,6 +72,8 @@ struct NewJob {
   std::vector<NewInput> inputs = {};  // in any order, each name once
   std::string request = {};
   std::string owner = {};
+  int priority = 0;
+  std::optional<std::string> derived_from = {};
 
   void add(std::string name, std::variant<Upload, Blob> file, std::string extension);
 };

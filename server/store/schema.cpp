@@ -75,6 +75,40 @@ ALTER TABLE job DROP COLUMN temperature;
 ALTER TABLE job DROP COLUMN temperature_bytes;
 ALTER TABLE job DROP COLUMN temperature_extension;
 )sql",
+    // 5: no log, no priorities, no turns; every job was its own. A submitter's row follows from those of its jobs.
+    R"sql(
+ALTER TABLE job ADD COLUMN priority INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE job ADD COLUMN derived_from TEXT;
+ALTER TABLE job ADD COLUMN not_before INTEGER;
+ALTER TABLE job ADD COLUMN version INTEGER NOT NULL DEFAULT 1;
+ALTER TABLE job ADD COLUMN crashes INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE job ADD COLUMN log_lines INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE job_log(
+  job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, number INTEGER NOT NULL,
+  time INTEGER NOT NULL, text TEXT NOT NULL, PRIMARY KEY(job, number)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX job_queue ON job(owner, priority DESC, id) WHERE state='queued';
+CREATE INDEX job_raised ON job(priority DESC, id) WHERE state='queued' AND priority>0;
+CREATE TABLE submitter(
+  owner TEXT PRIMARY KEY, queued INTEGER NOT NULL, running INTEGER NOT NULL, served INTEGER NOT NULL DEFAULT 0
+) STRICT, WITHOUT ROWID;
+INSERT INTO submitter(owner, queued, running)
+  SELECT owner, sum(state='queued'), sum(state IN ('running','cancelling')) FROM job GROUP BY owner;
+CREATE TRIGGER job_made AFTER INSERT ON job BEGIN
+  INSERT INTO submitter(owner, queued, running)
+    VALUES(new.owner, new.state='queued', new.state IN ('running','cancelling'))
+    ON CONFLICT(owner) DO UPDATE SET queued=queued+excluded.queued, running=running+excluded.running;
+END;
+CREATE TRIGGER job_moved AFTER UPDATE OF state ON job WHEN old.state<>new.state BEGIN
+  UPDATE submitter SET queued=queued+(new.state='queued')-(old.state='queued'),
+    running=running+(new.state IN ('running','cancelling'))-(old.state IN ('running','cancelling'))
+    WHERE owner=new.owner;
+END;
+CREATE TRIGGER job_gone AFTER DELETE ON job BEGIN
+  UPDATE submitter SET queued=queued-(old.state='queued'),
+    running=running-(old.state IN ('running','cancelling')) WHERE owner=old.owner;
+END;
+)sql",
 };
 
 }  // namespace

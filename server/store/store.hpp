@@ -1,4 +1,4 @@
-// Jobs and their blobs, kept across crashes. The interface knows no SQL and no HTTP; sqlite_store.cpp stands behind it.
+// Jobs and their blobs, kept across crashes. The interface knows no SQL and no HTTP; sqlite_store.hpp stands behind it.
 //
 // Promises, each of them tested:
 //  - What create() returned survives a power cut: the files are flushed before the row that names them commits, and the
@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -81,6 +82,12 @@ class Store {
   virtual Result<Job> cancel(const std::string& id) = 0;
   // Errors: not_found; conflict unless the job has ended.
   virtual Result<void> remove(const std::string& id) = 0;
+  // Lines of the job's log after that of this number, at most `limit` (1 to 1000). Errors: not_found.
+  virtual Result<std::vector<LogLine>> log_after(const std::string& id, std::int64_t number, int limit) = 0;
+  // The job as soon as its version is greater than this one, or as it is when the time is over. Errors: not_found, also
+  // when it is deleted meanwhile; busy: most_waiters wait already.
+  virtual Result<Job> wait_for_change(const std::string& id, std::int64_t version,
+                                      std::chrono::milliseconds time) = 0;
   // Opens a blob that a job names; it stays readable when the job is deleted meanwhile.
   virtual Result<File> open(const Blob& blob) = 0;
 
@@ -98,6 +105,10 @@ class Store {
   virtual Result<Job> leased(const LeaseKey& key) = 0;
   // Renews the lease and notes the progress; true when the job shall be cancelled.
   virtual Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) = 0;
+  // Adds lines to the job's log. `first` is the number, within this attempt, of the first of them, from 0: those that
+  // came before are left out, so that a worker may repeat a request whose answer it never saw. An attempt has room for
+  // most_log_lines, each cut to longest_log_line bytes; what is not printable ASCII becomes '?'.
+  virtual Result<void> log(const LeaseKey& key, int first, const std::vector<std::string>& lines) = 0;
   // A second file under the same name replaces the first.
   virtual Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) = 0;
   // Ends the attempt: done (cancelled when a cancel came first), failed (queued again when `retry` and not
@@ -112,10 +123,13 @@ class Store {
   virtual Result<std::vector<Expired>> bury(const std::string& worker) = 0;
 };
 
+inline constexpr int most_log_lines = 500, longest_log_line = 200;
+
 struct StoreOptions {
   Clock clock = wall_clock;
   Millis lease = 30'000;
-  int losses = 3;  // workers that one job may take down
+  int losses = 3;                  // workers that one job may take down
+  std::size_t most_waiters = 256;  // threads in wait_for_change()
 };
 
 // Opens or makes the store in a folder; one process at a time (unavailable when another has it). Jobs that

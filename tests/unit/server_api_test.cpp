@@ -267,6 +267,30 @@ TEST_F(ServerApi, MeasuredTemperaturesReachTheWorker) {
   EXPECT_EQ(fields.status, 202) << fields.body;
 }
 
+TEST_F(ServerApi, AJobsLogIsReadWhileItGrows) {
+  const std::string id = created();
+  const auto log = [&](const std::string& query) {
+    return json::parse(ask("GET", "/api/v1/jobs/" + id + "/log" + query).body);
+  };
+  const json held = lease();
+  EXPECT_EQ(worker("POST", held, "/log", R"({"first":0,"lines":["stage scan","stage forming"]})").status,
+            200);
+  EXPECT_EQ(worker("POST", held, "/log", R"({"lines":["no number"]})").status, 400);
+  const json first = log("?limit=3");
+  ASSERT_EQ(first["lines"].size(), 3u);
+  EXPECT_EQ(first["lines"][0]["text"], "queued");
+  EXPECT_EQ(first["lines"][2]["text"], "stage scan");
+  EXPECT_EQ(first["next"], 3);
+  EXPECT_EQ(first["ended"], false);
+  EXPECT_EQ(worker("POST", held, "/complete").status, 200);
+  const json rest = log("?after=3");
+  EXPECT_EQ(rest["lines"].back()["text"], "succeeded");
+  EXPECT_EQ(rest["lines"].back()["number"], 5);
+  EXPECT_EQ(rest["ended"], true);
+  EXPECT_EQ(log("?after=-1")["where"], "after");
+  EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id + "/log", bearer(token("other", {Scope::read}))).status, 404);
+}
+
 TEST_F(ServerApi, EverySettingHasALabelledField) {
   const std::string page = ask("GET", "/").body;
   const json schema = json::parse(ask("GET", "/api/v1/settings-schema").body);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -502,6 +503,115 @@ TEST_F(StoreTest, OneKeyMakesOneJob) {
   EXPECT_NE(submit("a scan", "key-0002")->id, id);
   EXPECT_NE(submit("a scan", "")->id, submit("a scan", "")->id);
   EXPECT_EQ(store_->list(100, "")->jobs.size(), 4u);
+}
+
+TEST_F(StoreTest, WritesDownWhatHappensToAJob) {
+  const std::string id = create().id;
+  ASSERT_TRUE(store_->release(lease()));
+  const LeaseKey key = lease();
+  ASSERT_TRUE(store_->log(key, 0, {"stage scan", "stage forming"}));
+  ASSERT_TRUE(store_->cancel(id));
+  ASSERT_TRUE(store_->cancelled(key));
+  crash();
+  std::vector<std::string> texts;
+  const auto lines = store_->log_after(id, 0, 100).value();
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    EXPECT_EQ(lines[i].number, static_cast<std::int64_t>(i) + 1);
+    EXPECT_EQ(lines[i].time, now_);
+    texts.push_back(lines[i].text);
+  }
+  EXPECT_EQ(texts, (std::vector<std::string>{"queued", "attempt 1 begins",
+                                             "given back by its worker, queued again", "attempt 2 begins",
+                                             "stage scan", "stage forming", "asked to cancel", "cancelled"}));
+  const auto page = store_->log_after(id, 4, 2).value();
+  ASSERT_EQ(page.size(), 2u);
+  EXPECT_EQ(page[0].text, "stage scan");
+  EXPECT_TRUE(store_->log_after(id, 8, 2)->empty());
+  EXPECT_EQ(store_->log_after("nobody", 0, 2).error().code, Code::not_found);
+}
+
+TEST_F(StoreTest, AWorkersLinesAreWrittenOnceAndAreBounded) {
+  const std::string id = create().id;
+  const LeaseKey key = lease();
+  const auto before = store_->log_after(id, 0, 1000)->size();
+  ASSERT_TRUE(store_->log(key, 0, {"a", "b"}));
+  ASSERT_TRUE(store_->log(key, 0, {"a", "b", "c"}));  // whose answer was lost
+  ASSERT_TRUE(store_->log(key, 2, {"c"}));
+  ASSERT_TRUE(store_->log(key, 5, {"out of order"}));
+  const auto lines = store_->log_after(id, static_cast<std::int64_t>(before), 1000).value();
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[2].text, "c");
+  std::vector<std::string> many(700, std::string(300, 'x'));
+  many[0] = "caf\xc3\xa9\n";
+  ASSERT_TRUE(store_->log(key, 3, many));
+  const auto all = store_->log_after(id, static_cast<std::int64_t>(before), 1000).value();
+  EXPECT_EQ(all.size(), static_cast<std::size_t>(most_log_lines));
+  EXPECT_EQ(all[3].text, "caf???");
+  EXPECT_EQ(all[4].text.size(), static_cast<std::size_t>(longest_log_line));
+  EXPECT_EQ(store_->log({id, "wrong"}, 0, {"x"}).error().code, Code::lease_lost);
+  ASSERT_TRUE(store_->release(key));
+  ASSERT_TRUE(store_->log(lease(), 0, {"of the second attempt"}));
+}
+
+TEST_F(StoreTest, EveryVisibleChangeGivesAJobAGreaterVersion) {
+  const Job made = create();
+  std::int64_t version = made.version;
+  const auto grown = [&] {
+    const std::int64_t before = version;
+    version = job(made.id).version;
+    return version > before;
+  };
+  EXPECT_FALSE(grown());
+  const LeaseKey key = lease();
+  EXPECT_TRUE(grown());
+  ASSERT_TRUE(store_->heartbeat(key, Stage::scan, 0.5));
+  EXPECT_TRUE(grown());
+  ASSERT_TRUE(store_->heartbeat(key, Stage::scan, 0.5));
+  EXPECT_FALSE(grown());
+  ASSERT_TRUE(store_->log(key, 0, {"a line"}));
+  EXPECT_TRUE(grown());
+  ASSERT_TRUE(store_->cancel(made.id));
+  EXPECT_TRUE(grown());
+  ASSERT_TRUE(store_->cancelled(key));
+  EXPECT_TRUE(grown());
+}
+
+TEST_F(StoreTest, WaitsForNewsOfAJob) {
+  using namespace std::chrono_literals;
+  const Job made = create(), other = create();
+  EXPECT_EQ(store_->wait_for_change(made.id, 0, 1h)->version, made.version);  // what is known is no news
+  EXPECT_EQ(store_->wait_for_change(made.id, made.version, 0ms)->version, made.version);
+  EXPECT_EQ(store_->wait_for_change("nobody", 0, 1h).error().code, Code::not_found);
+  std::thread worker([&] {
+    ASSERT_TRUE(store_->cancel(other.id));
+    ASSERT_TRUE(store_->cancel(made.id));
+  });
+  EXPECT_EQ(store_->wait_for_change(made.id, made.version, 1h)->state, JobState::cancelled);
+  worker.join();
+  const std::int64_t last = job(made.id).version;
+  std::thread deleter([&] { ASSERT_TRUE(store_->remove(made.id)); });
+  EXPECT_EQ(store_->wait_for_change(made.id, last, 1h).error().code, Code::not_found);
+  deleter.join();
+}
+
+TEST_F(StoreTest, OnlySoManyWait) {
+  using namespace std::chrono_literals;
+  StoreOptions two = options();
+  two.most_waiters = 2;
+  store_.reset();
+  store_ = std::move(*open_store(data(), two));
+  const Job made = create();
+  std::atomic<int> refused = 0;
+  std::vector<std::thread> waiters;
+  for (int i = 0; i < 3; ++i)
+    waiters.emplace_back([&] {
+      const auto seen = store_->wait_for_change(made.id, made.version, 1h);
+      if (!seen && seen.error().code == Code::busy) ++refused;
+    });
+  while (refused == 0) std::this_thread::yield();
+  ASSERT_TRUE(store_->cancel(made.id));
+  for (auto& waiter : waiters) waiter.join();
+  EXPECT_EQ(refused, 1);
 }
 
 TEST_F(StoreTest, ListsInPagesFromTheNewest) {

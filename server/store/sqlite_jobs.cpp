@@ -1,0 +1,248 @@
+#include <algorithm>
+
+#include "server/store/job_id.hpp"
+#include "server/store/sqlite_store.hpp"
+
+namespace vacuform {
+
+namespace {
+
+// Each owner has keys of his own: nobody learns of another's jobs, or is refused, because both chose the same.
+std::string key_of(const NewJob& job) {
+  return job.owner.empty() ? job.client_key : job.owner + "/" + job.client_key;
+}
+
+Blob blob_of(NewInput& input) {
+  const auto* blob = std::get_if<Blob>(&input.file);
+  return blob ? *blob : *std::get<Upload>(input.file).seal();  // which has been sealed before
+}
+
+}  // namespace
+
+Result<Job> SqliteStore::create(NewJob job) {
+  std::vector<Blob> blobs;
+  for (auto& input : job.inputs) {
+    if (auto* upload = std::get_if<Upload>(&input.file)) {
+      VACUFORM_CHECK(upload->seal());  // the slow flush of the bytes comes before the lock
+    }
+    blobs.push_back(blob_of(input));
+  }
+  return write([&]() -> Result<Job> {
+    if (!job.client_key.empty()) {
+      VACUFORM_TRY(earlier, made_before(job, blobs));
+      if (earlier) return *earlier;
+    }
+    const Millis now = options_.clock();
+    last_id_time_ = std::max(now, last_id_time_ + 1);
+    const std::string id = make_job_id(last_id_time_);
+    std::optional<std::string> client_key;
+    if (!job.client_key.empty()) client_key = key_of(job);
+    VACUFORM_CHECK(Query(db_,
+                         "INSERT INTO job(id, client_key, state, created, settings, request, owner, priority,"
+                         " derived_from) VALUES(?,?,'queued',?,?,?,?,?,?)",
+                         id, client_key, now, job.settings, job.request, job.owner, job.priority,
+                         job.derived_from)
+                       .run());
+    for (std::size_t i = 0; i < blobs.size(); ++i) {
+      VACUFORM_CHECK(keep(job.inputs[i], blobs[i]));
+      VACUFORM_CHECK(Query(db_, "INSERT INTO input(job, name, blob, bytes, extension) VALUES(?,?,?,?,?)", id,
+                           job.inputs[i].name, blobs[i].sha256, blobs[i].bytes, job.inputs[i].extension)
+                         .run());
+    }
+    VACUFORM_CHECK(note(id, "queued"));
+    return find(id);
+  });
+}
+
+// Under the lock, so that a job deleted at the same time does not take the file away again.
+Result<void> SqliteStore::keep(NewInput& input, const Blob& blob) {
+  maybe_garbage(blob.sha256);
+  if (auto* upload = std::get_if<Upload>(&input.file)) return blobs_.keep(*upload);
+  VACUFORM_TRY(there, named(blob.sha256));
+  if (there) return {};
+  return fail(Code::gone, "the file was deleted meanwhile", input.name, "send it again");
+}
+
+// The job that an earlier submission under the same key made.
+Result<std::optional<Job>> SqliteStore::made_before(const NewJob& job, const std::vector<Blob>& blobs) {
+  Query query(db_, "SELECT id FROM job WHERE client_key=?", key_of(job));
+  VACUFORM_TRY(found, query.row());
+  if (!found) return std::optional<Job>();
+  VACUFORM_TRY(earlier, find(query.text(0)));
+  bool same = earlier.settings == job.settings && earlier.priority == job.priority &&
+              earlier.derived_from == job.derived_from && earlier.inputs.size() == blobs.size();
+  for (std::size_t i = 0; same && i < blobs.size(); ++i) {
+    const Input* input = earlier.input(job.inputs[i].name);
+    same = input && input->blob.sha256 == blobs[i].sha256;
+  }
+  if (!same)
+    return fail(Code::conflict, "the idempotency key was used for another submission", earlier.id,
+                "take a new key");
+  return std::optional<Job>(std::move(earlier));
+}
+
+Result<Job> SqliteStore::find(const std::string& id) {
+  Query query(
+      db_,
+      "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
+      " error_where, error_mend, settings, request, owner, priority, derived_from, not_before, version"
+      " FROM job WHERE id=?",
+      id);
+  VACUFORM_TRY(found, query.row());
+  if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
+  const auto state = job_state_from(query.text(1));
+  if (!state) return fail(Code::corrupt_file, "the job store is damaged: unknown state", id);
+  Job job;
+  job.id = query.text(0);
+  job.state = *state;
+  job.stage = stage_from(query.text(2));
+  job.stage_progress = query.real(3);
+  job.attempt = static_cast<int>(query.integer(4));
+  job.created = query.integer(5);
+  if (!query.null(6)) job.started = query.integer(6);
+  if (!query.null(7)) job.ended = query.integer(7);
+  if (!query.null(8))
+    job.error = Error{code_from(query.text(8)).value_or(Code::internal), query.text(9), query.text(10),
+                      query.text(11)};
+  job.settings = query.text(12);
+  job.request = query.text(13);
+  job.owner = query.text(14);
+  job.priority = static_cast<int>(query.integer(15));
+  if (!query.null(16)) job.derived_from = query.text(16);
+  if (!query.null(17)) job.not_before = query.integer(17);
+  job.version = query.integer(18);
+  Query inputs(db_, "SELECT name, blob, bytes, extension FROM input WHERE job=?", id);
+  for (;;) {
+    VACUFORM_TRY(more, inputs.row());
+    if (!more) break;
+    job.inputs.push_back(
+        {inputs.text(0), {inputs.text(1), static_cast<std::uint64_t>(inputs.integer(2))}, inputs.text(3)});
+  }
+  std::sort(job.inputs.begin(), job.inputs.end(), [](const Input& a, const Input& b) {
+    return input_kind(a.name) < input_kind(b.name);  // places in one table
+  });
+  Query artifacts(db_, "SELECT name, blob, bytes FROM artifact WHERE job=?", id);
+  for (;;) {
+    VACUFORM_TRY(more, artifacts.row());
+    if (!more) break;
+    job.artifacts.push_back(
+        {artifacts.text(0), {artifacts.text(1), static_cast<std::uint64_t>(artifacts.integer(2))}});
+  }
+  std::sort(job.artifacts.begin(), job.artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
+    return artifact_kind(a.name) < artifact_kind(b.name);  // places in one table
+  });
+  return job;
+}
+
+Result<Job> SqliteStore::job(const std::string& id) {
+  const std::lock_guard hold(commits_.lock());
+  return find(id);
+}
+
+Result<JobPage> SqliteStore::list(int limit, const std::string& cursor,
+                                  const std::optional<std::string>& owner) {
+  const std::lock_guard hold(commits_.lock());
+  limit = std::clamp(limit, 1, 100);
+  std::vector<std::string> ids;
+  const std::string before = cursor.empty() ? "~" : cursor;
+  const auto collect = [&](Query query) -> Result<void> {
+    for (;;) {
+      VACUFORM_TRY(more, query.row());
+      if (!more) return {};
+      ids.push_back(query.text(0));
+    }
+  };
+  VACUFORM_CHECK(
+      owner ? collect({db_, "SELECT id FROM job WHERE owner=? AND id < ? ORDER BY id DESC LIMIT ?", *owner,
+                       before, limit + 1})
+            : collect({db_, "SELECT id FROM job WHERE id < ? ORDER BY id DESC LIMIT ?", before, limit + 1}));
+  JobPage page;
+  if (ids.size() > static_cast<std::size_t>(limit)) {
+    ids.pop_back();
+    page.next = ids.back();
+  }
+  for (const auto& id : ids) {
+    VACUFORM_TRY(job, find(id));
+    page.jobs.push_back(std::move(job));
+  }
+  return page;
+}
+
+Result<JobCounts> SqliteStore::counts() {
+  const std::lock_guard hold(commits_.lock());
+  JobCounts counts{};
+  Query query(db_, "SELECT state, count(*) FROM job GROUP BY state");
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return counts;
+    if (const auto state = job_state_from(query.text(0)))
+      counts[static_cast<std::size_t>(*state)] = query.integer(1);
+  }
+}
+
+Result<Job> SqliteStore::cancel(const std::string& id) {
+  return write([&]() -> Result<Job> {
+    VACUFORM_TRY(job, find(id));
+    if (job.state == JobState::succeeded || job.state == JobState::failed)
+      return fail(Code::conflict, "the job has " + std::string(name(job.state)) + " already", id,
+                  "delete it if you do not need it");
+    if (job.state == JobState::queued) {
+      VACUFORM_CHECK(end(job, JobState::cancelled, {}));
+    } else if (job.state == JobState::running) {
+      VACUFORM_CHECK(Query(db_, "UPDATE job SET state='cancelling' WHERE id=?", id).run());
+      VACUFORM_CHECK(note(id, "asked to cancel"));
+    }
+    return find(id);
+  });
+}
+
+Result<void> SqliteStore::remove(const std::string& id) {
+  return write([&]() -> Result<void> {
+    VACUFORM_TRY(job, find(id));
+    if (!ended(job.state))
+      return fail(Code::conflict, "the job is " + std::string(name(job.state)), id, "cancel it first");
+    for (const auto& input : job.inputs) maybe_garbage(input.blob.sha256);
+    for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
+    changed_.push_back(id);  // whoever waits for it learns that it is gone
+    return Query(db_, "DELETE FROM job WHERE id=?", id).run();
+  });
+}
+
+Result<void> SqliteStore::note(const std::string& job, std::string_view text) {
+  VACUFORM_CHECK(Query(db_,
+                       "INSERT INTO job_log(job, number, time, text) VALUES(?1,"
+                       " (SELECT coalesce(max(number), 0) + 1 FROM job_log WHERE job=?1), ?2, ?3)",
+                       job, options_.clock(), text)
+                     .run());
+  return tell(job);
+}
+
+Result<void> SqliteStore::tell(const std::string& job) {
+  changed_.push_back(job);
+  return Query(db_, "UPDATE job SET version=version+1 WHERE id=?", job).run();
+}
+
+Result<std::vector<LogLine>> SqliteStore::log_after(const std::string& id, std::int64_t number, int limit) {
+  const std::lock_guard hold(commits_.lock());
+  VACUFORM_CHECK(find(id));
+  Query query(db_, "SELECT number, time, text FROM job_log WHERE job=? AND number>? ORDER BY number LIMIT ?",
+              id, number, std::clamp(limit, 1, 1000));
+  std::vector<LogLine> lines;
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return lines;
+    lines.push_back({query.integer(0), query.integer(1), query.text(2)});
+  }
+}
+
+Result<Job> SqliteStore::wait_for_change(const std::string& id, std::int64_t version,
+                                         std::chrono::milliseconds time) {
+  Result<Job> seen = fail(Code::busy, "too many wait for news of jobs", id, "ask again later");
+  news_.wait(id, time, [&] {
+    seen = job(id);
+    return !seen || seen->version > version;
+  });
+  return seen;
+}
+
+}  // namespace vacuform

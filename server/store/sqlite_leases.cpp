@@ -1,0 +1,213 @@
+#include <algorithm>
+
+#include "server/secrets.hpp"
+#include "server/store/sqlite_store.hpp"
+
+namespace vacuform {
+
+namespace {
+
+std::string failed_with(const std::optional<Error>& error) {
+  return "failed: " + std::string(meaning(error->code).slug);
+}
+
+std::string cleaned(const std::string& line) {
+  std::string text = line.substr(0, longest_log_line);
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
+}  // namespace
+
+Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
+  return write([&]() -> Result<std::optional<LeasedJob>> {
+    VACUFORM_TRY(expired, expire_now());
+    Query oldest(db_, "SELECT id FROM job WHERE state='queued' ORDER BY id LIMIT 1");
+    VACUFORM_TRY(found, oldest.row());
+    if (!found) return std::optional<LeasedJob>();
+    const std::string id = oldest.text(0), token = random_hex(32);
+    const Millis now = options_.clock();
+    VACUFORM_CHECK(
+        Query(db_,
+              "UPDATE job SET state='running', attempt=attempt+1, started=?, stage=NULL, progress=0,"
+              " worker=?, lease_hash=?, lease_ends=?, log_lines=0, not_before=NULL WHERE id=?",
+              now, worker, text_hash(token), now + options_.lease, id)
+            .run());
+    VACUFORM_TRY(job, find(id));
+    VACUFORM_CHECK(note(id, "attempt " + std::to_string(job.attempt) + " begins"));
+    return std::optional<LeasedJob>(LeasedJob{std::move(job), token});
+  });
+}
+
+Result<Job> SqliteStore::leased(const LeaseKey& key) {
+  return write([&] { return holder(key, false); });
+}
+
+Result<bool> SqliteStore::heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) {
+  return write([&]() -> Result<bool> {
+    VACUFORM_TRY(job, holder(key, false));
+    std::optional<std::string_view> stage_name;
+    if (stage) stage_name = name(*stage);
+    VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_ends=?, stage=?, progress=? WHERE id=?",
+                         options_.clock() + options_.lease, stage_name, std::clamp(progress, 0.0, 1.0),
+                         job.id)
+                       .run());
+    if (stage != job.stage || progress != job.stage_progress) VACUFORM_CHECK(tell(job.id));
+    return job.state == JobState::cancelling;
+  });
+}
+
+Result<void> SqliteStore::log(const LeaseKey& key, int first, const std::vector<std::string>& lines) {
+  return write([&]() -> Result<void> {
+    VACUFORM_TRY(job, holder(key, false));
+    Query query(db_, "SELECT log_lines FROM job WHERE id=?", job.id);
+    VACUFORM_CHECK(query.row());
+    std::int64_t number = first, heard = query.integer(0);
+    for (const std::string& line : lines) {
+      if (number++ != heard) continue;  // known already, or others before it are missing
+      if (heard >= most_log_lines) break;
+      VACUFORM_CHECK(note(job.id, cleaned(line)));
+      ++heard;
+    }
+    return Query(db_, "UPDATE job SET log_lines=? WHERE id=?", heard, job.id).run();
+  });
+}
+
+Result<void> SqliteStore::put_artifact(const LeaseKey& key, const std::string& name, Upload upload) {
+  VACUFORM_TRY(blob, upload.seal());
+  return write([&]() -> Result<void> {
+    VACUFORM_TRY(job, holder(key, false));
+    maybe_garbage(blob.sha256);
+    for (const auto& old : job.artifacts)
+      if (old.name == name) maybe_garbage(old.blob.sha256);
+    VACUFORM_CHECK(blobs_.keep(upload));
+    return Query(db_, "INSERT OR REPLACE INTO artifact(job, name, blob, bytes) VALUES(?,?,?,?)", job.id, name,
+                 blob.sha256, blob.bytes)
+        .run();
+  });
+}
+
+Result<Job> SqliteStore::release(const LeaseKey& key) {
+  return write([&]() -> Result<Job> {
+    VACUFORM_TRY(job, holder(key, false));
+    if (job.state == JobState::cancelling) {
+      VACUFORM_CHECK(end(job, JobState::cancelled, {}));
+    } else {
+      VACUFORM_CHECK(queue_again(job, 0, "given back by its worker"));
+    }
+    return find(job.id);
+  });
+}
+
+Result<std::vector<Expired>> SqliteStore::bury(const std::string& worker) {
+  return write([&]() -> Result<std::vector<Expired>> {
+    VACUFORM_CHECK(
+        Query(db_, "UPDATE job SET lease_ends=0 WHERE worker=? AND state IN ('running','cancelling')", worker)
+            .run());
+    return expire_now();
+  });
+}
+
+// The job that the key's lease holds. Ended jobs count only when `even_ended`.
+Result<Job> SqliteStore::holder(const LeaseKey& key, bool even_ended) {
+  VACUFORM_TRY(expired, expire_now());
+  Query query(db_, "SELECT lease_hash FROM job WHERE id=? AND lease_hash IS NOT NULL", key.job);
+  VACUFORM_TRY(found, query.row());
+  if (found && equal_secrets(query.text(0), text_hash(key.token))) {
+    VACUFORM_TRY(job, find(key.job));
+    if (even_ended || !ended(job.state)) return job;
+  }
+  return fail(Code::lease_lost, "the lease of this job has ended", key.job,
+              "stop working on this job and ask for another");
+}
+
+Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error,
+                                bool retry) {
+  return write([&]() -> Result<Job> {
+    VACUFORM_TRY(job, holder(key, true));
+    if (ended(job.state)) return job;
+    if (job.state == JobState::cancelling) wanted = JobState::cancelled;
+    if (wanted == JobState::failed && retry) {
+      Query losses(db_, "SELECT losses FROM job WHERE id=?", job.id);
+      VACUFORM_TRY(found, losses.row());
+      if (found && losses.integer(0) + 1 < options_.losses) {
+        VACUFORM_CHECK(queue_again(job, 1, failed_with(error)));
+        return find(job.id);
+      }
+    }
+    VACUFORM_CHECK(end(job, wanted, wanted == JobState::failed ? error : std::nullopt));
+    return find(job.id);
+  });
+}
+
+// The hash of the lease stays, so that the same ending under the same token can be answered again.
+// Only a job that has succeeded keeps artifacts: half a set helps nobody.
+Result<void> SqliteStore::end(const Job& job, JobState state, const std::optional<Error>& error) {
+  if (state != JobState::succeeded) {
+    VACUFORM_CHECK(drop_artifacts(job));
+  }
+  std::optional<std::string_view> code, what, where, mend;
+  if (error) code = meaning(error->code).slug, what = error->what, where = error->where, mend = error->mend;
+  VACUFORM_CHECK(
+      Query(db_,
+            "UPDATE job SET state=?, ended=?, lease_ends=NULL, error_code=?, error_what=?, error_where=?,"
+            " error_mend=? WHERE id=?",
+            name(state), options_.clock(), code, what, where, mend, job.id)
+          .run());
+  return note(job.id, error ? failed_with(error) : std::string(name(state)));
+}
+
+Result<void> SqliteStore::drop_artifacts(const Job& job) {
+  for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
+  return Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run();
+}
+
+// Back to the queue; what the attempt left behind is dropped.
+Result<void> SqliteStore::queue_again(const Job& job, int losses, const std::string& why) {
+  VACUFORM_CHECK(drop_artifacts(job));
+  VACUFORM_CHECK(Query(db_,
+                       "UPDATE job SET state='queued', stage=NULL, progress=0, started=NULL, worker=NULL,"
+                       " lease_hash=NULL, lease_ends=NULL, losses=losses+? WHERE id=?",
+                       losses, job.id)
+                     .run());
+  return note(job.id, why + ", queued again");
+}
+
+Result<std::vector<Expired>> SqliteStore::expire_now() {
+  std::vector<std::pair<std::string, std::int64_t>> over;  // id, losses before this one
+  {
+    Query query(db_,
+                "SELECT id, losses FROM job WHERE state IN ('running','cancelling') AND lease_ends <= ?"
+                " ORDER BY id",
+                options_.clock());
+    for (;;) {
+      VACUFORM_TRY(more, query.row());
+      if (!more) break;
+      over.emplace_back(query.text(0), query.integer(1));
+    }
+  }
+  std::vector<Expired> expired;
+  for (const auto& [id, losses] : over) {
+    VACUFORM_TRY(job, find(id));
+    JobState state = JobState::queued;
+    if (job.state == JobState::cancelling) {
+      state = JobState::cancelled;
+      VACUFORM_CHECK(end(job, state, {}));
+    } else if (losses + 1 >= options_.losses) {
+      state = JobState::failed;
+      VACUFORM_CHECK(
+          end(job, state,
+              Error{Code::internal, std::to_string(losses + 1) + " workers were lost while they ran this job",
+                    id, "look at the workers' logs; a coarser sheet.resolution_mm needs less memory"}));
+    } else {
+      VACUFORM_CHECK(queue_again(job, 1, "its worker was lost"));
+    }
+    // The lost worker must not hear that its lease was good.
+    VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_hash=NULL WHERE id=?", id).run());
+    expired.push_back({id, state});
+  }
+  return expired;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,116 @@
+// The store on SQLite. One process and one connection own the database: SQLite before 3.51.3 can lose
+// committed rows in WAL mode when one connection checkpoints while another writes. A file lock keeps a second
+// server out with a plain message, exclusive locking keeps everything else out.
+//
+// sqlite_store.cpp opens it and keeps the blobs, sqlite_jobs.cpp is what users do with jobs, sqlite_leases.cpp what workers
+// do with them, sqlite_tokens.cpp has the tokens.
+#pragma once
+
+#include <exception>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/store/group_commit.hpp"
+#include "server/store/news.hpp"
+#include "server/store/sqlite.hpp"
+#include "server/store/store.hpp"
+
+namespace vacuform {
+
+class SqliteStore : public Store {
+ public:
+  SqliteStore(StoreOptions options, Blobs blobs, File lock)
+      : options_(std::move(options)),
+        lock_(std::move(lock)),
+        blobs_(std::move(blobs)),
+        news_(options_.most_waiters) {}
+  Result<void> open(const std::filesystem::path& data);
+
+  Result<Upload> upload() override { return blobs_.upload(); }
+  std::filesystem::path temporary_path() override { return blobs_.temporary_path(); }
+  Result<File> open(const Blob& blob) override { return blobs_.read(blob.sha256); }
+
+  Result<Job> create(NewJob job) override;
+  Result<Job> job(const std::string& id) override;
+  Result<JobPage> list(int limit, const std::string& cursor,
+                       const std::optional<std::string>& owner) override;
+  Result<JobCounts> counts() override;
+  Result<Job> cancel(const std::string& id) override;
+  Result<void> remove(const std::string& id) override;
+  Result<std::vector<LogLine>> log_after(const std::string& id, std::int64_t number, int limit) override;
+  Result<Job> wait_for_change(const std::string& id, std::int64_t version,
+                              std::chrono::milliseconds time) override;
+
+  Result<void> add_token(const Token& token) override;
+  Result<Token> token(const std::string& id) override;
+  Result<std::vector<Token>> tokens() override;
+  Result<void> revoke_token(const std::string& id) override;
+
+  Result<std::optional<LeasedJob>> lease(const std::string& worker) override;
+  Result<Job> leased(const LeaseKey& key) override;
+  Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) override;
+  Result<void> log(const LeaseKey& key, int first, const std::vector<std::string>& lines) override;
+  Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) override;
+  Result<Job> complete(const LeaseKey& key) override { return finish(key, JobState::succeeded, {}, false); }
+  Result<Job> fail_job(const LeaseKey& key, const Error& error, bool retry) override {
+    return finish(key, JobState::failed, error, retry);
+  }
+  Result<Job> cancelled(const LeaseKey& key) override { return finish(key, JobState::cancelled, {}, false); }
+  Result<Job> release(const LeaseKey& key) override;
+  Result<std::vector<Expired>> expire() override {
+    return write([&] { return expire_now(); });
+  }
+  Result<std::vector<Expired>> bury(const std::string& worker) override;
+
+ private:
+  // Runs `change` in a transaction and returns when that is on the disk; an error of `change` undoes it.
+  template <class Change>
+  auto write(Change change) -> decltype(change()) {
+    decltype(change()) result = fail(Code::internal, "the store met a fault of its own", {}, "try again");
+    const auto committed = commits_.run([&] {
+      try {
+        result = change();
+      } catch (const std::exception& fault) {  // a bug or no memory: one change fails, the others go on
+        result = fail(Code::internal, std::string("the store met a fault of its own: ") + fault.what());
+      }
+      return result.has_value();
+    });
+    if (!committed) result = tl::make_unexpected(committed.error());
+    return result;
+  }
+
+  // After the transaction, the file goes unless a row names it by then.
+  void maybe_garbage(const std::string& sha256) { garbage_.push_back(sha256); }
+  void committed();
+  Result<bool> named(const std::string& sha256);  // whether any row names the blob
+
+  // All of these are for the holder of the lock, those that change something for the body of write().
+  Result<Job> find(const std::string& id);
+  Result<Token> find_token(const std::string& id);
+  Result<void> keep(NewInput& input, const Blob& blob);
+  Result<std::optional<Job>> made_before(const NewJob& job, const std::vector<Blob>& blobs);
+  Result<Job> holder(const LeaseKey& key, bool even_ended);
+  Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error, bool retry);
+  Result<void> end(const Job& job, JobState state, const std::optional<Error>& error);
+  Result<void> drop_artifacts(const Job& job);
+  Result<void> queue_again(const Job& job, int losses, const std::string& why);
+  Result<std::vector<Expired>> expire_now();
+  // A line of the job's log, which is news of it.
+  Result<void> note(const std::string& job, std::string_view text);
+  Result<void> tell(const std::string& job);  // news without a line
+
+  StoreOptions options_;
+  File lock_;  // released last
+  Blobs blobs_;
+  News news_;
+  // Everything below is touched under commits_.lock() alone.
+  Database db_;
+  GroupCommit commits_{db_, [this] { committed(); }};
+  Millis last_id_time_ = 0;
+  std::vector<std::string> garbage_, changed_;
+};
+
+}  // namespace vacuform
