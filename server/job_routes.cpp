@@ -19,8 +19,15 @@ using nlohmann::ordered_json;
 namespace {
 
 Result<Response> create_job(Service& service, Request& request, const Caller& caller) {
+  const std::string only = request.query_value("validate_only");
+  if (!only.empty() && only != "true" && only != "false")
+    return fail(Code::bad_usage, "validate_only is neither true nor false", "validate_only", "send true");
   std::map<std::string, std::string> fields;
   VACUFORM_TRY(submission, read_submission(request, service.store, fields));
+  if (only == "true") {
+    VACUFORM_TRY(plan, plan_of(submission, service.store));
+    return json_response(plan);
+  }
   submission.owner = caller.owner;
   VACUFORM_TRY(job, service.store.create(std::move(submission)));
   log_event("job-created", {{"job", job.id}, {"token", caller.token}});

@@ -6,6 +6,7 @@
 
 #include "api/names.hpp"
 #include "api/settings.hpp"
+#include "server/formats.hpp"
 #include "server/http/multipart.hpp"
 
 namespace vacuform {
@@ -155,6 +156,29 @@ Result<NewJob> read_submission(http::Request& request, Store& store,
     if (file.given()) job.add(std::string(name), std::move(*file.upload), std::move(file.extension));
   job.request = request.id;
   return job;
+}
+
+Result<nlohmann::ordered_json> plan_of(NewJob& job, Store& store) {
+  nlohmann::ordered_json inputs = nlohmann::ordered_json::object();
+  for (const InputKind& kind : input_kinds)
+    for (NewInput& input : job.inputs) {
+      if (input.name != kind.name) continue;
+      auto* upload = std::get_if<Upload>(&input.file);
+      VACUFORM_TRY(blob, upload ? upload->seal() : Result<Blob>(std::get<Blob>(input.file)));
+      File opened;
+      if (!upload) {
+        VACUFORM_TRY(file, store.open(blob));
+        opened = std::move(file);
+      }
+      std::string head(format_head, '\0');
+      VACUFORM_TRY(n, (upload ? upload->file() : opened).read_at(0, head));
+      head.resize(n);
+      VACUFORM_TRY(format, format_of(input.name, head, blob.bytes, input.extension));
+      inputs[input.name] = {
+          {"bytes", blob.bytes}, {"sha256", blob.sha256}, {"extension", input.extension}, {"format", format}};
+    }
+  return nlohmann::ordered_json{{"settings", nlohmann::ordered_json::parse(job.settings)},
+                                {"inputs", std::move(inputs)}};
 }
 
 }  // namespace vacuform

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "server/http/message.hpp"
@@ -20,5 +21,9 @@ inline constexpr std::uint64_t largest_settings = 64ull << 10;  // the JSON text
 // (a part is missing, unknown or doubled, the body is no form).
 Result<NewJob> read_submission(http::Request& request, Store& store,
                                std::map<std::string, std::string>& fields);
+
+// What a submission would be as a job: its settings in full and its files with the formats that they seem to be of. Keeps
+// nothing. Errors: unsupported_format, and those of reading the files.
+Result<nlohmann::ordered_json> plan_of(NewJob& job, Store& store);
 
 }  // namespace vacuform

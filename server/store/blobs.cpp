@@ -53,6 +53,12 @@ Result<Upload> Blobs::upload() const {
   return Upload(std::move(file), std::move(path));
 }
 
+Upload Blobs::adopt(fs::path path, Blob blob) const {
+  Upload upload({}, std::move(path));
+  upload.blob_ = std::move(blob);
+  return upload;
+}
+
 Result<void> Blobs::keep(Upload& upload) const {
   VACUFORM_TRY(blob, upload.seal());
   const fs::path path = place(blob.sha256);

@@ -32,6 +32,7 @@ class Upload {
 
   Result<void> write(std::string_view bytes);
   std::uint64_t bytes() const { return blob_.bytes; }
+  const File& file() const { return file_; }  // what was written, to be looked at
   // Flushes to the disk and fixes the hash; no writes afterwards.
   Result<Blob> seal();
 
@@ -51,6 +52,8 @@ class Blobs {
   static Result<Blobs> open(const std::filesystem::path& data);
 
   Result<Upload> upload() const;
+  // Takes over a whole file on the same disk that is flushed already.
+  Upload adopt(std::filesystem::path path, Blob blob) const;
   std::filesystem::path temporary_path() const { return incoming_ / random_hex(16); }
   // Gives a sealed upload its final name. Keeping the same bytes twice leaves one file.
   Result<void> keep(Upload& upload) const;

@@ -90,7 +90,7 @@ TEST_F(ServerLimits, ABodyThatBreaksOffMakesNoJob) {
 TEST_F(ServerLimits, AFormThatAnnouncesTooMuchIsRefusedBeforeItsBytes) {
   expect_problem(raw("POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
                      "Content-Length: 3000000000\r\n\r\n"),
-                 413, "the form is larger than 1345 MiB");
+                 413, "the form is larger than 1409 MiB");
 }
 
 TEST_F(ServerLimits, SettingsAreBounded) {

@@ -1,0 +1,112 @@
+// Files that arrive in pieces: the same bytes and the same hash however often they were interrupted.
+#include "server/store/partial_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace vacuform {
+namespace {
+
+class PartialFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(start_secrets());
+    data_ = std::filesystem::temp_directory_path() / ("vacuform-partial-" + random_hex(8));
+    auto blobs = Blobs::open(data_);
+    ASSERT_TRUE(blobs);
+    blobs_.emplace(std::move(*blobs));
+    name_ = data_ / "upload";
+  }
+  void TearDown() override { std::filesystem::remove_all(data_); }
+
+  static std::string bytes_of(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  static std::string blanked(const std::string& bytes, const std::string& extension) {
+    NameFilter filter(extension);
+    std::string out = filter.pass(bytes);
+    return out += filter.finish();
+  }
+  // Takes `bytes` in steps, as if the server had been killed after each, and gives what is kept.
+  std::string in_steps(const std::string& bytes, const std::string& extension, std::size_t step) {
+    for (std::size_t at = 0; at < bytes.size(); at += step) {
+      auto file = PartialFile::open(name_, extension);
+      EXPECT_TRUE(file);
+      EXPECT_EQ(file->bytes(), at);
+      EXPECT_TRUE(file->take(std::string_view(bytes).substr(at, step)));
+      EXPECT_TRUE(file->flush());
+      EXPECT_TRUE(file->take("lost in the crash"));
+      EXPECT_EQ(*PartialFile::flushed(name_), std::min(at + step, bytes.size()));
+    }
+    return finished(extension);
+  }
+  std::string finished(const std::string& extension) {
+    auto file = PartialFile::open(name_, extension);
+    EXPECT_TRUE(file);
+    auto upload = file->finish(*blobs_);
+    EXPECT_TRUE(upload);
+    const Blob blob = *upload->seal();
+    EXPECT_TRUE(blobs_->keep(*upload));
+    PartialFile::remove(name_);
+    const std::string kept = bytes_of(data_ / "blobs" / blob.sha256.substr(0, 2) / blob.sha256);
+    EXPECT_EQ(blob.bytes, kept.size());
+    EXPECT_EQ(blob.sha256, text_hash(kept));
+    EXPECT_FALSE(std::filesystem::exists(data_ / "upload.part"));
+    EXPECT_FALSE(std::filesystem::exists(data_ / "upload.tail"));
+    return kept;
+  }
+
+  std::filesystem::path data_, name_;
+  std::optional<Blobs> blobs_;
+};
+
+const std::string name = "JaneDoe1984";
+
+TEST_F(PartialFileTest, NamesAreBlankedWhereverItWasInterrupted) {
+  const std::string stl = std::string(name).append(69, ' ').append("\x01\0\0\0", 4).append(50, '\x07'),
+                    obj = "# " + name + "\nv 1 2 3 # " + name + " v 4 5 6\nnote v 7 8 9\nf 1 2 \\\n 3\no " +
+                          name + "\n",
+                    text =
+                        "solid " + name + " v\n" + name + "\nfacet normal 0 0 1\nendfacet\nendsolid " + name;
+  for (const auto& [bytes, extension] : {std::pair{stl, "stl"}, {obj, "obj"}, {text, "stl"}})
+    for (const std::size_t step : {13, 83, 84, 85})
+      EXPECT_EQ(in_steps(bytes, extension, step), blanked(bytes, extension)) << extension << " " << step;
+}
+
+TEST_F(PartialFileTest, BeyondTheTailToo) {
+  std::string obj;
+  for (int i = 0; obj.size() < 1'000'000; ++i)
+    obj += "v 1 2 " + std::to_string(i) + " # " + name + "\n# v " + std::to_string(i) + "\n";
+  EXPECT_EQ(in_steps(obj, "obj", 300'007), blanked(obj, "obj"));
+  std::string jpeg = "\xff\xd8";  // comments of the greatest size
+  for (int i = 0; i < 8; ++i) jpeg.append("\xff\xfe\xff\xff").append(65'533, 'J');
+  jpeg += "\xff\xd9";
+  EXPECT_EQ(in_steps(jpeg, "jpg", 130'003), blanked(jpeg, "jpg"));
+}
+
+TEST_F(PartialFileTest, WhatStandsOnTheDiskMeanwhileIsBlankedButForATail) {
+  std::string obj;
+  while (obj.size() < 1'000'000) obj += "# " + name + "\nv 1 2 3\n";
+  auto file = PartialFile::open(name_, "obj");
+  ASSERT_TRUE(file && file->take(obj) && file->flush());
+  EXPECT_EQ(bytes_of(data_ / "upload.part").find(name), std::string::npos);
+  EXPECT_LE(std::filesystem::file_size(data_ / "upload.tail"), 256u << 10);
+}
+
+TEST_F(PartialFileTest, HalfOfItsTwoFilesIsNone) {
+  {
+    auto file = PartialFile::open(name_, "stl");
+    ASSERT_TRUE(file && file->take("solid") && file->flush());
+  }
+  std::filesystem::remove(data_ / "upload.part");
+  EXPECT_EQ(*PartialFile::flushed(name_), 0u);
+  EXPECT_EQ(PartialFile::open(name_, "stl")->bytes(), 0u);
+  EXPECT_EQ(*PartialFile::flushed(name_), 0u);
+  EXPECT_EQ(*PartialFile::flushed(data_ / "nothing"), 0u);
+}
+
+}  // namespace
+}  // namespace vacuform
