@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/hand_made_sheets.hpp"
-#include "worker/coils/exact_geodesics.hpp"
 #include "worker/inspection/loop_figures.hpp"
 #include "worker/inspection/stretched_traces.hpp"
 
@@ -139,22 +138,6 @@ TEST(LoopFigures, OffTheChartOrTheSheetAreSaidToBe) {
   EXPECT_FALSE(measure_loop(sheet, circle({140, 0}, 20), {140, 0}));
   EXPECT_FALSE(measure_loop(sheet, {}, {0, 0}));
   EXPECT_FALSE(measure_loop(sheet, {Vector2d(NAN, 0), Vector2d(1, 0), Vector2d(0, 1)}, {0, 0}));
-}
-
-TEST(Geodesics, KnowOnlyTheTrianglesTheyWereGiven) {
-  const Sample x = hand_made::flat(100, 10);
-  const MeasuredSheet sheet(x.sheet, x.flattening);
-  const auto near = within_reach(x.sheet.triangles, x.flattening.inked, {0, 0, 0}, {0, 0, 0}, 20);
-  EXPECT_GT(near.size(), 8u);
-  EXPECT_LT(near.size(), x.sheet.triangles.size());
-  Geodesics geodesics(x.sheet.triangles, x.flattening.inked, near);
-  ASSERT_TRUE(geodesics.begin_at(*sheet.find({1, 2})));
-  const auto path = geodesics.to(*sheet.find({4, 6}));
-  ASSERT_TRUE(path);
-  EXPECT_NEAR(path->length, 5, 1e-9);
-  EXPECT_LT((path->start - Vector3d(0.6, 0.8, 0)).norm(), 1e-9);
-  EXPECT_FALSE(geodesics.to(*sheet.find({49, 49})));
-  EXPECT_FALSE(geodesics.begin_at(*sheet.find({49, 49})));
 }
 
 // Two 20 mm circles, 15 mm apart, and one far off; a line that is in no element.

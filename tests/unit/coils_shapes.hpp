@@ -23,6 +23,17 @@ inline Sample sphere(double radius, double side, int n, double reach = 1e9) {
   return x;
 }
 
+// The sphere with bumps on it, so close and high that geodesics cross within some millimetres.
+inline Sample bumpy_sphere(double radius, double side, int n, double height_mm, double reach = 1e9) {
+  Sample x = sphere(radius, side, n, reach);
+  for (std::size_t i = 0; i < x.sheet.rest.size(); ++i) {
+    const Vector2d st = x.sheet.rest[i] / 3;
+    x.sheet.formed[i] *= 1 + height_mm / radius * std::cos(st.x()) * std::cos(1.1 * st.y());
+  }
+  x.flattening.inked = x.sheet.formed;
+  return x;
+}
+
 inline Element ring(const std::string& id, const Vector2d& centre, double radius, double width = 3) {
   const double k = 0.5522847498 * radius;
   Curve circle;

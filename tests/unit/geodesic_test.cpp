@@ -4,6 +4,7 @@
 
 #include "tests/unit/coils_shapes.hpp"
 #include "worker/coils/element_patch.hpp"
+#include "worker/coils/exact_geodesics.hpp"
 
 namespace vacuform {
 namespace {
@@ -121,6 +122,84 @@ TEST(ElementPatch, OnABumpKeepsRadiiAndTurnsNothingOver) {
   }
   EXPECT_LT(most / least, 1.005);
   EXPECT_LT(most, 20);
+}
+
+SheetPoint vertex(const std::vector<Triangle>& triangles, int v) {
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (triangles[t][static_cast<std::size_t>(k)] == v) return {static_cast<int>(t), Vector3d::Unit(k)};
+  return {};
+}
+
+TEST(ExactGeodesics, OnAFlatSheetAreStraightAndEndAtTheReach) {
+  const Sample x = hand_made::flat(100, 10);
+  const InkedSurface surface(x.sheet, x.flattening);
+  Geodesics geodesics(surface.path_mesh());
+  geodesics.begin_at(at(surface, {1, 2}), 20);
+  const auto path = geodesics.to(at(surface, {4, 6}));
+  ASSERT_TRUE(path);
+  EXPECT_NEAR(path->length, 5, 1e-9);
+  EXPECT_LT((path->start - Vector3d(0.6, 0.8, 0)).norm(), 1e-9);
+  EXPECT_NEAR(geodesics.to(at(surface, {-10, 2}))->length, 11, 1e-9);
+  EXPECT_FALSE(geodesics.to(at(surface, {49, 49})));
+  EXPECT_LT(geodesics.to(at(surface, {1, 2}))->length, 1e-6);
+  // From a vertex, along edges, to vertices.
+  geodesics.begin_at(at(surface, {0, 0}), 100);
+  for (const Vector2d& way : {Vector2d(40, 0), Vector2d(-30, 30), Vector2d(17, -33)})
+    EXPECT_NEAR(geodesics.to(at(surface, way))->length, way.norm(), 1e-6);
+}
+
+// The unit cube, two triangles a face: from a corner to the opposite one it is the diagonal of two faces unfolded.
+TEST(ExactGeodesics, OverACubeAreThoseOfItsUnfolding) {
+  std::vector<Vector3d> places;
+  for (int i = 0; i < 8; ++i) places.emplace_back(i & 1, i >> 1 & 1, i >> 2);
+  std::vector<Triangle> triangles;
+  for (const auto& [a, b, c, d] :
+       {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
+    triangles.insert(triangles.end(), {Triangle{a, b, c}, Triangle{a, c, d}});
+  const PathMesh mesh(triangles, places);
+  Geodesics geodesics(mesh);
+  geodesics.begin_at(vertex(triangles, 0), 10);
+  EXPECT_NEAR(geodesics.to(vertex(triangles, 7))->length, std::sqrt(5), 1e-6);
+  EXPECT_NEAR(geodesics.to(vertex(triangles, 3))->length, std::sqrt(2), 1e-6);
+  EXPECT_NEAR(geodesics.to({2, Vector3d(0.5, 0, 0.5)})->length, std::sqrt(2.5),
+              1e-6);  // the middle of the far face
+}
+
+// A flat L of three squares: around its inner corner paths bend.
+TEST(ExactGeodesics, BendAtAnInnerCorner) {
+  const std::vector<Vector3d> places{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0},
+                                     {1, 1, 0}, {2, 1, 0}, {0, 2, 0}, {1, 2, 0}};
+  const std::vector<Triangle> triangles{{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {3, 4, 7}, {3, 7, 6}};
+  const PathMesh mesh(triangles, places);
+  Geodesics geodesics(mesh);
+  geodesics.begin_at({2, Vector3d(0, 0.5, 0.5)}, 10);  // (2, 0.5)
+  const auto path = geodesics.to({4, Vector3d(0, 0, 1)});
+  ASSERT_TRUE(path);
+  EXPECT_NEAR(path->length, std::sqrt(1.25) + 1, 1e-6);
+  EXPECT_LT((path->start - Vector3d(-1, 0.5, 0).normalized()).norm(), 1e-6);
+}
+
+// The trees of two sources have nothing in common but the length of the path between them.
+TEST(ExactGeodesics, AreAsLongThereAsBackAlsoOverBumps) {
+  const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
+  const InkedSurface surface(x.sheet, x.flattening);
+  Geodesics there(surface.path_mesh()), back(surface.path_mesh());
+  const std::vector<Vector2d> ends{{3, 4}, {-31, 8}, {0, 26}, {22, -17}, {-9, -30}};
+  for (const Vector2d& a : ends) {
+    there.begin_at(at(surface, a), 90);
+    for (const Vector2d& b : ends) {
+      back.begin_at(at(surface, b), 90);
+      const auto way = there.to(at(surface, b)), home = back.to(at(surface, a));
+      ASSERT_TRUE(way && home);
+      EXPECT_NEAR(way->length, home->length, 1e-6);
+      EXPECT_GE(way->length, (surface.place(at(surface, a)) - surface.place(at(surface, b))).norm() - 1e-9);
+      const Connection shot = connect(surface, at(surface, a), at(surface, b));
+      if (shot.found && a != b) {
+        EXPECT_LE(way->length, shot.mm + 1e-5);
+      }
+    }
+  }
 }
 
 }  // namespace

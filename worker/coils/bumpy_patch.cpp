@@ -89,12 +89,12 @@ double turn_of(const Neighbourhood& near, const PolarGrid& grid) {
   return std::atan2(sum.y(), sum.x());
 }
 
-// Of the neighbourhood's vertices from the centre, the shortest way over its triangles; infinite where there is none.
+// Of the neighbourhood's vertices from the centre, the shortest way over the surface; infinite beyond the reach.
 std::vector<double> distances(const InkedSurface& surface, const Neighbourhood& near,
-                              const SheetPoint& centre) {
+                              const SheetPoint& centre, double reach_mm) {
   std::vector<double> out(near.rest.size(), std::numeric_limits<double>::infinity());
-  Geodesics geodesics(surface.triangles(), surface.inked(), near.faces);
-  if (!geodesics.begin_at(centre)) return out;
+  Geodesics geodesics(surface.path_mesh());
+  geodesics.begin_at(centre, reach_mm);
   std::vector<char> asked(out.size(), 0);
   for (std::size_t f = 0; f < near.faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -174,8 +174,8 @@ Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& 
   const double turn = turn_of(near, grid);
   // Off the chart, on the folds at the foot of the mold, nothing is measured: the local flattening will do.
   const bool flattening_alone = leaves_chart(surface, near, ink_mm);
-  const std::vector<double> geodesic =
-      flattening_alone ? std::vector<double>(near.rest.size()) : distances(surface, near, centre);
+  const std::vector<double> geodesic = flattening_alone ? std::vector<double>(near.rest.size())
+                                                        : distances(surface, near, centre, 1.5 * reach);
 
   std::vector<Vector2d> best;
   int least = std::numeric_limits<int>::max();

@@ -62,31 +62,32 @@ class Decoupling {
     for (const Centre& c : layout.centres) start_.push_back(c.moved);
   }
 
-  // On bumps the steps are taken on a rough layout, whose couplings are corrected by what it was wrong at their start.
+  // On bumps the steps are taken on a rough layout, whose couplings are corrected by what they are wrong where the steps
+  // begin. Farther on they are wrong by something else: so it is done again, and the best layout met is kept.
   Result<void> run() {
-    constexpr int most_corrections = 3;
-    correction_ = VectorXd::Zero(static_cast<Index>(pairs_.size()));
-    for (int pass = 0; pass < most_corrections && worst(couplings(laid_)) > good_k; ++pass) {
+    constexpr int most_passes = 6;
+    std::vector<ElementOnSurface> best_laid;
+    ElementLayout best_layout;
+    double least = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < most_passes; ++pass) {
       const VectorXd exact = couplings(laid_);
+      if (worst(exact) >= least) break;
+      least = worst(exact), best_layout = layout_, best_laid = laid_;
+      if (least <= good_k) break;
       const bool bumps = !all_smooth();
+      correction_ = VectorXd::Zero(exact.size());
       if (bumps) {
         VACUFORM_TRY(rough, lay_on_surface(surface_, layout_, context_, true));
         laid_ = std::move(rough);
         correction_ = exact - couplings(laid_);
         if (!correction_.allFinite()) correction_.setZero();
       }
-      VACUFORM_CHECK(improve());
-      // Better the whole array elsewhere than coupled, and better a loop off the head.
-      for (const auto& give_up : {&Decoupling::drop_place, &Decoupling::drop_head})
-        if (worst(couplings(laid_)) > required_k) {
-          (this->*give_up)();
-          VACUFORM_CHECK(improve());
-        }
-      correction_.setZero();
-      if (!bumps && all_smooth()) break;
+      VACUFORM_CHECK(improve_or_give_up());
+      if (!bumps && all_smooth()) return {};
       VACUFORM_TRY(fine, lay_on_surface(surface_, layout_, context_));
       laid_ = std::move(fine);
     }
+    layout_ = std::move(best_layout), laid_ = std::move(best_laid);
     return {};
   }
 
@@ -94,11 +95,22 @@ class Decoupling {
   void drop_place() { array_weight_ = 0; }
   void drop_head() { stay_on_head_ = false; }
 
+  // Better the whole array elsewhere than coupled, and better a loop off the head.
+  Result<void> improve_or_give_up() {
+    VACUFORM_CHECK(improve());
+    for (const auto& give_up : {&Decoupling::drop_place, &Decoupling::drop_head})
+      if (worst(corrected(laid_)) > required_k) {
+        (this->*give_up)();
+        VACUFORM_CHECK(improve());
+      }
+    return {};
+  }
+
   Result<void> improve() {
     constexpr int most_steps = 25;
     constexpr double most_damping = 1e4, least_gain = 0.01;
     double damping = 1e-3, gain = 1;
-    VectorXd k = couplings(laid_);
+    VectorXd k = corrected(laid_);
     for (int step = 0; step < most_steps && worst(k) > good_k && gain > least_gain; ++step) {
       VACUFORM_TRY(J, jacobian());
       const ElementLayout before = layout_;
@@ -106,7 +118,7 @@ class Decoupling {
       gain = 0;
       for (bool first = true; gain == 0 && damping < most_damping; first = false) {
         VACUFORM_TRY(next, take(solve(J, k, damping), before));
-        const VectorXd k_next = couplings(next);
+        const VectorXd k_next = corrected(next);
         if (k_next.allFinite() && cost_of(k_next) < cost) {
           gain = 1 - cost_of(k_next) / cost;
           laid_ = std::move(next);
@@ -141,6 +153,10 @@ class Decoupling {
       k[static_cast<Index>(p)] = vacuform::coupling(laid[index(pairs_[p].a)], laid[index(pairs_[p].b)])
                                      .value_or(std::numeric_limits<double>::quiet_NaN());
     return k;
+  }
+
+  VectorXd corrected(const std::vector<ElementOnSurface>& laid) const {
+    return couplings(laid) + correction_;
   }
 
   double worst(const VectorXd& k) const {
@@ -299,7 +315,7 @@ class Decoupling {
   std::vector<Vector2d> start_;
   bool stay_on_head_ = true;
   double array_weight_ = array_weight;
-  VectorXd correction_;  // of the rough layout's couplings
+  VectorXd correction_;  // of the couplings of the layout that steps are taken on
 };
 
 }  // namespace

@@ -1,43 +1,37 @@
-// Exact shortest paths over the triangles of a surface (S.-Q. Xin and G.-J. Wang, "Improving Chen and Han's algorithm on
-// the discrete geodesic problem", 2009, by CGAL).
+// Exact shortest paths over the triangles of a surface, by windows that are unfolded from the source outwards: J. Chen and
+// Y. Han, "Shortest paths on a polyhedron", 1990, in the order of their distances and filtered as S.-Q. Xin and G.-J. Wang
+// do in "Improving Chen and Han's algorithm on the discrete geodesic problem", 2009.
 #pragma once
 
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
-#include <vector>
 
+#include "worker/coils/path_mesh.hpp"
 #include "worker/forming/sheet_map.hpp"
 
 namespace vacuform {
 
+// The paths from one source at a time. One thread each; the mesh, which must outlive it, may serve several. Some
+// milliseconds for a source and 5,000 triangles within reach. Deterministic.
 class Geodesics {
  public:
-  // Over the triangles `which` of a surface, by their own numbers everywhere; the paths keep to them. About 10 ms and
-  // 1 MB for 1,000 triangles and a source.
-  Geodesics(const std::vector<Triangle>& triangles, const std::vector<Eigen::Vector3d>& surface,
-            const std::vector<int>& which);
+  explicit Geodesics(const PathMesh& mesh);
   ~Geodesics();
 
-  // Where the next paths begin. False where that is on none of the triangles.
-  bool begin_at(const SheetPoint& source);
+  // Where the next paths begin, and how long they are at most.
+  void begin_at(const SheetPoint& source, double reach_mm);
 
   struct Path {
-    double length;          // mm
+    double length;          // mm, exact but for rounding
     Eigen::Vector3d start;  // unit vector in which it leaves the source; 0 where it has no length
   };
-  // Nothing where the target is on none of the triangles, or not connected to the source by them.
+  // Nothing where the target is farther than the reach.
   std::optional<Path> to(const SheetPoint& target) const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
-
-// The triangles of `triangles` that a path from a to b of at most `length` mm over the surface may touch: those near the
-// ellipsoid about both; with a = b those near a ball of half that length. Ascending.
-std::vector<int> within_reach(const std::vector<Triangle>& triangles,
-                              const std::vector<Eigen::Vector3d>& surface, const Eigen::Vector3d& a,
-                              const Eigen::Vector3d& b, double length);
 
 }  // namespace vacuform

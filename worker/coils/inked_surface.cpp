@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-#include <tuple>
 
 namespace vacuform {
 
@@ -11,32 +10,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-// Per directed edge, sorted: the two triangles of an edge are met as (a, b) and (b, a).
-std::vector<std::array<int, 3>> neighbours(const std::vector<Triangle>& triangles) {
-  struct Side {
-    int low, high, triangle, corner;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int a = triangles[t][(k + 1) % 3], b = triangles[t][(k + 2) % 3];
-      sides.push_back({std::min(a, b), std::max(a, b), static_cast<int>(t), static_cast<int>(k)});
-    }
-  std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return std::tie(x.low, x.high, x.triangle) < std::tie(y.low, y.high, y.triangle);
-  });
-  std::vector<std::array<int, 3>> across(triangles.size(), {-1, -1, -1});
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const Side &x = sides[i], &y = sides[i + 1];
-    if (x.low != y.low || x.high != y.high) continue;
-    across[static_cast<std::size_t>(x.triangle)][static_cast<std::size_t>(x.corner)] = y.triangle;
-    across[static_cast<std::size_t>(y.triangle)][static_cast<std::size_t>(y.corner)] = x.triangle;
-    ++i;
-  }
-  return across;
-}
 
 // Barycentric weights of p in the triangle a, b, c, or without area none that are finite.
 Vector3d weights_of(const Vector2d& p, const Vector2d& a, const Vector2d& b, const Vector2d& c) {
@@ -81,14 +54,16 @@ Vector3d nearest_weights(const Vector3d& p, const std::array<Vector3d, 3>& corne
 }  // namespace
 
 InkedSurface::InkedSurface(const FormedSheet& sheet, const Flattening& flattening)
-    : sheet_(&sheet), flattening_(&flattening), on_chart_(sheet.triangles.size(), 0) {
+    : sheet_(&sheet),
+      flattening_(&flattening),
+      on_chart_(sheet.triangles.size(), 0),
+      path_mesh_(sheet.triangles, flattening.inked) {
   for (const int t : flattening.triangles) on_chart_[index(t)] = 1;
-  const auto across = neighbours(sheet.triangles);
-  faces_.reserve(across.size());
-  for (std::size_t t = 0; t < across.size(); ++t) {
+  faces_.reserve(sheet.triangles.size());
+  for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
     std::array<Vector3d, 3> p;
     for (std::size_t k = 0; k < 3; ++k) p[k] = flattening.inked[index(sheet.triangles[t][k])];
-    Face face{across[t], (p[1] - p[0]).cross(p[2] - p[0]), {}};
+    Face face{(p[1] - p[0]).cross(p[2] - p[0]), {}};
     const double square = face.normal.squaredNorm();
     for (std::size_t k = 0; k < 3; ++k)
       face.gradient[k] = square > 0 ? Vector3d(face.normal.cross(p[(k + 2) % 3] - p[(k + 1) % 3]) / square)

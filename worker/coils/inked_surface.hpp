@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "worker/coils/path_mesh.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/sheet_map.hpp"
 
@@ -19,11 +20,15 @@ class InkedSurface {
   const std::vector<Eigen::Vector3d>& inked() const { return flattening_->inked; }
   const std::vector<Eigen::Vector2d>& rest() const { return sheet_->rest; }
   // Neighbour of triangle t across the edge opposite its corner k; -1 on the sheet's border.
-  int across(int t, int k) const { return faces_[index(t)].across[index(k)]; }
+  int across(int t, int k) const {
+    const int beyond = path_mesh_.side(3 * t + k).beyond;
+    return beyond < 0 ? -1 : beyond / 3;
+  }
   // Outward unit normal of a triangle; zero where it has no area.
   const Eigen::Vector3d& normal(int t) const { return faces_[index(t)].normal; }
   // Change of the barycentric weight k per millimetre, a vector in the triangle's plane; zero without area.
   const Eigen::Vector3d& gradient(int t, int k) const { return faces_[index(t)].gradient[index(k)]; }
+  const PathMesh& path_mesh() const { return path_mesh_; }
   bool on_chart(int t) const { return on_chart_[index(t)] != 0; }
 
   Eigen::Vector3d place(const SheetPoint& p) const;  // on the inked surface, mm
@@ -51,7 +56,6 @@ class InkedSurface {
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   struct Face {
-    std::array<int, 3> across;
     Eigen::Vector3d normal;
     std::array<Eigen::Vector3d, 3> gradient;
   };
@@ -59,6 +63,7 @@ class InkedSurface {
   const Flattening* flattening_;
   std::vector<Face> faces_;
   std::vector<char> on_chart_;
+  PathMesh path_mesh_;
 };
 
 }  // namespace vacuform

@@ -146,7 +146,8 @@ MeasuredSheet::MeasuredSheet(const FormedSheet& sheet, const Flattening& flatten
     : sheet_(sheet),
       flattening_(flattening),
       on_chart_(sheet.triangles.size(), 0),
-      locator_(sheet.triangles, sheet.rest) {
+      locator_(sheet.triangles, sheet.rest),
+      path_mesh_(sheet.triangles, flattening.inked) {
   for (const int t : flattening.triangles) on_chart_[static_cast<std::size_t>(t)] = 1;
 }
 
@@ -184,16 +185,12 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
   double reach = 0;
   for (std::size_t i = 0; i < line.size(); i += 4)
     reach = std::max(reach, straight_length(sheet, near, line[i]));
-  const auto first = sheet.find(near);
-  if (!first || !std::isfinite(reach)) return std::nullopt;
-  const Vector3d middle = sheet.place(*first);
-  // The centre will move: by no more than a quarter, or the loop is so far from a circle that its figures mean little.
-  const double room = 1.25 * reach;
-  Geodesics geodesics(sheet.sheet().triangles, sheet.inked(),
-                      within_reach(sheet.sheet().triangles, sheet.inked(), middle, middle, 2 * room));
+  if (!std::isfinite(reach)) return std::nullopt;
+  Geodesics geodesics(sheet.path_mesh());
   for (int round = 0; round < 12; ++round) {
     const auto source = sheet.find(out.centre_rest);
-    if (!source || !geodesics.begin_at(*source)) return std::nullopt;
+    if (!source) return std::nullopt;
+    geodesics.begin_at(*source, reach);
     Eigen::VectorXd r(radii);
     Eigen::MatrixXd way(radii, 3);
     for (int i = 0; i < radii; ++i) {
@@ -207,6 +204,7 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     out.diameter_mm = 2 * centring.mean();
     out.circularity = centring.circularity();
     out.centre = sheet.place(*source) + centring.move;
+    reach += centring.move.norm();
     if (centring.move.norm() < settled_mm) break;
   }
   out.area_mm2 = enclosed_area(sheet, line);
@@ -243,10 +241,8 @@ double geodesic_distance(const MeasuredSheet& sheet, const Vector2d& a, const Ve
   const auto from = sheet.find(a), to = sheet.find(b);
   const double bound = straight_length(sheet, a, b);
   if (!from || !to || !std::isfinite(bound)) return std::nan("");
-  Geodesics geodesics(
-      sheet.sheet().triangles, sheet.inked(),
-      within_reach(sheet.sheet().triangles, sheet.inked(), sheet.place(*from), sheet.place(*to), bound));
-  if (!geodesics.begin_at(*from)) return std::nan("");
+  Geodesics geodesics(sheet.path_mesh());
+  geodesics.begin_at(*from, bound);
   const auto path = geodesics.to(*to);
   return path ? path->length : std::nan("");
 }

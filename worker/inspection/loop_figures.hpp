@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "worker/coils/path_mesh.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/sheet_map.hpp"
 
@@ -27,12 +28,14 @@ class MeasuredSheet {
 
   const FormedSheet& sheet() const { return sheet_; }
   const std::vector<Eigen::Vector3d>& inked() const { return flattening_.inked; }
+  const PathMesh& path_mesh() const { return path_mesh_; }
 
  private:
   const FormedSheet& sheet_;
   const Flattening& flattening_;
   std::vector<std::uint8_t> on_chart_;  // per triangle
   PlaneLocator locator_;
+  PathMesh path_mesh_;
 };
 
 struct LoopFigures {

@@ -1,0 +1,42 @@
+#include "worker/coils/decoupling.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/coils_shapes.hpp"
+#include "worker/coils/placement.hpp"
+
+namespace vacuform {
+namespace {
+
+using Eigen::Vector2d;
+using hand_made::Sample;
+
+Settings decoupled() {
+  Settings settings;
+  settings.coils.decouple = true;
+  return settings;
+}
+
+double worst(const Placement& placement, std::optional<double> PlacedPair::*k) {
+  double most = 0;
+  for (const PlacedPair& pair : placement.pairs) most = std::max(most, std::abs(*(pair.*k)));
+  return most;
+}
+
+// Steps are taken on a layout that knows nothing of crossing geodesics; what counts is the one that is printed.
+TEST(Decoupling, OnBumpsIsThatOfTheRealLayout) {
+  const Sample x = hand_made::bumpy_sphere(70, 150, 75, 1.2);
+  Drawing drawing;
+  for (int i = 0; i < 3; ++i)
+    drawing.elements.push_back(hand_made::ring("coil-" + std::to_string(i),
+                                               17.5 * Vector2d(std::cos(2.1 * i), std::sin(2.1 * i)), 20));
+  const auto p = place(x.sheet, x.flattening, &drawing, decoupled(), Context());
+  ASSERT_TRUE(p);
+  ASSERT_EQ(p->warnings.front().code, "coil-on-bumps");
+  ASSERT_EQ(p->pairs.size(), 3u);
+  EXPECT_GT(worst(*p, &PlacedPair::k_before), 0.005);
+  EXPECT_LT(worst(*p, &PlacedPair::k), 0.002);
+}
+
+}  // namespace
+}  // namespace vacuform
