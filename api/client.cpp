@@ -273,12 +273,19 @@ Result<void> WorkerClient::complete(const Lease& lease) {
   return {};
 }
 
-Result<void> WorkerClient::fail(const Lease& lease, const Error& error, bool retry) {
+Result<void> WorkerClient::log(const Lease& lease, std::size_t first, const std::vector<std::string>& lines,
+                               const Going& going) {
+  VACUFORM_CHECK(call(lease, "POST", "/log", written(json{{"first", first}, {"lines", lines}}), going));
+  return {};
+}
+
+Result<void> WorkerClient::fail(const Lease& lease, const Error& error, Retry retry) {
   const json body{{"code", meaning(error.code).slug},
                   {"what", error.what},
                   {"where", error.where},
                   {"mend", error.mend},
-                  {"retry", retry}};
+                  {"retry", retry != Retry::never},
+                  {"crashed", retry == Retry::after_crash}};
   VACUFORM_CHECK(call(lease, "POST", "/fail", written(body)));
   return {};
 }

@@ -15,6 +15,7 @@
 #include "api/error.hpp"
 #include "api/http.hpp"
 #include "api/job.hpp"
+#include "api/retry.hpp"
 
 namespace vacuform {
 
@@ -91,7 +92,10 @@ class WorkerClient {
   Result<void> upload(const Lease& lease, const std::string& artifact, const std::filesystem::path& file,
                       const Going& going);
   Result<void> complete(const Lease& lease);
-  Result<void> fail(const Lease& lease, const Error& error, bool retry);
+  Result<void> fail(const Lease& lease, const Error& error, Retry retry);
+  // Lines for the job's log, of which the first has this number within the attempt.
+  Result<void> log(const Lease& lease, std::size_t first, const std::vector<std::string>& lines,
+                   const Going& going = {});
   Result<void> cancelled(const Lease& lease);
   Result<void> release(const Lease& lease);
 

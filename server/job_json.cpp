@@ -46,6 +46,10 @@ ordered_json artifact_json(const Job& job, const StoredArtifact& artifact) {
           {"href", "/api/v1/jobs/" + job.id + "/artifacts/" + artifact.name}};
 }
 
+ordered_json backup_json(const BackupReport& report) {
+  return {{"jobs", report.jobs}, {"files", report.blobs}, {"damaged", report.damaged}};
+}
+
 ordered_json log_line_json(const LogLine& line) {
   return {{"number", line.number}, {"time", rfc3339(line.time)}, {"text", line.text}};
 }

@@ -10,6 +10,7 @@ namespace vacuform {
 nlohmann::ordered_json job_json(const Job& job);
 nlohmann::ordered_json artifact_json(const Job& job, const StoredArtifact& artifact);
 nlohmann::ordered_json input_json(const Input& input);
+nlohmann::ordered_json backup_json(const BackupReport& report);
 nlohmann::ordered_json log_line_json(const LogLine& line);
 nlohmann::ordered_json inputs_json(const Job& job);  // by name, those that the job has
 

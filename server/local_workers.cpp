@@ -24,8 +24,9 @@ LocalWorkers::LocalWorkers(WorkerCommand command, int count)
 void LocalWorkers::start(Worker& worker, std::size_t number) {
   // Everything that allocates comes before the fork: other threads may hold the allocator's locks.
   const std::string name = name_of(number), program = command_.program.string();
-  const std::vector<std::string> words{
+  std::vector<std::string> words{
       program, "--server", command_.server_url, "--token-file", command_.token_file.string(), "--name", name};
+  if (!command_.kept.empty()) words.insert(words.end(), {"--keep", command_.kept.string()});
   std::vector<char*> arguments;
   for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);

@@ -15,6 +15,7 @@ struct WorkerCommand {
   std::filesystem::path program;
   std::string server_url;
   std::filesystem::path token_file;
+  std::filesystem::path kept = {};  // for what their jobs keep, by scan; empty: the workers' own choice
 };
 
 // All functions are for one thread, which must live as long as the workers: the kernel ends a worker when the

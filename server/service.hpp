@@ -27,6 +27,7 @@ void add_limits_routes(http::Router& router, Service& service);   // /api/v1/lim
 void add_page_routes(http::Router& router, Service& service);     // /, /jobs/{id}: HTML
 void add_sign_in_routes(http::Router& router, Service& service);  // /sign-in, /sign-out: HTML
 void add_public_routes(http::Router& router, Service& service);   // what is about the service itself
+void add_backup_routes(http::Router& router, Service& service);   // /api/v1/backup, for administrators
 http::Router all_routes(Service& service);
 
 // Adds a route that only a caller with this scope reaches.

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "api/http.hpp"
+#include "server/ask_server.hpp"
 #include "server/secrets.hpp"
 #include "server/token_json.hpp"
 
@@ -13,25 +13,6 @@ namespace vacuform {
 using nlohmann::ordered_json;
 
 namespace {
-
-// The request that the running server answers as this command would.
-Result<ordered_json> ask_server(const std::filesystem::path& data, const std::string& method,
-                                const std::string& tail, const std::string& body = {}) {
-  VACUFORM_TRY(url, read_text_file(data / "server-url", 1024));
-  VACUFORM_TRY(token, read_text_file(data / "admin-token", 1024));
-  for (std::string* line : {&url, &token}) line->erase(line->find_last_not_of('\n') + 1);
-  VACUFORM_TRY(http, Http::to(url, token));
-  HttpRequest request;
-  request.method = method;
-  request.path = "/api/v1/tokens" + tail;
-  request.body = body;
-  if (!body.empty()) request.headers = {{"Content-Type", "application/json"}};
-  request.limit = std::chrono::seconds(30);
-  VACUFORM_TRY(response, http.send(request));
-  if (response.status < 200 || response.status > 299) return tl::make_unexpected(error_of(response));
-  auto answer = ordered_json::parse(response.body, nullptr, false);
-  return answer.is_discarded() ? ordered_json::object() : answer;
-}
 
 // Does `with_store` where no server runs, and asks the server otherwise.
 template <class WithStore>
@@ -42,7 +23,7 @@ Result<ordered_json> do_or_ask(const std::filesystem::path& data, const WithStor
   const auto store = open_store(data);
   if (store) return with_store(**store);
   if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
-  return ask_server(data, method, tail, body);
+  return ask_server(data, method, "/api/v1/tokens" + tail, body);
 }
 
 }  // namespace

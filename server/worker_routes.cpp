@@ -143,9 +143,11 @@ Result<Response> fail_job(Service& service, Request& request) {
     return fail(Code::bad_usage, "there is no such problem type: " + text_of(body, "code"), "code",
                 "send the last piece of a type of /problems/");
   const Error error{*code, text_of(body, "what"), text_of(body, "where"), text_of(body, "mend")};
-  const auto retry = body.find("retry");
-  VACUFORM_TRY(job,
-               service.store.fail_job(key_of(request), error, retry != body.end() && *retry == json(true)));
+  const auto said = [&](const char* key) { return body.value(key, json(false)) == json(true); };
+  const Retry retry = said("crashed") ? Retry::after_crash
+                      : said("retry") ? Retry::after_fault
+                                      : Retry::never;
+  VACUFORM_TRY(job, service.store.fail_job(key_of(request), error, retry));
   return ended_as("job-failed", job);
 }
 

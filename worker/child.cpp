@@ -142,13 +142,14 @@ ChildLine parse_child_line(std::string_view line) {
   if (!stage || progress == object.end() || !progress->is_number()) return {};
   const double fraction = progress->get<double>();
   if (!(fraction >= 0 && fraction <= 1)) return {};
-  return ChildProgress{*stage, fraction};
+  const auto kept = object.find("kept");
+  return ChildProgress{*stage, fraction, kept != object.end() && *kept == nlohmann::json(true)};
 }
 
 Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::filesystem::path& home,
                            const ChildLimits& limits, const Sandbox& sandbox,
                            const std::function<void(const ChildProgress&)>& progress,
-                           const std::function<bool()>& stop) {
+                           const std::function<bool()>& stop, const std::filesystem::path& kept) {
   std::vector<char*> argv, envp;
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
@@ -157,7 +158,7 @@ Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::f
   for (const std::string& variable : environment) envp.push_back(const_cast<char*>(variable.c_str()));
   envp.push_back(nullptr);
 
-  VACUFORM_TRY(confinement, Confinement::prepare(sandbox, argv[0], home));
+  VACUFORM_TRY(confinement, Confinement::prepare(sandbox, argv[0], home, kept));
   Pipe out, err;
   const Error no_process{Code::internal, "no process could be made for the job", "", "try again later"};
   if (!out.open() || !err.open()) return tl::make_unexpected(no_process);

@@ -30,11 +30,12 @@ struct ChildLimits {
 // One line of the child's standard output (`vacuform run --progress json`).
 struct ChildProgress {
   Stage stage;
-  double fraction;  // of the stage, in [0, 1]
+  double fraction;    // of the stage, in [0, 1]
+  bool kept = false;  // the stage was not run: its result was there already
 };
 using ChildLine = std::variant<std::monostate, ChildProgress, Error>;
 
-// {"stage":"forming","progress":0.4} or {"problem":{"code":"does-not-fit","what":...,"where":...,"mend":...}};
+// {"stage":"forming","progress":0.4}, with "kept":true where the stage was left out, or {"problem":{"code":"does-not-fit","what":...,"where":...,"mend":...}};
 // anything else is nothing. Texts are cut to 2000 bytes.
 ChildLine parse_child_line(std::string_view line);
 
@@ -55,11 +56,11 @@ struct ChildEnd {
 // from /dev/null and only PATH, LANG and HOME in its environment, in the sandbox; a measure of it that fails ends the child
 // with exit status 126. `progress` is called for each progress line and
 // `stop` at least every 0.1 s; when `stop` gives true the group gets SIGTERM and, half a second later, SIGKILL. Nothing
-// of the group is left when this returns. Call it from a thread that lives at least as long as the child: the
+// of the group is left when this returns. `kept` is a second folder that the sandbox lets the child use. Call it from a thread that lives at least as long as the child: the
 // kernel kills the child when that thread ends. Errors: internal (no process or sandbox could be made).
 Result<ChildEnd> run_child(const std::vector<std::string>& command, const std::filesystem::path& home,
                            const ChildLimits& limits, const Sandbox& sandbox,
                            const std::function<void(const ChildProgress&)>& progress,
-                           const std::function<bool()>& stop);
+                           const std::function<bool()>& stop, const std::filesystem::path& kept = {});
 
 }  // namespace vacuform

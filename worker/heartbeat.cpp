@@ -6,8 +6,8 @@ namespace vacuform {
 
 using std::chrono::steady_clock;
 
-Heartbeat::Heartbeat(WorkerClient client, const Lease& lease)
-    : client_(std::move(client)), lease_(lease), thread_([this] { beat(); }) {}
+Heartbeat::Heartbeat(WorkerClient client, const Lease& lease, JobLog& log)
+    : client_(std::move(client)), lease_(lease), log_(log), thread_([this] { beat(); }) {}
 
 Heartbeat::~Heartbeat() {
   {
@@ -33,8 +33,10 @@ void Heartbeat::beat() {
     const Stage stage = stage_;
     const double fraction = fraction_;
     guard.unlock();
+    const auto going = [this] { return !ending_; };
+    (void)log_.send(client_, lease_, going);  // what is not heard now is sent with the next
     const auto asked = steady_clock::now();
-    const auto cancel = client_.heartbeat(lease_, stage, fraction, [this] { return !ending_; });
+    const auto cancel = client_.heartbeat(lease_, stage, fraction, going);
     if (cancel) {
       renewed = asked;
       if (*cancel) cancel_ = true;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "api/client.hpp"
+#include "worker/job_log.hpp"
 
 namespace vacuform {
 
@@ -16,7 +17,8 @@ namespace vacuform {
 // out by then it counts as lost, since the server may have given the job to another worker.
 class Heartbeat {
  public:
-  Heartbeat(WorkerClient client, const Lease& lease);
+  // `log` outlives it; its lines are sent with the signs of life.
+  Heartbeat(WorkerClient client, const Lease& lease, JobLog& log);
   ~Heartbeat();  // stops, and gives up a call under way
 
   void at(Stage stage, double fraction);  // what to tell from now on
@@ -29,6 +31,7 @@ class Heartbeat {
 
   WorkerClient client_;
   const Lease lease_;
+  JobLog& log_;
   std::atomic<bool> cancel_{false}, lost_{false}, ending_{false};
   std::mutex mutex_;
   std::condition_variable wake_;

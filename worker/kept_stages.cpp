@@ -110,7 +110,8 @@ void write_kept(const fs::path& path, const T& value) {
 
 }  // namespace
 
-KeptStages::KeptStages(fs::path folder, std::uint64_t most_bytes) : most_bytes_(most_bytes) {
+KeptStages::KeptStages(fs::path folder, std::function<void(Stage)> found, std::uint64_t most_bytes)
+    : found_(std::move(found)), most_bytes_(most_bytes) {
   std::error_code error;
   if (fs::create_directories(folder, error)) fs::permissions(folder, fs::perms::owner_all, error);
   if (!program_digest().empty()) folder_ = std::move(folder);
@@ -124,10 +125,14 @@ fs::path KeptStages::path(const char* stage, const nlohmann::ordered_json& made_
 }
 
 std::optional<Mold> KeptStages::mold(const nlohmann::ordered_json& made_from) const {
-  return folder_ ? read_kept<Mold>(path("mold", made_from)) : std::nullopt;
+  auto kept = folder_ ? read_kept<Mold>(path("mold", made_from)) : std::nullopt;
+  if (kept && found_) found_(Stage::scan);
+  return kept;
 }
 std::optional<FormedSheet> KeptStages::sheet(const nlohmann::ordered_json& made_from) const {
-  return folder_ ? read_kept<FormedSheet>(path("sheet", made_from)) : std::nullopt;
+  auto kept = folder_ ? read_kept<FormedSheet>(path("sheet", made_from)) : std::nullopt;
+  if (kept && found_) found_(Stage::forming);
+  return kept;
 }
 void KeptStages::keep(const nlohmann::ordered_json& made_from, const Mold& mold) const {
   if (!folder_) return;

@@ -7,10 +7,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
+#include "api/job.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/scan/mold.hpp"
 
@@ -21,7 +23,9 @@ class KeptStages {
   // Keeps nothing.
   KeptStages() = default;
   // In a folder, which is made when it is absent. Beyond `most_bytes` the files used longest ago are deleted.
-  explicit KeptStages(std::filesystem::path folder, std::uint64_t most_bytes = 2'000'000'000);
+  // `found` hears of every stage that need not be run.
+  explicit KeptStages(std::filesystem::path folder, std::function<void(Stage)> found = {},
+                      std::uint64_t most_bytes = 2'000'000'000);
 
   // `made_from` is everything that the result depends on. None: not there, or not whole.
   std::optional<Mold> mold(const nlohmann::ordered_json& made_from) const;
@@ -36,6 +40,7 @@ class KeptStages {
   void make_room() const;
 
   std::optional<std::filesystem::path> folder_;
+  std::function<void(Stage)> found_;
   std::uint64_t most_bytes_ = 0;
 };
 

@@ -19,6 +19,8 @@ bool passing(const Error& error) { return error.code == Code::unavailable || err
 
 milliseconds longer(milliseconds pause) { return std::min(2 * pause, milliseconds(10000)); }
 
+constexpr std::chrono::hours tidy_every{1};  // of what is kept, besides after every job
+
 // How a leased job ended, for this worker.
 enum class Verdict { completed, failed, cancelled, released, lost };
 
@@ -42,8 +44,14 @@ const char* name_of(Verdict verdict) {
 class LeasedJob {
  public:
   LeasedJob(const LeaseLoop& loop, WorkerClient& client, Heartbeat& heartbeat, const Lease& lease,
-            const fs::path& folder, const StopSignal& stop)
-      : loop_(loop), client_(client), heartbeat_(heartbeat), lease_(lease), folder_(folder), stop_(stop) {}
+            const fs::path& folder, const StopSignal& stop, JobLog& log)
+      : loop_(loop),
+        client_(client),
+        heartbeat_(heartbeat),
+        lease_(lease),
+        folder_(folder),
+        stop_(stop),
+        log_(log) {}
 
   // Runs the job and tells the server how it ended.
   Verdict run() {
@@ -56,7 +64,8 @@ class LeasedJob {
       const auto released = client_.release(lease_);
       return released ? Verdict::released : Verdict::lost;
     }
-    const bool retry = retry_;
+    const Retry retry = retry_;
+    (void)log_.send(client_, lease_);
     return told(Verdict::failed, [&] { return client_.fail(lease_, worked.error(), retry); });
   }
 
@@ -71,8 +80,9 @@ class LeasedJob {
     const auto until = std::chrono::steady_clock::now() + lease_.seconds;
     for (milliseconds pause{200};; pause = longer(pause)) {
       const Result<void> answer = call();
-      retry_ = !answer && passing(answer.error());
-      if (!retry_ || heartbeat_.lost() || std::chrono::steady_clock::now() > until) return answer;
+      const bool again = !answer && passing(answer.error());
+      retry_ = again ? Retry::after_fault : Retry::never;
+      if (!again || heartbeat_.lost() || std::chrono::steady_clock::now() > until) return answer;
       if (stop_.within(pause)) return answer;
     }
   }
@@ -94,22 +104,42 @@ class LeasedJob {
       command.insert(command.end(), {std::string("--") + input.name, file});
     }
     if (std::ofstream file(settings, std::ios::binary); !(file << lease_.settings << std::flush)) {
-      retry_ = true;
+      retry_ = Retry::after_fault;
       return fail(Code::internal, "the worker has no room for the job", "", "try again later");
     }
+    const fs::path kept = kept_folder();
+    if (!kept.empty()) command.insert(command.end(), {"--keep", kept.string()});
     const auto end = run_child(
-        command, folder_, loop_.limits, loop_.sandbox,
-        [this](const ChildProgress& at) { heartbeat_.at(at.stage, at.fraction); },
-        [this] { return !going(); });
+        command, folder_, loop_.limits, loop_.sandbox, [this](const ChildProgress& at) { heard(at); },
+        [this] { return !going(); }, kept);
+    if (loop_.kept) loop_.kept->make_room();
     if (!end) {
-      retry_ = true;
+      retry_ = Retry::after_fault;
       return tl::make_unexpected(end.error());
     }
     VACUFORM_CHECK(judge(*end));
     for (const ArtifactKind& kind : artifact_kinds)
       if (const fs::path file = out / kind.name; fs::is_regular_file(fs::symlink_status(file)))
         VACUFORM_CHECK(persist([&] { return client_.upload(lease_, std::string(kind.name), file, alive); }));
+    for (const std::string& code : warning_codes(out / "report.json")) log_.say("warning " + code);
+    VACUFORM_CHECK(persist([&] { return log_.send(client_, lease_, alive); }));
     return persist([&] { return client_.complete(lease_); });
+  }
+
+  // Where this scan's stages are kept; empty: nowhere. A job does without rather than fail for it.
+  fs::path kept_folder() const {
+    if (!loop_.kept) return {};
+    for (const LeasedInput& input : lease_.inputs)
+      if (input.name == "scan")
+        if (const auto folder = loop_.kept->of(input.sha256)) return *folder;
+    return {};
+  }
+
+  void heard(const ChildProgress& at) {
+    heartbeat_.at(at.stage, at.fraction);
+    if (at.kept) log_.say("stage " + std::string(name(at.stage)) + " kept");
+    if (!at.kept && at.stage != stage_) log_.say("stage " + std::string(name(at.stage)));
+    stage_ = at.stage;
   }
 
   // What the end of the child means for the job.
@@ -119,7 +149,10 @@ class LeasedJob {
     if (end.how == ChildEnd::How::out_of_time) return tl::make_unexpected(*end.problem);
     if (end.how == ChildEnd::How::exited && end.number == 0) return {};
     if (refused && end.problem) return tl::make_unexpected(*end.problem);
-    retry_ = !refused;
+    constexpr int no_sandbox = 126;
+    retry_ = refused                                                        ? Retry::never
+             : end.how == ChildEnd::How::exited && end.number == no_sandbox ? Retry::after_fault
+                                                                            : Retry::after_crash;
     constexpr std::size_t told = 2000;  // the operator reads this; what a scan can write into it is bounded
     log_event(
         "child-fault",
@@ -138,7 +171,9 @@ class LeasedJob {
   const Lease& lease_;
   const fs::path folder_;
   const StopSignal& stop_;
-  bool retry_ = false;  // whether another attempt may end otherwise
+  JobLog& log_;
+  std::optional<Stage> stage_;  // of the child
+  Retry retry_ = Retry::never;
 };
 
 }  // namespace
@@ -151,7 +186,12 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
                                {"sandbox", sandbox.measures(true)},
                                {"sandbox_lacks", sandbox.measures(false)}});
   milliseconds pause = poll;
+  auto tidied = std::chrono::steady_clock::now() - tidy_every;
   while (!stop.within(milliseconds(0))) {
+    if (const auto now = std::chrono::steady_clock::now(); kept && now - tidied >= tidy_every) {
+      kept->make_room();
+      tidied = now;
+    }
     const auto lease = client.lease(name, sandbox.measures(true));
     if (!lease && !passing(lease.error())) return tl::make_unexpected(lease.error());
     if (!lease || !*lease) {
@@ -170,8 +210,9 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
       return tl::make_unexpected(folder.error());
     }
     VACUFORM_TRY(beating, WorkerClient::to(server, token));
-    Heartbeat heartbeat(std::move(beating), held);
-    const Verdict verdict = LeasedJob(*this, client, heartbeat, held, folder->path(), stop).run();
+    JobLog job_log;
+    Heartbeat heartbeat(std::move(beating), held, job_log);
+    const Verdict verdict = LeasedJob(*this, client, heartbeat, held, folder->path(), stop, job_log).run();
     log_event(
         "job-left",
         {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}, {"verdict", name_of(verdict)}});

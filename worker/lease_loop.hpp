@@ -3,10 +3,12 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "api/client.hpp"
 #include "worker/child.hpp"
+#include "worker/kept_scans.hpp"
 #include "worker/stop_signal.hpp"
 
 namespace vacuform {
@@ -18,6 +20,7 @@ struct LeaseLoop {
   std::chrono::milliseconds poll{1000};  // between two questions for a job
   ChildLimits limits;
   Sandbox sandbox;
+  std::optional<KeptScans> kept;  // where jobs of the same scan find its formed sheet; none: nowhere
 
   // Until `stop` says so: the running child is then ended and its job released. A server that is away is asked again, with
   // a pause that grows to 10 s. Errors: unauthorized or forbidden (the server does not take the token), bad_usage (the address

@@ -66,13 +66,13 @@ bool allow(int ruleset, const char* path, std::uint64_t rights) {
   return added;
 }
 
-int make_ruleset(int abi, const std::string& program, const std::string& home) {
+int make_ruleset(int abi, const std::string& program, const std::string& home, const std::string& kept) {
   const auto [size, all] = all_rights(abi);
   const int ruleset = static_cast<int>(::syscall(create_ruleset, &all, size, 0));
   if (ruleset < 0) return -1;
   constexpr std::uint64_t look = read_file | read_folder;
-  bool made = allow(ruleset, home.c_str(),
-                    all.files & ~(execute | make_character_device | make_block_device | make_socket)) &&
+  const std::uint64_t own = all.files & ~(execute | make_character_device | make_block_device | make_socket);
+  bool made = allow(ruleset, home.c_str(), own) && (kept.empty() || allow(ruleset, kept.c_str(), own)) &&
               allow(ruleset, program.c_str(), read_file | execute) &&
               allow(ruleset, "/dev/null", read_file | write_file);
   for (const char* loader : {"/lib", "/lib64", "/usr/lib", "/usr/lib64"})
@@ -243,10 +243,11 @@ Confinement::~Confinement() {
 }
 
 Result<Confinement> Confinement::prepare(const Sandbox& sandbox, const char* program,
-                                         const std::filesystem::path& home) {
+                                         const std::filesystem::path& home,
+                                         const std::filesystem::path& kept) {
   Confinement made;
   made.sandbox_ = sandbox;
-  if (sandbox.landlock > 0) made.ruleset_ = make_ruleset(sandbox.landlock, program, home);
+  if (sandbox.landlock > 0) made.ruleset_ = make_ruleset(sandbox.landlock, program, home, kept);
   if (sandbox.seccomp) made.filter_ = make_filter(program);
   if ((sandbox.landlock > 0 && made.ruleset_ < 0) || (sandbox.seccomp && made.filter_.empty()))
     return fail(Code::internal, "no sandbox could be made for the job", "", "try again later");

@@ -34,9 +34,11 @@ struct Sandbox {
 class Confinement {
  public:
   // `program` is the address of the text that execve() will get: the filter knows the one allowed program by it, which
-  // is gone with the old memory once it runs. Errors: internal.
+  // is gone with the old memory once it runs. `home` and, where it is not empty, `kept` are the folders for it. Errors:
+  // internal.
   static Result<Confinement> prepare(const Sandbox& sandbox, const char* program,
-                                     const std::filesystem::path& home);
+                                     const std::filesystem::path& home,
+                                     const std::filesystem::path& kept = {});
   Confinement(Confinement&& other) noexcept;
   Confinement(const Confinement&) = delete;
   Confinement& operator=(const Confinement&) = delete;

@@ -29,7 +29,9 @@ int run(int argc, char** argv) {
   LeaseLoop loop;
   std::string token_file;
   double poll_seconds = 1;
-  bool no_sandbox = false;
+  bool no_sandbox = false, no_keep = false;
+  std::filesystem::path keep;
+  int keep_days = 7;
   std::error_code ec;
   const auto here = std::filesystem::read_symlink("/proc/self/exe", ec).parent_path();
   loop.program = here / "vacuform";
@@ -44,6 +46,15 @@ int run(int argc, char** argv) {
   app.add_option("--work", loop.work, "Folder for the jobs' private folders")->type_name("DIR");
   app.add_option("--poll-seconds", poll_seconds, "Pause between two questions for a job")
       ->check(CLI::Range(0.05, 3600.0));
+  app.add_option(
+         "--keep", keep,
+         "Folder for what scan and forming made, so that another job of the same scan skips them; it holds "
+         "heads (default: kept in the folder of --work)")
+      ->type_name("DIR");
+  app.add_option("--keep-days", keep_days, "Days after the last use for which a scan's stages are kept")
+      ->check(CLI::Range(1, 3650))
+      ->capture_default_str();
+  app.add_flag("--no-keep", no_keep, "Keep nothing of a job");
   app.add_flag("--no-sandbox", no_sandbox,
                "Run jobs with the rights of this user, for finding faults; never for files of others");
   try {
@@ -63,6 +74,13 @@ int run(int argc, char** argv) {
   if (::access(loop.program.c_str(), X_OK) != 0)
     return refuse({Code::unreadable, "the program vacuform is not beside this one", loop.program.string(),
                    "install both in one folder"});
+  if (!no_keep) {
+    constexpr std::uint64_t most_kept = 2'000'000'000;  // bytes
+    auto kept = KeptScans::open(std::filesystem::absolute(keep.empty() ? loop.work / "kept" : keep),
+                                most_kept, std::chrono::hours(24 * keep_days));
+    if (!kept) return refuse(kept.error());
+    loop.kept = *std::move(kept);
+  }
   const auto token = find_token(token_file);
   if (!token) return refuse(token.error());
   if (token->empty())

@@ -1,11 +1,16 @@
 #include "server/store/blobs.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <system_error>
 #include <vector>
+
+#include "api/log.hpp"
 
 namespace vacuform {
 
@@ -53,7 +58,7 @@ Result<Upload> Blobs::upload() const {
   return Upload(std::move(file), std::move(path));
 }
 
-Upload Blobs::adopt(fs::path path, Blob blob) const {
+Upload Blobs::adopt(fs::path path, Blob blob) {
   Upload upload({}, std::move(path));
   upload.blob_ = std::move(blob);
   return upload;
@@ -74,7 +79,58 @@ Result<void> Blobs::keep(Upload& upload) const {
   return sync_directory(path.parent_path());
 }
 
-Result<File> Blobs::read(const std::string& sha256) const { return File::open(place(sha256)); }
+Result<void> CheckedFiles::check(const File& file, const std::string& sha256) {
+  struct stat status {};
+  if (::fstat(file.descriptor(), &status) != 0)
+    return fail(Code::unavailable, "a stored file cannot be read", sha256);
+  const Seen now{status.st_ino, static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec,
+                 status.st_mtim.tv_nsec};
+  {
+    const std::lock_guard hold(mutex_);
+    const auto known = seen_.find(sha256);
+    if (known != seen_.end() && known->second == now) return {};
+  }
+  Sha256 hash;
+  std::vector<char> piece(256 * 1024);
+  for (std::uint64_t at = 0;;) {
+    VACUFORM_TRY(n, file.read_at(at, piece));
+    if (n == 0) break;
+    hash.add({piece.data(), n});
+    at += n;
+  }
+  if (hash.hex() != sha256) {
+    log_event("blob-damaged", {{"blob", sha256}});
+    return fail(Code::gone, "a stored file is damaged: its bytes are no longer those that were kept", sha256,
+                "restore the server's data from a backup, or send the file again");
+  }
+  constexpr std::size_t most = 100'000;
+  const std::lock_guard hold(mutex_);
+  if (seen_.size() >= most) seen_.clear();
+  seen_[sha256] = now;
+  return {};
+}
+
+Result<File> Blobs::read(const std::string& sha256) const {
+  VACUFORM_TRY(file, File::open(place(sha256)));
+  VACUFORM_CHECK(checked_->check(file, sha256));
+  return file;
+}
+
+Result<void> Blobs::copy(const std::string& sha256, const fs::path& blobs) const {
+  VACUFORM_CHECK(read(sha256));
+  const fs::path to = blobs / sha256.substr(0, 2) / sha256;
+  VACUFORM_CHECK(make_directory(to.parent_path()));
+  std::error_code error;
+  fs::create_hard_link(place(sha256), to, error);
+  if (!error) return sync_directory(to.parent_path());
+  if (!fs::copy_file(place(sha256), to, error))
+    return fail(Code::unavailable, "copying a stored file failed: " + error.message(), to.string(),
+                "see that there is room on the disk");
+  File copied(::open(to.c_str(), O_RDWR | O_CLOEXEC));
+  VACUFORM_CHECK(CheckedFiles().check(copied, sha256));
+  VACUFORM_CHECK(copied.sync());
+  return sync_directory(to.parent_path());
+}
 
 void Blobs::remove(const std::string& sha256) const { ::unlink(place(sha256).c_str()); }
 

@@ -10,6 +10,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -46,6 +49,22 @@ class Upload {
   Blob blob_;
 };
 
+// Files whose bytes were found good, by what changes with every write. From any thread.
+class CheckedFiles {
+ public:
+  // Errors: gone: the bytes are not of that hash. Reads the file whole unless it is known.
+  Result<void> check(const File& file, const std::string& sha256);
+
+ private:
+  struct Seen {
+    std::uint64_t inode, bytes;
+    std::int64_t modified_s, modified_ns;
+    bool operator==(const Seen&) const = default;
+  };
+  std::mutex mutex_;
+  std::map<std::string, Seen> seen_;  // by hash; begun anew when it has grown
+};
+
 class Blobs {
  public:
   // Makes the folders; deletes what unfinished uploads left behind. Errors: unavailable.
@@ -53,23 +72,29 @@ class Blobs {
 
   Result<Upload> upload() const;
   // Takes over a whole file on the same disk that is flushed already.
-  Upload adopt(std::filesystem::path path, Blob blob) const;
+  static Upload adopt(std::filesystem::path path, Blob blob);
   std::filesystem::path temporary_path() const { return incoming_ / random_hex(16); }
   // Gives a sealed upload its final name. Keeping the same bytes twice leaves one file.
   Result<void> keep(Upload& upload) const;
+  // The file, whose bytes are checked when they are read for the first time since it was written or the programme
+  // started. Errors: not_found; gone: the bytes are others.
   Result<File> read(const std::string& sha256) const;
+  // The same into a file of that hash beneath another folder: a hard link, or a copy where the disk is another one.
+  Result<void> copy(const std::string& sha256, const std::filesystem::path& blobs) const;
   // Missing files are no error: a crash may have come between the row's end and the file's.
   void remove(const std::string& sha256) const;
   // Deletes every blob for which `wanted` is false.
   Result<void> sweep(const std::function<bool(const std::string& sha256)>& wanted) const;
 
  private:
-  explicit Blobs(std::filesystem::path data) : blobs_(data / "blobs"), incoming_(data / "incoming") {}
+  explicit Blobs(std::filesystem::path data)
+      : blobs_(data / "blobs"), incoming_(data / "incoming"), checked_(std::make_shared<CheckedFiles>()) {}
   std::filesystem::path place(const std::string& sha256) const {
     return blobs_ / sha256.substr(0, 2) / sha256;
   }
 
   std::filesystem::path blobs_, incoming_;
+  std::shared_ptr<CheckedFiles> checked_;
 };
 
 }  // namespace vacuform

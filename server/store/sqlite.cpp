@@ -20,6 +20,23 @@ Result<void> Database::execute(const std::string& sql) {
   return {};
 }
 
+Result<void> Database::copy_to(const std::string& path, const std::function<bool()>& pause) {
+  Database copy;
+  VACUFORM_CHECK(copy.open(path));
+  sqlite3_backup* backup = sqlite3_backup_init(copy.db_, "main", db_, "main");
+  if (!backup) return copy.error();
+  int code = SQLITE_OK;
+  bool going = true;
+  while (going && (code == SQLITE_OK || code == SQLITE_BUSY || code == SQLITE_LOCKED)) {
+    code = sqlite3_backup_step(backup, 1000);
+    going = pause();
+  }
+  sqlite3_backup_finish(backup);
+  if (code != SQLITE_DONE && !going) return fail(Code::cancelled, "the copy was given up");
+  if (code != SQLITE_DONE) return copy.error();
+  return {};
+}
+
 tl::unexpected<Error> Database::error() const {
   const int code = sqlite3_errcode(db_) & 0xff;
   const std::string text = sqlite3_errmsg(db_);

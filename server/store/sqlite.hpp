@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,6 +28,9 @@ class Database {
   Result<void> open(const std::string& path);
   // One or several statements without arguments and results.
   Result<void> execute(const std::string& sql);
+  // Copies the database into a new file. Between pieces of a thousand pages `pause` is called, which may let others use
+  // the connection; what they change is in the copy. False from it gives up with cancelled.
+  Result<void> copy_to(const std::string& path, const std::function<bool()>& pause);
 
  private:
   friend class Query;

@@ -32,6 +32,7 @@ Result<Job> SqliteStore::create(NewJob job) {
       VACUFORM_TRY(earlier, made_before(job, blobs));
       if (earlier) return *earlier;
     }
+    VACUFORM_CHECK(check_room(job.owner));
     const Millis now = options_.clock();
     last_id_time_ = std::max(now, last_id_time_ + 1);
     const std::string id = make_job_id(last_id_time_);
@@ -52,6 +53,20 @@ Result<Job> SqliteStore::create(NewJob job) {
     VACUFORM_CHECK(note(id, "queued"));
     return find(id);
   });
+}
+
+Result<void> SqliteStore::check_room(const std::string& owner) {
+  Query query(
+      db_, "SELECT coalesce(sum(queued), 0), coalesce(sum(queued) FILTER (WHERE owner=?), 0) FROM submitter",
+      owner);
+  VACUFORM_CHECK(query.row());
+  if (query.integer(0) >= options_.most_queued)
+    return fail(Code::busy, "the queue is full: " + std::to_string(query.integer(0)) + " jobs wait", {},
+                "try again later");
+  if (query.integer(1) >= options_.most_queued_by_owner)
+    return fail(Code::busy, std::to_string(query.integer(1)) + " of your jobs wait already", {},
+                "try again when some are done, or cancel some");
+  return {};
 }
 
 // Under the lock, so that a job deleted at the same time does not take the file away again.

@@ -11,6 +11,13 @@ std::string failed_with(const std::optional<Error>& error) {
   return "failed: " + std::string(meaning(error->code).slug);
 }
 
+Millis rest_after(int faults, Millis first) {
+  constexpr Millis longest = 10 * 60 * 1000;
+  const Millis rest = std::min(longest, first << std::min(faults - 1, 20));
+  const auto chance = static_cast<Millis>(std::stoul(random_hex(3), nullptr, 16));  // of 2^24
+  return rest / 2 + ((rest * chance) >> 24);
+}
+
 std::string cleaned(const std::string& line) {
   std::string text = line.substr(0, longest_log_line);
   std::replace_if(
@@ -23,10 +30,9 @@ std::string cleaned(const std::string& line) {
 Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
   return write([&]() -> Result<std::optional<LeasedJob>> {
     VACUFORM_TRY(expired, expire_now());
-    Query oldest(db_, "SELECT id FROM job WHERE state='queued' ORDER BY id LIMIT 1");
-    VACUFORM_TRY(found, oldest.row());
-    if (!found) return std::optional<LeasedJob>();
-    const std::string id = oldest.text(0), token = random_hex(32);
+    VACUFORM_TRY(next, next_queued());
+    if (!next) return std::optional<LeasedJob>();
+    const std::string id = *next, token = random_hex(32);
     const Millis now = options_.clock();
     VACUFORM_CHECK(
         Query(db_,
@@ -35,9 +41,35 @@ Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
               now, worker, text_hash(token), now + options_.lease, id)
             .run());
     VACUFORM_TRY(job, find(id));
+    VACUFORM_CHECK(Query(db_,
+                         "UPDATE submitter SET served=(SELECT max(served) + 1 FROM submitter) WHERE owner=?",
+                         job.owner)
+                       .run());
     VACUFORM_CHECK(note(id, "attempt " + std::to_string(job.attempt) + " begins"));
     return std::optional<LeasedJob>(LeasedJob{std::move(job), token});
   });
+}
+
+Result<std::optional<std::string>> SqliteStore::next_queued() {
+  const Millis now = options_.clock();
+  Query raised(
+      db_,
+      "SELECT id FROM job WHERE state='queued' AND priority>0 AND (not_before IS NULL OR not_before<=?)"
+      " ORDER BY priority DESC, id LIMIT 1",
+      now);
+  VACUFORM_TRY(found_raised, raised.row());
+  if (found_raised) return std::optional(raised.text(0));
+  Query turns(db_, "SELECT owner FROM submitter WHERE queued>0 ORDER BY running, served, owner");
+  for (;;) {
+    VACUFORM_TRY(more, turns.row());
+    if (!more) return std::optional<std::string>();
+    Query own(db_,
+              "SELECT id FROM job WHERE state='queued' AND owner=? AND (not_before IS NULL OR not_before<=?)"
+              " ORDER BY priority DESC, id LIMIT 1",
+              turns.text(0), now);
+    VACUFORM_TRY(found, own.row());
+    if (found) return std::optional(own.text(0));  // else all of them rest
+  }
 }
 
 Result<Job> SqliteStore::leased(const LeaseKey& key) {
@@ -94,7 +126,7 @@ Result<Job> SqliteStore::release(const LeaseKey& key) {
     if (job.state == JobState::cancelling) {
       VACUFORM_CHECK(end(job, JobState::cancelled, {}));
     } else {
-      VACUFORM_CHECK(queue_again(job, 0, "given back by its worker"));
+      VACUFORM_CHECK(queue_again(job, {}, "given back by its worker"));
     }
     return find(job.id);
   });
@@ -122,17 +154,23 @@ Result<Job> SqliteStore::holder(const LeaseKey& key, bool even_ended) {
               "stop working on this job and ask for another");
 }
 
+Result<SqliteStore::Faults> SqliteStore::faults_of(const std::string& job) {
+  Query query(db_, "SELECT losses, crashes FROM job WHERE id=?", job);
+  VACUFORM_CHECK(query.row());
+  return Faults{static_cast<int>(query.integer(0)), static_cast<int>(query.integer(1))};
+}
+
 Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error,
-                                bool retry) {
+                                Retry retry) {
   return write([&]() -> Result<Job> {
     VACUFORM_TRY(job, holder(key, true));
     if (ended(job.state)) return job;
     if (job.state == JobState::cancelling) wanted = JobState::cancelled;
-    if (wanted == JobState::failed && retry) {
-      Query losses(db_, "SELECT losses FROM job WHERE id=?", job.id);
-      VACUFORM_TRY(found, losses.row());
-      if (found && losses.integer(0) + 1 < options_.losses) {
-        VACUFORM_CHECK(queue_again(job, 1, failed_with(error)));
+    if (wanted == JobState::failed && retry != Retry::never) {
+      VACUFORM_TRY(faults, faults_of(job.id));
+      ++(retry == Retry::after_crash ? faults.crashes : faults.losses);
+      if (faults.losses < options_.losses && faults.crashes < options_.crashes) {
+        VACUFORM_CHECK(queue_again(job, faults, failed_with(error)));
         return find(job.id);
       }
     }
@@ -163,45 +201,51 @@ Result<void> SqliteStore::drop_artifacts(const Job& job) {
   return Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run();
 }
 
-// Back to the queue; what the attempt left behind is dropped.
-Result<void> SqliteStore::queue_again(const Job& job, int losses, const std::string& why) {
+// Back to the queue, to rest after a fault; what the attempt left behind is dropped.
+Result<void> SqliteStore::queue_again(const Job& job, const Faults& faults, const std::string& why) {
   VACUFORM_CHECK(drop_artifacts(job));
+  const int count = faults.losses + faults.crashes;
+  std::optional<Millis> not_before;
+  if (count > 0) not_before = options_.clock() + rest_after(count, options_.backoff);
   VACUFORM_CHECK(Query(db_,
                        "UPDATE job SET state='queued', stage=NULL, progress=0, started=NULL, worker=NULL,"
-                       " lease_hash=NULL, lease_ends=NULL, losses=losses+? WHERE id=?",
-                       losses, job.id)
+                       " lease_hash=NULL, lease_ends=NULL, losses=max(losses, ?), crashes=max(crashes, ?),"
+                       " not_before=? WHERE id=?",
+                       faults.losses, faults.crashes, not_before, job.id)
                      .run());
   return note(job.id, why + ", queued again");
 }
 
 Result<std::vector<Expired>> SqliteStore::expire_now() {
-  std::vector<std::pair<std::string, std::int64_t>> over;  // id, losses before this one
+  std::vector<std::string> over;
   {
     Query query(db_,
-                "SELECT id, losses FROM job WHERE state IN ('running','cancelling') AND lease_ends <= ?"
+                "SELECT id FROM job WHERE state IN ('running','cancelling') AND lease_ends <= ?"
                 " ORDER BY id",
                 options_.clock());
     for (;;) {
       VACUFORM_TRY(more, query.row());
       if (!more) break;
-      over.emplace_back(query.text(0), query.integer(1));
+      over.push_back(query.text(0));
     }
   }
   std::vector<Expired> expired;
-  for (const auto& [id, losses] : over) {
+  for (const auto& id : over) {
     VACUFORM_TRY(job, find(id));
+    VACUFORM_TRY(faults, faults_of(id));
+    ++faults.losses;
     JobState state = JobState::queued;
     if (job.state == JobState::cancelling) {
       state = JobState::cancelled;
       VACUFORM_CHECK(end(job, state, {}));
-    } else if (losses + 1 >= options_.losses) {
+    } else if (faults.losses >= options_.losses) {
       state = JobState::failed;
-      VACUFORM_CHECK(
-          end(job, state,
-              Error{Code::internal, std::to_string(losses + 1) + " workers were lost while they ran this job",
-                    id, "look at the workers' logs; a coarser sheet.resolution_mm needs less memory"}));
+      VACUFORM_CHECK(end(
+          job, state,
+          Error{Code::internal, std::to_string(faults.losses) + " workers were lost while they ran this job",
+                id, "look at the workers' logs; a coarser sheet.resolution_mm needs less memory"}));
     } else {
-      VACUFORM_CHECK(queue_again(job, 1, "its worker was lost"));
+      VACUFORM_CHECK(queue_again(job, faults, "its worker was lost"));
     }
     // The lost worker must not hear that its lease was good.
     VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_hash=NULL WHERE id=?", id).run());

@@ -27,9 +27,14 @@ Result<void> SqliteStore::open(const std::filesystem::path& data) {
 }
 
 void SqliteStore::committed() {
-  for (const auto& sha256 : garbage_)
-    if (const auto used = named(sha256); used && !*used) blobs_.remove(sha256);
-  garbage_.clear();
+  if (backups_ == 0) {
+    for (const auto& sha256 : garbage_)
+      if (const auto used = named(sha256); used && !*used) {
+        blobs_.remove(sha256);
+        if (options_.blob_gone) options_.blob_gone(sha256);
+      }
+    garbage_.clear();
+  }
   news_.tell(changed_);
   changed_.clear();
 }

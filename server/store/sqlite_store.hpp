@@ -3,7 +3,7 @@
 // server out with a plain message, exclusive locking keeps everything else out.
 //
 // sqlite_store.cpp opens it and keeps the blobs, sqlite_jobs.cpp is what users do with jobs, sqlite_leases.cpp what workers
-// do with them, sqlite_tokens.cpp has the tokens.
+// do with them, sqlite_tokens.cpp has the tokens, sqlite_backup.cpp copies all.
 #pragma once
 
 #include <exception>
@@ -32,6 +32,11 @@ class SqliteStore : public Store {
   Result<Upload> upload() override { return blobs_.upload(); }
   std::filesystem::path temporary_path() override { return blobs_.temporary_path(); }
   Result<File> open(const Blob& blob) override { return blobs_.read(blob.sha256); }
+  Result<bool> holds(const std::string& sha256) override {
+    const std::lock_guard hold(commits_.lock());
+    return named(sha256);
+  }
+  Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
 
   Result<Job> create(NewJob job) override;
   Result<Job> job(const std::string& id) override;
@@ -54,11 +59,11 @@ class SqliteStore : public Store {
   Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) override;
   Result<void> log(const LeaseKey& key, int first, const std::vector<std::string>& lines) override;
   Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) override;
-  Result<Job> complete(const LeaseKey& key) override { return finish(key, JobState::succeeded, {}, false); }
-  Result<Job> fail_job(const LeaseKey& key, const Error& error, bool retry) override {
+  Result<Job> complete(const LeaseKey& key) override { return finish(key, JobState::succeeded); }
+  Result<Job> fail_job(const LeaseKey& key, const Error& error, Retry retry) override {
     return finish(key, JobState::failed, error, retry);
   }
-  Result<Job> cancelled(const LeaseKey& key) override { return finish(key, JobState::cancelled, {}, false); }
+  Result<Job> cancelled(const LeaseKey& key) override { return finish(key, JobState::cancelled); }
   Result<Job> release(const LeaseKey& key) override;
   Result<std::vector<Expired>> expire() override {
     return write([&] { return expire_now(); });
@@ -93,10 +98,17 @@ class SqliteStore : public Store {
   Result<void> keep(NewInput& input, const Blob& blob);
   Result<std::optional<Job>> made_before(const NewJob& job, const std::vector<Blob>& blobs);
   Result<Job> holder(const LeaseKey& key, bool even_ended);
-  Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error, bool retry);
+  Result<void> check_room(const std::string& owner);
+  Result<std::optional<std::string>> next_queued();  // the id of the job whose turn it is
+  Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error = {},
+                     Retry retry = Retry::never);
   Result<void> end(const Job& job, JobState state, const std::optional<Error>& error);
   Result<void> drop_artifacts(const Job& job);
-  Result<void> queue_again(const Job& job, int losses, const std::string& why);
+  struct Faults {
+    int losses = 0, crashes = 0;
+  };
+  Result<Faults> faults_of(const std::string& job);
+  Result<void> queue_again(const Job& job, const Faults& faults, const std::string& why);
   Result<std::vector<Expired>> expire_now();
   // A line of the job's log, which is news of it.
   Result<void> note(const std::string& job, std::string_view text);
@@ -111,6 +123,7 @@ class SqliteStore : public Store {
   GroupCommit commits_{db_, [this] { committed(); }};
   Millis last_id_time_ = 0;
   std::vector<std::string> garbage_, changed_;
+  int backups_ = 0;  // under way; blobs stay until they are done
 };
 
 }  // namespace vacuform

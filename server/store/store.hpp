@@ -7,13 +7,23 @@
 //    that of the current lease the write changes nothing and gives lease_lost. Ending a job twice under one token is
 //    harmless and gives the same answer, so that a worker may repeat a request whose answer it never saw.
 //  - A lease that is not renewed within `lease` ends. The job is queued again; when `losses` workers were lost with it,
-//    it fails with that reason.
+//    it fails with that reason. The same holds for faults that a worker calls its own. A job whose pipeline broke down
+//    `crashes` times fails, and a job that was refused for its input is never tried again.
+//  - After a fault the job rests: `backoff` the first time, twice as long each further time, at most ten minutes, half as
+//    long to half as long again by chance, so that jobs which failed together do not come back together.
+//  - The queue is fair. A job that was raised above priority 0 goes first, the highest of them, then the oldest. The others
+//    go by turns of their owners: the owner with the fewest running jobs, and of several the one that was served the
+//    longest ago; of an owner's jobs that of the highest priority, then the oldest.
+//  - The queue is bounded: no more than `most_queued` jobs wait, and of one owner no more than `most_queued_by_owner`.
+//  - What open() gives has been read whole and checked against its hash since it was last written or the server started.
 //  - Files that no job names are deleted: with the job, or at the next start when a crash came between.
 // Every function may be called from any thread.
 #pragma once
 
 #include <array>
 #include <chrono>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +31,7 @@
 
 #include "api/clock.hpp"
 #include "api/error.hpp"
+#include "api/retry.hpp"
 #include "server/scopes.hpp"
 #include "server/store/job.hpp"
 
@@ -53,6 +64,12 @@ struct LeasedJob {
   std::string token;  // 64 hexadecimal digits; the store keeps only its hash
 };
 
+struct BackupReport {
+  std::int64_t jobs = 0, blobs = 0;
+  std::vector<std::string>
+      damaged;  // hashes of blobs that were left out, since their bytes are no longer theirs
+};
+
 // A job whose lease ran out, for the log.
 struct Expired {
   std::string job;
@@ -68,7 +85,7 @@ class Store {
   // A new name for a file of the caller's own; what is left there is deleted at the next start.
   virtual std::filesystem::path temporary_path() = 0;
   // A job that was made under the same client key is given in place of a second one; conflict when that key
-  // came with other files or settings. gone: nothing names a blob any more that the job was to share.
+  // came with other files or settings. busy: the queue is full. gone: nothing names a blob any more that the job was to share.
   virtual Result<Job> create(NewJob job) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
   // `limit` jobs (1 to 100) older than the job that the cursor names, of one owner or of all; an empty cursor begins
@@ -88,8 +105,12 @@ class Store {
   // when it is deleted meanwhile; busy: most_waiters wait already.
   virtual Result<Job> wait_for_change(const std::string& id, std::int64_t version,
                                       std::chrono::milliseconds time) = 0;
-  // Opens a blob that a job names; it stays readable when the job is deleted meanwhile.
+  // Opens a blob that a job names; it stays readable when the job is deleted meanwhile. Errors: not_found; gone: its bytes
+  // are no longer those that were kept, which is logged.
   virtual Result<File> open(const Blob& blob) = 0;
+
+  // Whether anything names the blob.
+  virtual Result<bool> holds(const std::string& sha256) = 0;
 
   // Conflict when there is one of that id.
   virtual Result<void> add_token(const Token& token) = 0;
@@ -99,7 +120,7 @@ class Store {
   // For good; revoking twice is harmless. Errors: not_found.
   virtual Result<void> revoke_token(const std::string& id) = 0;
 
-  // The oldest queued job, or none.
+  // The job whose turn it is, or none.
   virtual Result<std::optional<LeasedJob>> lease(const std::string& worker) = 0;
   // The job under a current lease.
   virtual Result<Job> leased(const LeaseKey& key) = 0;
@@ -111,16 +132,22 @@ class Store {
   virtual Result<void> log(const LeaseKey& key, int first, const std::vector<std::string>& lines) = 0;
   // A second file under the same name replaces the first.
   virtual Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) = 0;
-  // Ends the attempt: done (cancelled when a cancel came first), failed (queued again when `retry` and not
-  // lost too often), cancelled, or given back unharmed. Gives the job as it then is.
+  // Ends the attempt: done (cancelled when a cancel came first), failed (queued again as `retry` says and not too
+  // often), cancelled, or given back unharmed. Gives the job as it then is.
   virtual Result<Job> complete(const LeaseKey& key) = 0;
-  virtual Result<Job> fail_job(const LeaseKey& key, const Error& error, bool retry) = 0;
+  virtual Result<Job> fail_job(const LeaseKey& key, const Error& error, Retry retry) = 0;
   virtual Result<Job> cancelled(const LeaseKey& key) = 0;
   virtual Result<Job> release(const LeaseKey& key) = 0;
   // Ends the leases whose time is over. Every call of a worker does the same first.
   virtual Result<std::vector<Expired>> expire() = 0;
   // Ends at once the leases of a worker that is known to be dead, by the name under which it took them.
   virtual Result<std::vector<Expired>> bury(const std::string& worker) = 0;
+
+  // Copies everything into an empty folder while the store is in use: rows as they were at one moment, blobs as hard links
+  // where the disk is the same, each checked against its hash. open_store() opens the copy. `going` may give it up.
+  // Errors: bad_usage (no empty folder of this user's own), unavailable (disk full), cancelled.
+  virtual Result<BackupReport> backup(const std::filesystem::path& to,
+                                      const std::function<bool()>& going) = 0;
 };
 
 inline constexpr int most_log_lines = 500, longest_log_line = 200;
@@ -128,7 +155,12 @@ inline constexpr int most_log_lines = 500, longest_log_line = 200;
 struct StoreOptions {
   Clock clock = wall_clock;
   Millis lease = 30'000;
-  int losses = 3;                  // workers that one job may take down
+  int losses = 4;          // workers that one job may take down
+  int crashes = 2;         // of the pipeline on one job
+  Millis backoff = 2'000;  // the first rest of a job after a fault
+  std::int64_t most_queued = 10'000, most_queued_by_owner = 1'000;
+  // Called, by any thread, when nothing names a blob any more and it is deleted.
+  std::function<void(const std::string& sha256)> blob_gone = {};
   std::size_t most_waiters = 256;  // threads in wait_for_change()
 };
 

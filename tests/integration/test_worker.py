@@ -181,7 +181,7 @@ class Worker(Case):
     def test_crash_is_worth_another_try(self):
         worker = self.start("echo oh dear >&2; kill -SEGV $$")
         said = json.loads(self.the_call("/fail")[2])
-        self.assertEqual((said["code"], said["retry"]), ("internal", True))
+        self.assertEqual((said["code"], said["retry"], said["crashed"]), ("internal", True, True))
         self.assert_nothing_left()
         fault = wait_for(lambda: [e for e in map(json.loads, worker.says().splitlines()) if e["event"] == "child-fault"],
                          "the fault in the log")[0]
@@ -191,7 +191,7 @@ class Worker(Case):
         self.start("""echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","mend":"turn it"}}'
                       exit 2""")
         self.assertEqual(json.loads(self.the_call("/fail")[2]), {"code": "does-not-fit", "what": "too wide",
-                         "where": "scan.stl", "mend": "turn it", "retry": False})
+                         "where": "scan.stl", "mend": "turn it", "retry": False, "crashed": False})
 
     def test_refusal_without_a_reason_is_a_fault(self):
         self.start("echo '{\"problem\":{\"code\":\"made-up\",\"what\":\"x\"}}'; exit 2")

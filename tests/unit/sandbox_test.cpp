@@ -31,12 +31,13 @@ class InSandbox : public testing::Test {
   void TearDown() override { fs::remove_all(folder); }
 
   // The probe's exit status, or minus the signal that ended it.
-  int attempt(const Sandbox& sandbox, const std::string& what, const std::string& argument = "") {
+  int attempt(const Sandbox& sandbox, const std::string& what, const std::string& argument = "",
+              const fs::path& kept = {}) {
     ChildLimits limits;
     limits.address_space = 0;
     const auto end = run_child(
         {VACUFORM_SANDBOX_PROBE, what, argument}, home, limits, sandbox, [](const ChildProgress&) {},
-        [] { return false; });
+        [] { return false; }, kept);
     EXPECT_TRUE(end);
     return end->how == ChildEnd::How::signalled ? -end->number : end->number;
   }
@@ -110,6 +111,22 @@ TEST_F(InSandbox, LandlockShowsItsOwnFolderAlone) {
     EXPECT_EQ(attempt(files, "truncate", folder / "secret"), EACCES);
   }
   EXPECT_EQ(fs::file_size(folder / "secret"), 7u);
+}
+
+TEST_F(InSandbox, LandlockShowsWhatWasKeptOfItsOwnScanAlone) {
+  if (all.landlock == 0) GTEST_SKIP() << "this kernel has no Landlock";
+  const fs::path own = folder / "kept" / "own", other = folder / "kept" / "other";
+  for (const fs::path& scan : {own, other}) {
+    fs::create_directories(scan);
+    std::ofstream(scan / "a.mold") << "a head";
+  }
+  const Sandbox files = only_landlock();
+  EXPECT_EQ(attempt(files, "read", own / "a.mold", own), 0);
+  EXPECT_EQ(attempt(files, "write", own / "b.mold", own), 0);
+  EXPECT_EQ(attempt(files, "read", other / "a.mold", own), EACCES);
+  EXPECT_EQ(attempt(files, "read", folder / "kept", own), EACCES);  // not even their names
+  EXPECT_EQ(attempt(files, "write", other / "b.mold", own), EACCES);
+  EXPECT_EQ(attempt(files, "read", own / "a.mold"), EACCES);
 }
 
 TEST_F(InSandbox, NamespacesHaveNoNetwork) {

@@ -68,6 +68,7 @@ std::optional<Scope> needed(const http::Route& route) {
   if (open.contains(route.method + " " + route.pattern)) return std::nullopt;
   if (route.pattern.starts_with("/api/v1/leases")) return Scope::work;
   if (route.pattern.starts_with("/api/v1/tokens")) return Scope::admin;
+  if (route.pattern == "/api/v1/backup") return Scope::admin;
   return route.method == "GET" ? Scope::read : Scope::submit;
 }
 

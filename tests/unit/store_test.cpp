@@ -37,7 +37,11 @@ class StoreTest : public testing::Test {
     store_ = std::move(*store);
   }
   StoreOptions options() {
-    return {[this] { return now_; }, 30'000, 3};
+    StoreOptions options;
+    options.clock = [this] { return now_; };
+    options.losses = 3;
+    options.backoff = 0;  // faults rest only where a test says so
+    return options;
   }
   // What the next start finds after the power went: the files as they are at this moment.
   void crash() {
@@ -259,7 +263,8 @@ TEST_F(StoreTest, EveryWriteNeedsTheTokenOfTheCurrentLease) {
     EXPECT_EQ(store_->heartbeat(key, Stage::forming, 1).error().code, Code::lease_lost);
     EXPECT_EQ(store_->put_artifact(key, "print.png", upload("x")).error().code, Code::lease_lost);
     EXPECT_EQ(store_->complete(key).error().code, Code::lease_lost);
-    EXPECT_EQ(store_->fail_job(key, {Code::internal, "x", "", ""}, false).error().code, Code::lease_lost);
+    EXPECT_EQ(store_->fail_job(key, {Code::internal, "x", "", ""}, Retry::never).error().code,
+              Code::lease_lost);
     EXPECT_EQ(store_->cancelled(key).error().code, Code::lease_lost);
     EXPECT_EQ(store_->release(key).error().code, Code::lease_lost);
   }
@@ -356,7 +361,8 @@ TEST_F(StoreTest, EndingTwiceUnderOneTokenIsHarmless) {
   const Job again = store_->complete(key).value();
   EXPECT_EQ(again.state, JobState::succeeded);
   EXPECT_EQ(again.ended, done.ended);
-  EXPECT_EQ(store_->fail_job(key, {Code::internal, "no", "", ""}, true).value().state, JobState::succeeded);
+  EXPECT_EQ(store_->fail_job(key, {Code::internal, "no", "", ""}, Retry::after_fault).value().state,
+            JobState::succeeded);
   EXPECT_EQ(store_->heartbeat(key, {}, 0).error().code, Code::lease_lost);
   EXPECT_EQ(store_->put_artifact(key, "print.png", upload("late")).error().code, Code::lease_lost);
 }
@@ -364,20 +370,188 @@ TEST_F(StoreTest, EndingTwiceUnderOneTokenIsHarmless) {
 TEST_F(StoreTest, AFailureKeepsItsReason) {
   const std::string id = create().id;
   ASSERT_TRUE(
-      store_->fail_job(lease(), {Code::ambiguous_units, "cm or in", "scan", "set scan.units"}, false));
+      store_->fail_job(lease(), {Code::ambiguous_units, "cm or in", "scan", "set scan.units"}, Retry::never));
   reopen();
   EXPECT_EQ(job(id).state, JobState::failed);
   EXPECT_EQ(job(id).error->code, Code::ambiguous_units);
   EXPECT_EQ(job(id).error->text(), "cm or in (scan); set scan.units");
 }
 
-TEST_F(StoreTest, AFailureThatMayBeRetriedIsRetriedTwice) {
+TEST_F(StoreTest, AFaultOfTheWorkersIsTriedAgainSoOften) {
   const std::string id = create().id;
-  const Error error{Code::internal, "out of memory", "", ""};
-  EXPECT_EQ(store_->fail_job(lease(), error, true).value().state, JobState::queued);
-  EXPECT_EQ(store_->fail_job(lease(), error, true).value().state, JobState::queued);
-  EXPECT_EQ(store_->fail_job(lease(), error, true).value().state, JobState::failed);
-  EXPECT_EQ(job(id).error->what, "out of memory");
+  const Error error{Code::internal, "no room", "", ""};
+  EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_fault).value().state, JobState::queued);
+  EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_fault).value().state, JobState::queued);
+  EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_fault).value().state, JobState::failed);
+  EXPECT_EQ(job(id).error->what, "no room");
+}
+
+TEST_F(StoreTest, ASecondCrashEndsAJobWithItsLog) {
+  const std::string id = create().id;
+  const Error error{Code::internal, "broke down", "", ""};
+  EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_fault).value().state, JobState::queued);
+  EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_crash).value().state, JobState::queued);
+  EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_crash).value().state, JobState::failed);
+  EXPECT_EQ(store_->log_after(id, 0, 100)->back().text, "failed: internal");
+  EXPECT_EQ(store_->log_after(id, 0, 100)->size(), 7u);
+}
+
+TEST_F(StoreTest, AJobRestsLongerWithEveryFault) {
+  StoreOptions resting = options();
+  resting.backoff = 1000;
+  resting.losses = 20;
+  store_.reset();
+  store_ = std::move(*open_store(data(), resting));
+  const std::string id = create().id;
+  for (const Millis rest : {1000, 2000, 4000, 8000}) {
+    ASSERT_TRUE(store_->fail_job(lease(), {Code::internal, "", "", ""}, Retry::after_fault));
+    const Millis until = job(id).not_before.value();
+    EXPECT_GE(until, now_ + rest / 2);
+    EXPECT_LE(until, now_ + rest + rest / 2);
+    now_ = until - 1;
+    EXPECT_FALSE(store_->lease("early").value().has_value());
+    ++now_;
+  }
+  const LeaseKey key = lease();
+  EXPECT_FALSE(job(id).not_before);
+  ASSERT_TRUE(store_->release(key));
+  EXPECT_FALSE(job(id).not_before);  // given back unharmed
+  lease();
+  now_ += 30'001;
+  ASSERT_EQ(store_->expire()->size(), 1u);
+  EXPECT_GE(job(id).not_before.value(), now_ + 8000);  // the fifth
+}
+
+TEST_F(StoreTest, OwnersTakeTurns) {
+  const auto submit = [&](const std::string& owner, int priority = 0) {
+    NewJob job = submission();
+    job.owner = owner;
+    job.priority = priority;
+    return store_->create(std::move(job))->id;
+  };
+  const auto next = [&] { return lease().job; };
+  // One submits many at once, the others do not wait for all of them.
+  const std::string a1 = submit("a"), a2 = submit("a"), a3 = submit("a"), a4 = submit("a");
+  const std::string b1 = submit("b"), b2 = submit("b", -1), b3 = submit("b"), c1 = submit("c");
+  EXPECT_EQ(next(), a1);
+  EXPECT_EQ(next(), b1);  // a runs one
+  EXPECT_EQ(next(), c1);
+  EXPECT_EQ(next(), a2);  // each runs one: a was served the longest ago
+  EXPECT_EQ(next(), b3);  // which its owner put before b2
+  const std::string c2 = submit("c");
+  EXPECT_EQ(next(), c2);  // c runs one, a and b two
+  const std::string a5 = submit("a", 3), b4 = submit("b", 5);
+  EXPECT_EQ(next(), b4);  // raised, whoever's turn it is
+  EXPECT_EQ(next(), a5);
+  EXPECT_EQ(next(), b2);  // a and b run three each, and b was served before a
+  EXPECT_EQ(next(), a3);
+  EXPECT_EQ(next(), a4);
+  EXPECT_FALSE(store_->lease("idle").value().has_value());
+}
+
+TEST_F(StoreTest, TheQueueIsBounded) {
+  StoreOptions small = options();
+  small.most_queued = 5;
+  small.most_queued_by_owner = 3;
+  store_.reset();
+  store_ = std::move(*open_store(data(), small));
+  const auto submit = [&](const std::string& owner, const std::string& key = "") {
+    NewJob job = submission("a scan", "a pattern", key);
+    job.owner = owner;
+    return store_->create(std::move(job));
+  };
+  const std::string first = submit("a", "key-0001")->id;
+  ASSERT_TRUE(submit("a") && submit("a"));
+  EXPECT_EQ(submit("a").error().code, Code::busy);
+  EXPECT_EQ(submit("a", "key-0001")->id, first);  // which it has taken already
+  ASSERT_TRUE(submit("b") && submit("b"));
+  EXPECT_EQ(submit("b").error().what, "the queue is full: 5 jobs wait");
+  ASSERT_TRUE(store_->cancel(first));
+  reopen();
+  EXPECT_TRUE(submit("b"));
+  lease();
+  EXPECT_TRUE(submit("c"));  // what runs does not wait
+}
+
+TEST_F(StoreTest, ADamagedFileIsNotGiven) {
+  const Job made = create("a scan", "a pattern");
+  reopen();
+  const std::string hash = made.input("scan")->blob.sha256;
+  std::ofstream(data() / "blobs" / hash.substr(0, 2) / hash) << "a scar";
+  EXPECT_EQ(store_->open(made.input("scan")->blob).error().code, Code::gone);
+  EXPECT_EQ(bytes_of(made.input("pattern")->blob), "a pattern");
+}
+
+TEST_F(StoreTest, TellsWhenABlobIsGone) {
+  std::vector<std::string> gone;
+  StoreOptions telling = options();
+  telling.blob_gone = [&](const std::string& sha256) { gone.push_back(sha256); };
+  store_.reset();
+  store_ = std::move(*open_store(data(), telling));
+  const Job first = create("a scan", "one"), second = create("a scan", "two");
+  ASSERT_TRUE(store_->cancel(first.id) && store_->remove(first.id));
+  EXPECT_EQ(gone, std::vector{text_hash("one")});
+  ASSERT_TRUE(store_->cancel(second.id) && store_->remove(second.id));
+  EXPECT_EQ(std::set<std::string>(gone.begin(), gone.end()),
+            (std::set{text_hash("one"), text_hash("a scan"), text_hash("two")}));
+}
+
+TEST_F(StoreTest, ABackupOpensAsTheStoreWas) {
+  const Job made = create("a scan", "a pattern"), ended = create("a scan", "another");
+  const LeaseKey key = lease();
+  ASSERT_TRUE(store_->put_artifact(key, "print.png", upload("ink")));
+  ASSERT_TRUE(store_->complete(key));
+  const fs::path to = folder_ / "backup";
+  const auto go_on = [] { return true; };
+  EXPECT_EQ(store_->backup(to, go_on).error().code, Code::bad_usage);  // no such folder
+  fs::create_directory(to);
+  EXPECT_EQ(store_->backup(to, go_on).error().code, Code::bad_usage);  // others may look into it
+  fs::permissions(to, fs::perms::owner_all);
+  const auto report = store_->backup(to, [&] {  // in use meanwhile
+    EXPECT_TRUE(store_->cancel(ended.id));
+    return true;
+  });
+  ASSERT_TRUE(report) << report.error().text();
+  EXPECT_EQ(report->jobs, 2);
+  EXPECT_EQ(report->blobs, 4);
+  EXPECT_TRUE(report->damaged.empty());
+  EXPECT_EQ(store_->backup(to, go_on).error().code, Code::bad_usage);  // not empty any more
+  ASSERT_TRUE(store_->remove(made.id));
+  store_.reset();
+  fs::remove_all(data());
+  fs::rename(to, data());
+  reopen();
+  EXPECT_EQ(job(made.id).state, JobState::succeeded);
+  EXPECT_EQ(bytes_of(job(made.id).artifacts.at(0).blob), "ink");
+  EXPECT_EQ(bytes_of(job(ended.id).input("pattern")->blob), "another");
+}
+
+TEST_F(StoreTest, ABackupKeepsWhatIsDeletedMeanwhileAndLeavesOutWhatIsDamaged) {
+  const Job made = create("a scan", "a pattern");
+  ASSERT_TRUE(store_->cancel(made.id));
+  const std::string damaged = create("damaged", "whole").input("scan")->blob.sha256;
+  reopen();
+  std::ofstream(data() / "blobs" / damaged.substr(0, 2) / damaged) << "other";
+  const fs::path to = folder_ / "backup";
+  fs::create_directory(to);
+  fs::permissions(to, fs::perms::owner_all);
+  int asked = 0;
+  const auto report = store_->backup(to, [&] {
+    if (++asked == 2) {  // the rows are copied, the blobs not yet
+      EXPECT_TRUE(store_->remove(made.id));
+    }
+    return true;
+  });
+  ASSERT_TRUE(report) << report.error().text();
+  EXPECT_EQ(report->jobs, 2);
+  EXPECT_EQ(report->blobs, 3);
+  EXPECT_EQ(report->damaged, std::vector{damaged});
+  EXPECT_EQ(blobs().size(), 2u);  // of the store itself
+  store_.reset();
+  fs::remove_all(data());
+  fs::rename(to, data());
+  reopen();
+  EXPECT_EQ(bytes_of(job(made.id).input("scan")->blob), "a scan");
 }
 
 TEST_F(StoreTest, CancellingAQueuedJobIsDoneAtOnce) {
@@ -454,8 +628,9 @@ TEST_F(StoreTest, OnlySuccessKeepsArtifacts) {
     return key;
   };
   const LeaseKey failed = half_done("of the failed");
-  EXPECT_EQ(store_->fail_job(failed, {Code::internal, "a fault", "", ""}, false).value().artifacts.size(),
-            0u);
+  EXPECT_EQ(
+      store_->fail_job(failed, {Code::internal, "a fault", "", ""}, Retry::never).value().artifacts.size(),
+      0u);
   const LeaseKey cancelled = half_done("of the cancelled");
   ASSERT_TRUE(store_->cancel(cancelled.job));
   EXPECT_EQ(store_->cancelled(cancelled).value().artifacts.size(), 0u);

@@ -45,7 +45,13 @@ Result<void> run(const RunOptions& o, const Context& context) try {
     inputs.temperature = MeasuredFile{temperature, o.temperature};
   }
   inputs.sensitivity = o.sensitivity;
-  if (!o.keep.empty()) inputs.kept = KeptStages(o.keep);
+  if (!o.keep.empty())
+    inputs.kept = KeptStages(o.keep, [&](Stage stage) {
+      if (o.progress != "json") return;
+      std::printf("%s\n",
+                  nlohmann::json{{"stage", name(stage)}, {"progress", 1}, {"kept", true}}.dump().c_str());
+      std::fflush(stdout);
+    });
   return run_pipeline(inputs, o.out, context);
 } catch (const std::bad_alloc&) {
   return tl::make_unexpected(out_of_memory());

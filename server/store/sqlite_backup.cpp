@@ -1,0 +1,92 @@
+// The copy of a store in use. Rows first, through SQLite's backup API, so that the copy is of one moment; then every blob
+// that these rows name. Blobs never change, and none is deleted meanwhile.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "server/store/sqlite_store.hpp"
+
+namespace vacuform {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Whoever asks must have made the folder as the user of the server: nobody else's files are in reach.
+Result<void> check_target(const fs::path& to) {
+  struct stat status {};
+  std::error_code error;
+  if (to.is_absolute() && ::lstat(to.c_str(), &status) == 0 && S_ISDIR(status.st_mode) &&
+      status.st_uid == ::geteuid() && (status.st_mode & 077) == 0 && fs::is_empty(to, error) && !error)
+    return {};
+  return fail(Code::bad_usage, "not an empty private folder of the server's user", to.string(),
+              "give the absolute path of a folder that is empty, with mode 0700");
+}
+
+Result<std::vector<std::string>> hashes_in(Database& db) {
+  std::vector<std::string> hashes;
+  Query query(db, "SELECT blob FROM input UNION SELECT blob FROM artifact");
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return hashes;
+    hashes.push_back(query.text(0));
+  }
+}
+
+Result<std::int64_t> jobs_in(Database& db) {
+  Query check(db, "PRAGMA quick_check(1)");
+  VACUFORM_CHECK(check.row());
+  if (check.text(0) != "ok")
+    return fail(Code::internal, "the copy of the job store is damaged: " + check.text(0), "jobs.sqlite",
+                "the store itself may be: restore it from an older backup");
+  Query count(db, "SELECT count(*) FROM job");
+  VACUFORM_CHECK(count.row());
+  return count.integer(0);
+}
+
+}  // namespace
+
+Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function<bool()>& going) {
+  VACUFORM_CHECK(check_target(to));
+  // Holds every blob that a row names while this lives.
+  struct Hold {
+    explicit Hold(SqliteStore& s) : store(s) {
+      const std::lock_guard lock(store.commits_.lock());
+      ++store.backups_;
+    }
+    ~Hold() {
+      const std::lock_guard lock(store.commits_.lock());
+      if (--store.backups_ == 0) store.committed();
+    }
+    SqliteStore& store;
+  } const hold(*this);
+
+  const std::string file = (to / "jobs.sqlite").string();
+  {
+    std::unique_lock lock(commits_.lock());
+    VACUFORM_CHECK(db_.copy_to(file, [&] {
+      lock.unlock();
+      const bool go_on = going();
+      lock.lock();
+      return go_on;
+    }));
+  }
+  BackupReport report;
+  Database copy;
+  VACUFORM_CHECK(copy.open(file));
+  VACUFORM_TRY(jobs, jobs_in(copy));
+  report.jobs = jobs;
+  VACUFORM_TRY(hashes, hashes_in(copy));
+  for (const std::string& sha256 : hashes) {
+    if (!going()) return fail(Code::cancelled, "the backup was given up", to.string());
+    const auto copied = blobs_.copy(sha256, to / "blobs");
+    if (!copied && copied.error().code == Code::unavailable) return tl::make_unexpected(copied.error());
+    if (copied)
+      ++report.blobs;
+    else
+      report.damaged.push_back(sha256);
+  }
+  VACUFORM_CHECK(sync_directory(to));
+  return report;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,56 @@
+#include "worker/job_log.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace vacuform {
+
+namespace {
+
+constexpr std::size_t most_lines = 200, most_codes = 50, longest_code = 40;
+constexpr std::uintmax_t largest_report = 4 << 20;
+
+bool is_code(const std::string& text) {
+  return !text.empty() && text.size() <= longest_code &&
+         text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
+}
+
+}  // namespace
+
+void JobLog::say(std::string line) {
+  const std::lock_guard hold(mutex_);
+  if (lines_.size() < most_lines) lines_.push_back(std::move(line));
+}
+
+Result<void> JobLog::send(WorkerClient& client, const Lease& lease, const Going& going) {
+  const std::lock_guard one_at_a_time(sending_);
+  std::vector<std::string> lines;
+  {
+    const std::lock_guard hold(mutex_);
+    lines.assign(lines_.begin() + static_cast<std::ptrdiff_t>(sent_), lines_.end());
+  }
+  if (lines.empty()) return {};
+  VACUFORM_CHECK(client.log(lease, sent_, lines, going));
+  const std::lock_guard hold(mutex_);
+  sent_ += lines.size();
+  return {};
+}
+
+std::vector<std::string> warning_codes(const std::filesystem::path& report) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(report, error)) ||
+      std::filesystem::file_size(report, error) > largest_report)
+    return {};
+  std::ifstream in(report, std::ios::binary);
+  const auto object = nlohmann::json::parse(in, nullptr, false);
+  std::vector<std::string> codes;
+  if (!object.is_object() || !object.contains("warnings") || !object["warnings"].is_array()) return codes;
+  for (const auto& warning : object["warnings"]) {
+    if (!warning.is_object() || !warning.contains("code") || !warning["code"].is_string()) continue;
+    if (const auto code = warning["code"].get<std::string>(); is_code(code) && codes.size() < most_codes)
+      codes.push_back(code);
+  }
+  return codes;
+}
+
+}  // namespace vacuform

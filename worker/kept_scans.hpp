@@ -1,0 +1,36 @@
+// What jobs kept of their stages (kept_stages.hpp), in a folder of a worker with one subfolder a scan, named by its
+// SHA-256. A job's child is given its own scan's subfolder alone: a scan that takes over a parser finds there what was made
+// of the same scan, and no other patient. What it leaves there can mislead jobs of that very scan and no others.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "api/error.hpp"
+
+namespace vacuform {
+
+// Several workers may share one folder.
+class KeptScans {
+ public:
+  // The folder is made when absent, for this user alone. Errors: unreadable.
+  static Result<KeptScans> open(std::filesystem::path folder, std::uint64_t most_bytes,
+                                std::chrono::hours longest);
+
+  // The subfolder of a scan, made when absent, and used from now on. Errors: unreadable, bad_usage (not a SHA-256).
+  Result<std::filesystem::path> of(const std::string& sha256) const;
+  // Deletes what was not used for longer than `longest`, and of the rest what was used the longest ago until no more than
+  // `most_bytes` are left. Gives the number of subfolders deleted.
+  int make_room() const;
+
+ private:
+  KeptScans(std::filesystem::path folder, std::uint64_t most_bytes, std::chrono::hours longest)
+      : folder_(std::move(folder)), most_bytes_(most_bytes), longest_(longest) {}
+  std::filesystem::path folder_;
+  std::uint64_t most_bytes_;
+  std::chrono::hours longest_;
+};
+
+}  // namespace vacuform
