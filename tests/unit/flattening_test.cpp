@@ -254,11 +254,37 @@ TEST(Flattening, InkIsSparedWhereItLies) {
   }
 }
 
-TEST(Flattening, InkMustBeGivenWhereItCounts) {
+// A picture that darkens from left to right: every triangle counts by how dark it is where it lies, and the dark half is
+// distorted less than it was.
+TEST(Flattening, PaintWeighsByItsDarkness) {
+  const auto sheet = dome(60);
+  const InkCoverage paint = [](const Eigen::Vector2d& p, double) {
+    return std::clamp(0.5 + p.x() / 60, 0.0, 1.0);
+  };
   FlatteningSettings settings;
-  settings.weights = FlatteningWeights::ink;
-  EXPECT_THROW((void)flatten(dome(60), top_at({0, 0, 60}), settings, InkedFace::inner, Context{}),
-               std::invalid_argument);
+  settings.weights = FlatteningWeights::painted;
+  settings.weight = 20;
+  const auto even = flat(sheet, {0, 0, 60});
+  const auto f = flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{}, paint);
+  ASSERT_TRUE(even && f);
+  ASSERT_EQ(f->weight.size(), f->triangles.size());
+  Chart before{{}, even->inked, even->chart};
+  for (std::size_t k = 0; k < f->triangles.size(); ++k) {
+    const Triangle& t = sheet.triangles[f->triangles[k]];
+    const Eigen::Vector2d middle = (f->chart[t[0]] + f->chart[t[1]] + f->chart[t[2]]) / 3;
+    EXPECT_NEAR(f->weight[k], 1 + 19 * paint(middle, 0), 0.5);  // the rounds have settled
+    if (f->favoured[k]) before.triangles.push_back(t);
+  }
+  EXPECT_LT(2 * f->energy_favoured, chart_quality(before).arap);
+}
+
+TEST(Flattening, InkAndPaintMustBeGivenWhereTheyCount) {
+  FlatteningSettings settings;
+  for (const auto weights : {FlatteningWeights::ink, FlatteningWeights::painted}) {
+    settings.weights = weights;
+    EXPECT_THROW((void)flatten(dome(60), top_at({0, 0, 60}), settings, InkedFace::inner, Context{}),
+                 std::invalid_argument);
+  }
 }
 
 TEST(Flattening, CenterSparesTheTop) {

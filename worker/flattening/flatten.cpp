@@ -140,18 +140,25 @@ bool knows_weights(FlatteningMethod method) {
   return method != FlatteningMethod::cgal_arap && method != FlatteningMethod::bfs;
 }
 
+bool by_coverage(FlatteningWeights weights) {
+  return weights == FlatteningWeights::ink || weights == FlatteningWeights::painted;
+}
+
 // Flattens and lays the chart, by weights that may hang on the chart itself.
 Result<FlatteningOutcome> flatten_weighted(Chart& chart, const FlatteningSettings& settings,
-                                           const ChartPin& top, const Place& place, const InkCoverage& ink,
-                                           const Context& context) {
+                                           const ChartPin& top, const Place& place,
+                                           const InkCoverage& coverage, const Context& context) {
   const bool weighted = settings.weight > 1 && knows_weights(settings.method);
   if (weighted && settings.weights == FlatteningWeights::center)
     chart.weight = center_weights(chart, top.triangle, top.corners, settings.weight);
-  const int rounds = weighted && settings.weights == FlatteningWeights::ink ? 3 : 1;
+  const int rounds = weighted && by_coverage(settings.weights) ? 3 : 1;
   FlatteningOutcome total{0, true};
   for (int round = 0; round < rounds; ++round) {
     const Portion part(context, Stage::flattening, double(round) / rounds, double(round + 1) / rounds);
-    if (round > 0) chart.weight = ink_weights(chart, ink, settings.weight);
+    if (round > 0)
+      chart.weight = settings.weights == FlatteningWeights::painted
+                         ? painted_weights(chart, coverage, settings.weight)
+                         : ink_weights(chart, coverage, settings.weight);
     VACUFORM_TRY(outcome, run(chart, settings, top.triangle, part.context()));
     place.lay(chart);
     total.iterations += outcome.iterations;
@@ -197,9 +204,9 @@ void split(Flattening& out, const Chart& chart, double weight) {
 }  // namespace
 
 Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const FlatteningSettings& settings,
-                           InkedFace inked_face, const Context& context, const InkCoverage& ink) {
-  if (settings.weights == FlatteningWeights::ink && !ink)
-    throw std::invalid_argument("weights by ink need to know where it is");
+                           InkedFace inked_face, const Context& context, const InkCoverage& coverage) {
+  if (by_coverage(settings.weights) && !coverage)
+    throw std::invalid_argument("weights by ink or paint need to know where it is");
   Flattening out;
   out.triangles = region_of_interest(sheet);
   if (out.triangles.size() < 8)
@@ -217,7 +224,7 @@ Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const Fla
   VACUFORM_TRY(pins, find_pins(sheet, out.triangles, settings));
   const Place place(start, top, std::move(pins));
   place.begin(chart);
-  VACUFORM_TRY(outcome, flatten_weighted(chart, settings, top, place, ink, context));
+  VACUFORM_TRY(outcome, flatten_weighted(chart, settings, top, place, coverage, context));
 
   const ChartQuality quality = chart_quality(chart);
   out.iterations = outcome.iterations;

@@ -44,10 +44,11 @@ struct Flattening {
       warnings;  // flattening-not-converged, -flipped, -overlaps; top-off-chart, pins-not-met
 };
 
-// Pure and deterministic. `ink` tells where the drawing has ink when settings.weights is ink, and must be given then: the
-// chart is flattened evenly first, and twice again with the ink's place on the chart before. cgal_arap and bfs know no
-// weights. Errors: unusable_surface, bad_settings (a pin that is not on the chart), cancelled.
+// Pure and deterministic. `coverage` tells where the drawing has ink when settings.weights is ink, and how dark the painted
+// map is when it is painted, and must be given then: the chart is flattened evenly first, and twice again with its place on
+// the chart before. cgal_arap and bfs know no weights. Errors: unusable_surface, bad_settings (a pin that is not on the
+// chart), cancelled.
 Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const FlatteningSettings& settings,
-                           InkedFace inked_face, const Context& context, const InkCoverage& ink = {});
+                           InkedFace inked_face, const Context& context, const InkCoverage& coverage = {});
 
 }  // namespace vacuform

@@ -78,16 +78,29 @@ std::vector<double> center_weights(const Chart& chart, int triangle, const Eigen
   return weights;
 }
 
-std::vector<double> ink_weights(const Chart& chart, const InkCoverage& ink, double weight) {
-  constexpr double enough = 0.25;
+namespace {
+
+// `full` is the coverage from which on a triangle has all of the weight. A wider disk would favour triangles beside the
+// ink as well: on a newborn's head with nineteen rings that leaves the ink a gain of 3.8 in place of 4.3.
+std::vector<double> weights_by(const Chart& chart, const InkCoverage& coverage, double weight, double full) {
   std::vector<double> weights;
   weights.reserve(chart.triangles.size());
   for (const auto& [a, b, c] : chart.triangles) {
     const Eigen::Vector2d &p = chart.uv[a], &q = chart.uv[b], &r = chart.uv[c];
     const double longest = std::max({(q - p).norm(), (r - q).norm(), (p - r).norm()});
-    weights.push_back(1 + (weight - 1) * std::min(1.0, ink((p + q + r) / 3, longest) / enough));
+    weights.push_back(1 + (weight - 1) * std::min(1.0, coverage((p + q + r) / 3, longest / 2) / full));
   }
   return weights;
+}
+
+}  // namespace
+
+std::vector<double> painted_weights(const Chart& chart, const InkCoverage& paint, double weight) {
+  return weights_by(chart, paint, weight, 1);
+}
+
+std::vector<double> ink_weights(const Chart& chart, const InkCoverage& ink, double weight) {
+  return weights_by(chart, ink, weight, 0.25);
 }
 
 }  // namespace vacuform

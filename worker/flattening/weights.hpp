@@ -23,8 +23,11 @@ std::vector<double> surface_distance(const Chart& chart, std::vector<double> sta
 std::vector<double> center_weights(const Chart& chart, int triangle, const Eigen::Vector3d& corners,
                                    double weight);
 
-// `weight` where a quarter or more of the ground around the triangle's centre, a disk as wide as its longest edge in the
-// chart, is inked, and 1 + (weight - 1) 4 coverage where less is.
+// 1 + (weight - 1) coverage, over a disk half as wide as the triangle's longest edge in the chart around its centre.
+std::vector<double> painted_weights(const Chart& chart, const InkCoverage& paint, double weight);
+
+// `weight` where a quarter or more of the ground around the triangle's centre, a disk half as wide as its longest edge
+// in the chart, is inked, and 1 + (weight - 1) 4 coverage where less is.
 std::vector<double> ink_weights(const Chart& chart, const InkCoverage& ink, double weight);
 
 }  // namespace vacuform
