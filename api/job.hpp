@@ -49,7 +49,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs that have something to show make it
 };
-inline constexpr std::array<ArtifactKind, 19> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 20> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -61,6 +61,7 @@ inline constexpr std::array<ArtifactKind, 19> artifact_kinds{{
     {"preview-area.png", "image/png", "Heat map: change of area that the print makes good"},
     {"preview-thickness.png", "image/png", "Heat map: thickness of the formed sheet"},
     {"preview-temperature.png", "image/png", "Heat map: temperature at which the sheet met the mold", false},
+    {"preview-segments.png", "image/png", "Segments and seams on the formed part", false},
     {"preview-findings.png", "image/png", "Where to look before forming: the warnings that have a place"},
     {"formed.ply", "application/octet-stream", "The formed sheet with sheet and pattern coordinates"},
     {"formed.obj", "model/obj", "The formed sheet, textured with the print"},

@@ -5,6 +5,7 @@
 
 #include "api/sha256.hpp"
 #include "api/version.hpp"
+#include "worker/coils/cut_lines.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/inspection/inspection.hpp"
@@ -35,6 +36,32 @@ Result<void> write_whole(const std::filesystem::path& path, std::span<const std:
   std::filesystem::rename(part, path, error);
   if (error) return refuse("the file cannot be put in its place");
   return {};
+}
+
+// What only shows when inputs and settings are seen together.
+Result<void> check_together(const Inputs& inputs) {
+  const Settings& s = inputs.settings;
+  if (!s.pattern.seams.empty() && s.pattern.placement != PatternPlacement::segments)
+    return fail(Code::bad_settings, "pattern.seams are given, but the drawing is not laid in segments",
+                "pattern.seams", "give pattern.placement=segments as well");
+  const bool painted = s.flattening.weights == FlatteningWeights::painted;
+  if (painted && !inputs.weights)
+    return fail(
+        Code::bad_settings, "the painted weights have no picture", "flattening.weights",
+        "give the picture with --weights FILE (the form field weights), or another flattening.weights");
+  if (!painted && inputs.weights)
+    return fail(Code::bad_settings, "a picture of weights is given, but nothing is weighted by it",
+                "flattening.weights", "give flattening.weights=painted as well, or leave the picture out");
+  return {};
+}
+
+Result<std::optional<Pattern>> weights_of(const Inputs& inputs, const Pattern& pattern) {
+  if (!inputs.weights) return std::optional<Pattern>();
+  PatternSettings as_the_pattern = inputs.settings.pattern;
+  as_the_pattern.width_mm = pattern.size_mm().x();
+  VACUFORM_TRY(picture, Pattern::read(inputs.weights->bytes, inputs.weights->name, as_the_pattern,
+                                      inputs.settings.print.dpi));
+  return std::optional(std::move(picture));
 }
 
 Result<Mold> mold_of(const Inputs& inputs, const nlohmann::ordered_json& made_from, const Context& context) {
@@ -108,10 +135,12 @@ Identity identity_of(const Inputs& inputs) {
                                   {"settings", to_json(inputs.settings)},
                                   {"version", version}};
   if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
+  if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
   Sha256 digest;
   digest.add(whole.dump());
   nlohmann::ordered_json of_files = {{"scan", whole["scan"]}, {"pattern", whole["pattern"]}};
-  if (inputs.temperature) of_files["temperature"] = whole["temperature"];
+  for (const char* more : {"temperature", "weights"})
+    if (whole.contains(more)) of_files[more] = whole[more];
   return {digest.hex().substr(0, 12), std::move(of_files)};
 }
 
@@ -134,20 +163,27 @@ Result<void> write_files(const std::filesystem::path& out, const std::vector<Art
 
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
   const Settings& s = inputs.settings;
+  VACUFORM_CHECK(check_together(inputs));
   VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
+  VACUFORM_TRY(weights, weights_of(inputs, pattern));
   VACUFORM_TRY(formed, form_head(inputs, context));
-  const FormedSheet& sheet = formed.sheet;
-  const InkCoverage ink = [&](const Eigen::Vector2d& chart, double blur_mm) {
-    return pattern.sample(plain_alignment(s.pattern).pattern(chart), blur_mm / s.pattern.scale).coverage();
+  const InkCoverage coverage = [&](const Eigen::Vector2d& chart, double blur_mm) {
+    return (weights ? *weights : pattern)
+        .sample(plain_alignment(s.pattern).pattern(chart), blur_mm / s.pattern.scale)
+        .coverage();
   };
-  VACUFORM_TRY(flattening, flatten(sheet, formed.mold, s.flattening, s.pattern.inked_face, context, ink));
+  VACUFORM_TRY(flat,
+               flatten(formed.sheet, formed.mold, s.flattening, s.pattern.inked_face, context, coverage));
+  VACUFORM_TRY(cut, with_cut_lines(std::move(formed.sheet), std::move(flat), s.pattern.seams, context));
+  const FormedSheet& sheet = cut.sheet;
+  const Flattening& flattening = cut.flattening;
   const Identity identity = identity_of(inputs);
 
   std::vector<Warning> of_drawing;
   const std::optional<Drawing> drawing = read_drawing(inputs.pattern, pattern, of_drawing);
   const Drawing* lines = drawing ? &*drawing : nullptr;
-  const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement);
-  VACUFORM_TRY(placement, place(sheet, flattening, parts ? &parts->drawing() : lines, s, context));
+  const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement, of_drawing);
+  VACUFORM_TRY(placement, place(sheet, flattening, parts ? &parts->drawing() : lines, s, context, cut.edges));
   VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, identity.label, context));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
@@ -159,9 +195,17 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
                                   measuring.context()));
     measured = std::move(figures);
   }
-  const Finished job{s,           formed.mold, sheet,
-                     flattening,  pattern,     print,
-                     formed.heat, alignment,   measured ? &*measured : nullptr};
+  const bool segments = s.pattern.placement == PatternPlacement::segments;
+  const Finished job{s,
+                     formed.mold,
+                     sheet,
+                     flattening,
+                     pattern,
+                     print,
+                     formed.heat,
+                     alignment,
+                     measured ? &*measured : nullptr,
+                     segments ? &placement : nullptr};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
   nlohmann::ordered_json whole = {

@@ -14,6 +14,13 @@
 
 namespace vacuform {
 
+// A picture that says where the chart shall be least distorted, the more the darker: PNG, JPEG or SVG, read as the pattern
+// is and laid over the pattern's page, at its width and by its alignment, centre on centre.
+struct WeightsFile {
+  std::span<const std::uint8_t> bytes;
+  std::string name;  // for messages
+};
+
 struct Inputs {
   std::span<const std::uint8_t> scan;
   std::string scan_name;  // for messages and the format
@@ -21,6 +28,7 @@ struct Inputs {
   std::string pattern_name;
   Settings settings;
   std::optional<MeasuredFile> temperature = {};  // of the sheet; only and always with heat.source measured
+  std::optional<WeightsFile> weights = {};       // only and always with flattening.weights painted
   bool sensitivity = false;  // report.json tells as well how far each coil lands off by errors of the machine
   KeptStages kept = {};      // where to look for, and leave, what the scan and forming stages make
 };

@@ -3,4 +3,5 @@ vacuform_test(coils_test
           ${CMAKE_CURRENT_LIST_DIR}/geodesic_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/inductance_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/placement_test.cpp ${CMAKE_CURRENT_LIST_DIR}/segments_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/cut_lines_test.cpp
   LINKS vacuform_coils)

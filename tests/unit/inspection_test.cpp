@@ -93,19 +93,21 @@ TEST(Distortion, OfAStretchIsThatStretch) {
   stretch << 2, 0.3, 0, 1.25;
   const Sample x = hand_made::stretched(100, 10, stretch);
   const Vector2d s = Eigen::JacobiSVD<Matrix2d>(stretch).singularValues();
-  const Distortion without = distortion(x.sheet, x.flattening, x.sheet.rest);
+  const Distortion without =
+      distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, x.sheet.rest));
   for (const double v :
        {without.anisotropy.mean, without.anisotropy.p95, without.anisotropy.p99, without.anisotropy.max})
     EXPECT_NEAR(v, s[0] / s[1], 1e-9);
   for (const double v : {without.area_ratio.mean, without.area_ratio.max}) EXPECT_NEAR(v, 2.5, 1e-9);
-  const Distortion with = distortion(x.sheet, x.flattening, x.flattening.chart);
+  const Distortion with =
+      distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, x.flattening.chart));
   EXPECT_NEAR(with.anisotropy.max, 1, 1e-6);
   EXPECT_NEAR(with.area_ratio.max, 1, 1e-9);
   // A shrunken area counts like a grown one, and neither a turn nor a shift of the pattern counts at all.
   std::vector<Vector2d> uv;
   for (const auto& st : x.sheet.rest)
     uv.push_back(2 * Vector2d(-(stretch * st).y(), (stretch * st).x()) + Vector2d(5, 9));
-  const Distortion shrunk = distortion(x.sheet, x.flattening, uv);
+  const Distortion shrunk = distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, uv));
   EXPECT_NEAR(shrunk.area_ratio.mean, 4, 1e-9);
   EXPECT_NEAR(shrunk.anisotropy.mean, 1, 1e-6);
 }
@@ -136,14 +138,14 @@ TEST(Distortion, PercentilesAreByInkedArea) {
   };
   double mean = 0;
   for (const double v : stretch) mean += v * v / total;
-  const Distortion d = distortion(sheet, flattening, sheet.rest);
+  const Distortion d = distortion(sheet, flattening, corners_of(sheet, flattening, sheet.rest));
   EXPECT_NEAR(d.anisotropy.mean, mean, 1e-9);
   EXPECT_NEAR(d.anisotropy.p95, percentile(0.95), 1e-9);
   EXPECT_NEAR(d.anisotropy.p99, percentile(0.99), 1e-9);
   EXPECT_NEAR(d.anisotropy.max, 2.0, 1e-9);
   EXPECT_NEAR(d.area_ratio.p95, percentile(0.95), 1e-9);
   EXPECT_GT(d.anisotropy.p95, 1.95);  // unweighted it would be 1.95
-  const Distortion none = distortion(sheet, Flattening{}, sheet.rest);
+  const Distortion none = distortion(sheet, Flattening{}, CornersUv{});
   EXPECT_EQ(none.anisotropy.max, 0);
 }
 
@@ -253,13 +255,17 @@ TEST(Artifacts, AreAllOfThemInOrder) {
   EXPECT_EQ(file(*files, "print.png"), job.print.png);
 }
 
-// An unevenly warm sheet: its temperatures are in the report, and a preview shows them.
-TEST(Artifacts, ShowTheTemperatureWhereItIsUneven) {
+// An unevenly warm sheet and a drawing in segments: temperatures and segments are in the report, and previews show them.
+TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
   Job job = small_dome();
   for (std::size_t v = 0; v < job.sample.sheet.rest.size(); ++v)
     job.sample.sheet.temperature[v] = 140 + 0.3 * job.sample.sheet.rest[v].x();
   Finished finished = job.finished();
   finished.heat = {HeatSource::heaters, 120, 140, 160, 31.25, 2.5};
+  const auto placement =
+      place(job.sample.sheet, job.sample.flattening, nullptr, job.sample.settings, Context());
+  ASSERT_TRUE(placement);
+  finished.placement = &*placement;
   const auto files = artifacts(finished, Context());
   ASSERT_TRUE(files);
   const auto r = report(finished);
@@ -268,8 +274,11 @@ TEST(Artifacts, ShowTheTemperatureWhereItIsUneven) {
   ASSERT_EQ(files->size() + 2, artifact_kinds.size());  // the reports are made of the whole
   ASSERT_EQ(r["artifacts"].size(), artifact_kinds.size());
   for (std::size_t i = 0; i < files->size(); ++i) EXPECT_EQ((*files)[i].name, artifact_kinds[i].name);
-  const Decoded picture = decode_png(file(*files, "preview-temperature.png"));
-  EXPECT_EQ(picture.width, 1000);
+  for (const char* name : {"preview-temperature.png", "preview-segments.png"})
+    EXPECT_EQ(decode_png(file(*files, name)).width, 1000);
+  EXPECT_EQ(r["segments"]["count"], 1);
+  EXPECT_NEAR(r["segments"]["segments"][0]["distortion"].get<double>(), placement->charts[0].distortion,
+              1e-4);
 }
 
 TEST(Artifacts, AreTheSameBytesTwice) {
@@ -307,6 +316,12 @@ TEST(Artifacts, ThePlyReadsBackExactly) {
     return std::uint32_t{ply[at]} | std::uint32_t{ply[at + 1]} << 8 | std::uint32_t{ply[at + 2]} << 16 |
            std::uint32_t{ply[at + 3]} << 24;
   };
+  std::vector<Vector2d> uv(sheet.formed.size(), Vector2d::Constant(NAN));
+  for (std::size_t i = 0; i < job.print.pattern_uv.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      uv[static_cast<std::size_t>(
+          sheet.triangles[static_cast<std::size_t>(job.sample.flattening.triangles[i])][k])] =
+          job.print.pattern_uv[i][k];
   int off_chart = 0;
   for (std::size_t i = 0; i < sheet.formed.size(); ++i) {
     const std::size_t at = body + 37 * i;
@@ -315,8 +330,8 @@ TEST(Artifacts, ThePlyReadsBackExactly) {
       ASSERT_EQ(value(static_cast<std::size_t>(k)), static_cast<float>(sheet.formed[i][k]));
     ASSERT_EQ(value(3), static_cast<float>(sheet.rest[i].x()));
     ASSERT_EQ(value(4), static_cast<float>(sheet.rest[i].y()));
-    if (job.print.pattern_uv[i].allFinite()) {
-      ASSERT_EQ(value(6), static_cast<float>(job.print.pattern_uv[i].y()));
+    if (uv[i].allFinite()) {
+      ASSERT_EQ(value(6), static_cast<float>(uv[i].y()));
     } else {
       ASSERT_TRUE(std::isnan(value(5)) && std::isnan(value(6)));
       ++off_chart;
@@ -387,7 +402,7 @@ TEST(Artifacts, TheUvMapHoldsTheChartAndNormalisedPatternCoordinates) {
       const auto at = static_cast<std::size_t>(f[i][2 * k]) - 1;
       ASSERT_EQ(f[i][2 * k], f[i][2 * k + 1]);
       ASSERT_NEAR(v[at][2], job.sample.sheet.formed[static_cast<std::size_t>(t[k])].z(), 1e-4);
-      const Vector2d uv = job.print.pattern_uv[static_cast<std::size_t>(t[k])];
+      const Vector2d uv = job.print.pattern_uv[i][k];
       ASSERT_NEAR(vt[at][0], uv.x() / 60 + 0.5, 1e-6);
       ASSERT_NEAR(vt[at][1], uv.y() / 50 + 0.5, 1e-6);
     }

@@ -22,7 +22,8 @@ TEST(Placement, OnTheChartTurnsMovesAndScales) {
   settings.pattern.scale = 2;
   const auto placed = place(sheet, flattening, nullptr, settings, Context());
   ASSERT_TRUE(placed);
-  const Patch& chart = placed->chart;
+  ASSERT_EQ(placed->charts.size(), 1u);
+  const Patch& chart = placed->charts[0].patch;
   ASSERT_EQ(chart.triangles.size(), 1u);
   ASSERT_EQ(chart.uv.size(), 3u);
   EXPECT_TRUE(chart.rest[0].isApprox(Eigen::Vector2d(10, 0)));

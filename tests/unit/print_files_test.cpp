@@ -184,7 +184,7 @@ TEST(PrintFiles, EachPartOfAPictureIsPrintedThroughItsOwnPatch) {
   for (int part = 0; part < 2; ++part) {
     PlacedElement placed;
     placed.element = part;
-    placed.patch = placement.chart;
+    placed.patch = placement.charts[0].patch;
     // The first goes 7 mm up, the second 7 mm down.
     for (Vector2d& st : placed.patch.rest) st.y() += part == 0 ? 7 : -7;
     placement.elements.push_back(placed);

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
 #include "worker/printing/curve_fit.hpp"
+#include "worker/printing/seam_gap.hpp"
 
 namespace vacuform {
 namespace {
@@ -49,6 +51,12 @@ Patch patch_of(const Vector2d& centre, double half, double step, Surface&& surfa
       patch.triangles.push_back({a, d, c});
     }
   return patch;
+}
+Segment whole(Patch patch) {
+  Segment out{std::move(patch), {}, 1};
+  out.triangles.resize(out.patch.triangles.size());
+  std::iota(out.triangles.begin(), out.triangles.end(), 0);
+  return out;
 }
 Patch identity(double half, double step) {
   Patch patch = patch_of({0, 0}, half, step, [](const Vector2d& uv) { return Vector3d(uv.x(), uv.y(), 0); });
@@ -138,7 +146,7 @@ double total(const PrintedElement& element) {
 
 TEST(VectorPrint, ACoilThroughAnExactExponentialMap) {
   Placement placement;
-  placement.chart = identity(60, 5);
+  placement.charts = {whole(identity(60, 5))};
   PlacedElement placed;
   placed.patch = patch_of({0, 0}, 27, 1.5, [](const Vector2d& uv) { return exponential(0.7, uv); });
   placement.elements.push_back(placed);
@@ -167,7 +175,7 @@ TEST(VectorPrint, ACoilThroughAnExactExponentialMap) {
 
 TEST(VectorPrint, TheIdentityGivesTheDrawingBack) {
   Placement placement;
-  placement.chart = identity(60, 3);
+  placement.charts = {whole(identity(60, 3))};
   Shape star = filled(line({{0, 16}, {9.4, -13}, {-15.2, 5}, {15.2, 5}, {-9.4, -13}}, true));
   star.even_odd = true;
   Shape zigzag = stroked(line({{-40, 30}, {-30, 45}, {-20, 30}, {5, 40}}), 4);
@@ -190,7 +198,7 @@ TEST(VectorPrint, AFormedLineHasItsDrawnWidth) {
   Placement placement;
   PlacedElement placed;
   placed.patch = patch_of({0, 0}, 40, 1.5, [](const Vector2d& uv) { return exponential(0.9, uv); });
-  placement.chart = placed.patch;
+  placement.charts = {whole(placed.patch)};
   placement.elements.push_back(placed);
   Settings settings;
   for (const double size : {1.0, 1.04}) {
@@ -222,7 +230,7 @@ TEST(VectorPrint, AFormedLineHasItsDrawnWidth) {
 
 TEST(VectorPrint, WhatLeavesThePatchIsCutAlongItsBorder) {
   Placement placement;
-  placement.chart = identity(30, 3);
+  placement.charts = {whole(identity(30, 3))};
   const VectorPrint print =
       pull(drawing_of({{.id = "bar", .centre = {0, 0}, .shapes = {stroked(line({{-50, 3}, {20, 3}}), 2)}},
                        {.id = "ring", .centre = {0, 0}, .shapes = {stroked(circle({30, -10}, 8), 1)}},
@@ -242,7 +250,7 @@ TEST(VectorPrint, WhatLeavesThePatchIsCutAlongItsBorder) {
 
 TEST(VectorPrint, ThePageCutsToo) {
   Placement placement;
-  placement.chart = identity(60, 5);
+  placement.charts = {whole(identity(60, 5))};
   const VectorPrint print = pull(
       drawing_of({{.id = "bar", .centre = {0, 0}, .shapes = {stroked(line({{-50, 3}, {20, 3}}), 2)}}}, 50),
       placement);
@@ -254,7 +262,7 @@ TEST(VectorPrint, ThePageCutsToo) {
 TEST(VectorPrint, AJoiningLineEndsWhereItsElementsLie) {
   // Two rings that were moved apart by 2 mm each, and turned; the line between follows.
   Placement placement;
-  placement.chart = identity(60, 2);
+  placement.charts = {whole(identity(60, 2))};
   for (const int side : {-1, 1}) {
     PlacedElement placed;
     placed.element = side < 0 ? 0 : 2;
@@ -290,7 +298,8 @@ TEST(VectorPrint, AJoiningLineEndsWhereItsElementsLie) {
 
 TEST(VectorPrint, TheSameBytesOnOneThreadAndOnMore) {
   Placement placement;
-  placement.chart = patch_of({0, 0}, 50, 2, [](const Vector2d& uv) { return exponential(0.4, uv); });
+  placement.charts = {
+      whole(patch_of({0, 0}, 50, 2, [](const Vector2d& uv) { return exponential(0.4, uv); }))};
   std::vector<Element> elements;
   for (int i = 0; i < 9; ++i) {
     const Vector2d c(15.0 * (i % 3 - 1), 15.0 * (i / 3 - 1));
@@ -356,6 +365,74 @@ TEST(CurveFit, FollowsACircleWithFewSegments) {
   for (const Vector2d& p : points_of(curve)) EXPECT_NEAR(p.norm(), 20, 0.0105);
   EXPECT_TRUE(fit_curve({}, true, 0.01).points.empty());
   EXPECT_TRUE(fit_curve({{{1, 1}, true}, {{1, 1}, false}}, false, 0.01).points.empty());
+}
+
+// A black page over a dome in segments, whose coordinates jump at the seams: on the sheet there is neither a gap nor an
+// overlap, since the painted area is all of the sheet's and its holes are narrower than a tenth of a millimetre.
+TEST(VectorPrint, SegmentsMeetOnTheSheet) {
+  const Patch dome = patch_of({0, 0}, 40, 2, [](const Vector2d& uv) { return exponential(0, uv); });
+  const auto cut = cut_into_segments(dome, 1, 1.02, {}, Context{});
+  ASSERT_TRUE(cut);
+  ASSERT_GT(cut->parts.size(), 1u);
+  Placement placement;
+  placement.charts = cut->parts;
+  placement.seams = cut->seams;
+  Drawing page;
+  page.size_mm = {200, 200};
+  Curve square{{}, true};
+  const std::array<Vector2d, 4> corners{Vector2d(-99, -99), Vector2d(99, -99), Vector2d(99, 99),
+                                        Vector2d(-99, 99)};
+  square.points.push_back(corners[0]);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vector2d &a = corners[k], &b = corners[(k + 1) % 4];
+    square.points.insert(square.points.end(), {a + (b - a) / 3, b - (b - a) / 3, b});
+  }
+  Shape black;
+  black.curves = {square};
+  black.fill = Colour{};
+  page.elements.push_back({"", {0, 0}, {black}});
+  const auto print = pull_back(page, placement, Settings(), Context());
+  ASSERT_TRUE(print);
+  ASSERT_EQ(print->elements[0].areas.size(), 1u);  // one area: nothing shows between its pieces
+  const PaintedArea& area = print->elements[0].areas[0];
+  ASSERT_EQ(area.outlines.size(), cut->parts.size());
+
+  double sheet = 0;
+  for (const Triangle& t : dome.triangles) {
+    const auto at = [&](std::size_t k) { return dome.rest[static_cast<std::size_t>(t[k])]; };
+    const Vector2d a = at(1) - at(0), b = at(2) - at(0);
+    sheet += (a.x() * b.y() - a.y() * b.x()) / 2;
+  }
+  double pieces = 0, seams = 0;
+  std::vector<Ring> rings;
+  for (const Curve& outline : area.outlines) {
+    rings.emplace_back();
+    for (const CurvePoint& p : flatten(outline, {.tolerance_mm = 0.0005, .turn = 0.1, .longest_mm = 1}))
+      rings.back().push_back(p.at);
+    rings.back().pop_back();
+    pieces += square_mm(union_of({rings.back()}));
+  }
+  for (const Seam& seam : cut->seams) seams += seam.length_mm;
+  const double together = square_mm(union_of(rings));
+  EXPECT_LT((pieces - together) / seams, 0.002);  // twice covered, mm beside the seams in the mean
+  EXPECT_LT((sheet - together) / seams, 0.002);   // not covered
+  // Where a ring of 0.05 mm around each piece is ink too, no hole is left.
+  std::vector<Curve> lines;
+  for (const Ring& ring : rings) {
+    Curve line{{ring[0]}, true};
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const Vector2d &a = ring[k], &b = ring[(k + 1) % ring.size()];
+      line.points.insert(line.points.end(), {a + (b - a) / 3, b - (b - a) / 3, b});
+    }
+    lines.push_back(std::move(line));
+  }
+  Stroke stroke;
+  stroke.width_mm = 0.1;
+  const Area border = stroke_area(lines, stroke, 0.002);
+  std::vector<Ring> all = rings;
+  all.insert(all.end(), border.begin(), border.end());
+  EXPECT_EQ(union_of(all).size(), 1u);
+  for (const double gap : seam_gaps(placement)) EXPECT_LT(gap, 1e-6);
 }
 
 }  // namespace

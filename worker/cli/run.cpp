@@ -18,7 +18,7 @@ namespace vacuform::cli {
 namespace {
 
 struct RunOptions {
-  std::string scan, pattern, temperature, keep, out, progress = "bar";
+  std::string scan, pattern, temperature, weights, keep, out, progress = "bar";
   bool sensitivity = false;
   SettingsOptions settings;
 };
@@ -43,6 +43,15 @@ Result<void> run(const RunOptions& o, const Context& context) try {
     blank_names(measured, o.temperature);
     temperature = std::move(measured);
     inputs.temperature = MeasuredFile{temperature, o.temperature};
+  }
+  std::vector<std::uint8_t> weights;
+  if (!o.weights.empty()) {
+    if (settings.flattening.weights == FlatteningWeights::uniform)
+      inputs.settings.flattening.weights = FlatteningWeights::painted;
+    VACUFORM_TRY(painted, read_file(o.weights));
+    blank_names(painted, o.weights);
+    weights = std::move(painted);
+    inputs.weights = WeightsFile{weights, o.weights};
   }
   inputs.sensitivity = o.sensitivity;
   if (!o.keep.empty())
@@ -120,6 +129,12 @@ void add_run(CLI::App& app, int& exit_code) {
   command
       ->add_option("--temperature", options->temperature,
                    "Measured temperature of the sheet: CSV of degrees Celsius, or a gray PNG")
+      ->type_name("FILE");
+  command
+      ->add_option(
+          "--weights", options->weights,
+          "Picture laid over the pattern that says, the darker the more, where the chart shall be least "
+          "distorted: PNG, JPEG or SVG")
       ->type_name("FILE");
   command
       ->add_option("--keep", options->keep,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/pattern/area.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -42,7 +44,7 @@ double equal_radius(double area_mm2) { return std::sqrt(std::abs(area_mm2) / M_P
 double half_width(const Stroke& stroke) {
   const double corner =
       stroke.join == LineJoin::miter ? std::clamp(stroke.miter_limit, M_SQRT2, 4.0) : M_SQRT2;
-  return 0.5 * stroke.width_mm * corner;
+  return 0.5 * widest_mm(stroke) * corner;
 }
 
 }  // namespace

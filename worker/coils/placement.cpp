@@ -1,5 +1,6 @@
 #include "worker/coils/placement.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -18,10 +19,16 @@ using Eigen::Vector3d;
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // The region of interest with the sheet's own triangles.
-Patch chart_patch(const FormedSheet& sheet, const Flattening& flattening, const Alignment& alignment) {
-  Patch patch;
-  std::vector<int> local(sheet.rest.size(), -1);
+struct Whole {
+  Segment chart;
+  std::vector<int> local;  // of each vertex of the sheet; -1 off the chart
+};
+Whole whole_region(const FormedSheet& sheet, const Flattening& flattening, const Alignment& alignment) {
+  Whole out{{}, std::vector<int>(sheet.rest.size(), -1)};
+  Patch& patch = out.chart.patch;
+  std::vector<int>& local = out.local;
   for (const int t : flattening.triangles) {
+    out.chart.triangles.push_back(static_cast<int>(out.chart.triangles.size()));
     Triangle corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto v = index(sheet.triangles[index(t)][k]);
@@ -35,7 +42,54 @@ Patch chart_patch(const FormedSheet& sheet, const Flattening& flattening, const 
     }
     patch.triangles.push_back(corners);
   }
-  return patch;
+  out.chart.distortion = patch_distortion(patch, alignment.scale);
+  return out;
+}
+
+// What the user must know of the segments.
+void say_what_was_cut(const Segments& segments, const PatternSettings& settings,
+                      std::vector<Warning>& warnings) {
+  Warning above{"segment-distorted", "", {}};
+  double worst = 0;
+  std::size_t count = 0;
+  for (const Segment& s : segments.parts) {
+    if (s.distortion <= settings.distortion_limit) continue;
+    worst = std::max(worst, s.distortion), ++count;
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& p : s.patch.inked) box.extend(p);
+    const Vector3d middle = box.center();
+    if (above.marks.size() < Warning::most_marks)
+      above.marks.push_back({{middle.x(), middle.y(), middle.z()}, box.diagonal().norm()});
+  }
+  if (count > 0) {
+    above.text = (count == 1 ? std::string("A segment stays") : std::to_string(count) + " segments stay") +
+                 " above pattern.distortion_limit (" +
+                 (std::isfinite(worst) ? "up to " + decimal(worst, 2) : std::string("folded over")) +
+                 "): the sheet is creased or too coarse there. Keep ink away, or give a finer "
+                 "sheet.resolution_mm.";
+    warnings.push_back(std::move(above));
+  }
+  if (!settings.seams.empty() && !segments.cuts_sufficed)
+    warnings.push_back(
+        {"seams-not-enough",
+         "The cuts of pattern.seams alone leave segments above pattern.distortion_limit; it was "
+         "cut further, into " +
+             std::to_string(segments.parts.size()) + " segments."});
+}
+
+Result<void> place_segments(Whole&& whole, const Alignment& alignment, const PatternSettings& settings,
+                            const std::vector<Edge>& cuts, const Context& context, Placement& out) {
+  std::vector<Edge> local;
+  for (const auto& [a, b] : cuts)
+    if (whole.local[index(a)] >= 0 && whole.local[index(b)] >= 0)
+      local.push_back(std::minmax(whole.local[index(a)], whole.local[index(b)]));
+  std::sort(local.begin(), local.end());
+  VACUFORM_TRY(segments, cut_into_segments(whole.chart.patch, alignment.scale, settings.distortion_limit,
+                                           local, context));
+  say_what_was_cut(segments, settings, out.warnings);
+  out.charts = std::move(segments.parts);
+  out.seams = std::move(segments.seams);
+  return {};
 }
 
 // "coil-1, coil-2 and 5 more"
@@ -159,12 +213,17 @@ Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing,
 }  // namespace
 
 Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, const Drawing* drawing,
-                        const Settings& settings, const Context& context) {
+                        const Settings& settings, const Context& context, const std::vector<Edge>& cuts) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   const InkedSurface surface(sheet, flattening);
   VACUFORM_TRY(alignment, align(surface, settings.pattern));
   Placement out;
-  out.chart = chart_patch(sheet, flattening, alignment);
+  Whole whole = whole_region(sheet, flattening, alignment);
+  if (settings.pattern.placement == PatternPlacement::segments) {
+    VACUFORM_CHECK(place_segments(std::move(whole), alignment, settings.pattern, cuts, context, out));
+    return out;
+  }
+  out.charts.push_back(std::move(whole.chart));
   const bool elements = drawing && std::any_of(drawing->elements.begin(), drawing->elements.end(),
                                                [](const Element& e) { return !e.id.empty(); });
   if (settings.pattern.placement == PatternPlacement::elements && !elements)

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "worker/coils/patch.hpp"
+#include "worker/coils/segments.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/pattern/drawing.hpp"
 
@@ -34,16 +34,20 @@ struct PlacedPair {
 };
 
 struct Placement {
-  Patch chart;                          // the whole region, for what belongs to no element, or everything
+  // The region of interest, for what belongs to no element, or everything: one chart of the whole, or with placement
+  // segments several that cover it once. Numbers of triangles are those of Flattening::triangles.
+  std::vector<Segment> charts;
+  std::vector<Seam> seams;              // between the charts, and slits in them
   std::vector<PlacedElement> elements;  // empty when the drawing is laid on one chart
   std::vector<PlacedPair> pairs;
   double spacing_rms_mm = 0;  // of mm - drawn_mm over the pairs whose coils are both on the head
   std::vector<Warning> warnings;
 };
 
-// Lays the drawing by settings.pattern and settings.coils. Without a drawing of vectors, or with placement chart, only
-// the chart is there. Deterministic. Errors: cancelled, unusable_pattern (placement elements without elements).
+// Lays the drawing by settings.pattern and settings.coils. Without a drawing of vectors, or with placement chart or
+// segments, only charts are there. `cuts`: edges of the sheet, ascending, along which segments are cut (with_cut_lines()).
+// Deterministic. Errors: cancelled, unusable_pattern (placement elements without elements).
 Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, const Drawing* drawing,
-                        const Settings& settings, const Context& context);
+                        const Settings& settings, const Context& context, const std::vector<Edge>& cuts = {});
 
 }  // namespace vacuform

@@ -2,13 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
-#include <queue>
-#include <tuple>
 
 #include "worker/flattening/methods.hpp"
 
@@ -25,154 +21,9 @@ constexpr double anchor = 0.01;       // how much a segment's place in the chart
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-struct Region {
-  explicit Region(const Patch& of) : chart(of), across(of.triangles.size(), {-1, -1, -1}) {
-    std::map<std::pair<int, int>, std::pair<int, std::size_t>> open;
-    for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
-      const Triangle& c = chart.triangles[t];
-      const Vector3d &p = chart.inked[index(c[0])], &q = chart.inked[index(c[1])],
-                     &r = chart.inked[index(c[2])];
-      middle.push_back((p + q + r) / 3);
-      area.push_back((q - p).cross(r - p).norm() / 2);
-      for (std::size_t e = 0; e < 3; ++e) {
-        const int a = c[e], b = c[(e + 1) % 3];
-        if (const auto twin = open.find({b, a}); twin != open.end()) {
-          across[t][e] = twin->second.first;
-          across[index(twin->second.first)][twin->second.second] = static_cast<int>(t);
-        } else {
-          open[{a, b}] = {static_cast<int>(t), e};
-        }
-      }
-    }
-  }
-  const Patch& chart;
-  std::vector<std::array<int, 3>> across;  // neighbours over the edges (0 1), (1 2), (2 0); -1 at the border
-  std::vector<Vector3d> middle;
-  std::vector<double> area;
-};
-
-using Faces = std::vector<int>;  // triangles of the region, ascending
-
-// The part of the chart that these triangles are.
-Patch part_of(const Patch& chart, const Faces& faces) {
-  Patch out;
-  std::vector<int> local(chart.uv.size(), -1);
-  for (const int t : faces) {
-    Triangle corners{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto v = index(chart.triangles[index(t)][k]);
-      if (local[v] < 0) {
-        local[v] = static_cast<int>(out.uv.size());
-        out.uv.push_back(chart.uv[v]);
-        out.rest.push_back(chart.rest[v]);
-        out.inked.push_back(chart.inked[v]);
-      }
-      corners[k] = local[v];
-    }
-    out.triangles.push_back(corners);
-  }
-  return out;
-}
-
-// The nearest of the seeds to each triangle of `faces` by way of its neighbours among them, and how far it is.
-struct Nearest {
-  std::vector<int> seed;  // over the region; -1 elsewhere
-  std::vector<double> mm;
-};
-Nearest nearest_seed(const Region& region, const Faces& faces, const std::vector<int>& seeds) {
-  Nearest out{std::vector<int>(region.area.size(), -1), std::vector<double>(region.area.size(), -1)};
-  for (const int t : faces) out.mm[index(t)] = std::numeric_limits<double>::infinity();
-  using Entry = std::tuple<double, int, int>;  // distance, triangle, seed
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  for (std::size_t s = 0; s < seeds.size(); ++s) queue.emplace(0, seeds[s], static_cast<int>(s));
-  while (!queue.empty()) {
-    const auto [mm, t, seed] = queue.top();
-    queue.pop();
-    if (out.seed[index(t)] >= 0) continue;
-    out.seed[index(t)] = seed;
-    out.mm[index(t)] = mm;
-    for (const int n : region.across[index(t)])
-      if (n >= 0 && out.seed[index(n)] < 0 && out.mm[index(n)] >= 0)
-        queue.emplace(mm + (region.middle[index(n)] - region.middle[index(t)]).norm(), n, seed);
-  }
-  return out;
-}
-
-// A triangle of which two sides look into the other part joins it: seams without teeth.
-void smooth(const Region& region, const Faces& faces, std::vector<int>& part) {
-  for (int round = 0; round < 4; ++round)
-    for (const int t : faces) {
-      int others = 0, own = 0;
-      for (const int n : region.across[index(t)]) {
-        if (n < 0 || part[index(n)] < 0) continue;
-        ++(part[index(n)] == part[index(t)] ? own : others);
-      }
-      if (others == 2 && own == 1) part[index(t)] = 1 - part[index(t)];
-    }
-}
-
-std::vector<Faces> connected(const Region& region, const Faces& faces) {
-  std::vector<char> inside(region.area.size(), 0);
-  for (const int t : faces) inside[index(t)] = 1;
-  std::vector<Faces> out;
-  for (const int first : faces) {
-    if (!inside[index(first)]) continue;
-    Faces piece{first};
-    inside[index(first)] = 0;
-    for (std::size_t i = 0; i < piece.size(); ++i)
-      for (const int n : region.across[index(piece[i])])
-        if (n >= 0 && inside[index(n)]) inside[index(n)] = 0, piece.push_back(n);
-    std::sort(piece.begin(), piece.end());
-    out.push_back(std::move(piece));
-  }
-  return out;
-}
-
-std::vector<Faces> halves(const Region& region, const Faces& faces) {
-  const auto farthest = [&](int from) {
-    const Nearest way = nearest_seed(region, faces, {from});
-    return *std::max_element(faces.begin(), faces.end(),
-                             [&](int a, int b) { return way.mm[index(a)] < way.mm[index(b)]; });
-  };
-  std::vector<int> seeds{farthest(faces.front())};
-  seeds.push_back(farthest(seeds.front()));
-  std::vector<int> part;
-  for (int round = 0; round < 6; ++round) {
-    part = nearest_seed(region, faces, seeds).seed;
-    for (int side = 0; side < 2; ++side) {
-      Vector3d sum = Vector3d::Zero();
-      double total = 0;
-      for (const int t : faces)
-        if (part[index(t)] == side)
-          sum += region.area[index(t)] * region.middle[index(t)], total += region.area[index(t)];
-      double best = std::numeric_limits<double>::infinity();
-      for (const int t : faces)
-        if (const double d = (region.middle[index(t)] - sum / total).norm();
-            part[index(t)] == side && d < best)
-          best = d, seeds[index(side)] = t;
-    }
-  }
-  smooth(region, faces, part);
-  std::vector<Faces> out;
-  for (int side = 0; side < 2; ++side) {
-    Faces half;
-    for (const int t : faces)
-      if (part[index(t)] == side) half.push_back(t);
-    for (Faces& piece : connected(region, half)) out.push_back(std::move(piece));
-  }
-  return out;
-}
-
-struct Segment {
-  Faces faces;
-  Patch patch;
-  double distortion = 1;
-};
-
 Result<Segment> flattened(const Region& region, Faces faces, double scale, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  Segment out{std::move(faces), {}, 1};
-  out.patch = part_of(region.chart, out.faces);
+  Segment out{part_of(region, faces), std::move(faces), 1};
   Chart chart{out.patch.triangles, {}, out.patch.uv};
   for (const Vector3d& p : out.patch.inked) chart.inked.push_back(p / scale);
   VACUFORM_CHECK(flatten_arap(chart, Context()));  // its progress is none of the job's
@@ -181,46 +32,60 @@ Result<Segment> flattened(const Region& region, Faces faces, double scale, const
   return out;
 }
 
-Result<std::vector<Segment>> cut(const Region& region, double scale, double limit, const Context& context) {
+// Below the limit, each from one piece of `open` or a part of it.
+Result<std::vector<Segment>> cut(const Region& region, std::vector<Faces> open, double scale, double limit,
+                                 const Context& context) {
   std::vector<Segment> done;
-  Faces all(region.area.size());
-  for (std::size_t t = 0; t < all.size(); ++t) all[t] = static_cast<int>(t);
-  std::vector<Faces> open = connected(region, all);
   while (!open.empty()) {
     VACUFORM_TRY(segment, flattened(region, std::move(open.back()), scale, context));
     open.pop_back();
-    if (segment.distortion <= limit || segment.faces.size() < smallest)
+    std::vector<Faces> parts;
+    if (segment.distortion > limit && segment.triangles.size() >= smallest)
+      parts = halves(region, segment.triangles);
+    if (parts.size() < 2)
       done.push_back(std::move(segment));
     else
-      for (Faces& half : halves(region, segment.faces)) open.push_back(std::move(half));
+      for (Faces& part : parts) open.push_back(std::move(part));
   }
   return done;
 }
 
-// Edges between two segments: length and one vertex, by pair.
-struct Border {
-  double mm = 0;
-  std::vector<std::pair<int, double>> vertices;  // of the chart, with half of the lengths of the edges at it
+// The edges between two segments, or of a slit in one, each seen from a triangle on its first side.
+struct Side {
+  int triangle, beside;
+  std::size_t edge;
+  double mm;
+  bool cut;  // given, not ours
 };
-using Borders = std::map<std::pair<int, int>, Border>;
+using Borders = std::map<std::pair<int, int>, std::vector<Side>>;
 
 Borders borders(const Region& region, const std::vector<Segment>& segments) {
   std::vector<int> of(region.area.size(), -1);
   for (std::size_t s = 0; s < segments.size(); ++s)
-    for (const int t : segments[s].faces) of[index(t)] = static_cast<int>(s);
-  std::map<std::pair<int, int>, std::map<int, double>> weights;
+    for (const int t : segments[s].triangles) of[index(t)] = static_cast<int>(s);
   Borders out;
   for (std::size_t t = 0; t < of.size(); ++t)
     for (std::size_t e = 0; e < 3; ++e) {
-      const int n = region.across[t][e];
-      if (n < 0 || of[t] >= of[index(n)]) continue;  // each edge once
-      const int a = region.chart.triangles[t][e], b = region.chart.triangles[t][(e + 1) % 3];
-      const double mm = (region.chart.inked[index(a)] - region.chart.inked[index(b)]).norm();
-      const std::pair key{of[t], of[index(n)]};
-      out[key].mm += mm;
-      weights[key][a] += mm / 2, weights[key][b] += mm / 2;
+      const int n = region.beside[t][e];
+      if (n < 0) continue;
+      const bool given = region.across[t][e] < 0, slit = of[t] == of[index(n)];
+      if (of[t] > of[index(n)] || (slit && (!given || static_cast<int>(t) > n))) continue;  // each edge once
+      const Triangle& c = region.chart.triangles[t];
+      const double mm = (region.chart.inked[index(c[e])] - region.chart.inked[index(c[(e + 1) % 3])]).norm();
+      out[{of[t], of[index(n)]}].push_back({static_cast<int>(t), n, e, mm, given});
     }
-  for (auto& [key, border] : out) border.vertices.assign(weights[key].begin(), weights[key].end());
+  return out;
+}
+
+// Neighbours and the length over which they may be joined, the longest first.
+std::vector<std::pair<double, std::pair<int, int>>> to_join(const Borders& borders) {
+  std::vector<std::pair<double, std::pair<int, int>>> out;
+  for (const auto& [key, border] : borders) {
+    double mm = 0;
+    for (const Side& side : border) mm += side.cut ? 0 : side.mm;
+    if (mm > 0) out.emplace_back(-mm, key);
+  }
+  std::sort(out.begin(), out.end());
   return out;
 }
 
@@ -229,17 +94,14 @@ Result<void> join(const Region& region, std::vector<Segment>& segments, double s
                   const Context& context) {
   std::map<std::pair<int, int>, bool> refused;  // by first triangles: these two do not go together
   for (;;) {
-    std::vector<std::pair<double, std::pair<int, int>>> pairs;
-    for (const auto& [key, border] : borders(region, segments)) pairs.emplace_back(-border.mm, key);
-    std::sort(pairs.begin(), pairs.end());
     bool joined = false;
-    for (const auto& [mm, key] : pairs) {
+    for (const auto& [mm, key] : to_join(borders(region, segments))) {
       const auto a = index(key.first), b = index(key.second);
-      const std::pair names{segments[a].faces.front(), segments[b].faces.front()};
+      const std::pair names{segments[a].triangles.front(), segments[b].triangles.front()};
       auto& no = refused[names];
       if (no) continue;
-      Faces both = segments[a].faces;
-      both.insert(both.end(), segments[b].faces.begin(), segments[b].faces.end());
+      Faces both = segments[a].triangles;
+      both.insert(both.end(), segments[b].triangles.begin(), segments[b].triangles.end());
       std::sort(both.begin(), both.end());
       VACUFORM_TRY(whole, flattened(region, std::move(both), scale, context));
       if (whole.distortion > limit) {
@@ -289,56 +151,91 @@ class RigidFit {
   Vector2d from_{0, 0}, to_{0, 0};
 };
 
-// Where the vertices of the chart are in a segment's own numbering.
-std::map<int, std::size_t> numbering(const Patch& chart, const Segment& segment) {
-  std::map<int, std::size_t> out;
-  for (std::size_t i = 0; i < segment.faces.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      out[chart.triangles[index(segment.faces[i])][k]] = index(segment.patch.triangles[i][k]);
+// An end of a seam's edge: the vertex, and where its two sides have it in the pattern.
+struct End {
+  int vertex;
+  int a, b;  // in the patches of the seam's segments
+  double weight;
+};
+std::vector<End> ends_of(const Region& region, const std::vector<Segment>& segments,
+                         const std::pair<int, int>& of, const std::vector<Side>& border) {
+  const auto local = [&](int segment, int triangle, int vertex) {
+    const Segment& s = segments[index(segment)];
+    const auto row = std::lower_bound(s.triangles.begin(), s.triangles.end(), triangle) - s.triangles.begin();
+    const Triangle& corners = region.chart.triangles[index(triangle)];
+    const auto k = std::find(corners.begin(), corners.end(), vertex) - corners.begin();
+    return s.patch.triangles[static_cast<std::size_t>(row)][static_cast<std::size_t>(k)];
+  };
+  std::vector<End> out;
+  for (const Side& side : border)
+    for (const std::size_t k : {side.edge, (side.edge + 1) % 3}) {
+      const int v = region.chart.triangles[index(side.triangle)][k];
+      out.push_back({v, local(of.first, side.triangle, v), local(of.second, side.beside, v), side.mm / 2});
+    }
   return out;
 }
 
 // Moves each segment rigidly so that the sides of its seams come near those of its neighbours, tied weakly to the chart.
 void stitch(const Region& region, std::vector<Segment>& segments, const Borders& seams) {
-  std::vector<std::map<int, std::size_t>> local;
-  for (const Segment& s : segments) local.push_back(numbering(region.chart, s));
+  struct Tie {
+    std::size_t other;
+    int own, its;
+    double weight;
+  };
+  std::vector<std::vector<Tie>> ties(segments.size());
+  for (const auto& [key, border] : seams) {
+    if (key.first == key.second) continue;
+    const auto a = index(key.first), b = index(key.second);
+    for (const End& end : ends_of(region, segments, key, border)) {
+      ties[a].push_back({b, end.a, end.b, end.weight});
+      ties[b].push_back({a, end.b, end.a, end.weight});
+    }
+  }
+  std::vector<std::vector<Vector2d>> places;  // by the chart
+  for (const Segment& segment : segments) {
+    places.emplace_back(segment.patch.uv.size());
+    for (std::size_t i = 0; i < segment.triangles.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        places.back()[index(segment.patch.triangles[i][k])] =
+            region.chart.uv[index(region.chart.triangles[index(segment.triangles[i])][k])];
+  }
   for (int round = 0; round < stitches; ++round)
     for (std::size_t s = 0; s < segments.size(); ++s) {
       RigidFit fit;
       Patch& patch = segments[s].patch;
-      for (const auto& [key, border] : seams) {
-        if (key.first != static_cast<int>(s) && key.second != static_cast<int>(s)) continue;
-        const std::size_t other = index(key.first == static_cast<int>(s) ? key.second : key.first);
-        for (const auto& [v, weight] : border.vertices)
-          fit.add(patch.uv[local[s][v]], segments[other].patch.uv[local[other][v]], weight);
-      }
-      for (const auto& [v, at] : local[s]) fit.add(patch.uv[at], region.chart.uv[index(v)], anchor);
+      for (const Tie& tie : ties[s])
+        fit.add(patch.uv[index(tie.own)], segments[tie.other].patch.uv[index(tie.its)], tie.weight);
+      for (std::size_t v = 0; v < patch.uv.size(); ++v) fit.add(patch.uv[v], places[s][v], anchor);
       const Eigen::Isometry2d motion = fit.motion();
-      for (Vector2d& uv : patch.uv) uv = motion * uv;
+      for (Vector2d& p : patch.uv) p = motion * p;
     }
 }
 
 std::vector<Seam> measured(const Region& region, const std::vector<Segment>& segments, const Borders& seams) {
-  std::vector<std::map<int, std::size_t>> local;
-  for (const Segment& s : segments) local.push_back(numbering(region.chart, s));
   std::vector<Seam> out;
   for (const auto& [key, border] : seams) {
-    Seam seam{key.first, key.second, border.mm, 0, 0, Vector3d::Zero()};
-    const auto a = index(key.first), b = index(key.second);
-    Vector3d middle = Vector3d::Zero();
-    for (const auto& [v, weight] : border.vertices) {
-      const double jump = (segments[a].patch.uv[local[a][v]] - segments[b].patch.uv[local[b][v]]).norm();
-      seam.mean_jump_mm += weight * jump / border.mm;
-      seam.max_jump_mm = std::max(seam.max_jump_mm, jump);
-      middle += weight * region.chart.inked[index(v)] / border.mm;
+    Seam seam{key.first, key.second, 0, 0, 0, Vector3d::Zero(), {}};
+    for (const Side& side : border) {
+      seam.length_mm += side.mm;
+      const auto& back = region.beside[index(side.beside)];
+      const auto edge = std::find(back.begin(), back.end(), side.triangle) - back.begin();
+      seam.edges.push_back({side.triangle, static_cast<int>(side.edge), side.beside, static_cast<int>(edge)});
     }
-    const auto nearest =
-        std::min_element(border.vertices.begin(), border.vertices.end(), [&](const auto& p, const auto& q) {
-          return (region.chart.inked[index(p.first)] - middle).norm() <
-                 (region.chart.inked[index(q.first)] - middle).norm();
-        });
-    seam.place = region.chart.inked[index(nearest->first)];
-    out.push_back(seam);
+    const auto ends = ends_of(region, segments, key, border);
+    Vector3d middle = Vector3d::Zero();
+    for (const End& end : ends) {
+      const double jump = (segments[index(key.first)].patch.uv[index(end.a)] -
+                           segments[index(key.second)].patch.uv[index(end.b)])
+                              .norm();
+      seam.mean_jump_mm += end.weight * jump / seam.length_mm;
+      seam.max_jump_mm = std::max(seam.max_jump_mm, jump);
+      middle += end.weight * region.chart.inked[index(end.vertex)] / seam.length_mm;
+    }
+    const auto off = [&](const End& end) { return (region.chart.inked[index(end.vertex)] - middle).norm(); };
+    const auto nearest = std::min_element(ends.begin(), ends.end(),
+                                          [&](const End& p, const End& q) { return off(p) < off(q); });
+    seam.place = region.chart.inked[index(nearest->vertex)];
+    out.push_back(std::move(seam));
   }
   return out;
 }
@@ -370,20 +267,23 @@ double patch_distortion(const Patch& patch, double scale) {
   return 1;
 }
 
-Result<Segments> cut_into_segments(const Patch& chart, double scale, double limit, const Context& context) {
-  const Region region(chart);
-  VACUFORM_TRY(segments, cut(region, scale, limit, context));
+Result<Segments> cut_into_segments(const Patch& chart, double scale, double limit,
+                                   const std::vector<Edge>& cuts, const Context& context) {
+  const Region region(chart, cuts);
+  Faces all(region.area.size());
+  for (std::size_t t = 0; t < all.size(); ++t) all[t] = static_cast<int>(t);
+  std::vector<Faces> pieces = connected(region, all);
+  const std::size_t given = pieces.size();
+  VACUFORM_TRY(segments, cut(region, std::move(pieces), scale, limit, context));
   VACUFORM_CHECK(join(region, segments, scale, limit, context));
   std::sort(segments.begin(), segments.end(),
-            [](const Segment& a, const Segment& b) { return a.faces.front() < b.faces.front(); });
+            [](const Segment& a, const Segment& b) { return a.triangles.front() < b.triangles.front(); });
   const Borders seams = borders(region, segments);
   stitch(region, segments, seams);
   Segments out;
   out.seams = measured(region, segments, seams);
-  for (Segment& s : segments) {
-    out.patches.push_back(std::move(s.patch));
-    out.distortion.push_back(s.distortion);
-  }
+  out.cuts_sufficed = segments.size() == given;
+  out.parts = std::move(segments);
   return out;
 }
 

@@ -94,24 +94,36 @@ void add(const std::array<Eigen::Vector2d, 3>& from, const std::array<Eigen::Vec
 
 }  // namespace
 
-DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
-                                   const std::vector<Eigen::Vector2d>& uv) {
-  DistortionValues out;
+CornersUv corners_of(const FormedSheet& sheet, const Flattening& flattening,
+                     const std::vector<Eigen::Vector2d>& uv) {
+  CornersUv out;
   for (const int t : flattening.triangles) {
-    std::array<Eigen::Vector2d, 3> from;
-    std::array<Eigen::Vector3d, 3> to;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto v = static_cast<std::size_t>(sheet.triangles[static_cast<std::size_t>(t)][k]);
-      from[k] = uv[v];
-      to[k] = flattening.inked[v];
-    }
-    add(from, to, out);
+    const Triangle& c = sheet.triangles[static_cast<std::size_t>(t)];
+    const auto at = [&](std::size_t k) { return uv[static_cast<std::size_t>(c[k])]; };
+    out.push_back({at(0), at(1), at(2)});
   }
   return out;
 }
 
-Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
-                      const std::vector<Eigen::Vector2d>& uv) {
+CornersUv corners_of(const Print& print, const Alignment& alignment) {
+  CornersUv out = print.pattern_uv;
+  for (auto& corners : out)
+    for (Eigen::Vector2d& uv : corners) uv *= alignment.scale;
+  return out;
+}
+
+DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
+                                   const CornersUv& uv) {
+  DistortionValues out;
+  for (std::size_t i = 0; i < flattening.triangles.size(); ++i) {
+    const Triangle& c = sheet.triangles[static_cast<std::size_t>(flattening.triangles[i])];
+    const auto at = [&](std::size_t k) { return flattening.inked[static_cast<std::size_t>(c[k])]; };
+    add(uv[i], {at(0), at(1), at(2)}, out);
+  }
+  return out;
+}
+
+Distortion distortion(const FormedSheet& sheet, const Flattening& flattening, const CornersUv& uv) {
   DistortionValues values = distortion_values(sheet, flattening, uv);
   return {statistics(std::move(values.anisotropy)), statistics(std::move(values.area_ratio))};
 }

@@ -50,8 +50,9 @@ struct Finished {
   const Pattern& pattern;
   const Print& print;
   HeatSummary heat = {};
-  Alignment alignment = {};            // of the drawing on the chart
-  const Measured* measured = nullptr;  // where the print is one of vectors
+  Alignment alignment = {};              // of the drawing on the chart
+  const Measured* measured = nullptr;    // where the print is one of vectors
+  const Placement* placement = nullptr;  // where the drawing is laid in segments
 };
 
 // A named file of the job's output; the names are those of api/job.hpp.
@@ -67,6 +68,14 @@ struct SingularValues {
 SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from,
                                const std::array<Eigen::Vector3d, 3>& to);
 
+// Coordinates of the corners of the triangles Flattening::triangles, one entry each; mm.
+using CornersUv = std::vector<std::array<Eigen::Vector2d, 3>>;
+// From coordinates of the sheet's vertices: printed as drawn, those are FormedSheet::rest.
+CornersUv corners_of(const FormedSheet& sheet, const Flattening& flattening,
+                     const std::vector<Eigen::Vector2d>& uv);
+// As printed by `print`, in millimetres of the inked surface.
+CornersUv corners_of(const Print& print, const Alignment& alignment);
+
 // The figures of every triangle of the chart, with its area on the inked surface, mm2.
 struct Weighted {
   double value, area;
@@ -75,7 +84,7 @@ struct DistortionValues {
   std::vector<Weighted> anisotropy, area_ratio;
 };
 DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
-                                   const std::vector<Eigen::Vector2d>& uv);
+                                   const CornersUv& uv);
 
 // The same over patches, from their coordinates `of` a vertex (mm of the inked surface).
 Distortion distortion(const std::vector<const Patch*>& patches,
@@ -90,17 +99,16 @@ Bins even_bins(const std::vector<Weighted>& values, double low);
 // The share of the area in each; what lies above the last bin counts there.
 std::vector<double> shares(const std::vector<Weighted>& values, const Bins& bins);
 
-// J from `uv` (per vertex of the sheet) to Flattening::inked, over Flattening::triangles.
-// With pre-distortion uv is Flattening::chart, without it FormedSheet::rest.
-Distortion distortion(const FormedSheet& sheet, const Flattening& flattening,
-                      const std::vector<Eigen::Vector2d>& uv);
+// J from `uv` to Flattening::inked, over Flattening::triangles.
+Distortion distortion(const FormedSheet& sheet, const Flattening& flattening, const CornersUv& uv);
 
 // The figures, findings and warnings as they stand in report.json, without the parts that only the caller of
 // the pipeline knows (hashes of the inputs, versions, seconds). Keys carry their units; numbers are rounded
 // to what is known of them; what does not exist is null.
 nlohmann::ordered_json report(const Finished& job);
 
-// Whether this job makes the artifact: all do but preview-temperature.png, which an evenly warm sheet does not need.
+// Whether this job makes the artifact: all do but preview-temperature.png, which an evenly warm sheet does not need, and
+// preview-segments.png, which needs segments.
 bool makes(const Finished& job, const ArtifactKind& kind);
 
 // All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a

@@ -10,6 +10,7 @@
 #include "worker/inspection/callouts.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/flat_previews.hpp"
+#include "worker/inspection/segment_colours.hpp"
 #include "worker/inspection/view.hpp"
 #include "worker/printing/png_writer.hpp"
 
@@ -134,13 +135,15 @@ class Inked {
     }
   }
 
-  Rgb operator()(const Seen& seen) const {
+  Rgb operator()(const Seen& seen) const { return inked(job_, ink(seen), seen); }
+
+  Ink ink(const Seen& seen) const {
     const auto& c = job_.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
     Vector2d rest = Vector2d::Zero();
     for (std::size_t k = 0; k < 3; ++k)
       rest += seen.weights[k] * job_.sheet.rest[static_cast<std::size_t>(c[k])];
     const double shrink = shrink_[static_cast<std::size_t>(seen.triangle)];
-    return inked(job_, std::isfinite(shrink) ? ink_at_(rest, 1.2 * shrink * seen.spacing_mm) : Ink{}, seen);
+    return std::isfinite(shrink) ? ink_at_(rest, 1.2 * shrink * seen.spacing_mm) : Ink{};
   }
 
  private:
@@ -158,6 +161,27 @@ Rgb hot(const Finished& job, const Heat& heat, const Seen& seen) {
   if (!std::isfinite(value)) return bare(seen);
   // Lit more softly than the bare plastic, so that colours can be compared with the bar.
   return (0.5f + 0.52f * seen.light) * viridis((value - heat.scale.low) / (heat.scale.high - heat.scale.low));
+}
+
+// The segments' colours under the ink.
+Rgb in_segments(const Finished& job, const SegmentColours& segments, const Inked& with, const Seen& seen) {
+  const auto colour = segments(seen);
+  if (!colour) return bare(seen);
+  const Ink ink = with.ink(seen);
+  const Rgb over = job.pattern.grayscale() ? black_ink : Rgb(ink.r, ink.g, ink.b);
+  return seen.light * (*colour + ink.a * (over - *colour)) + Rgb::Constant(seen.gloss);
+}
+
+std::string figures_of(const Placement& placement) {
+  double worst = 1, jump = 0;
+  for (const Segment& s : placement.charts) worst = std::max(worst, s.distortion);
+  for (const Seam& s : placement.seams) jump = std::max(jump, s.max_jump_mm);
+  const auto number = [](std::size_t n, const char* what) {
+    return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+  };
+  return number(placement.charts.size(), "segment") + ", distorted by at most " + decimal(worst, 3) +
+         "     " + number(placement.seams.size(), "seam") + ", across which the drawing jumps by up to " +
+         decimal(jump, 1) + " mm";
 }
 
 // The marks on the bare sheet; what is seen better from behind is shown from there.
@@ -196,8 +220,9 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
     return job.pattern.sample(alignment.pattern(rest - job.flattening.top_rest), blur / alignment.scale);
   });
   const Inked with(job, [&](const Vector2d& rest, double blur) { return print.sample(rest, blur); });
-  const Distortion before = distortion(job.sheet, job.flattening, job.sheet.rest);
-  const Distortion after = distortion(job.sheet, job.flattening, job.flattening.chart);
+  const Distortion before =
+      distortion(job.sheet, job.flattening, corners_of(job.sheet, job.flattening, job.sheet.rest));
+  const Distortion after = distortion(job.sheet, job.flattening, corners_of(job.print, alignment));
   const Heat anisotropy = heat_of(over_vertices(job, [](SingularValues s) { return s.largest / s.smallest; }),
                                   before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
   const Heat area = heat_of(over_vertices(job,
@@ -210,9 +235,13 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   const bool uneven = job.heat.source != HeatSource::uniform;
   const Heat temperature = uneven ? temperature_heat(job) : Heat{};
 
+  const std::optional<SegmentColours> segments =
+      job.placement ? std::optional<SegmentColours>(job) : std::nullopt;
+  const int of_heat = 6, of_segments = uneven ? 7 : 6, count = of_segments + (segments ? 1 : 0);
+
   View view(job.sheet, side, side, caption_top, caption_bottom);
   VACUFORM_TRY(pictures, view.draw(
-                             uneven ? 7 : 6,
+                             count,
                              [&](const Seen& seen, Rgb* colours) {
                                colours[0] = without(seen);
                                colours[1] = with(seen);
@@ -220,7 +249,8 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
                                colours[3] = hot(job, area, seen);
                                colours[4] = hot(job, thickness, seen);
                                colours[5] = bare(seen);
-                               if (uneven) colours[6] = hot(job, temperature, seen);
+                               if (uneven) colours[of_heat] = hot(job, temperature, seen);
+                               if (segments) colours[of_segments] = in_segments(job, *segments, with, seen);
                              },
                              context, 0.1, 0.7));
 
@@ -254,8 +284,13 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   }
   if (uneven) {
     write({"Temperature of the sheet when it met the mold", figures_of(job.heat), temperature.scale, ""},
-          pictures[6]);
+          pictures[of_heat]);
     files.push_back({"preview-temperature.png", png_of(pictures[6])});
+  }
+  if (segments) {
+    Picture& picture = pictures[static_cast<std::size_t>(of_segments)];
+    write({"Segments and their seams", figures_of(*job.placement), {}, lost}, picture);
+    files.push_back({"preview-segments.png", png_of(picture)});
   }
   VACUFORM_TRY(findings, findings_preview(job, view, std::move(pictures[5]), context));
   files.push_back({"preview-findings.png", png_of(findings)});

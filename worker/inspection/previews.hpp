@@ -10,7 +10,7 @@ namespace vacuform {
 // of the sheet that comes to lie on the top of the mold. preview-with.png: the pre-distorted print.
 // preview-anisotropy.png, preview-area.png: the figures without pre-distortion over the chart.
 // preview-thickness.png: the whole sheet. preview-findings.png: the bare sheet with the marks of the warnings of
-// scan, forming and of stretched traces.
+// scan, forming and of stretched traces. preview-segments.png, where the drawing is laid in segments.
 Result<std::vector<Artifact>> previews(const Finished& job, const Context& context);
 
 }  // namespace vacuform

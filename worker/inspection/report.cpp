@@ -7,6 +7,7 @@
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/inspection/mold_distance.hpp"
+#include "worker/inspection/segments_json.hpp"
 #include "worker/scan/findings_json.hpp"
 
 namespace vacuform {
@@ -102,13 +103,15 @@ Json flattening_of(const Flattening& f) {
   return out;
 }
 
-// The part of the chart that the settings favour, or the rest, for figures of its own.
-Flattening part_of(const Flattening& f, bool favoured) {
+// Of the part of the chart that the settings favour, or of the rest.
+Distortion distortion_of_part(const Finished& job, const CornersUv& uv, bool favoured) {
+  const Flattening& f = job.flattening;
   Flattening part;
   part.inked = f.inked;
+  CornersUv of_part;
   for (std::size_t i = 0; i < f.triangles.size(); ++i)
-    if ((f.favoured[i] != 0) == favoured) part.triangles.push_back(f.triangles[i]);
-  return part;
+    if ((f.favoured[i] != 0) == favoured) part.triangles.push_back(f.triangles[i]), of_part.push_back(uv[i]);
+  return distortion(job.sheet, part, of_part);
 }
 
 Json pattern_of(const Finished& job) {
@@ -137,8 +140,9 @@ Json distortion_of(const Distortion& d) {
 
 // Shares of the inked area, the last bin with all that lies above.
 Json histograms_of(const Finished& job) {
-  const auto before = distortion_values(job.sheet, job.flattening, job.sheet.rest);
-  const auto after = distortion_values(job.sheet, job.flattening, job.flattening.chart);
+  const auto before =
+      distortion_values(job.sheet, job.flattening, corners_of(job.sheet, job.flattening, job.sheet.rest));
+  const auto after = distortion_values(job.sheet, job.flattening, corners_of(job.print, job.alignment));
   std::vector<Weighted> thickness;
   for (std::size_t i = 0; i < job.flattening.triangles.size(); ++i) {
     const auto t = static_cast<std::size_t>(job.flattening.triangles[i]);
@@ -187,14 +191,15 @@ Json report(const Finished& job) {
   out["flattening"] = flattening_of(job.flattening);
   out["pattern"] = pattern_of(job);
   out["print"] = print_of(job);
-  out["figures"] = {{"without", distortion_of(distortion(job.sheet, job.flattening, job.sheet.rest))},
-                    {"with", distortion_of(distortion(job.sheet, job.flattening, job.flattening.chart))}};
+  const CornersUv before = corners_of(job.sheet, job.flattening, job.sheet.rest),
+                  after = corners_of(job.print, job.alignment);
+  out["figures"] = {{"without", distortion_of(distortion(job.sheet, job.flattening, before))},
+                    {"with", distortion_of(distortion(job.sheet, job.flattening, after))}};
   if (!job.flattening.favoured.empty())
     for (const bool favoured : {true, false}) {
-      const Flattening part = part_of(job.flattening, favoured);
       const char* name = favoured ? "favoured" : "rest";
-      out["figures"]["without"][name] = distortion_of(distortion(job.sheet, part, job.sheet.rest));
-      out["figures"]["with"][name] = distortion_of(distortion(job.sheet, part, job.flattening.chart));
+      out["figures"]["without"][name] = distortion_of(distortion_of_part(job, before, favoured));
+      out["figures"]["with"][name] = distortion_of(distortion_of_part(job, after, favoured));
     }
   if (job.measured) {
     const Measured& measured = *job.measured;
@@ -208,6 +213,7 @@ Json report(const Finished& job) {
     out["pairs"] = pairs_json(measured.coils);
     out["ink"] = traces_json(measured.traces);
   }
+  if (job.placement) out["segments"] = segments_json(*job.placement, job.print);
   out["histograms"] = histograms_of(job);
   Json warnings = Json::array();
   const auto add = [&](Stage stage, const std::vector<Warning>& of_stage) {

@@ -104,6 +104,8 @@ std::string report_html(const ReportJson& report, const std::vector<Artifact>& f
   out += pictures("Drawing, print and part", files,
                   {"preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png"});
   out += warnings_section(report);
+  out += pictures("Segments", files, {"preview-segments.png"});
+  out += segments_section(report);
   out += coils_section(report);
   out += traces_section(report);
   out += pictures("On the part", files,

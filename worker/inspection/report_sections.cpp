@@ -185,6 +185,38 @@ std::string warnings_section(const ReportJson& report) {
   return out + "</ul>\n";
 }
 
+std::string segments_section(const ReportJson& report) {
+  const ReportJson &all = at(report, {"segments"}), &segments = at(all, {"segments"}),
+                   &seams = at(all, {"seams"});
+  if (!segments.is_array()) return "";
+  Rows rows;
+  for (const auto& segment : segments)
+    rows.push_back({std::to_string(rows.size() + 1), number_text(at(segment, {"distortion"}), 3, "×"),
+                    number_text(at(segment, {"area_mm2"}), 0)});
+  std::string out = html::table(
+      "Segments, each laid in the drawing by itself. Distortion: of 95 % of its area, "
+      "stretched or shrunk by less",
+      {{"Segment"}, {"Distortion", true}, {"Area, mm²", true}}, rows);
+  rows.clear();
+  for (const auto& seam : seams)
+    rows.push_back({text_of(seam["segments"][0]) + " – " + text_of(seam["segments"][1]),
+                    number_text(at(seam, {"length_mm"}), 1), number_text(at(seam, {"mean_jump_mm"}), 2),
+                    number_text(at(seam, {"max_jump_mm"}), 2), number_text(at(seam, {"gap_mm"}), 3),
+                    place_text(at(seam, {"place_mm"}))});
+  if (!rows.empty())
+    out += html::table(
+        "Seams: how far the drawing jumps from one side to the other, and how far the sides lie apart "
+        "on the print",
+        {{"Between"},
+         {"Length, mm", true},
+         {"Jump, mean, mm", true},
+         {"Jump, worst, mm", true},
+         {"Apart on the print, mm", true},
+         {"Place, mm", true}},
+        rows);
+  return out;
+}
+
 std::string coils_section(const ReportJson& report) {
   const ReportJson &coils = at(report, {"coils"}), &pairs = at(report, {"pairs"});
   if (!coils.is_array() || coils.empty()) return "";

@@ -21,6 +21,7 @@ std::string text_of(const ReportJson& value);                              // of
 
 std::string key_figures_section(const ReportJson& report);
 std::string warnings_section(const ReportJson& report);
+std::string segments_section(const ReportJson& report);
 std::string coils_section(const ReportJson& report);
 std::string traces_section(const ReportJson& report);
 std::string histograms_section(const ReportJson& report);

@@ -49,7 +49,11 @@ Ink SheetPicture::of_vectors(const Eigen::Vector2d& rest) const {
 Ink SheetPicture::of_pattern(const Eigen::Vector2d& rest, double blur_mm) const {
   const auto at = chart_.find(rest);
   if (!at) return {};
-  return job_.pattern.sample(interpolate(job_.sheet.triangles, *at, job_.print.pattern_uv), blur_mm);
+  const auto& region = job_.flattening.triangles;
+  const auto row = std::lower_bound(region.begin(), region.end(), at->triangle) - region.begin();
+  const auto& uv = job_.print.pattern_uv[static_cast<std::size_t>(row)];
+  return job_.pattern.sample(at->weights[0] * uv[0] + at->weights[1] * uv[1] + at->weights[2] * uv[2],
+                             blur_mm);
 }
 
 }  // namespace vacuform

@@ -231,6 +231,24 @@ void dash(Stroker& stroker, const Stroke& stroke, const std::vector<CurvePoint>&
   for (const auto& one : pieces) stroker.open_line(one);
 }
 
+double largest_stretch(const Eigen::Matrix2d& map) {
+  const double half = map.squaredNorm() / 2, det = map.determinant();
+  return std::sqrt(half + std::sqrt(std::max(0.0, half * half - det * det)));
+}
+
+// In the pen's own coordinates, and from there to the pattern.
+Area stretched_area(const std::vector<Curve>& curves, Stroke stroke, double tolerance_mm) {
+  const Eigen::Matrix2d pen = stroke.pen, back = pen.inverse();
+  stroke.pen.setIdentity();
+  std::vector<Curve> own = curves;
+  for (Curve& curve : own)
+    for (Vector2d& p : curve.points) p = back * p;
+  Area out = stroke_area(own, stroke, tolerance_mm / largest_stretch(pen));
+  for (Ring& ring : out)
+    for (Vector2d& p : ring) p = pen * p;
+  return out;
+}
+
 }  // namespace
 
 Area fill_area(const std::vector<Curve>& curves, bool even_odd, double tolerance_mm) {
@@ -244,8 +262,11 @@ Area fill_area(const std::vector<Curve>& curves, bool even_odd, double tolerance
   return execute(clip::ctUnion, to_clipper(rings), {}, even_odd ? clip::pftEvenOdd : clip::pftNonZero);
 }
 
+double widest_mm(const Stroke& stroke) { return stroke.width_mm * largest_stretch(stroke.pen); }
+
 Area stroke_area(const std::vector<Curve>& curves, const Stroke& stroke, double tolerance_mm) {
   if (!(stroke.width_mm > 0)) return {};
+  if (stroke.pen != Eigen::Matrix2d::Identity()) return stretched_area(curves, stroke, tolerance_mm);
   Stroker stroker(stroke, tolerance_mm);
   Fineness fineness{.tolerance_mm = tolerance_mm};
   fineness.turn = std::min(fineness.turn, stroker.turn());

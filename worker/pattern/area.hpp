@@ -19,6 +19,9 @@ using Area = std::vector<Ring>;
 // What a shape's fill covers. Chords lie within `tolerance_mm` of the curves.
 Area fill_area(const std::vector<Curve>& curves, bool even_odd, double tolerance_mm);
 
+// Of the line where it is drawn widest.
+double widest_mm(const Stroke& stroke);
+
 // What a stroke along `curves` covers, as SVG draws it, within `tolerance_mm` but for the corners of dashes.
 Area stroke_area(const std::vector<Curve>& curves, const Stroke& stroke, double tolerance_mm);
 

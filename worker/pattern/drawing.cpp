@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 
+#include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
 #include "worker/pattern/svg_shape.hpp"
 
@@ -385,12 +386,13 @@ class Reader {
         length += (curve.points[i] - curve.points[i - 1]).norm();
       pieces += static_cast<double>(curve.points.size() / 3);
     }
-    const double width = shape.stroke ? shape.stroke->width_mm : 0;
+    const double width = shape.stroke ? widest_mm(*shape.stroke) : 0;
     if (width > farthest_mm) return refuse_size();
     if (shape.stroke && !shape.stroke->dashes_mm.empty()) {
       double period = 0;
       for (const double d : shape.stroke->dashes_mm) period += d;
-      const double dashes = length / period * static_cast<double>(shape.stroke->dashes_mm.size());
+      const double own_length = length * width / shape.stroke->width_mm;  // at most, by the pen's measure
+      const double dashes = own_length / period * static_cast<double>(shape.stroke->dashes_mm.size());
       if (!(dashes < most_segments)) return refuse_size();
       segments_ += static_cast<std::size_t>(dashes);
       pieces += dashes;

@@ -30,14 +30,17 @@ struct Colour {
 enum class LineCap { butt, round, square };
 enum class LineJoin { miter, round, bevel };
 
+// Widened, joined, capped and dashed where `pen` is the identity, and then taken by it to the pattern: a transform that
+// stretches a line more one way than the other makes it wider there too.
 struct Stroke {
   Colour colour;
-  double width_mm = 0;
+  double width_mm = 0;  // in the mean over its directions
   LineCap cap = LineCap::butt;
   LineJoin join = LineJoin::miter;
   double miter_limit = 4;
   std::vector<double> dashes_mm;  // none: a continuous line
   double dash_offset_mm = 0;
+  Eigen::Matrix2d pen = Eigen::Matrix2d::Identity();  // of determinant 1
 };
 
 // What is painted at once, the fill before the stroke. At least one of the two is there.
@@ -63,9 +66,8 @@ struct Drawing {
 // Reads the SVG that `pattern` was read from, to the pattern's size: basic shapes, paths, use, symbols, groups, inner
 // pages, transforms, presentation attributes, style attributes and style sheets of simple selectors. What sticks out of the
 // page is kept here and cut by who prints. A drawing that is no SVG gives nothing; so does one that holds what these
-// vectors cannot (text, pictures, gradients, filters, clips, masks, markers, blended groups, lines under a transform that
-// stretches them more one way than the other, more than 200,000 segments), and `warnings` then says what, and how to mend
-// it ("pattern-as-picture"). An element has ink: white shapes alone are none. Of equal ids the later ones get "-2", "-3",
+// vectors cannot (text, pictures, gradients, filters, clips, masks, markers, blended groups, more than 200,000 segments), and
+// `warnings` then says what, and how to mend it ("pattern-as-picture"). An element has ink: white shapes alone are none. Of equal ids the later ones get "-2", "-3",
 // ...; a <use> without an id has its target's. Deterministic; within a second or so whatever the bytes.
 std::optional<Drawing> read_drawing(std::span<const std::uint8_t> bytes, const Pattern& pattern,
                                     std::vector<Warning>& warnings);

@@ -14,6 +14,42 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr float inked = 0.5f;
+constexpr double smoothed_mm = 0.25;         // beside a ring its edge may be so wide
+constexpr std::size_t most_outlines = 1000;  // of a part that is looked at for rings
+
+Curve circle(const Vector2d& centre, double r) {
+  const double k = 4.0 / 3 * (std::sqrt(2.0) - 1);
+  Curve out{{}, true};
+  for (const auto& [x, y] : {std::pair{1., 0.},
+                             {1., k},
+                             {k, 1.},
+                             {0., 1.},
+                             {-k, 1.},
+                             {-1., k},
+                             {-1., 0.},
+                             {-1., -k},
+                             {-k, -1.},
+                             {0., -1.},
+                             {k, -1.},
+                             {1., -k},
+                             {1., 0.}})
+    out.points.push_back(centre + r * Vector2d(x, y));
+  return out;
+}
+
+// Two holes or more, together larger than the ink.
+bool is_entangled(const Shape& shape) {
+  double holes = 0, outside = 0;
+  std::size_t count = 0;
+  for (const Curve& curve : shape.curves) {
+    double twice = 0;
+    for (std::size_t i = 0; i + 3 < curve.points.size(); i += 3)
+      twice += curve.points[i].x() * curve.points[i + 3].y() - curve.points[i].y() * curve.points[i + 3].x();
+    (twice < 0 ? holes : outside) += std::abs(twice) / 2;
+    count += twice < 0 ? 1 : 0;
+  }
+  return count >= 2 && holes > outside - holes;
+}
 
 // Disjoint sets of grid points; the first in order names its set.
 class Sets {
@@ -47,6 +83,7 @@ InkParts::InkParts(const Pattern& pattern) {
   const std::vector<float> ink = coverage(pattern);
   label(ink);
   outline(ink);
+  part_rings();
   spread();
 }
 
@@ -167,6 +204,53 @@ void InkParts::spread() {
   }
 }
 
+// Elements of parts that are several rings become the rings.
+void InkParts::part_rings() {
+  std::vector<Element> elements;
+  for (Element& whole : drawing_.elements) {
+    const auto part = static_cast<int>(parts_.size());
+    std::vector<InkRing> rings;
+    Shape& shape = whole.shapes[0];
+    if (shape.curves.size() >= 3 && shape.curves.size() <= most_outlines)
+      rings = find_rings(shape.curves, [&](const Vector2d& at) { return part_at(at) == part; });
+    parts_.push_back({static_cast<int>(elements.size()), 1});
+    if (rings.size() < 2) {
+      entangled_ |= is_entangled(shape);
+      rings_.emplace_back();
+      elements.push_back(std::move(whole));
+      continue;
+    }
+    std::sort(rings.begin(), rings.end(), [](const InkRing& a, const InkRing& b) {
+      return std::pair(-a.centre.y(), a.centre.x()) < std::pair(-b.centre.y(), b.centre.x());
+    });
+    parts_.back().count = static_cast<int>(rings.size());
+    for (const InkRing& ring : rings) {
+      Shape of_ring{{}, shape.fill, true, {}};
+      for (const double r : {ring.radius + ring.half_width, ring.radius - ring.half_width})
+        of_ring.curves.push_back(circle(ring.centre, r));
+      elements.push_back({.id = {}, .centre = ring.centre, .shapes = {std::move(of_ring)}});
+      rings_.emplace_back(ring);
+    }
+  }
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    elements[i].id = std::string("ink-") + std::to_string(i + 1);
+  drawing_.elements = std::move(elements);
+}
+
+bool InkParts::holds(int element, const Vector2d& uv) const {
+  const int at = part_at(uv);
+  if (at < 0) return element < 0;
+  const Part& part = parts_[static_cast<std::size_t>(at)];
+  const auto in = [&](int e) {
+    const auto& ring = rings_[static_cast<std::size_t>(e)];
+    return !ring || ring->holds(uv, smoothed_mm);
+  };
+  if (element >= 0) return element >= part.first && element < part.first + part.count && in(element);
+  for (int e = part.first; e < part.first + part.count; ++e)
+    if (in(e)) return false;
+  return true;
+}
+
 int InkParts::part_at(const Vector2d& at) const {
   const double x = (at.x() + drawing_.size_mm.x() / 2) / step_ + 1,
                y = (drawing_.size_mm.y() / 2 - at.y()) / step_ + 1;
@@ -174,10 +258,17 @@ int InkParts::part_at(const Vector2d& at) const {
   return labels_[index(static_cast<int>(x), static_cast<int>(y))];
 }
 
-std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement placement) {
-  if (placement == PatternPlacement::chart) return std::nullopt;
+std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement placement,
+                                       std::vector<Warning>& warnings) {
+  if (placement == PatternPlacement::chart || placement == PatternPlacement::segments) return std::nullopt;
   InkParts parts(pattern);
   const auto& elements = parts.drawing().elements;
+  if (parts.entangled())
+    warnings.push_back(
+        {"ink-hangs-together",
+         "Loops of the picture touch or overlap, and are not circles that could be told apart: what "
+         "hangs together is laid as one. For coils give an SVG with a group for each, with an id, so "
+         "that each is laid by itself."});
   if (placement == PatternPlacement::elements && !elements.empty()) return parts;
   if (elements.size() < 2 || elements.size() > 128) return std::nullopt;
   for (const Element& element : elements) {

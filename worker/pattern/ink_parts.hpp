@@ -1,4 +1,4 @@
-// The elements of a picture: the connected parts of its ink.
+// The elements of a picture: the connected parts of its ink, and where circular loops touch or overlap in one, the loops.
 #pragma once
 
 #include <cstdint>
@@ -6,22 +6,28 @@
 #include <vector>
 
 #include "worker/pattern/drawing.hpp"
+#include "worker/pattern/ink_rings.hpp"
 
 namespace vacuform {
 
 // On a grid of about a million points over the drawing, at least 0.1 mm apart. Points of half coverage and more that
-// touch, also by a corner, are one part; parts of less than 1 mm2 are specks and none. Deterministic, O(points).
+// touch, also by a corner, are one part; parts of less than 1 mm2 are specks and none. Where a part shows two rings or more
+// (ink_rings.hpp), these are the elements, which share the ink where they cross, and its ink in no ring is in no element.
+// Deterministic; O(points), and a tenth of a second a ring.
 class InkParts {
  public:
   explicit InkParts(const Pattern& pattern);
 
   // One element a part, by rows from the top: "ink-1", "ink-2", ..., its centroid as the centre, and the outlines of its ink
-  // at half coverage as one filled shape.
+  // at half coverage as one filled shape; a ring's centre and circles where it is one.
   const Drawing& drawing() const { return drawing_; }
 
-  // The element that ink at `uv` belongs to: the nearest within about a millimetre, so that smoothed edges go with their
-  // part; -1 beyond.
-  int part_at(const Eigen::Vector2d& uv) const;
+  // Whether ink at `uv` belongs to the element, or with -1 to none: to the nearest part within about a millimetre, so that
+  // smoothed edges go with it.
+  bool holds(int element, const Eigen::Vector2d& uv) const;
+
+  // Loops may touch or overlap here that could not be told apart: a part with two holes or more, larger than its ink.
+  bool entangled() const { return entangled_; }
 
  private:
   std::size_t index(int x, int y) const {
@@ -32,15 +38,25 @@ class InkParts {
   void label(const std::vector<float>& ink);
   void outline(const std::vector<float>& ink);
   void spread();
+  void part_rings();
+  int part_at(const Eigen::Vector2d& uv) const;
 
+  struct Part {
+    int first = 0, count = 1;  // its elements
+  };
   Drawing drawing_;
+  std::vector<Part> parts_;
+  std::vector<std::optional<InkRing>> rings_;  // of the elements
+  bool entangled_ = false;
   double step_ = 0.1;
   int columns_ = 0, rows_ = 0;
-  std::vector<std::int32_t> labels_;  // element of each point of the grid; -1: none
+  std::vector<std::int32_t> labels_;  // part of each point of the grid; -1: none
 };
 
 // The parts of a picture where they are to be placed one by one: always with pattern.placement elements; with auto where
-// there are 2 to 128 and none is more than 150 mm across, as the coils of an array are that do not touch.
-std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement placement);
+// there are 2 to 128 and none is more than 150 mm across, as the coils of an array are. "ink-hangs-together" warns of loops
+// that then are laid as one.
+std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement placement,
+                                       std::vector<Warning>& warnings);
 
 }  // namespace vacuform

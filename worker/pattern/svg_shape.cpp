@@ -117,9 +117,8 @@ std::optional<Stroke> stroke_of(const Style& style, double opacity, const Eigen:
   if (!width) refusal.because("widths of lines that cannot be read", "give them in mm");
   if (!width || !(*width > 0)) return std::nullopt;
   const Eigen::Vector2d sizes = to_pattern.linear().jacobiSvd().singularValues();
-  // A pen's round tip would become oval.
-  if (sizes[0] - sizes[1] > 1e-4 * sizes[0]) {
-    refusal.because("lines stretched more one way than the other", "turn them into outlines");
+  if (sizes[1] < 1e-3 * sizes[0]) {
+    refusal.because("lines squeezed a thousandfold", "turn them into outlines");
     return std::nullopt;
   }
   if (style[Property::vector_effect] == "non-scaling-stroke")
@@ -128,6 +127,11 @@ std::optional<Stroke> stroke_of(const Style& style, double opacity, const Eigen:
   Stroke stroke;
   stroke.colour = *colour;
   stroke.width_mm = *width * scale;
+  // A pen's round tip becomes oval. Mirrored it is the same pen.
+  if (sizes[0] - sizes[1] > 1e-9 * sizes[0]) {
+    stroke.pen = to_pattern.linear() / scale;
+    if (stroke.pen.determinant() < 0) stroke.pen.col(1) *= -1;
+  }
   const std::string_view cap = style[Property::stroke_linecap], join = style[Property::stroke_linejoin];
   stroke.cap = cap == "round" ? LineCap::round : cap == "square" ? LineCap::square : LineCap::butt;
   stroke.join = join == "round" ? LineJoin::round : join == "bevel" ? LineJoin::bevel : LineJoin::miter;

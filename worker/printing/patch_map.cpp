@@ -51,6 +51,9 @@ std::vector<std::vector<int>> border_of(const Patch& patch) {
 }
 
 PatchMap::PatchMap(const Patch& patch) : patch_(patch), outline_(union_of(border_in_pattern(patch))) {
+  for (const Ring& ring : outline_)
+    for (const Vector2d& p : ring) border_.emplace_back(p.x(), p.y());
+  std::sort(border_.begin(), border_.end());
   AlignedBox2d box;
   for (const Vector2d& uv : patch.uv)
     if (uv.allFinite()) box.extend(uv);
@@ -135,6 +138,11 @@ std::optional<Vector2d> PatchMap::rest_at(const Vector2d& uv, double beyond_mm) 
     rest += hit.weights[static_cast<Eigen::Index>(k)] * patch_.rest[static_cast<std::size_t>(t[k])];
   if (!rest.allFinite()) return std::nullopt;
   return rest;
+}
+
+// What was cut along the outline has the very same points: polygons lie on one grid (worker/pattern/area.cpp).
+bool PatchMap::is_border_vertex(const Vector2d& uv) const {
+  return std::binary_search(border_.begin(), border_.end(), std::pair(uv.x(), uv.y()));
 }
 
 bool PatchMap::covers(const Vector2d& low, const Vector2d& high) const {

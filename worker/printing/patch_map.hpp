@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "worker/coils/patch.hpp"
@@ -23,6 +24,7 @@ class PatchMap {
 
   // What the patch covers in pattern coordinates.
   const Area& outline() const { return outline_; }
+  bool is_border_vertex(const Eigen::Vector2d& uv) const;
   // Whether all of the box is inside: then nothing in it needs to be cut.
   bool covers(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
@@ -36,6 +38,7 @@ class PatchMap {
 
   const Patch& patch_;
   Area outline_;
+  std::vector<std::pair<double, double>> border_;  // the outline's points, ascending
   Eigen::Vector2d low_{0, 0};
   double cell_ = 1;
   int columns_ = 0, rows_ = 0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 #include "worker/decimal.hpp"
@@ -14,6 +13,7 @@
 #include "worker/printing/png_writer.hpp"
 #include "worker/printing/print_pdf.hpp"
 #include "worker/printing/print_svg.hpp"
+#include "worker/printing/seam_gap.hpp"
 #include "worker/printing/sheet_raster.hpp"
 #include "worker/printing/vector_raster.hpp"
 
@@ -70,15 +70,27 @@ Result<void> measure(const Settings& settings, Print& print) {
   return {};
 }
 
-// The placement's chart has the flattening's triangles, in their order.
-std::vector<Vector2d> uv_of_sheet(const FormedSheet& sheet, const Flattening& flattening,
-                                  const Patch& chart) {
-  std::vector<Vector2d> uv(sheet.rest.size(), Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
-  for (std::size_t i = 0; i < flattening.triangles.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      uv[static_cast<std::size_t>(sheet.triangles[static_cast<std::size_t>(flattening.triangles[i])][k])] =
-          chart.uv[static_cast<std::size_t>(chart.triangles[i][k])];
+std::vector<std::array<Vector2d, 3>> uv_of_corners(const std::vector<Segment>& charts) {
+  std::size_t count = 0;
+  for (const Segment& chart : charts) count += chart.triangles.size();
+  std::vector<std::array<Vector2d, 3>> uv(count);
+  for (const Segment& chart : charts)
+    for (std::size_t i = 0; i < chart.triangles.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        uv[static_cast<std::size_t>(chart.triangles[i])][k] =
+            chart.patch.uv[static_cast<std::size_t>(chart.patch.triangles[i][k])];
   return uv;
+}
+
+// The charts as one; at a seam the coordinates are those of one of its sides.
+Patch whole_region(const FormedSheet& sheet, const Flattening& flattening, const Print& print) {
+  Patch out{{}, std::vector<Vector2d>(sheet.rest.size()), sheet.rest, flattening.inked};
+  for (std::size_t i = 0; i < flattening.triangles.size(); ++i) {
+    out.triangles.push_back(sheet.triangles[static_cast<std::size_t>(flattening.triangles[i])]);
+    for (std::size_t k = 0; k < 3; ++k)
+      out.uv[static_cast<std::size_t>(out.triangles.back()[k])] = print.pattern_uv[i][k];
+  }
+  return out;
 }
 
 Result<void> check_ink(Print& print) {
@@ -198,8 +210,10 @@ class PictureFiles {
 
 // A picture is seen through its parts' own patches, and what is in no part through the chart.
 std::vector<RasterLayer> layers_of(const Placement& placement) {
-  if (placement.elements.empty()) return {{&placement.chart, RasterLayer::whole, {}}};
-  std::vector<RasterLayer> layers{{&placement.chart, -1, {}}};
+  constexpr int unplaced = -1;
+  std::vector<RasterLayer> layers;
+  for (const Segment& chart : placement.charts)
+    layers.push_back({&chart.patch, placement.elements.empty() ? RasterLayer::whole : unplaced, {}});
   for (const PlacedElement& element : placement.elements)
     layers.push_back({&element.patch, element.element, {}});
   return layers;
@@ -266,7 +280,8 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
   Print print;
   print.warnings = pattern.warnings();
   VACUFORM_CHECK(measure(settings, print));
-  print.pattern_uv = uv_of_sheet(sheet, flattening, placement.chart);
+  print.pattern_uv = uv_of_corners(placement.charts);
+  print.seam_gap_mm = seam_gaps(placement);
   print.ink_area_mm2 = pattern.ink_mm2();
   if (drawing) {
     VACUFORM_TRY(vectors, pull_back(*drawing, placement, settings, context));
@@ -274,7 +289,7 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
     print.ink_printed = lost < 1e-9 ? 1 : std::clamp(1 - lost, 0.0, 1.0);
     print.vectors = std::move(vectors);
   } else {
-    print.ink_printed = ink_on_chart(sheet, flattening, print.pattern_uv, pattern);
+    print.ink_printed = ink_on_chart(print.pattern_uv, pattern);
   }
   VACUFORM_CHECK(check_ink(print));
 
@@ -287,8 +302,9 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
          "print.compensate_ink has nothing to act on: the drawing has no shades of gray."});
   Marks marks;
   if (settings.print.marks) {
-    marks = lay_out_marks(settings, printable(label), taken_by(placement.chart, print),
-                          mold_outline(placement.chart, pattern, print));
+    const Patch region = whole_region(sheet, flattening, print);
+    marks = lay_out_marks(settings, printable(label), taken_by(region, print),
+                          mold_outline(region, pattern, print));
     print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
   }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -23,8 +24,11 @@
 namespace vacuform {
 
 struct Print {
-  // Per vertex of the sheet: pattern coordinates, mm, as the placement's chart has them; NaN off the chart.
-  std::vector<Eigen::Vector2d> pattern_uv;
+  // Parallel to Flattening::triangles: pattern coordinates of the corners, mm, as the placement's charts have them.
+  // Triangles that share a vertex differ there across a seam alone.
+  std::vector<std::array<Eigen::Vector2d, 3>> pattern_uv;
+  // Of each of the placement's seams: how far its two sides lie apart on the flat sheet, at most, mm.
+  std::vector<double> seam_gap_mm;
   // The whole sheet, exact dpi in pHYs, mirrored when the inner face is inked. A grayscale drawing gives
   // 8-bit gray on white, another 8-bit RGBA on transparent. With marks where settings.print.marks asks for
   // them.

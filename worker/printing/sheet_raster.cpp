@@ -101,7 +101,7 @@ void SheetRaster::scan(const Piece& piece, int first_row, int last_row, int top,
       pattern_.sample_line(from_here, piece.across, count, piece.blur, line);
       if (piece.part != RasterLayer::whole)
         for (int k = 0; k < count; ++k)
-          if (parts_->part_at(from_here + k * piece.across) != piece.part)
+          if (!parts_->holds(piece.part, from_here + k * piece.across))
             std::fill_n(line + k * channels_, channels_, 0.0f);
       for (int k = 0; k < count; ++k) {
         float* sum = out + static_cast<std::ptrdiff_t>((x + k) / n - box_.left) * channels_;

@@ -62,26 +62,25 @@ bool is_corner(const Vector2d& before, const Vector2d& after) {
   return before.dot(after) < corner_cosine * before.norm() * after.norm();
 }
 
-Curve pulled_back(const Ring& ring, const Map& rest_at) {
+// Along its patch's border, which neighbouring patches share, the curve is the border itself.
+Curve pulled_back(const Ring& ring, const Ground& ground) {
   std::vector<FitPoint> points;
   const std::size_t n = ring.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vector2d &a = ring[i], &b = ring[(i + 1) % n], &before = ring[(i + n - 1) % n];
+    const bool corner = is_corner(a - before, b - a) || ground.patch->is_border_vertex(a);
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / sample_mm)));
     for (int k = 0; k < pieces; ++k)
-      if (const auto rest = rest_at(a + (b - a) * k / pieces))
-        points.push_back({*rest, k == 0 && is_corner(a - before, b - a)});
+      if (const auto rest = ground.rest_at(a + (b - a) * k / pieces))
+        points.push_back({*rest, k == 0 && corner});
   }
   return fit_curve(points, true, fit_tolerance);
 }
 
-PaintedArea pulled_back(const Area& area, const Colour& colour, const Map& rest_at) {
-  PaintedArea out;
-  out.colour = colour;
+void pull_back(const Area& area, const Ground& ground, std::vector<Curve>& outlines) {
   for (const Ring& ring : area)
-    if (Curve curve = pulled_back(ring, rest_at); curve.points.size() > 3)
-      out.outlines.push_back(std::move(curve));
-  return out;
+    if (Curve curve = pulled_back(ring, ground); curve.points.size() > 3)
+      outlines.push_back(std::move(curve));
 }
 
 // The parts of a curve that lie on the ground and on the page.
@@ -141,10 +140,14 @@ struct Work {
 class Puller {
  public:
   Puller(const Drawing& drawing, const Placement& placement, double scale)
-      : drawing_(drawing),
-        scale_(scale),
-        chart_(placement.chart),
-        elements_placed_(!placement.elements.empty()) {
+      : drawing_(drawing), scale_(scale), elements_placed_(!placement.elements.empty()) {
+    std::vector<Ring> rings;
+    for (const Segment& chart : placement.charts) {
+      maps_.push_back(std::make_unique<PatchMap>(chart.patch));
+      charts_.push_back(ground_of(*maps_.back()));
+      rings.insert(rings.end(), maps_.back()->outline().begin(), maps_.back()->outline().end());
+    }
+    if (charts_.size() > 1) covered_ = union_of(rings);
     for (const PlacedElement& placed : placement.elements)
       placed_.try_emplace(static_cast<std::size_t>(placed.element),
                           Placed{std::make_unique<PatchMap>(placed.patch), placed.size});
@@ -173,12 +176,12 @@ class Puller {
     const std::string& id = drawing_.elements[work.element].id;
     const auto placed = placed_.find(work.element);
     const bool own = !id.empty() && placed != placed_.end();
-    const PatchMap& patch = own ? *placed->second.map : chart_;
     const bool nowhere = !id.empty() && elements_placed_ && !own;
-    const Ground ground{[&](const Vector2d& uv) { return patch.rest_at(uv); }, &patch};
+    const std::vector<Ground> elements_own =
+        own ? std::vector{ground_of(*placed->second.map)} : std::vector<Ground>();
+    const std::vector<Ground>& grounds = own || nowhere ? elements_own : charts_;
     if (shape.fill)
-      paint(fill_area(shape.curves, shape.even_odd, polygon_tolerance), *shape.fill,
-            nowhere ? nullptr : &ground, work);
+      paint(fill_area(shape.curves, shape.even_odd, polygon_tolerance), *shape.fill, grounds, work);
     if (!shape.stroke) return;
     Stroke stroke = *shape.stroke;
     if (own) resize(stroke, scale_ / placed->second.size);
@@ -186,9 +189,10 @@ class Puller {
     for (const Curve& curve : shape.curves)
       if (!id.empty() || !elements_placed_ || !tied(curve, stroke, work)) plain.push_back(curve);
     if (plain.empty()) return;
-    paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, nowhere ? nullptr : &ground, work);
-    if (nowhere || !(ink(stroke.colour) > 0)) return;
-    for (const Curve& curve : plain) centre(flatten(curve, fine()), curve.closed, ground.rest_at, work);
+    paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, grounds, work);
+    if (!(ink(stroke.colour) > 0)) return;
+    for (const Curve& curve : plain)
+      for (const Ground& ground : grounds) centre(flatten(curve, fine()), curve.closed, ground.rest_at, work);
   }
 
  private:
@@ -206,17 +210,24 @@ class Puller {
     for (double& d : stroke.dashes_mm) d *= factor;
   }
 
-  void paint(const Area& drawn, const Colour& colour, const Ground* ground, Work& work) const {
+  static Ground ground_of(const PatchMap& map) {
+    return {[&map](const Vector2d& uv) { return map.rest_at(uv); }, &map};
+  }
+
+  // On each of the grounds what lies there: pieces that meet on the sheet are one area, without a line between them.
+  void paint(const Area& drawn, const Colour& colour, const std::vector<Ground>& grounds, Work& work) const {
     const Area area = on_page(drawn, drawing_.size_mm);
     const double all = ink(colour) * square_mm(area);
-    work.painted += all;
-    if (!ground) {
-      work.lost += all;
-      return;
+    double kept = 0;
+    PaintedArea out{{}, false, colour};
+    for (const Ground& ground : grounds) {
+      const Area part = on_patch(area, *ground.patch);
+      kept += ink(colour) * square_mm(part);
+      pull_back(part, ground, out.outlines);
     }
-    const Area kept = on_patch(area, *ground->patch);
-    work.lost += all - ink(colour) * square_mm(kept);
-    PaintedArea out = pulled_back(kept, colour, ground->rest_at);
+    if (grounds.size() > 1) kept = ink(colour) * square_mm(intersection(area, covered_));
+    work.painted += all;
+    work.lost += all - kept;
     if (!out.outlines.empty()) work.areas.push_back(std::move(out));
   }
 
@@ -244,22 +255,25 @@ class Puller {
   // Lays the curve as a tied line; false where neither end touches an element.
   bool tied(const Curve& curve, const Stroke& stroke, Work& work) const {
     if (curve.closed || curve.points.empty()) return false;
-    const PatchMap *start = touched(curve.points.front(), stroke.width_mm / 2),
-                   *end = touched(curve.points.back(), stroke.width_mm / 2);
+    const PatchMap *start = touched(curve.points.front(), widest_mm(stroke) / 2),
+                   *end = touched(curve.points.back(), widest_mm(stroke) / 2);
     if (!start && !end) return false;
     auto points = flatten(curve, fine());
     if (points.size() < 2) return false;
-    const TiedLine line(points, stroke.width_mm, chart_, start, end);
-    const Ground ground{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart_};
-    paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, &ground, work);
+    const PatchMap& chart = *maps_.front();
+    const TiedLine line(points, widest_mm(stroke), chart, start, end);
+    const Ground ground{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart};
+    paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, {ground}, work);
     if (ink(stroke.colour) > 0) centre(points, false, ground.rest_at, work);
     return true;
   }
 
   const Drawing& drawing_;
   const double scale_;
-  const PatchMap chart_;
   const bool elements_placed_;
+  std::vector<std::unique_ptr<PatchMap>> maps_;  // of the charts
+  std::vector<Ground> charts_;
+  Area covered_;  // by the charts together, where they are several
   std::map<std::size_t, Placed> placed_;
   std::map<std::size_t, Area> ink_;
 };

@@ -121,13 +121,23 @@ Result<std::vector<Variant>> form_variants(const Mold& mold, const Settings& set
 
 std::vector<PrintedCoil> printed_coils(const std::vector<CoilCentre>& centres, const FormedSheet& sheet,
                                        const Flattening& flattening,
-                                       const std::vector<Eigen::Vector2d>& pattern_uv) {
-  const PlaneLocator chart(sheet.triangles, pattern_uv, flattening.triangles);
+                                       const std::vector<std::array<Eigen::Vector2d, 3>>& pattern_uv) {
+  // Corners of their own: charts that meet at a seam have different coordinates there.
+  std::vector<Eigen::Vector2d> uv;
+  std::vector<Triangle> corners;
+  for (const auto& of : pattern_uv) {
+    const int first = static_cast<int>(uv.size());
+    uv.insert(uv.end(), of.begin(), of.end());
+    corners.push_back({first, first + 1, first + 2});
+  }
+  const PlaneLocator charts(corners, uv);
   std::vector<PrintedCoil> out;
   for (const CoilCentre& centre : centres) {
     out.push_back({centre.id, {}});
-    if (const auto at = chart.find(centre.uv))
+    if (auto at = charts.find(centre.uv)) {
+      at->triangle = flattening.triangles[static_cast<std::size_t>(at->triangle)];
       out.back().rest = interpolate(sheet.triangles, *at, sheet.rest);
+    }
   }
   return out;
 }

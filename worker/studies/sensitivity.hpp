@@ -1,6 +1,7 @@
 // What the print hangs on: how far each coil lands off when one thing about the machine is not as it was said.
 #pragma once
 
+#include <array>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -36,7 +37,7 @@ struct PrintedCoil {
 // `pattern_uv` as in Print.
 std::vector<PrintedCoil> printed_coils(const std::vector<CoilCentre>& centres, const FormedSheet& sheet,
                                        const Flattening& flattening,
-                                       const std::vector<Eigen::Vector2d>& pattern_uv);
+                                       const std::vector<std::array<Eigen::Vector2d, 3>>& pattern_uv);
 
 // The table for report.json: per change the distances, in mm, between where each coil's centre lands and where it lands
 // nominally; mean, largest, and one by one in the order of `coils` (null off the chart or off the sheet).
