@@ -5,15 +5,16 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "api/log.hpp"
-#include "server/http/origin.hpp"
+#include "server/backup_command.hpp"
+#include "server/configuration.hpp"
 #include "server/http/server.hpp"
+#include "server/kept_folder.hpp"
 #include "server/local_workers.hpp"
 #include "server/problem.hpp"
 #include "server/secrets.hpp"
@@ -24,38 +25,6 @@
 
 namespace vacuform {
 namespace {
-
-struct Options {
-  std::string listen = "127.0.0.1:8080", status_listen = "127.0.0.1:0";
-  std::filesystem::path data = "vacuform-data";
-  int workers = 0;
-  int lease_seconds = 30;
-  std::filesystem::path worker_program;
-  std::filesystem::path port_file, status_port_file;
-};
-
-struct Address {
-  std::string host;
-  int port = 0;
-};
-
-Result<Address> loopback_address(const std::string& listen, const std::string& option) {
-  const std::size_t colon = listen.rfind(':');
-  Address address;
-  address.host = listen.substr(0, colon);
-  const std::string port = colon == std::string::npos ? "" : listen.substr(colon + 1);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
-  if (port.empty() || error != std::errc() || end != port.data() + port.size() || address.port < 0 ||
-      address.port > 65535)
-    return fail(Code::bad_usage, "not an address with a port: " + listen, option,
-                "give for example 127.0.0.1:8080");
-  if (!http::is_loopback_host(address.host))
-    return fail(Code::bad_usage, "refusing to listen on " + address.host + " without a TLS front", option,
-                "give 127.0.0.1, localhost or [::1]");
-  if (address.host == "localhost") address.host = "127.0.0.1";
-  if (address.host == "[::1]") address.host = "::1";
-  return address;
-}
 
 // The tokens that a service needs to begin with, each in a file of its own in the data folder.
 Result<void> first_tokens(Store& store, const std::filesystem::path& data,
@@ -83,7 +52,11 @@ void observe(Metrics& metrics, const http::Answered& answered) {
 }
 
 std::string url_of(const Address& address, const http::Server& server) {
-  const std::string host = address.host == "::1" ? "[::1]" : address.host;
+  const bool any =
+      address.host == "0.0.0.0" || address.host == "::";  // then its own workers find it on loopback
+  const std::string host = any                                           ? "127.0.0.1"
+                           : address.host.find(':') != std::string::npos ? "[" + address.host + "]"
+                                                                         : address.host;
   return "http://" + host + ":" + std::to_string(server.port());
 }
 
@@ -108,18 +81,11 @@ Result<void> tell_port(const std::filesystem::path& file, const http::Server& se
 }
 
 // Serves until SIGTERM or SIGINT.
-Result<void> serve(const Options& options) {
-  VACUFORM_TRY(address, loopback_address(options.listen, "--listen"));
-  VACUFORM_TRY(status_address, loopback_address(options.status_listen, "--status-listen"));
+Result<void> serve(const Configuration& options) {
+  VACUFORM_CHECK(check(options));
+  VACUFORM_TRY(address, listen_address(options.listen, "--listen", options.front));
+  VACUFORM_TRY(status_address, listen_address(options.status_listen, "--status-listen", options.front));
   if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
-  const std::filesystem::path program =
-      options.worker_program.empty()
-          ? std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vacuform-worker"
-          : std::filesystem::absolute(options.worker_program);
-  if (options.workers > 0 && ::access(program.c_str(), X_OK) != 0)
-    return fail(Code::bad_usage, "there is no worker program", program.string(),
-                "give its path with --worker-program");
-
   // Blocked before the first thread starts, so that only this thread hears them.
   sigset_t signals;
   sigemptyset(&signals);
@@ -129,7 +95,10 @@ Result<void> serve(const Options& options) {
 
   StoreOptions store_options;
   store_options.lease = options.lease_seconds * Millis{1000};
+  const KeptFolder kept(options.data);
+  store_options.blob_gone = [&kept](const std::string& sha256) { kept.forget(sha256); };
   VACUFORM_TRY(store, open_store(options.data, store_options));
+  kept.sweep(*store);
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
   VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
   Access access(*store);
@@ -140,6 +109,7 @@ Result<void> serve(const Options& options) {
   http::ServerOptions listener;
   listener.host = address.host;
   listener.port = address.port;
+  listener.front_host = options.front_host();
   listener.refuse = refuse;
   listener.observe = [&metrics](const http::Answered& answered) { observe(metrics, answered); };
   VACUFORM_TRY(server, http::Server::start(listener, all_routes(service)));
@@ -167,7 +137,8 @@ Result<void> serve(const Options& options) {
   // Workers of an earlier run died with it; their jobs need not wait for the leases to end.
   for (int i = 0; i < options.workers; ++i)
     log_expired(store->bury(LocalWorkers::name_of(static_cast<std::size_t>(i))));
-  LocalWorkers workers({program, url, token_file}, options.workers);
+  LocalWorkers workers({std::filesystem::absolute(options.worker_program), url, token_file, kept.path()},
+                       options.workers);
   for (;;) {
     for (const std::string& dead : workers.tend()) log_expired(store->bury(dead));
     const timespec second{1, 0};
@@ -183,49 +154,37 @@ Result<void> serve(const Options& options) {
   return {};
 }
 
+Result<void> run(ConfigurationSources& sources, const Configuration& configuration, TokenCommand& token,
+                 BackupCommand& backup, int argc, char** argv) {
+  VACUFORM_CHECK(sources.read(argc, argv));
+  if (token.asked()) return token.run();
+  if (backup.asked()) return backup.run();
+  if (!sources.only_check()) return serve(configuration);
+  VACUFORM_CHECK(check(configuration));
+  std::printf("%s\n", to_text(configuration).c_str());
+  return {};
+}
+
 }  // namespace
 }  // namespace vacuform
 
 int main(int argc, char** argv) {
   ::umask(0077);  // scans of patients are nobody else's to read
-  vacuform::Options options;
+  vacuform::Configuration configuration;
   CLI::App app(
       "The HTTP service of Vacuform: takes scans and patterns, hands jobs to workers, keeps the results.");
-  app.add_option("--listen", options.listen, "Loopback address and port; port 0 takes any free one")
-      ->capture_default_str();
-  app.add_option("--data", options.data, "Folder of the jobs, made when absent")->capture_default_str();
-  app.add_option("--workers", options.workers, "Workers to start on this machine")
-      ->check(CLI::Range(0, 256))
-      ->capture_default_str();
-  app.add_option("--lease-seconds", options.lease_seconds,
-                 "Silence of a worker after which its job is given to another; workers give a sign of life "
-                 "every second")
-      ->check(CLI::Range(3, 3600))
-      ->capture_default_str();
-  app.add_option("--worker-program", options.worker_program,
-                 "The worker (default: vacuform-worker beside this program)");
-  app.add_option("--port-file", options.port_file, "File that receives the port when the server is ready");
-  app.add_option(
-         "--status-listen", options.status_listen,
-         "Loopback address and port of /healthz, /readyz and /metrics; port 0 takes any free one, which "
-         "the log names")
-      ->capture_default_str();
-  app.add_option("--status-port-file", options.status_port_file,
-                 "File that receives the port of --status-listen");
+  vacuform::ConfigurationSources sources(app, configuration);
   vacuform::TokenCommand token;
   token.add_to(app);
+  vacuform::BackupCommand backup;
+  backup.add_to(app);
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "vacuform-server: %s; see --help\n", error.what());
-    return 2;
-  }
-  try {
-    const auto served = token.asked() ? token.run() : vacuform::serve(options);
-    if (served) return 0;
-    std::fprintf(stderr, "vacuform-server: %s\n", served.error().text().c_str());
-    return vacuform::meaning(served.error().code).exit_code;
+    const auto done = vacuform::run(sources, configuration, token, backup, argc, argv);
+    if (done) return 0;
+    std::fprintf(stderr, "vacuform-server: %s\n", done.error().text().c_str());
+    return vacuform::meaning(done.error().code).exit_code;
+  } catch (const CLI::Success& asked) {  // --help
+    return app.exit(asked);
   } catch (const std::exception& fault) {
     std::fprintf(stderr, "vacuform-server: internal fault: %s\n", fault.what());
     return 1;

@@ -1,6 +1,7 @@
 #include "server/http/origin.hpp"
 
 #include <arpa/inet.h>
+#include <strings.h>
 
 #include <algorithm>
 
@@ -27,12 +28,18 @@ bool is_loopback_host(std::string_view host) {
   return text == "localhost" || text == "::1";
 }
 
-std::optional<Refusal> check_origin(const Request& request) {
+std::optional<Refusal> check_origin(const Request& request, std::string_view front_host) {
   const std::string_view host = request.header("Host");
-  if (!is_loopback_host(host))
+  const bool through_front = !front_host.empty() && host.size() == front_host.size() &&
+                             strncasecmp(host.data(), front_host.data(), host.size()) == 0;
+  if (!is_loopback_host(host) && !through_front)
     return Refusal{421,
-                   {Code::bad_usage, "this server answers on loopback only", "Host",
-                    "address it as 127.0.0.1 or localhost"}};
+                   {Code::bad_usage,
+                    front_host.empty() ? "this server answers on loopback only"
+                                       : "this server answers on loopback and under its front's name only",
+                    "Host",
+                    front_host.empty() ? "address it as 127.0.0.1 or localhost"
+                                       : "address it as https://" + std::string(front_host)}};
   if (request.method == "GET" || request.method == "HEAD" || request.method == "OPTIONS") return std::nullopt;
   const std::string_view origin = request.header("Origin");
   if (!origin.empty() && origin != "http://" + std::string(host) && origin != "https://" + std::string(host))

@@ -1,4 +1,4 @@
-// Whom a server on loopback may believe. A web page anywhere can make a browser send requests to 127.0.0.1:
+// Whom a server on loopback, or behind a front, may believe. A web page anywhere can make a browser send requests to 127.0.0.1:
 // by a name that it points there (DNS rebinding), which Host gives away, or by a form of its own, which
 // Origin gives away.
 #pragma once
@@ -12,8 +12,8 @@ namespace vacuform::http {
 // "127.0.0.1:8080", "localhost", "[::1]:80": a loopback name with or without a port.
 bool is_loopback_host(std::string_view host);
 
-// Refuses a Host that is not loopback (421) and an unsafe request whose Origin is not that Host (403).
-// Programs send no Origin and pass.
-std::optional<Refusal> check_origin(const Request& request);
+// Refuses a Host that is neither loopback nor `front_host` (421; in lower case, empty: there is none), and an unsafe
+// request whose Origin is not that Host (403). Programs send no Origin and pass.
+std::optional<Refusal> check_origin(const Request& request, std::string_view front_host = {});
 
 }  // namespace vacuform::http

@@ -269,7 +269,7 @@ class Server::Library : public httplib::Server {
     request.headers = served->head().headers;
     request.content_length = served->head().content_length;
     request.body = served;
-    if (const auto refusal = check_origin(request)) return options_.refuse(request, *refusal);
+    if (const auto refusal = check_origin(request, options_.front_host)) return options_.refuse(request, *refusal);
     Router::Match match = router_.match(request.method, request.path);
     if (!match.route && !match.allowed.empty()) {
       Response response = options_.refuse(

@@ -29,6 +29,7 @@ struct Answered {
 
 struct ServerOptions {
   std::string host = "127.0.0.1";
+  std::string front_host;  // under which a TLS front passes requests on, in lower case; empty: there is none
   int port = 0;      // 0: any free one
   int threads = 64;  // requests at a time; a thread waits for its client, so more than cores
   int streams = 64;  // responses at a time that stream or wait, besides
