@@ -202,5 +202,27 @@ TEST(ExactGeodesics, AreAsLongThereAsBackAlsoOverBumps) {
   }
 }
 
+TEST(ElementPatch, OnBumpsHasCirclesThatAreRoundByExactGeodesics) {
+  const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
+  const InkedSurface surface(x.sheet, x.flattening);
+  const SheetPoint centre = at(surface, {3, 4});
+  const auto patch = element_patch(surface, centre, surface.chart_axis(centre.triangle), 18, Context());
+  ASSERT_TRUE(patch);
+  EXPECT_FALSE(patch->smooth);
+  Geodesics geodesics(surface.path_mesh());
+  geodesics.begin_at(centre, 40);
+  const PlaneLocator flat(patch->patch.triangles, patch->patch.uv);
+  double least = 1e9, most = 0;
+  for (int i = 0; i < 360; ++i) {
+    const auto on_patch = flat.find(15 * Vector2d(std::cos(i * M_PI / 180), std::sin(i * M_PI / 180)));
+    ASSERT_TRUE(on_patch);
+    const auto path =
+        geodesics.to(at(surface, interpolate(patch->patch.triangles, *on_patch, patch->patch.rest)));
+    ASSERT_TRUE(path);
+    least = std::min(least, path->length), most = std::max(most, path->length);
+  }
+  EXPECT_LT((most - least) / (most + least), 0.004);  // about half of that is circularity
+}
+
 }  // namespace
 }  // namespace vacuform

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "worker/coils/inductance.hpp"
+#include "worker/parallel.hpp"
 
 namespace vacuform {
 
@@ -25,7 +26,7 @@ constexpr double unit_k = 1e-3, unit_mm = 5, unit_size = 0.02;
 // Where not every pair can be decoupled, the worst pairs count most: by the fourth power of k over this bound, too.
 constexpr double bound_k = 0.008, bound_weight = 10;
 constexpr double array_weight = 100;  // of a shift of the array as a whole against that of each loop
-constexpr double off_weight = 0.1;    // of pairs of which one has its centre off the head
+constexpr double off_weight = 0.1;    // of pairs of which one is off the head
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -52,8 +53,13 @@ double coupling(const Probe& a, const Probe& b) {
 class Decoupling {
  public:
   Decoupling(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
-             double size_limit, const Context& context)
-      : surface_(surface), layout_(layout), laid_(laid), limit_(size_limit), context_(context) {
+             double size_limit, bool halves_count, const Context& context)
+      : surface_(surface),
+        layout_(layout),
+        laid_(laid),
+        limit_(size_limit),
+        halves_count_(halves_count),
+        context_(context) {
     for (const Neighbours& n : layout.pairs) {
       if (!coupling(laid[index(n.a)], laid[index(n.b)])) continue;
       pairs_.push_back(n);
@@ -69,11 +75,11 @@ class Decoupling {
     std::vector<ElementOnSurface> best_laid;
     ElementLayout best_layout;
     double least = std::numeric_limits<double>::infinity();
-    for (int pass = 0; pass < most_passes; ++pass) {
+    for (int pass = 0; pass <= most_passes; ++pass) {
       const VectorXd exact = couplings(laid_);
       if (worst(exact) >= least) break;
       least = worst(exact), best_layout = layout_, best_laid = laid_;
-      if (least <= good_k) break;
+      if (least <= good_k || pass == most_passes) break;
       const bool bumps = !all_smooth();
       correction_ = VectorXd::Zero(exact.size());
       if (bumps) {
@@ -138,7 +144,8 @@ class Decoupling {
   }
 
   double weight(std::size_t i) const {
-    return surface_.on_chart(layout_.centres[i].point.triangle) ? 1 : off_weight;
+    const bool on = halves_count_ ? surface_.on_chart(layout_.centres[i].point.triangle) : laid_[i].on_head;
+    return on ? 1 : off_weight;
   }
 
   // The fourth power's residual of a weighted k, and its slope.
@@ -149,9 +156,11 @@ class Decoupling {
 
   VectorXd couplings(const std::vector<ElementOnSurface>& laid) const {
     VectorXd k(static_cast<Index>(pairs_.size()));
-    for (std::size_t p = 0; p < pairs_.size(); ++p)
-      k[static_cast<Index>(p)] = vacuform::coupling(laid[index(pairs_[p].a)], laid[index(pairs_[p].b)])
-                                     .value_or(std::numeric_limits<double>::quiet_NaN());
+    in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
+      for (std::size_t p = index(first); p < index(last); ++p)
+        k[static_cast<Index>(p)] = vacuform::coupling(laid[index(pairs_[p].a)], laid[index(pairs_[p].b)])
+                                       .value_or(std::numeric_limits<double>::quiet_NaN());
+    });
     return k;
   }
 
@@ -207,32 +216,36 @@ class Decoupling {
   // The change of every pair's k with the unknowns in their units, by differences; pairs' rows have six entries.
   Result<std::vector<std::array<Vector3d, 2>>> jacobian() const {
     constexpr double step_mm = 0.5, step_size = 0.01;
-    std::vector<Probe> here;
-    std::vector<std::array<Probe, 3>> changed;
-    for (std::size_t i = 0; i < layout_.elements.size(); ++i) {
-      VACUFORM_CHECK(context_.step(Stage::printing, 0));
-      const LaidElement& e = layout_.elements[i];
-      const PolarGrid at = grid(i, {0, 0});
-      here.push_back(probe(at, e, e.size));
-      changed.push_back({probe(grid(i, {step_mm, 0}), e, e.size), probe(grid(i, {0, step_mm}), e, e.size),
-                         probe(at, e, e.size + step_size)});
-    }
-    std::vector<std::array<Vector3d, 2>> J;
-    for (const Neighbours& n : pairs_) {
-      VACUFORM_CHECK(context_.step(Stage::printing, 0));
-      const std::size_t a = index(n.a), b = index(n.b);
-      const double k = coupling(here[a], here[b]);
-      std::array<Vector3d, 2> rows;
-      for (int c = 0; c < 3; ++c) {
-        const double per = c < 2 ? unit_mm / step_mm : unit_size / step_size;
-        rows[0][c] = (coupling(changed[a][index(c)], here[b]) - k) * per;
-        rows[1][c] = (coupling(here[a], changed[b][index(c)]) - k) * per;
+    const int count = static_cast<int>(layout_.elements.size());
+    std::vector<Probe> here(layout_.elements.size());
+    std::vector<std::array<Probe, 3>> changed(layout_.elements.size());
+    VACUFORM_CHECK(context_.step(Stage::printing, 0));
+    in_parallel(0, count, [&](int first, int last) {
+      for (std::size_t i = index(first); i < index(last); ++i) {
+        const LaidElement& e = layout_.elements[i];
+        const PolarGrid at = grid(i, {0, 0});
+        here[i] = probe(at, e, e.size);
+        changed[i] = {probe(grid(i, {step_mm, 0}), e, e.size), probe(grid(i, {0, step_mm}), e, e.size),
+                      probe(at, e, e.size + step_size)};
       }
-      // Beyond the sheet's border nothing can be said.
-      if (!rows[0].allFinite()) rows[0].setZero();
-      if (!rows[1].allFinite()) rows[1].setZero();
-      J.push_back(rows);
-    }
+    });
+    VACUFORM_CHECK(context_.step(Stage::printing, 0));
+    std::vector<std::array<Vector3d, 2>> J(pairs_.size());
+    in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
+      for (std::size_t p = index(first); p < index(last); ++p) {
+        const std::size_t a = index(pairs_[p].a), b = index(pairs_[p].b);
+        const double k = coupling(here[a], here[b]);
+        auto& [of_a, of_b] = J[p];
+        for (int c = 0; c < 3; ++c) {
+          const double per = c < 2 ? unit_mm / step_mm : unit_size / step_size;
+          of_a[c] = (coupling(changed[a][index(c)], here[b]) - k) * per;
+          of_b[c] = (coupling(here[a], changed[b][index(c)]) - k) * per;
+        }
+        // Beyond the sheet's border nothing can be said.
+        if (!of_a.allFinite()) of_a.setZero();
+        if (!of_b.allFinite()) of_b.setZero();
+      }
+    });
     return J;
   }
 
@@ -309,6 +322,7 @@ class Decoupling {
   ElementLayout& layout_;
   std::vector<ElementOnSurface>& laid_;
   double limit_;
+  bool halves_count_;  // loops that lie on the head in part alone
   const Context& context_;
   std::vector<Neighbours> pairs_;
   std::vector<double> weights_;
@@ -318,11 +332,29 @@ class Decoupling {
   VectorXd correction_;  // of the couplings of the layout that steps are taken on
 };
 
+// The largest |k| of two loops that both lie on the head.
+double worst_on_head(const ElementLayout& layout, const std::vector<ElementOnSurface>& laid) {
+  double most = 0;
+  for (const Neighbours& n : layout.pairs)
+    if (laid[index(n.a)].on_head && laid[index(n.b)].on_head)
+      most = std::max(most, std::abs(coupling(laid[index(n.a)], laid[index(n.b)]).value_or(0)));
+  return most;
+}
+
 }  // namespace
 
 Result<void> decouple(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
                       double size_limit, const Context& context) {
-  return Decoupling(surface, layout, laid, size_limit, context).run();
+  const ElementLayout layout_before = layout;
+  std::vector<ElementOnSurface> laid_before = laid;
+  VACUFORM_CHECK(Decoupling(surface, layout, laid, size_limit, true, context).run());
+  if (worst_on_head(layout, laid) <= required_k) return {};
+  // Loops at the foot of the mold, where the sheet is in folds, may be what holds the others back.
+  ElementLayout other = layout_before;
+  VACUFORM_CHECK(Decoupling(surface, other, laid_before, size_limit, false, context).run());
+  if (worst_on_head(other, laid_before) < worst_on_head(layout, laid))
+    layout = std::move(other), laid = std::move(laid_before);
+  return {};
 }
 
 }  // namespace vacuform

@@ -9,7 +9,7 @@ namespace vacuform {
 // possible to where and as large as they were, and no size by more than `size_limit` (a ratio). Levenberg and
 // Marquardt's method with the sizes in their bounds. Where the surface does not let all vanish, the largest is made
 // small. The array as a whole stays where it was laid, and on the head, unless a pair would then stay coupled by 0.01; pairs
-// with a centre off the head hardly count. `laid` is the layout on the surface, before and, on return, after. Stops once
+// of which one is off the head hardly count. `laid` is the layout on the surface, before and, on return, after. Stops once
 // every pair's |k| is below 0.001 or nothing more is gained: some tenths of a second for 19 loops, some seconds where
 // not all can vanish. Deterministic. Errors: cancelled.
 Result<void> decouple(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,

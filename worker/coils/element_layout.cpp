@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/coils/inductance.hpp"
+#include "worker/parallel.hpp"
 
 namespace vacuform {
 
@@ -21,6 +22,24 @@ void go_beyond(const InkedSurface& surface, Centre& centre, const Vector2d& way)
   move(surface, centre, way);
   centre.axis = turned(surface, centre.point.triangle, centre.axis, turn);
   centre.moved.setZero();
+}
+
+Result<ElementOnSurface> lay(const InkedSurface& surface, const LaidElement& element, const Centre& centre,
+                             double turn, bool rough) {
+  // Which thread this is nobody knows: progress and cancellation are the caller's.
+  VACUFORM_TRY(patch,
+               element_patch(surface, centre.point, turned(surface, centre.point.triangle, centre.axis, turn),
+                             element.size * element.outline.reach_mm, Context(), rough));
+  ElementOnSurface laid;
+  laid.turn = turn;
+  laid.patch = std::move(patch);
+  const PatchMap map(laid.patch);
+  laid.on_head = std::all_of(element.outline.points.begin(), element.outline.points.end(),
+                             [&](const Vector2d& p) { return map.on_chart(element.size * p); });
+  laid.loop = loop_in_space(map, element);
+  if (!laid.loop.empty())
+    laid.self_nh = self_inductance_nh(laid.loop, element.size * element.outline.width_mm);
+  return laid;
 }
 
 }  // namespace
@@ -53,25 +72,23 @@ ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, 
 
 Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
                                                      const Context& context, bool rough) {
-  std::vector<ElementOnSurface> out;
+  const int count = static_cast<int>(layout.elements.size());
   const std::vector<double> turn = turns(surface, layout.centres, layout.pairs);
-  for (std::size_t i = 0; i < layout.elements.size(); ++i) {
+  std::vector<Result<ElementOnSurface>> laid(layout.elements.size());
+  constexpr int batch = 4;  // so that a cancel is heard
+  for (int begin = 0; begin < count; begin += batch) {
     VACUFORM_CHECK(context.step(Stage::printing, 0));
-    const LaidElement& element = layout.elements[i];
-    const Centre& centre = layout.centres[i];
-    VACUFORM_TRY(patch, element_patch(surface, centre.point,
-                                      turned(surface, centre.point.triangle, centre.axis, turn[i]),
-                                      element.size * element.outline.reach_mm, context, rough));
-    ElementOnSurface laid;
-    laid.turn = turn[i];
-    laid.patch = std::move(patch);
-    const PatchMap map(laid.patch);
-    laid.on_head = std::all_of(element.outline.points.begin(), element.outline.points.end(),
-                               [&](const Vector2d& p) { return map.on_chart(element.size * p); });
-    laid.loop = loop_in_space(map, element);
-    if (!laid.loop.empty())
-      laid.self_nh = self_inductance_nh(laid.loop, element.size * element.outline.width_mm);
-    out.push_back(std::move(laid));
+    in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        laid[k] = lay(surface, layout.elements[k], layout.centres[k], turn[k], rough);
+      }
+    });
+  }
+  std::vector<ElementOnSurface> out;
+  for (auto& one : laid) {
+    VACUFORM_CHECK(one);
+    out.push_back(std::move(*one));
   }
   return out;
 }
