@@ -16,10 +16,67 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t smallest = 32;  // triangles that are not cut any more
-constexpr int stitches = 200;         // rounds of moving the segments towards each other
-constexpr double anchor = 0.01;       // how much a segment's place in the chart counts against its seams
+// How far joined segments may lie from where the chart has them (RMS): mm, or of the square root of their area.
+constexpr double in_place_mm = 3, in_place = 0.05;
+constexpr int stitches = 200;    // rounds of moving the segments towards each other
+constexpr double anchor = 0.01;  // how much a segment's place in the chart counts against its seams
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Weighted points that a rigid motion takes as near as it can to others (Kabsch, in the plane).
+class RigidFit {
+ public:
+  void add(const Vector2d& from, const Vector2d& to, double weight) {
+    pairs_.push_back({from, to, weight});
+    weight_ += weight, from_ += weight * from, to_ += weight * to;
+  }
+  Eigen::Isometry2d motion() const {
+    const Vector2d from = from_ / weight_, to = to_ / weight_;
+    double c = 0, s = 0;
+    for (const auto& [p, q, w] : pairs_) {
+      const Vector2d a = p - from, b = q - to;
+      c += w * a.dot(b), s += w * (a.x() * b.y() - a.y() * b.x());
+    }
+    Eigen::Isometry2d out = Eigen::Isometry2d::Identity();
+    out.rotate(Eigen::Rotation2Dd(std::atan2(s, c)));
+    out.translation() = to - out.linear() * from;
+    return out;
+  }
+
+ private:
+  struct Pair {
+    Vector2d from, to;
+    double weight;
+  };
+  std::vector<Pair> pairs_;
+  double weight_ = 0;
+  Vector2d from_{0, 0}, to_{0, 0};
+};
+
+// Where the chart has a segment's vertices.
+std::vector<Vector2d> places_in_chart(const Region& region, const Segment& segment) {
+  std::vector<Vector2d> out(segment.patch.uv.size());
+  for (std::size_t i = 0; i < segment.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      out[index(segment.patch.triangles[i][k])] =
+          region.chart.uv[index(region.chart.triangles[index(segment.triangles[i])][k])];
+  return out;
+}
+
+// Whether a segment, laid as near to the chart as it can be, lies about where the chart has it: a long strip around a dome
+// or a horn may be flattened without distortion, but opens, and what is drawn for the whole then falls elsewhere.
+bool stays_in_place(const Region& region, const Segment& segment, double scale) {
+  const std::vector<Vector2d> places = places_in_chart(region, segment);
+  RigidFit fit;
+  for (std::size_t v = 0; v < places.size(); ++v) fit.add(segment.patch.uv[v], places[v], 1);
+  const Eigen::Isometry2d motion = fit.motion();
+  double squares = 0, area = 0;
+  for (std::size_t v = 0; v < places.size(); ++v)
+    squares += (motion * segment.patch.uv[v] - places[v]).squaredNorm();
+  for (const int t : segment.triangles) area += region.area[index(t)];
+  const double off = scale * std::sqrt(squares / static_cast<double>(places.size()));
+  return off <= std::max(in_place_mm, in_place * std::sqrt(area));
+}
 
 Result<Segment> flattened(const Region& region, Faces faces, double scale, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
@@ -89,7 +146,7 @@ std::vector<std::pair<double, std::pair<int, int>>> to_join(const Borders& borde
   return out;
 }
 
-// Joins neighbours, those with the longest seams first, where the two together stay below the limit.
+// Joins neighbours, those with the longest seams first, where the two together stay below the limit and in their place.
 Result<void> join(const Region& region, std::vector<Segment>& segments, double scale, double limit,
                   const Context& context) {
   std::map<std::pair<int, int>, bool> refused;  // by first triangles: these two do not go together
@@ -104,7 +161,7 @@ Result<void> join(const Region& region, std::vector<Segment>& segments, double s
       both.insert(both.end(), segments[b].triangles.begin(), segments[b].triangles.end());
       std::sort(both.begin(), both.end());
       VACUFORM_TRY(whole, flattened(region, std::move(both), scale, context));
-      if (whole.distortion > limit) {
+      if (whole.distortion > limit || !stays_in_place(region, whole, scale)) {
         no = true;
         continue;
       }
@@ -120,36 +177,6 @@ Result<void> join(const Region& region, std::vector<Segment>& segments, double s
     if (!joined) return {};
   }
 }
-
-// Weighted points that a rigid motion takes as near as it can to others (Kabsch, in the plane).
-class RigidFit {
- public:
-  void add(const Vector2d& from, const Vector2d& to, double weight) {
-    pairs_.push_back({from, to, weight});
-    weight_ += weight, from_ += weight * from, to_ += weight * to;
-  }
-  Eigen::Isometry2d motion() const {
-    const Vector2d from = from_ / weight_, to = to_ / weight_;
-    double c = 0, s = 0;
-    for (const auto& [p, q, w] : pairs_) {
-      const Vector2d a = p - from, b = q - to;
-      c += w * a.dot(b), s += w * (a.x() * b.y() - a.y() * b.x());
-    }
-    Eigen::Isometry2d out = Eigen::Isometry2d::Identity();
-    out.rotate(Eigen::Rotation2Dd(std::atan2(s, c)));
-    out.translation() = to - out.linear() * from;
-    return out;
-  }
-
- private:
-  struct Pair {
-    Vector2d from, to;
-    double weight;
-  };
-  std::vector<Pair> pairs_;
-  double weight_ = 0;
-  Vector2d from_{0, 0}, to_{0, 0};
-};
 
 // An end of a seam's edge: the vertex, and where its two sides have it in the pattern.
 struct End {
@@ -191,14 +218,8 @@ void stitch(const Region& region, std::vector<Segment>& segments, const Borders&
       ties[b].push_back({a, end.b, end.a, end.weight});
     }
   }
-  std::vector<std::vector<Vector2d>> places;  // by the chart
-  for (const Segment& segment : segments) {
-    places.emplace_back(segment.patch.uv.size());
-    for (std::size_t i = 0; i < segment.triangles.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        places.back()[index(segment.patch.triangles[i][k])] =
-            region.chart.uv[index(region.chart.triangles[index(segment.triangles[i])][k])];
-  }
+  std::vector<std::vector<Vector2d>> places;
+  for (const Segment& segment : segments) places.push_back(places_in_chart(region, segment));
   for (int round = 0; round < stitches; ++round)
     for (std::size_t s = 0; s < segments.size(); ++s) {
       RigidFit fit;

@@ -44,7 +44,7 @@ double patch_distortion(const Patch& patch, double scale);
 
 // Cuts along `cuts` (edges of the chart's vertices, ascending), and then until every segment is below `limit` or has fewer
 // than 32 triangles: into halves, as long as needed; then neighbours are joined again where the two together stay below the
-// limit, but never over a given cut. Each segment is flattened as rigidly as possible from the chart's own
+// limit and about where the chart has them, but never over a given cut. Each segment is flattened as rigidly as possible from the chart's own
 // coordinates and moved rigidly so that the seams' sides come near each other (least squares). About a second for a
 // head at 1.5 mm. Deterministic. Errors: cancelled.
 Result<Segments> cut_into_segments(const Patch& chart, double scale, double limit,
