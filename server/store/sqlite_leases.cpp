@@ -54,8 +54,9 @@ Result<std::optional<std::string>> SqliteStore::next_queued() {
   const Millis now = options_.clock();
   Query raised(
       db_,
-      "SELECT id FROM job WHERE state='queued' AND priority>0 AND (not_before IS NULL OR not_before<=?)"
-      " ORDER BY priority DESC, id LIMIT 1",
+      // By itself SQLite goes through the whole queue by another index.
+      "SELECT id FROM job INDEXED BY job_raised WHERE state='queued' AND priority>0"
+      " AND (not_before IS NULL OR not_before<=?) ORDER BY priority DESC, id LIMIT 1",
       now);
   VACUFORM_TRY(found_raised, raised.row());
   if (found_raised) return std::optional(raised.text(0));

@@ -60,6 +60,8 @@ Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
     for (std::size_t k = 0; k < 3; ++k) face[k] = static_cast<std::size_t>(t[k]);
     if (!CGAL::collinear(points[face[0]], points[face[1]], points[face[2]])) faces.push_back(face);
   }
+  if (faces.empty())
+    return fail(Code::unusable_scan, "all triangles of the scan are without area", "", "export the scan again");
   Surface surface;
   Watch watch{&progress, most_steps};
   try {
