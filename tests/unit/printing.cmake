@@ -10,3 +10,6 @@ vacuform_test(printing_test
   LINKS vacuform_printing PNG::PNG JPEG::JPEG ZLIB::ZLIB PkgConfig::printing_test_drawing)
 
 vacuform_test(vector_print_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/vector_print_test.cpp LINKS vacuform_printing)
+
+vacuform_test(round_trip_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/round_trip_test.cpp
+  LINKS vacuform_printing PNG::PNG JPEG::JPEG PkgConfig::printing_test_drawing)
