@@ -1,0 +1,133 @@
+// The store alone, without HTTP: how many jobs a second go from submission through a lease to their end, and what a long
+// queue costs. Every answer is durable: SQLite in WAL mode with synchronous=FULL, changes that arrive together share a flush.
+//
+//   bench_store [FOLDER]      where the store is made (the flush is that folder's disk); default: beside temporary files
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "server/secrets.hpp"
+#include "server/store/store.hpp"
+
+namespace {
+
+using namespace vacuform;
+using Seconds = std::chrono::duration<double>;
+
+double seconds_of(const std::function<void()>& work) {
+  const auto begun = std::chrono::steady_clock::now();
+  work();
+  return Seconds(std::chrono::steady_clock::now() - begun).count();
+}
+
+template <class T>
+T sound(Result<T> result) {
+  if (result) return std::move(*result);
+  std::fprintf(stderr, "bench_store: %s\n", result.error().text().c_str());
+  std::exit(1);
+}
+
+void together(int threads, const std::function<void()>& work) {
+  std::vector<std::thread> all;
+  for (int i = 0; i < threads; ++i) all.emplace_back(work);
+  for (auto& thread : all) thread.join();
+}
+
+// The files are the same for all, so that rows are measured and not the disk's bandwidth.
+void submit(Store& store, const Job& model, int thread) {
+  NewJob job{.settings = "{}"};
+  for (const Input& input : model.inputs) job.add(input.name, input.blob, input.extension);
+  job.owner = "station-" + std::to_string(thread % 8);
+  sound(store.create(std::move(job)));
+}
+
+Job with_files(Store& store) {
+  NewJob job{.settings = "{}"};
+  for (const char* name : {"scan", "pattern"}) {
+    Upload upload = sound(store.upload());
+    if (!upload.write(name)) std::exit(1);
+    job.add(name, std::move(upload), "stl");
+  }
+  return sound(store.create(std::move(job)));
+}
+
+bool run_one(Store& store) {
+  const auto lease = sound(store.lease("bench"));
+  if (!lease) return false;
+  sound(store.complete({lease->job.id, lease->token}));
+  return true;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (!start_secrets()) return 1;
+  const std::filesystem::path folder =
+      (argc > 1 ? std::filesystem::path(argv[1]) : std::filesystem::temp_directory_path()) /
+      "vacuform-bench-store";
+  std::filesystem::remove_all(folder);
+  StoreOptions options;
+  options.most_queued = options.most_queued_by_owner = 1'000'000;
+  auto store = sound(open_store(folder, options));
+  const Job model = with_files(*store);
+  std::printf("Flush mode: WAL, synchronous=FULL, group commit; store in %s\n", folder.c_str());
+
+  std::printf("\n%10s %14s %20s\n", "threads", "cycles/s", "(submit+lease+end)");
+  for (const int threads : {1, 8, 64}) {
+    constexpr double wanted = 4;
+    std::atomic<int> done{0};
+    const auto until = std::chrono::steady_clock::now() + Seconds(wanted);
+    const double took = seconds_of([&] {
+      std::atomic<int> number{0};
+      together(threads, [&] {
+        const int me = number++;
+        while (std::chrono::steady_clock::now() < until) {
+          submit(*store, model, me);
+          if (run_one(*store)) ++done;
+        }
+      });
+    });
+    std::printf("%10d %14.0f\n", threads, done / took);
+  }
+  while (run_one(*store)) {
+  }
+
+  std::printf("\n%10s %14s %14s %16s %14s\n", "queued", "submits/s", "page of 100", "lease+end, first",
+              "drained/s");
+  for (const int count : {100, 1000, 10000}) {
+    const double submitted = seconds_of([&] {
+      std::atomic<int> left{count}, number{0};
+      together(8, [&] {
+        const int me = number++;
+        while (left-- > 0) submit(*store, model, me);
+      });
+    });
+    std::string cursor;
+    int pages = 0, jobs = 0;
+    const double paged = seconds_of([&] {
+      do {
+        const auto page = sound(store->list(100, cursor));
+        jobs += static_cast<int>(page.jobs.size());
+        cursor = page.next.value_or("");
+        ++pages;
+      } while (!cursor.empty() && jobs < count);
+    });
+    const double first = seconds_of([&] { run_one(*store); });
+    const double drained = seconds_of([&] {
+      together(8, [&] {
+        while (run_one(*store)) {
+        }
+      });
+    });
+    std::printf("%10d %14.0f %11.2f ms %13.2f ms %14.0f\n", count, count / submitted, 1000 * paged / pages,
+                1000 * first, (count - 1) / drained);
+    std::fflush(stdout);
+  }
+  store.reset();
+  std::filesystem::remove_all(folder);
+  return 0;
+}
