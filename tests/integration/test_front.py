@@ -1,0 +1,181 @@
+"""The service behind the real nginx with TLS, as deploy/front configures it, under a certificate made here."""
+import json
+import os
+import pathlib
+import re
+import shutil
+import socket
+import ssl
+import subprocess
+import time
+import unittest
+
+import hostile
+from harness import BIN, PATIENCE, TOKEN_FILES, Case, Program, Server, curl, free_port, vacuform, wait_for
+
+DEPLOY = pathlib.Path(__file__).resolve().parents[2] / "deploy"
+NGINX = shutil.which("nginx") or "/usr/sbin/nginx"
+NAME = "front.localhost"
+SMALL = {"sheet": {"resolution_mm": 8, "width_mm": 150, "height_mm": 150},
+         "machine": {"window_width_mm": 140, "window_height_mm": 140}, "print": {"dpi": 72}}
+
+
+class Front(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.http, cls.https = free_port(), free_port()
+        cls.url = f"https://{NAME}:{cls.https}"
+        cls.server = cls.enterClass(Server(cls.folder, 1, ["--front", cls.url]))
+        cls.certificate, key = cls.folder / "certificate.pem", cls.folder / "key.pem"
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
+                        "-subj", f"/CN={NAME}", "-addext", f"subjectAltName=DNS:{NAME}", "-keyout", key, "-out", cls.certificate],
+                       check=True, capture_output=True)
+        site = subprocess.run([DEPLOY / "front", "--print", "--name", NAME, "--certificate", cls.certificate, "--key", key,
+                               "--upstream", f"127.0.0.1:{cls.server.port}", "--http", f"127.0.0.1:{cls.http}",
+                               "--https", f"127.0.0.1:{cls.https}"], check=True, capture_output=True, text=True).stdout
+        temporary = "".join(f"{kind}_temp_path {cls.folder}/nginx-{kind};\n" for kind in
+                            ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
+        user = "user root;\n" if os.geteuid() == 0 else ""
+        (cls.folder / "nginx.conf").write_text(
+            f"{user}daemon off;\nworker_processes 1;\npid {cls.folder}/nginx.pid;\nerror_log {cls.folder}/nginx.log;\nevents {{}}\n"
+            f"http {{\naccess_log off;\ntypes {{}}\n{temporary}{site}\n}}\n")
+        cls.nginx = Program([NGINX, "-c", cls.folder / "nginx.conf", "-e", cls.folder / "nginx.log"], cls.folder / "nginx.out")
+        cls.addClassCleanup(cls.nginx.end)
+        TOKEN_FILES[cls.url] = cls.server.token_file
+        wait_for(cls.answers, "nginx")
+
+    @classmethod
+    def answers(cls):
+        assert cls.nginx.process.poll() is None, cls.nginx.says() + (cls.folder / "nginx.log").read_text()
+        try:
+            return cls.ask("/healthz").status == 200
+        except ConnectionError:
+            return False
+
+    @classmethod
+    def ask(cls, path, *words):
+        return curl("--resolve", f"{NAME}:{cls.https}:127.0.0.1", "--resolve", f"{NAME}:{cls.http}:127.0.0.1",
+                    "--cacert", cls.certificate, *words, path if "://" in path else cls.url + path)
+
+    def files(self):
+        scan, pattern = self.folder / "good.stl", self.folder / "good.svg"
+        scan.write_bytes(hostile.stl(hostile.dome_triangles()))
+        pattern.write_bytes(hostile.GOOD_SVG)
+        return ["-F", f"scan=@{scan}", "-F", f"pattern=@{pattern}", "-F", "settings=" + json.dumps(SMALL)]
+
+    def test_a_job_is_submitted_followed_and_downloaded(self):
+        made = self.ask("/api/v1/jobs", *self.files())
+        self.assertEqual(made.status, 202, made)
+        path = made.headers["location"]
+        self.assertTrue(path.startswith("/api/v1/jobs/"), path)
+        job = wait_for(lambda: (j := self.ask(path).json)["state"] in ("succeeded", "failed") and j, "the end of the job", pause=0.3)
+        self.assertEqual((job["state"], job["problem"]), ("succeeded", None))
+        picture = self.ask(path + "/artifacts/print.png")
+        self.assertEqual(picture.body[:4], b"\x89PNG")
+        self.assertEqual(len(picture.body), next(a["bytes"] for a in job["artifacts"] if a["name"] == "print.png"))
+        part = self.ask(path + "/artifacts/print.png", "-H", "Range: bytes=1-3")
+        self.assertEqual((part.status, part.body), (206, b"PNG"))
+
+    def test_what_every_answer_carries(self):
+        answer = self.ask("/healthz", "-H", "X-Request-ID: 0123456789abcdef0123456789abcdef")
+        self.assertEqual(answer.headers["strict-transport-security"], "max-age=31536000")
+        self.assertNotRegex(answer.headers.get("server", ""), r"\d")
+        self.assertEqual(answer.headers["x-request-id"], "0123456789abcdef0123456789abcdef")
+        moved = self.ask(f"http://{NAME}:{self.http}/jobs/x?a=b")
+        self.assertEqual((moved.status, moved.headers["location"]), (308, f"{self.url}/jobs/x?a=b"))
+
+    def test_signing_in_by_the_page(self):
+        token = self.server.token_file.read_text().strip()
+        words = ["-F", f"token={token}", "-H", "Authorization:"]
+        done = self.ask("/sign-in", *words, "-H", f"Origin: {self.url}")
+        self.assertEqual(done.status, 303, done)
+        self.assertRegex(done.headers["set-cookie"], r"(?i); secure")
+        self.assertEqual(self.ask("/sign-in", *words, "-H", "Origin: https://elsewhere.example.org").status, 403)
+
+    def test_only_its_own_name_and_tls_of_today(self):
+        direct = curl("-H", "Host: elsewhere.example.org", self.server.url + "/healthz")
+        self.assertEqual(direct.status, 421)
+        context = ssl.create_default_context(cafile=self.certificate)
+        for version, good in ((ssl.TLSVersion.TLSv1_2, True), (ssl.TLSVersion.TLSv1_3, True)):
+            context.minimum_version = context.maximum_version = version
+            with socket.create_connection(("127.0.0.1", self.https)) as plain, context.wrap_socket(plain, server_hostname=NAME) as s:
+                self.assertEqual(s.version(), version.name.replace("_", ".").replace("TLSv1.2", "TLSv1.2"))
+        old = subprocess.run(["curl", "-sS", "--noproxy", "*", "--tls-max", "1.1", "--ciphers", "DEFAULT@SECLEVEL=0", "--resolve",
+                              f"{NAME}:{self.https}:127.0.0.1", "--cacert", self.certificate, self.url + "/healthz"], capture_output=True)
+        self.assertEqual(old.returncode, 35, old)
+
+    def test_leases_are_not_for_strangers(self):
+        self.assertEqual(self.ask("/api/v1/leases", "-d", "{}").status, 403)
+
+    def talk(self, text, patience):
+        """What comes back over one TLS connection until it is closed, and after how many seconds."""
+        context = ssl.create_default_context(cafile=self.certificate)
+        begun = time.monotonic()
+        with socket.create_connection(("127.0.0.1", self.https), timeout=patience) as plain:
+            with context.wrap_socket(plain, server_hostname=NAME) as connection:
+                connection.sendall(text)
+                answer = b""
+                try:
+                    while piece := connection.recv(65536):
+                        answer += piece
+                except (ConnectionError, ssl.SSLError):
+                    pass
+        return answer, time.monotonic() - begun
+
+    def test_a_form_that_is_too_large_is_refused_before_its_bytes(self):
+        answer, _ = self.talk(f"POST /api/v1/jobs HTTP/1.1\r\nHost: {NAME}:{self.https}\r\nContent-Type: multipart/form-data; "
+                              f"boundary=b\r\nContent-Length: {2 << 30}\r\n\r\n".encode(), PATIENCE)
+        self.assertRegex(answer, rb"^HTTP/1.1 413 ")
+
+    def test_slow_clients_hold_nothing_of_the_service(self):
+        """Heads and bodies that never end stay in nginx."""
+        context = ssl.create_default_context(cafile=self.certificate)
+        head = f"POST /api/v1/jobs HTTP/1.1\r\nHost: {NAME}:{self.https}\r\nContent-Length: 1000000\r\n\r\nhalf".encode()
+        stalled = []
+        for i in range(30):
+            plain = socket.create_connection(("127.0.0.1", self.https), timeout=PATIENCE)
+            stalled.append(context.wrap_socket(plain, server_hostname=NAME))
+            stalled[-1].sendall(head if i % 2 else head[:40])
+        try:
+            self.assertEqual(self.ask("/healthz").status, 200)
+            status = json.loads(next(line for line in self.server.program.says().splitlines() if '"server-started"' in line))["status_url"]
+            metrics = curl(status + "/metrics").body.decode()
+            self.assertEqual(re.search(r"^vacuform_http_connections (\d+)$", metrics, re.M)[1], "0")
+        finally:
+            for connection in stalled:
+                connection.close()
+
+    def test_two_answers_never_mix(self):
+        """A request hidden in another's body is that body and nothing else."""
+        hidden = f"GET /healthz HTTP/1.1\r\nHost: {NAME}\r\n\r\n"
+        for framing in (f"Content-Length: {len(hidden)}\r\n", f"Content-Length: {len(hidden)}\r\nTransfer-Encoding: chunked\r\n"):
+            answer, _ = self.talk((f"POST /api/v1/jobs HTTP/1.1\r\nHost: {NAME}:{self.https}\r\n{framing}Connection: close\r\n\r\n"
+                                   + hidden).encode(), PATIENCE)
+            self.assertEqual(answer.count(b"HTTP/1.1 "), 1, answer)
+            self.assertRegex(answer, rb"^HTTP/1.1 4")
+
+
+class FrontScript(unittest.TestCase):
+    def test_options_that_make_no_sense(self):
+        for words, complaint in ((["--name", "a;b"], "host's name"), (["--name", "a", "--certificate", "x", "--key", "/dev/null"], "whole paths"),
+                                 (["--workers", "all"], "--workers wants"), (["--colour", "x"], "unknown option"), (["--name"], "lacks its value")):
+            refused = subprocess.run([DEPLOY / "front", *words], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2, words)
+            self.assertIn(complaint, refused.stderr)
+
+    def test_beyond_loopback_only_with_a_front(self):
+        def run(*words):
+            return subprocess.run([BIN / "vacuform-server", "--check-config", *words], capture_output=True, text=True)
+        refused = run("--listen", "0.0.0.0:0")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("refusing to listen on 0.0.0.0 without a TLS front", refused.stderr)
+        self.assertEqual(run("--listen", "0.0.0.0:0", "--front", "https://vacuform.example.org").returncode, 0)
+        for front in ("http://vacuform.example.org", "https://", "https://a b", "vacuform.example.org"):
+            refused = run("--front", front)
+            self.assertEqual(refused.returncode, 2, front)
+            self.assertIn("not the address of a TLS front", refused.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,44 @@
+"""deploy/PROMISES.md: every promise names a test, and every test that it names is one that ctest runs."""
+import os
+import pathlib
+import re
+import subprocess
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+PROMISES = (HERE.parents[1] / "deploy" / "PROMISES.md").read_text()
+
+
+class Promises(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        build = pathlib.Path(os.environ["VACUFORM_BIN"]).parent
+        listed = subprocess.run(["ctest", "-N", "--test-dir", build], capture_output=True, text=True, check=True).stdout
+        cls.known = set(re.findall(r"Test +#\d+: (\S+)", listed))
+
+    def exists(self, name):
+        file, colons, method = name.partition("::")
+        if colons:
+            return (f"integration.{file.removeprefix('test_')}" in self.known and
+                    re.search(rf"^    def {method}\(self", (HERE / f"{file}.py").read_text(), re.M) is not None)
+        return name in self.known or any(known.partition(".")[2].split("/")[0] == name for known in self.known)
+
+    def test_every_promise_names_tests_that_exist(self):
+        promises = re.findall(r"^- (.*)$", PROMISES, re.M)
+        self.assertGreater(len(promises), 30)
+        for promise in promises:
+            with self.subTest(promise[:70]):
+                sentence, bracket, names = promise.rpartition(" [")
+                self.assertTrue(bracket and sentence.endswith("."), "a sentence, then its tests in brackets")
+                tests = re.findall(r"`([^`]+)`", names)
+                self.assertTrue(tests)
+                for test in tests:
+                    self.assertTrue(self.exists(test), f"there is no test {test}")
+
+    def test_a_test_that_does_not_exist_is_noticed(self):
+        for name in ("StoreTest.KeepsAJobWithItsFile", "test_chaos::test_nothing", "fuzz.doc"):
+            self.assertFalse(self.exists(name), name)
+
+
+if __name__ == "__main__":
+    unittest.main()
