@@ -37,6 +37,13 @@ Result<void> Database::copy_to(const std::string& path, const std::function<bool
   return {};
 }
 
+std::int64_t Database::steps() const {
+  std::int64_t sum = 0;
+  for (const auto& [sql, statement] : statements_)
+    sum += sqlite3_stmt_status(statement, SQLITE_STMTSTATUS_VM_STEP, 0);
+  return sum;
+}
+
 tl::unexpected<Error> Database::error() const {
   const int code = sqlite3_errcode(db_) & 0xff;
   const std::string text = sqlite3_errmsg(db_);

@@ -31,6 +31,8 @@ class Database {
   // Copies the database into a new file. Between pieces of a thousand pages `pause` is called, which may let others use
   // the connection; what they change is in the copy. False from it gives up with cancelled.
   Result<void> copy_to(const std::string& path, const std::function<bool()>& pause);
+  // Steps of SQLite's virtual machine so far: the work that was done, whatever the machine's speed.
+  std::int64_t steps() const;
 
  private:
   friend class Query;

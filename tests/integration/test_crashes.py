@@ -66,7 +66,7 @@ class Crashes(Case):
         self.assert_one_whole_set(server, job)
         self.assertEqual([e["job"] for e in self.events(server.program, "job-completed")], [job])
         wait_for(lambda: self.events(second, "job-left"), "the worker's own last word")
-        self.assertEqual(list((self.here / "work").iterdir()), [])
+        self.assertEqual([f.name for f in (self.here / "work").iterdir()], ["kept"])
 
     def test_frozen_worker_s_late_words_change_nothing(self):
         server = self.server()
@@ -96,7 +96,8 @@ class Crashes(Case):
         old = curl(*bearer, "-d", '{"worker":"old"}', f"{server.api}/leases").json
         self.assertEqual((old["job"], old["lease_seconds"]), (job, LEASE))
         server.wait(job, lambda j: j["state"] == "queued", "the end of the lease")
-        new = curl(*bearer, "-d", '{"worker":"new"}', f"{server.api}/leases").json
+        ask = lambda: curl(*bearer, "-d", '{"worker":"new"}', f"{server.api}/leases")
+        new = wait_for(lambda: (answer := ask()).status == 200 and answer, "the end of the job's rest").json
         self.assertEqual((new["job"], new["attempt"]), (job, 2))
         self.assertNotEqual(new["lease"], old["lease"])
         for lease, status in (old, 409), (new, 200):

@@ -6,7 +6,7 @@
 
 #include "server/secrets.hpp"
 #include "server/store/schema.hpp"
-#include "server/store/store.hpp"
+#include "server/store/sqlite_store.hpp"
 
 namespace vacuform {
 namespace {
@@ -98,6 +98,40 @@ TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionFour) {
   ASSERT_TRUE((*store)->remove("0001"));
   EXPECT_EQ(bytes_of(**store, second.inputs[0]), "a scan");  // which both name
   EXPECT_FALSE((*store)->open(first.inputs[2].blob));
+}
+
+// The work of a request does not grow with the queue: counted in steps of SQLite, since seconds differ from run to run.
+TEST_F(SqliteStoreTest, ALongQueueSlowsNothingDown) {
+  const std::string hash = blob("a scan");
+  const auto steps_with = [&](int first, int last) {
+    const std::string jobs =
+        std::string("BEGIN; WITH RECURSIVE n(i) AS (SELECT ") + std::to_string(first) +
+        " UNION ALL SELECT i+1 FROM n WHERE i<" + std::to_string(last) +
+        ") INSERT INTO job(id, state, created, settings, owner, priority)"
+        " SELECT printf('%026d', i), 'queued', i, '{}', 'station-' || (i % 7), -(i % 3) FROM n;"
+        "INSERT OR IGNORE INTO input SELECT id, 'scan', '" +
+        hash + "', 6, 'stl' FROM job; COMMIT";
+    old_store(newest_schema, jobs);
+    StoreOptions roomy;
+    roomy.most_queued = roomy.most_queued_by_owner = 100'000;
+    auto opened = open_store(data_, roomy);
+    EXPECT_TRUE(opened) << opened.error().text();
+    auto& store = dynamic_cast<SqliteStore&>(**opened);
+    const std::int64_t before = store.steps();
+    for (int i = 0; i < 20; ++i) {
+      NewJob job{"{}"};
+      job.owner = "station-3";
+      EXPECT_TRUE(store.create(std::move(job)));
+      const auto leased = store.lease("worker").value();
+      EXPECT_TRUE(store.complete({leased->job.id, leased->token}));
+      const JobPage page = store.list(5, "", "station-1").value();
+      EXPECT_EQ(page.jobs.size(), 5u);
+      EXPECT_TRUE(store.list(5, *page.next, std::nullopt));
+    }
+    return store.steps() - before;
+  };
+  const std::int64_t few = steps_with(1, 100), many = steps_with(101, 10'000);
+  EXPECT_LT(many, few + few / 4);
 }
 
 }  // namespace
