@@ -1,5 +1,4 @@
 // The API that people and programs use; api/openapi.yaml describes it.
-#include <charconv>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -23,12 +22,11 @@ Result<Response> create_job(Service& service, Request& request, const Caller& ca
   if (!only.empty() && only != "true" && only != "false")
     return fail(Code::bad_usage, "validate_only is neither true nor false", "validate_only", "send true");
   std::map<std::string, std::string> fields;
-  VACUFORM_TRY(submission, read_submission(request, service.store, fields));
+  VACUFORM_TRY(submission, read_submission(service, request, caller, fields));
   if (only == "true") {
     VACUFORM_TRY(plan, plan_of(submission, service.store));
     return json_response(plan);
   }
-  submission.owner = caller.owner;
   VACUFORM_TRY(job, service.store.create(std::move(submission)));
   log_event("job-created", {{"job", job.id}, {"token", caller.token}});
   Response response = json_response(job_json(job), 202);
@@ -36,25 +34,10 @@ Result<Response> create_job(Service& service, Request& request, const Caller& ca
   return response;
 }
 
-// A number of the query, or the one that stands for none.
-Result<std::int64_t> query_number(const Request& request, const std::string& name, std::int64_t fallback,
-                                  std::int64_t least, std::int64_t most) {
-  const std::string text = request.query_value(name);
-  if (text.empty()) return fallback;
-  std::int64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || number < least || number > most)
-    return fail(
-        Code::bad_usage,
-        name + " is not a number from " + std::to_string(least) + " to " + std::to_string(most) + ": " + text,
-        name, "give for example " + std::to_string(fallback));
-  return number;
-}
-
 Result<Response> list_jobs(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(limit, query_number(request, "limit", 20, 1, 100));
-  VACUFORM_TRY(page,
-               service.store.list(static_cast<int>(limit), request.query_value("cursor"), caller.only()));
+  VACUFORM_TRY(cursor, page_cursor(request));
+  VACUFORM_TRY(page, service.store.list(static_cast<int>(limit), cursor, caller.only()));
   ordered_json jobs = ordered_json::array();
   for (const Job& job : page.jobs) jobs.push_back(job_json(job));
   return json_response({{"jobs", jobs}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
@@ -96,11 +79,6 @@ Result<Response> get_zip(Service& service, const Request& request, const Caller&
   return response;
 }
 
-Result<Response> get_job(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(job, job_for(service, request, caller));
-  return json_response(job_json(job));
-}
-
 Result<Response> get_log(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request, caller));
   VACUFORM_TRY(after, query_number(request, "after", 0, 0, std::numeric_limits<std::int64_t>::max()));
@@ -138,7 +116,6 @@ void add_job_routes(http::Router& router, Service& service) {
   };
   add(Scope::submit, "POST", "", create_job);
   add(Scope::read, "GET", "", list_jobs);
-  add(Scope::read, "GET", "/{id}", get_job);
   add(Scope::read, "GET", "/{id}/log", get_log);
   add(Scope::submit, "POST", "/{id}/cancel", cancel_job);
   add(Scope::submit, "DELETE", "/{id}", delete_job);

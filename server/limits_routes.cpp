@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/sandbox_measures.hpp"
-#include "server/http/connection.hpp"
+#include "server/http/server.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
 #include "server/submission.hpp"
@@ -45,6 +45,14 @@ void add_limits_routes(http::Router& router, Service& service) {
                                {"wait_seconds", limits.wait.count() / 1000},
                                {"body_bytes_per_second", limits.slowest_body},
                                {"lease_seconds", s.lease_seconds},
+                               {"wait_for_job_seconds", most_wait_seconds},
+                               {"streams", http::ServerOptions{}.streams},
+                               {"uploads", most_uploads},
+                               {"uploads_bytes", most_upload_bytes},
+                               {"upload_seconds", upload_lifetime / 1000},
+                               {"queued_jobs", StoreOptions{}.most_queued},
+                               {"queued_jobs_of_owner", StoreOptions{}.most_queued_by_owner},
+                               {"profiles", most_profiles},
                                {"workers", workers_json(s.workers)}});
                 return json_response(object);
               });

@@ -103,7 +103,8 @@ Result<void> serve(const Configuration& options) {
   VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
   Access access(*store);
   Workers seen_workers;
-  Service service{*store, access, seen_workers, static_cast<int>(store_options.lease / 1000)};
+  VACUFORM_TRY(uploads, Uploads::open(*store, options.data / "uploads"));
+  Service service{*store, access, seen_workers, *uploads, static_cast<int>(store_options.lease / 1000)};
 
   Metrics metrics;
   http::ServerOptions listener;
@@ -145,6 +146,8 @@ Result<void> serve(const Configuration& options) {
     const int signal = ::sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGTERM || signal == SIGINT) break;
     log_expired(store->expire());
+    if (const auto collected = uploads->collect(); !collected)
+      log_event("store-failed", {{"problem", collected.error().text()}});
   }
   log_event("server-stopping", nlohmann::ordered_json::object());
   workers.stop();         // they give their jobs back while the server still answers

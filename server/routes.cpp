@@ -1,4 +1,6 @@
 // What all routes have in common.
+#include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "api/settings.hpp"
@@ -27,6 +29,30 @@ Result<Job> job_for(Service& service, const Request& request, const Caller& call
   if (job && !caller.sees(*job))
     return fail(Code::not_found, "there is no such job", request.at("id"), "see the list of jobs");
   return job;
+}
+
+Result<std::int64_t> query_number(const Request& request, const std::string& name, std::int64_t fallback,
+                                  std::int64_t least, std::int64_t most) {
+  const std::string text = request.query_value(name);
+  if (text.empty()) return fallback;
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number < least || number > most)
+    return fail(
+        Code::bad_usage,
+        name + " is not a number from " + std::to_string(least) + " to " + std::to_string(most) + ": " + text,
+        name, "give for example " + std::to_string(fallback));
+  return number;
+}
+
+Result<std::string> page_cursor(const Request& request) {
+  const std::string cursor = request.query_value("cursor");
+  const bool plain = std::all_of(cursor.begin(), cursor.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+  });
+  if (!plain || cursor.size() > 64)
+    return fail(Code::bad_usage, "no list gave this cursor", "cursor", "give the next of the page before");
+  return cursor;
 }
 
 void add_public_routes(http::Router& router, Service&) {
@@ -59,6 +85,10 @@ http::Router all_routes(Service& service) {
   http::Router router;
   add_job_routes(router, service);
   add_worker_routes(router, service);
+  add_event_routes(router, service);
+  add_upload_routes(router, service);
+  add_scan_routes(router, service);
+  add_profile_routes(router, service);
   add_token_routes(router, service);
   add_limits_routes(router, service);
   add_backup_routes(router, service);

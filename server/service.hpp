@@ -7,22 +7,30 @@
 #include "server/access.hpp"
 #include "server/http/router.hpp"
 #include "server/store/store.hpp"
+#include "server/uploads.hpp"
 #include "server/workers.hpp"
 
 namespace vacuform {
+
+inline constexpr int most_wait_seconds = 60;  // of GET /api/v1/jobs/{id}?wait=
 
 // What every route works on. Outlives the listener.
 struct Service {
   Store& store;
   Access& access;
   Workers& workers;
+  Uploads& uploads;
   int lease_seconds = 30;
   int heartbeat_seconds = 1;
 };
 
-void add_job_routes(http::Router& router, Service& service);      // /api/v1/jobs..., for people and programs
-void add_worker_routes(http::Router& router, Service& service);   // /api/v1/leases..., for workers
-void add_token_routes(http::Router& router, Service& service);    // /api/v1/tokens..., for administrators
+void add_job_routes(http::Router& router, Service& service);     // /api/v1/jobs..., for people and programs
+void add_worker_routes(http::Router& router, Service& service);  // /api/v1/leases..., for workers
+void add_token_routes(http::Router& router, Service& service);   // /api/v1/tokens..., for administrators
+void add_event_routes(http::Router& router, Service& service);   // /api/v1/jobs/{id}, waiting, and its events
+void add_upload_routes(http::Router& router, Service& service);  // /api/v1/uploads...: tus
+void add_scan_routes(http::Router& router, Service& service);    // /api/v1/scans...
+void add_profile_routes(http::Router& router, Service& service);  // /api/v1/profiles...
 void add_limits_routes(http::Router& router, Service& service);   // /api/v1/limits
 void add_page_routes(http::Router& router, Service& service);     // /, /jobs/{id}: HTML
 void add_sign_in_routes(http::Router& router, Service& service);  // /sign-in, /sign-out: HTML
@@ -37,6 +45,16 @@ void add_guarded(http::Router& router, Service& service, Scope scope, std::strin
 
 // The job of the route's {id}, if the caller may see it; not_found otherwise, so that nobody learns of another's jobs.
 Result<Job> job_for(Service& service, const http::Request& request, const Caller& caller);
+
+// The upload or the scan of that id, if the caller may see it.
+Result<StoredUpload> upload_for(Service& service, const std::string& id, const Caller& caller);
+Result<StoredScan> scan_for(Service& service, const std::string& id, const Caller& caller);
+
+// A number of the query, or the one that stands for none. Errors: bad_usage.
+Result<std::int64_t> query_number(const http::Request& request, const std::string& name,
+                                  std::int64_t fallback, std::int64_t least, std::int64_t most);
+// The `cursor` of a list's query, empty where there is none. Errors: bad_usage, when no list can have given it.
+Result<std::string> page_cursor(const http::Request& request);
 
 // The answer to a refused request: a page for a browser, otherwise a problem.
 http::Response refuse(const http::Request& request, const http::Refusal& refusal);

@@ -1,5 +1,6 @@
-// A new job as it arrives in a form: a file for each kind of input (api/job.hpp), settings (JSON text), and fields named
-// group.key as the HTML form sends them.
+// A new job as it arrives in a form: a file for each kind of input (api/job.hpp) or the id of one that is there already
+// (scan_id of a scan; scan_upload, pattern_upload... of a whole upload), profile (the name of settings to begin with), settings
+// (JSON text), from (the id of a job, to share its files and begin with its settings), priority, and fields named group.key as the HTML form sends them.
 #pragma once
 
 #include <map>
@@ -7,19 +8,19 @@
 #include <string>
 
 #include "server/http/message.hpp"
-#include "server/store/store.hpp"
+#include "server/service.hpp"
 
 namespace vacuform {
 
 inline constexpr std::uint64_t largest_artifact = 2ull << 30;
 inline constexpr std::uint64_t largest_settings = 64ull << 10;  // the JSON text and all fields together
 
-// Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; a field
-// overrides the same setting of the JSON text, an empty field keeps the default. An empty file is none, as a browser sends
+// Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; the JSON text goes
+// before the same setting of the profile, a field before both, an empty field keeps the default. An empty file is none, as a browser sends
 // it. A temperature turns a uniform heat.source into a measured one, weights turn uniform flattening.weights into painted
 // ones. `fields` receives what the form held, also when the result is an error. Errors: too_large, bad_settings, bad_usage
-// (a part is missing, unknown or doubled, the body is no form).
-Result<NewJob> read_submission(http::Request& request, Store& store,
+// (a part is missing, unknown or doubled, the body is no form), not_found, gone and conflict (of what an id names).
+Result<NewJob> read_submission(Service& service, http::Request& request, const Caller& caller,
                                std::map<std::string, std::string>& fields);
 
 // What a submission would be as a job: its settings in full and its files with the formats that they seem to be of. Keeps

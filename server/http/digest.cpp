@@ -1,5 +1,6 @@
 #include "server/http/digest.hpp"
 
+#include <openssl/evp.h>
 #include <sodium.h>
 #include <strings.h>
 
@@ -13,7 +14,7 @@ namespace vacuform::http {
 namespace {
 
 constexpr std::size_t digest_bytes = 32;
-constexpr std::string_view algorithm = "sha-256";
+constexpr std::string_view field_key = "sha-256";
 constexpr std::string_view blanks = " \t";
 
 std::string_view trimmed(std::string_view text) {
@@ -21,35 +22,70 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(blanks) + 1);
 }
 
+std::string hexadecimal(std::span<const unsigned char> bytes) {
+  std::string digits(2 * bytes.size() + 1, '\0');  // sodium ends it with a zero
+  sodium_bin2hex(digits.data(), digits.size(), bytes.data(), bytes.size());
+  digits.pop_back();
+  return digits;
+}
+
 // ":X48E...=:", a byte sequence of RFC 8941, perhaps with parameters behind it.
-std::optional<std::string> hexadecimal(std::string_view value) {
+std::optional<std::string> byte_sequence(std::string_view value) {
   const std::size_t end = value.find(':', 1);
   if (!value.starts_with(':') || end == std::string_view::npos) return std::nullopt;
-  const std::string_view text = value.substr(1, end - 1), rest = trimmed(value.substr(end + 1));
-  std::array<unsigned char, digest_bytes> bytes;
-  std::size_t size = 0;
-  if ((!rest.empty() && rest[0] != ';') ||
-      sodium_base642bin(bytes.data(), bytes.size(), text.data(), text.size(), nullptr, &size, nullptr,
-                        sodium_base64_VARIANT_ORIGINAL) != 0 ||
-      size != bytes.size())
-    return std::nullopt;
-  std::array<char, 2 * digest_bytes + 1> digits;
-  return sodium_bin2hex(digits.data(), digits.size(), bytes.data(), bytes.size());
+  const std::string_view rest = trimmed(value.substr(end + 1));
+  if (!rest.empty() && rest[0] != ';') return std::nullopt;
+  return digest_from_base64(value.substr(1, end - 1), Algorithm::sha256);
 }
+
+class Hash {
+ public:
+  virtual ~Hash() = default;
+  virtual void add(std::string_view bytes) = 0;
+  virtual std::string hex() = 0;
+};
+
+class HashSha256 : public Hash {
+ public:
+  void add(std::string_view bytes) override { hash_.add(bytes); }
+  std::string hex() override { return hash_.hex(); }
+
+ private:
+  Sha256 hash_;
+};
+
+class HashSha1 : public Hash {
+ public:
+  HashSha1() { EVP_DigestInit_ex(context_.get(), EVP_sha1(), nullptr); }
+  void add(std::string_view bytes) override { EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()); }
+  std::string hex() override {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
+    unsigned size = 0;
+    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
+    return hexadecimal({digest.data(), size});
+  }
+
+ private:
+  struct Free {
+    void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+  };
+  std::unique_ptr<EVP_MD_CTX, Free> context_{EVP_MD_CTX_new()};
+};
 
 class CheckedBody : public Body {
  public:
-  CheckedBody(Body& body, std::string sha256) : body_(body), stated_(std::move(sha256)) {}
+  CheckedBody(Body& body, std::string digest, std::unique_ptr<Hash> hash)
+      : body_(body), stated_(std::move(digest)), hash_(std::move(hash)) {}
 
   Result<std::size_t> read(std::span<char> into) override {
     VACUFORM_TRY(n, body_.read(into));
     if (n > 0) {
-      hash_.add(std::string_view(into.data(), n));
+      hash_->add({into.data(), n});
       return n;
     }
-    if (found_.empty()) found_ = hash_.hex();
+    if (found_.empty()) found_ = hash_->hex();
     if (found_ != stated_)
-      return fail(Code::wrong_digest, "the body is not the one whose SHA-256 was stated", "Content-Digest",
+      return fail(Code::wrong_digest, "the body is not the one whose digest was stated", "request body",
                   "send it again");
     return n;
   }
@@ -58,7 +94,7 @@ class CheckedBody : public Body {
   Body& body_;
   const std::string stated_;
   std::string found_;
-  Sha256 hash_;
+  std::unique_ptr<Hash> hash_;
 };
 
 }  // namespace
@@ -69,7 +105,7 @@ std::string digest_field(const std::string& sha256) {
   sodium_hex2bin(bytes.data(), bytes.size(), sha256.data(), sha256.size(), nullptr, &size, nullptr);
   std::array<char, sodium_base64_ENCODED_LEN(digest_bytes, sodium_base64_VARIANT_ORIGINAL)> text;
   sodium_bin2base64(text.data(), text.size(), bytes.data(), bytes.size(), sodium_base64_VARIANT_ORIGINAL);
-  return std::string(algorithm) + "=:" + text.data() + ":";
+  return std::string(field_key) + "=:" + text.data() + ":";
 }
 
 Result<std::string> stated_digest(const Request& request, std::string_view field) {
@@ -84,9 +120,9 @@ Result<std::string> stated_digest(const Request& request, std::string_view field
       const std::string_view member = trimmed(rest.substr(0, comma));
       rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
       const std::size_t equals = member.find('=');
-      if (member.substr(0, equals) != algorithm) continue;
+      if (member.substr(0, equals) != field_key) continue;
       const auto digest =
-          equals == std::string_view::npos ? std::nullopt : hexadecimal(member.substr(equals + 1));
+          equals == std::string_view::npos ? std::nullopt : byte_sequence(member.substr(equals + 1));
       if (!digest)
         return fail(Code::bad_usage, "not a digest of the form sha-256=:BASE64:", std::string(field),
                     "send the base 64 of the 32 bytes of the SHA-256 between colons, or leave it out");
@@ -96,8 +132,33 @@ Result<std::string> stated_digest(const Request& request, std::string_view field
   return stated;
 }
 
-std::unique_ptr<Body> checked_body(Body& body, std::string sha256) {
-  return std::make_unique<CheckedBody>(body, std::move(sha256));
+std::optional<std::string> text_from_base64(std::string_view text) {
+  std::string out(text.size(), '\0');
+  std::size_t size = 0;
+  if (sodium_base642bin(reinterpret_cast<unsigned char*>(out.data()), out.size(), text.data(), text.size(),
+                        nullptr, &size, nullptr, sodium_base64_VARIANT_ORIGINAL) != 0)
+    return std::nullopt;
+  out.resize(size);
+  return out;
+}
+
+std::optional<std::string> digest_from_base64(std::string_view text, Algorithm kind) {
+  std::array<unsigned char, digest_bytes> bytes;
+  std::size_t size = 0;
+  if (sodium_base642bin(bytes.data(), bytes.size(), text.data(), text.size(), nullptr, &size, nullptr,
+                        sodium_base64_VARIANT_ORIGINAL) != 0 ||
+      size != (kind == Algorithm::sha1 ? 20u : digest_bytes))
+    return std::nullopt;
+  return hexadecimal({bytes.data(), size});
+}
+
+std::unique_ptr<Body> checked_body(Body& body, std::string digest, Algorithm kind) {
+  std::unique_ptr<Hash> hash;
+  if (kind == Algorithm::sha1)
+    hash = std::make_unique<HashSha1>();
+  else
+    hash = std::make_unique<HashSha256>();
+  return std::make_unique<CheckedBody>(body, std::move(digest), std::move(hash));
 }
 
 }  // namespace vacuform::http

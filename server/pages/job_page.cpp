@@ -146,6 +146,11 @@ std::string facts_html(const Job& job) {
                      row("Created", rfc3339(job.created));
   for (const Input& input : job.inputs)
     if (const InputKind* kind = input_kind(input.name)) html += row(escaped(kind->title), file(input));
+  if (job.derived_from) {
+    const std::string from = escaped(*job.derived_from);
+    html += row("Begun with", "<a href=\"/jobs/" + from + "\"><code>" + from + "</code></a>");
+  }
+  if (job.priority != 0) html += row("Priority", std::to_string(job.priority));
   if (job.ended && job.started) {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%.1f s", static_cast<double>(*job.ended - *job.started) / 1000);
@@ -156,9 +161,18 @@ std::string facts_html(const Job& job) {
          "</pre>\n</details>\n";
 }
 
+std::string log_html(const std::vector<LogLine>& log) {
+  if (log.empty()) return "";
+  std::string html = "<details>\n<summary>Log</summary>\n<ol>\n";
+  for (const LogLine& line : log)
+    html += "<li><time datetime=\"" + rfc3339(line.time) + "\">" + rfc3339(line.time).substr(11, 8) +
+            "</time> " + escaped(line.text) + "</li>\n";
+  return html + "</ol>\n</details>\n";
+}
+
 }  // namespace
 
-Page job_page(const Job& job, const json& report) {
+Page job_page(const Job& job, const json& report, const std::vector<LogLine>& log) {
   Page page;
   const std::string state(name(job.state));
   page.title = "Job " + state;
@@ -170,7 +184,7 @@ Page job_page(const Job& job, const json& report) {
   }
   if (job.error) page.main += problem_box(*job.error);
   page.main += warnings_html(report) + previews_html(job) + figures_html(report) + downloads_html(job) +
-               facts_html(job);
+               facts_html(job) + log_html(log);
   page.main += "<div class=\"actions\">\n";
   if (job.state == JobState::queued || job.state == JobState::running)
     page.main += button_html(job, "cancel", "Cancel this job");

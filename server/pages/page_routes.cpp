@@ -14,6 +14,7 @@ using http::Response;
 namespace {
 
 constexpr std::uint64_t largest_report = 4 << 20;
+constexpr int longest_shown_log = 200;  // lines
 
 std::vector<Job> recent_jobs(Store& store, const Caller& caller) {
   auto page = store.list(10, "", caller.only());
@@ -22,10 +23,9 @@ std::vector<Job> recent_jobs(Store& store, const Caller& caller) {
 
 Result<Response> submit(Service& service, Request& request, const Caller& caller) {
   std::map<std::string, std::string> fields;
-  auto submission = read_submission(request, service.store, fields);
+  auto submission = read_submission(service, request, caller, fields);
   if (!submission)
     return html_response(form_page(recent_jobs(service.store, caller), submission.error(), fields));
-  submission->owner = caller.owner;
   auto job = service.store.create(std::move(*submission));
   if (!job) return html_response(form_page(recent_jobs(service.store, caller), job.error(), fields));
   log_event("job-created", {{"job", job->id}, {"token", caller.token}});
@@ -51,7 +51,8 @@ Result<Response> show_form(Service& service, const Request&, const Caller& calle
 
 Result<Response> show_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request, caller));
-  return html_response(job_page(job, report_of(service.store, job)));
+  VACUFORM_TRY(log, service.store.log_after(job.id, 0, longest_shown_log));
+  return html_response(job_page(job, report_of(service.store, job), log));
 }
 
 Result<Response> cancel(Service& service, const Request& request, const Caller& caller) {

@@ -124,10 +124,10 @@ Result<void> PartialFile::flush() {
   return write_text_file(tail_of(name_), std::to_string(received_) + "\n" + tail_);
 }
 
-Result<Upload> PartialFile::finish(const Blobs& blobs) {
+Result<Upload> PartialFile::finish() {
   VACUFORM_CHECK(keep(filter_.finish()));
   VACUFORM_CHECK(file_.sync());
-  return blobs.adopt(part_of(name_), {hash_.hex(), kept_});
+  return Blobs::adopt(part_of(name_), {hash_.hex(), kept_});
 }
 
 }  // namespace vacuform

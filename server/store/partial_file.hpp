@@ -33,7 +33,7 @@ class PartialFile {
   Result<void> take(std::string_view bytes);
   Result<void> flush();
   // Ends the file and hands it over; nothing may be taken afterwards. The tail stays until remove().
-  Result<Upload> finish(const Blobs& blobs);
+  Result<Upload> finish();
 
  private:
   PartialFile(std::filesystem::path name, const std::string& extension)

@@ -109,6 +109,22 @@ CREATE TRIGGER job_gone AFTER DELETE ON job BEGIN
     running=running-(old.state IN ('running','cancelling')) WHERE owner=old.owner;
 END;
 )sql",
+    // 6: files came with their job alone, and there were no profiles
+    R"sql(
+CREATE TABLE upload(
+  id TEXT PRIMARY KEY, owner TEXT NOT NULL, input TEXT NOT NULL, extension TEXT NOT NULL, length INTEGER NOT NULL,
+  created INTEGER NOT NULL, expires INTEGER NOT NULL, collected INTEGER NOT NULL DEFAULT 0, blob TEXT, bytes INTEGER
+) STRICT, WITHOUT ROWID;
+CREATE INDEX upload_by_owner ON upload(owner) WHERE collected=0;
+CREATE INDEX upload_by_blob ON upload(blob) WHERE blob IS NOT NULL;
+CREATE TABLE scan(
+  id TEXT PRIMARY KEY, owner TEXT NOT NULL, created INTEGER NOT NULL,
+  blob TEXT NOT NULL, bytes INTEGER NOT NULL, extension TEXT NOT NULL
+) STRICT, WITHOUT ROWID;
+CREATE INDEX scan_by_owner ON scan(owner, id);
+CREATE UNIQUE INDEX scan_by_blob ON scan(blob, owner, extension);
+CREATE TABLE profile(name TEXT PRIMARY KEY, settings TEXT NOT NULL, changed INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace

@@ -24,7 +24,9 @@ Result<void> check_target(const fs::path& to) {
 
 Result<std::vector<std::string>> hashes_in(Database& db) {
   std::vector<std::string> hashes;
-  Query query(db, "SELECT blob FROM input UNION SELECT blob FROM artifact");
+  Query query(db,
+              "SELECT blob FROM input UNION SELECT blob FROM artifact UNION SELECT blob FROM scan"
+              " UNION SELECT blob FROM upload WHERE blob IS NOT NULL");
   for (;;) {
     VACUFORM_TRY(more, query.row());
     if (!more) return hashes;

@@ -40,8 +40,11 @@ void SqliteStore::committed() {
 }
 
 Result<bool> SqliteStore::named(const std::string& sha256) {
-  Query query(db_, "SELECT 1 FROM input WHERE blob=?1 UNION ALL SELECT 1 FROM artifact WHERE blob=?1 LIMIT 1",
-              sha256);
+  Query query(
+      db_,
+      "SELECT 1 FROM input WHERE blob=?1 UNION ALL SELECT 1 FROM artifact WHERE blob=?1"
+      " UNION ALL SELECT 1 FROM upload WHERE blob=?1 UNION ALL SELECT 1 FROM scan WHERE blob=?1 LIMIT 1",
+      sha256);
   return query.row();
 }
 

@@ -55,6 +55,24 @@ class SqliteStore : public Store {
   Result<std::vector<Token>> tokens() override;
   Result<void> revoke_token(const std::string& id) override;
 
+  Result<void> add_upload(const StoredUpload& upload) override;
+  Result<StoredUpload> find_upload(const std::string& id) override;
+  Result<StoredUpload> finish_upload(const std::string& id, Upload file) override;
+  Result<void> remove_upload(const std::string& id) override;
+  Result<std::vector<std::string>> expire_uploads() override;
+
+  Result<StoredScan> add_scan(const std::string& owner, std::variant<Upload, Blob> file,
+                              const std::string& extension) override;
+  Result<StoredScan> find_scan(const std::string& id) override;
+  Result<ScanPage> list_scans(int limit, const std::string& cursor,
+                              const std::optional<std::string>& owner) override;
+  Result<void> remove_scan(const std::string& id) override;
+
+  Result<bool> put_profile(const Profile& profile) override;
+  Result<Profile> find_profile(const std::string& name) override;
+  Result<ProfilePage> list_profiles(int limit, const std::string& cursor) override;
+  Result<void> remove_profile(const std::string& name) override;
+
   Result<std::optional<LeasedJob>> lease(const std::string& worker) override;
   Result<Job> leased(const LeaseKey& key) override;
   Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) override;
@@ -96,6 +114,9 @@ class SqliteStore : public Store {
   // All of these are for the holder of the lock, those that change something for the body of write().
   Result<Job> find(const std::string& id);
   Result<Token> find_token(const std::string& id);
+  Result<StoredUpload> upload_row(const std::string& id);
+  Result<StoredScan> scan_row(const std::string& id);
+  Result<Profile> profile_row(const std::string& name);
   Result<void> keep(NewInput& input, const Blob& blob);
   Result<std::optional<Job>> made_before(const NewJob& job, const std::vector<Blob>& blobs);
   Result<Job> holder(const LeaseKey& key, bool even_ended);

@@ -34,6 +34,9 @@
 #include "api/retry.hpp"
 #include "server/scopes.hpp"
 #include "server/store/job.hpp"
+#include "server/store/profiles.hpp"
+#include "server/store/scans.hpp"
+#include "server/store/uploads.hpp"
 
 namespace vacuform {
 
@@ -76,10 +79,8 @@ struct Expired {
   JobState state;  // queued, failed or cancelled
 };
 
-class Store {
+class Store : public UploadTable, public ScanTable, public ProfileTable {
  public:
-  virtual ~Store() = default;
-
   // Starts a file that create() or put_artifact() takes over.
   virtual Result<Upload> upload() = 0;
   // A new name for a file of the caller's own; what is left there is deleted at the next start.

@@ -46,7 +46,7 @@ class PartialFileTest : public testing::Test {
   std::string finished(const std::string& extension) {
     auto file = PartialFile::open(name_, extension);
     EXPECT_TRUE(file);
-    auto upload = file->finish(*blobs_);
+    auto upload = file->finish();
     EXPECT_TRUE(upload);
     const Blob blob = *upload->seal();
     EXPECT_TRUE(blobs_->keep(*upload));

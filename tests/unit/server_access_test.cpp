@@ -69,6 +69,9 @@ std::optional<Scope> needed(const http::Route& route) {
   if (route.pattern.starts_with("/api/v1/leases")) return Scope::work;
   if (route.pattern.starts_with("/api/v1/tokens")) return Scope::admin;
   if (route.pattern == "/api/v1/backup") return Scope::admin;
+  if (route.pattern.starts_with("/api/v1/profiles") && route.method != "GET") return Scope::admin;
+  if (route.method == "OPTIONS") return std::nullopt;  // what this server knows of tus
+  if (route.pattern.starts_with("/api/v1/uploads")) return Scope::submit;
   return route.method == "GET" ? Scope::read : Scope::submit;
 }
 

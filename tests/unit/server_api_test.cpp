@@ -291,6 +291,72 @@ TEST_F(ServerApi, AJobsLogIsReadWhileItGrows) {
   EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id + "/log", bearer(token("other", {Scope::read}))).status, 404);
 }
 
+TEST_F(ServerApi, AJobBeginsWithAnother) {
+  const json first =
+      json::parse(submit(part("settings", "", R"({"print":{"dpi":150},"sheet":{"material":"pc"}})") +
+                         part("temperature", "a.csv", "140"))
+                      .body);
+  const std::string id = first["id"];
+  const auto derive = [&](const std::string& body, const std::string& headers = "") {
+    return ask("POST", "/api/v1/jobs", "Content-Type: application/json\r\n" + headers, body);
+  };
+  const Answer moved =
+      derive(json{{"from", id}, {"settings", {{"pattern", {{"offset_mm", {3, 4}}}}}}}.dump());
+  ASSERT_EQ(moved.status, 202) << moved.body;
+  const json second = json::parse(moved.body);
+  EXPECT_EQ(second["inputs"], first["inputs"]);
+  EXPECT_EQ(second["derived_from"], id);
+  EXPECT_EQ(second["settings"]["pattern"]["offset_mm"], (json{3, 4}));
+  EXPECT_EQ(second["settings"]["print"]["dpi"], 150);
+  EXPECT_EQ(second["settings"]["heat"]["source"], "measured");
+
+  // A file that is sent replaces that of the other job; one that the settings no longer ask for is left out.
+  const json drawn = json::parse(ask("POST", "/api/v1/jobs", form_type,
+                                     part("from", "", id) + part("pattern", "q.PNG", "new") +
+                                         part("heat.source", "", "uniform") + "--XX--\r\n")
+                                     .body);
+  EXPECT_EQ(drawn["inputs"]["scan"], first["inputs"]["scan"]);
+  EXPECT_EQ(drawn["inputs"]["pattern"]["extension"], "png");
+  EXPECT_FALSE(drawn["inputs"].contains("temperature"));
+  EXPECT_EQ(drawn["settings"]["sheet"]["material"], "pc");
+
+  EXPECT_EQ(derive(R"({"from":"nobody"})").status, 404);
+  EXPECT_EQ(derive(json{{"from", id}}.dump(), bearer(token("other", {Scope::submit}))).status, 404);
+  EXPECT_EQ(derive(json{{"from", id}}.dump(), bearer(admin_)).status, 202);
+  EXPECT_EQ(derive(json{{"from", id}, {"scans", "x"}}.dump()).status, 400);
+  EXPECT_EQ(derive(json{{"from", id}, {"settings", {{"print", {{"dpi", 1}}}}}}.dump()).status, 422);
+  EXPECT_EQ(derive("[]").status, 400);
+  EXPECT_EQ(derive("{}").status, 400);  // no files
+}
+
+TEST_F(ServerApi, OnlyAdministratorsRaiseAJob) {
+  const std::string low = json::parse(submit(part("priority", "", "-3")).body)["id"];
+  EXPECT_EQ(show(low)["priority"], -3);
+  EXPECT_EQ(submit(part("priority", "", "1")).status, 403);
+  EXPECT_EQ(submit(part("priority", "", "high")).status, 400);
+  EXPECT_EQ(submit(part("priority", "", "-11")).status, 400);
+  const Answer raised = ask("POST", "/api/v1/jobs", bearer(admin_) + "Content-Type: application/json\r\n",
+                            json{{"from", low}, {"priority", 10}}.dump());
+  ASSERT_EQ(raised.status, 202) << raised.body;
+  EXPECT_EQ(lease()["job"], json::parse(raised.body)["id"]);
+}
+
+TEST_F(ServerApi, ABackupNeedsAnEmptyFolderOfTheServersOwn) {
+  const auto backup = [&](const std::string& body) {
+    return ask("POST", "/api/v1/backup", bearer(admin_) + "Content-Type: application/json\r\n", body);
+  };
+  created();
+  const std::filesystem::path to = data_ / "copy";
+  EXPECT_EQ(backup(json{{"to", to}}.dump()).status, 400);
+  EXPECT_EQ(backup("{}").status, 400);
+  std::filesystem::create_directory(to);
+  std::filesystem::permissions(to, std::filesystem::perms::owner_all);
+  const Answer made = backup(json{{"to", to}}.dump());
+  ASSERT_EQ(made.status, 200) << made.body;
+  EXPECT_EQ(json::parse(made.body), (json{{"jobs", 1}, {"files", 2}, {"damaged", json::array()}}));
+  EXPECT_EQ((*open_store(to))->list(10, "")->jobs.size(), 1u);
+}
+
 TEST_F(ServerApi, EverySettingHasALabelledField) {
   const std::string page = ask("GET", "/").body;
   const json schema = json::parse(ask("GET", "/api/v1/settings-schema").body);
@@ -338,8 +404,10 @@ TEST_F(ServerApi, TheDescriptionNamesEveryRouteAndNoOther) {
   std::string path;
   for (std::string line; std::getline(text, line) && line != "components:";) {
     if (line.starts_with("  /")) path = line.substr(2, line.size() - 3);
-    for (const auto& [word, method] : {std::pair{"    get:", "GET"}, std::pair{"    post:", "POST"},
-                                       std::pair{"    put:", "PUT"}, std::pair{"    delete:", "DELETE"}})
+    for (const auto& [word, method] :
+         {std::pair{"    get:", "GET"}, std::pair{"    post:", "POST"}, std::pair{"    put:", "PUT"},
+          std::pair{"    delete:", "DELETE"}, std::pair{"    patch:", "PATCH"},
+          std::pair{"    options:", "OPTIONS"}})
       if (line == word) written.insert(std::string(method) + " " + path);
   }
   EXPECT_EQ(written, real);

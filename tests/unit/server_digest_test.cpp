@@ -74,7 +74,7 @@ TEST_F(ServerDigest, AFormThatIsNotTheOneSentMakesNoJob) {
   const Answer wrong = send(solid);
   EXPECT_EQ(wrong.status, 400);
   EXPECT_EQ(json::parse(wrong.body)["type"], "/problems/wrong-digest");
-  EXPECT_EQ(json::parse(wrong.body)["where"], "Content-Digest");
+  EXPECT_EQ(json::parse(wrong.body)["where"], "request body");
   EXPECT_EQ(send("sha-256=:nonsense:").status, 400);
   EXPECT_TRUE(json::parse(ask("GET", "/api/v1/jobs").body)["jobs"].empty());
   EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));

@@ -35,7 +35,8 @@ class ServerTest : public testing::Test {
     data_ = std::filesystem::temp_directory_path() / ("vacuform-server-" + random_hex(8));
     store_ = std::move(*open_store(data_));
     access_ = std::make_unique<Access>(*store_);
-    service_ = std::make_unique<Service>(Service{*store_, *access_, workers_, 30, 1});
+    uploads_ = std::move(*Uploads::open(*store_, data_ / "uploads"));
+    service_ = std::make_unique<Service>(Service{*store_, *access_, workers_, *uploads_, 30, 1});
     user_ = token("station-1", {Scope::submit, Scope::read});
     worker_ = token("workers", {Scope::work});
     admin_ = token("admin", {Scope::admin});
@@ -151,6 +152,7 @@ class ServerTest : public testing::Test {
   std::unique_ptr<Store> store_;
   std::unique_ptr<Access> access_;
   Workers workers_;
+  std::unique_ptr<Uploads> uploads_;
   std::unique_ptr<Service> service_;
   std::unique_ptr<http::Server> server_;
   Metrics metrics_;

@@ -1,0 +1,80 @@
+// Profiles: settings under a name, for everybody to begin with, made by administrators.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "api/log.hpp"
+#include "api/settings.hpp"
+#include "server/problem.hpp"
+#include "server/service.hpp"
+#include "server/submission.hpp"
+
+namespace vacuform {
+
+using http::Request;
+using http::Response;
+using nlohmann::ordered_json;
+
+namespace {
+
+ordered_json profile_json(const Profile& profile) {
+  return {{"name", profile.name},
+          {"changed", rfc3339(profile.changed)},
+          {"settings", ordered_json::parse(profile.settings)}};
+}
+
+bool plain_name(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+  });
+}
+
+Result<Response> list_profiles(Service& service, Request& request, const Caller&) {
+  VACUFORM_TRY(limit, query_number(request, "limit", 20, 1, 100));
+  VACUFORM_TRY(cursor, page_cursor(request));
+  VACUFORM_TRY(page, service.store.list_profiles(static_cast<int>(limit), cursor));
+  ordered_json profiles = ordered_json::array();
+  for (const Profile& profile : page.profiles) profiles.push_back(profile_json(profile));
+  return json_response(
+      {{"profiles", profiles}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
+}
+
+Result<Response> show_profile(Service& service, Request& request, const Caller&) {
+  VACUFORM_TRY(profile, service.store.find_profile(request.at("name")));
+  return json_response(profile_json(profile));
+}
+
+Result<Response> put_profile(Service& service, Request& request, const Caller& caller) {
+  const std::string& name = request.at("name");
+  if (!plain_name(name))
+    return fail(Code::bad_usage, "not a name for a profile", "name", "give 1 to 64 of a-z, 0-9 and '-'");
+  VACUFORM_TRY(text, http::read_text(request, largest_settings));
+  VACUFORM_CHECK(settings_from_text(text));  // one that no job could begin with is refused here
+  const auto object = ordered_json::parse(text, nullptr, false);
+  if (!object.is_object())
+    return fail(Code::bad_usage, "the body is not a JSON object of settings", "request body",
+                R"(send {"machine": {"window_width_mm": 280}})");
+  VACUFORM_TRY(made, service.store.put_profile({name, object.dump(), 0}));
+  log_event("profile-put", {{"profile", name}, {"by", caller.token}});
+  VACUFORM_TRY(profile, service.store.find_profile(name));
+  return json_response(profile_json(profile), made ? 201 : 200);
+}
+
+Result<Response> delete_profile(Service& service, Request& request, const Caller& caller) {
+  VACUFORM_CHECK(service.store.remove_profile(request.at("name")));
+  log_event("profile-deleted", {{"profile", request.at("name")}, {"by", caller.token}});
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+}  // namespace
+
+void add_profile_routes(http::Router& router, Service& service) {
+  const std::string all = "/api/v1/profiles", one = all + "/{name}";
+  add_guarded(router, service, Scope::read, "GET", all, list_profiles);
+  add_guarded(router, service, Scope::read, "GET", one, show_profile);
+  add_guarded(router, service, Scope::admin, "PUT", one, put_profile);
+  add_guarded(router, service, Scope::admin, "DELETE", one, delete_profile);
+}
+
+}  // namespace vacuform

@@ -1,0 +1,59 @@
+#include <algorithm>
+
+#include "server/store/sqlite_store.hpp"
+
+namespace vacuform {
+
+Result<Profile> SqliteStore::profile_row(const std::string& name) {
+  Query query(db_, "SELECT name, settings, changed FROM profile WHERE name=?", name);
+  VACUFORM_TRY(found, query.row());
+  if (!found) return fail(Code::not_found, "there is no such profile", name, "see the list of profiles");
+  return Profile{query.text(0), query.text(1), query.integer(2)};
+}
+
+Result<bool> SqliteStore::put_profile(const Profile& profile) {
+  return write([&]() -> Result<bool> {
+    const bool old = profile_row(profile.name).has_value();
+    Query count(db_, "SELECT count(*) FROM profile");
+    VACUFORM_TRY(found, count.row());
+    if (!old && found && count.integer(0) >= most_profiles)
+      return fail(Code::busy, "there are " + std::to_string(most_profiles) + " profiles already",
+                  profile.name, "delete some");
+    VACUFORM_CHECK(Query(db_, "INSERT OR REPLACE INTO profile(name, settings, changed) VALUES(?,?,?)",
+                         profile.name, profile.settings, options_.clock())
+                       .run());
+    return !old;
+  });
+}
+
+Result<Profile> SqliteStore::find_profile(const std::string& name) {
+  const std::lock_guard hold(commits_.lock());
+  return profile_row(name);
+}
+
+Result<ProfilePage> SqliteStore::list_profiles(int limit, const std::string& cursor) {
+  const std::lock_guard hold(commits_.lock());
+  limit = std::clamp(limit, 1, 100);
+  ProfilePage page;
+  Query query(db_, "SELECT name, settings, changed FROM profile WHERE name>? ORDER BY name LIMIT ?", cursor,
+              limit + 1);
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) break;
+    page.profiles.push_back({query.text(0), query.text(1), query.integer(2)});
+  }
+  if (page.profiles.size() > static_cast<std::size_t>(limit)) {
+    page.profiles.pop_back();
+    page.next = page.profiles.back().name;
+  }
+  return page;
+}
+
+Result<void> SqliteStore::remove_profile(const std::string& name) {
+  return write([&]() -> Result<void> {
+    VACUFORM_CHECK(profile_row(name));
+    return Query(db_, "DELETE FROM profile WHERE name=?", name).run();
+  });
+}
+
+}  // namespace vacuform

@@ -1,0 +1,67 @@
+// Uploads that arrive in pieces: the rows of the store and the files of partial_file.hpp brought together, and who is
+// writing to which at the moment.
+//
+// What a request has sent when it breaks off is kept; while a long one goes on, every 8 MiB are flushed, so that a killed
+// server loses no more than these. Memory: the last 16 uploads that were written to keep their filters and hashes, some
+// 300 KiB each; others read themselves through once when they go on.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "server/http/message.hpp"
+#include "server/store/partial_file.hpp"
+#include "server/store/store.hpp"
+
+namespace vacuform {
+
+inline constexpr Millis upload_lifetime = 24LL * 3600 * 1000;
+
+// From any thread.
+class Uploads {
+ public:
+  // Keeps its files in `folder`; what stands there without a row is deleted. Errors: unavailable.
+  static Result<std::unique_ptr<Uploads>> open(Store& store, std::filesystem::path folder,
+                                               Clock clock = wall_clock);
+
+  // Errors: too_large, bad_usage (no bytes), busy.
+  Result<StoredUpload> begin(const std::string& owner, const InputKind& kind, const std::string& extension,
+                             std::uint64_t length);
+  // How many bytes have come. Errors: conflict, while a request sends some.
+  Result<std::uint64_t> offset(const StoredUpload& upload);
+  // The upload with its blob. Errors: conflict, unless all bytes have come.
+  Result<StoredUpload> whole(const StoredUpload& upload);
+  // Takes the body's bytes, which begin at `offset`, and gives the new offset; the upload is whole when that is its length.
+  // Of a body that must come `whole`, a part counts for nothing. Errors: conflict (another request sends bytes),
+  // bad_usage (offset is not where the upload is), too_large (more than announced), and those of the body.
+  Result<std::uint64_t> append(const StoredUpload& upload, std::uint64_t offset, http::Request& request,
+                               bool whole);
+  Result<void> remove(const std::string& id);
+  // Deletes what has expired. Call it now and then.
+  Result<void> collect();
+
+ private:
+  struct Writer {
+    std::mutex busy;
+    std::optional<PartialFile> file;
+    std::uint64_t used = 0;
+  };
+  Uploads(Store& store, std::filesystem::path folder, Clock clock)
+      : store_(store), folder_(std::move(folder)), clock_(std::move(clock)) {}
+  std::filesystem::path name_of(const std::string& id) const { return folder_ / id; }
+  std::shared_ptr<Writer> writer_of(const std::string& id);
+  Result<void> receive(PartialFile& file, std::uint64_t length, http::Request& request, bool whole);
+  Result<void> finish_after_crash(const StoredUpload& upload, Writer& writer);
+  Result<void> finish(const StoredUpload& upload, PartialFile& file);
+
+  Store& store_;
+  const std::filesystem::path folder_;
+  const Clock clock_;
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<Writer>> writers_;
+  std::uint64_t uses_ = 0;
+};
+
+}  // namespace vacuform
