@@ -195,17 +195,10 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
                                   measuring.context()));
     measured = std::move(figures);
   }
-  const bool segments = s.pattern.placement == PatternPlacement::segments;
-  const Finished job{s,
-                     formed.mold,
-                     sheet,
-                     flattening,
-                     pattern,
-                     print,
-                     formed.heat,
-                     alignment,
-                     measured ? &*measured : nullptr,
-                     segments ? &placement : nullptr};
+  const Finished job{s,           formed.mold, sheet,
+                     flattening,  pattern,     print,
+                     formed.heat, alignment,   measured ? &*measured : nullptr,
+                     &placement};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
   nlohmann::ordered_json whole = {

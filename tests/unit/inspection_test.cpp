@@ -262,6 +262,8 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
     job.sample.sheet.temperature[v] = 140 + 0.3 * job.sample.sheet.rest[v].x();
   Finished finished = job.finished();
   finished.heat = {HeatSource::heaters, 120, 140, 160, 31.25, 2.5};
+  job.sample.settings.pattern.placement = PatternPlacement::segments;
+  job.sample.settings.pattern.distortion_limit = 10;
   const auto placement =
       place(job.sample.sheet, job.sample.flattening, nullptr, job.sample.settings, Context());
   ASSERT_TRUE(placement);

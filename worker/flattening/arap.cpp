@@ -49,7 +49,7 @@ class LocalGlobal {
     double energy = 0;
     for (std::size_t k = 0; k < elements_.size(); ++k) {
       const Eigen::Matrix2d J = jacobian(chart_, elements_, k);
-      const double c = J(0, 0) + J(1, 1), s = J(1, 0) - J(0, 1), sum = std::hypot(c, s);
+      const double c = J(0, 0) + J(1, 1), s = J(1, 0) - J(0, 1), sum = std::sqrt(c * c + s * s);
       const double scale = lambda_ ? hybrid_scale(*lambda_, sum) : 1, part = sum > 0 ? scale / sum : 0;
       Eigen::Matrix2d R;
       R << part * c, -part * s, part * s, part * c;

@@ -9,7 +9,7 @@
 namespace vacuform {
 
 bool makes(const Finished& job, const ArtifactKind& kind) {
-  if (kind.name == "preview-segments.png") return job.placement != nullptr;
+  if (kind.name == "preview-segments.png") return in_segments(job);
   return kind.always || job.heat.source != HeatSource::uniform;
 }
 

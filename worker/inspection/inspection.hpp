@@ -52,8 +52,11 @@ struct Finished {
   HeatSummary heat = {};
   Alignment alignment = {};              // of the drawing on the chart
   const Measured* measured = nullptr;    // where the print is one of vectors
-  const Placement* placement = nullptr;  // where the drawing is laid in segments
+  const Placement* placement = nullptr;  // how the drawing is laid; none: on the one chart
 };
+inline bool in_segments(const Finished& job) {
+  return job.placement && job.settings.pattern.placement == PatternPlacement::segments;
+}
 
 // A named file of the job's output; the names are those of api/job.hpp.
 struct Artifact {

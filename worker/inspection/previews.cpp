@@ -236,7 +236,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   const Heat temperature = uneven ? temperature_heat(job) : Heat{};
 
   const std::optional<SegmentColours> segments =
-      job.placement ? std::optional<SegmentColours>(job) : std::nullopt;
+      in_segments(job) ? std::optional<SegmentColours>(job) : std::nullopt;
   const int of_heat = 6, of_segments = uneven ? 7 : 6, count = of_segments + (segments ? 1 : 0);
 
   View view(job.sheet, side, side, caption_top, caption_bottom);

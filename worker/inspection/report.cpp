@@ -213,7 +213,7 @@ Json report(const Finished& job) {
     out["pairs"] = pairs_json(measured.coils);
     out["ink"] = traces_json(measured.traces);
   }
-  if (job.placement) out["segments"] = segments_json(*job.placement, job.print);
+  if (in_segments(job)) out["segments"] = segments_json(*job.placement, job.print);
   out["histograms"] = histograms_of(job);
   Json warnings = Json::array();
   const auto add = [&](Stage stage, const std::vector<Warning>& of_stage) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/printing/sheet_raster.hpp"
 #include "worker/printing/vector_raster.hpp"
 
 namespace vacuform {
@@ -13,22 +14,41 @@ constexpr double pixel_mm = 0.15;
 
 SheetPicture::SheetPicture(const Finished& job)
     : job_(job), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
-  if (!job.print.vectors) return;
+  const bool parts = job.placement && !job.placement->elements.empty();
+  if (!job.print.vectors && !parts) return;
   width_ = static_cast<int>(std::ceil(job.settings.sheet.width_mm / pixel_mm));
   height_ = static_cast<int>(std::ceil(job.settings.sheet.height_mm / pixel_mm));
-  const VectorRaster raster(*job.print.vectors, width_, height_, pixel_mm, false);
-  for (int top = 0; top < height_; top += raster.band_rows()) {
-    const auto band = raster.rows(top, std::min(top + raster.band_rows(), height_));
-    rgba_.insert(rgba_.end(), band.begin(), band.end());
+  if (job.print.vectors) {
+    take(VectorRaster(*job.print.vectors, width_, height_, pixel_mm, false), 4);
+    return;
+  }
+  Print size;
+  size.width = width_, size.height = height_, size.pixel_mm = pixel_mm;
+  const InkParts of_picture(job.pattern);
+  take(SheetRaster(layers_of(*job.placement), &of_picture, size, job.pattern,
+                   static_cast<int>(25.4 / pixel_mm)),
+       job.pattern.grayscale() ? 1 : 4);
+}
+
+void SheetPicture::take(const RowSource& source, int channels) {
+  rgba_.reserve(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  for (int top = 0; top < height_; top += source.band_rows()) {
+    const auto band = source.rows(top, std::min(top + source.band_rows(), height_));
+    if (channels == 4) {
+      rgba_.insert(rgba_.end(), band.begin(), band.end());
+      continue;
+    }
+    for (const std::uint8_t gray : band)
+      rgba_.insert(rgba_.end(), {0, 0, 0, static_cast<std::uint8_t>(255 - gray)});
   }
 }
 
 Ink SheetPicture::sample(const Eigen::Vector2d& rest, double blur_mm) const {
-  return job_.print.vectors ? of_vectors(rest) : of_pattern(rest, blur_mm);
+  return rgba_.empty() ? of_pattern(rest, blur_mm) : of_pixels(rest);
 }
 
 // Bilinear, each pixel by its opacity.
-Ink SheetPicture::of_vectors(const Eigen::Vector2d& rest) const {
+Ink SheetPicture::of_pixels(const Eigen::Vector2d& rest) const {
   const double x = rest.x() / pixel_mm + width_ / 2.0 - 0.5, y = height_ / 2.0 - rest.y() / pixel_mm - 0.5;
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
   float sum[4] = {0, 0, 0, 0};

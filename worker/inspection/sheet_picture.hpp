@@ -7,11 +7,12 @@
 
 #include "worker/forming/sheet_map.hpp"
 #include "worker/inspection/inspection.hpp"
+#include "worker/printing/row_source.hpp"
 
 namespace vacuform {
 
-// Of a print of vectors its own drawing, 0.15 mm a pixel; of any other the pattern under the chart. Keeps a reference to
-// the job.
+// Of a print of vectors, or of a picture in parts, the print itself, 0.15 mm a pixel; of any other the pattern under the
+// charts. Keeps a reference to the job.
 class SheetPicture {
  public:
   explicit SheetPicture(const Finished& job);
@@ -20,12 +21,13 @@ class SheetPicture {
   Ink sample(const Eigen::Vector2d& rest, double blur_mm) const;
 
  private:
-  Ink of_vectors(const Eigen::Vector2d& rest) const;
+  void take(const RowSource& source, int channels);
+  Ink of_pixels(const Eigen::Vector2d& rest) const;
   Ink of_pattern(const Eigen::Vector2d& rest, double blur_mm) const;  // of the flat sheet
 
   const Finished& job_;
   int width_ = 0, height_ = 0;
-  std::vector<std::uint8_t> rgba_;  // of vectors: straight, rows from the top
+  std::vector<std::uint8_t> rgba_;  // straight, rows from the top; empty: of the pattern
   PlaneLocator chart_;              // of a pattern: the triangles of the chart
 };
 

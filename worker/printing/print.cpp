@@ -208,17 +208,6 @@ class PictureFiles {
   std::vector<std::uint8_t> rgb_, alpha_;  // a row each; at the end the files
 };
 
-// A picture is seen through its parts' own patches, and what is in no part through the chart.
-std::vector<RasterLayer> layers_of(const Placement& placement) {
-  constexpr int unplaced = -1;
-  std::vector<RasterLayer> layers;
-  for (const Segment& chart : placement.charts)
-    layers.push_back({&chart.patch, placement.elements.empty() ? RasterLayer::whole : unplaced, {}});
-  for (const PlacedElement& element : placement.elements)
-    layers.push_back({&element.patch, element.element, {}});
-  return layers;
-}
-
 // False where there are no shades to make up for.
 bool compensate(std::vector<RasterLayer>& layers, const Pattern& pattern) {
   std::vector<const Patch*> patches;

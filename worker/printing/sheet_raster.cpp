@@ -12,6 +12,16 @@ namespace vacuform {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
+std::vector<RasterLayer> layers_of(const Placement& placement) {
+  constexpr int unplaced = -1;
+  std::vector<RasterLayer> layers;
+  for (const Segment& chart : placement.charts)
+    layers.push_back({&chart.patch, placement.elements.empty() ? RasterLayer::whole : unplaced, {}});
+  for (const PlacedElement& element : placement.elements)
+    layers.push_back({&element.patch, element.element, {}});
+  return layers;
+}
+
 SheetRaster::SheetRaster(const std::vector<RasterLayer>& layers, const InkParts* parts, const Print& print,
                          const Pattern& pattern, int dpi)
     : pattern_(pattern),

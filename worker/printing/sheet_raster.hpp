@@ -19,6 +19,9 @@ struct RasterLayer {
       gain;  // for the ink of each triangle, up to full coverage; empty: 1. Of a grayscale drawing only
 };
 
+// A picture is seen through its parts' own patches, and what is in no part through the charts. They point into the placement.
+std::vector<RasterLayer> layers_of(const Placement& placement);
+
 // Keeps references to what it is made of. Pixels are those of the print before any mirroring; the box is around all
 // patches.
 class SheetRaster : public RowSource {
