@@ -2,6 +2,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
 
@@ -57,6 +59,14 @@ int run(int argc, char** argv) {
   app.add_flag("--no-keep", no_keep, "Keep nothing of a job");
   app.add_flag("--no-sandbox", no_sandbox,
                "Run jobs with the rights of this user, for finding faults; never for files of others");
+  // For service units: --poll-seconds is VACUFORM_WORKER_POLL_SECONDS too, and weaker.
+  for (CLI::Option* option : app.get_options()) {
+    std::string name = option->get_single_name();
+    if (name == "help" || name == "version") continue;
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](char c) { return c == '-' ? '_' : static_cast<char>(std::toupper(c)); });
+    option->envname("VACUFORM_WORKER_" + name);
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version

@@ -76,6 +76,16 @@ class Configuration(Case):
         self.settings("--data", self.folder / "store")
         self.assertFalse((self.folder / "store").exists())
 
+    def test_a_worker_takes_its_options_from_the_environment_too(self):
+        def worker(*words, **environment):
+            done = subprocess.run([BIN / "vacuform-worker", *words], capture_output=True, text=True, env=os.environ | environment)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            return done.stderr
+        self.assertIn("--server", worker())
+        self.assertIn("--poll-seconds", worker(VACUFORM_WORKER_SERVER="http://127.0.0.1:1", VACUFORM_WORKER_POLL_SECONDS="0"))
+        self.assertIn("none.token", worker("--poll-seconds", "1", VACUFORM_WORKER_SERVER="http://127.0.0.1:1",
+                                           VACUFORM_WORKER_POLL_SECONDS="2", VACUFORM_WORKER_TOKEN_FILE="none.token"))
+
 
 if __name__ == "__main__":
     unittest.main()
