@@ -45,9 +45,10 @@ class Client {
   static Result<Client> to(const std::string& server, const std::string& token);
 
   // Creates a job; the files, by the name of their kind of input, are streamed. `uploaded` receives the fraction sent and
-  // may give up. Never made twice by itself: when the answer is lost the caller cannot know whether the job exists.
+  // may give up. `from`, where not empty, is the id of a job that it shares the other files with. Never made twice by itself: when the answer is lost the caller cannot know whether the job exists.
   Result<RemoteJob> submit(const std::map<std::string, std::filesystem::path>& files,
-                           const std::string& settings_json, const std::function<bool(double)>& uploaded);
+                           const std::string& settings_json, const std::string& from,
+                           const std::function<bool(double)>& uploaded);
   Result<RemoteJob> job(const std::string& id, const Going& going = {});
   // Into `folder`, under the artifact's name: written beside it, checked against its SHA-256, then renamed.
   Result<void> download(const std::string& id, const RemoteArtifact& artifact,

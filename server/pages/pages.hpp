@@ -19,8 +19,8 @@ Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error
                const std::map<std::string, std::string>& fields = {});
 
 // A job: progress while it runs, then previews, figures and downloads. `report` is report.json, null when
-// there is none; parts that it lacks are left out.
-Page job_page(const Job& job, const nlohmann::json& report, const std::vector<LogLine>& log);
+// there is none; parts that it lacks are left out. `log` is the beginning of the job's log.
+Page job_page(const Job& job, const nlohmann::json& report, const std::vector<LogLine>& log = {});
 
 // The form that takes a token; after a refusal `error` stands above it.
 Page sign_in_page(const std::optional<Error>& error = std::nullopt);

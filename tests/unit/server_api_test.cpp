@@ -310,6 +310,10 @@ TEST_F(ServerApi, AJobBeginsWithAnother) {
   EXPECT_EQ(second["settings"]["print"]["dpi"], 150);
   EXPECT_EQ(second["settings"]["heat"]["source"], "measured");
 
+  const std::string page = ask("GET", "/jobs/" + second["id"].get<std::string>()).body;
+  EXPECT_NE(page.find("<a href=\"/jobs/" + id + "\">"), std::string::npos);
+  EXPECT_NE(page.find("</time> queued</li>"), std::string::npos);
+
   // A file that is sent replaces that of the other job; one that the settings no longer ask for is left out.
   const json drawn = json::parse(ask("POST", "/api/v1/jobs", form_type,
                                      part("from", "", id) + part("pattern", "q.PNG", "new") +

@@ -1,5 +1,5 @@
-// The promises of server/store/store.hpp, held against the interface alone: whatever store stands behind
-// open_store() must pass. A crash is played by copying the files under a running store and opening the copy.
+// The promises of server/store/store.hpp, held against the interface alone: every store is named at the end and must pass
+// all of it. A crash is played by copying the files under a running store and opening the copy.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -17,7 +17,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class StoreTest : public testing::Test {
+// A store by its name and the way to open it; blobs lie in its folder whatever keeps the rows.
+struct Backend {
+  const char* name;
+  Result<std::unique_ptr<Store>> (*open)(const std::filesystem::path& data, StoreOptions options);
+};
+
+void PrintTo(const Backend& backend, std::ostream* out) { *out << backend.name; }
+
+class StoreTest : public testing::TestWithParam<Backend> {
  protected:
   void SetUp() override {
     ASSERT_TRUE(start_secrets());
@@ -32,7 +40,7 @@ class StoreTest : public testing::Test {
   fs::path data() const { return folder_ / "data"; }
   void reopen() {
     store_.reset();
-    auto store = open_store(data(), options());
+    auto store = GetParam().open(data(), options());
     ASSERT_TRUE(store) << store.error().text();
     store_ = std::move(*store);
   }
@@ -94,7 +102,7 @@ class StoreTest : public testing::Test {
   std::unique_ptr<Store> store_;
 };
 
-TEST_F(StoreTest, KeepsAJobWithItsFiles) {
+TEST_P(StoreTest, KeepsAJobWithItsFiles) {
   const Job made = create("solid head", "<svg/>");
   const Job found = job(made.id);
   EXPECT_EQ(found.id.size(), 26u);
@@ -108,7 +116,7 @@ TEST_F(StoreTest, KeepsAJobWithItsFiles) {
   EXPECT_EQ(bytes_of(found.input("pattern")->blob), "<svg/>");
 }
 
-TEST_F(StoreTest, KeepsTokensAndRevokesThemForGood) {
+TEST_P(StoreTest, KeepsTokensAndRevokesThemForGood) {
   const Token first{"0001",    "station-1", {Scope::submit, Scope::read}, std::string(64, 'a'), 5,
                     now_ + 10, {}};
   const Token second{"0002", "admin", {Scope::admin}, std::string(64, 'b'), 6, {}, {}};
@@ -133,7 +141,7 @@ TEST_F(StoreTest, KeepsTokensAndRevokesThemForGood) {
   EXPECT_EQ(store_->tokens()->size(), 2u);
 }
 
-TEST_F(StoreTest, ListsTheJobsOfOneOwner) {
+TEST_P(StoreTest, ListsTheJobsOfOneOwner) {
   const auto submit = [&](const std::string& owner) {
     NewJob job = submission("a", "b");
     job.owner = owner;
@@ -160,7 +168,7 @@ TEST_F(StoreTest, ListsTheJobsOfOneOwner) {
   EXPECT_TRUE(ids("third").empty());
 }
 
-TEST_F(StoreTest, CountsItsJobsByState) {
+TEST_P(StoreTest, CountsItsJobsByState) {
   EXPECT_EQ(store_->counts().value(), JobCounts{});
   create();
   create();
@@ -173,7 +181,7 @@ TEST_F(StoreTest, CountsItsJobsByState) {
   EXPECT_EQ(store_->counts().value(), expected);
 }
 
-TEST_F(StoreTest, WhatWasCreatedSurvivesACrashAndWhatWasNotLeavesNothing) {
+TEST_P(StoreTest, WhatWasCreatedSurvivesACrashAndWhatWasNotLeavesNothing) {
   const Job made = create("kept", "kept too");
   Upload unfinished = upload("half a scan");
   crash();
@@ -183,7 +191,7 @@ TEST_F(StoreTest, WhatWasCreatedSurvivesACrashAndWhatWasNotLeavesNothing) {
 }
 
 // Every kind of input is kept over a crash, is part of what a key means, and goes with the job.
-TEST_F(StoreTest, KeepsTheFurtherInputsOfAJobThatHasThem) {
+TEST_P(StoreTest, KeepsTheFurtherInputsOfAJobThatHasThem) {
   const auto submit = [&](const std::string& celsius) {
     NewJob job = submission("a scan", "a pattern", "key-0001");
     if (!celsius.empty()) job.add("temperature", upload(celsius), "csv");
@@ -206,7 +214,7 @@ TEST_F(StoreTest, KeepsTheFurtherInputsOfAJobThatHasThem) {
   EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("a scan"), text_hash("a pattern")}));
 }
 
-TEST_F(StoreTest, AJobCanShareTheFilesOfAnother) {
+TEST_P(StoreTest, AJobCanShareTheFilesOfAnother) {
   const Job first = create("a scan", "a pattern");
   const auto shared = [&] {
     NewJob job{"{}"};
@@ -223,7 +231,7 @@ TEST_F(StoreTest, AJobCanShareTheFilesOfAnother) {
   EXPECT_TRUE(store_->list(1, "")->jobs.empty());
 }
 
-TEST_F(StoreTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
+TEST_P(StoreTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
   create("kept", "kept too");
   const std::string orphan = text_hash("orphan");
   fs::create_directories(data() / "blobs" / orphan.substr(0, 2));
@@ -233,19 +241,19 @@ TEST_F(StoreTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
   EXPECT_EQ(blobs().size(), 2u);
 }
 
-TEST_F(StoreTest, AnAbandonedUploadLeavesNoFile) {
+TEST_P(StoreTest, AnAbandonedUploadLeavesNoFile) {
   { const Upload gone = upload("nobody wants this"); }
   EXPECT_TRUE(fs::is_empty(data() / "incoming"));
 }
 
-TEST_F(StoreTest, OneProcessAtATime) {
-  const auto second = open_store(data(), options());
+TEST_P(StoreTest, OneProcessAtATime) {
+  const auto second = GetParam().open(data(), options());
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, Code::unavailable);
   EXPECT_EQ(second.error().what, "another server uses this data folder");
 }
 
-TEST_F(StoreTest, LeasesTheOldestJobOnceAndOnlyOnce) {
+TEST_P(StoreTest, LeasesTheOldestJobOnceAndOnlyOnce) {
   const Job first = create(), second = create();
   EXPECT_LT(first.id, second.id);  // even within one millisecond
   EXPECT_EQ(lease().job, first.id);
@@ -255,7 +263,7 @@ TEST_F(StoreTest, LeasesTheOldestJobOnceAndOnlyOnce) {
   EXPECT_EQ(job(first.id).attempt, 1);
 }
 
-TEST_F(StoreTest, EveryWriteNeedsTheTokenOfTheCurrentLease) {
+TEST_P(StoreTest, EveryWriteNeedsTheTokenOfTheCurrentLease) {
   const std::string id = create().id;
   const LeaseKey good = lease(), bad{id, std::string(64, '0')}, empty{id, ""};
   for (const LeaseKey& key : {bad, empty, LeaseKey{"no such job", good.token}}) {
@@ -273,7 +281,7 @@ TEST_F(StoreTest, EveryWriteNeedsTheTokenOfTheCurrentLease) {
   EXPECT_EQ(blobs().size(), 2u);  // the refused artifact left no file
 }
 
-TEST_F(StoreTest, AHeartbeatRenewsTheLeaseAndNotesTheProgress) {
+TEST_P(StoreTest, AHeartbeatRenewsTheLeaseAndNotesTheProgress) {
   const std::string id = create().id;
   const LeaseKey key = lease();
   for (int i = 1; i <= 5; ++i) {
@@ -286,7 +294,7 @@ TEST_F(StoreTest, AHeartbeatRenewsTheLeaseAndNotesTheProgress) {
   EXPECT_EQ(store_->heartbeat(key, Stage::forming, 1).error().code, Code::lease_lost);
 }
 
-TEST_F(StoreTest, AnExpiredLeaseGoesToAnotherWorkerAndTheFirstIsRefused) {
+TEST_P(StoreTest, AnExpiredLeaseGoesToAnotherWorkerAndTheFirstIsRefused) {
   const std::string id = create().id;
   const LeaseKey first = lease();
   ASSERT_TRUE(store_->put_artifact(first, "print.png", upload("of the first")));
@@ -306,7 +314,7 @@ TEST_F(StoreTest, AnExpiredLeaseGoesToAnotherWorkerAndTheFirstIsRefused) {
   EXPECT_EQ(store_->complete(first).error().code, Code::lease_lost);
 }
 
-TEST_F(StoreTest, AJobThatTakesThreeWorkersDownFailsWithThatReason) {
+TEST_P(StoreTest, AJobThatTakesThreeWorkersDownFailsWithThatReason) {
   const std::string id = create().id;
   for (int i = 0; i < 3; ++i) {
     lease();
@@ -320,7 +328,7 @@ TEST_F(StoreTest, AJobThatTakesThreeWorkersDownFailsWithThatReason) {
   EXPECT_FALSE(store_->lease("fourth").value().has_value());
 }
 
-TEST_F(StoreTest, ADeadWorkersJobsNeedNotWait) {
+TEST_P(StoreTest, ADeadWorkersJobsNeedNotWait) {
   const std::string first = create().id, second = create().id;
   ASSERT_TRUE(store_->lease("local-1"));
   const auto other = store_->lease("local-2").value();
@@ -331,7 +339,7 @@ TEST_F(StoreTest, ADeadWorkersJobsNeedNotWait) {
   EXPECT_FALSE(store_->heartbeat({second, other->token}, Stage::scan, 0).value());
 }
 
-TEST_F(StoreTest, ARefusedChangeTakesNoOtherWithIt) {
+TEST_P(StoreTest, ARefusedChangeTakesNoOtherWithIt) {
   std::vector<std::thread> threads;
   for (int i = 0; i < 8; ++i)
     threads.emplace_back([&, i] {
@@ -346,14 +354,14 @@ TEST_F(StoreTest, ARefusedChangeTakesNoOtherWithIt) {
   EXPECT_EQ(blobs().size(), 48u);
 }
 
-TEST_F(StoreTest, AReleasedJobIsNotALoss) {
+TEST_P(StoreTest, AReleasedJobIsNotALoss) {
   const std::string id = create().id;
   for (int i = 0; i < 5; ++i) EXPECT_EQ(store_->release(lease()).value().state, JobState::queued);
   EXPECT_EQ(job(id).state, JobState::queued);
   EXPECT_EQ(job(id).attempt, 5);
 }
 
-TEST_F(StoreTest, EndingTwiceUnderOneTokenIsHarmless) {
+TEST_P(StoreTest, EndingTwiceUnderOneTokenIsHarmless) {
   create();
   const LeaseKey key = lease();
   const Job done = store_->complete(key).value();
@@ -367,7 +375,7 @@ TEST_F(StoreTest, EndingTwiceUnderOneTokenIsHarmless) {
   EXPECT_EQ(store_->put_artifact(key, "print.png", upload("late")).error().code, Code::lease_lost);
 }
 
-TEST_F(StoreTest, AFailureKeepsItsReason) {
+TEST_P(StoreTest, AFailureKeepsItsReason) {
   const std::string id = create().id;
   ASSERT_TRUE(
       store_->fail_job(lease(), {Code::ambiguous_units, "cm or in", "scan", "set scan.units"}, Retry::never));
@@ -377,7 +385,7 @@ TEST_F(StoreTest, AFailureKeepsItsReason) {
   EXPECT_EQ(job(id).error->text(), "cm or in (scan); set scan.units");
 }
 
-TEST_F(StoreTest, AFaultOfTheWorkersIsTriedAgainSoOften) {
+TEST_P(StoreTest, AFaultOfTheWorkersIsTriedAgainSoOften) {
   const std::string id = create().id;
   const Error error{Code::internal, "no room", "", ""};
   EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_fault).value().state, JobState::queued);
@@ -386,7 +394,7 @@ TEST_F(StoreTest, AFaultOfTheWorkersIsTriedAgainSoOften) {
   EXPECT_EQ(job(id).error->what, "no room");
 }
 
-TEST_F(StoreTest, ASecondCrashEndsAJobWithItsLog) {
+TEST_P(StoreTest, ASecondCrashEndsAJobWithItsLog) {
   const std::string id = create().id;
   const Error error{Code::internal, "broke down", "", ""};
   EXPECT_EQ(store_->fail_job(lease(), error, Retry::after_fault).value().state, JobState::queued);
@@ -396,12 +404,12 @@ TEST_F(StoreTest, ASecondCrashEndsAJobWithItsLog) {
   EXPECT_EQ(store_->log_after(id, 0, 100)->size(), 7u);
 }
 
-TEST_F(StoreTest, AJobRestsLongerWithEveryFault) {
+TEST_P(StoreTest, AJobRestsLongerWithEveryFault) {
   StoreOptions resting = options();
   resting.backoff = 1000;
   resting.losses = 20;
   store_.reset();
-  store_ = std::move(*open_store(data(), resting));
+  store_ = std::move(*GetParam().open(data(), resting));
   const std::string id = create().id;
   for (const Millis rest : {1000, 2000, 4000, 8000}) {
     ASSERT_TRUE(store_->fail_job(lease(), {Code::internal, "", "", ""}, Retry::after_fault));
@@ -422,7 +430,7 @@ TEST_F(StoreTest, AJobRestsLongerWithEveryFault) {
   EXPECT_GE(job(id).not_before.value(), now_ + 8000);  // the fifth
 }
 
-TEST_F(StoreTest, OwnersTakeTurns) {
+TEST_P(StoreTest, OwnersTakeTurns) {
   const auto submit = [&](const std::string& owner, int priority = 0) {
     NewJob job = submission();
     job.owner = owner;
@@ -449,12 +457,12 @@ TEST_F(StoreTest, OwnersTakeTurns) {
   EXPECT_FALSE(store_->lease("idle").value().has_value());
 }
 
-TEST_F(StoreTest, TheQueueIsBounded) {
+TEST_P(StoreTest, TheQueueIsBounded) {
   StoreOptions small = options();
   small.most_queued = 5;
   small.most_queued_by_owner = 3;
   store_.reset();
-  store_ = std::move(*open_store(data(), small));
+  store_ = std::move(*GetParam().open(data(), small));
   const auto submit = [&](const std::string& owner, const std::string& key = "") {
     NewJob job = submission("a scan", "a pattern", key);
     job.owner = owner;
@@ -473,7 +481,7 @@ TEST_F(StoreTest, TheQueueIsBounded) {
   EXPECT_TRUE(submit("c"));  // what runs does not wait
 }
 
-TEST_F(StoreTest, ADamagedFileIsNotGiven) {
+TEST_P(StoreTest, ADamagedFileIsNotGiven) {
   const Job made = create("a scan", "a pattern");
   reopen();
   const std::string hash = made.input("scan")->blob.sha256;
@@ -482,12 +490,12 @@ TEST_F(StoreTest, ADamagedFileIsNotGiven) {
   EXPECT_EQ(bytes_of(made.input("pattern")->blob), "a pattern");
 }
 
-TEST_F(StoreTest, TellsWhenABlobIsGone) {
+TEST_P(StoreTest, TellsWhenABlobIsGone) {
   std::vector<std::string> gone;
   StoreOptions telling = options();
   telling.blob_gone = [&](const std::string& sha256) { gone.push_back(sha256); };
   store_.reset();
-  store_ = std::move(*open_store(data(), telling));
+  store_ = std::move(*GetParam().open(data(), telling));
   const Job first = create("a scan", "one"), second = create("a scan", "two");
   ASSERT_TRUE(store_->cancel(first.id) && store_->remove(first.id));
   EXPECT_EQ(gone, std::vector{text_hash("one")});
@@ -496,7 +504,7 @@ TEST_F(StoreTest, TellsWhenABlobIsGone) {
             (std::set{text_hash("one"), text_hash("a scan"), text_hash("two")}));
 }
 
-TEST_F(StoreTest, ABackupOpensAsTheStoreWas) {
+TEST_P(StoreTest, ABackupOpensAsTheStoreWas) {
   const Job made = create("a scan", "a pattern"), ended = create("a scan", "another");
   const LeaseKey key = lease();
   ASSERT_TRUE(store_->put_artifact(key, "print.png", upload("ink")));
@@ -526,7 +534,7 @@ TEST_F(StoreTest, ABackupOpensAsTheStoreWas) {
   EXPECT_EQ(bytes_of(job(ended.id).input("pattern")->blob), "another");
 }
 
-TEST_F(StoreTest, ABackupKeepsWhatIsDeletedMeanwhileAndLeavesOutWhatIsDamaged) {
+TEST_P(StoreTest, ABackupKeepsWhatIsDeletedMeanwhileAndLeavesOutWhatIsDamaged) {
   const Job made = create("a scan", "a pattern");
   ASSERT_TRUE(store_->cancel(made.id));
   const std::string damaged = create("damaged", "whole").input("scan")->blob.sha256;
@@ -554,14 +562,14 @@ TEST_F(StoreTest, ABackupKeepsWhatIsDeletedMeanwhileAndLeavesOutWhatIsDamaged) {
   EXPECT_EQ(bytes_of(job(made.id).input("scan")->blob), "a scan");
 }
 
-TEST_F(StoreTest, CancellingAQueuedJobIsDoneAtOnce) {
+TEST_P(StoreTest, CancellingAQueuedJobIsDoneAtOnce) {
   const std::string id = create().id;
   EXPECT_EQ(store_->cancel(id).value().state, JobState::cancelled);
   EXPECT_EQ(store_->cancel(id).value().state, JobState::cancelled);
   EXPECT_FALSE(store_->lease("worker").value().has_value());
 }
 
-TEST_F(StoreTest, CancellingARunningJobIsToldToItsWorker) {
+TEST_P(StoreTest, CancellingARunningJobIsToldToItsWorker) {
   const std::string id = create().id;
   const LeaseKey key = lease();
   EXPECT_EQ(store_->cancel(id).value().state, JobState::cancelling);
@@ -570,14 +578,14 @@ TEST_F(StoreTest, CancellingARunningJobIsToldToItsWorker) {
   EXPECT_TRUE(job(id).ended.has_value());
 }
 
-TEST_F(StoreTest, ACancelWinsOverACompletionThatDidNotHearOfIt) {
+TEST_P(StoreTest, ACancelWinsOverACompletionThatDidNotHearOfIt) {
   const std::string id = create().id;
   const LeaseKey key = lease();
   ASSERT_TRUE(store_->cancel(id));
   EXPECT_EQ(store_->complete(key).value().state, JobState::cancelled);
 }
 
-TEST_F(StoreTest, ACancelledJobWhoseWorkerDiedIsCancelledNotRunAgain) {
+TEST_P(StoreTest, ACancelledJobWhoseWorkerDiedIsCancelledNotRunAgain) {
   const std::string id = create().id;
   lease();
   ASSERT_TRUE(store_->cancel(id));
@@ -586,14 +594,14 @@ TEST_F(StoreTest, ACancelledJobWhoseWorkerDiedIsCancelledNotRunAgain) {
   EXPECT_EQ(job(id).state, JobState::cancelled);
 }
 
-TEST_F(StoreTest, AnEndedJobCannotBeCancelled) {
+TEST_P(StoreTest, AnEndedJobCannotBeCancelled) {
   const std::string id = create().id;
   ASSERT_TRUE(store_->complete(lease()));
   EXPECT_EQ(store_->cancel(id).error().code, Code::conflict);
   EXPECT_EQ(store_->cancel("nobody").error().code, Code::not_found);
 }
 
-TEST_F(StoreTest, OnlyEndedJobsAreDeleted) {
+TEST_P(StoreTest, OnlyEndedJobsAreDeleted) {
   const std::string id = create().id;
   EXPECT_EQ(store_->remove(id).error().code, Code::conflict);
   const LeaseKey key = lease();
@@ -605,7 +613,7 @@ TEST_F(StoreTest, OnlyEndedJobsAreDeleted) {
   EXPECT_TRUE(blobs().empty());
 }
 
-TEST_F(StoreTest, ASharedFileStaysAsLongAsAnyJobNamesIt) {
+TEST_P(StoreTest, ASharedFileStaysAsLongAsAnyJobNamesIt) {
   const std::string first = create("same scan", "one").id, second = create("same scan", "two").id;
   EXPECT_EQ(blobs().size(), 3u);  // the scan is there once
   const LeaseKey key = lease();
@@ -620,7 +628,7 @@ TEST_F(StoreTest, ASharedFileStaysAsLongAsAnyJobNamesIt) {
   EXPECT_EQ(text, "one");
 }
 
-TEST_F(StoreTest, OnlySuccessKeepsArtifacts) {
+TEST_P(StoreTest, OnlySuccessKeepsArtifacts) {
   const auto half_done = [&](const std::string& bytes) {
     create();
     const LeaseKey key = lease();
@@ -640,7 +648,7 @@ TEST_F(StoreTest, OnlySuccessKeepsArtifacts) {
   EXPECT_EQ(blobs().count(text_hash("of the done")), 1u);
 }
 
-TEST_F(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
+TEST_P(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   const std::string id = create().id;
   const LeaseKey key = lease();
   ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("first")));
@@ -653,7 +661,7 @@ TEST_F(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   EXPECT_EQ(blobs().count(text_hash("first")), 0u);
 }
 
-TEST_F(StoreTest, ARestartLeavesRunningJobsAWholeLeaseMore) {
+TEST_P(StoreTest, ARestartLeavesRunningJobsAWholeLeaseMore) {
   const std::string id = create().id;
   const LeaseKey key = lease();
   now_ += 60'000;  // the server was away
@@ -665,7 +673,7 @@ TEST_F(StoreTest, ARestartLeavesRunningJobsAWholeLeaseMore) {
   EXPECT_EQ(store_->expire().value().size(), 1u);
 }
 
-TEST_F(StoreTest, OneKeyMakesOneJob) {
+TEST_P(StoreTest, OneKeyMakesOneJob) {
   const auto submit = [&](const std::string& scan, const std::string& key) {
     return store_->create(submission(scan, "a pattern", key));
   };
@@ -680,7 +688,7 @@ TEST_F(StoreTest, OneKeyMakesOneJob) {
   EXPECT_EQ(store_->list(100, "")->jobs.size(), 4u);
 }
 
-TEST_F(StoreTest, WritesDownWhatHappensToAJob) {
+TEST_P(StoreTest, WritesDownWhatHappensToAJob) {
   const std::string id = create().id;
   ASSERT_TRUE(store_->release(lease()));
   const LeaseKey key = lease();
@@ -705,7 +713,7 @@ TEST_F(StoreTest, WritesDownWhatHappensToAJob) {
   EXPECT_EQ(store_->log_after("nobody", 0, 2).error().code, Code::not_found);
 }
 
-TEST_F(StoreTest, AWorkersLinesAreWrittenOnceAndAreBounded) {
+TEST_P(StoreTest, AWorkersLinesAreWrittenOnceAndAreBounded) {
   const std::string id = create().id;
   const LeaseKey key = lease();
   const auto before = store_->log_after(id, 0, 1000)->size();
@@ -728,7 +736,7 @@ TEST_F(StoreTest, AWorkersLinesAreWrittenOnceAndAreBounded) {
   ASSERT_TRUE(store_->log(lease(), 0, {"of the second attempt"}));
 }
 
-TEST_F(StoreTest, EveryVisibleChangeGivesAJobAGreaterVersion) {
+TEST_P(StoreTest, EveryVisibleChangeGivesAJobAGreaterVersion) {
   const Job made = create();
   std::int64_t version = made.version;
   const auto grown = [&] {
@@ -751,7 +759,7 @@ TEST_F(StoreTest, EveryVisibleChangeGivesAJobAGreaterVersion) {
   EXPECT_TRUE(grown());
 }
 
-TEST_F(StoreTest, WaitsForNewsOfAJob) {
+TEST_P(StoreTest, WaitsForNewsOfAJob) {
   using namespace std::chrono_literals;
   const Job made = create(), other = create();
   EXPECT_EQ(store_->wait_for_change(made.id, 0, 1h)->version, made.version);  // what is known is no news
@@ -769,12 +777,12 @@ TEST_F(StoreTest, WaitsForNewsOfAJob) {
   deleter.join();
 }
 
-TEST_F(StoreTest, OnlySoManyWait) {
+TEST_P(StoreTest, OnlySoManyWait) {
   using namespace std::chrono_literals;
   StoreOptions two = options();
   two.most_waiters = 2;
   store_.reset();
-  store_ = std::move(*open_store(data(), two));
+  store_ = std::move(*GetParam().open(data(), two));
   const Job made = create();
   std::atomic<int> refused = 0;
   std::vector<std::thread> waiters;
@@ -789,7 +797,7 @@ TEST_F(StoreTest, OnlySoManyWait) {
   EXPECT_EQ(refused, 1);
 }
 
-TEST_F(StoreTest, ListsInPagesFromTheNewest) {
+TEST_P(StoreTest, ListsInPagesFromTheNewest) {
   std::vector<std::string> made;
   for (int i = 0; i < 7; ++i) made.insert(made.begin(), create("scan " + std::to_string(i)).id);
   std::vector<std::string> listed;
@@ -806,7 +814,7 @@ TEST_F(StoreTest, ListsInPagesFromTheNewest) {
   EXPECT_EQ(listed, made);
 }
 
-TEST_F(StoreTest, ManyWorkersShareTheJobsWithoutOneTwice) {
+TEST_P(StoreTest, ManyWorkersShareTheJobsWithoutOneTwice) {
   constexpr int jobs = 60;
   for (int i = 0; i < jobs; ++i) create("scan " + std::to_string(i));
   std::mutex mutex;
@@ -826,6 +834,9 @@ TEST_F(StoreTest, ManyWorkersShareTheJobsWithoutOneTwice) {
   EXPECT_EQ(done.size(), static_cast<std::size_t>(jobs));
   EXPECT_EQ(std::set<std::string>(done.begin(), done.end()).size(), static_cast<std::size_t>(jobs));
 }
+
+INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Sqlite", open_store}),
+                         [](const auto& backend) { return backend.param.name; });
 
 }  // namespace
 }  // namespace vacuform

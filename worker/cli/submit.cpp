@@ -27,7 +27,7 @@ extern "C" void interrupt(int) { interrupted.store(true); }
 bool going() { return !interrupted.load(); }
 
 struct SubmitOptions {
-  std::string server = "http://127.0.0.1:8080", job, out, token_file;
+  std::string server = "http://127.0.0.1:8080", job, from, out, token_file;
   std::array<std::string, input_kinds.size()> files;  // in the order of input_kinds
   SettingsOptions settings;
   bool wait = false;
@@ -44,7 +44,7 @@ Result<RemoteJob> create(Client& client, const SubmitOptions& o, ProgressBar& ba
   std::map<std::string, std::filesystem::path> files;
   for (std::size_t i = 0; i < input_kinds.size(); ++i)
     if (!o.files[i].empty()) files[std::string(input_kinds[i].name)] = o.files[i];
-  return client.submit(files, settings.dump(), [&](double fraction) {
+  return client.submit(files, settings.dump(), o.from, [&](double fraction) {
     bar.show("upload", fraction);
     return going();
   });
@@ -86,9 +86,10 @@ int submit(const SubmitOptions& o) {
   if (!token) return refuse(token.error());
   auto client = Client::to(o.server, *token);
   if (!client) return refuse(client.error());
-  if (o.job.empty() && lacks_files(o))
-    return refuse({Code::bad_usage, "submit needs a scan and a pattern, or a job to come back to", "",
-                   "give --scan FILE and --pattern FILE, or --job ID"});
+  if (o.job.empty() && o.from.empty() && lacks_files(o))
+    return refuse({Code::bad_usage,
+                   "submit needs a scan and a pattern, or a job to begin with or to come back to", "",
+                   "give --scan FILE and --pattern FILE, or --from ID, or --job ID"});
 
   struct sigaction action {};
   action.sa_handler = interrupt;  // no SA_RESTART: waiting ends at once
@@ -153,6 +154,11 @@ void add_submit(CLI::App& app, int& exit_code) {
   options->settings.add_to(*command);
   auto* job = command->add_option("--job", options->job, "Come back to a job that was submitted before")
                   ->type_name("ID");
+  command
+      ->add_option("--from", options->from,
+                   "Begin with the files and settings of this job; what is given as well replaces them")
+      ->type_name("ID")
+      ->excludes(job);
   for (std::size_t i = 0; i < input_kinds.size(); ++i)
     command
         ->add_option("--" + std::string(input_kinds[i].name), options->files[i],
