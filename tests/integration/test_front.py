@@ -77,6 +77,17 @@ class Front(Case):
         part = self.ask(path + "/artifacts/print.png", "-H", "Range: bytes=1-3")
         self.assertEqual((part.status, part.body), (206, b"PNG"))
 
+    def test_events_come_through_as_they_happen(self):
+        path = self.ask("/api/v1/jobs", *self.files()).headers["location"]
+        with subprocess.Popen(["curl", "-sSN", "--noproxy", "*", "--resolve", f"{NAME}:{self.https}:127.0.0.1", "--cacert", self.certificate,
+                               "-H", "Authorization: Bearer " + self.server.token_file.read_text().strip(),
+                               self.url + path + "/events"], stdout=subprocess.PIPE, text=True) as client:
+            first = next(line for line in client.stdout if line.startswith("data:"))
+            state = self.ask(path).json["state"]  # the job still goes on when the first event is here
+            rest = client.stdout.read()
+        self.assertIn(state, ("queued", "running"), first)
+        self.assertIn('"succeeded"', rest)
+
     def test_what_every_answer_carries(self):
         answer = self.ask("/healthz", "-H", "X-Request-ID: 0123456789abcdef0123456789abcdef")
         self.assertEqual(answer.headers["strict-transport-security"], "max-age=31536000")
