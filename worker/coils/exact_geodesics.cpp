@@ -26,7 +26,6 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 // Where straight lines begin: the source itself, or a vertex at which paths bend.
 struct Root {
   double before = 0;        // mm from the source to here
-  int vertex = -1;          // -1: the source
   Vector3d start{0, 0, 0};  // in which the path to here leaves the source
 };
 
@@ -39,6 +38,11 @@ struct Window {
   Vector2d left, right;  // on the side, where the rays come through
   int next = -1;         // of the windows on the same side
 };
+
+// Counter-clockwise from one direction to another.
+double angle_between(const Vector2d& from, const Vector2d& to) {
+  return std::atan2(cross(from, to), from.dot(to));
+}
 
 // The distance from the origin to the piece from p to q.
 double nearest(const Vector2d& p, const Vector2d& q) {
@@ -78,6 +82,9 @@ struct Geodesics::State {
   struct Known {
     double mm = infinite;  // the shortest path to the vertex met so far
     Vector3d start{0, 0, 0};
+    // From where it comes: in the triangle opposite the side `from`, so far from its side to the next corner, radians.
+    int from = -1;
+    double at = 0;
   };
   std::vector<Known> known;
   std::vector<int> touched_sides, touched_vertices;
@@ -106,11 +113,13 @@ struct Geodesics::State {
     return (to.x() * axis + to.y() * across) / length;
   }
 
-  void reached(int vertex, double mm, const Vector3d& start) {
+  // The corner opposite the side `from`.
+  void reached(int from, double mm, const Vector3d& start, double at) {
+    const int vertex = mesh.corner(from / 3, from % 3);
     Known& k = known[index(vertex)];
     if (mm >= k.mm || mm > reach) return;
     if (k.mm == infinite) touched_vertices.push_back(vertex);
-    k = {mm, start};
+    k = {mm, start, from, at};
     if (mesh.bends_at(vertex)) queue.push({mm, -1 - vertex});
   }
 
@@ -173,7 +182,7 @@ struct Geodesics::State {
         best = {mm, through};
       else
         (through < best.through ? goes_right : goes_left) = false;
-      reached(mesh.corner(t, k), mm, start_of(w.root, c));
+      reached(w.side, mm, start_of(w.root, c), angle_between(w.a - c, -c));
     }
     if (goes_left) {
       const Vector2d left = met(w.left, w.a, c);
@@ -187,21 +196,43 @@ struct Geodesics::State {
     }
   }
 
-  // Straight lines from a vertex into all triangles around it.
+  // Straight lines from a vertex, to where they leave half a turn or more on either side of the path that arrives.
   void bend_at(int vertex) {
+    const Known from = known[index(vertex)];
     const int root = static_cast<int>(roots.size());
-    roots.push_back({known_mm(vertex), vertex, known[index(vertex)].start});
-    for (const int s : mesh.around(vertex)) {
-      const int t = s / 3, k = s % 3;
-      const PathMesh::Side& side = mesh.side(s);
-      if (side.length == 0) continue;
-      // The vertex is the apex over the side from b, on the right, to a.
-      const Vector2d b(-side.foot, -side.height), a(side.length - side.foot, -side.height);
-      // Seen from above the side, right and left change places.
-      reached(mesh.corner(t, k + 1), known_mm(vertex) + b.norm(), roots[index(root)].start);
-      reached(mesh.corner(t, k + 2), known_mm(vertex) + a.norm(), roots[index(root)].start);
-      open(s, root, a, b, a, b);
+    roots.push_back({from.mm, from.start});
+    const double whole = mesh.turn(vertex);
+    double passed = mesh.angle(from.from) - from.at;  // from the path to the triangle
+    for (int s = mesh.next_around(from.from, true); s >= 0 && s != from.from; s = mesh.next_around(s, true)) {
+      const double angle = mesh.angle(s);
+      look(s, root, M_PI - passed, whole - M_PI - passed);
+      passed += angle;
     }
+    if (std::isfinite(whole)) return;
+    passed = from.at;
+    for (int s = mesh.next_around(from.from, false); s >= 0 && s != from.from;
+         s = mesh.next_around(s, false)) {
+      const double angle = mesh.angle(s);
+      look(s, root, -infinite, angle - (M_PI - passed));
+      passed += angle;
+    }
+  }
+
+  // From a root at the corner opposite a side, at angles from the side to the next corner between two bounds.
+  void look(int s, int root, double first, double last) {
+    const PathMesh::Side& side = mesh.side(s);
+    const double angle = mesh.angle(s);
+    first -= rounding_angle, last += rounding_angle;
+    if (side.length == 0 || first > angle || last < 0 || first > last) return;
+    const int t = s / 3, k = s % 3;
+    // The corner is above the side: b, where the side begins, is on the right.
+    const Vector2d b(-side.foot, -side.height), a(side.length - side.foot, -side.height);
+    const auto through = [&](double by) { return met(Eigen::Rotation2Dd(by) * b, b, a); };
+    const Root& here = roots[index(root)];
+    if (first <= 0)
+      reached(3 * t + (k + 1) % 3, here.before + b.norm(), here.start, mesh.angle(3 * t + (k + 1) % 3));
+    if (last >= angle) reached(3 * t + (k + 2) % 3, here.before + a.norm(), here.start, 0);
+    open(s, root, a, b, last >= angle ? a : through(last), first <= 0 ? b : through(first));
   }
 
   void begin(const SheetPoint& at, double reach_mm) {
@@ -223,7 +254,10 @@ struct Geodesics::State {
     for (int k = 0; k < 3; ++k) {
       const Vector3d d = corner[index(k)] - source;
       flat[index(k)] = {d.dot(axis), d.dot(across)};
-      reached(mesh.corner(at.triangle, k), d.norm(), start_of(0, flat[index(k)]));
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Vector2d& c = flat[index(k)];
+      reached(3 * at.triangle + k, c.norm(), start_of(0, c), angle_between(flat[index((k + 1) % 3)] - c, -c));
     }
     for (int k = 0; k < 3; ++k) {
       const Vector2d &b = flat[index((k + 1) % 3)], &a = flat[index((k + 2) % 3)];

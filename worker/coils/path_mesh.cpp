@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace vacuform {
@@ -10,6 +11,8 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector3d;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 struct Edge {
   int low, high, side;
@@ -33,12 +36,7 @@ std::vector<Edge> edges_of(const std::vector<Triangle>& triangles) {
 }  // namespace
 
 PathMesh::PathMesh(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& places)
-    : triangles_(triangles),
-      places_(places),
-      sides_(3 * triangles.size()),
-      bends_(places.size(), 0),
-      first_(places.size() + 1, 0),
-      around_(3 * triangles.size()) {
+    : triangles_(triangles), places_(places), sides_(3 * triangles.size()), turns_(places.size(), 0) {
   const std::vector<Edge> edges = edges_of(triangles);
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
     while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
@@ -46,10 +44,10 @@ PathMesh::PathMesh(const std::vector<Triangle>& triangles, const std::vector<Vec
       sides_[static_cast<std::size_t>(edges[i].side)].beyond = edges[i + 1].side;
       sides_[static_cast<std::size_t>(edges[i + 1].side)].beyond = edges[i].side;
     } else {
-      bends_[static_cast<std::size_t>(edges[i].low)] = bends_[static_cast<std::size_t>(edges[i].high)] = 1;
+      turns_[static_cast<std::size_t>(edges[i].low)] = turns_[static_cast<std::size_t>(edges[i].high)] =
+          infinite;
     }
   }
-  std::vector<double> angle(places.size(), 0);
   for (std::size_t s = 0; s < sides_.size(); ++s) {
     const int t = static_cast<int>(s / 3), k = static_cast<int>(s % 3);
     const Vector3d &a = place(corner(t, k + 1)), &b = place(corner(t, k + 2)), &c = place(corner(t, k));
@@ -59,25 +57,25 @@ PathMesh::PathMesh(const std::vector<Triangle>& triangles, const std::vector<Vec
       side.foot = (c - a).dot(b - a) / side.length;
       side.height = (c - a).cross(b - a).norm() / side.length;
     }
-    angle[static_cast<std::size_t>(corner(t, k))] +=
-        std::atan2((a - c).cross(b - c).norm(), (a - c).dot(b - c));
-    ++first_[static_cast<std::size_t>(corner(t, k)) + 1];
-  }
-  constexpr double least_excess = 1e-10;  // below, what bends is less than rounding
-  for (std::size_t v = 0; v < angle.size(); ++v) {
-    if (angle[v] > 2 * M_PI + least_excess) bends_[v] = 1;
-    first_[v + 1] += first_[v];
-  }
-  std::vector<int> next(first_.begin(), first_.end() - 1);
-  for (std::size_t s = 0; s < sides_.size(); ++s) {
-    const int v = corner(static_cast<int>(s / 3), static_cast<int>(s % 3));
-    around_[static_cast<std::size_t>(next[static_cast<std::size_t>(v)]++)] = static_cast<int>(s);
+    turns_[static_cast<std::size_t>(corner(t, k))] += angle(static_cast<int>(s));
   }
 }
 
-std::vector<int> PathMesh::around(int vertex) const {
-  const auto v = static_cast<std::size_t>(vertex);
-  return {around_.begin() + first_[v], around_.begin() + first_[v + 1]};
+bool PathMesh::bends_at(int vertex) const {
+  constexpr double least_excess = 1e-10;  // below, what bends is less than rounding
+  return turn(vertex) > 2 * M_PI + least_excess;
+}
+
+double PathMesh::angle(int s) const {
+  const Side& it = side(s);
+  return std::atan2(it.height * it.length, it.height * it.height - it.foot * (it.length - it.foot));
+}
+
+int PathMesh::next_around(int s, bool counter_clockwise) const {
+  const int t = s / 3, k = s % 3;
+  const int beyond = side(3 * t + (k + (counter_clockwise ? 1 : 2)) % 3).beyond;
+  if (beyond < 0) return -1;
+  return 3 * (beyond / 3) + (beyond % 3 + (counter_clockwise ? 1 : 2)) % 3;
 }
 
 }  // namespace vacuform

@@ -29,17 +29,21 @@ class PathMesh {
   int triangles() const { return static_cast<int>(triangles_.size()); }
   int vertices() const { return static_cast<int>(places_.size()); }
 
-  // Whether a shortest path may bend at the vertex: where its angles add up to more than a full turn, and on the border.
-  bool bends_at(int vertex) const { return bends_[static_cast<std::size_t>(vertex)] != 0; }
-  // The sides opposite a vertex.
-  std::vector<int> around(int vertex) const;
+  // The angles around a vertex, radians; infinite on the border. A shortest path may bend at a vertex where they are more than
+  // a full turn, and leaves at least half a turn on either side of it.
+  double turn(int vertex) const { return turns_[static_cast<std::size_t>(vertex)]; }
+  bool bends_at(int vertex) const;
+  // The angle in the corner opposite a side, radians.
+  double angle(int s) const;
+  // A triangle at a vertex is named by the side opposite. The next around the vertex, counter-clockwise as the triangles
+  // are, or the other way round; -1 beyond the border.
+  int next_around(int s, bool counter_clockwise) const;
 
  private:
   std::vector<Triangle> triangles_;
   std::vector<Eigen::Vector3d> places_;
   std::vector<Side> sides_;
-  std::vector<char> bends_;
-  std::vector<int> first_, around_;  // of vertex v: around_[first_[v]] up to around_[first_[v + 1]]
+  std::vector<double> turns_;
 };
 
 }  // namespace vacuform

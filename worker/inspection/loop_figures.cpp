@@ -15,7 +15,9 @@ using Eigen::Vector3d;
 constexpr double step_mm = 0.25;        // of the line on the flat sheet
 constexpr double stretch_piece_mm = 1;  // over which a trace's stretch is taken
 constexpr int radii = 180;              // rays from the centre
-constexpr double settled_mm = 0.03;     // a move of the centre that its linear effect on the radii makes good
+// A move of the centre whose effect on the radii the plane tells, to well below a micrometre on a head:
+// the surface departs from the plane there by a few percent of the square of the move over the radius.
+constexpr double settled_mm = 0.15;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -43,24 +45,31 @@ std::vector<Vector2d> evenly(const std::vector<Vector2d>& line, const std::vecto
   return points;
 }
 
-// Least squares over rays of length r and direction `way` (one a row) from a centre: the move of the centre that makes
-// the lengths most equal, and the lengths after it, to first order.
+// The point from which points (one a row; all in one plane) are most equally far, by Gauss and Newton's method from the
+// origin, and how far they are.
 struct Centring {
-  Eigen::VectorXd move, radii;
+  Eigen::VectorXd centre, radii;
   double mean() const { return radii.mean(); }
   double circularity() const { return (radii.array() - mean()).abs().maxCoeff() / mean(); }
 };
-Centring centre_of(const Eigen::VectorXd& r, const Eigen::MatrixXd& way) {
-  // r_i - way_i . move = R for all i, in move and R.
-  Eigen::MatrixXd equations(way.rows(), way.cols() + 1);
-  equations << way, Eigen::VectorXd::Ones(way.rows());
-  // In space all ways lie in one plane, to rounding: across it nothing may move.
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-  decomposition.setThreshold(1e-6);
-  decomposition.compute(equations);
-  const Eigen::VectorXd solution = decomposition.solve(r);
-  const Eigen::VectorXd move = solution.head(way.cols());
-  return {move, r - way * move};
+Centring centre_of(const Eigen::MatrixXd& points) {
+  Centring out{Eigen::VectorXd::Zero(points.cols()), points.rowwise().norm()};
+  for (int round = 0; round < 12; ++round) {
+    // r_i - way_i . move = R for all i, in move and R.
+    Eigen::MatrixXd equations(points.rows(), points.cols() + 1);
+    equations << points.rowwise() - out.centre.transpose(), Eigen::VectorXd::Ones(points.rows());
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+      if (out.radii[i] > 0) equations.row(i).head(points.cols()) /= out.radii[i];
+    // In space all ways lie in one plane, to rounding: across it nothing may move.
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+    decomposition.setThreshold(1e-6);
+    decomposition.compute(equations);
+    const Eigen::VectorXd move = Eigen::VectorXd(decomposition.solve(out.radii)).head(points.cols());
+    out.centre += move;
+    out.radii = (points.rowwise() - out.centre.transpose()).rowwise().norm();
+    if (move.norm() < 1e-6) break;
+  }
+  return out;
 }
 
 // The part of a polygon to the left of the line from a to b (one pass of Sutherland and Hodgman 1974).
@@ -191,21 +200,20 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     const auto source = sheet.find(out.centre_rest);
     if (!source) return std::nullopt;
     geodesics.begin_at(*source, reach);
-    Eigen::VectorXd r(radii);
-    Eigen::MatrixXd way(radii, 3);
+    Eigen::MatrixXd ways(radii, 3);
     for (int i = 0; i < radii; ++i) {
       const auto path = geodesics.to(ends[static_cast<std::size_t>(i)]);
       if (!path) return std::nullopt;
-      r[i] = path->length;
-      way.row(i) = path->start;
+      ways.row(i) = path->length * path->start;
     }
-    const Centring centring = centre_of(r, way);
-    out.centre_rest += in_rest(sheet, source->triangle, centring.move);
+    const Centring centring = centre_of(ways);
+    const Vector3d move = centring.centre;
+    out.centre_rest += in_rest(sheet, source->triangle, move);
     out.diameter_mm = 2 * centring.mean();
     out.circularity = centring.circularity();
-    out.centre = sheet.place(*source) + centring.move;
-    reach += centring.move.norm();
-    if (centring.move.norm() < settled_mm) break;
+    out.centre = sheet.place(*source) + move;
+    reach += move.norm();
+    if (move.norm() < settled_mm) break;
   }
   out.area_mm2 = enclosed_area(sheet, line);
   out.worst_stretch = worst_stretch(line, out.outline);
@@ -219,20 +227,12 @@ PlaneLoopFigures measure_plane_loop(const std::vector<Vector2d>& given) {
   for (const Vector2d& p : line) at.emplace_back(p.x(), p.y(), 0), out.centre += p;
   out.centre /= static_cast<double>(std::max<std::size_t>(1, line.size()));
   const std::vector<Vector2d> ends = evenly(line, at, radii);
-  for (int round = 0; round < 12; ++round) {
-    Eigen::VectorXd r(radii);
-    Eigen::MatrixXd way(radii, 2);
-    for (int i = 0; i < radii; ++i) {
-      const Vector2d d = ends[static_cast<std::size_t>(i)] - out.centre;
-      r[i] = d.norm();
-      way.row(i) = r[i] > 0 ? Vector2d(d / r[i]) : Vector2d(0, 0);
-    }
-    const Centring centring = centre_of(r, way);
-    out.centre += centring.move;
-    out.diameter_mm = 2 * centring.mean();
-    out.circularity = centring.circularity();
-    if (centring.move.norm() < 1e-6) break;
-  }
+  Eigen::MatrixXd points(radii, 2);
+  for (int i = 0; i < radii; ++i) points.row(i) = ends[static_cast<std::size_t>(i)] - out.centre;
+  const Centring centring = centre_of(points);
+  out.centre += centring.centre;
+  out.diameter_mm = 2 * centring.mean();
+  out.circularity = centring.circularity();
   out.area_mm2 = std::abs(signed_area(given));
   return out;
 }
