@@ -1,8 +1,10 @@
 // Measures coils by what a lab gets, and shares no code with what made it: reads formed.ply, print.svg and the drawing, and
 // prints as JSON how round, large, far apart and coupled the formed coils are.
 //
-//     measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X]
+//     measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing]
 //
+// With --spacing also whether the distances are at their least squares optimum: `spacing_gain` is the largest share by which
+// the sum of the squares of their errors falls when one centre alone is moved by half a millimetre, in eight directions.
 // The inked surface is the formed one, or (the outer face) lies one thickness from it along its vertex normals. A coil is a
 // group of the drawing with an id whose largest closed line is a circle, an ellipse or a path of M, L, C and Z, without
 // transforms; in the print it is the largest closed path of class centreline in the group of the same id. Its centre is
@@ -281,6 +283,10 @@ class Sheet {
   std::map<std::pair<int, int>, std::vector<int>> cells_;
 };
 
+struct TooFar : std::runtime_error {
+  TooFar() : std::runtime_error("a coil reaches farther than was looked") {}
+};
+
 // Exact distances within a ball about a place.
 class Distances {
  public:
@@ -317,7 +323,7 @@ class Distances {
     for (std::size_t i = 0; i < to.size(); ++i) {
       const auto target = location(to[i], 0);
       const double d = paths_->shortest_distance_to_source_points(target.first, target.second).first;
-      if (!(d >= 0) || d > radius_) throw std::runtime_error("a coil reaches farther than was looked");
+      if (!(d >= 0) || d > radius_) throw TooFar();
       out[static_cast<Eigen::Index>(i)] = d;
     }
     return out;
@@ -331,7 +337,7 @@ class Distances {
   std::pair<Mesh::Face_index, Traits::Barycentric_coordinates> location(const OnSurface& at,
                                                                         double least) const {
     const auto found = faces_.find(at.triangle);
-    if (found == faces_.end()) throw std::runtime_error("a coil reaches farther than was looked");
+    if (found == faces_.end()) throw TooFar();
     const auto& [face, v] = found->second;
     Vector3d w = at.weights.cwiseMax(least);
     w /= w.sum();
@@ -383,17 +389,17 @@ struct Round {
   double circularity() const { return (radii.array() - radii.mean()).abs().maxCoeff() / radii.mean(); }
 };
 
-// The centre from which `radii_from` gives the most equal radii: Gauss and Newton, by differences.
+// The centre from which `radii_from` gives the most equal radii: Gauss and Newton, by differences taken once.
 template <class Radii>
 Round fit_centre(Vector2d centre, Radii&& radii_from) {
+  constexpr double h = 0.4;
   Eigen::VectorXd r = radii_from(centre);
-  for (int round = 0; round < 8; ++round) {
-    constexpr double h = 0.4;
-    Eigen::MatrixXd slopes(r.size(), 2);
-    for (int k = 0; k < 2; ++k)
-      slopes.col(k) =
-          (radii_from(centre + h * Vector2d::Unit(k)) - radii_from(centre - h * Vector2d::Unit(k))) / (2 * h);
-    const Eigen::MatrixXd centred = slopes.rowwise() - slopes.colwise().mean();
+  Eigen::MatrixXd slopes(r.size(), 2);
+  for (int k = 0; k < 2; ++k)
+    slopes.col(k) =
+        (radii_from(centre + h * Vector2d::Unit(k)) - radii_from(centre - h * Vector2d::Unit(k))) / (2 * h);
+  const Eigen::MatrixXd centred = slopes.rowwise() - slopes.colwise().mean();
+  for (int round = 0; round < 12; ++round) {
     const Eigen::VectorXd spread = r.array() - r.mean();
     const Vector2d move = -centred.colPivHouseholderQr().solve(spread);
     centre += move;
@@ -486,19 +492,67 @@ Coil measure(const Sheet& sheet, const Drawn& drawn, const Line& loop) {
   for (const Vector2d& p : loop) middle += p / static_cast<double>(loop.size());
   double reach = 0;
   for (const OnSurface& end : ends) reach = std::max(reach, (sheet.place(end) - sheet.place(middle)).norm());
-  Distances distances(sheet, sheet.place(middle), 1.6 * reach);
-  coil.formed = fit_centre(middle, [&](const Vector2d& c) { return distances(sheet.find(c), ends); });
+  // No path of a length leaves the ball of that radius about either of its ends.
+  std::optional<Distances> distances;
+  for (double room = 1.2; !distances; room *= 1.3) try {
+      distances.emplace(sheet, sheet.place(middle), room * reach);
+      coil.formed = fit_centre(middle, [&](const Vector2d& c) { return (*distances)(sheet.find(c), ends); });
+    } catch (const TooFar&) {
+      if (room > 4) throw;
+      distances.reset();
+    }
   coil.inductance = neumann(coil.line, coil.line, drawn.width_mm / 4);
   return coil;
 }
 
+struct Pair {
+  std::size_t a, b;
+  double drawn, mm;
+};
+
+double spacing_gain(const Sheet& sheet, const std::vector<Coil>& coils, const std::vector<Pair>& pairs) {
+  constexpr int ways = 8;
+  constexpr double step_mm = 0.5;
+  double now = 0;
+  for (const Pair& p : pairs) now += (p.mm - p.drawn) * (p.mm - p.drawn);
+  // Per coil and way, the change of the sum of squares.
+  std::vector<std::array<double, ways>> change(coils.size(), std::array<double, ways>{});
+  const auto moved = [&](const Vector2d& c, int way) -> OnSurface {
+    const Vector2d e(std::cos(way * 2 * M_PI / ways), std::sin(way * 2 * M_PI / ways));
+    const double growth = (sheet.place(c + 0.2 * e) - sheet.place(c - 0.2 * e)).norm() / 0.4;
+    return sheet.find(c + step_mm / growth * e);
+  };
+  for (std::size_t i = 0; i < coils.size(); ++i) {
+    double reach = 0;
+    for (const Pair& p : pairs)
+      if (p.a == i || p.b == i) reach = std::max(reach, p.mm);
+    const OnSurface from = sheet.find(coils[i].formed.centre);
+    Distances distances(sheet, sheet.place(from), 1.05 * reach + 2 * step_mm);
+    std::vector<OnSurface> to;
+    for (const Pair& p : pairs)
+      for (int way = 0; way < ways && (p.a == i || p.b == i); ++way)
+        to.push_back(moved(coils[p.a == i ? p.b : p.a].formed.centre, way));
+    const Eigen::VectorXd mm = distances(from, to);
+    Eigen::Index next = 0;
+    for (const Pair& p : pairs)
+      for (int way = 0; way < ways && (p.a == i || p.b == i); ++way, ++next)
+        change[p.a == i ? p.b : p.a][static_cast<std::size_t>(way)] +=
+            (mm[next] - p.drawn) * (mm[next] - p.drawn) - (p.mm - p.drawn) * (p.mm - p.drawn);
+  }
+  double gain = 0;
+  for (const auto& of_coil : change)
+    for (const double d : of_coil) gain = std::max(gain, -d / now);
+  return gain;
+}
+
 Json run(const std::string& ply, const std::string& print, const std::string& pattern, bool outer,
-         double scale) {
+         double scale, bool spacing) {
   const Sheet sheet(read_ply(ply, outer));
   const auto drawn = read_pattern(pattern, scale);
   const auto loops = read_print(print);
   std::vector<Coil> coils;
   Json out{{"coils", Json::array()}, {"missing", Json::array()}, {"pairs", Json::array()}};
+  std::vector<Pair> pairs;
   double circularity = 0, worst_circularity = 0, area = 0, worst_area = 0, squares = 0;
   for (const Drawn& d : drawn) {
     const auto loop = loops.find(d.id);
@@ -538,7 +592,9 @@ Json run(const std::string& ply, const std::string& print, const std::string& pa
                               {"k", neumann(coils[a].line, coils[b].line, 0.1) /
                                         std::sqrt(coils[a].inductance * coils[b].inductance)}});
       squares += (mm - apart) * (mm - apart);
+      pairs.push_back({a, b, apart, mm});
     }
+  if (spacing) out["spacing_gain"] = spacing_gain(sheet, coils, pairs);
   const double n = std::max<double>(1, static_cast<double>(coils.size()));
   out["mean_circularity"] = circularity / n, out["worst_circularity"] = worst_circularity;
   out["mean_area_error"] = area / n, out["worst_area_error"] = worst_area;
@@ -550,23 +606,25 @@ Json run(const std::string& ply, const std::string& print, const std::string& pa
 
 int main(int argc, char** argv) {
   std::vector<std::string> names;
-  bool outer = true;
+  bool outer = true, spacing = false;
   double scale = 1;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--inner")
       outer = false;
+    else if (word == "--spacing")
+      spacing = true;
     else if (word == "--scale" && i + 1 < argc)
       scale = std::atof(argv[++i]);
     else
       names.push_back(word);
   }
   if (names.size() != 3) {
-    std::cerr << "usage: measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X]\n";
+    std::cerr << "usage: measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing]\n";
     return 2;
   }
   try {
-    std::cout << run(names[0], names[1], names[2], outer, scale).dump(2) << "\n";
+    std::cout << run(names[0], names[1], names[2], outer, scale, spacing).dump(2) << "\n";
   } catch (const std::exception& fault) {
     std::cerr << "measure_coils: " << fault.what() << "\n";
     return 2;
