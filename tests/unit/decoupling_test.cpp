@@ -38,5 +38,32 @@ TEST(Decoupling, OnBumpsIsThatOfTheRealLayout) {
   EXPECT_LT(worst(*p, &PlacedPair::k), 0.003);
 }
 
+// Seven loops around one: in the plane their sides come out shorter than their spokes, and no size may give way.
+TEST(Decoupling, SaysWhichPairsTheSurfaceKeepsCoupled) {
+  const Sample x = hand_made::flat(220, 60);
+  Drawing drawing;
+  drawing.elements.push_back(hand_made::ring("middle", {0, 0}, 20));
+  for (int i = 0; i < 7; ++i) {
+    const double angle = 2 * M_PI * i / 7;
+    drawing.elements.push_back(
+        hand_made::ring("rim-" + std::to_string(i + 1), 32 * Vector2d(std::cos(angle), std::sin(angle)), 20));
+  }
+  Settings settings = decoupled();
+  settings.coils.size_limit = 0;
+  const auto p = place(x.sheet, x.flattening, &drawing, settings, Context());
+  ASSERT_TRUE(p);
+  ASSERT_EQ(p->pairs.size(), 14u);
+  EXPECT_GE(worst(*p, &PlacedPair::k), 0.01);
+  EXPECT_LT(worst(*p, &PlacedPair::k), worst(*p, &PlacedPair::k_before));
+  ASSERT_FALSE(p->warnings.empty());
+  const Warning& coupled = p->warnings.back();
+  EXPECT_EQ(coupled.code, "coils-coupled");
+  for (const PlacedPair& pair : p->pairs) {
+    const auto id = [&](int i) { return drawing.elements[static_cast<std::size_t>(i)].id; };
+    const bool named = coupled.text.find(id(pair.a) + " and " + id(pair.b) + " (k = ") != std::string::npos;
+    EXPECT_EQ(named, std::abs(*pair.k) >= 0.01) << id(pair.a) << ' ' << id(pair.b);
+  }
+}
+
 }  // namespace
 }  // namespace vacuform
