@@ -76,7 +76,7 @@ class Attacks(Case):
                 for piece in pieces:
                     connection.sendall(piece)
                 connection.shutdown(socket.SHUT_WR)
-            except ConnectionError:  # it had enough
+            except OSError:  # it had enough, and is gone
                 pass
             answer = b""
             try:
@@ -123,7 +123,8 @@ class Attacks(Case):
             for first in ("POST /nowhere", "POST /api/v1/jobs", "GET /healthz"):
                 with self.subTest(lines=lines, first=first):
                     answer = self.talk(self.head(first, "Connection: keep-alive", *lines) + hidden)
-                    self.assertEqual(answer.count(b"HTTP/1.1 "), 1, answer)
+                    # None where the unread bytes broke the connection before it was read.
+                    self.assertLessEqual(answer.count(b"HTTP/1.1 "), 1, answer)
         self.assertEqual(self.jobs(), before)
 
     def test_sixty_four_stalled_connections_stop_nobody(self):
