@@ -111,13 +111,13 @@ class Worker(Case):
         self.addCleanup(self.server.server_close)
         self.addCleanup(self.server.shutdown)
 
-    def start(self, pipeline):
+    def start(self, pipeline, keep="--no-keep"):
         """Starts the worker with this shell script in the place of vacuform. $OUT is the folder for artifacts."""
         program = self.here / "vacuform"
         program.write_text('#!/bin/sh\nOUT=out; mkdir -p $OUT; echo $$ > %s/pid\n' % self.here + pipeline)
         program.chmod(0o755)
         worker = Program([self.here / "vacuform-worker", "--server", self.server.url, "--token-file", self.token,
-                          "--no-sandbox", "--work", self.work, "--poll-seconds", "0.05", "--name", "w1"], self.here / "log")
+                          "--no-sandbox", "--work", self.work, "--poll-seconds", "0.05", "--name", "w1", *keep.split()], self.here / "log")
         self.addCleanup(worker.end)
         return worker
 
@@ -186,6 +186,26 @@ class Worker(Case):
         fault = wait_for(lambda: [e for e in map(json.loads, worker.says().splitlines()) if e["event"] == "child-fault"],
                          "the fault in the log")[0]
         self.assertEqual((fault["signal"], fault["stderr"], fault["job"]), (signal.SIGSEGV, "oh dear\n", "j1"))
+
+    def test_child_gets_what_was_kept_of_its_own_scan_and_its_stages_are_told(self):
+        other = self.here / "kept" / ("0" * 64)
+        other.mkdir(parents=True)
+        (self.here / "kept").chmod(0o700)
+        self.start("""echo "$@" > %s/words
+            echo '{"stage":"scan","progress":1,"kept":true}'; echo '{"stage":"forming","progress":0.5}'
+            echo '{"stage":"forming","progress":1}'
+            echo '{"warnings":[{"code":"thin","text":"x"},{"code":"A B"}]}' > $OUT/report.json""" % self.here,
+                   keep=f"--keep {self.here / 'kept'}")
+        self.the_call("/complete")
+        own = self.here / "kept" / digest(SCAN)
+        self.assertIn(f"--keep {own}", (self.here / "words").read_text())
+        self.assertEqual(own.stat().st_mode & 0o777, 0o700)
+        lines = []
+        for call in self.server.calls("/log"):
+            said = json.loads(call[2])
+            self.assertEqual(said["first"], len(lines))
+            lines += said["lines"]
+        self.assertEqual(lines, ["stage scan kept", "stage forming", "warning thin"])
 
     def test_refusal_is_passed_on_and_final(self):
         self.start("""echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","mend":"turn it"}}'
