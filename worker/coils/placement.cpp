@@ -70,11 +70,11 @@ void say_what_was_cut(const Segments& segments, const PatternSettings& settings,
     warnings.push_back(std::move(above));
   }
   if (!settings.seams.empty() && !segments.cuts_sufficed)
-    warnings.push_back(
-        {"seams-not-enough",
-         "The cuts of pattern.seams alone leave segments above pattern.distortion_limit; it was "
-         "cut further, into " +
-             std::to_string(segments.parts.size()) + " segments."});
+    warnings.push_back({"seams-not-enough",
+                        "The cuts of pattern.seams alone leave segments above pattern.distortion_limit, or "
+                        "lying over themselves; it was "
+                        "cut further, into " +
+                            std::to_string(segments.parts.size()) + " segments."});
 }
 
 Result<void> place_segments(Whole&& whole, const Alignment& alignment, const PatternSettings& settings,

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "worker/flattening/methods.hpp"
+#include "worker/pattern/area.hpp"
 
 namespace vacuform {
 
@@ -78,6 +79,23 @@ bool stays_in_place(const Region& region, const Segment& segment, double scale) 
   return off <= std::max(in_place_mm, in_place * std::sqrt(area));
 }
 
+// Whether the flattened patch lies over itself: a place of the drawing would then have two on the sheet.
+bool overlaps_itself(const Patch& patch) {
+  constexpr double little = 1e-3;  // of its area: rounding, and the sides of a slit that touch
+  double area = 0;
+  for (const Triangle& t : patch.triangles) {
+    const Vector2d a = patch.uv[index(t[1])] - patch.uv[index(t[0])],
+                   b = patch.uv[index(t[2])] - patch.uv[index(t[0])];
+    area += (a.x() * b.y() - a.y() * b.x()) / 2;
+  }
+  std::vector<Ring> border;
+  for (const auto& loop : border_loops(patch.triangles)) {
+    border.emplace_back();
+    for (const int v : loop) border.back().push_back(patch.uv[index(v)]);
+  }
+  return area - square_mm(union_of(border)) > little * area;
+}
+
 Result<Segment> flattened(const Region& region, Faces faces, double scale, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   Segment out{part_of(region, faces), std::move(faces), 1};
@@ -85,7 +103,8 @@ Result<Segment> flattened(const Region& region, Faces faces, double scale, const
   for (const Vector3d& p : out.patch.inked) chart.inked.push_back(p / scale);
   VACUFORM_CHECK(flatten_arap(chart, Context()));  // its progress is none of the job's
   out.patch.uv = std::move(chart.uv);
-  out.distortion = patch_distortion(out.patch, scale);
+  out.distortion = overlaps_itself(out.patch) ? std::numeric_limits<double>::infinity()
+                                              : patch_distortion(out.patch, scale);
   return out;
 }
 

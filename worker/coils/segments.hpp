@@ -38,7 +38,7 @@ struct Segments {
   bool cuts_sufficed = true;   // no piece that the given cuts leave had to be cut further
 };
 
-// The distortion of a patch is the 95th percentile by inked area of max(s1, 1 / s2), s1 >= s2 the singular values of
+// The distortion of a segment is infinite where it lies over itself in the pattern. Else, and that of a patch, it is the 95th percentile by inked area of max(s1, 1 / s2), s1 >= s2 the singular values of
 // the map from the pattern to the surface, at `scale` surface millimetres a millimetre of pattern; 1 is none.
 double patch_distortion(const Patch& patch, double scale);
 
