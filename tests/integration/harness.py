@@ -13,7 +13,10 @@ import tempfile
 import time
 import unittest
 
+from contract import Contract, of_curl
+
 BIN = pathlib.Path(os.environ["VACUFORM_BIN"])
+CONTRACT = Contract()  # every exchange by curl() is held against it
 SCANS = pathlib.Path(os.environ["VACUFORM_SHARED_DATA"]) / "scans"
 PATTERNS = pathlib.Path(os.environ["VACUFORM_SHARED_DATA"]) / "patterns"
 PATIENCE = 240  # seconds that anything may take on a busy machine
@@ -109,7 +112,11 @@ def curl(*words, patience=PATIENCE):
             name, colon, value = line.partition(":")
             if colon:
                 headers[name.strip().lower()] = value.strip()
-        return Response(int(lines[start].split()[1]), headers, body.read_bytes() if body.exists() else b"")
+        response = Response(int(lines[start].split()[1]), headers, body.read_bytes() if body.exists() else b"")
+    method, url, sent = of_curl(words)
+    if url and any(url.startswith(server + "/") for server in TOKEN_FILES):
+        CONTRACT.check(method, url, sent, response.status, headers, response.body)
+    return response
 
 
 class Program:

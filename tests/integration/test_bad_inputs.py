@@ -68,7 +68,7 @@ class BadInputs(Case):
                 ([*both, "-F", 'settings={"sheet":{"resolution_mm":0.5,"width_mm":2000,"height_mm":2000}}'], 422,
                  "bad-settings", "coarser"),
                 ([*both, "-F", "settings={" + " " * 70000 + "}"], 413, "too-large", "64 KiB"),
-                (["-d", "{}", "-H", "Content-Type: application/json"], 415, "unsupported-format", "multipart/form-data"),
+                (["-d", "{}", "-H", "Content-Type: text/plain"], 415, "unsupported-format", "multipart/form-data"),
                 (["--data-binary", "x" * 1000, "-H", "Content-Type: multipart/form-data; boundary=b"], 400, "bad-usage", ""),
                 (["--data-binary", "--b\r\nContent-Disposition: form-data; name=\"scan\"; filename=\"a.stl\"\r\n\r\nhalf",
                   "-H", "Content-Type: multipart/form-data; boundary=b"], 400, "bad-usage", "")]:

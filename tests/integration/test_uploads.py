@@ -1,0 +1,156 @@
+"""Uploads in pieces to the real server: interrupted by the client and by kill -9, resumed, in little memory; and a job's events.
+
+VACUFORM_UPLOAD_MIB makes the scan larger; 500 was measured by hand.
+"""
+import base64
+import hashlib
+import json
+import os
+import pathlib
+import signal
+import socket
+import struct
+import unittest
+
+import hostile
+from harness import PATTERNS, Case, Server, curl, wait_for
+
+MIB = int(os.environ.get("VACUFORM_UPLOAD_MIB", "40"))
+MOST_MEMORY = 64 << 20
+PIECE = 1 << 20
+
+
+def peak_memory(pid):
+    for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines():
+        if line.startswith("VmHWM:"):
+            return int(line.split()[1]) << 10
+    raise AssertionError("no peak of memory")
+
+
+class LargeScan:
+    """A binary STL of about MIB, made piece by piece: nobody holds it whole."""
+
+    def __init__(self):
+        self.count = (MIB << 20) // 50
+        self.size = 84 + 50 * self.count
+        self.body = b"".join(hashlib.sha256(struct.pack("<I", i)).digest() for i in range(PIECE // 32))
+
+    def bytes(self, begin, end, header=b"Jane Doe".ljust(80)):
+        head = header + struct.pack("<I", self.count)
+        while begin < end:
+            if begin < 84:
+                piece = head[begin:min(84, end)]
+            else:
+                at = (begin - 84) % PIECE
+                piece = self.body[at:at + min(end - begin, PIECE - at)]
+            yield piece
+            begin += len(piece)
+
+    def sha256(self, header):
+        digest = hashlib.sha256()
+        for piece in self.bytes(0, self.size, header):
+            digest.update(piece)
+        return digest.hexdigest()
+
+
+class Uploads(Case):
+    def sending(self, server, place, offset, upto, scan):
+        """A connection on which a PATCH with the rest of the scan has been sent up to there."""
+        token = server.token_file.read_text().strip()
+        s = socket.create_connection(("127.0.0.1", server.port), timeout=120)
+        s.sendall((f"PATCH {place} HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nAuthorization: Bearer {token}\r\n"
+                   "Tus-Resumable: 1.0.0\r\nContent-Type: application/offset+octet-stream\r\n"
+                   f"Upload-Offset: {offset}\r\nContent-Length: {scan.size - offset}\r\n\r\n").encode())
+        for piece in scan.bytes(offset, upto):
+            s.sendall(piece)
+        return s
+
+    def send(self, server, place, offset, upto, scan):
+        """The status of a PATCH; None when only a part of it is sent."""
+        with self.sending(server, place, offset, upto, scan) as s:
+            if upto < scan.size:
+                return None
+            answer = s.makefile("rb").readline()
+            return int(answer.split()[1])
+
+    def offset(self, server, place):
+        def look():
+            answer = curl("-I", "-H", "Tus-Resumable: 1.0.0", server.url + place)
+            if answer.status == 423:  # the server has not noticed yet that the other request is over
+                return None
+            self.assertEqual(answer.status, 200, answer)
+            return answer.headers["upload-offset"]
+        return int(wait_for(look, "the end of a broken request"))
+
+    def begin(self, server, size):
+        name = base64.b64encode(b"Jane Doe.STL").decode()
+        answer = curl("-X", "POST", "-H", "Tus-Resumable: 1.0.0", "-H", f"Upload-Length: {size}", "-H",
+                      f"Upload-Metadata: filename {name},input c2Nhbg==", server.api + "/uploads")
+        self.assertEqual(answer.status, 201, answer)
+        return answer.headers["location"]
+
+    def test_a_large_scan_goes_on_after_a_break_and_after_a_kill(self):
+        scan = LargeScan()
+        with Server(self.folder, workers=0) as server:
+            place = self.begin(server, scan.size)
+            third = scan.size // 3
+            self.assertIsNone(self.send(server, place, 0, third, scan))  # the client leaves
+            at = self.offset(server, place)
+            self.assertEqual(at, third)
+
+            with self.sending(server, place, at, 2 * third, scan):
+                before = peak_memory(server.program.pid)
+                server.stop(signal.SIGKILL)  # in the middle of the request
+            for file in server.data.rglob("*"):
+                if file.suffix == ".part":
+                    with file.open("rb") as part:
+                        self.assertNotIn(b"Jane", part.read(84))
+            server.start()
+            at = self.offset(server, place)
+            self.assertGreaterEqual(at, third)  # what was flushed by then is there
+            self.assertLessEqual(at, 2 * third)
+            self.assertGreaterEqual(at, 2 * third - (16 << 20))  # 8 MiB between flushes, and what the socket held
+
+            self.assertEqual(self.send(server, place, at, scan.size, scan), 204)
+            upload = curl(server.url + place).json
+            self.assertEqual(upload["offset"], scan.size)
+            self.assertEqual(upload["sha256"], scan.sha256(b" " * 80))
+            after = peak_memory(server.program.pid)
+            self.assertLess(max(before, after), MOST_MEMORY)
+            print(f"{scan.size >> 20} MiB: peak memory {before >> 20} and {after >> 20} MiB", flush=True)
+
+            kept = curl("-F", "scan_upload=" + upload["id"], server.api + "/scans")
+            self.assertEqual(kept.status, 201, kept)
+            form = ["-F", "scan_id=" + kept.json["id"], "-F", f"pattern=@{PATTERNS / 'rings-7x40mm.svg'}"]
+            plan = curl(*form, server.api + "/jobs?validate_only=true")
+            self.assertEqual((plan.status, plan.json["inputs"]["scan"]["format"]), (200, "stl"))
+            job = curl(*form, server.api + "/jobs")
+            self.assertEqual(job.json["inputs"]["scan"]["sha256"], upload["sha256"])
+            self.assertEqual(curl("-X", "DELETE", f"{server.api}/scans/{kept.json['id']}").status, 204)
+            self.assertNotIn("Jane", server.program.says())
+
+    def test_events_tell_a_job_to_its_end(self):
+        scan, pattern = self.folder / "dome.stl", self.folder / "rings.svg"
+        scan.write_bytes(hostile.stl(hostile.dome_triangles()))
+        pattern.write_bytes(hostile.GOOD_SVG)
+        (self.folder / "events").mkdir()
+        with Server(self.folder / "events", workers=1) as server:
+            job = server.submit(scan, pattern, {"sheet": {"resolution_mm": 6}, "print": {"dpi": 72}})
+            answer = curl("-N", f"{server.api}/jobs/{job}/events")
+            self.assertEqual((answer.status, answer.headers["content-type"]), (200, "text/event-stream"))
+            events = [dict(line.split(": ", 1) for line in block.splitlines())
+                      for block in answer.body.decode().split("\n\n") if block and not block.startswith(":")]
+            jobs = [json.loads(e["data"]) for e in events if e["event"] == "job"]
+            self.assertEqual(jobs[-1]["state"], "succeeded", jobs[-1])
+            self.assertEqual([j["progress"] for j in jobs], sorted(j["progress"] for j in jobs))
+            lines = [json.loads(e["data"])["number"] for e in events if e["event"] == "log"]
+            self.assertEqual(lines, list(range(1, len(lines) + 1)))
+            again = curl("-H", "Last-Event-ID: " + events[-1]["id"], f"{server.api}/jobs/{job}/events")
+            self.assertEqual((again.status, again.body), (204, b""))
+            known = curl(f"{server.api}/jobs/{job}").headers["etag"]
+            same = curl("-H", f"If-None-Match: {known}", f"{server.api}/jobs/{job}?wait=30")
+            self.assertEqual((same.status, same.body), (304, b""))
+
+
+if __name__ == "__main__":
+    unittest.main()
