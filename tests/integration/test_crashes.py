@@ -92,20 +92,20 @@ class Crashes(Case):
         server = self.server()
         job = server.submit(NEONATE, RINGS, COARSE)
         token = (server.data / "worker-token").read_text().strip()
-        bearer = ["-H", f"Authorization: Bearer {token}", "-H", "Content-Type: application/json"]
-        old = curl(*bearer, "-d", '{"worker":"old"}', f"{server.api}/leases").json
+        bearer, of_json = ["-H", f"Authorization: Bearer {token}"], ["-H", "Content-Type: application/json"]
+        old = curl(*bearer, *of_json, "-d", '{"worker":"old"}', f"{server.api}/leases").json
         self.assertEqual((old["job"], old["lease_seconds"]), (job, LEASE))
         server.wait(job, lambda j: j["state"] == "queued", "the end of the lease")
-        ask = lambda: curl(*bearer, "-d", '{"worker":"new"}', f"{server.api}/leases")
+        ask = lambda: curl(*bearer, *of_json, "-d", '{"worker":"new"}', f"{server.api}/leases")
         new = wait_for(lambda: (answer := ask()).status == 200 and answer, "the end of the job's rest").json
         self.assertEqual((new["job"], new["attempt"]), (job, 2))
         self.assertNotEqual(new["lease"], old["lease"])
         for lease, status in (old, 409), (new, 200):
             words = [*bearer, "-H", "Vacuform-Lease: " + lease["lease"]]
             root = f"{server.api}/leases/{job}"
-            for answer in [curl(*words, "-d", '{"stage":"forming","progress":0.5}', root + "/heartbeat"),
-                           curl(*words, "-X", "PUT", "--data-binary", lease["lease"], root + "/artifacts/report.json"),
-                           curl(*words, "-d", "{}", root + "/complete")]:
+            for answer in [curl(*words, *of_json, "-d", '{"stage":"forming","progress":0.5}', root + "/heartbeat"),
+                           curl(*words, "-H", "Content-Type: application/octet-stream", "-X", "PUT", "--data-binary", lease["lease"], root + "/artifacts/report.json"),
+                           curl(*words, *of_json, "-d", "{}", root + "/complete")]:
                 if status == 409:
                     self.assertEqual((answer.status, answer.json["type"]), (409, "/problems/lease-lost"))
                 else:
