@@ -43,7 +43,8 @@ std::uint64_t bytes_in(const fs::path& folder) {
 
 Result<KeptScans> KeptScans::open(fs::path folder, std::uint64_t most_bytes, std::chrono::hours longest) {
   std::error_code error;
-  fs::create_directories(folder.parent_path(), error);
+  fs::create_directories(folder.parent_path().parent_path(), error);
+  ::mkdir(folder.parent_path().c_str(), 0700);  // the folder for work, where nobody made it yet
   if (!private_folder(folder)) return tl::make_unexpected(unusable(folder));
   return KeptScans(std::move(folder), most_bytes, longest);
 }

@@ -47,6 +47,11 @@ TEST_F(KeptScansTest, EachScanHasAPrivateFolder) {
     EXPECT_EQ(kept.of(bad).error().code, Code::bad_usage) << bad;
 }
 
+TEST_F(KeptScansTest, MakesTheFolderAboveForThisUserAlone) {
+  ASSERT_TRUE(KeptScans::open(folder / "a" / "work" / "kept", 1, std::chrono::hours(1)));
+  EXPECT_EQ(fs::status(folder / "a" / "work").permissions(), fs::perms::owner_all);
+}
+
 TEST_F(KeptScansTest, AFolderThatOthersReadIsRefused) {
   fs::create_directory(folder / "kept");
   fs::permissions(folder / "kept", fs::perms::owner_all | fs::perms::others_read);

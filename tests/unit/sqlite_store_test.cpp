@@ -100,6 +100,25 @@ TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionFour) {
   EXPECT_FALSE((*store)->open(first.inputs[2].blob));
 }
 
+// Before there were turns, nobody counted the jobs of an owner.
+TEST_F(SqliteStoreTest, TakesOverTheQueueOfAStoreOfVersionFive) {
+  old_store(5,
+            "INSERT INTO job(id, state, created, settings, owner) VALUES('0001', 'running', 7, '{}', 'a'),"
+            " ('0002', 'queued', 8, '{}', 'a'), ('0003', 'queued', 9, '{}', 'b'),"
+            " ('0004', 'succeeded', 9, '{}', 'b')");
+  StoreOptions small;
+  small.most_queued_by_owner = 1;
+  auto store = open_store(data_, small);
+  ASSERT_TRUE(store) << store.error().text();
+  NewJob more{"{}"};
+  more.owner = "a";
+  EXPECT_EQ((*store)->create(std::move(more)).error().code, Code::busy);
+  EXPECT_EQ((*store)->lease("worker").value()->job.id, "0003");  // a runs one
+  EXPECT_EQ((*store)->lease("worker").value()->job.id, "0002");
+  EXPECT_EQ((*store)->job("0004")->version, 1);
+  EXPECT_TRUE((*store)->log_after("0004", 0, 10)->empty());
+}
+
 // The work of a request does not grow with the queue: counted in steps of SQLite, since seconds differ from run to run.
 TEST_F(SqliteStoreTest, ALongQueueSlowsNothingDown) {
   const std::string hash = blob("a scan");
