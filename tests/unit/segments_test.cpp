@@ -96,7 +96,8 @@ TEST(Segments, MeetAtTheirSeams) {
   for (const Seam& seam : cut->seams) {
     EXPECT_LT(seam.a, seam.b);
     std::set<std::pair<double, double>> of_a;
-    for (const Vector2d& p : cut->parts[static_cast<std::size_t>(seam.a)].patch.rest) of_a.emplace(p.x(), p.y());
+    for (const Vector2d& p : cut->parts[static_cast<std::size_t>(seam.a)].patch.rest)
+      of_a.emplace(p.x(), p.y());
     int shared = 0;
     for (const Vector2d& p : cut->parts[static_cast<std::size_t>(seam.b)].patch.rest)
       shared += static_cast<int>(of_a.count({p.x(), p.y()}));
