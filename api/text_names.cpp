@@ -17,6 +17,7 @@ bool one_of(std::string_view word, const std::array<std::string_view, N>& words)
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+constexpr std::string_view solid = "solid";
 constexpr std::array<std::string_view, 5> stl_words{"facet", "outer", "vertex", "endloop", "endfacet"};
 constexpr std::array<std::string_view, 8> obj_numbers{"v", "vn", "vt", "vp", "f", "l", "p", "s"};
 constexpr std::array<std::string_view, 4> obj_names{"o", "g", "usemtl", "mtllib"};
@@ -64,7 +65,10 @@ class TextNames : public NameFilter::Format {
   void decide(std::string& out) {
     if (decided_) return;
     line_ = line_of(held_);
-    for (const char c : held_) put(c, line_.word, out);
+    // "solidJane" is a file that begins with "solid", and stays one.
+    const bool grown = kind_ == TextKind::stl && !line_.word && held_.starts_with(solid);
+    for (std::size_t i = 0; i < held_.size(); ++i)
+      put(held_[i], line_.word || (grown && i < solid.size()), out);
     if (line_.word && !held_.empty()) last_ = held_.back();
     held_.clear();
     decided_ = true;

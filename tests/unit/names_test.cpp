@@ -44,6 +44,7 @@ TEST(Names, OfTextStl) {
   EXPECT_EQ(blanked("solid " + name + " by\n" + name + "\r\n" + facets + "endsolid " + name, "stl"),
             "solid " + blanks(name.size() + 3) + "\n" + blanks(name.size()) + "\r\n" + facets + "endsolid " +
                 blanks(name.size()));
+  EXPECT_EQ(blanked("solid" + name + "\n" + facets, "stl"), "solid" + blanks(name.size()) + "\n" + facets);
   // What a reader refuses must stay for it to refuse.
   EXPECT_EQ(blanked("solid x\n" + facets + "nonsense 7\n", "stl"), "solid  \n" + facets + "nonsense 7\n");
 }

@@ -138,7 +138,10 @@ double robust_size(const TriangleMesh& mesh) {
 
 void weld(TriangleMesh& mesh, double tolerance) {
   auto stands_for = join_equal(mesh.vertices);
-  if (tolerance > 0) join_near(mesh.vertices, tolerance, stands_for);
+  double largest = 0;
+  for (const auto& p : mesh.vertices) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  // Below the rounding of that coordinate cells of this size could not be numbered.
+  if (tolerance > 1e-17 * largest) join_near(mesh.vertices, tolerance, stands_for);
   for (auto& t : mesh.triangles)
     for (int& v : t) v = stands_for[static_cast<std::size_t>(v)];
   drop_repeated_triangles(mesh.triangles);

@@ -10,7 +10,8 @@ namespace vacuform {
 double robust_size(const TriangleMesh& mesh);
 
 // Joins every vertex to the first one within `tolerance` of it (in each coordinate), in the order of the
-// file; with tolerance 0 only equal ones. Drops triangles that name a vertex twice, all but the first of
+// file; with tolerance 0, or 1e-17 of the largest coordinate, only equal ones. Drops triangles that name a vertex
+// twice, all but the first of
 // triangles with the same three corners (in either direction), and unused vertices.
 void weld(TriangleMesh& mesh, double tolerance);
 
