@@ -260,6 +260,16 @@ Result<Ground> ground_for(const InkedSurface& surface, const Chartland& land, co
   return out;
 }
 
+// The least distance of two centres in space, mm.
+double nearest_two(const InkedSurface& surface, const ElementLayout& layout) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < layout.centres.size(); ++a)
+    for (std::size_t b = a + 1; b < layout.centres.size(); ++b)
+      least = std::min(
+          least, (surface.place(layout.centres[a].point) - surface.place(layout.centres[b].point)).norm());
+  return least;
+}
+
 // Loops of one size, evenly spread.
 Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flattening, const Chartland& land,
                              const ArrayWish& wish, double extra_mm, bool settle, const Context& context) {
@@ -277,12 +287,19 @@ Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flat
     layout.elements.push_back(loop_of(i, diameter / 2, wish.trace_mm));
     layout.centres[index(i)].radius_mm = diameter / 2;
   }
-  // Where the centres have moved, others may be neighbours.
+  // Where the centres have moved, others may be neighbours. Where no distances are equal, least squares may fold the array
+  // over itself: then it stays as the cells are.
   constexpr int rounds = 4;
+  constexpr double least_apart = 0.8;
   for (int round = 0; round < rounds; ++round) {
     for (Neighbours& n : layout.pairs) n.drawn_mm = critical * diameter;
+    const std::vector<Centre> before = layout.centres;
     VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
     for (Centre& c : layout.centres) c.moved.setZero();
+    if (nearest_two(surface, layout) < least_apart * critical * diameter) {
+      layout.centres = before;
+      break;
+    }
     if (!find_pairs(surface, layout, critical * diameter)) break;
   }
   return layout;
