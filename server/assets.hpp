@@ -7,5 +7,6 @@ namespace vacuform {
 
 std::string_view openapi_yaml();
 std::string_view style_css();
+std::string_view job_js();
 
 }  // namespace vacuform

@@ -74,6 +74,11 @@ void add_public_routes(http::Router& router, Service&) {
     if (!code) return fail(Code::not_found, "there is no such problem type", {}, "see /problems/");
     return html_response(problem_page(*code));
   });
+  router.add("GET", "/job.js", [](Request&) -> Result<Response> {
+    Response response = http::text_response("text/javascript; charset=utf-8", std::string(job_js()));
+    response.set("X-Content-Type-Options", "nosniff");
+    return response;
+  });
   router.add("GET", "/style.css", [](Request&) -> Result<Response> {
     Response response = http::text_response("text/css; charset=utf-8", std::string(style_css()));
     response.set("X-Content-Type-Options", "nosniff");

@@ -30,9 +30,11 @@ std::string escaped(std::string_view text) {
 }
 
 http::Response html_response(const Page& page) {
-  const std::string refresh = page.refresh_seconds > 0 ? "<meta http-equiv=\"refresh\" content=\"" +
-                                                             std::to_string(page.refresh_seconds) + "\">\n"
-                                                       : "";
+  std::string refresh = page.refresh_seconds > 0 ? "<meta http-equiv=\"refresh\" content=\"" +
+                                                       std::to_string(page.refresh_seconds) + "\">\n"
+                                                 : "";
+  if (page.follows)
+    refresh = "<noscript>" + refresh + "</noscript>\n<script src=\"/job.js\" defer></script>\n";
   const std::string text =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -54,8 +56,9 @@ http::Response html_response(const Page& page) {
   http::Response response = http::text_response("text/html; charset=utf-8", text, page.status);
   response.set(
       "Content-Security-Policy",
-      "default-src 'self'; script-src 'none'; object-src 'none'; img-src 'self' data:; form-action 'self'; "
-      "base-uri 'none'; frame-ancestors 'none'");
+      std::string("default-src 'self'; script-src ") + (page.follows ? "'self'" : "'none'") +
+          "; object-src 'none'; img-src 'self' data:; form-action 'self'; base-uri 'none'; frame-ancestors "
+          "'none'");
   response.set("X-Content-Type-Options", "nosniff");
   response.set("X-Frame-Options", "DENY");
   response.set("Referrer-Policy", "same-origin");  // "no-referrer" would take the Origin off our own forms

@@ -15,7 +15,8 @@ struct Page {
   std::string title;  // plain text
   std::string main;   // HTML
   int status = 200;
-  int refresh_seconds = 0;  // 0: the page stays
+  int refresh_seconds = 0;  // without scripts; 0: the page stays
+  bool follows = false;     // with /job.js, the one script that any page has
   bool signed_in = false;   // then it offers the way out
 };
 

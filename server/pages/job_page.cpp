@@ -40,8 +40,8 @@ std::string progress_html(const Job& job) {
   if (job.attempt > 1) text += " Attempt " + std::to_string(job.attempt) + ".";
   return "<p id=\"progress-text\">" + escaped(text) + " " + std::to_string(percent) +
          " % done. This page follows by itself.</p>\n<progress max=\"100\" value=\"" +
-         std::to_string(percent) + "\" aria-labelledby=\"progress-text\">" + std::to_string(percent) +
-         " %</progress>\n";
+         std::to_string(percent) + "\" aria-labelledby=\"progress-text\" data-events=\"/api/v1/jobs/" +
+         escaped(job.id) + "/events\">" + std::to_string(percent) + " %</progress>\n";
 }
 
 std::string figures_html(const json& report) {
@@ -180,6 +180,7 @@ Page job_page(const Job& job, const json& report, const std::vector<LogLine>& lo
   page.main = "<h1>Job <span class=\"state " + state + "\">" + state + "</span></h1>\n";
   if (!ended(job.state)) {
     page.refresh_seconds = 2;
+    page.follows = true;
     page.main += progress_html(job);
   }
   if (job.error) page.main += problem_box(*job.error);

@@ -62,6 +62,7 @@ std::optional<Scope> needed(const http::Route& route) {
                                           "POST /sign-out",
                                           "GET /problems/",
                                           "GET /style.css",
+                                          "GET /job.js",
                                           "GET /problems/{slug}",
                                           "GET /api/v1/openapi.yaml",
                                           "GET /api/v1/settings-schema"};

@@ -219,7 +219,12 @@ TEST_F(ServerApi, TheFormComesBackWithTheProblemAndTheSettings) {
   const Answer good = submit(part("print.dpi", "", "150"), "/jobs");
   EXPECT_EQ(good.status, 303);
   const Answer job = ask("GET", good.header("Location"));
-  EXPECT_NE(job.body.find("http-equiv=\"refresh\" content=\"2\""), std::string::npos);
+  EXPECT_NE(job.body.find("<noscript><meta http-equiv=\"refresh\" content=\"2\">"), std::string::npos);
+  EXPECT_NE(job.body.find("data-events=\"/api" + good.header("Location").insert(0, "/v1") + "/events\""),
+            std::string::npos);
+  EXPECT_NE(job.header("Content-Security-Policy").find("script-src 'self';"), std::string::npos);
+  EXPECT_NE(choices.header("Content-Security-Policy").find("script-src 'none';"), std::string::npos);
+  EXPECT_EQ(ask("GET", "/job.js").header("Content-Type"), "text/javascript; charset=utf-8");
   EXPECT_NE(job.header("Content-Security-Policy").find("frame-ancestors 'none'"), std::string::npos);
 }
 
