@@ -198,6 +198,13 @@ Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing,
           " (k = " + decimal(*pair.k, 3) + ")";
   }
   if (counted > 0) out.spacing_rms_mm = std::sqrt(squares / counted);
+  constexpr double far_off_mm = 2;
+  if (!settings.decouple && out.spacing_rms_mm > far_off_mm)
+    out.warnings.push_back(
+        {"coils-spacing", "Neighbours' distances differ from the drawing by " +
+                              decimal(out.spacing_rms_mm, 1) +
+                              " mm rms: the surface is too curved for the drawn ones to be met "
+                              "all at once, and this is the least squares of them."});
   say_what_was_found(drawing, layout, laid, out.warnings);
   if (!coupled.empty())
     out.warnings.push_back({"coils-coupled",

@@ -94,7 +94,7 @@ struct CoilTable {
   CoilSummary with, without;
 };
 
-// Geodesics are exact on the triangles of the sheet (geodesics.hpp). Deterministic, whatever the number of threads.
+// Geodesics are exact on the triangles of the sheet (exact_geodesics.hpp). Deterministic, whatever the number of threads.
 // Errors: cancelled.
 Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flattening,
                                 const std::vector<CoilLoops>& loops, const std::vector<NeighbourLoops>& pairs,
