@@ -27,7 +27,10 @@ Result<Response> create_job(Service& service, Request& request, const Caller& ca
     VACUFORM_TRY(plan, plan_of(submission, service.store));
     return json_response(plan);
   }
-  VACUFORM_TRY(job, service.store.create(std::move(submission)));
+  auto made = service.store.create(std::move(submission));
+  // The key of another submission: as the draft of Idempotency-Key wants it told.
+  if (!made && made.error().code == Code::conflict) return problem_response(made.error(), 422);
+  VACUFORM_TRY(job, std::move(made));
   log_event("job-created", {{"job", job.id}, {"token", caller.token}});
   Response response = json_response(job_json(job), 202);
   response.set("Location", "/api/v1/jobs/" + job.id);

@@ -165,6 +165,11 @@ TEST_F(ServerApi, ARepeatedSubmissionMakesOneJob) {
   };
   EXPECT_EQ(json::parse(send("3f0c9a52").body)["id"], json::parse(send("3f0c9a52").body)["id"]);
   EXPECT_EQ(send("short").status, 400);
+  const Answer other =
+      ask("POST", "/api/v1/jobs", form_type + std::string("Idempotency-Key: 3f0c9a52\r\n"),
+          part("scan", "a.stl", "other") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n");
+  EXPECT_EQ(other.status, 422);
+  EXPECT_EQ(json::parse(other.body)["type"], "/problems/conflict");
   EXPECT_EQ(json::parse(ask("GET", "/api/v1/jobs").body)["jobs"].size(), 1u);
 }
 
