@@ -1,4 +1,5 @@
 // Uploads in pieces (tus 1.0.0), and what becomes of them: scans and inputs of jobs; profiles.
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -174,6 +175,32 @@ TEST_F(ServerUpload, AnOwnerHasSoManyAndNoMore) {
   const std::string other = bearer(token("station-2", {Scope::submit})) + tus + large;
   for (int i = 0; i < 8; ++i) EXPECT_EQ(ask("POST", "/api/v1/uploads", other).status, 201);
   EXPECT_EQ(ask("POST", "/api/v1/uploads", other).status, 429);  // 8 GiB
+}
+
+TEST_F(ServerUpload, ExpiresAfterADayAndIsRememberedForAWeek) {
+  Millis now = 1'000'000;
+  StoreOptions options;
+  options.clock = [&now] { return now; };
+  const auto store = open_store(data_ / "other", options);
+  ASSERT_TRUE(store);
+  const auto uploads = Uploads::open(**store, data_ / "other" / "uploads", options.clock);
+  ASSERT_TRUE(uploads);
+  const auto upload = (*uploads)->begin("station-1", *input_kind("scan"), "stl", 5);
+  ASSERT_TRUE(upload);
+  std::ofstream(data_ / "other" / "uploads" / (upload->id + ".part")) << "half";
+  now += upload_lifetime - 1;
+  ASSERT_TRUE((*uploads)->collect());
+  EXPECT_TRUE((*store)->find_upload(upload->id));
+  now += 1;
+  EXPECT_EQ((*store)->find_upload(upload->id).error().code, Code::gone);
+  ASSERT_TRUE((*uploads)->collect());
+  EXPECT_TRUE(std::filesystem::is_empty(data_ / "other" / "uploads"));
+  EXPECT_EQ((*store)->find_upload(upload->id).error().code, Code::gone);
+  now += 7 * upload_lifetime;
+  ASSERT_TRUE((*uploads)->begin("station-1", *input_kind("scan"), "stl", 5));
+  now += upload_lifetime;
+  ASSERT_TRUE((*uploads)->collect());
+  EXPECT_EQ((*store)->find_upload(upload->id).error().code, Code::not_found);
 }
 
 TEST_F(ServerUpload, AScanIsKeptOnceForManyJobs) {
