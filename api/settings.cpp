@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "api/job_limits.hpp"
 #include "api/settings_fields.hpp"
 
 namespace vacuform {
@@ -239,7 +240,7 @@ Result<void> check_together(const Settings& s) {
                 "lay the drawing by pattern.offset_mm and rotate_deg, or choose other weights");
   const double cells =
       (s.sheet.width_mm / s.sheet.resolution_mm) * (s.sheet.height_mm / s.sheet.resolution_mm);
-  if (cells > 640000)
+  if (cells > static_cast<double>(job_limits.sheet_cells))
     return fail(Code::bad_settings, "the grid of the sheet would have more than 640,000 cells",
                 "sheet.resolution_mm", "give a coarser resolution");
   return {};

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "api/job_limits.hpp"
 #include "api/sandbox_measures.hpp"
 #include "server/http/server.hpp"
 #include "server/problem.hpp"
@@ -38,6 +39,13 @@ void add_limits_routes(http::Router& router, Service& service) {
                 for (const InputKind& kind : input_kinds)
                   object[std::string(kind.name) + "_bytes"] = kind.most_bytes;
                 object.update({{"settings_bytes", largest_settings},
+                               {"scan_triangles", job_limits.scan_triangles},
+                               {"scan_vertices", job_limits.scan_vertices},
+                               {"pattern_pixels", job_limits.pattern_pixels},
+                               {"sheet_cells", job_limits.sheet_cells},
+                               {"job_seconds", job_limits.seconds},
+                               {"job_cpu_seconds", job_limits.cpu_seconds},
+                               {"job_memory_bytes", job_limits.memory_bytes},
                                {"artifact_bytes", largest_artifact},
                                {"head_bytes", limits.head_bytes},
                                {"head_lines", limits.head_lines},

@@ -14,17 +14,18 @@
 
 #include "api/error.hpp"
 #include "api/job.hpp"
+#include "api/job_limits.hpp"
 #include "worker/sandbox.hpp"
 
 namespace vacuform {
 
 // Hard limits of a child; passing one ends it.
 struct ChildLimits {
-  std::uint64_t address_space = 8ull << 30;  // bytes; 0: none (sanitizers reserve terabytes)
-  std::uint64_t cpu_seconds = 900;
+  std::uint64_t address_space = job_limits.memory_bytes;  // bytes; 0: none (sanitizers reserve terabytes)
+  std::uint64_t cpu_seconds = job_limits.cpu_seconds;
   std::uint64_t file_size = 4ull << 30;  // bytes, of each file
   std::uint64_t open_files = 64;
-  std::chrono::milliseconds wall = std::chrono::minutes(15);
+  std::chrono::milliseconds wall = std::chrono::seconds(job_limits.seconds);
 };
 
 // One line of the child's standard output (`vacuform run --progress json`).

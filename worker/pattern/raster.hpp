@@ -12,11 +12,12 @@
 #include <vector>
 
 #include "api/error.hpp"
+#include "api/job_limits.hpp"
 
 namespace vacuform {
 
 // The most pixels that a drawing may have, or is drawn with.
-inline constexpr std::int64_t largest_raster = 64'000'000;
+inline constexpr std::int64_t largest_raster = job_limits.pattern_pixels;
 
 struct Raster {
   int width = 0, height = 0;

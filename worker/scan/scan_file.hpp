@@ -10,6 +10,7 @@
 #include <string>
 
 #include "api/error.hpp"
+#include "api/job_limits.hpp"
 #include "worker/scan/scan_progress.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
@@ -18,9 +19,9 @@ namespace vacuform {
 // What no scan may pass. A scan beyond is refused with Code::too_large and the figure.
 struct ScanLimits {
   std::uint64_t bytes = std::uint64_t{1} << 30;
-  std::uint64_t triangles = 5'000'000;
-  std::uint64_t vertices = 15'000'000;  // three corners a triangle, as in STL
-  double coordinate = 1e7;              // in the file's unit; a head in micrometres stays below 1e6
+  std::uint64_t triangles = job_limits.scan_triangles;
+  std::uint64_t vertices = job_limits.scan_vertices;
+  double coordinate = 1e7;  // in the file's unit; a head in micrometres stays below 1e6
 };
 inline constexpr ScanLimits scan_limits;
 
