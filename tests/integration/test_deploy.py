@@ -68,6 +68,8 @@ class Deploy(Case):
         metrics = curl(f"http://127.0.0.1:{self.port + 1}/metrics").body.decode()
         self.assertIn('\nvacuform_jobs{state="succeeded"} 1\n', metrics)
         pid = self.pid()
+        listed = curl(f"http://127.0.0.1:{self.port}/api/v1/profiles", "-H", f"Authorization: Bearer {token.strip()}")
+        self.assertIn("formech-300xq", [profile["name"] for profile in json.loads(listed.body)["profiles"]])
 
         second = self.start()
         self.assertEqual(second.returncode, 0, second.stderr)
