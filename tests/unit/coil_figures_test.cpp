@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/hand_made_sheets.hpp"
+#include "worker/coils/drawn_loop.hpp"
+#include "worker/coils/outline.hpp"
 #include "worker/inspection/loop_figures.hpp"
 #include "worker/inspection/stretched_traces.hpp"
 
@@ -289,6 +291,140 @@ TEST(CoilFigures, AreTheSameTwiceAndCanBeCancelled) {
 
 Curve straight(const Vector2d& a, const Vector2d& b) {
   return {.points = {a, a + (b - a) / 3, a + 2 * (b - a) / 3, b}, .closed = false};
+}
+
+// An arc by cubics of at most 15 degrees.
+Curve arc(const Vector2d& centre, double r, double from_deg, double to_deg) {
+  const int pieces = std::max(1, static_cast<int>(std::ceil(std::abs(to_deg - from_deg) / 15)));
+  const double step = (to_deg - from_deg) / pieces * M_PI / 180, handle = 4.0 / 3 * std::tan(step / 4);
+  Curve curve{.points = {}, .closed = false};
+  for (int i = 0; i <= pieces; ++i) {
+    const double a = from_deg * M_PI / 180 + i * step;
+    const Vector2d out(std::cos(a), std::sin(a)), along(-out.y(), out.x());
+    if (i > 0) curve.points.push_back(centre + r * (out - handle * along));
+    curve.points.push_back(centre + r * out);
+    if (i < pieces) curve.points.push_back(centre + r * (out + handle * along));
+  }
+  return curve;
+}
+Curve full_circle(const Vector2d& centre, double r) {
+  Curve curve = arc(centre, r, 0, 360);
+  curve.points.back() = curve.points.front();
+  curve.closed = true;
+  return curve;
+}
+Element drawn_with(const std::vector<Curve>& curves, bool filled, bool even_odd = true) {
+  Shape shape;
+  shape.curves = curves;
+  if (filled)
+    shape.fill = Colour{}, shape.even_odd = even_odd;
+  else
+    shape.stroke = Stroke{.colour = {}, .width_mm = 3, .dashes_mm = {}};
+  return {"coil", {10, 5}, {shape}};
+}
+
+// On the dome, printed as it is drawn.
+CoilTable on_the_dome(const Element& element) {
+  Coils coils(hand_made::dome(100));
+  coils.drawn = {{200, 200}, {element}};
+  PrintedElement printed{"coil", {}, {}};
+  for (const Shape& shape : element.shapes)
+    if (shape.stroke)
+      for (const Curve& curve : shape.curves) printed.centrelines.push_back({curve, 3});
+    else
+      printed.areas.push_back({shape.curves, true, {}});
+  coils.print.elements = {printed};
+  return coils.measure();
+}
+
+// The bound of a straight piece across a gap g of a circle of radius r is its sagitta, g^2 / (8 r) of 20 mm.
+void expect_same(const CoilTable& one, const CoilTable& other, double bound) {
+  ASSERT_EQ(one.coils.size(), 1u);
+  ASSERT_EQ(other.coils.size(), 1u);
+  const Coil &a = one.coils[0], &b = other.coils[0];
+  EXPECT_NEAR(a.drawn_diameter_mm / b.drawn_diameter_mm, 1, bound);
+  EXPECT_NEAR(a.drawn_area_mm2 / b.drawn_area_mm2, 1, bound);
+  EXPECT_NEAR(a.drawn_circularity, b.drawn_circularity, bound);
+  for (const auto way : {&Coil::with, &Coil::without}) {
+    ASSERT_TRUE(a.*way && b.*way);
+    EXPECT_NEAR((a.*way)->circularity, (b.*way)->circularity, bound);
+    EXPECT_NEAR((a.*way)->diameter_mm / (b.*way)->diameter_mm, 1, bound);
+    EXPECT_NEAR((a.*way)->area_mm2 / (b.*way)->area_mm2, 1, bound);
+    EXPECT_NEAR(*(a.*way)->inductance_nh / *(b.*way)->inductance_nh, 1, 0.005);
+  }
+}
+
+const Vector2d at(10, 5);
+
+TEST(CoilFigures, OfAFilledRingAreThoseOfTheLineBetweenItsEdges) {
+  const CoilTable plain = on_the_dome(drawn_with({full_circle(at, 20)}, false));
+  expect_same(on_the_dome(drawn_with({full_circle(at, 18.5), full_circle(at, 21.5)}, true)), plain, 0.001);
+  Curve turned = full_circle(at, 18.5);
+  std::reverse(turned.points.begin(), turned.points.end());
+  expect_same(on_the_dome(drawn_with({full_circle(at, 21.5), turned}, true, false)), plain, 0.001);
+}
+
+TEST(CoilFigures, OfALineWithGapsAreThoseOfTheWholeOne) {
+  const CoilTable plain = on_the_dome(drawn_with({full_circle(at, 20)}, false));
+  const double half = 0.75 / 20 * 180 / M_PI;  // of a gap of 1.5 mm, in degrees
+  expect_same(on_the_dome(drawn_with({arc(at, 20, half, 360 - half)}, false)), plain, 0.001);
+  // Four capacitors, arcs out of order and drawn either way.
+  std::vector<Curve> arcs;
+  for (const int k : {2, 0, 3, 1}) {
+    arcs.push_back(arc(at, 20, 90 * k + half, 90 * (k + 1) - half));
+    if (k % 2 == 1) std::reverse(arcs.back().points.begin(), arcs.back().points.end());
+  }
+  expect_same(on_the_dome(drawn_with(arcs, false)), plain, 0.001);
+  // Leads at the feed are left over.
+  std::vector<Curve> fed{arc(at, 20, half, 360 - half)};
+  for (const double y : {-0.75, 0.75})
+    fed.push_back(straight(at + Vector2d(std::sqrt(400 - 0.5625), y), at + Vector2d(30, y)));
+  expect_same(on_the_dome(drawn_with(fed, false)), plain, 0.001);
+}
+
+TEST(CoilFigures, AreNotOfOtherFigures) {
+  const auto coils = [](const Element& element) { return on_the_dome(element).coils.size(); };
+  EXPECT_EQ(coils(drawn_with({arc(at, 20, 0, 302)}, false)), 0u);  // 15 % is missing from 304 on
+  EXPECT_EQ(coils(drawn_with({arc(at, 20, 0, 306)}, false)), 1u);
+  EXPECT_EQ(coils(drawn_with({arc(at, 20, 0, 200)}, false)), 0u);
+  EXPECT_EQ(coils(drawn_with({arc(at, 20, 0, 100), arc(at, 20, 130, 200)}, false)), 0u);
+  std::vector<Curve> zigzag, hairpin;
+  for (int i = 0; i < 8; ++i)
+    zigzag.push_back(straight({i * 4.0, i % 2 * 20.0}, {i * 4.0 + 4, (i + 1) % 2 * 20.0}));
+  EXPECT_EQ(coils(drawn_with(zigzag, false)), 0u);
+  hairpin = {straight({0, 0}, {40, 0}), straight({40, 0}, {40, 2}), straight({40, 2}, {0, 2})};
+  EXPECT_EQ(coils(drawn_with(hairpin, false)), 0u);
+  // A disc, a disc with a small hole, a ring that is far wider on one side, two discs side by side.
+  EXPECT_EQ(coils(drawn_with({full_circle(at, 20)}, true)), 0u);
+  EXPECT_EQ(coils(drawn_with({full_circle(at, 20), full_circle(at, 8)}, true)), 0u);
+  EXPECT_EQ(coils(drawn_with({full_circle(at, 20), full_circle(at + Vector2d(2.5, 0), 16)}, true)), 0u);
+  EXPECT_EQ(coils(drawn_with({full_circle(at, 10), full_circle(at + Vector2d(25, 0), 9)}, true)), 0u);
+}
+
+TEST(CoilFigures, AreOfTheLoopThatPlacementSees) {
+  const double half = 0.75 / 20 * 180 / M_PI;
+  for (const Element& element : {drawn_with({arc(at, 20, half, 360 - half)}, false),
+                                 drawn_with({full_circle(at, 21.5), full_circle(at, 18.5)}, true)}) {
+    const Outline seen = outline(element, 2);
+    EXPECT_NEAR(seen.radius_mm, 40, 0.01);
+    EXPECT_NEAR(seen.width_mm, 6, 0.01);
+    ASSERT_EQ(seen.loop.size(), 96u);
+    EXPECT_GT(signed_area(seen.loop), 0);
+    for (const Vector2d& p : seen.loop) EXPECT_NEAR(p.norm(), 40, 0.04);
+  }
+  EXPECT_FALSE(outline(drawn_with({arc(at, 20, 0, 200)}, false), 1).is_loop());
+}
+
+// What the border leaves of a loop is not one with a gap.
+TEST(CoilFigures, AreOfPrintsThatHaveTheWholeLoop) {
+  Coils coils(hand_made::dome(100));
+  coils.drawn = {{200, 200}, {drawn_with({full_circle(at, 20)}, false)}};
+  coils.print.elements = {{"coil", {}, {{arc(at, 20, 10, 350), 3}}}};
+  EXPECT_FALSE(coils.measure().coils[0].with);
+  coils.drawn = {{200, 200}, {drawn_with({arc(at, 20, 10, 350)}, false)}};
+  EXPECT_TRUE(coils.measure().coils[0].with);
+  coils.print.elements[0].centrelines = {{arc(at, 20, 10, 170), 3}, {arc(at, 20, 190, 350), 3}};
+  EXPECT_FALSE(coils.measure().coils[0].with);
 }
 
 // A sheet that became 1.3 times as wide: lines along s are stretched, lines along t are not, circles at two places.

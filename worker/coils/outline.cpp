@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/pattern/area.hpp"
+#include "worker/coils/drawn_loop.hpp"
 
 namespace vacuform {
 
@@ -29,13 +29,19 @@ Polyline sampled(const Curve& curve, const Vector2d& centre, double scale) {
   return out;
 }
 
-double area(const Polyline& line) {
-  double twice = 0;
+// A hundred or so points at equal distances along a closed line.
+Polyline evenly(const Polyline& line) {
+  const auto piece = [&](std::size_t i) -> Vector2d { return line[(i + 1) % line.size()] - line[i]; };
+  double around = 0, along = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) around += piece(i).norm();
+  Polyline out;
   for (std::size_t i = 0; i < line.size(); ++i) {
-    const Vector2d &a = line[i], &b = line[(i + 1) % line.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
+    const double length = piece(i).norm();
+    for (double at = 0; out.size() < 96; out.push_back(line[i] + at / length * piece(i)))
+      if (at = around * static_cast<double>(out.size()) / 96 - along; at >= length) break;
+    along += length;
   }
-  return twice / 2;
+  return out;
 }
 
 double equal_radius(double area_mm2) { return std::sqrt(std::abs(area_mm2) / M_PI); }
@@ -51,6 +57,7 @@ double half_width(const Stroke& stroke) {
 
 Outline outline(const Element& element, double scale) {
   Outline out;
+  const auto drawn = drawn_loop(element);
   double largest = 0, second = 0;
   bool filled_only = false;
   for (const Shape& shape : element.shapes)
@@ -60,7 +67,7 @@ Outline outline(const Element& element, double scale) {
       const double beyond = shape.stroke ? scale * half_width(*shape.stroke) : 0;
       for (const Vector2d& p : line) out.reach_mm = std::max(out.reach_mm, p.norm() + beyond);
       if (!curve.closed || line.size() < 3) continue;
-      const double size = std::abs(area(line));
+      const double size = std::abs(signed_area(line));
       if (size <= largest) {
         second = std::max(second, size);
         continue;
@@ -69,9 +76,17 @@ Outline outline(const Element& element, double scale) {
       largest = size;
       filled_only = !shape.stroke;
       out.width_mm = shape.stroke ? scale * shape.stroke->width_mm : scale;
-      if (area(line) < 0) std::reverse(line.begin(), line.end());
+      if (signed_area(line) < 0) std::reverse(line.begin(), line.end());
       out.loop = std::move(line);
     }
+  if (drawn && drawn->kind != DrawnLoop::Kind::closed_line) {
+    out.loop = evenly(drawn->line);
+    if (signed_area(out.loop) < 0) std::reverse(out.loop.begin(), out.loop.end());
+    for (Vector2d& p : out.loop) p = scale * (p - element.centre);
+    out.radius_mm = scale * equal_radius(drawn->area_mm2);
+    out.width_mm = scale * drawn->width_mm;
+    return out;
+  }
   if (out.loop.empty()) {
     out.radius_mm = out.reach_mm;
     return out;

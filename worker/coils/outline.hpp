@@ -12,9 +12,8 @@ struct Outline {
   double reach_mm = 0;   // from the element's centre to its farthest ink
   double radius_mm = 0;  // of the circle that has the loop's area; without a loop the reach
   double width_mm = 1;   // of the loop's line
-  // The middle of the largest closed curve's line, as a polyline about the element's centre, counter-clockwise and
-  // without its first point again; empty when no curve is closed. A ring that is filled and not stroked lies in the
-  // middle between its two edges.
+  // What drawn_loop() finds, else the largest closed curve, as a polyline about the element's centre, counter-clockwise
+  // and without its first point again; empty when there is neither.
   std::vector<Eigen::Vector2d> loop;
   std::vector<Eigen::Vector2d> points;  // of all curves, about the centre
 

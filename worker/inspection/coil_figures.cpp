@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include "worker/coils/drawn_loop.hpp"
 #include "worker/coils/inductance.hpp"
 #include "worker/inspection/loop_figures.hpp"
 #include "worker/parallel.hpp"
-#include "worker/pattern/curve.hpp"
 
 namespace vacuform {
 
@@ -17,27 +17,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr double near_miss = 1.15;  // of the sum of the radii: loops this close are neighbours
 
-double signed_area(const std::vector<Vector2d>& line) {
-  double twice = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const Vector2d &p = line[i], &q = line[(i + 1) % line.size()];
-    twice += p.x() * q.y() - p.y() * q.x();
-  }
-  return twice / 2;
-}
 double area_of(const std::vector<Vector2d>& line) { return std::abs(signed_area(line)); }
 
 // Counter-clockwise on the sheet: the sign of a coupling is then that of the overlap, not of how a loop was drawn.
 std::vector<Vector2d> counter_clockwise(std::vector<Vector2d> line) {
   if (signed_area(line) < 0) std::reverse(line.begin(), line.end());
-  return line;
-}
-
-// As points that lie within 0.002 mm of it; the last one is not repeated.
-std::vector<Vector2d> polyline(const Curve& closed) {
-  std::vector<Vector2d> line;
-  for (const CurvePoint& point : flatten(closed, {})) line.push_back(point.at);
-  if (!line.empty()) line.pop_back();
   return line;
 }
 
@@ -47,32 +31,26 @@ Vector2d middle_of(const std::vector<Vector2d>& line) {
   return sum / static_cast<double>(std::max<std::size_t>(1, line.size()));
 }
 
-struct DrawnLoop {
-  std::vector<Vector2d> line;
-  double width_mm = 0;
-};
-// The largest closed line that an element strokes.
-std::optional<DrawnLoop> drawn_loop(const Element& element) {
-  std::optional<DrawnLoop> largest;
-  double most = 0;
-  for (const Shape& shape : element.shapes)
-    for (const Curve& curve : shape.curves) {
-      if (!shape.stroke || !curve.closed) continue;
-      DrawnLoop loop{polyline(curve), shape.stroke->width_mm};
-      const double area = area_of(loop.line);
-      if (area > most) most = area, largest = std::move(loop);
+// As the element was drawn: what is left of a loop that the border cuts is not one with a gap.
+std::vector<Vector2d> printed_loop(const VectorPrint& print, const std::string& id, const DrawnLoop& drawn) {
+  std::optional<DrawnLoop> out;
+  const auto take = [&](std::optional<DrawnLoop> loop) {
+    if (loop && loop->lines == drawn.lines && (!out || loop->area_mm2 > out->area_mm2)) out = std::move(loop);
+  };
+  for (const PrintedElement& element : print.elements) {
+    if (element.id != id) continue;
+    std::vector<LoopLine> lines;
+    for (const Centreline& line : element.centrelines) lines.push_back(loop_line(line.curve, line.width_mm));
+    if (drawn.kind == DrawnLoop::Kind::closed_line) take(closed_line(lines));
+    if (drawn.kind == DrawnLoop::Kind::gapped_line) take(gapped_line(lines));
+    if (drawn.kind != DrawnLoop::Kind::filled_ring) continue;
+    for (const PaintedArea& area : element.areas) {
+      Area outlines;
+      for (const Curve& outline : area.outlines) outlines.push_back(loop_line(outline, 0).points);
+      take(filled_ring(outlines));
     }
-  return largest;
-}
-
-std::vector<Vector2d> printed_loop(const VectorPrint& print, const std::string& id) {
-  std::vector<Vector2d> largest;
-  for (const PrintedElement& element : print.elements)
-    for (const Centreline& line : element.centrelines)
-      if (element.id == id && line.curve.closed)
-        if (auto points = polyline(line.curve); area_of(points) > area_of(largest))
-          largest = std::move(points);
-  return largest;
+  }
+  return out ? std::move(out->line) : std::vector<Vector2d>();
 }
 
 // About 120 points of the outline.
@@ -150,7 +128,7 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
     coil.drawn_diameter_mm = alignment.scale * flat.diameter_mm;
     coil.drawn_area_mm2 = alignment.scale * alignment.scale * flat.area_mm2;
     coil.drawn_circularity = flat.circularity;
-    coil.with = {printed_loop(print, element.id), {0, 0}};
+    coil.with = {printed_loop(print, element.id, *drawn), {0, 0}};
     coil.with.near = middle_of(coil.with.line);
     for (const PlacedElement& placed : placement.elements)
       if (placed.element == static_cast<int>(i)) {

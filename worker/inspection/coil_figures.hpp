@@ -1,5 +1,6 @@
 // The figures of DESIGN.md for coils and for pairs of neighbours, measured on the inked surface, for the print itself and
-// for the plain drawing printed as it is. A *coil* is an element of the drawing with a closed line: its largest.
+// for the plain drawing printed as it is. A *coil* is an element of the drawing with a
+// loop (coils/drawn_loop.hpp).
 #pragma once
 
 #include <Eigen/Core>
