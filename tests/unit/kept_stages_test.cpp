@@ -110,7 +110,7 @@ TEST_F(KeptStagesTest, ADamagedFileIsNotUsed) {
 }
 
 TEST_F(KeptStagesTest, TheOldestMakeRoom) {
-  const KeptStages room(folder, 1'000'000'000);
+  const KeptStages room(folder, {}, 1'000'000'000);
   room.keep({{"scan", "a"}}, mold);
   const auto size = fs::file_size(files()[0]);
   const auto hours_ago = [&](const fs::path& path, int hours) {
@@ -122,7 +122,7 @@ TEST_F(KeptStagesTest, TheOldestMakeRoom) {
     if (fs::last_write_time(path) > fs::file_time_type::clock::now() - std::chrono::hours(1))
       hours_ago(path, 2);
   ASSERT_TRUE(room.mold({{"scan", "a"}}));  // used: now the younger
-  const KeptStages tight(folder, 2 * size + 1);
+  const KeptStages tight(folder, {}, 2 * size + 1);
   tight.keep({{"scan", "c"}}, mold);
   EXPECT_TRUE(tight.mold({{"scan", "a"}}));
   EXPECT_FALSE(tight.mold({{"scan", "b"}}));
