@@ -328,11 +328,9 @@ CoilTable on_the_dome(const Element& element) {
   Coils coils(hand_made::dome(100));
   coils.drawn = {{200, 200}, {element}};
   PrintedElement printed{"coil", {}, {}};
-  for (const Shape& shape : element.shapes)
-    if (shape.stroke)
-      for (const Curve& curve : shape.curves) printed.centrelines.push_back({curve, 3});
-    else
-      printed.areas.push_back({shape.curves, true, {}});
+  for (const Curve& curve : element.shapes[0].curves)
+    if (element.shapes[0].stroke) printed.centrelines.push_back({curve, 3});
+  if (element.shapes[0].fill) printed.centrelines.push_back({full_circle({10, 5}, 20), 3});
   coils.print.elements = {printed};
   return coils.measure();
 }

@@ -173,6 +173,28 @@ TEST(VectorPrint, ACoilThroughAnExactExponentialMap) {
   EXPECT_EQ(print.lost_mm2, 0);
 }
 
+TEST(VectorPrint, AFilledRingHasTheMiddleOfItsEdgesAsItsCentreLine) {
+  Placement placement;
+  placement.charts = {whole(identity(60, 5))};
+  PlacedElement placed;
+  placed.patch = patch_of({0, 0}, 27, 1.5, [](const Vector2d& uv) { return exponential(0.7, uv); });
+  placement.elements.push_back(placed);
+  Shape ring = filled(circle({0, 0}, 21.5));
+  ring.curves.push_back(circle({0, 0}, 18.5));
+  ring.even_odd = true;
+  const auto printed = [&](const std::string& id) {
+    return pull(drawing_of({{.id = id, .centre = {0, 0}, .shapes = {ring}}}), placement).elements[0];
+  };
+  const PrintedElement coil = printed("coil");
+  EXPECT_EQ(coil.areas.size(), 1u);
+  ASSERT_EQ(coil.centrelines.size(), 1u);
+  EXPECT_TRUE(coil.centrelines[0].curve.closed);
+  EXPECT_LT(hausdorff(coil.centrelines[0].curve, exact_circle(0.7, 20)), 0.02);
+  EXPECT_LE(coil.centrelines[0].curve.points.size(), 3 * 32 + 1u);
+  EXPECT_NEAR(coil.centrelines[0].width_mm, 3, 0.002);
+  EXPECT_TRUE(printed("").centrelines.empty());
+}
+
 TEST(VectorPrint, TheIdentityGivesTheDrawingBack) {
   Placement placement;
   placement.charts = {whole(identity(60, 3))};

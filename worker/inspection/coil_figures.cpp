@@ -41,14 +41,7 @@ std::vector<Vector2d> printed_loop(const VectorPrint& print, const std::string& 
     if (element.id != id) continue;
     std::vector<LoopLine> lines;
     for (const Centreline& line : element.centrelines) lines.push_back(loop_line(line.curve, line.width_mm));
-    if (drawn.kind == DrawnLoop::Kind::closed_line) take(closed_line(lines));
-    if (drawn.kind == DrawnLoop::Kind::gapped_line) take(gapped_line(lines));
-    if (drawn.kind != DrawnLoop::Kind::filled_ring) continue;
-    for (const PaintedArea& area : element.areas) {
-      Area outlines;
-      for (const Curve& outline : area.outlines) outlines.push_back(loop_line(outline, 0).points);
-      take(filled_ring(outlines));
-    }
+    take(drawn.kind == DrawnLoop::Kind::gapped_line ? gapped_line(lines) : closed_line(lines));
   }
   return out ? std::move(out->line) : std::vector<Vector2d>();
 }

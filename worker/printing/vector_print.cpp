@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "worker/coils/drawn_loop.hpp"
 #include "worker/parallel.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
@@ -128,6 +129,17 @@ void pull_back_line(const std::vector<CurvePoint>& line, bool closed, const Map&
       out.push_back({std::move(curve), width_mm});
 }
 
+// The first point comes again as the last.
+std::vector<CurvePoint> closed_points(const Ring& ring) {
+  std::vector<CurvePoint> line;
+  const std::size_t n = ring.size();
+  for (std::size_t i = 0; i <= n; ++i) {
+    const Vector2d &before = ring[(i + n - 1) % n], &at = ring[i % n], &after = ring[(i + 1) % n];
+    line.push_back({at, at - before, after - at, 0});
+  }
+  return line;
+}
+
 // One shape on its way to the sheet, and what came of it.
 struct Work {
   const Shape* shape;
@@ -180,8 +192,16 @@ class Puller {
     const std::vector<Ground> elements_own =
         own ? std::vector{ground_of(*placed->second.map)} : std::vector<Ground>();
     const std::vector<Ground>& grounds = own || nowhere ? elements_own : charts_;
-    if (shape.fill)
-      paint(fill_area(shape.curves, shape.even_odd, polygon_tolerance), *shape.fill, grounds, work);
+    if (shape.fill) {
+      const Area area = fill_area(shape.curves, shape.even_odd, polygon_tolerance);
+      paint(area, *shape.fill, grounds, work);
+      const auto ring =
+          shape.stroke || id.empty() || !(ink(*shape.fill) > 0) ? std::nullopt : filled_ring(area);
+      if (ring)
+        for (const Ground& ground : grounds)
+          pull_back_line(closed_points(ring->line), true, ground.rest_at, drawing_.size_mm,
+                         ring->width_mm * (own ? placed->second.size : scale_), work.centrelines);
+    }
     if (!shape.stroke) return;
     Stroke stroke = *shape.stroke;
     if (own) resize(stroke, scale_ / placed->second.size);

@@ -16,7 +16,8 @@ struct PaintedArea {
   Colour colour;
 };
 
-// The middle of a stroke. Unpainted: for plotters, dispensers and measuring.
+// The middle of a stroke, or of a ring that an element fills (coils/drawn_loop.hpp). Unpainted: for plotters, dispensers
+// and measuring.
 struct Centreline {
   Curve curve;          // sheet coordinates, mm
   double width_mm = 0;  // of the line once formed
