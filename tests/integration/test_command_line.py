@@ -107,11 +107,13 @@ class Progress(Case):
                             "--set", "sheet.resolution_mm=10", "--set", "print.dpi=72", *words)
             self.assertEqual(done.returncode, 0, done.stderr)
             lines = [json.loads(line) for line in done.stdout.splitlines()]
-            return [line["progress"] for line in lines if line["stage"] in ("scan", "forming")]
+            return [(line["stage"], line["progress"], line.get("kept", False)) for line in lines
+                    if line["stage"] in ("scan", "forming")]
 
         keep, turned = ("--keep", self.folder / "kept"), ("--pattern", RINGS, "--set", "pattern.rotate_deg=30")
         self.assertGreater(len(run("first", "--pattern", PATTERNS / "rings-7x40mm.svg", *keep)), 10)
-        self.assertEqual(run("again", *turned, *keep), [1, 1])
+        self.assertEqual(run("again", *turned, *keep), [(stage, 1, kept) for stage in ("scan", "forming")
+                                                        for kept in (True, False)])
         self.assertGreater(len(run("alone", *turned)), 10)
         names = sorted(file.name for file in (self.folder / "alone").iterdir())
         self.assertEqual(names, sorted(file.name for file in (self.folder / "again").iterdir()))
