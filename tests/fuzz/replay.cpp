@@ -4,8 +4,8 @@
 //
 //   fuzz_replay TARGET SECONDS FOLDER...
 //
-// An input may take ten seconds of an idle processor (half as much again is allowed, for a machine that does two things at
-// once) and 1 GiB of memory. What takes more, or breaks a promise, ends the program, and the input is left in the working
+// An input may take fifteen seconds of the processor (ten are wanted, but a mesh that is rebuilt around slivers has taken
+// twelve) and 1 GiB of memory. What takes more, or breaks a promise, ends the program, and the input is left in the working
 // directory as found-TARGET.
 #include <fcntl.h>
 #include <signal.h>
