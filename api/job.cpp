@@ -13,6 +13,9 @@ std::optional<E> from_name(const std::array<std::string_view, N>& names, std::st
 }
 }  // namespace
 
+std::optional<JobKind> job_kind_from(std::string_view name) {
+  return from_name<JobKind>(job_kind_names, name);
+}
 std::optional<Stage> stage_from(std::string_view name) { return from_name<Stage>(stage_names, name); }
 std::optional<JobState> job_state_from(std::string_view name) {
   return from_name<JobState>(job_state_names, name);

@@ -1,4 +1,4 @@
-// The words of a job that every program shares: stages, states and the names of the artifacts.
+// The words of a job that every program shares: kinds, stages, states and the names of its files.
 #pragma once
 
 #include <array>
@@ -7,6 +7,12 @@
 #include <string_view>
 
 namespace vacuform {
+
+// What a job makes: the print, through all the stages, or the findings about a scan, which need its first stage alone.
+enum class JobKind { print, inspection };
+inline constexpr std::array<std::string_view, 2> job_kind_names{"print", "inspection"};
+constexpr std::string_view name(JobKind kind) { return job_kind_names[static_cast<std::size_t>(kind)]; }
+std::optional<JobKind> job_kind_from(std::string_view name);
 
 // The stages of a job, in order.
 enum class Stage { scan, forming, flattening, printing, inspection };
@@ -49,7 +55,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs that have something to show make it
 };
-inline constexpr std::array<ArtifactKind, 20> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 21> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -68,6 +74,8 @@ inline constexpr std::array<ArtifactKind, 20> artifact_kinds{{
     {"formed.mtl", "model/mtl", "The material of formed.obj"},
     {"uv-map.obj", "model/obj", "The formed surface, textured with the pattern"},
     {"mold.stl", "model/stl", "The mold as placed and trimmed, watertight"},
+    {"findings.json", "application/json",
+     "What is in the scan and what mold it makes, of an inspection alone", false},
     {"report.json", "application/json", "What was asked, what was done, the figures, the warnings"},
     {"report.html", "text/html; charset=utf-8", "The report for people: figures, pictures, all settings"},
 }};

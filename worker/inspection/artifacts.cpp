@@ -10,7 +10,8 @@ namespace vacuform {
 
 bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-segments.png") return in_segments(job);
-  return kind.always || job.heat.source != HeatSource::uniform;
+  if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
+  return kind.always;
 }
 
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context) {
