@@ -47,6 +47,10 @@ inline constexpr std::array<InputKind, 4> input_kinds{{
 }};
 // nullptr when no input has that name.
 const InputKind* input_kind(std::string_view name);
+// Whether no job of that kind can do without the input; an inspection has no other than these.
+constexpr bool needs(JobKind job, const InputKind& input) {
+  return input.always && (job == JobKind::print || input.name == "scan");
+}
 
 // The artifacts of a job: the same names from the command line, the API and the web page.
 struct ArtifactKind {
