@@ -18,12 +18,13 @@ class BackupCommand {
  public:
   void add_to(CLI::App& app);
   bool asked() const;
-  // Errors: bad_usage (the folder is not empty), unavailable, internal (something was left out, being damaged).
-  Result<void> run() const;
+  // `configured_data` is the folder of the jobs where --data names none. Errors: bad_usage (the folder is not empty),
+  // unavailable, internal (something was left out, being damaged).
+  Result<void> run(const std::filesystem::path& configured_data) const;
 
  private:
   CLI::App* command_ = nullptr;
-  std::filesystem::path data_ = "vacuform-data", to_;
+  std::filesystem::path data_, to_;
 };
 
 }  // namespace vacuform

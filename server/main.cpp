@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "api/log.hpp"
+#include "api/version.hpp"
 #include "server/backup_command.hpp"
 #include "server/configuration.hpp"
 #include "server/http/server.hpp"
@@ -160,11 +161,11 @@ Result<void> serve(const Configuration& options) {
 Result<void> run(ConfigurationSources& sources, const Configuration& configuration, TokenCommand& token,
                  BackupCommand& backup, int argc, char** argv) {
   VACUFORM_CHECK(sources.read(argc, argv));
-  if (token.asked()) return token.run();
-  if (backup.asked()) return backup.run();
+  if (token.asked()) return token.run(configuration.data);
+  if (backup.asked()) return backup.run(configuration.data);
   if (!sources.only_check()) return serve(configuration);
   VACUFORM_CHECK(check(configuration));
-  std::printf("%s\n", to_text(configuration).c_str());
+  std::printf("%s\n", sources.text().c_str());
   return {};
 }
 
@@ -173,10 +174,12 @@ Result<void> run(ConfigurationSources& sources, const Configuration& configurati
 
 int main(int argc, char** argv) {
   ::umask(0077);  // scans of patients are nobody else's to read
-  vacuform::Configuration configuration;
   CLI::App app(
       "The HTTP service of Vacuform: takes scans and patterns, hands jobs to workers, keeps the results.");
-  vacuform::ConfigurationSources sources(app, configuration);
+  app.set_version_flag("--version", std::string("vacuform-server ").append(vacuform::version));
+  vacuform::ConfigurationSources sources(app, "server");
+  vacuform::Configuration configuration;
+  configuration.add_to(sources);
   vacuform::TokenCommand token;
   token.add_to(app);
   vacuform::BackupCommand backup;
@@ -186,7 +189,7 @@ int main(int argc, char** argv) {
     if (done) return 0;
     std::fprintf(stderr, "vacuform-server: %s\n", done.error().text().c_str());
     return vacuform::meaning(done.error().code).exit_code;
-  } catch (const CLI::Success& asked) {  // --help
+  } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const std::exception& fault) {
     std::fprintf(stderr, "vacuform-server: internal fault: %s\n", fault.what());

@@ -35,7 +35,8 @@ void TokenCommand::add_to(CLI::App& app) {
   list_ = token_->add_subcommand("list", "List the tokens, without their secrets");
   revoke_ = token_->add_subcommand("revoke", "End a token for good, at once");
   for (CLI::App* command : {create_, list_, revoke_})
-    command->add_option("--data", data_, "Folder of the jobs")->capture_default_str();
+    command->add_option("--data", data_, "Folder of the jobs (default: as the server's settings say)")
+        ->type_name("DIR");
   create_->add_option("--owner", owner_, "Whose jobs it makes and sees: a place or a purpose, as station-3")
       ->required();
   create_->add_option("--scopes", scopes_, "Some of submit, read, work, admin, with commas")
@@ -49,7 +50,8 @@ void TokenCommand::add_to(CLI::App& app) {
 
 bool TokenCommand::asked() const { return token_->parsed(); }
 
-Result<void> TokenCommand::run() const {
+Result<void> TokenCommand::run(const std::filesystem::path& configured_data) {
+  if (data_.empty()) data_ = configured_data;
   if (create_->parsed()) return create();
   if (list_->parsed()) return list();
   return revoke();

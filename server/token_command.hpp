@@ -19,8 +19,9 @@ class TokenCommand {
  public:
   void add_to(CLI::App& app);
   bool asked() const;
-  // Errors: bad_usage, not_found, unauthorized (the administrator's token is gone or was revoked), those of the store.
-  Result<void> run() const;
+  // `configured_data` is the folder of the jobs where --data names none. Errors: bad_usage, not_found, unauthorized (the
+  // administrator's token is gone or was revoked), those of the store.
+  Result<void> run(const std::filesystem::path& configured_data);
 
  private:
   Result<void> create() const;
@@ -28,7 +29,7 @@ class TokenCommand {
   Result<void> revoke() const;
 
   CLI::App *token_ = nullptr, *create_ = nullptr, *list_ = nullptr, *revoke_ = nullptr;
-  std::filesystem::path data_ = "vacuform-data", out_;
+  std::filesystem::path data_, out_;
   std::string owner_, scopes_, id_;
   double days_ = 0;
 };

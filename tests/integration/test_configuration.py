@@ -1,4 +1,7 @@
-"""Where vacuform-server takes its settings from: a file, the environment, the command line, each stronger than the one before."""
+"""Where the programs take their settings from: a file, the environment, the command line, each stronger than the one before.
+
+The mechanism is one for both programs, and so are its tests; what only one of them knows comes after.
+"""
 import json
 import os
 import subprocess
@@ -7,18 +10,26 @@ import unittest
 from harness import BIN, Case
 
 
-class Configuration(Case):
+class Configuration:
+    """What holds of each program. A case says which one, and what --check-config needs of it."""
+    program = None       # "server"
+    needed = {}          # settings without which it does not start
+    number, largest = None, None   # a setting that is a whole number, and the most that it may be
+    text = None          # a setting that takes any text
+    first_names = None   # how the list of all of them begins
+
+    def variable(self, name):
+        return f"VACUFORM_{self.program.upper()}_{name.upper()}"
+
     def ask(self, *words, file=None, **environment):
         """What --check-config says of this."""
-        variables = {k: v for k, v in os.environ.items() if not k.startswith("VACUFORM_SERVER_")}
-        variables["VACUFORM_SERVER_CONFIG"] = str(self.folder / "none.json")
-        (self.folder / "none.json").write_text("{}")
-        if file is not None:
-            path = self.folder / "server.json"
-            path.write_text(file if isinstance(file, str) else json.dumps(file))
-            words = ["--config", path, *words]
-        return subprocess.run([BIN / "vacuform-server", "--check-config", *map(str, words)], capture_output=True, text=True,
-                              env=variables | environment)
+        variables = {k: v for k, v in os.environ.items() if not k.startswith("VACUFORM_")}
+        path = self.folder / f"{self.program}.json"
+        content = {} if file is None else file
+        path.write_text(content if isinstance(content, str) else json.dumps({**self.needed, **content}))
+        variables[self.variable("config")] = str(path)
+        return subprocess.run([BIN / f"vacuform-{self.program}", "--check-config", *map(str, words)], capture_output=True,
+                              text=True, env=variables | environment)
 
     def settings(self, *words, **more):
         done = self.ask(*words, **more)
@@ -29,7 +40,70 @@ class Configuration(Case):
         done = self.ask(*words, **more)
         self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
         self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+        self.assertTrue(done.stderr.startswith(f"vacuform-{self.program}: "), done.stderr)
         return done.stderr
+
+    def option(self, name):
+        return "--" + name.replace("_", "-")
+
+    def test_the_environment_beats_the_file_and_the_command_line_beats_both(self):
+        def taken(*words, **more):
+            found = self.settings(*words, **more)
+            return found[self.number], found[self.text]
+        file = {self.number: 10, self.text: "file"}
+        self.assertEqual(taken(file=file), (10, "file"))
+        environment = {self.variable(self.number): "11", self.variable(self.text): "environment"}
+        self.assertEqual(taken(file=file, **environment), (11, "environment"))
+        self.assertEqual(taken(self.option(self.number), 12, file=file, **environment), (12, "environment"))
+        self.assertEqual(taken(self.option(self.text) + "=words", file=file, **environment), (11, "words"))
+
+    def test_what_it_prints_is_a_file_of_its_own(self):
+        settings = self.settings(self.option(self.number), 12, self.option(self.text), "words")
+        self.assertEqual(self.settings(file=settings), settings)
+
+    def test_an_empty_text_says_nothing(self):
+        environment = {self.variable(self.number): "", self.variable(self.text): ""}
+        self.assertEqual(self.settings(file={self.number: ""}, **environment)[self.number], self.settings()[self.number])
+        self.assertEqual(self.settings(file={self.text: "file"}, **environment)[self.text], "file")
+
+    def test_the_command_line_names_another_file_than_the_environment(self):
+        path = self.folder / "other.json"
+        path.write_text(json.dumps({**self.needed, self.number: 12}))
+        for words in (["--config", path], [f"--config={path}"]):
+            self.assertEqual(self.settings(*words, file={self.number: 10})[self.number], 12)
+        self.assertRegex(self.refused("--config", self.folder / "absent.json"), r"cannot be read.*absent\.json")
+
+    def test_unknown_names_are_refused_and_the_known_ones_listed(self):
+        for refusal, source in ((self.refused(file={"colour": 1}), f"{self.program}.json"),
+                                (self.refused(**{self.variable("colour"): "1"}), self.variable("colour"))):
+            self.assertIn("there is no such setting: colour", refusal)
+            self.assertIn(source, refusal)
+            self.assertIn("known are " + self.first_names, refusal)
+        self.assertIn("--colour=1", self.refused("--colour=1"))
+        self.assertIn("there is no such setting: config", self.refused(file={"config": "other.json"}))
+
+    def test_bad_values_are_refused_with_their_source(self):
+        option = self.option(self.number)
+        self.assertRegex(self.refused(file={self.number: self.largest + 1}), rf"{option}.*{self.largest + 1}.*{self.program}\.json")
+        self.assertRegex(self.refused(file={self.number: 1.5}), rf"{option}.*1\.5.*{self.program}\.json")
+        self.assertRegex(self.refused(file={self.number: [1]}), rf"neither a text, .*: {self.number}.*{self.program}\.json")
+        self.assertRegex(self.refused(file="{"), rf"not a JSON object.*{self.program}\.json")
+        variable = self.variable(self.number)
+        self.assertRegex(self.refused(**{variable: "0"}), rf"{option}.*{variable}")
+        self.assertIn(option, self.refused(option, 0))
+
+    def test_nothing_is_made_by_looking(self):
+        self.settings(self.option(self.made), self.folder / "made")
+        self.assertFalse((self.folder / "made").exists())
+
+    def test_help_and_version_are_no_errors(self):
+        self.assertIn(f"/etc/vacuform/{self.program}.json", self.ask("--help").stdout)
+        self.assertRegex(self.ask("--version").stdout, rf"\Avacuform-{self.program} [0-9.]+\n\Z")
+
+
+class ServerConfiguration(Configuration, Case):
+    program, number, largest, text, made = "server", "lease_seconds", 3600, "port_file", "data"
+    first_names = "listen, status_listen, front, data, workers, lease_seconds"
 
     def test_defaults(self):
         settings = self.settings()
@@ -37,54 +111,63 @@ class Configuration(Case):
                          ("127.0.0.1:8080", 0, 30, ""))
         self.assertEqual(settings["worker_program"], str(BIN.resolve() / "vacuform-worker"))
 
-    def test_the_environment_beats_the_file_and_the_command_line_beats_both(self):
-        file = {"workers": 1, "lease_seconds": 10, "listen": "127.0.0.1:9001"}
-        settings = self.settings(file=file)
-        self.assertEqual((settings["workers"], settings["lease_seconds"], settings["listen"]), (1, 10, "127.0.0.1:9001"))
-        environment = {"VACUFORM_SERVER_LEASE_SECONDS": "11", "VACUFORM_SERVER_LISTEN": "127.0.0.1:9002"}
-        settings = self.settings(file=file, **environment)
-        self.assertEqual((settings["workers"], settings["lease_seconds"], settings["listen"]), (1, 11, "127.0.0.1:9002"))
-        settings = self.settings("--listen=127.0.0.1:9003", file=file, **environment)
-        self.assertEqual((settings["workers"], settings["lease_seconds"], settings["listen"]), (1, 11, "127.0.0.1:9003"))
-
-    def test_what_it_prints_is_a_file_of_its_own(self):
-        settings = self.settings("--workers", 2, "--front", "https://vacuform.example.org", "--listen", "0.0.0.0:8080")
-        self.assertEqual(self.settings(file=settings), settings)
-
-    def test_the_environment_names_the_file(self):
-        path = self.folder / "other.json"
-        path.write_text('{"lease_seconds": 12}')
-        self.assertEqual(self.settings(VACUFORM_SERVER_CONFIG=str(path))["lease_seconds"], 12)
-        self.assertIn("cannot be read", self.refused("--config", self.folder / "absent.json"))
-
-    def test_unknown_names_are_refused_and_the_known_ones_listed(self):
-        for refusal in (self.refused(file={"worker": 1}), self.refused(VACUFORM_SERVER_WORKER="1")):
-            self.assertIn("there is no such setting: worker", refusal)
-            self.assertIn("listen, status_listen, front, data, workers, lease_seconds", refusal)
-        self.assertIn("--worker=1", self.refused("--worker=1"))
-
-    def test_bad_values_are_refused_with_their_source(self):
-        self.assertRegex(self.refused(file={"workers": 1000}), r"workers.*1000.*server\.json")
-        self.assertRegex(self.refused(file={"workers": [1]}), r"neither a text nor a whole number: workers.*server\.json")
-        self.assertRegex(self.refused(file="{"), r"not a JSON object.*server\.json")
-        self.assertRegex(self.refused(VACUFORM_SERVER_LEASE_SECONDS="1"), r"VACUFORM_SERVER_LEASE_SECONDS")
-        self.assertIn("--lease-seconds", self.refused("--lease-seconds", 1))
+    def test_what_cannot_be_begun(self):
         self.assertIn("refusing to listen on 0.0.0.0", self.refused(file={"listen": "0.0.0.0:80"}))
+        self.assertEqual(self.settings("--front", "https://vacuform.example.org", "--listen", "0.0.0.0:80")["listen"], "0.0.0.0:80")
         self.assertIn("no worker program", self.refused("--workers", 1, "--worker-program", "/none"))
 
-    def test_nothing_is_made_by_looking(self):
-        self.settings("--data", self.folder / "store")
-        self.assertFalse((self.folder / "store").exists())
+    def test_the_commands_find_the_jobs_where_the_settings_say(self):
+        """`token` and `backup` without --data go to the store of the configured service."""
+        data = self.folder / "configured"
+        (self.folder / "server.json").write_text(json.dumps({"data": str(data)}))
+        def command(*words):
+            done = subprocess.run([BIN / "vacuform-server", "--config", self.folder / "server.json", *words], capture_output=True,
+                                  text=True, cwd=self.folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return done.stdout
+        self.assertRegex(command("token", "create", "--owner", "station-3", "--scopes", "read"), r"\Avft_\S+\n\Z")
+        self.assertTrue((data / "jobs.sqlite").exists())
+        self.assertIn("owner station-3", command("token", "list"))
+        self.assertEqual(json.loads(command("backup", "--to", self.folder / "copy"))["damaged"], [])
+        self.assertIn("owner station-3", command("token", "list", "--data", self.folder / "copy"))
+        self.assertEqual(command("token", "list", "--data", self.folder / "empty"), "")
 
-    def test_a_worker_takes_its_options_from_the_environment_too(self):
-        def worker(*words, **environment):
-            done = subprocess.run([BIN / "vacuform-worker", *words], capture_output=True, text=True, env=os.environ | environment)
-            self.assertEqual(done.returncode, 2, done.stderr)
-            return done.stderr
-        self.assertIn("--server", worker())
-        self.assertIn("--poll-seconds", worker(VACUFORM_WORKER_SERVER="http://127.0.0.1:1", VACUFORM_WORKER_POLL_SECONDS="0"))
-        self.assertIn("none.token", worker("--poll-seconds", "1", VACUFORM_WORKER_SERVER="http://127.0.0.1:1",
-                                           VACUFORM_WORKER_POLL_SECONDS="2", VACUFORM_WORKER_TOKEN_FILE="none.token"))
+
+class WorkerConfiguration(Configuration, Case):
+    program, number, largest, text, made = "worker", "keep_days", 3650, "name", "work"
+    first_names = "server, token_file, name, work, poll_seconds, keep, keep_days"
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        token = cls.folder / "worker.token"
+        token.write_text("vft_0123456789abcdef_" + "0" * 64 + "\n")
+        cls.needed = {"server": "http://127.0.0.1:1", "token_file": str(token)}
+
+    def test_defaults(self):
+        settings = self.settings(file={})
+        self.assertEqual((settings["poll_seconds"], settings["keep"], settings["keep_days"], settings["no_keep"], settings["no_sandbox"]),
+                         (1.0, "", 7, False, False))
+
+    def test_yes_and_no(self):
+        self.assertIs(self.settings(file={"no_keep": True})["no_keep"], True)
+        self.assertIs(self.settings("--no-keep")["no_keep"], True)
+        self.assertIs(self.settings(file={"no_keep": True}, VACUFORM_WORKER_NO_KEEP="0")["no_keep"], False)
+        self.assertIs(self.settings("--no-keep=false", VACUFORM_WORKER_NO_KEEP="1")["no_keep"], False)
+        self.assertRegex(self.refused(file={"no_keep": "perhaps"}), r"perhaps.*worker\.json")
+
+    def test_parts_of_a_second(self):
+        self.assertEqual(self.settings(file={"poll_seconds": 0.25})["poll_seconds"], 0.25)
+        self.assertIn("--poll-seconds", self.refused(file={"poll_seconds": 0.01}))
+
+    def test_what_cannot_be_begun(self):
+        self.assertIn("there is no server", self.refused(file="{}"))
+        self.assertIn("ftp://", self.refused("--server", "ftp://127.0.0.1"))
+        self.assertIn("none.token", self.refused(VACUFORM_WORKER_TOKEN_FILE="none.token"))
+        self.assertIn("there is no token", self.refused(file='{"server": "http://127.0.0.1:1"}'))
+
+    def test_the_token_is_not_printed(self):
+        self.assertNotIn("vft_", self.ask().stdout)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,68 @@
+#include "worker/configuration.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+
+#include "api/http.hpp"
+#include "api/token.hpp"
+
+namespace vacuform {
+
+namespace {
+
+std::string default_name() {
+  char host[256] = "";
+  ::gethostname(host, sizeof host - 1);
+  return std::string(host) + "-" + std::to_string(::getpid());
+}
+
+}  // namespace
+
+void WorkerConfiguration::add_to(ConfigurationSources& sources) {
+  name = default_name();
+  work = std::filesystem::temp_directory_path() / ("vacuform-worker-" + std::to_string(::geteuid()));
+  sources.add("server", &server, "Address of the server, http://... or https://...")->type_name("URL");
+  sources
+      .add("token_file", &token_file,
+           "File that holds a token of the scope work (default: VACUFORM_TOKEN, or the file that "
+           "VACUFORM_TOKEN_FILE names)")
+      ->type_name("FILE");
+  sources.add("name", &name, "Name of this worker in the server's log");
+  sources.add("work", &work, "Folder for the jobs' private folders")->type_name("DIR");
+  sources.add("poll_seconds", &poll_seconds, "Pause between two questions for a job")
+      ->check(CLI::Range(0.05, 3600.0));
+  sources
+      .add("keep", &keep,
+           "Folder for what scan and forming made, so that another job of the same scan skips them; it holds "
+           "heads (default: kept in the folder of --work)")
+      ->type_name("DIR");
+  sources.add("keep_days", &keep_days, "Days after the last use for which a scan's stages are kept")
+      ->check(CLI::Range(1, 3650));
+  sources.add("no_keep", &no_keep, "Keep nothing of a job");
+  sources.add("no_sandbox", &no_sandbox,
+              "Run jobs with the rights of this user, for finding faults; never for files of others");
+}
+
+Result<LeaseLoop> WorkerConfiguration::loop() const {
+  if (server.empty())
+    return fail(Code::bad_usage, "there is no server", "--server", "give for example http://127.0.0.1:8080");
+  LeaseLoop loop;
+  loop.server = server;
+  loop.name = name;
+  loop.work = std::filesystem::absolute(work);
+  loop.poll = std::chrono::milliseconds(static_cast<int>(poll_seconds * 1000));
+  loop.program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vacuform";
+  if (::access(loop.program.c_str(), X_OK) != 0)
+    return fail(Code::unreadable, "the program vacuform is not beside this one", loop.program.string(),
+                "install both in one folder");
+  VACUFORM_TRY(token, find_token(token_file.string()));
+  if (token.empty())
+    return fail(Code::bad_usage, "there is no token", "--token-file",
+                "give a file that holds a token of the scope work, or set VACUFORM_TOKEN_FILE");
+  loop.token = token;
+  VACUFORM_CHECK(Http::to(server, token));
+  return loop;
+}
+
+}  // namespace vacuform
