@@ -33,6 +33,9 @@ class PngNames : public NameFilter::Format {
     for (const char c : in) step(c, out);
   }
   void end(std::string& out) override { out += head_; }
+  void fields(FilterState& state) override {
+    state(head_, signature_, data_, checksum_, crc_, blank_, end_, after_end_);
+  }
 
  private:
   static constexpr std::string_view empty_chunk = "vfNo";  // ancillary, private, safe to copy
@@ -58,13 +61,22 @@ class PngNames : public NameFilter::Format {
     }
   }
 
+  // Ancillary chunks, whose types begin with a small letter, but for those about size and colour. What is no type at all stays
+  // for the reader to refuse.
+  static bool telling(std::string_view type) {
+    constexpr std::array<std::string_view, 9> kept{"tRNS", "cHRM", "gAMA", "sBIT", "sRGB",
+                                                   "bKGD", "hIST", "pHYs", "cICP"};
+    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+    return type[0] >= 'a' && type[0] <= 'z' && std::all_of(type.begin(), type.end(), letter) &&
+           std::find(kept.begin(), kept.end(), type) == kept.end();
+  }
+
   void begin_chunk(std::string& out) {
-    constexpr std::array<std::string_view, 5> naming{"tEXt", "zTXt", "iTXt", "eXIf", empty_chunk};
     const std::string type = head_.substr(4);
     data_ = big_endian(head_.substr(0, 4));
     checksum_ = 4;
     end_ = type == "IEND";
-    blank_ = std::find(naming.begin(), naming.end(), type) != naming.end();
+    blank_ = telling(type);
     out += head_.substr(0, 4);
     out += blank_ ? empty_chunk : type;
     crc_ = 0xFFFFFFFFu;
@@ -118,6 +130,7 @@ class JpegNames : public NameFilter::Format {
   void end(std::string& out) override {
     if (segment_ > 0) finish_segment(out, held_.size());
   }
+  void fields(FilterState& state) override { state(place_, marker_, segment_, held_); }
 
  private:
   enum class Place { picture, marker, length_high, length_low, segment, after_end };
@@ -161,17 +174,23 @@ class JpegNames : public NameFilter::Format {
 
   void finish_segment(std::string& out, std::size_t size) {
     const bool application = marker_ >= 0xE0 && marker_ <= 0xEF, comment = marker_ == 0xFE;
-    const bool kept = marker_ == 0xE0 || marker_ == 0xEE;  // JFIF, Adobe
-    if (marker_ == 0xE1)
+    // Of JFIF all but the small picture behind its 14 bytes, of Adobe what says how the colours are coded.
+    const std::size_t kept = !application && !comment                                              ? size
+                             : marker_ == 0xE0 && held_.starts_with(std::string_view("JFIF\0", 5)) ? jfif_size
+                             : marker_ == 0xEE && held_.starts_with("Adobe") ? adobe_size
+                                                                             : 0;
+    if (marker_ == 0xE1) {
       out += exif_of(exif_orientation(held_), size);
-    else if (comment || (application && !kept))
-      out.append(size, '\0');
-    else
+    } else {
+      held_.resize(std::min(size, kept));
+      held_.resize(size, '\0');
       out += held_;
+    }
     held_.clear();
     segment_ = 0;
   }
 
+  static constexpr std::size_t jfif_size = 14, adobe_size = 12;
   Place place_ = Place::picture;
   unsigned char marker_ = 0;
   std::size_t segment_ = 0;

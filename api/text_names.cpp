@@ -36,6 +36,9 @@ class TextNames : public NameFilter::Format {
     }
   }
   void end(std::string& out) override { decide(out); }
+  void fields(FilterState& state) override {
+    state(held_, line_.word, line_.rest, decided_, in_facets_, passing_, last_);
+  }
 
  private:
   void step(char c, std::string& out) {
@@ -47,16 +50,17 @@ class TextNames : public NameFilter::Format {
       last_ = c == '\r' ? last_ : '\0';
       return;
     }
+    const bool comment = comment_sign(c);
     if (!decided_) {
       const bool blank = c == ' ' || c == '\t';
       if (blank && held_.empty()) return put(c, true, out);
-      if (!blank && !comment_sign(c) && held_.size() < longest_word) {
+      if (!blank && !comment && held_.size() < longest_word) {
         held_ += c;
         return;
       }
       decide(out);
     }
-    if (comment_sign(c)) line_.rest = false;
+    if (comment) line_.rest = false;
     if (line_.rest && c != ' ' && c != '\t') last_ = c;
     put(c, line_.rest, out);
   }
@@ -87,12 +91,18 @@ class TextNames : public NameFilter::Format {
         passing_ = word == "end_header";
         return {true, word != "comment" && word != "obj_info"};
       case TextKind::off:
+      case TextKind::csv:
         break;
     }
     return {};
   }
 
-  bool comment_sign(char c) const { return c == '#' && (kind_ == TextKind::obj || kind_ == TextKind::off); }
+  // Of a table only at the beginning of a line: elsewhere it is a cell that its reader refuses.
+  bool comment_sign(char c) const {
+    const bool begins = !decided_ && (held_.empty() || held_ == "\xef\xbb\xbf");
+    return c == '#' &&
+           (kind_ == TextKind::obj || kind_ == TextKind::off || (kind_ == TextKind::csv && begins));
+  }
   static void put(char c, bool kept, std::string& out) { out += kept || c == '\t' ? c : ' '; }
 
   static constexpr std::size_t longest_word = 12;  // longer ones are no keyword

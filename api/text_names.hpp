@@ -1,5 +1,5 @@
-// Names in scans that are text, line by line: what follows a comment sign, a "solid", an "o" or a "comment" becomes
-// blanks. Lines keep their ends and their number.
+// Names in scans and tables that are text, line by line: what follows a comment sign, a "solid", an "o" or a "comment"
+// becomes blanks, and so do whole lines of a table that begin with a comment sign. Lines keep their ends and their number.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace vacuform {
 
-enum class TextKind { stl, obj, ply, off };
+enum class TextKind { stl, obj, ply, off, csv };
 std::unique_ptr<NameFilter::Format> text_names(TextKind kind);
 
 }  // namespace vacuform

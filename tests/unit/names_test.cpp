@@ -8,6 +8,20 @@ namespace {
 
 const std::string name = "JaneDoe1984";
 
+// A new filter goes on with each piece, from what the one before it remembered.
+std::string with_breaks(const std::string& bytes, const std::string& extension, std::size_t step) {
+  std::string out, state = NameFilter(extension).state();
+  for (std::size_t at = 0; at < bytes.size(); at += step) {
+    NameFilter filter(extension);
+    EXPECT_TRUE(filter.go_on(state));
+    out += filter.pass(std::string_view(bytes).substr(at, step));
+    state = filter.state();
+  }
+  NameFilter filter(extension);
+  EXPECT_TRUE(filter.go_on(state));
+  return out + filter.finish();
+}
+
 // The filter's output for every way in which the bytes may arrive must be the same; a second time changes nothing.
 std::string blanked(const std::string& bytes, const std::string& extension) {
   const auto in_steps = [&](const std::string& all, std::size_t step) {
@@ -19,6 +33,7 @@ std::string blanked(const std::string& bytes, const std::string& extension) {
   };
   const std::string out = in_steps(bytes, bytes.size() + 1);
   for (const std::size_t step : {1, 7, 84, 85}) EXPECT_EQ(in_steps(bytes, step), out) << step;
+  for (const std::size_t step : {1, 13, 84}) EXPECT_EQ(with_breaks(bytes, extension, step), out) << step;
   EXPECT_EQ(in_steps(out, 64), out);
   EXPECT_EQ(out.size(), bytes.size());
   EXPECT_EQ(out.find(name), std::string::npos);
@@ -34,7 +49,10 @@ std::string blanks(std::size_t n) { return std::string(n, ' '); }
 TEST(Names, OfBinaryStl) {
   const std::string body = std::string("\x01\0\0\0", 4) + std::string(50, '\x07');
   for (const std::string& head : {padded(name, 80), padded("solid " + name, 80)})
-    for (const char* extension : {"stl", ""}) EXPECT_EQ(blanked(head + body, extension), blanks(80) + body);
+    for (const char* extension : {"stl", ""}) {
+      EXPECT_EQ(blanked(head + body, extension), blanks(80) + body);
+      EXPECT_EQ(blanked(head + body + name, extension), blanks(80) + body + std::string(name.size(), '\0'));
+    }
 }
 
 TEST(Names, OfTextStl) {
@@ -89,7 +107,7 @@ TEST(Names, OfPng) {
   const std::string picture =
       chunk("IHDR", std::string(13, '\x01'), 1) + chunk("IDAT", "tEXt" + std::string(60, 'x'), 2);
   const std::string text = "Author" + std::string(1, '\0') + name;
-  for (const char* type : {"tEXt", "zTXt", "iTXt", "eXIf"}) {
+  for (const char* type : {"tEXt", "zTXt", "iTXt", "eXIf", "tIME", "iCCP", "sPLT", "caNv"}) {
     // CRC-32 of "vfNo" and 18 zeros, from zlib.
     const std::string empty = chunk("vfNo", std::string(text.size(), '\0'), 0xA0F99A49);
     EXPECT_EQ(blanked(signature + chunk(type, text, 3) + picture + end + name, "png"),
@@ -120,15 +138,98 @@ TEST(Names, OfJpeg) {
                                     segment('\xED', std::string(name.size(), '\0')) +
                                     segment('\xFE', std::string(name.size(), '\0')) + scan +
                                     std::string(name.size(), '\0'));
+  // A small picture of the picture goes, its density stays.
+  const std::string thumbnail = std::string("JFIF\0\1\1\1\1\x2c\1\x2c\1\1", 14) + name;
+  EXPECT_EQ(blanked(start + segment('\xE0', thumbnail) + segment('\xE0', std::string("JFXX\0", 5) + name) +
+                        segment('\xEE', std::string("Adobe\0d\0\0\0\0\1", 12) + name) + scan,
+                    "jpg"),
+            start + segment('\xE0', thumbnail.substr(0, 14) + std::string(name.size(), '\0')) +
+                segment('\xE0', std::string(5 + name.size(), '\0')) +
+                segment('\xEE', std::string("Adobe\0d\0\0\0\0\1", 12) + std::string(name.size(), '\0')) +
+                scan);
   // A photograph stays upright.
   const std::string turned = blanked(start + jfif + segment('\xE1', exif(6)) + scan, "jpg");
   EXPECT_NE(turned.find(std::string("\x01\x12\0\x03\0\0\0\x01\0\x06", 10)), std::string::npos);
 }
 
+std::string little_endian(std::size_t number) {
+  std::string bytes;
+  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(number >> shift & 0xFF);
+  return bytes;
+}
+std::string glb(const std::string& json, const std::string& binary) {
+  const std::string chunks = little_endian(json.size()) + "JSON" + json +
+                             std::string((4 - json.size() % 4) % 4, ' ') + little_endian(binary.size()) +
+                             std::string("BIN\0", 4) + binary;
+  return "glTF" + little_endian(2) + little_endian(12 + chunks.size()) + chunks;
+}
+
+TEST(Names, OfGlb) {
+  const auto json = [](const std::string& text, const std::string& nought) {
+    return R"({"asset":{"version":"2.0","generator":")" + text + R"(","copyright":")" + text +
+           R"(","extras":)" + nought + R"(},"extensionsUsed":["KHR_lights_punctual"],"nodes":[{"name":")" +
+           text + R"(","mesh":0,"extras":)" + nought +
+           R"(}],"accessors":[{"bufferView":0,"type":"VEC3","name":")" + text +
+           R"("}],"bufferViews":[{"byteLength":4,"buffer":0},{"byteOffset":4,"byteLength":)" +
+           std::to_string(name.size()) + R"(}],"images":[{"bufferView":1,"name":")" + text +
+           R"("},{"bufferView":0}]})";
+  };
+  const std::string escaped = R"(a\"b \\)" + name, quoted = R"({"who \" }":[1,{")" + name + R"(":true}]})";
+  EXPECT_EQ(blanked(glb(json(escaped, quoted), "vert" + name + "rest") + name, "glb"),
+            glb(json(blanks(escaped.size()), "0" + blanks(quoted.size() - 1)),
+                "vert" + std::string(name.size(), '\0') + "rest") +
+                std::string(name.size(), '\0'));
+  for (const std::string& value :
+       std::vector<std::string>{"-12", "true", "\"" + name + "\"", "[\"" + name + "\",[]]", "null"})
+    EXPECT_EQ(blanked(glb("{\"extras\":" + value + " ,\"scene\":7}", ""), ""),
+              glb("{\"extras\":0" + blanks(value.size()) + ",\"scene\":7}", ""));
+}
+
+TEST(Names, OfSvg) {
+  const std::string gone = blanks(name.size());
+  const auto drawing = [](const std::string& text, const std::string& comment) {
+    return "\xef\xbb\xbf<?xml version='1.0'?>\n<?who " + text + "?><!--" + comment +
+           "-->\n<!DOCTYPE svg [<!ENTITY ns 'http://ns'>]>\n"
+           "<svg xmlns='http://www.w3.org/2000/svg' xmlns:s='http://s' s:docname='" +
+           text + "' width='9mm' data-owner='" + text + "'>\n<title>" + text + "</title><desc>" + text +
+           "</desc><metadata><r about='" + text + "'>" + text + "</r></metadata>\n<style>g{fill:red/*" +
+           text + "*/}</style>\n<s:view name='a'>" + text + "</s:view><g id='Coil 1' class='c' s:label=\"" +
+           text + "\"><path d='M0 0L1 1'/>" + text + "<text>Coil <title>" + text +
+           "</title>1</text></g>\n<use href='#a'/><image href='" + text + "'/></svg>\n";
+  };
+  // The name of an element of another namespace hides its attributes too.
+  std::string expected = drawing(gone, gone);
+  expected.replace(expected.find("name='a'"), 8, "name=' '");
+  EXPECT_EQ(blanked(drawing(name, name), "svg"), expected);
+  EXPECT_EQ(blanked("<svg><!----" + name + "- --></svg>", ""), "<svg><!--  " + gone + "  --></svg>");
+  const std::string other =
+      "<d:svg xmlns:d='x' xmlns:e='http://www.w3.org/2000/svg'><d:g id='a'/><e:text>b</e:text></d:svg>";
+  EXPECT_EQ(blanked(other, "svg"), other);
+}
+
+// By "base64" of coreutils.
+TEST(Names, OfPicturesInSvg) {
+  const std::string begin = "<svg><image href='data:image/jpeg;base64,", end = "'/></svg>";
+  // FF D8 FF FE 00 0D "JaneDoe1984" FF DA 00 02 78 FF D9
+  EXPECT_EQ(blanked(begin + "/9j//gANSmFuZURvZTE5ODT/2gACeP/Z" + end, "svg"),
+            begin + "/9j//gANAAAAAAAAAAAAAAD/2gACeP/Z" + end);
+  EXPECT_EQ(blanked(begin + "/9j//gANSmFu&#10;ZURvZTE5ODT/\n2gACeHj/2Q==" + end, "svg").size(),
+            (begin + "/9j//gANSmFu&#10;ZURvZTE5ODT/\n2gACeHj/2Q==" + end).size());
+  for (const char* odd : {"", "A", "/9j/4Q", "/9j/4QA=", "=", "/9j=Jane"}) blanked(begin + odd + end, "svg");
+}
+
+TEST(Names, OfTables) {
+  EXPECT_EQ(
+      blanked("# " + name + "\n120,121 # no remark\n \t#" + name + "\r\n122,123\n", "csv"),
+      blanks(2 + name.size()) + "\n120,121 # no remark\n \t" + blanks(1 + name.size()) + "\r\n122,123\n");
+  EXPECT_EQ(blanked("\xef\xbb\xbf# " + name + "\n1\n", "txt"),
+            "\xef\xbb\xbf  " + blanks(name.size()) + "\n1\n");
+}
+
 TEST(Names, OfNothingThatItDoesNotKnow) {
   for (const std::string& bytes :
        {std::string(), std::string("This is a letter.\n"), std::string("PK\x03\x04") + std::string(200, '\0'),
-        std::string("glTF") + std::string(200, '\x01'), std::string("<svg><!-- # --></svg>")})
+        std::string("glTF") + std::string(200, '\x01'), std::string("<svg><g id='coil'>\n</g></svg>")})
     for (const char* extension : {"stl", "obj", "glb", "svg", ""})
       EXPECT_EQ(blanked(bytes, extension), bytes) << extension;
 }
@@ -138,10 +239,12 @@ TEST(Names, OfNoiseKeepTheirLength) {
   std::uint32_t state = 1;
   for (const std::string& begin :
        {std::string("\x89PNG\r\n\x1a\n"), std::string("\xff\xd8\xff\xe1"), std::string("ply\n"),
-        std::string("solid "), std::string("v 1"), std::string("OFF\n")})
+        std::string("solid "), std::string("v 1"), std::string("OFF\n"), std::string("<svg "), glb("", ""),
+        std::string("<svg><image href='data:image/png;base64,iVBORw0KGgo")})
     for (int round = 0; round < 50; ++round) {
       std::string bytes = begin;
-      const std::string_view letters = "v f#\\\n\r\to1solid facet comment end_header";
+      const std::string_view letters =
+          "v f#\\\n\r\to1solid facet comment end_header<!--->?='\"/:[]{}&;extras";
       for (int i = 0; i < 400; ++i) {
         const unsigned random = (state = state * 1664525u + 1013904223u) >> 24;
         bytes += round % 2 == 0 ? static_cast<char>(random) : letters[random % letters.size()];
