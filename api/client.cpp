@@ -204,6 +204,7 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
   Lease lease;
   lease.job = text_of(object, "job");
   lease.token = text_of(object, "lease");
+  const auto job_kind = job_kind_from(text_of(object, "kind"));
   if (std::string id = text_of(object, "request"); is_request_id(id)) lease.request = std::move(id);
   lease.attempt = static_cast<int>(std::clamp(number_of(object, "attempt", 1), 1.0, 1e6));
   lease.seconds = std::chrono::seconds(
@@ -217,12 +218,14 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
     for (const InputKind& kind : input_kinds)
       if (const auto from = inputs->find(kind.name); from != inputs->end() && from->is_object())
         lease.inputs.push_back(input_from(kind, *from));
-  const bool whole = std::all_of(input_kinds.begin(), input_kinds.end(), [&](const InputKind& kind) {
-    return !kind.always || std::any_of(lease.inputs.begin(), lease.inputs.end(),
-                                       [&](const LeasedInput& input) { return input.name == kind.name; });
+  lease.kind = job_kind.value_or(JobKind::print);
+  const bool whole = std::all_of(input_kinds.begin(), input_kinds.end(), [&](const InputKind& input) {
+    return !needs(lease.kind, input) ||
+           std::any_of(lease.inputs.begin(), lease.inputs.end(),
+                       [&](const LeasedInput& leased) { return leased.name == input.name; });
   });
-  if (!plain(lease.job, 64) || !plain(lease.token, 256) || !whole)
-    return tl::make_unexpected(not_vacuform("a lease without its job, token or inputs"));
+  if (!job_kind || !plain(lease.job, 64) || !plain(lease.token, 256) || !whole)
+    return tl::make_unexpected(not_vacuform("a lease without its job, kind, token or inputs"));
   return lease;
 }
 

@@ -70,12 +70,13 @@ struct LeasedInput {
 };
 struct Lease {
   std::string job, token;
+  JobKind kind = JobKind::print;
   int attempt = 1;
   std::chrono::seconds seconds{30};    // from a sign of life to the end of the lease
   std::chrono::seconds heartbeat{10};  // the longest that the server wants between two
   std::string settings;                // JSON text
   std::string request;                 // the id of the request that made the job, for the log; may be empty
-  std::vector<LeasedInput> inputs;     // scan and pattern among them, in the order of input_kinds
+  std::vector<LeasedInput> inputs;     // in the order of input_kinds, with all that the kind of job needs
 };
 
 // What a worker does with leases. Every call but the first may give lease_lost: the job is someone else's now.

@@ -47,7 +47,7 @@ inline constexpr std::array<InputKind, 4> input_kinds{{
 }};
 // nullptr when no input has that name.
 const InputKind* input_kind(std::string_view name);
-// Whether no job of that kind can do without the input; an inspection has no other than these.
+// Whether no job of that kind can do without the input. Others wait, with an inspection, for a print made from it.
 constexpr bool needs(JobKind job, const InputKind& input) {
   return input.always && (job == JobKind::print || input.name == "scan");
 }

@@ -13,8 +13,9 @@ using nlohmann::ordered_json;
 namespace {
 
 // Where each stage begins in the progress of the whole, by the seconds that they take on a head at default
-// settings.
-constexpr std::array<double, stage_names.size() + 1> stage_begins{0, 0.1, 0.55, 0.65, 0.8, 1};
+// settings. An inspection has the first and the last of them.
+using StageBegins = std::array<double, stage_names.size() + 1>;
+constexpr StageBegins of_print{0, 0.1, 0.55, 0.65, 0.8, 1}, of_inspection{0, 0.7, 0.7, 0.7, 0.7, 1};
 
 ordered_json time_or_null(const std::optional<Millis>& time) {
   return time ? ordered_json(rfc3339(*time)) : ordered_json();
@@ -29,6 +30,7 @@ double whole_progress(const Job& job) {
   if (job.state == JobState::succeeded) return 1;
   if (!job.stage) return 0;
   const auto stage = static_cast<std::size_t>(*job.stage);
+  const StageBegins& stage_begins = job.kind == JobKind::print ? of_print : of_inspection;
   return stage_begins[stage] + job.stage_progress * (stage_begins[stage + 1] - stage_begins[stage]);
 }
 
@@ -65,6 +67,7 @@ ordered_json job_json(const Job& job) {
   ordered_json artifacts = ordered_json::array();
   for (const auto& artifact : job.artifacts) artifacts.push_back(artifact_json(job, artifact));
   return {{"id", job.id},
+          {"kind", name(job.kind)},
           {"state", name(job.state)},
           {"stage", job.stage ? ordered_json(name(*job.stage)) : ordered_json()},
           {"progress", rounded(whole_progress(job))},

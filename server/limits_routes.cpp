@@ -8,6 +8,7 @@
 #include "server/problem.hpp"
 #include "server/service.hpp"
 #include "server/submission.hpp"
+#include "server/submission_form.hpp"
 
 namespace vacuform {
 
@@ -55,6 +56,7 @@ void add_limits_routes(http::Router& router, Service& service) {
                                {"lease_seconds", s.lease_seconds},
                                {"wait_for_job_seconds", most_wait_seconds},
                                {"streams", http::ServerOptions{}.streams},
+                               {"streams_of_owner", http::ServerOptions{}.streams_of_one},
                                {"uploads", most_uploads},
                                {"uploads_bytes", most_upload_bytes},
                                {"upload_seconds", upload_lifetime / 1000},

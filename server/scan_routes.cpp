@@ -5,6 +5,7 @@
 #include "api/log.hpp"
 #include "api/names.hpp"
 #include "server/http/multipart.hpp"
+#include "server/json_artifact.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
 
@@ -16,12 +17,27 @@ using nlohmann::ordered_json;
 
 namespace {
 
-ordered_json scan_json(const StoredScan& scan) {
-  return {{"id", scan.id},
-          {"created", rfc3339(scan.created)},
-          {"bytes", scan.blob.bytes},
-          {"sha256", scan.blob.sha256},
-          {"extension", scan.extension}};
+ordered_json inspection_json(const Job& job) {
+  return {{"job", job.id},
+          {"state", name(job.state)},
+          {"problem", job.error ? problem_json(*job.error) : ordered_json()},
+          {"href", "/api/v1/jobs/" + job.id}};
+}
+
+// With what is known of its newest inspection.
+Result<ordered_json> scan_json(Service& service, const StoredScan& scan, bool with_findings = false) {
+  VACUFORM_TRY(newest, service.store.newest_inspection(scan));
+  ordered_json inspection;
+  if (newest) {
+    inspection = inspection_json(*newest);
+    if (with_findings) inspection["findings"] = json_artifact(service.store, *newest, "findings.json");
+  }
+  return ordered_json{{"id", scan.id},
+                      {"created", rfc3339(scan.created)},
+                      {"bytes", scan.blob.bytes},
+                      {"sha256", scan.blob.sha256},
+                      {"extension", scan.extension},
+                      {"inspection", std::move(inspection)}};
 }
 
 // The part scan, a file, or the part scan_upload, the id of a whole upload.
@@ -84,7 +100,8 @@ Result<Response> create_scan(Service& service, Request& request, const Caller& c
   VACUFORM_CHECK(http::read_multipart(request, form));
   VACUFORM_TRY(scan, scan_from(service, form, caller));
   log_event("scan-kept", {{"scan", scan.id}, {"token", caller.token}});
-  Response response = json_response(scan_json(scan), 201);
+  VACUFORM_TRY(shown, scan_json(service, scan));
+  Response response = json_response(shown, 201);
   response.set("Location", "/api/v1/scans/" + scan.id);
   return response;
 }
@@ -94,13 +111,17 @@ Result<Response> list_scans(Service& service, const Request& request, const Call
   VACUFORM_TRY(cursor, page_cursor(request));
   VACUFORM_TRY(page, service.store.list_scans(static_cast<int>(limit), cursor, caller.only()));
   ordered_json scans = ordered_json::array();
-  for (const StoredScan& scan : page.scans) scans.push_back(scan_json(scan));
+  for (const StoredScan& scan : page.scans) {
+    VACUFORM_TRY(shown, scan_json(service, scan));
+    scans.push_back(std::move(shown));
+  }
   return json_response({{"scans", scans}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
 }
 
 Result<Response> show_scan(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(scan, scan_for(service, request.at("id"), caller));
-  return json_response(scan_json(scan));
+  VACUFORM_TRY(shown, scan_json(service, scan, true));
+  return json_response(shown);
 }
 
 Result<Response> delete_scan(Service& service, const Request& request, const Caller& caller) {

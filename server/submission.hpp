@@ -1,6 +1,7 @@
 // A new job as it arrives in a form: a file for each kind of input (api/job.hpp) or the id of one that is there already
-// (scan_id of a scan; scan_upload, pattern_upload... of a whole upload), profile (the name of settings to begin with), settings
-// (JSON text), from (the id of a job, to share its files and begin with its settings), priority, and fields named group.key as the HTML form sends them.
+// (scan_id of a scan; scan_upload, pattern_upload... of a whole upload), kind (print where it is not said, or inspection),
+// profile (the name of settings to begin with), settings (JSON text), from (the id of a job, to share its files and begin
+// with its settings), priority, and fields named group.key as the HTML form sends them.
 #pragma once
 
 #include <map>
@@ -13,7 +14,6 @@
 namespace vacuform {
 
 inline constexpr std::uint64_t largest_artifact = 2ull << 30;
-inline constexpr std::uint64_t largest_settings = 64ull << 10;  // the JSON text and all fields together
 
 // Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; the JSON text goes
 // before the same setting of the profile, a field before both, an empty field keeps the default. An empty file is none, as a browser sends

@@ -20,16 +20,6 @@ namespace {
 
 constexpr std::uint64_t largest_message = 64 << 10;
 
-// The body as a JSON object; an empty body is an empty object.
-Result<json> read_object(Request& request) {
-  VACUFORM_TRY(text, http::read_text(request, largest_message));
-  if (text.empty()) return json::object();
-  json object = json::parse(text, nullptr, false);
-  if (!object.is_object())
-    return fail(Code::bad_usage, "the body is not a JSON object", "request body", "see /api/v1/openapi.yaml");
-  return object;
-}
-
 // A string of the object, cut to what a log or a page can show.
 std::string text_of(const json& object, const char* key) {
   const auto it = object.find(key);
@@ -50,7 +40,7 @@ LeaseKey key_of(const Request& request) {
 }
 
 Result<Response> take_lease(Service& service, Request& request) {
-  VACUFORM_TRY(body, read_object(request));
+  VACUFORM_TRY(body, read_object(request, largest_message));
   const std::string worker = text_of(body, "worker").substr(0, 64);
   service.workers.seen(worker, texts_of(body, "sandbox"), wall_clock());
   VACUFORM_TRY(lease, service.store.lease(worker));
@@ -60,15 +50,19 @@ Result<Response> take_lease(Service& service, Request& request) {
     return response;
   }
   const Job& job = lease->job;
+  ordered_json inputs = inputs_json(job);
+  for (const InputKind& kind : input_kinds)  // what waits for a print is not the inspection's business
+    if (job.kind == JobKind::inspection && !needs(job.kind, kind)) inputs.erase(std::string(kind.name));
   log_event("job-leased", {{"job", job.id}, {"attempt", job.attempt}});
   return json_response({{"job", job.id},
+                        {"kind", name(job.kind)},
                         {"lease", lease->token},
                         {"attempt", job.attempt},
                         {"lease_seconds", service.lease_seconds},
                         {"heartbeat_seconds", service.heartbeat_seconds},
                         {"request", job.request},
                         {"settings", ordered_json::parse(job.settings)},
-                        {"inputs", inputs_json(job)}});
+                        {"inputs", std::move(inputs)}});
 }
 
 Result<Response> get_input(Service& service, const Request& request) {
@@ -78,11 +72,12 @@ Result<Response> get_input(Service& service, const Request& request) {
   if (!input)
     return fail(Code::not_found, "there is no such input", which, "ask for those that the lease names");
   VACUFORM_TRY(file, service.store.open(input->blob));
-  return http::file_response(request, std::move(file), "application/octet-stream", input->blob.sha256);
+  return http::file_response(request, std::move(file), "application/octet-stream", input->blob.sha256,
+                             input->blob.sha256);
 }
 
 Result<Response> heartbeat(Service& service, Request& request) {
-  VACUFORM_TRY(body, read_object(request));
+  VACUFORM_TRY(body, read_object(request, largest_message));
   std::optional<Stage> stage;
   if (const std::string text = text_of(body, "stage"); !text.empty()) {
     stage = stage_from(text);
@@ -98,7 +93,7 @@ Result<Response> heartbeat(Service& service, Request& request) {
 }
 
 Result<Response> add_log(Service& service, Request& request) {
-  VACUFORM_TRY(body, read_object(request));
+  VACUFORM_TRY(body, read_object(request, largest_message));
   const auto first = body.find("first");
   if (first == body.end() || !first->is_number_unsigned() || first->get<std::uint64_t>() > most_log_lines)
     return fail(Code::bad_usage, "there is no number of the first line", "first", "number lines from 0");
@@ -137,7 +132,7 @@ Response ended_as(const char* event, const Job& job) {
 }
 
 Result<Response> fail_job(Service& service, Request& request) {
-  VACUFORM_TRY(body, read_object(request));
+  VACUFORM_TRY(body, read_object(request, largest_message));
   const auto code = code_from(text_of(body, "code"));
   if (!code)
     return fail(Code::bad_usage, "there is no such problem type: " + text_of(body, "code"), "code",

@@ -95,9 +95,15 @@ class LeasedJob {
   Result<void> work() {
     const fs::path out = folder_ / "out", settings = folder_ / "settings.json";
     const auto alive = [this] { return going(); };
-    std::vector<std::string> command{
-        loop_.program.string(),  "run",        "--settings", settings.filename().string(), "--out",
-        out.filename().string(), "--progress", "json"};
+    const bool inspection = lease_.kind == JobKind::inspection;
+    std::vector<std::string> command{loop_.program.string(),
+                                     inspection ? "inspect" : "run",
+                                     "--settings",
+                                     settings.filename().string(),
+                                     "--out",
+                                     out.filename().string(),
+                                     "--progress",
+                                     "json"};
     for (const LeasedInput& input : lease_.inputs) {
       const std::string file = input.name + (input.extension.empty() ? "" : "." + input.extension);
       VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, input, folder_ / file, alive); }));

@@ -5,6 +5,7 @@
 
 #include "api/sha256.hpp"
 #include "api/version.hpp"
+#include "worker/artifact_files.hpp"
 #include "worker/coils/cut_lines.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
@@ -13,30 +14,12 @@
 #include "worker/pattern/drawing.hpp"
 #include "worker/pattern/ink_parts.hpp"
 #include "worker/portion.hpp"
-#include "worker/scan/plug.hpp"
+#include "worker/scan_inspection.hpp"
 #include "worker/studies/sensitivity.hpp"
 
 namespace vacuform {
 
 namespace {
-
-// Written beside its place and renamed: no half file ever has an artifact's name.
-Result<void> write_whole(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
-  const std::filesystem::path part = path.string() + ".part";
-  const auto refuse = [&](const char* what) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    return fail(Code::unreadable, what, path.string(), "check the folder's permissions and the free space");
-  };
-  std::ofstream out(part, std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out) return refuse("the file cannot be written");
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) return refuse("the file cannot be put in its place");
-  return {};
-}
 
 // What only shows when inputs and settings are seen together.
 Result<void> check_together(const Inputs& inputs) {
@@ -64,18 +47,6 @@ Result<std::optional<Pattern>> weights_of(const Inputs& inputs, const Pattern& p
   return std::optional(std::move(picture));
 }
 
-Result<Mold> mold_of(const Inputs& inputs, const nlohmann::ordered_json& made_from, const Context& context) {
-  if (auto kept = inputs.kept.mold(made_from)) {
-    VACUFORM_CHECK(context.step(Stage::scan, 1));
-    return *std::move(kept);
-  }
-  const Settings& s = inputs.settings;
-  VACUFORM_TRY(cut, make_mold(inputs.scan, inputs.scan_name, s.scan, context));
-  VACUFORM_TRY(mold, on_plug(std::move(cut), s.machine.plug_height_mm));
-  inputs.kept.keep(made_from, mold);
-  return mold;
-}
-
 Result<FormedSheet> sheet_of(const Inputs& inputs, const nlohmann::ordered_json& made_from, const Mold& mold,
                              const TemperatureField& temperature, const Context& context) {
   if (auto kept = inputs.kept.sheet(made_from)) {
@@ -98,17 +69,13 @@ struct Formed {
 Result<Formed> form_head(const Inputs& inputs, const Context& context) {
   const Settings& s = inputs.settings;
   const nlohmann::ordered_json all = to_json(s);
-  nlohmann::ordered_json of_mold = {{"scan", sha256_hex(inputs.scan)},
-                                    {"type", std::filesystem::path(inputs.scan_name).extension().string()},
-                                    {"settings", all["scan"]},
-                                    {"plug_height_mm", s.machine.plug_height_mm}};
-  VACUFORM_TRY(mold, mold_of(inputs, of_mold, context));
+  VACUFORM_TRY(mold, mold_of(inputs, context));
   VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
   VACUFORM_TRY(warmth, sheet_temperature(s.sheet, s.machine, s.heat, inputs.temperature, context));
   const double share = inputs.sensitivity ? 0.15 : 1;  // of the forming stage's work
   const Portion nominal(context, Stage::forming, 0, share), changed(context, Stage::forming, share, 1);
   const nlohmann::ordered_json of_sheet = {
-      {"mold", std::move(of_mold)},
+      {"mold", mold_made_from(inputs)},
       {"settings", {all["sheet"], all["machine"], all["heat"], all["forming"]}},
       {"temperature", inputs.temperature ? sha256_hex(inputs.temperature->bytes) : std::string()}};
   VACUFORM_TRY(sheet, sheet_of(inputs, of_sheet, mold, warmth.field, nominal.context()));
@@ -142,21 +109,6 @@ Identity identity_of(const Inputs& inputs) {
   for (const char* more : {"temperature", "weights"})
     if (whole.contains(more)) of_files[more] = whole[more];
   return {digest.hex().substr(0, 12), std::move(of_files)};
-}
-
-Result<void> write_files(const std::filesystem::path& out, const std::vector<Artifact>& files,
-                         const nlohmann::ordered_json& whole) {
-  std::error_code error;
-  std::filesystem::create_directories(out, error);
-  if (error)
-    return fail(Code::unreadable, "the folder cannot be made", out.string(),
-                "check its name and permissions");
-  const auto bytes_of = [](const std::string& words) {
-    return std::span(reinterpret_cast<const std::uint8_t*>(words.data()), words.size());
-  };
-  for (const Artifact& file : files) VACUFORM_CHECK(write_whole(out / file.name, file.bytes));
-  VACUFORM_CHECK(write_whole(out / "report.html", bytes_of(report_html(whole, files))));
-  return write_whole(out / "report.json", bytes_of(whole.dump(2) + "\n"));
 }
 
 }  // namespace
@@ -208,7 +160,12 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
     whole["sensitivity"] = sensitivity_json(
         sheet, formed.variants,
         printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv));
-  return write_files(out, files, whole);
+  const auto add = [&](const char* name, const std::string& text) {
+    files.push_back({name, {text.begin(), text.end()}});
+  };
+  add("report.html", report_html(whole, files));
+  add("report.json", whole.dump(2) + "\n");
+  return write_artifacts(out, files);
 }
 
 Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit) {

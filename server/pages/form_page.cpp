@@ -39,8 +39,10 @@ std::string plain(const ordered_json& value) {
   return text;
 }
 
-std::string choices(const std::vector<std::string>& values, const std::string& chosen) {
-  std::string html;
+// With nothing chosen the field says nothing, and a profile's value or the default holds.
+std::string choices(const std::vector<std::string>& values, const std::string& chosen,
+                    const std::string& nothing) {
+  std::string html = "<option value=\"\">" + escaped(nothing) + "</option>";
   for (const auto& value : values)
     html += "<option" + std::string(value == chosen ? " selected" : "") + ">" + escaped(value) + "</option>";
   return html;
@@ -63,11 +65,11 @@ std::string field_html(const std::string& name, const std::string& key, const or
   std::string control;
   if (schema.contains("enum")) {
     control = "<select" + common + ">" +
-              choices(schema["enum"].get<std::vector<std::string>>(), value.empty() ? fallback : value) +
+              choices(schema["enum"].get<std::vector<std::string>>(), value, "(" + fallback + ")") +
               "</select>";
   } else if (schema.value("type", "") == "boolean") {
     control =
-        "<select" + common + ">" + choices({"true", "false"}, value.empty() ? fallback : value) + "</select>";
+        "<select" + common + ">" + choices({"true", "false"}, value, "(" + fallback + ")") + "</select>";
   } else {
     const bool text = schema.value("type", "") == "array" || schema.value("type", "") == "object";
     control =
@@ -121,12 +123,8 @@ std::string settings_html(const std::map<std::string, std::string>& fields) {
   const auto add = [&](const std::string& group) {
     const ordered_json& description = groups.at(group);
     const ordered_json& properties = description.at("properties");
-    // A browser sends every choice, also those that nobody changed.
     const bool touched = std::any_of(fields.begin(), fields.end(), [&](const auto& field) {
-      const auto& [name, value] = field;
-      if (!name.starts_with(group + ".") || value.empty()) return false;
-      const auto setting = properties.find(name.substr(group.size() + 1));
-      return setting == properties.end() || value != plain(setting->at("default"));
+      return field.first.starts_with(group + ".") && !field.second.empty();
     });
     const bool open = group == "pattern" || touched;
     html += std::string("<details") + (open ? " open" : "") + ">\n<summary>" +
@@ -153,7 +151,8 @@ std::string recent_html(const std::vector<Job>& recent) {
     const std::string time = rfc3339(job.created),
                       shown = time.substr(0, 10) + " " + time.substr(11, 5) + " UTC";
     html += "<tr><td><time datetime=\"" + time + "\">" + shown + "</time></td><td><a href=\"/jobs/" +
-            escaped(job.id) + "\"><code>" + escaped(job.id) + "</code></a></td><td><span class=\"state " +
+            escaped(job.id) + "\"><code>" + escaped(job.id) + "</code></a>" +
+            (job.kind == JobKind::inspection ? ", inspection" : "") + "</td><td><span class=\"state " +
             std::string(name(job.state)) + "\">" + std::string(name(job.state)) + "</span>";
     if (job.state == JobState::running)
       html += " " + std::to_string(static_cast<int>(100 * whole_progress(job))) + " %";
@@ -162,10 +161,25 @@ std::string recent_html(const std::vector<Job>& recent) {
   return html + "</tbody>\n</table></div>\n";
 }
 
+std::string profiles_html(const std::vector<Profile>& profiles,
+                          const std::map<std::string, std::string>& fields) {
+  if (profiles.empty()) return "";
+  std::vector<std::string> names;
+  for (const Profile& profile : profiles) names.push_back(profile.name);
+  const auto chosen = fields.find("profile");
+  return "<div class=\"field\"><label for=\"f-profile\">Profile</label><select id=\"f-profile\" "
+         "name=\"profile\" "
+         "aria-describedby=\"f-profile-hint\">" +
+         choices(names, chosen == fields.end() ? "" : chosen->second, "(none)") +
+         "</select><p class=\"hint\" id=\"f-profile-hint\">A machine or a sheet, whose settings stand in for "
+         "the "
+         "defaults below</p></div>\n";
+}
+
 }  // namespace
 
-Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error,
-               const std::map<std::string, std::string>& fields) {
+Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profiles,
+               const std::optional<Error>& error, const std::map<std::string, std::string>& fields) {
   Page page;
   page.title = error ? "The job was not accepted" : "New job";
   page.signed_in = true;
@@ -179,9 +193,14 @@ Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error
       "<legend>Files</legend>\n" +
       files_html() +
       "</fieldset>\n<h2>Settings</h2>\n<p>All have a default: an empty field keeps the value that it shows "
-      "in grey.</p>\n" +
-      settings_html(fields) +
-      "<p><button type=\"submit\">Start the job</button></p>\n</form>\n<h2>Recent jobs</h2>\n" +
+      "in grey "
+      "or in brackets, unless a profile has another.</p>\n" +
+      profiles_html(profiles, fields) + settings_html(fields) +
+      "<p><button type=\"submit\">Start the job</button></p>\n"
+      "<p><button type=\"submit\" name=\"kind\" value=\"inspection\" formnovalidate>Inspect the scan "
+      "only</button> "
+      "<span class=\"hint\">In seconds: what is in it, and what mold it makes</span></p>\n"
+      "</form>\n<h2>Recent jobs</h2>\n" +
       recent_html(recent);
   return page;
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "server/job_json.hpp"
+#include "server/pages/findings_html.hpp"
 #include "server/pages/pages.hpp"
 
 namespace vacuform {
@@ -11,25 +12,6 @@ namespace vacuform {
 using nlohmann::json;
 
 namespace {
-
-// A value deep in the report, or null.
-const json& at(const json& object, std::initializer_list<const char*> keys) {
-  static const json nothing;
-  const json* here = &object;
-  for (const char* key : keys) {
-    const auto it = here->is_object() ? here->find(key) : here->end();
-    if (!here->is_object() || it == here->end()) return nothing;
-    here = &*it;
-  }
-  return *here;
-}
-
-std::string number(const json& value, int places = 3) {
-  if (!value.is_number()) return "-";
-  char text[400];
-  std::snprintf(text, sizeof text, "%.*f", places, value.get<double>());
-  return text;
-}
 
 std::string progress_html(const Job& job) {
   const int percent = static_cast<int>(100 * whole_progress(job));
@@ -172,20 +154,22 @@ std::string log_html(const std::vector<LogLine>& log) {
 
 }  // namespace
 
-Page job_page(const Job& job, const json& report, const std::vector<LogLine>& log) {
+Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log) {
   Page page;
   const std::string state(name(job.state));
-  page.title = "Job " + state;
+  const std::string what = job.kind == JobKind::print ? "Job" : "Inspection";
+  page.title = what + " " + state;
   page.signed_in = true;
-  page.main = "<h1>Job <span class=\"state " + state + "\">" + state + "</span></h1>\n";
+  page.main = "<h1>" + what + " <span class=\"state " + state + "\">" + state + "</span></h1>\n";
   if (!ended(job.state)) {
     page.refresh_seconds = 2;
     page.follows = true;
     page.main += progress_html(job);
   }
   if (job.error) page.main += problem_box(*job.error);
-  page.main += warnings_html(report) + previews_html(job) + figures_html(report) + downloads_html(job) +
-               facts_html(job) + log_html(log);
+  if (job.kind == JobKind::inspection) page.main += findings_html(made);
+  page.main += warnings_html(made) + previews_html(job) + figures_html(made) + print_form_html(job) +
+               downloads_html(job) + facts_html(job) + log_html(log);
   page.main += "<div class=\"actions\">\n";
   if (job.state == JobState::queued || job.state == JobState::running)
     page.main += button_html(job, "cancel", "Cancel this job");

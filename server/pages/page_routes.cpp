@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/log.hpp"
+#include "server/json_artifact.hpp"
 #include "server/pages/pages.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
@@ -13,7 +14,6 @@ using http::Response;
 
 namespace {
 
-constexpr std::uint64_t largest_report = 4 << 20;
 constexpr int longest_shown_log = 200;  // lines
 
 std::vector<Job> recent_jobs(Store& store, const Caller& caller) {
@@ -21,38 +21,35 @@ std::vector<Job> recent_jobs(Store& store, const Caller& caller) {
   return page ? std::move(page->jobs) : std::vector<Job>();
 }
 
+// The form with what it offers.
+Response form(Service& service, const Caller& caller, const std::optional<Error>& error = std::nullopt,
+              const std::map<std::string, std::string>& fields = {}) {
+  auto profiles = service.store.list_profiles(100, "");
+  return html_response(form_page(recent_jobs(service.store, caller),
+                                 profiles ? std::move(profiles->profiles) : std::vector<Profile>(), error,
+                                 fields));
+}
+
 Result<Response> submit(Service& service, Request& request, const Caller& caller) {
   std::map<std::string, std::string> fields;
   auto submission = read_submission(service, request, caller, fields);
-  if (!submission)
-    return html_response(form_page(recent_jobs(service.store, caller), submission.error(), fields));
+  if (!submission) return form(service, caller, submission.error(), fields);
   auto job = service.store.create(std::move(*submission));
-  if (!job) return html_response(form_page(recent_jobs(service.store, caller), job.error(), fields));
+  if (!job) return form(service, caller, job.error(), fields);
   log_event("job-created", {{"job", job->id}, {"token", caller.token}});
   return see_other("/jobs/" + job->id);
 }
 
-// report.json of a job, or null when it has none that can be read.
-nlohmann::json report_of(Store& store, const Job& job) {
-  for (const auto& artifact : job.artifacts) {
-    if (artifact.name != "report.json" || artifact.blob.bytes > largest_report) continue;
-    const auto file = store.open(artifact.blob);
-    std::string text(artifact.blob.bytes, '\0');
-    if (!file || file->read_at(0, text).value_or(0) != text.size()) return nullptr;
-    auto report = nlohmann::json::parse(text, nullptr, false);
-    return report.is_discarded() ? nlohmann::json() : report;
-  }
-  return nullptr;
-}
-
 Result<Response> show_form(Service& service, const Request&, const Caller& caller) {
-  return html_response(form_page(recent_jobs(service.store, caller)));
+  return form(service, caller);
 }
 
 Result<Response> show_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request, caller));
   VACUFORM_TRY(log, service.store.log_after(job.id, 0, longest_shown_log));
-  return html_response(job_page(job, report_of(service.store, job), log));
+  const auto made =
+      json_artifact(service.store, job, job.kind == JobKind::print ? "report.json" : "findings.json");
+  return html_response(job_page(job, made, log));
 }
 
 Result<Response> cancel(Service& service, const Request& request, const Caller& caller) {

@@ -13,14 +13,15 @@
 namespace vacuform {
 
 // The form for a new job, made from settings_schema(), with the newest jobs below. After a refusal `error`
-// stands above it and `fields` (group.key -> text) fill it again; files cannot be filled again, the page says
+// stands above it and `fields` (by their names) fill it again; files cannot be filled again, the page says
 // so.
-Page form_page(const std::vector<Job>& recent, const std::optional<Error>& error = std::nullopt,
+Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profiles,
+               const std::optional<Error>& error = std::nullopt,
                const std::map<std::string, std::string>& fields = {});
 
-// A job: progress while it runs, then previews, figures and downloads. `report` is report.json, null when
-// there is none; parts that it lacks are left out. `log` is the beginning of the job's log.
-Page job_page(const Job& job, const nlohmann::json& report, const std::vector<LogLine>& log = {});
+// A job: progress while it runs, then previews, figures and downloads; after an inspection what is in the scan, and a form
+// that makes the print. `made` is report.json or findings.json, null when there is none; parts that it lacks are left out. `log` is the beginning of the job's log.
+Page job_page(const Job& job, const nlohmann::json& made, const std::vector<LogLine>& log = {});
 
 // The form that takes a token; after a refusal `error` stands above it.
 Page sign_in_page(const std::optional<Error>& error = std::nullopt);

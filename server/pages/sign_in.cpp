@@ -1,6 +1,7 @@
 // Signing in and out, without scripts: the token in a form once, a cookie after that.
 #include "api/log.hpp"
 #include "server/http/multipart.hpp"
+#include "server/http/origin.hpp"
 #include "server/pages/pages.hpp"
 #include "server/service.hpp"
 
@@ -40,7 +41,8 @@ std::string trimmed(const std::string& text) {
 Result<Response> sign_in(Service& service, Request& request) {
   TokenForm form;
   VACUFORM_CHECK(http::read_multipart(request, form));
-  const auto cookie = service.access.sign_in(trimmed(form.token));
+  const bool through_front = !http::is_loopback_host(request.header("Host"));  // which has TLS
+  const auto cookie = service.access.sign_in(trimmed(form.token), through_front);
   if (!cookie) return html_response(sign_in_page(cookie.error()));
   Response response = see_other("/");
   response.set("Set-Cookie", *cookie);

@@ -31,6 +31,7 @@ struct StoredArtifact {
 
 struct Job {
   std::string id;  // 26 characters; later jobs have greater ids
+  JobKind kind = JobKind::print;
   JobState state = JobState::queued;
   std::optional<Stage> stage;  // none before a worker has said so
   double stage_progress = 0;   // 0..1 of that stage
@@ -74,6 +75,7 @@ struct NewJob {
   std::string owner = {};
   int priority = 0;
   std::optional<std::string> derived_from = {};
+  JobKind kind = JobKind::print;
 
   void add(std::string name, std::variant<Upload, Blob> file, std::string extension);
 };

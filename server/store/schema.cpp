@@ -125,6 +125,10 @@ CREATE INDEX scan_by_owner ON scan(owner, id);
 CREATE UNIQUE INDEX scan_by_blob ON scan(blob, owner, extension);
 CREATE TABLE profile(name TEXT PRIMARY KEY, settings TEXT NOT NULL, changed INTEGER NOT NULL) STRICT, WITHOUT ROWID;
 )sql",
+    // 7: every job made a print
+    R"sql(
+ALTER TABLE job ADD COLUMN kind TEXT NOT NULL DEFAULT 'print';
+)sql",
 };
 
 }  // namespace

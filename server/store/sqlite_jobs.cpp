@@ -14,7 +14,7 @@ std::string key_of(const NewJob& job) {
 
 Blob blob_of(NewInput& input) {
   const auto* blob = std::get_if<Blob>(&input.file);
-  return blob ? *blob : *std::get<Upload>(input.file).seal();  // which has been sealed before
+  return blob ? *blob : std::get<Upload>(input.file).digest();
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ Result<Job> SqliteStore::create(NewJob job) {
   std::vector<Blob> blobs;
   for (auto& input : job.inputs) {
     if (auto* upload = std::get_if<Upload>(&input.file)) {
-      VACUFORM_CHECK(upload->seal());  // the slow flush of the bytes comes before the lock
+      VACUFORM_CHECK(blobs_.seal(*upload));  // the slow flush of the bytes comes before the lock
     }
     blobs.push_back(blob_of(input));
   }
@@ -39,10 +39,10 @@ Result<Job> SqliteStore::create(NewJob job) {
     std::optional<std::string> client_key;
     if (!job.client_key.empty()) client_key = key_of(job);
     VACUFORM_CHECK(Query(db_,
-                         "INSERT INTO job(id, client_key, state, created, settings, request, owner, priority,"
-                         " derived_from) VALUES(?,?,'queued',?,?,?,?,?,?)",
-                         id, client_key, now, job.settings, job.request, job.owner, job.priority,
-                         job.derived_from)
+                         "INSERT INTO job(id, kind, client_key, state, created, settings, request, owner,"
+                         " priority, derived_from) VALUES(?,?,?,'queued',?,?,?,?,?,?)",
+                         id, name(job.kind), client_key, now, job.settings, job.request, job.owner,
+                         job.priority, job.derived_from)
                        .run());
     for (std::size_t i = 0; i < blobs.size(); ++i) {
       VACUFORM_CHECK(keep(job.inputs[i], blobs[i]));
@@ -84,8 +84,9 @@ Result<std::optional<Job>> SqliteStore::made_before(const NewJob& job, const std
   VACUFORM_TRY(found, query.row());
   if (!found) return std::optional<Job>();
   VACUFORM_TRY(earlier, find(query.text(0)));
-  bool same = earlier.settings == job.settings && earlier.priority == job.priority &&
-              earlier.derived_from == job.derived_from && earlier.inputs.size() == blobs.size();
+  bool same = earlier.kind == job.kind && earlier.settings == job.settings &&
+              earlier.priority == job.priority && earlier.derived_from == job.derived_from &&
+              earlier.inputs.size() == blobs.size();
   for (std::size_t i = 0; same && i < blobs.size(); ++i) {
     const Input* input = earlier.input(job.inputs[i].name);
     same = input && input->blob.sha256 == blobs[i].sha256;
@@ -100,15 +101,17 @@ Result<Job> SqliteStore::find(const std::string& id) {
   Query query(
       db_,
       "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
-      " error_where, error_mend, settings, request, owner, priority, derived_from, not_before, version"
+      " error_where, error_mend, settings, request, owner, priority, derived_from, not_before, version, kind"
       " FROM job WHERE id=?",
       id);
   VACUFORM_TRY(found, query.row());
   if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
   const auto state = job_state_from(query.text(1));
-  if (!state) return fail(Code::corrupt_file, "the job store is damaged: unknown state", id);
+  const auto kind = job_kind_from(query.text(19));
+  if (!state || !kind) return fail(Code::corrupt_file, "the job store is damaged: unknown state or kind", id);
   Job job;
   job.id = query.text(0);
+  job.kind = *kind;
   job.state = *state;
   job.stage = stage_from(query.text(2));
   job.stage_progress = query.real(3);
@@ -181,6 +184,18 @@ Result<JobPage> SqliteStore::list(int limit, const std::string& cursor,
     page.jobs.push_back(std::move(job));
   }
   return page;
+}
+
+Result<std::optional<Job>> SqliteStore::newest_inspection(const StoredScan& scan) {
+  const std::lock_guard hold(commits_.lock());
+  Query query(db_,
+              "SELECT job.id FROM input JOIN job ON job.id=input.job WHERE input.blob=? AND input.name='scan'"
+              " AND input.extension=? AND job.kind='inspection' AND job.owner=? ORDER BY job.id DESC LIMIT 1",
+              scan.blob.sha256, scan.extension, scan.owner);
+  VACUFORM_TRY(found, query.row());
+  if (!found) return std::optional<Job>();
+  VACUFORM_TRY(job, find(query.text(0)));
+  return std::optional(std::move(job));
 }
 
 Result<JobCounts> SqliteStore::counts() {

@@ -40,9 +40,11 @@ class SqliteStore : public Store {
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
 
   Result<Job> create(NewJob job) override;
+  Result<std::int64_t> seconds_until_room(const std::string& owner) override;
   Result<Job> job(const std::string& id) override;
   Result<JobPage> list(int limit, const std::string& cursor,
                        const std::optional<std::string>& owner) override;
+  Result<std::optional<Job>> newest_inspection(const StoredScan& scan) override;
   Result<JobCounts> counts() override;
   Result<Job> cancel(const std::string& id) override;
   Result<void> remove(const std::string& id) override;

@@ -6,9 +6,11 @@
 //  - A job has at most one lease. Every write of a worker names the job and the lease's token; when the token is not
 //    that of the current lease the write changes nothing and gives lease_lost. Ending a job twice under one token is
 //    harmless and gives the same answer, so that a worker may repeat a request whose answer it never saw.
-//  - A lease that is not renewed within `lease` ends. The job is queued again; when `losses` workers were lost with it,
-//    it fails with that reason. The same holds for faults that a worker calls its own. A job whose pipeline broke down
-//    `crashes` times fails, and a job that was refused for its input is never tried again.
+//  - A lease that is not renewed within `lease` ends, and the job is queued again. So it is after faults that a worker
+//    calls its own. Neither is the job's doing: a machine restarts, a disk is full for a while. Only when `losses`
+//    attempts were lost, which with the rests between them takes eight to twenty-five minutes, the job fails with that reason,
+//    for it may be what brings the machine down. A job whose own process broke down `crashes` times fails, and a job
+//    that was refused for its input is never tried again.
 //  - After a fault the job rests: `backoff` the first time, twice as long each further time, at most ten minutes, half as
 //    long to half as long again by chance, so that jobs which failed together do not come back together.
 //  - The queue is fair. A job that was raised above priority 0 goes first, the highest of them, then the oldest. The others
@@ -88,11 +90,16 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // A job that was made under the same client key is given in place of a second one; conflict when that key
   // came with other files or settings. busy: the queue is full. gone: nothing names a blob any more that the job was to share.
   virtual Result<Job> create(NewJob job) = 0;
+  // How long it takes, by the pace at which jobs ended within the last quarter of an hour, until there is room again for
+  // this owner's next job where create() said busy: 1 to 600 seconds, and 60 where too few have ended to tell.
+  virtual Result<std::int64_t> seconds_until_room(const std::string& owner) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
   // `limit` jobs (1 to 100) older than the job that the cursor names, of one owner or of all; an empty cursor begins
   // with the newest.
   virtual Result<JobPage> list(int limit, const std::string& cursor,
                                const std::optional<std::string>& owner = std::nullopt) = 0;
+  // The owner's newest inspection of these bytes under that extension, or none.
+  virtual Result<std::optional<Job>> newest_inspection(const StoredScan& scan) = 0;
   // How many jobs there are in each state, by the state's number.
   virtual Result<JobCounts> counts() = 0;
   // A queued job is cancelled at once, a running one when its worker says so; a cancelled one stays so.
@@ -156,8 +163,8 @@ inline constexpr int most_log_lines = 500, longest_log_line = 200;
 struct StoreOptions {
   Clock clock = wall_clock;
   Millis lease = 30'000;
-  int losses = 4;          // workers that one job may take down
-  int crashes = 2;         // of the pipeline on one job
+  int losses = 10;         // attempts that end with their worker, or by its fault
+  int crashes = 2;         // of the job's own process
   Millis backoff = 2'000;  // the first rest of a job after a fault
   std::int64_t most_queued = 10'000, most_queued_by_owner = 1'000;
   // Called, by any thread, when nothing names a blob any more and it is deleted.

@@ -8,7 +8,8 @@ import threading
 import time
 import unittest
 
-from harness import BIN, Case, Program, runs, wait_for
+from contract import Broken
+from harness import BIN, CONTRACT, Case, Program, runs, wait_for
 
 REQUEST = "4bf92f3577b34da6a3ce929d0e0e4736"
 SCAN, PATTERN = b"solid head " * 1000, b"<svg/>"
@@ -16,6 +17,16 @@ SCAN, PATTERN = b"solid head " * 1000, b"<svg/>"
 
 def digest(data):
     return hashlib.sha256(data).hexdigest()
+
+
+def described(method, path, headers, body):
+    """What the description of the API says against a request; nothing, as it should be."""
+    operation, parameters, where = CONTRACT.operation(method, path)
+    try:
+        CONTRACT.check_request(operation, parameters, "", {k.lower(): v for k, v in headers.items()}, body, where)
+        return []
+    except Broken as fault:
+        return [str(fault)]
 
 
 class ScriptedServer(http.server.ThreadingHTTPServer):
@@ -34,6 +45,7 @@ class ScriptedServer(http.server.ThreadingHTTPServer):
         self.away = 0             # so many requests under a lease get 503
         self.token = "secret"
         self.seen = []
+        self.faults = []          # of requests that the API's description does not know
         self.artifacts = {}
         threading.Thread(target=self.serve_forever, daemon=True).start()
 
@@ -66,6 +78,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         s = self.server
         body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
         s.seen.append((self.command, self.path, body, time.monotonic()))
+        s.faults += described(self.command, self.path, self.headers, body)
         if self.headers.get("Authorization") != "Bearer " + s.token:
             return self.problem(401, "bad-usage", "the worker token is not known")
         if self.path == "/api/v1/leases":
@@ -73,7 +86,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
                 return self.reply(204)
             s.jobs -= 1
             return self.reply(200, {
-                "job": "j1", "lease": "abc", "attempt": 1, "lease_seconds": s.lease_seconds, "heartbeat_seconds": 1,
+                "job": "j1", "kind": "print", "lease": "abc", "attempt": 1, "lease_seconds": s.lease_seconds, "heartbeat_seconds": 1,
                 "request": REQUEST,
                 "settings": {"print": {"dpi": 100}},
                 "inputs": {"scan": {"extension": "stl", "bytes": len(SCAN), "sha256": s.scan_sha},
@@ -110,6 +123,7 @@ class Worker(Case):
         self.server = ScriptedServer()
         self.addCleanup(self.server.server_close)
         self.addCleanup(self.server.shutdown)
+        self.addCleanup(lambda: self.assertEqual(self.server.faults, []))
 
     def start(self, pipeline, keep="--no-keep"):
         """Starts the worker with this shell script in the place of vacuform. $OUT is the folder for artifacts."""

@@ -239,6 +239,64 @@ TEST_F(ServerUpload, AScanIsKeptOnceForManyJobs) {
     EXPECT_EQ(post(wrong).status, 400);
 }
 
+TEST_F(ServerUpload, WhatAnInspectionFindsStandsWithItsScan) {
+  const Answer made = ask("POST", "/api/v1/scans", form_type, part("scan", "a.stl", "solid") + "--XX--\r\n");
+  const std::string at = made.header("Location"), id = json::parse(made.body)["id"];
+  EXPECT_TRUE(json::parse(made.body)["inspection"].is_null());
+  const auto post = [&](const std::string& parts) {
+    return ask("POST", "/api/v1/jobs", form_type, parts + "--XX--\r\n");
+  };
+  EXPECT_EQ(post(part("scan_id", "", id) + part("kind", "", "inspect")).status, 400);
+  EXPECT_EQ(post(part("scan_id", "", id)).status, 400);  // a print needs a pattern
+  const Answer asked = post(part("scan_id", "", id) + part("kind", "", "inspection"));
+  ASSERT_EQ(asked.status, 202) << asked.body;
+  const json job = json::parse(asked.body);
+  EXPECT_EQ(job["kind"], "inspection");
+  json inspection = json::parse(ask("GET", at).body)["inspection"];
+  EXPECT_EQ(inspection["job"], job["id"]);
+  EXPECT_EQ(inspection["state"], "queued");
+  EXPECT_TRUE(inspection["findings"].is_null());
+
+  const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
+  EXPECT_EQ(held["kind"], "inspection");
+  const std::string lease = "/api/v1/leases/" + held["job"].get<std::string>();
+  const std::string key = worker_headers(held["lease"].get<std::string>());
+  EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, R"({"fits":true})").status, 204);
+  EXPECT_EQ(ask("POST", lease + "/complete", key, "{}").status, 204);
+  inspection = json::parse(ask("GET", at).body)["inspection"];
+  EXPECT_EQ(inspection["state"], "succeeded");
+  EXPECT_EQ(inspection["findings"], json::parse(R"({"fits":true})"));
+  EXPECT_FALSE(json::parse(ask("GET", "/api/v1/scans").body)["scans"][0]["inspection"].contains("findings"));
+
+  // A print from it has its scan; what it lacks is said.
+  const std::string from = part("from", "", job["id"].get<std::string>());
+  EXPECT_EQ(post(from).status, 400);
+  const Answer print = post(from + part("pattern", "p.svg", "<svg/>"));
+  ASSERT_EQ(print.status, 202) << print.body;
+  EXPECT_EQ(json::parse(print.body)["kind"], "print");
+  EXPECT_EQ(json::parse(print.body)["inputs"]["scan"], job["inputs"]["scan"]);
+}
+
+// Findings come from a process that read somebody's file.
+TEST_F(ServerUpload, FindingsThatNobodyCanReadAreNone) {
+  const Answer made = ask("POST", "/api/v1/scans", form_type, part("scan", "a.stl", "solid") + "--XX--\r\n");
+  const std::string id = json::parse(made.body)["id"];
+  for (const std::string& findings :
+       {std::string("{"), std::string(100'000, '['), std::string(20, '[') + std::string(20, ']')}) {
+    ask("POST", "/api/v1/jobs", form_type,
+        part("scan_id", "", id) + part("kind", "", "inspection") + "--XX--\r\n");
+    const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
+    const std::string lease = "/api/v1/leases/" + held["job"].get<std::string>();
+    const std::string key = worker_headers(held["lease"].get<std::string>());
+    EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, findings).status, 204);
+    EXPECT_EQ(ask("POST", lease + "/complete", key, "{}").status, 204);
+    const json inspection = json::parse(ask("GET", "/api/v1/scans/" + id).body)["inspection"];
+    EXPECT_EQ(inspection["state"], "succeeded");
+    EXPECT_TRUE(inspection["findings"].is_null()) << findings.substr(0, 10);
+    EXPECT_EQ(ask("GET", "/jobs/" + held["job"].get<std::string>()).status, 200);
+  }
+}
+
 TEST_F(ServerUpload, ListsInPagesAndRefusesOtherCursors) {
   for (const char* bytes : {"one", "two", "three"})
     ask("POST", "/api/v1/scans", form_type, part("scan", "a.obj", bytes) + "--XX--\r\n");

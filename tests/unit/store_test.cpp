@@ -231,6 +231,34 @@ TEST_P(StoreTest, AJobCanShareTheFilesOfAnother) {
   EXPECT_TRUE(store_->list(1, "")->jobs.empty());
 }
 
+TEST_P(StoreTest, KnowsTheNewestInspectionOfAScan) {
+  const auto scan = store_->add_scan("station", upload("a scan"), "stl");
+  ASSERT_TRUE(scan);
+  const auto inspect = [&](const std::string& owner, const std::string& bytes, const std::string& extension) {
+    NewJob job{"{}"};
+    job.add("scan", upload(bytes), extension);
+    job.owner = owner;
+    job.kind = JobKind::inspection;
+    return store_->create(std::move(job))->id;
+  };
+  inspect("another", "a scan", "stl");
+  inspect("station", "a scan", "obj");
+  inspect("station", "another scan", "stl");
+  NewJob print = submission();
+  print.owner = "station";
+  const std::string printed = store_->create(std::move(print))->id;
+  EXPECT_EQ(job(printed).kind, JobKind::print);
+  EXPECT_FALSE(*store_->newest_inspection(*scan));
+  inspect("station", "a scan", "stl");
+  const std::string newest = inspect("station", "a scan", "stl");
+  reopen();
+  const auto found = store_->newest_inspection(*scan);
+  ASSERT_TRUE(found && *found);
+  EXPECT_EQ((*found)->id, newest);
+  EXPECT_EQ((*found)->kind, JobKind::inspection);
+  EXPECT_FALSE((*found)->input("pattern"));
+}
+
 TEST_P(StoreTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
   create("kept", "kept too");
   const std::string orphan = text_hash("orphan");
@@ -404,6 +432,38 @@ TEST_P(StoreTest, ASecondCrashEndsAJobWithItsLog) {
   EXPECT_EQ(store_->log_after(id, 0, 100)->size(), 7u);
 }
 
+TEST_P(StoreTest, WhatBefellItsWorkersIsNotHeldAgainstAJob) {
+  const std::string id = create().id;
+  const Error error{Code::internal, "broke down", "", ""};
+  ASSERT_TRUE(store_->fail_job(lease(), error, Retry::after_crash));
+  for (int i = 0; i < 2; ++i) {  // of three
+    lease();
+    now_ += 30'001;
+    ASSERT_EQ(store_->expire()->size(), 1u);
+  }
+  EXPECT_EQ(store_->complete(lease())->state, JobState::succeeded);
+}
+
+TEST_P(StoreTest, AJobOutlivesEightMinutesOfTroubleButNotAnHour) {
+  store_.reset();
+  StoreOptions plain;  // what a server has
+  plain.clock = [this] { return now_; };
+  store_ = std::move(*GetParam().open(data(), plain));
+  const std::string id = create().id;
+  const Millis begun = now_;
+  int attempts = 0;
+  for (; job(id).state == JobState::queued; ++attempts) {
+    now_ = job(id).not_before.value_or(now_);
+    lease();
+    ASSERT_EQ(store_->bury("tester")->size(), 1u);
+  }
+  EXPECT_EQ(attempts, 10);
+  EXPECT_EQ(job(id).state, JobState::failed);
+  EXPECT_EQ(job(id).error->what, "10 workers were lost while they ran this job");
+  EXPECT_GE(now_ - begun, 511'000);  // (2 s + 4 s + ... + 512 s) / 2
+  EXPECT_LE(now_ - begun, 1'533'000);
+}
+
 TEST_P(StoreTest, AJobRestsLongerWithEveryFault) {
   StoreOptions resting = options();
   resting.backoff = 1000;
@@ -488,6 +548,14 @@ TEST_P(StoreTest, ADamagedFileIsNotGiven) {
   std::ofstream(data() / "blobs" / hash.substr(0, 2) / hash) << "a scar";
   EXPECT_EQ(store_->open(made.input("scan")->blob).error().code, Code::gone);
   EXPECT_EQ(bytes_of(made.input("pattern")->blob), "a pattern");
+}
+
+TEST_P(StoreTest, SendingADamagedFileAgainMendsIt) {
+  const Job made = create("a scan", "a pattern");
+  const std::string hash = made.input("scan")->blob.sha256;
+  std::ofstream(data() / "blobs" / hash.substr(0, 2) / hash) << "a scar";
+  create("a scan", "another pattern");
+  EXPECT_EQ(bytes_of(made.input("scan")->blob), "a scan");
 }
 
 TEST_P(StoreTest, TellsWhenABlobIsGone) {

@@ -1,16 +1,14 @@
 // vacuform inspect: what is in a scan and what mold it makes, in seconds and without forming anything.
 #include <cstdio>
 #include <memory>
-#include <new>
 #include <nlohmann/json.hpp>
 
+#include "api/names.hpp"
 #include "worker/cli/commands.hpp"
-#include "worker/cli/progress_bar.hpp"
+#include "worker/cli/interruptible.hpp"
 #include "worker/cli/settings_options.hpp"
-#include "worker/pipeline.hpp"
 #include "worker/scan/findings_json.hpp"
-#include "worker/scan/mold.hpp"
-#include "worker/scan/plug.hpp"
+#include "worker/scan_inspection.hpp"
 
 namespace vacuform::cli {
 
@@ -19,8 +17,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InspectOptions {
-  std::string scan;
+  std::string scan, out, keep;
   bool json = false;
+  ProgressAs progress = ProgressAs::bar;
   SettingsOptions settings;
 };
 
@@ -38,7 +37,8 @@ std::string count(int n, const char* one, const char* many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-void print_text(const Mold& mold, const Result<void>& fit) {
+void print_text(const ScanInspection& inspection) {
+  const Mold& mold = inspection.mold;
   const auto& f = mold.findings;
   const Json scan = scan_json(f), made = mold_json(mold);
   line("format", f.format + ", " + std::to_string(f.triangles_read) + " triangles");
@@ -63,42 +63,27 @@ void print_text(const Mold& mold, const Result<void>& fit) {
                                         " mm2, at (" + fixed(u.place.x(), 1) + ", " + fixed(u.place.y(), 1) +
                                         ", " + fixed(u.place.z(), 1) + ")");
   }
-  line("fits", fit ? "yes" : "no: " + fit.error().text());
+  line("fits", inspection.misfit ? "no: " + inspection.misfit->text() : "yes");
   for (const auto& warning : mold.warnings) line("warning", warning.text);
 }
 
-void print_json(const Mold& mold, const Result<void>& fit) {
-  Json out{{"scan", scan_json(mold.findings)}, {"mold", mold_json(mold)}, {"fits", fit.has_value()}};
-  if (!fit)
-    out["problem"] = {{"code", meaning(fit.error().code).slug},
-                      {"what", fit.error().what},
-                      {"where", fit.error().where},
-                      {"mend", fit.error().mend}};
-  out["warnings"] = Json::array();
-  for (const auto& warning : mold.warnings)
-    out["warnings"].push_back(
-        {{"code", warning.code}, {"text", warning.text}, {"marks", marks_json(warning)}});
-  std::printf("%s\n", out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
-}
-
-Result<void> inspect(const InspectOptions& o) try {
+Result<void> inspect(const InspectOptions& o, const Context& context, ProgressBar& bar) {
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
-  VACUFORM_TRY(bytes, read_file(o.scan));
-  ProgressBar bar(ProgressBar::Otherwise::silent);
-  auto cut = make_mold(bytes, o.scan, settings.scan,
-                       Context([&](Stage stage, double fraction) { bar.show(stage, fraction); }));
+  VACUFORM_TRY(scan, read_file(o.scan));
+  blank_names(scan, o.scan);  // as for a print, so that it finds the mold that is kept
+  Inputs inputs{scan, o.scan, {}, {}, settings};
+  inputs.kept = kept_stages(o.keep, o.progress);
+  VACUFORM_TRY(inspection, inspect_scan(inputs, context));
+  if (!o.out.empty()) VACUFORM_CHECK(write_inspection(inputs, inspection, o.out, context));
   bar.clear();
-  if (!cut) return tl::make_unexpected(cut.error());
-  VACUFORM_TRY(mold, on_plug(std::move(*cut), settings.machine.plug_height_mm));
-  const auto fit = check_fit(mold, settings.sheet, settings.machine);
-  if (fit)
-    for (Warning& w : fit_findings(mold, settings.sheet, settings.machine, settings.forming.thin_limit))
-      mold.warnings.push_back(std::move(w));
-  (o.json ? print_json : print_text)(mold, fit);
+  if (o.json)
+    std::printf(
+        "%s\n",
+        findings_json(inputs, inspection).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+  else if (o.progress == ProgressAs::bar)
+    print_text(inspection);
   return {};
-} catch (const std::bad_alloc&) {
-  return tl::make_unexpected(out_of_memory());
 }
 
 }  // namespace
@@ -107,12 +92,19 @@ void add_inspect(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command =
       app.add_subcommand("inspect", "Say what is in a scan and what mold it makes, without forming anything");
-  command->add_option("scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("SCAN");
+  command->add_option("scan,--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("SCAN");
   options->settings.add_to(*command);
-  command->add_flag("--json", options->json, "JSON on standard output");
+  CLI::Option* json = command->add_flag("--json", options->json, "JSON on standard output");
+  command
+      ->add_option("--out", options->out,
+                   "Folder for findings.json, preview-findings.png and mold.stl; made when absent")
+      ->type_name("DIR");
+  command->add_option("--keep", options->keep, "Folder for the mold, as for vacuform run")->type_name("DIR");
+  add_progress_option(*command, options->progress)->excludes(json);
   command->callback([options, &exit_code] {
-    const auto done = inspect(*options);
-    exit_code = done ? 0 : refuse(done.error());
+    exit_code = run_interruptible(
+        [&](const Context& context, ProgressBar& bar) { return inspect(*options, context, bar); },
+        options->progress);
   });
 }
 

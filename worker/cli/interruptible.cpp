@@ -1,7 +1,10 @@
 #include "worker/cli/interruptible.hpp"
 
 #include <csignal>
+#include <cstdio>
+#include <map>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "worker/cli/commands.hpp"
@@ -15,11 +18,28 @@ extern "C" void cancel_work(int) {
   if (running) running->cancel();
 }
 
+void say(const nlohmann::json& line) {
+  std::printf("%s\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  std::fflush(stdout);
+}
+
 }  // namespace
 
-int run_interruptible(const std::function<Result<void>(const Context&, ProgressBar&)>& work) {
+CLI::Option* add_progress_option(CLI::App& command, ProgressAs& into) {
+  return command.add_option("--progress", into, "A bar on a terminal, or JSON lines on standard output")
+      ->transform(CLI::Transformer(
+          std::map<std::string, ProgressAs>{{"bar", ProgressAs::bar}, {"json", ProgressAs::json}}));
+}
+
+int run_interruptible(const std::function<Result<void>(const Context&, ProgressBar&)>& work,
+                      ProgressAs progress) {
   ProgressBar bar(ProgressBar::Otherwise::silent);
-  running.emplace([&](Stage stage, double fraction) { bar.show(stage, fraction); });
+  running.emplace([&](Stage stage, double fraction) {
+    if (progress == ProgressAs::json)
+      say({{"stage", name(stage)}, {"progress", fraction}});
+    else
+      bar.show(stage, fraction);
+  });
   struct sigaction action {};
   action.sa_handler = cancel_work;
   ::sigaction(SIGINT, &action, nullptr);
@@ -32,7 +52,22 @@ int run_interruptible(const std::function<Result<void>(const Context&, ProgressB
     }
   }();
   bar.clear();
-  return done ? 0 : refuse(done.error());
+  if (done) return 0;
+  const Error& error = done.error();
+  if (progress == ProgressAs::json)
+    say({{"problem",
+          {{"code", meaning(error.code).slug},
+           {"what", error.what},
+           {"where", error.where},
+           {"mend", error.mend}}}});
+  return refuse(error);
+}
+
+KeptStages kept_stages(const std::string& folder, ProgressAs progress) {
+  if (folder.empty()) return {};
+  return KeptStages(folder, [progress](Stage stage) {
+    if (progress == ProgressAs::json) say({{"stage", name(stage)}, {"progress", 1}, {"kept", true}});
+  });
 }
 
 }  // namespace vacuform::cli

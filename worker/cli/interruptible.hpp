@@ -1,15 +1,26 @@
 // Work that shows its progress and that a signal cancels.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 #include "worker/cli/progress_bar.hpp"
 #include "worker/context.hpp"
+#include "worker/kept_stages.hpp"
 
 namespace vacuform::cli {
 
-// Runs `work` with a context whose progress stands on the terminal and that SIGINT and SIGTERM cancel; memory that runs
+enum class ProgressAs { bar, json };
+// --progress bar|json. JSON lines are for the program that runs this one (worker/child.hpp).
+CLI::Option* add_progress_option(CLI::App& command, ProgressAs& into);
+
+// Runs `work` with a context whose progress is shown and that SIGINT and SIGTERM cancel; memory that runs
 // out is its error. Gives the exit code, and prints the error of work that failed. One at a time.
-int run_interruptible(const std::function<Result<void>(const Context&, ProgressBar&)>& work);
+int run_interruptible(const std::function<Result<void>(const Context&, ProgressBar&)>& work,
+                      ProgressAs progress = ProgressAs::bar);
+
+// Stages that an earlier run left in a folder, none where its name is empty; each one found is told as progress.
+KeptStages kept_stages(const std::string& folder, ProgressAs progress);
 
 }  // namespace vacuform::cli

@@ -1,15 +1,12 @@
 // vacuform run: the whole pipeline, without a server.
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <memory>
-#include <new>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "api/names.hpp"
 #include "worker/cli/commands.hpp"
-#include "worker/cli/progress_bar.hpp"
+#include "worker/cli/interruptible.hpp"
 #include "worker/cli/settings_options.hpp"
 #include "worker/pipeline.hpp"
 
@@ -18,17 +15,13 @@ namespace vacuform::cli {
 namespace {
 
 struct RunOptions {
-  std::string scan, pattern, temperature, weights, keep, out, progress = "bar";
+  std::string scan, pattern, temperature, weights, keep, out;
+  ProgressAs progress = ProgressAs::bar;
   bool sensitivity = false;
   SettingsOptions settings;
 };
 
-std::optional<Context> running;  // for the signal handler
-extern "C" void cancel_running(int) {
-  if (running) running->cancel();
-}
-
-Result<void> run(const RunOptions& o, const Context& context) try {
+Result<void> run(const RunOptions& o, const Context& context) {
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
@@ -54,16 +47,8 @@ Result<void> run(const RunOptions& o, const Context& context) try {
     inputs.weights = WeightsFile{weights, o.weights};
   }
   inputs.sensitivity = o.sensitivity;
-  if (!o.keep.empty())
-    inputs.kept = KeptStages(o.keep, [&](Stage stage) {
-      if (o.progress != "json") return;
-      std::printf("%s\n",
-                  nlohmann::json{{"stage", name(stage)}, {"progress", 1}, {"kept", true}}.dump().c_str());
-      std::fflush(stdout);
-    });
+  inputs.kept = kept_stages(o.keep, o.progress);
   return run_pipeline(inputs, o.out, context);
-} catch (const std::bad_alloc&) {
-  return tl::make_unexpected(out_of_memory());
 }
 
 // The table of report.json on the terminal.
@@ -83,37 +68,10 @@ void print_sensitivity(const std::string& folder) {
 }
 
 int run_command(const RunOptions& o) {
-  const bool json = o.progress == "json";
-  ProgressBar bar(ProgressBar::Otherwise::silent);
-  running.emplace([&](Stage stage, double fraction) {
-    if (json) {  // one line a report, for the program that runs this one
-      std::printf("%s\n", nlohmann::json{{"stage", name(stage)}, {"progress", fraction}}.dump().c_str());
-      std::fflush(stdout);
-    } else {
-      bar.show(stage, fraction);
-    }
-  });
-  struct sigaction action {};
-  action.sa_handler = cancel_running;
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
-
-  const auto done = run(o, *running);
-  bar.clear();
-  if (done) {
-    if (o.sensitivity && !json) print_sensitivity(o.out);
-    return 0;
-  }
-  const Error& error = done.error();
-  if (json)
-    std::printf("%s\n", nlohmann::json{{"problem",
-                                        {{"code", meaning(error.code).slug},
-                                         {"what", error.what},
-                                         {"where", error.where},
-                                         {"mend", error.mend}}}}
-                            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)
-                            .c_str());
-  return refuse(error);
+  const int exit_code =
+      run_interruptible([&](const Context& context, ProgressBar&) { return run(o, context); }, o.progress);
+  if (exit_code == 0 && o.sensitivity && o.progress == ProgressAs::bar) print_sensitivity(o.out);
+  return exit_code;
 }
 
 }  // namespace
@@ -146,9 +104,7 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_flag(
       "--sensitivity", options->sensitivity,
       "Form seven times more, each with one thing changed, and tell how far the coils land off");
-  command
-      ->add_option("--progress", options->progress, "A bar on a terminal, or JSON lines on standard output")
-      ->check(CLI::IsMember({"bar", "json"}));
+  add_progress_option(*command, options->progress);
   command->callback([options, &exit_code] { exit_code = run_command(*options); });
 }
 

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/mesh_files.hpp"
 #include "worker/inspection/mold_marks.hpp"
+#include "worker/inspection/picture_png.hpp"
 #include "worker/inspection/previews.hpp"
 
 namespace vacuform {
@@ -28,6 +30,16 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
   files.push_back({"formed.mtl", formed_mtl()});
   files.push_back({"uv-map.obj", uv_map_obj(job)});
   files.push_back({"mold.stl", stl_bytes(marked_mold(job.mold.mesh))});
+  VACUFORM_CHECK(context.step(Stage::inspection, 1));
+  return files;
+}
+
+Result<std::vector<Artifact>> inspection_artifacts(const Mold& mold, const Context& context) {
+  VACUFORM_CHECK(context.step(Stage::inspection, 0));
+  VACUFORM_TRY(picture, findings_preview(mold, context));
+  std::vector<Artifact> files;
+  files.push_back({"preview-findings.png", png_of(picture)});
+  files.push_back({"mold.stl", stl_bytes(marked_mold(mold.mesh))});
   VACUFORM_CHECK(context.step(Stage::inspection, 1));
   return files;
 }

@@ -110,12 +110,15 @@ Distortion distortion(const FormedSheet& sheet, const Flattening& flattening, co
 // to what is known of them; what does not exist is null.
 nlohmann::ordered_json report(const Finished& job);
 
-// Whether this job makes the artifact: all do but preview-temperature.png, which an evenly warm sheet does not need, and
-// preview-segments.png, which needs segments.
+// Whether this job makes the artifact: all do but preview-temperature.png, which an evenly warm sheet does not need,
+// preview-segments.png, which needs segments, and findings.json, whose content stands in report.json.
 bool makes(const Finished& job, const ArtifactKind& kind);
 
 // All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a
 // display), formed.ply, formed.obj/.mtl, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context);
+
+// Of a mold that nothing is formed over yet: preview-findings.png and mold.stl. Errors: cancelled.
+Result<std::vector<Artifact>> inspection_artifacts(const Mold& mold, const Context& context);
 
 }  // namespace vacuform

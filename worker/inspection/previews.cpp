@@ -7,36 +7,18 @@
 #include <optional>
 
 #include "worker/decimal.hpp"
-#include "worker/inspection/callouts.hpp"
 #include "worker/inspection/caption.hpp"
+#include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/flat_previews.hpp"
+#include "worker/inspection/picture_png.hpp"
 #include "worker/inspection/segment_colours.hpp"
 #include "worker/inspection/view.hpp"
-#include "worker/printing/png_writer.hpp"
 
 namespace vacuform {
 namespace {
 
 using Eigen::Vector2d;
-constexpr int side = 1000;
-const Rgb plastic(0.90f, 0.925f, 0.945f);
 const Rgb black_ink(0.07f, 0.08f, 0.10f);
-
-std::vector<std::uint8_t> png_of(const Picture& picture) {
-  PngWriter writer(picture.width, picture.height, 3);
-  std::vector<std::uint8_t> row(3 * static_cast<std::size_t>(picture.width));
-  for (int y = 0; y < picture.height; ++y) {
-    for (std::size_t x = 0; x < static_cast<std::size_t>(picture.width); ++x) {
-      const std::uint32_t p =
-          picture.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + x];
-      row[3 * x] = static_cast<std::uint8_t>(p >> 16);
-      row[3 * x + 1] = static_cast<std::uint8_t>(p >> 8);
-      row[3 * x + 2] = static_cast<std::uint8_t>(p);
-    }
-    writer.row(row.data());
-  }
-  return writer.finish();
-}
 
 // One figure per vertex, with its range for colouring.
 struct Heat {
@@ -152,8 +134,6 @@ class Inked {
   std::vector<double> shrink_;
 };
 
-Rgb bare(const Seen& seen) { return seen.light * plastic + Rgb::Constant(seen.gloss); }
-
 Rgb hot(const Finished& job, const Heat& heat, const Seen& seen) {
   const auto& c = job.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
   double value = 0;
@@ -184,33 +164,6 @@ std::string figures_of(const Placement& placement) {
          decimal(jump, 1) + " mm";
 }
 
-// The marks on the bare sheet; what is seen better from behind is shown from there.
-Result<Picture> findings_preview(const Finished& job, View& view, Picture&& picture, const Context& context) {
-  std::vector<Warning> warnings = job.mold.warnings;
-  warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
-  if (job.measured)
-    warnings.insert(warnings.end(), job.measured->traces.warnings.begin(),
-                    job.measured->traces.warnings.end());
-  Callouts seen(warnings);
-  Callouts hidden = seen.take_hidden(view);
-  std::optional<Picture> behind;
-  if (!hidden.empty()) {
-    view.look_from(View::Side::behind, behind_height, behind_top, 0);
-    seen.add(hidden.take_no_better(view));
-    if (!hidden.empty()) {
-      VACUFORM_TRY(pictures,
-                   view.draw(
-                       1, [](const Seen& at, Rgb* colour) { *colour = bare(at); }, context, 0.86, 0.9));
-      behind = std::move(pictures.front());
-      hidden.draw(view, *behind, behind_top, behind_height);
-    }
-    view.look_from(View::Side::front, side, caption_top, caption_bottom);
-  }
-  seen.draw(view, picture, caption_top, side - caption_bottom);
-  write_findings(warnings, picture, behind ? &*behind : nullptr);
-  return std::move(picture);
-}
-
 }  // namespace
 
 Result<std::vector<Artifact>> previews(const Finished& job, const Context& context) {
@@ -239,7 +192,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
       in_segments(job) ? std::optional<SegmentColours>(job) : std::nullopt;
   const int of_heat = 6, of_segments = uneven ? 7 : 6, count = of_segments + (segments ? 1 : 0);
 
-  View view(job.sheet, side, side, caption_top, caption_bottom);
+  View view(job.sheet, preview_side, preview_side, caption_top, caption_bottom);
   VACUFORM_TRY(pictures, view.draw(
                              count,
                              [&](const Seen& seen, Rgb* colours) {
@@ -275,8 +228,8 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png",
                          "preview-area.png", "preview-thickness.png"};
   std::vector<Artifact> files;
-  files.push_back({"preview-pattern.png", png_of(pattern_preview(job, side))});
-  files.push_back({"preview-print.png", png_of(print_preview(job, print, side))});
+  files.push_back({"preview-pattern.png", png_of(pattern_preview(job, preview_side))});
+  files.push_back({"preview-print.png", png_of(print_preview(job, print, preview_side))});
   for (std::size_t i = 0; i < 5; ++i) {
     VACUFORM_CHECK(context.step(Stage::inspection, 0.7 + 0.04 * static_cast<double>(i)));
     write(captions[i], pictures[i]);
@@ -292,7 +245,12 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
     write({"Segments and their seams", figures_of(*job.placement), {}, lost}, picture);
     files.push_back({"preview-segments.png", png_of(picture)});
   }
-  VACUFORM_TRY(findings, findings_preview(job, view, std::move(pictures[5]), context));
+  std::vector<Warning> warnings = job.mold.warnings;
+  warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
+  if (job.measured)
+    warnings.insert(warnings.end(), job.measured->traces.warnings.begin(),
+                    job.measured->traces.warnings.end());
+  VACUFORM_TRY(findings, findings_preview(warnings, view, std::move(pictures[5]), context));
   files.push_back({"preview-findings.png", png_of(findings)});
   return files;
 }

@@ -16,15 +16,27 @@ const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
 
 const Vector3d& at(const std::vector<Vector3d>& points, int i) { return points[static_cast<std::size_t>(i)]; }
 
-std::vector<Vector3d> vertex_normals(const FormedSheet& sheet) {
-  std::vector<Vector3d> normals(sheet.formed.size(), Vector3d::Zero());
-  for (const auto& t : sheet.triangles) {
-    const Vector3d normal = (at(sheet.formed, t[1]) - at(sheet.formed, t[0]))
-                                .cross(at(sheet.formed, t[2]) - at(sheet.formed, t[0]));
+std::vector<Vector3d> vertex_normals(const TriangleMesh& mesh) {
+  std::vector<Vector3d> normals(mesh.vertices.size(), Vector3d::Zero());
+  for (const auto& t : mesh.triangles) {
+    const Vector3d& from = at(mesh.vertices, t[0]);
+    const Vector3d normal = (at(mesh.vertices, t[1]) - from).cross(at(mesh.vertices, t[2]) - from);
     for (const int v : t) normals[static_cast<std::size_t>(v)] += normal;
   }
   for (auto& n : normals) n = n.squaredNorm() > 0 ? n.normalized() : Vector3d(0, 0, 1);
   return normals;
+}
+
+// What stands above the platform of a sheet on its mold.
+std::vector<Vector3d> drawn_part(const FormedSheet& sheet) {
+  double highest = 0;
+  for (const auto& p : sheet.formed) highest = std::max(highest, p.z());
+  std::vector<Vector3d> drawn;
+  for (std::size_t i = 0; i < sheet.formed.size(); ++i)
+    if (sheet.contact[i] == Contact::mold ||
+        (sheet.contact[i] != Contact::clamp && sheet.formed[i].z() > 0.15 * highest))
+      drawn.push_back(sheet.formed[i]);
+  return drawn.empty() ? sheet.formed : drawn;
 }
 
 // Evenly spread directions about +z, denser towards it by the cosine (a Fibonacci spiral on the disk,
@@ -51,17 +63,22 @@ std::uint32_t pixel_of(const Rgb& c) {
 
 }  // namespace
 
-View::View(const FormedSheet& sheet, int width, int height, int top, int bottom)
-    : sheet_(sheet),
+View::View(TriangleMesh mesh, std::vector<Vector3d> shown, int width, int height, int top, int bottom)
+    : mesh_(std::move(mesh)),
+      shown_(std::move(shown)),
       width_(width),
       height_(height),
       top_(top),
       bottom_(bottom),
       azimuth_(from_the_front),
-      rays_(TriangleMesh{sheet.formed, sheet.triangles}),
-      normals_(vertex_normals(sheet)) {
+      rays_(mesh_),
+      normals_(vertex_normals(mesh_)) {
+  if (shown_.empty()) shown_.push_back(Vector3d::Zero());
   frame();
 }
+
+View::View(const FormedSheet& sheet, int width, int height, int top, int bottom)
+    : View({sheet.formed, sheet.triangles}, drawn_part(sheet), width, height, top, bottom) {}
 
 void View::look_from(Side side, int height, int top, int bottom) {
   height_ = height, top_ = top, bottom_ = bottom;
@@ -69,7 +86,7 @@ void View::look_from(Side side, int height, int top, int bottom) {
   frame();
 }
 
-// Moves the eye until what stands above the platform just fills the picture.
+// Moves the eye until what is to be shown just fills the picture.
 void View::frame() {
   back_ = {std::sin(azimuth_) * std::cos(elevation), -std::cos(azimuth_) * std::cos(elevation),
            std::sin(elevation)};
@@ -79,23 +96,13 @@ void View::frame() {
   const double room_x = 0.88 * tangent_;
   const double room_y = 0.88 * tangent_ * (height_ - top_ - bottom_) / width_;
 
-  double highest = 0;
-  for (const auto& p : sheet_.formed) highest = std::max(highest, p.z());
-  std::vector<Vector3d> shown;
-  for (std::size_t i = 0; i < sheet_.formed.size(); ++i)
-    if (sheet_.contact[i] == Contact::mold ||
-        (sheet_.contact[i] != Contact::clamp && sheet_.formed[i].z() > 0.15 * highest))
-      shown.push_back(sheet_.formed[i]);
-  if (shown.empty()) shown = sheet_.formed;
-  if (shown.empty()) shown.push_back(Vector3d::Zero());
-
   Vector3d target = Vector3d::Zero();
   double distance = 1;
   for (int pass = 0; pass < 4; ++pass) {
     // The picture's middle is where the extremes on either side are as far away, seen from the present
     // distance.
     double left = INFINITY, low = INFINITY, rightmost = -INFINITY, high = -INFINITY;
-    for (const auto& p : shown) {
+    for (const auto& p : shown_) {
       const Vector3d d = p - target;
       const double scale = pass == 0 ? 1 : distance / (distance - d.dot(back_));
       left = std::min(left, d.dot(right_) * scale), rightmost = std::max(rightmost, d.dot(right_) * scale);
@@ -103,7 +110,7 @@ void View::frame() {
     }
     target += (left + rightmost) / 2 * right_ + (low + high) / 2 * up_;
     distance = 1;
-    for (const auto& p : shown) {
+    for (const auto& p : shown_) {
       const Vector3d d = p - target;
       distance = std::max({distance, d.dot(back_) + std::abs(d.dot(right_)) / room_x,
                            d.dot(back_) + std::abs(d.dot(up_)) / room_y});
@@ -111,15 +118,15 @@ void View::frame() {
   }
   eye_ = target + distance * back_;
   reach_ = 1;
-  for (const auto& p : sheet_.formed) reach_ = std::max(reach_, 1.1 * (p - eye_).norm());
+  for (const auto& p : mesh_.vertices) reach_ = std::max(reach_, 1.1 * (p - eye_).norm());
 }
 
 Result<void> View::light(const Context& context, double from, double to) {
   if (!open_.empty()) return {};  // seen from elsewhere, the sky is the same
-  const int vertices = static_cast<int>(sheet_.formed.size());
-  // Enough directions for a smooth shade on coarse sheets, fewer on fine ones, where neighbours smooth it.
+  const int vertices = static_cast<int>(mesh_.vertices.size());
+  // Enough directions for a smooth shade on coarse meshes, fewer on fine ones, where neighbours smooth it.
   const auto directions = sky(std::clamp(500'000 / std::max(1, vertices), 8, 32));
-  open_.assign(sheet_.formed.size(), 1.0f);
+  open_.assign(mesh_.vertices.size(), 1.0f);
   constexpr int batch = 20'000;
   for (int begin = 0; begin < vertices; begin += batch) {
     VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * begin / vertices));
@@ -130,7 +137,7 @@ Result<void> View::light(const Context& context, double from, double to) {
         int hidden = 0;
         for (const auto& d : directions) {
           const Vector3d ray = d.x() * a + d.y() * b + d.z() * n;
-          if (rays_.first_hit(at(sheet_.formed, i) + 0.8 * n + 0.4 * ray, 90 * ray)) ++hidden;
+          if (rays_.first_hit(at(mesh_.vertices, i) + 0.8 * n + 0.4 * ray, 90 * ray)) ++hidden;
         }
         open_[static_cast<std::size_t>(i)] =
             1 - static_cast<float>(hidden) / static_cast<float>(directions.size());
@@ -141,7 +148,7 @@ Result<void> View::light(const Context& context, double from, double to) {
 }
 
 Seen View::seen(const RayCaster::Hit& hit, const Vector3d& ray, double spacing) const {
-  const auto& t = sheet_.triangles[static_cast<std::size_t>(hit.triangle)];
+  const auto& t = mesh_.triangles[static_cast<std::size_t>(hit.triangle)];
   const std::array<double, 3> w{1 - hit.u - hit.v, hit.u, hit.v};
   const auto mix = [&](const auto& values) {
     return w[0] * values[static_cast<std::size_t>(t[0])] + w[1] * values[static_cast<std::size_t>(t[1])] +

@@ -1,4 +1,4 @@
-// A look at the formed sheet by rays, without a display. Internal to worker/inspection.
+// A look at the formed sheet, or at the mold, by rays, without a display. Internal to worker/inspection.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,21 +20,22 @@ struct Picture {
   std::vector<std::uint32_t> pixels;
 };
 
-// Where one sample of a pixel meets the sheet.
+// Where one sample of a pixel meets the mesh.
 struct Seen {
   int triangle;
   std::array<double, 3> weights;  // barycentric
-  double spacing_mm;              // between neighbouring samples on the sheet there
+  double spacing_mm;              // between neighbouring samples on the mesh there
   float light;                    // how bright the surface is, about 0.3 to 1.1
   float gloss;                    // white to add
 };
 using Rgb = Eigen::Vector3f;  // red, green, blue in [0, 1]
 
-// From the front, a little from the left and above; the drawn part fills the picture but for `top` and
-// `bottom` rows that are left empty for captions. Smooth normals, a key light from the left, a sky, and the
-// sky's occlusion by the sheet itself, so that dents and skirts can be read.
+// From the front, a little from the left and above; what is `shown`, of a sheet its drawn part, fills the picture but for
+// `top` and `bottom` rows that are left empty for captions. Smooth normals, a key light from the left, a sky, and the
+// sky's occlusion by the mesh itself, so that dents and skirts can be read.
 class View {
  public:
+  View(TriangleMesh mesh, std::vector<Eigen::Vector3d> shown, int width, int height, int top, int bottom);
   View(const FormedSheet& sheet, int width, int height, int top, int bottom);
 
   // The next pictures and spots are those from this side, at the same width.
@@ -50,7 +51,7 @@ class View {
   struct Spot {
     double x, y;  // pixels from the picture's left and top
     double pixels_per_mm;
-    double behind_mm;  // the sheet that is seen there; 0: seen itself
+    double behind_mm;  // what is seen there; 0: seen itself
   };
   std::optional<Spot> spot(const Eigen::Vector3d& place) const;
 
@@ -60,7 +61,8 @@ class View {
   Result<void> light(const Context& context, double from, double to);
   Seen seen(const RayCaster::Hit& hit, const Eigen::Vector3d& ray, double spacing) const;
 
-  const FormedSheet& sheet_;
+  TriangleMesh mesh_;
+  std::vector<Eigen::Vector3d> shown_;
   int width_, height_, top_, bottom_;
   double azimuth_;
   RayCaster rays_;

@@ -1,0 +1,94 @@
+"""A scan looked at before anything is formed: once uploaded, inspected by a worker, then printed without uploading it again."""
+import json
+import struct
+import unittest
+
+import meshes
+from harness import PATTERNS, SCANS, Case, Server, curl, vacuform
+from test_jobs import COARSE, log_of
+
+RINGS, HEAD, BROKEN = PATTERNS / "rings-7x40mm.svg", SCANS / "neonate-40w.stl", SCANS / "corrupt-head.glb"
+
+
+class Inspections(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.server = Server(cls.folder, workers=1)
+        cls.server.__enter__()
+        cls.addClassCleanup(cls.server.__exit__, None, None, None)
+
+    def ask(self, **wish):
+        return curl("-H", "Content-Type: application/json", "-d", json.dumps(wish), self.server.api + "/jobs")
+
+    def scan(self, path):
+        answer = curl("-F", f"scan=@{path}", self.server.api + "/scans")
+        self.assertEqual(answer.status, 201, answer)
+        return answer.json["id"]
+
+    def artifact(self, job, name):
+        return curl(f"{self.server.api}/jobs/{job}/artifacts/{name}")
+
+    def test_from_an_inspection_to_the_print(self):
+        scan = self.scan(HEAD)
+        answer = self.ask(kind="inspection", scan_id=scan, settings={"sheet": COARSE["sheet"]})
+        self.assertEqual(answer.status, 202, answer)
+        job = self.server.wait(answer.json["id"])
+        self.assertEqual(job["state"], "succeeded", job["problem"])
+        self.assertEqual([a["name"] for a in job["artifacts"]], ["preview-findings.png", "mold.stl", "findings.json"])
+        self.assertEqual(job["progress"], 1)
+
+        # The findings stand with the scan, and are those of the command line.
+        inspection = curl(f"{self.server.api}/scans/{scan}").json["inspection"]
+        self.assertEqual((inspection["job"], inspection["state"], inspection["problem"]), (job["id"], "succeeded", None))
+        told = vacuform("inspect", HEAD, "--json")
+        self.assertEqual(told.returncode, 0, told.stderr)
+        self.assertEqual(inspection["findings"], json.loads(told.stdout))
+        self.assertTrue(inspection["findings"]["fits"])
+        picture = self.artifact(job["id"], "preview-findings.png").body
+        self.assertEqual((picture[:8], struct.unpack(">I", picture[16:20])), (b"\x89PNG\r\n\x1a\n", (1000,)))
+        top = inspection["findings"]["mold"]["top_mm"][2]
+        self.assertAlmostEqual(max(p[2] for t in meshes.read_stl(self.artifact(job["id"], "mold.stl").body) for p in t), top, 1)
+
+        # The print made from it skips the scan stage.
+        answer = curl("-F", f"from={job['id']}", "-F", f"pattern=@{RINGS}", "-F", f"settings={json.dumps(COARSE)}",
+                      self.server.api + "/jobs")
+        self.assertEqual(answer.status, 202, answer)
+        printed = self.server.wait(answer.json["id"])
+        self.assertEqual((printed["kind"], printed["state"]), ("print", "succeeded"), printed["problem"])
+        self.assertIn("stage scan kept", log_of(self.server, printed["id"]))
+        self.assertEqual(self.artifact(printed["id"], "mold.stl").body, self.artifact(job["id"], "mold.stl").body)
+
+    def test_a_mold_that_does_not_fit_is_a_finding(self):
+        settings = {"machine": {"window_width_mm": 100, "window_height_mm": 100}}
+        answer = self.ask(kind="inspection", scan_id=self.scan(HEAD), settings=settings)
+        job = self.server.wait(answer.json["id"])
+        self.assertEqual(job["state"], "succeeded", job["problem"])
+        findings = self.artifact(job["id"], "findings.json").json
+        self.assertEqual((findings["fits"], findings["problem"]["code"]), (False, "does-not-fit"))
+        self.assertIn(findings["problem"]["what"], curl(f"{self.server.url}/jobs/{job['id']}").body.decode())
+
+    def test_a_scan_that_makes_no_mold_is_the_job_s_problem(self):
+        scan = self.scan(BROKEN)
+        job = self.server.wait(self.ask(kind="inspection", scan_id=scan).json["id"])
+        self.assertEqual((job["state"], job["attempt"]), ("failed", 1))
+        shown = curl(f"{self.server.api}/scans/{scan}").json["inspection"]
+        self.assertEqual(shown["problem"], job["problem"])
+        self.assertIsNone(shown["findings"])
+
+    def test_through_the_form(self):
+        """As a browser sends it: every field, the empty ones too, with the name of the button."""
+        answer = curl("-F", f"scan=@{HEAD}", "-F", f"pattern=@{RINGS}", "-F", "temperature=@/dev/null;filename=", "-F", "profile=",
+                      "-F", "print.dpi=", "-F", "kind=inspection", self.server.url + "/jobs")
+        self.assertEqual(answer.status, 303, answer)
+        job = self.server.wait(answer.headers["location"].rsplit("/", 1)[1])
+        self.assertEqual((job["kind"], job["state"], list(job["inputs"])), ("inspection", "succeeded", ["scan", "pattern"]))
+        page = curl(f"{self.server.url}/jobs/{job['id']}").body.decode()
+        for words in "Fits the machine", "Make the print of this scan", f'name="from" value="{job["id"]}"', "preview-findings.png":
+            self.assertIn(words, page)
+        answer = self.ask(**{"from": job["id"], "settings": COARSE})  # the pattern waited with it
+        self.assertEqual((answer.status, answer.json["kind"]), (202, "print"))
+
+
+if __name__ == "__main__":
+    unittest.main()
