@@ -20,7 +20,9 @@ Upload::Upload(Upload&& other) noexcept
     : file_(std::move(other.file_)),
       path_(std::move(other.path_)),
       hash_(std::move(other.hash_)),
-      blob_(std::move(other.blob_)) {
+      blob_(std::move(other.blob_)),
+      flushed_(other.flushed_),
+      known_(other.known_) {
   other.path_.clear();
 }
 
@@ -35,12 +37,15 @@ Result<void> Upload::write(std::string_view bytes) {
   return {};
 }
 
-Result<Blob> Upload::seal() {
-  if (blob_.sha256.empty()) {
-    VACUFORM_CHECK(file_.sync());
-    blob_.sha256 = hash_.hex();
-  }
+const Blob& Upload::digest() {
+  if (blob_.sha256.empty()) blob_.sha256 = hash_.hex();
   return blob_;
+}
+
+Result<void> Upload::flush() {
+  if (!flushed_) VACUFORM_CHECK(file_.sync());
+  flushed_ = true;
+  return {};
 }
 
 Result<Blobs> Blobs::open(const fs::path& data) {
@@ -61,14 +66,22 @@ Result<Upload> Blobs::upload() const {
 Upload Blobs::adopt(fs::path path, Blob blob) {
   Upload upload({}, std::move(path));
   upload.blob_ = std::move(blob);
+  upload.flushed_ = true;
   return upload;
 }
 
+Result<Blob> Blobs::seal(Upload& upload) const {
+  const Blob& blob = upload.digest();
+  upload.known_ = upload.known_ || read(blob.sha256).has_value();
+  if (!upload.known_) VACUFORM_CHECK(upload.flush());
+  return blob;
+}
+
 Result<void> Blobs::keep(Upload& upload) const {
-  VACUFORM_TRY(blob, upload.seal());
-  const fs::path path = place(blob.sha256);
+  const fs::path path = place(upload.digest().sha256);
   std::error_code error;
-  if (fs::exists(path, error)) return {};  // the upload's own file goes with it
+  if (upload.known_ && fs::exists(path, error)) return {};  // the upload's own file goes with it
+  VACUFORM_CHECK(upload.flush());  // already done, unless the known file was deleted meanwhile
   const bool new_folder = !fs::exists(path.parent_path(), error);
   VACUFORM_CHECK(make_directory(path.parent_path()));
   if (new_folder) VACUFORM_CHECK(sync_directory(blobs_));

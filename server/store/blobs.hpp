@@ -3,8 +3,8 @@
 //
 // An upload is written to DATA/incoming while it arrives and hashed on the way, so memory does not grow with
 // its size. seal() flushes it; keep() gives it its final name and flushes the folder, after which it survives
-// a power cut. What is never kept disappears with the Upload, and what a crash left in incoming is deleted at
-// the next start.
+// a power cut. Bytes that are there already cost no flush, and those whose file was damaged mend it. What is never
+// kept disappears with the Upload, and what a crash left in incoming is deleted at the next start.
 #pragma once
 
 #include <cstdint>
@@ -36,17 +36,20 @@ class Upload {
   Result<void> write(std::string_view bytes);
   std::uint64_t bytes() const { return blob_.bytes; }
   const File& file() const { return file_; }  // what was written, to be looked at
-  // Flushes to the disk and fixes the hash; no writes afterwards.
-  Result<Blob> seal();
+  // Fixes the hash; no writes afterwards.
+  const Blob& digest();
 
  private:
   friend class Blobs;
   Upload(File file, std::filesystem::path path) : file_(std::move(file)), path_(std::move(path)) {}
+  Result<void> flush();
 
   File file_;
   std::filesystem::path path_;  // empty when the file has moved on
   Sha256 hash_;
   Blob blob_;
+  bool flushed_ = false;
+  bool known_ = false;  // when it was sealed its bytes were there, under their name and whole
 };
 
 // Files whose bytes were found good, by what changes with every write. From any thread.
@@ -74,6 +77,9 @@ class Blobs {
   // Takes over a whole file on the same disk that is flushed already.
   static Upload adopt(std::filesystem::path path, Blob blob);
   std::filesystem::path temporary_path() const { return incoming_ / random_hex(16); }
+  // Fixes the hash, and flushes the bytes to the disk unless they are there already. The slow part of keep(), without
+  // a lock.
+  Result<Blob> seal(Upload& upload) const;
   // Gives a sealed upload its final name. Keeping the same bytes twice leaves one file.
   Result<void> keep(Upload& upload) const;
   // The file, whose bytes are checked when they are read for the first time since it was written or the programme

@@ -108,7 +108,7 @@ Result<void> SqliteStore::log(const LeaseKey& key, int first, const std::vector<
 }
 
 Result<void> SqliteStore::put_artifact(const LeaseKey& key, const std::string& name, Upload upload) {
-  VACUFORM_TRY(blob, upload.seal());
+  VACUFORM_TRY(blob, blobs_.seal(upload));
   return write([&]() -> Result<void> {
     VACUFORM_TRY(job, holder(key, false));
     maybe_garbage(blob.sha256);
@@ -171,7 +171,9 @@ Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std:
       VACUFORM_TRY(faults, faults_of(job.id));
       ++(retry == Retry::after_crash ? faults.crashes : faults.losses);
       if (faults.losses < options_.losses && faults.crashes < options_.crashes) {
-        VACUFORM_CHECK(queue_again(job, faults, failed_with(error)));
+        VACUFORM_CHECK(queue_again(
+            job, faults,
+            retry == Retry::after_crash ? "its process broke down" : "its worker met a fault of its own"));
         return find(job.id);
       }
     }

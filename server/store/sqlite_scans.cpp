@@ -21,7 +21,7 @@ Result<StoredScan> SqliteStore::add_scan(const std::string& owner, std::variant<
                                          const std::string& extension) {
   NewInput input{"scan", std::move(file), extension};
   auto* upload = std::get_if<Upload>(&input.file);
-  VACUFORM_TRY(blob, upload ? upload->seal() : Result<Blob>(std::get<Blob>(input.file)));
+  VACUFORM_TRY(blob, upload ? blobs_.seal(*upload) : Result<Blob>(std::get<Blob>(input.file)));
   return write([&]() -> Result<StoredScan> {
     {
       Query same(db_,

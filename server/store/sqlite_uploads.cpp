@@ -59,7 +59,7 @@ Result<StoredUpload> SqliteStore::find_upload(const std::string& id) {
 }
 
 Result<StoredUpload> SqliteStore::finish_upload(const std::string& id, Upload file) {
-  VACUFORM_TRY(blob, file.seal());
+  VACUFORM_TRY(blob, blobs_.seal(file));
   return write([&]() -> Result<StoredUpload> {
     VACUFORM_CHECK(upload_row(id));
     maybe_garbage(blob.sha256);

@@ -48,7 +48,7 @@ class PartialFileTest : public testing::Test {
     EXPECT_TRUE(file);
     auto upload = file->finish();
     EXPECT_TRUE(upload);
-    const Blob blob = *upload->seal();
+    const Blob blob = upload->digest();
     EXPECT_TRUE(blobs_->keep(*upload));
     PartialFile::remove(name_);
     const std::string kept = bytes_of(data_ / "blobs" / blob.sha256.substr(0, 2) / blob.sha256);

@@ -143,6 +143,13 @@ TEST_F(PowerLoss, WhatWasAnsweredIsThereAfterALossAtEveryFlush) {
   }
 }
 
+TEST_F(PowerLoss, BytesThatAreThereCostNoFlush) {
+  created("first");
+  const std::size_t before = moments_.size();
+  created("first");
+  EXPECT_EQ(moments_.size(), before + 3);  // one flush of the row, before and after it counts, and the answer
+}
+
 // Without this a model that forgets nothing would pass.
 TEST_F(PowerLoss, TheDiskForgetsWhatWasNotFlushed) {
   const fs::path file = data() / "unflushed";
