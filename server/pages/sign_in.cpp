@@ -1,7 +1,6 @@
 // Signing in and out, without scripts: the token in a form once, a cookie after that.
 #include "api/log.hpp"
 #include "server/http/multipart.hpp"
-#include "server/http/origin.hpp"
 #include "server/pages/pages.hpp"
 #include "server/service.hpp"
 
@@ -41,8 +40,7 @@ std::string trimmed(const std::string& text) {
 Result<Response> sign_in(Service& service, Request& request) {
   TokenForm form;
   VACUFORM_CHECK(http::read_multipart(request, form));
-  const bool through_front = !http::is_loopback_host(request.header("Host"));  // which has TLS
-  const auto cookie = service.access.sign_in(trimmed(form.token), through_front);
+  const auto cookie = service.access.sign_in(trimmed(form.token));
   if (!cookie) return html_response(sign_in_page(cookie.error()));
   Response response = see_other("/");
   response.set("Set-Cookie", *cookie);
