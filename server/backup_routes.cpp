@@ -14,9 +14,8 @@ using http::Response;
 namespace {
 
 Result<Response> make_backup(Service& service, Request& request, const Caller& caller) {
-  VACUFORM_TRY(text, http::read_text(request, 4096));
-  const auto body = nlohmann::json::parse(text, nullptr, false);
-  if (!body.is_object() || !body.contains("to") || !body["to"].is_string())
+  VACUFORM_TRY(body, read_object(request, 4096));
+  if (!body.contains("to") || !body["to"].is_string())
     return fail(Code::bad_usage, "the body names no folder", "to", "send {\"to\": \"/the/folder\"}");
   Response response;
   response.waiter = [&service, to = body["to"].get<std::string>(),

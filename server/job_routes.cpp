@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/log.hpp"
+#include "server/http/range.hpp"
 #include "server/job_json.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
@@ -17,6 +18,13 @@ using nlohmann::ordered_json;
 
 namespace {
 
+Result<Response> no_room(Service& service, const Caller& caller, const Error& error) {
+  VACUFORM_TRY(seconds, service.store.seconds_until_room(caller.owner));
+  Response response = problem_response(error);
+  set_retry_after(response, seconds);
+  return response;
+}
+
 Result<Response> create_job(Service& service, Request& request, const Caller& caller) {
   const std::string only = request.query_value("validate_only");
   if (!only.empty() && only != "true" && only != "false")
@@ -30,6 +38,7 @@ Result<Response> create_job(Service& service, Request& request, const Caller& ca
   auto made = service.store.create(std::move(submission));
   // The key of another submission: as the draft of Idempotency-Key wants it told.
   if (!made && made.error().code == Code::conflict) return problem_response(made.error(), 422);
+  if (!made && made.error().code == Code::busy) return no_room(service, caller, made.error());
   VACUFORM_TRY(job, std::move(made));
   log_event("job-created", {{"job", job.id}, {"token", caller.token}});
   Response response = json_response(job_json(job), 202);
@@ -71,12 +80,27 @@ Result<Response> get_artifact(Service& service, const Request& request, const Ca
               "see /api/v1/jobs/" + request.at("id") + "/artifacts");
 }
 
+std::string quoted(const std::string& etag) {
+  std::string text("\"");
+  return text.append(etag).append("\"");
+}
+
+Response unchanged(const std::string& etag) {
+  Response response;
+  response.status = 304;
+  response.set("ETag", quoted(etag));
+  response.set("Cache-Control", "private, no-cache");
+  return response;
+}
+
 Result<Response> get_zip(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request, caller));
   if (job.artifacts.empty())
     return fail(Code::not_found, "the job has no artifacts yet", job.id, "wait until it has succeeded");
+  const std::string etag = zip_etag(job);
+  if (http::names_etag(request.header("If-None-Match"), quoted(etag))) return unchanged(etag);  // before it is made
   VACUFORM_TRY(file, make_zip(service.store, job));
-  VACUFORM_TRY(response, http::file_response(request, std::move(file), "application/zip", zip_etag(job)));
+  VACUFORM_TRY(response, http::file_response(request, std::move(file), "application/zip", etag));
   response.set("Content-Disposition", "attachment; filename=\"vacuform-" + job.id + ".zip\"");
   response.set("X-Content-Type-Options", "nosniff");
   return response;

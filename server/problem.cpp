@@ -1,5 +1,7 @@
 #include "server/problem.hpp"
 
+#include <strings.h>
+
 #include <nlohmann/json.hpp>
 
 namespace vacuform {
@@ -31,8 +33,44 @@ http::Response problem_response(const Error& error, int status) {
   return response;
 }
 
+void set_retry_after(http::Response& response, std::int64_t seconds) {
+  std::erase_if(response.headers, [](const http::Header& header) { return header.name == "Retry-After"; });
+  response.set("Retry-After", std::to_string(seconds));
+}
+
 std::string dump(const ordered_json& json) {
   return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+Result<std::string> read_json_text(http::Request& request, std::uint64_t limit) {
+  constexpr std::string_view wanted = "application/json";
+  const std::string_view stated = request.header("Content-Type");
+  const std::string_view media = stated.substr(0, stated.find_first_of("; "));
+  const bool is_json =
+      media.size() == wanted.size() && ::strncasecmp(media.data(), wanted.data(), wanted.size()) == 0;
+  if (request.content_length > 0 && !is_json)
+    return fail(Code::unsupported_format, "the body is not said to be JSON", "Content-Type",
+                "send Content-Type: application/json");
+  return http::read_text(request, limit);
+}
+
+Result<nlohmann::json> read_object(http::Request& request, std::uint64_t limit) {
+  using nlohmann::json;
+  constexpr int deepest = 16;
+  VACUFORM_TRY(text, read_json_text(request, limit));
+  if (text.empty()) return json::object();
+  bool deep = false;
+  const json object = json::parse(
+      text,
+      [&deep](int depth, json::parse_event_t, json&) {
+        deep = deep || depth > deepest;
+        return !deep;
+      },
+      false);
+  if (deep || !object.is_object())
+    return fail(Code::bad_usage, "the body is not a JSON object, or one nested too deep", "request body",
+                "see /api/v1/openapi.yaml");
+  return object;
 }
 
 http::Response json_response(const ordered_json& json, int status) {

@@ -1,4 +1,5 @@
-// Errors as RFC 9457 problems: the one way in which an error leaves the server.
+// JSON in and out: objects in requests, answers, and errors as RFC 9457 problems, the one way in which an error leaves the
+// server.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,8 +13,17 @@ namespace vacuform {
 nlohmann::ordered_json problem_json(const Error& error, int status = 0);
 http::Response problem_response(const Error& error, int status = 0);
 
+// In place of the Retry-After that every 429 and 503 has.
+void set_retry_after(http::Response& response, std::int64_t seconds);
+
 // JSON text; bytes that are no UTF-8 become U+FFFD.
 std::string dump(const nlohmann::ordered_json& json);
 http::Response json_response(const nlohmann::ordered_json& json, int status = 200);
+
+// The body as JSON text, empty when there is none. Errors: unsupported_format unless Content-Type says so; those of
+// read_text().
+Result<std::string> read_json_text(http::Request& request, std::uint64_t limit);
+// The body as a JSON object, empty when there is none, nested at most 16 deep. Errors: as above; bad_usage.
+Result<nlohmann::json> read_object(http::Request& request, std::uint64_t limit);
 
 }  // namespace vacuform

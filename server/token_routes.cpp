@@ -10,7 +10,6 @@ namespace vacuform {
 
 using http::Request;
 using http::Response;
-using nlohmann::json;
 using nlohmann::ordered_json;
 
 namespace {
@@ -18,8 +17,8 @@ namespace {
 constexpr std::uint64_t largest_message = 4 << 10;
 
 Result<Response> create_token(Service& service, Request& request, const Caller& caller) {
-  VACUFORM_TRY(text, http::read_text(request, largest_message));
-  VACUFORM_TRY(wanted, new_token_from(json::parse(text, nullptr, false), wall_clock()));
+  VACUFORM_TRY(body, read_object(request, largest_message));
+  VACUFORM_TRY(wanted, new_token_from(body, wall_clock()));
   VACUFORM_TRY(made, make_token(service.store, wanted));
   log_event("token-created",
             {{"token", made.token.id}, {"scopes", made.token.scopes.text()}, {"by", caller.token}});

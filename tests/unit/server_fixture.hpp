@@ -71,6 +71,7 @@ class ServerTest : public testing::Test {
     return make_token(*store_, {owner, scopes, std::nullopt})->text;
   }
   static std::string bearer(const std::string& token) { return "Authorization: Bearer " + token + "\r\n"; }
+  static constexpr const char* json_type = "Content-Type: application/json\r\n";
   static constexpr const char* anonymous = "Authorization: none\r\n";
 
   int connected() const { return connected_to(*server_); }
@@ -116,13 +117,18 @@ class ServerTest : public testing::Test {
     return parsed(receive_all(socket));
   }
   std::string host() const { return "127.0.0.1:" + std::to_string(server_->port()); }
-  // `headers` as lines that end with \r\n; the user's token goes with them, unless they say who asks.
+  // `headers` as lines that end with \r\n; the user's token goes with them, unless they say who asks, and of a body that
+  // looks like JSON that it is.
   Answer ask(const std::string& method, const std::string& path, const std::string& headers = "",
              const std::string& body = "") const {
     const bool said = ("\n" + headers).find("\nAuthorization:") != std::string::npos ||
                       ("\n" + headers).find("\nCookie:") != std::string::npos;
     return raw(method + " " + path + " HTTP/1.1\r\nHost: " + host() + "\r\n" + headers +
                (said ? "" : bearer(user_)) +
+               ((body.starts_with('{') || body.starts_with('[')) &&
+                        headers.find("Content-Type:") == std::string::npos
+                    ? json_type
+                    : "") +
                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" +
                body);
   }

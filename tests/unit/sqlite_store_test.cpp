@@ -53,6 +53,35 @@ TEST_F(SqliteStoreTest, RefusesAStoreThatIsNotItsOwn) {
   EXPECT_EQ(store.error().code, Code::corrupt_file);
 }
 
+// Jobs that ended every twenty seconds; two owners wait.
+TEST_F(SqliteStoreTest, TellsWhenThereWillBeRoom) {
+  Millis now = 1'000'000'000;
+  StoreOptions options;
+  options.clock = [&now] { return now; };
+  options.most_queued_by_owner = 2;
+  const auto store = std::move(*open_store(data_, options));
+  const auto submit = [&](const std::string& owner) {
+    NewJob job;
+    job.settings = "{}";
+    job.owner = owner;
+    return store->create(std::move(job));
+  };
+  EXPECT_EQ(*store->seconds_until_room("a"), 60);  // nothing has ended yet
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(submit("a"));
+    const auto lease = *store->lease("worker");
+    now += 20'000;
+    ASSERT_TRUE(store->complete({lease->job.id, lease->token}));
+  }
+  EXPECT_EQ(*store->seconds_until_room("a"), 20);
+  for (const char* owner : {"a", "a", "b"}) ASSERT_TRUE(submit(owner));
+  EXPECT_EQ(submit("a").error().code, Code::busy);
+  EXPECT_EQ(*store->seconds_until_room("a"), 40);  // the owners take turns
+  EXPECT_EQ(*store->seconds_until_room("b"), 20);
+  now += 16 * 60'000;  // nobody works any more
+  EXPECT_EQ(*store->seconds_until_room("a"), 60);
+}
+
 TEST_F(SqliteStoreTest, RefusesAStoreOfANewerVersion) {
   old_store(newest_schema, "PRAGMA user_version=" + std::to_string(newest_schema + 1));
   const auto store = open_store(data_);
