@@ -23,7 +23,8 @@ Result<std::unique_ptr<Uploads>> Uploads::open(Store& store, fs::path folder, Cl
   VACUFORM_CHECK(make_directory(folder));
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (!store.find_upload(entry.path().stem().string())) fs::remove(entry.path(), error);
+    if (!store.find_upload(entry.path().stem().string()) || !PartialFile::is_one(entry.path()))
+      fs::remove(entry.path(), error);
   return std::unique_ptr<Uploads>(new Uploads(store, std::move(folder), std::move(clock)));
 }
 

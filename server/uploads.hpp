@@ -3,7 +3,7 @@
 //
 // What a request has sent when it breaks off is kept; while a long one goes on, every 8 MiB are flushed, so that a killed
 // server loses no more than these. Memory: the last 16 uploads that were written to keep their filters and hashes, some
-// 300 KiB each; others read themselves through once when they go on.
+// 100 KiB each; others read themselves through once when they go on.
 #pragma once
 
 #include <filesystem>

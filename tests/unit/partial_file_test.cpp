@@ -55,7 +55,7 @@ class PartialFileTest : public testing::Test {
     EXPECT_EQ(blob.bytes, kept.size());
     EXPECT_EQ(blob.sha256, text_hash(kept));
     EXPECT_FALSE(std::filesystem::exists(data_ / "upload.part"));
-    EXPECT_FALSE(std::filesystem::exists(data_ / "upload.tail"));
+    EXPECT_FALSE(std::filesystem::exists(data_ / "upload.state"));
     return kept;
   }
 
@@ -76,10 +76,10 @@ TEST_F(PartialFileTest, NamesAreBlankedWhereverItWasInterrupted) {
       EXPECT_EQ(in_steps(bytes, extension, step), blanked(bytes, extension)) << extension << " " << step;
 }
 
-TEST_F(PartialFileTest, BeyondTheTailToo) {
-  std::string obj;
-  for (int i = 0; obj.size() < 1'000'000; ++i)
-    obj += "v 1 2 " + std::to_string(i) + " # " + name + "\n# v " + std::to_string(i) + "\n";
+TEST_F(PartialFileTest, InLongCommentsAndSegmentsToo) {
+  std::string obj =
+      "v 1 2 3 # " + std::string(500'000, 'x');  // of one line, whose end may look like a beginning
+  while (obj.size() < 1'000'000) obj += " v 1 2 3 o " + name;
   EXPECT_EQ(in_steps(obj, "obj", 300'007), blanked(obj, "obj"));
   std::string jpeg = "\xff\xd8";  // comments of the greatest size
   for (int i = 0; i < 8; ++i) jpeg.append("\xff\xfe\xff\xff").append(65'533, 'J');
@@ -87,13 +87,26 @@ TEST_F(PartialFileTest, BeyondTheTailToo) {
   EXPECT_EQ(in_steps(jpeg, "jpg", 130'003), blanked(jpeg, "jpg"));
 }
 
-TEST_F(PartialFileTest, WhatStandsOnTheDiskMeanwhileIsBlankedButForATail) {
+TEST_F(PartialFileTest, NoWholeNameStandsOnTheDiskMeanwhile) {
   std::string obj;
   while (obj.size() < 1'000'000) obj += "# " + name + "\nv 1 2 3\n";
   auto file = PartialFile::open(name_, "obj");
   ASSERT_TRUE(file && file->take(obj) && file->flush());
-  EXPECT_EQ(bytes_of(data_ / "upload.part").find(name), std::string::npos);
-  EXPECT_LE(std::filesystem::file_size(data_ / "upload.tail"), 256u << 10);
+  for (const char* end : {".part", ".state"})
+    EXPECT_EQ(bytes_of(data_ / (std::string("upload") + end)).find(name), std::string::npos);
+  EXPECT_LE(std::filesystem::file_size(data_ / "upload.state"), 200u);
+}
+
+TEST_F(PartialFileTest, AStateThatIsNoneBeginsAnew) {
+  for (const char* text : {"", "5", "5 ", "5 5", "5 9\n0 0 ", "Jane"}) {
+    {
+      auto file = PartialFile::open(name_, "stl");
+      ASSERT_TRUE(file && file->take("solid") && file->flush());
+    }
+    std::ofstream(data_ / "upload.state") << text;
+    EXPECT_EQ(*PartialFile::flushed(name_), 0u) << text;
+    EXPECT_EQ(PartialFile::open(name_, "stl")->bytes(), 0u) << text;
+  }
 }
 
 TEST_F(PartialFileTest, HalfOfItsTwoFilesIsNone) {
