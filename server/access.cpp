@@ -1,5 +1,7 @@
 #include "server/access.hpp"
 
+#include <strings.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -58,7 +60,7 @@ Result<Caller> Access::check(const http::Request& request, Scope wanted) {
 Result<Token> Access::token_of(const http::Request& request) {
   constexpr std::string_view scheme = "Bearer ";
   const std::string_view shown = request.header("Authorization");
-  if (shown.starts_with(scheme)) {
+  if (shown.size() >= scheme.size() && strncasecmp(shown.data(), scheme.data(), scheme.size()) == 0) {
     auto token = usable_token(store_, shown.substr(scheme.size()), clock_);
     if (!token) return tl::make_unexpected(refused(std::move(token.error())));
     return token;

@@ -48,9 +48,12 @@ Response unchanged(const Job& job) {
 Result<Response> get_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request, caller));
   VACUFORM_TRY(seconds, query_number(request, "wait", 0, 0, most_wait_seconds));
+  if (auto refusal = http::unmet_precondition(request, etag_of(job)))
+    return http::refused_response(std::move(*refusal));
   if (!http::names_etag(request.header("If-None-Match"), etag_of(job))) return job_response(job);
   if (seconds == 0 || ended(job.state)) return unchanged(job);
   Response response;
+  response.party = caller.owner;
   response.waiter = [&store = service.store, job,
                      until = steady_clock::now() +
                              std::chrono::seconds(seconds)](const http::Going& going) -> Result<Response> {
@@ -139,7 +142,8 @@ class Telling {
 
 Result<Response> get_events(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request, caller));
-  const Heard heard = Heard::from(request.header("Last-Event-ID"));
+  Heard heard = Heard::from(request.header("Last-Event-ID"));
+  if (heard.version > job.version) heard = {};  // of a store that has since been restored from a copy
   Response response;
   response.set("Cache-Control", "no-store");
   response.set("X-Content-Type-Options", "nosniff");
@@ -149,6 +153,7 @@ Result<Response> get_events(Service& service, const Request& request, const Call
   }
   response.set("X-Accel-Buffering", "no");  // nginx passes events on as they come
   response.media_type = "text/event-stream";
+  response.party = caller.owner;
   response.stream = Telling(service.store, job.id, heard);
   return response;
 }

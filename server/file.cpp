@@ -80,6 +80,8 @@ Result<void> File::sync() {
   return {};
 }
 
+void File::doubt() const { (void)::futimens(descriptor_, nullptr); }
+
 Result<void> make_directory(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

@@ -61,14 +61,16 @@ std::string url_of(const Address& address, const http::Server& server) {
   return "http://" + host + ":" + std::to_string(server.port());
 }
 
-// Its few threads are its own, and a slow client keeps one for a second at most.
+// Its threads are its own, and a slow client keeps one for half a second, many slow ones each for a moment: who asks here
+// sends all at once.
 http::ServerOptions status_listener(const Address& address) {
   http::ServerOptions listener;
   listener.host = address.host;
   listener.port = address.port;
-  listener.threads = 8;
+  listener.threads = 64;
   listener.streams = 0;
-  listener.limits.head_time = std::chrono::seconds(1);
+  listener.limits.head_time = std::chrono::milliseconds(500);
+  listener.limits.crowded_head_time = std::chrono::milliseconds(20);
   listener.limits.wait = std::chrono::seconds(1);
   listener.refuse = [](const http::Request&, const http::Refusal& refusal) {
     return problem_response(refusal.error, refusal.status);

@@ -4,9 +4,12 @@
 
 #include "api/log.hpp"
 #include "api/settings.hpp"
+#include "server/http/range.hpp"
 #include "server/problem.hpp"
+#include "server/secrets.hpp"
 #include "server/service.hpp"
 #include "server/submission.hpp"
+#include "server/submission_form.hpp"
 
 namespace vacuform {
 
@@ -28,6 +31,26 @@ bool plain_name(const std::string& name) {
   });
 }
 
+// Of the text that is kept: the settings alone decide.
+std::string etag_of(const Profile& profile) {
+  std::string tag("\"");
+  return tag.append(text_hash(profile.settings)).append("\"");
+}
+
+// Of the profile of that name; empty where there is none.
+Result<std::string> etag_of(Service& service, const std::string& name) {
+  const auto profile = service.store.find_profile(name);
+  if (!profile && profile.error().code == Code::not_found) return std::string();
+  if (!profile) return tl::make_unexpected(profile.error());
+  return etag_of(*profile);
+}
+
+Response profile_response(const Profile& profile, int status) {
+  Response response = json_response(profile_json(profile), status);
+  response.set("ETag", etag_of(profile));
+  return response;
+}
+
 Result<Response> list_profiles(Service& service, Request& request, const Caller&) {
   VACUFORM_TRY(limit, query_number(request, "limit", 20, 1, 100));
   VACUFORM_TRY(cursor, page_cursor(request));
@@ -40,26 +63,40 @@ Result<Response> list_profiles(Service& service, Request& request, const Caller&
 
 Result<Response> show_profile(Service& service, Request& request, const Caller&) {
   VACUFORM_TRY(profile, service.store.find_profile(request.at("name")));
-  return json_response(profile_json(profile));
+  if (auto refusal = http::unmet_precondition(request, etag_of(profile)))
+    return http::refused_response(std::move(*refusal));
+  Response response = profile_response(profile, 200);
+  if (http::names_etag(request.header("If-None-Match"), etag_of(profile))) {
+    response.status = 304;
+    response.text.clear();
+    response.media_type.clear();
+  }
+  return response;
 }
 
 Result<Response> put_profile(Service& service, Request& request, const Caller& caller) {
   const std::string& name = request.at("name");
   if (!plain_name(name))
     return fail(Code::bad_usage, "not a name for a profile", "name", "give 1 to 64 of a-z, 0-9 and '-'");
-  VACUFORM_TRY(text, http::read_text(request, largest_settings));
+  VACUFORM_TRY(text, read_json_text(request, largest_settings));
   VACUFORM_CHECK(settings_from_text(text));  // one that no job could begin with is refused here
   const auto object = ordered_json::parse(text, nullptr, false);
   if (!object.is_object())
     return fail(Code::bad_usage, "the body is not a JSON object of settings", "request body",
                 R"(send {"machine": {"window_width_mm": 280}})");
+  VACUFORM_TRY(etag, etag_of(service, name));
+  if (auto refusal = http::unmet_precondition(request, etag))
+    return http::refused_response(std::move(*refusal));
   VACUFORM_TRY(made, service.store.put_profile({name, object.dump(), 0}));
   log_event("profile-put", {{"profile", name}, {"by", caller.token}});
   VACUFORM_TRY(profile, service.store.find_profile(name));
-  return json_response(profile_json(profile), made ? 201 : 200);
+  return profile_response(profile, made ? 201 : 200);
 }
 
 Result<Response> delete_profile(Service& service, Request& request, const Caller& caller) {
+  VACUFORM_TRY(etag, etag_of(service, request.at("name")));
+  if (auto refusal = http::unmet_precondition(request, etag))
+    return http::refused_response(std::move(*refusal));
   VACUFORM_CHECK(service.store.remove_profile(request.at("name")));
   log_event("profile-deleted", {{"profile", request.at("name")}, {"by", caller.token}});
   Response response;

@@ -16,8 +16,9 @@ struct Limits {
   std::size_t head_bytes = 32 * 1024;
   std::size_t head_lines = 100;
   std::chrono::milliseconds head_time{10'000};
-  std::chrono::milliseconds wait{30'000};  // for the next bytes of a body, or for room to write
-  std::uint64_t slowest_body = 4 * 1024;   // bytes a second, on the average after `wait`
+  std::chrono::milliseconds crowded_head_time{100};  // the same while most threads are taken
+  std::chrono::milliseconds wait{30'000};            // for the next bytes of a body, or for room to write
+  std::uint64_t slowest_body = 4 * 1024;             // bytes a second, on the average after `wait`
 };
 
 // What the head says, after the gate: only what the library behind may see.

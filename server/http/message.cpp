@@ -39,6 +39,27 @@ Result<std::string> read_text(Request& request, std::uint64_t limit) {
   }
 }
 
+std::optional<Refusal> unmet_precondition(const Request& request, const std::string& quoted) {
+  const std::string_view wanted = request.header("If-Match"), unwanted = request.header("If-None-Match");
+  const auto refuse = [](const char* header, const char* mend) {
+    return Refusal{412,
+                   {Code::conflict, "what is there is not what the request wants to find", header, mend}};
+  };
+  const bool there = !quoted.empty();
+  if (!wanted.empty() && !(there && names_strong_etag(wanted, quoted)))
+    return refuse("If-Match", "look at it again, and decide anew");
+  if (request.method != "GET" && there && names_etag(unwanted, quoted))
+    return refuse("If-None-Match", "leave the header out to replace what is there");
+  return std::nullopt;
+}
+
+Response refused_response(Refusal refusal) {
+  Response response;
+  response.status = refusal.status;
+  response.refusal = std::move(refusal);
+  return response;
+}
+
 Response text_response(std::string media_type, std::string text, int status) {
   Response response;
   response.status = status;
@@ -86,6 +107,7 @@ Result<Response> file_response(const Request& request, File file, std::string me
   response.set("ETag", quoted);
   response.set("Accept-Ranges", "bytes");
   response.set("Cache-Control", "private, no-cache");
+  if (auto refusal = unmet_precondition(request, quoted)) return refused_response(std::move(*refusal));
   if (names_etag(request.header("If-None-Match"), quoted)) {
     response.status = 304;
     return response;
@@ -96,10 +118,11 @@ Result<Response> file_response(const Request& request, File file, std::string me
   if (if_range.empty() || if_range == quoted) {
     const RangeAnswer answer = byte_range(request.header("Range"), bytes);
     if (answer.kind == RangeAnswer::unsatisfiable) {
-      response.status = 416;
-      response.media_type.clear();
-      response.set("Content-Range", "bytes */" + std::to_string(bytes));
-      return response;
+      Response refused = refused_response(
+          {416,
+           {Code::bad_usage, "the file has no such range of bytes", "Range", "ask for bytes that it has"}});
+      refused.set("Content-Range", "bytes */" + std::to_string(bytes));
+      return refused;
     }
     if (answer.kind == RangeAnswer::part) {
       response.status = 206;
@@ -109,6 +132,7 @@ Result<Response> file_response(const Request& request, File file, std::string me
                                         std::to_string(answer.last) + "/" + std::to_string(bytes));
     }
   }
+  if (response.status == 200) body.sha256 = sha256;
   if (!sha256.empty()) VACUFORM_CHECK(set_digests(response, body, sha256));
   response.file = std::move(body);
   return response;

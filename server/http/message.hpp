@@ -49,10 +49,18 @@ struct Request {
 // The whole body. Errors: too_large above `limit`, and those of Body::read.
 Result<std::string> read_text(Request& request, std::uint64_t limit);
 
-// A piece of a file as the body of a response.
+// A piece of a file as the body of a response. Of a whole file whose SHA-256 is known the last bytes are sent only if all of
+// them have that hash; otherwise the connection breaks off before them.
 struct FileBody {
   std::shared_ptr<const File> file;
   std::uint64_t offset = 0, bytes = 0;
+  std::string sha256 = {};  // of a whole file; may be empty
+};
+
+// An error under an HTTP status of its own.
+struct Refusal {
+  int status = 400;
+  Error error;
 };
 
 // Whether the client is still there and the server goes on. Whatever waits on a client's behalf asks it about every
@@ -72,9 +80,11 @@ struct Response {
   std::vector<Header> headers;
   std::string media_type;
   std::string text;
-  std::optional<FileBody> file;  // in place of text
-  Producer stream;  // in place of both, until the producer ends, the client leaves or the server stops
-  Waiter waiter;    // in place of everything else
+  std::optional<Refusal> refusal;  // in place of all but the headers: its answer gets these
+  std::optional<FileBody> file;    // in place of text
+  Producer stream;    // in place of both, until the producer ends, the client leaves or the server stops
+  Waiter waiter;      // in place of everything else
+  std::string party;  // for whom a stream or a waiter is; each has so many (ServerOptions)
 
   void set(std::string name, std::string value) { headers.push_back({std::move(name), std::move(value)}); }
 };
@@ -82,16 +92,15 @@ struct Response {
 Response text_response(std::string media_type, std::string text, int status = 200);
 
 // A whole file, or the range of it that the request asks for (206, 416), or 304 when the client has it
-// already. `etag` without quotes. One range at a time; a request for several gets the whole file, as RFC 9110
+// already, or 412 when If-Match wants another one. `etag` without quotes. One range at a time; a request for several gets the whole file, as RFC 9110
 // allows. `sha256` of the whole file, where it is known, goes out as Repr-Digest; Content-Digest is that of the bytes that
 // are sent, left out of parts beyond 16 MiB, which would have to be read twice.
 Result<Response> file_response(const Request& request, File file, std::string media_type,
                                const std::string& etag, const std::string& sha256 = {});
 
-// A refusal before or beside the routes: an HTTP status of its own with the error behind it.
-struct Refusal {
-  int status = 400;
-  Error error;
-};
+// The refusal (412) of a request whose If-Match does not name this entity tag (with its quotes; empty: there is nothing yet),
+// or that changes something which If-None-Match names; none otherwise (RFC 9110, section 13).
+std::optional<Refusal> unmet_precondition(const Request& request, const std::string& quoted);
+Response refused_response(Refusal refusal);
 
 }  // namespace vacuform::http

@@ -25,7 +25,7 @@ bool is_loopback_host(std::string_view host) {
   in_addr four{};
   const std::string text(name);
   if (inet_pton(AF_INET, text.c_str(), &four) == 1) return (ntohl(four.s_addr) >> 24) == 127;
-  return text == "localhost" || text == "::1";
+  return strcasecmp(text.c_str(), "localhost") == 0 || text == "::1";
 }
 
 std::optional<Refusal> check_origin(const Request& request, std::string_view front_host) {

@@ -41,17 +41,27 @@ RangeAnswer byte_range(std::string_view header, std::uint64_t bytes) {
   return {RangeAnswer::part, *first, last ? std::min(*last, bytes - 1) : bytes - 1};
 }
 
-bool names_etag(std::string_view header, std::string_view quoted) {
+namespace {
+
+bool names(std::string_view header, std::string_view quoted, bool weak_too) {
   while (!header.empty()) {
     const auto comma = header.find(',');
     std::string_view tag = trimmed(header.substr(0, comma));
     if (tag == "*") return true;
-    if (tag.starts_with("W/")) tag.remove_prefix(2);
+    if (weak_too && tag.starts_with("W/")) tag.remove_prefix(2);
     if (tag == quoted) return true;
     if (comma == std::string_view::npos) return false;
     header.remove_prefix(comma + 1);
   }
   return false;
+}
+
+}  // namespace
+
+bool names_etag(std::string_view header, std::string_view quoted) { return names(header, quoted, true); }
+
+bool names_strong_etag(std::string_view header, std::string_view quoted) {
+  return names(header, quoted, false);
 }
 
 }  // namespace vacuform::http

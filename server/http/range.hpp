@@ -19,4 +19,7 @@ RangeAnswer byte_range(std::string_view header, std::uint64_t bytes);
 // "*".
 bool names_etag(std::string_view header, std::string_view quoted);
 
+// The same of an If-Match header, where a weak tag names nothing.
+bool names_strong_etag(std::string_view header, std::string_view quoted);
+
 }  // namespace vacuform::http

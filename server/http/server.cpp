@@ -7,6 +7,7 @@
 #include <httplib.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <strings.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -16,15 +17,32 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "api/log.hpp"
+#include "api/sha256.hpp"
 #include "server/http/digest.hpp"
 #include "server/http/origin.hpp"
+#include "server/http/places.hpp"
 #include "server/http/request_id.hpp"
 
 namespace vacuform::http {
 
 namespace {
+
+bool named(std::string_view name, std::string_view wanted) {
+  return name.size() == wanted.size() && strncasecmp(name.data(), wanted.data(), name.size()) == 0;
+}
+
+// Lines that the library adds to heads by itself and that would be wrong in the one that this thread writes.
+thread_local std::vector<std::string_view> unwanted_lines;
+
+std::string without_lines(std::string head) {
+  for (const std::string_view line : unwanted_lines)
+    if (const std::size_t at = head.find(line); at != std::string::npos) head.erase(at, line.size());
+  return head;
+}
 
 // The vetted request line in, the response out.
 class LineStream : public httplib::Stream {
@@ -41,7 +59,10 @@ class LineStream : public httplib::Stream {
     return static_cast<ssize_t>(n);
   }
   ssize_t write(const char* bytes, std::size_t size) override {
-    return connection_.write({bytes, size}) ? static_cast<ssize_t>(size) : -1;
+    const bool head = !std::exchange(answered_, true);  // the library writes it in one piece
+    const bool written =
+        head ? connection_.write(without_lines({bytes, size})) : connection_.write({bytes, size});
+    return written ? static_cast<ssize_t>(size) : -1;
   }
   void get_remote_ip_and_port(std::string&, int&) const override {}
   void get_local_ip_and_port(std::string&, int&) const override {}
@@ -52,9 +73,8 @@ class LineStream : public httplib::Stream {
   Connection& connection_;
   std::string text_;
   std::size_t at_ = 0;
+  bool answered_ = false;
 };
-
-constexpr std::chrono::milliseconds crowded_head_time{500};
 
 // The connection that this thread serves; the library's callbacks carry no context of their own.
 thread_local Connection* served = nullptr;
@@ -75,15 +95,30 @@ void process(L& library, httplib::Stream& stream,
   (library.*request)(stream, "", 0, "", 0, true, closed, nullptr);
 }
 
-// One of a bounded number of places; given back when the last copy goes.
-using Place = std::shared_ptr<void>;
-Place take_place(std::atomic<int>& taken, int most) {
-  if (++taken > most) {
-    --taken;
-    return nullptr;
+// Gives the bytes of a file to the library; see FileBody.
+class FileSender {
+ public:
+  explicit FileSender(FileBody body) : body_(std::move(body)) {
+    if (!body_.sha256.empty()) hash_ = std::make_shared<Sha256>();
   }
-  return {static_cast<void*>(&taken), [&taken](void*) { --taken; }};
-}
+
+  bool operator()(std::size_t offset, std::size_t length, httplib::DataSink& sink) const {
+    std::array<char, 64 * 1024> piece;
+    const auto n = body_.file->read_at(body_.offset + offset, {piece.data(), std::min(length, piece.size())});
+    if (!n || *n == 0) return false;
+    if (hash_) hash_->add(std::string_view(piece.data(), *n));
+    if (hash_ && offset + *n == body_.bytes && hash_->hex() != body_.sha256) {
+      log_event("blob-damaged", {{"blob", body_.sha256}});
+      body_.file->doubt();
+      return false;
+    }
+    return sink.write(piece.data(), *n);
+  }
+
+ private:
+  FileBody body_;
+  std::shared_ptr<Sha256> hash_;  // of what was sent; the library copies this object
+};
 
 void give(const Response& from, httplib::Response& to) {
   to.status = from.status;
@@ -93,18 +128,11 @@ void give(const Response& from, httplib::Response& to) {
     if (!from.media_type.empty()) to.set_header("Content-Type", from.media_type);
     return;
   }
-  to.set_content_provider(
-      from.file->bytes, from.media_type,
-      [body = *from.file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-        std::array<char, 64 * 1024> piece;
-        const auto n =
-            body.file->read_at(body.offset + offset, {piece.data(), std::min(length, piece.size())});
-        return n && *n > 0 && sink.write(piece.data(), *n);
-      });
+  to.set_content_provider(from.file->bytes, from.media_type, FileSender(*from.file));
 }
 
 // Without a length: the end of the connection is the end of the body.
-void give_stream(const Response& from, const Going& going, Place place, httplib::Response& to) {
+void give_stream(const Response& from, const Going& going, Places::Place place, httplib::Response& to) {
   to.status = from.status;
   for (const Header& header : from.headers) to.set_header(header.name, header.value);
   to.set_content_provider(from.media_type, [going, place = std::move(place), producer = from.stream](
@@ -176,18 +204,19 @@ class Server::Library : public httplib::Server {
 
   int port() const { return port_; }
   int connections() const { return active_; }
-  int streams() const { return streams_; }
+  int streams() const { return places_.taken(); }
 
  private:
   bool process_and_close_socket(socket_t socket) override {
     Limits limits = options_.limits;
     // Clients that are slow to say what they want must not take the last threads from the others.
-    if (++active_ - streams_ > options_.threads * 3 / 4)
-      limits.head_time = std::min(limits.head_time, crowded_head_time);
+    if (++active_ - streams() > options_.threads * 3 / 4)
+      limits.head_time = std::min(limits.head_time, limits.crowded_head_time);
     {
       Connection connection(socket, limits, stopping_);
       if (connection.read_head()) {
         served = &connection;
+        unwanted_lines.clear();
         LineStream stream(connection);
         process(*this, stream, &Library::process_request);
         served = nullptr;
@@ -205,21 +234,28 @@ class Server::Library : public httplib::Server {
     request.id = request_id(served->head().headers);
     const LoggedRequest logged(request.id);
     Response response;
-    Place place;
+    const bool head_only = from.method == "HEAD";
+    Places::Place place;
     try {
       response = respond(from, request, answered);
-      if (response.waiter || (response.stream && from.method != "HEAD")) {
-        place = take_place(streams_, options_.streams);
-        response = place ? waited(request, std::move(response)) : crowded(request);
+      if (response.waiter || (response.stream && !head_only)) {
+        auto taken = places_.take(response.party);
+        if (taken) place = std::move(*taken);
+        response = taken ? waited(request, std::move(response)) : options_.refuse(request, taken.error());
       }
+      if (response.refusal)
+        response = with_headers(options_.refuse(request, *response.refusal), response.headers);
     } catch (const std::exception& fault) {
       answered.fault = fault.what();
       response = options_.refuse(
           request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
     }
     response.set("X-Request-Id", request.id);
+    if (head_only) unwanted_lines.push_back(library_ranges(response));
+    if (response.status == 204 || response.status == 304 || (head_only && response.stream))
+      unwanted_lines.push_back("\r\nContent-Length: 0");
     // It is about what is sent, and that is nothing here.
-    if (from.method == "HEAD")
+    if (head_only)
       std::erase_if(response.headers, [](const Header& header) { return header.name == "Content-Digest"; });
     if (response.stream && place)
       give_stream(response, going(), std::move(place), to);
@@ -243,12 +279,16 @@ class Server::Library : public httplib::Server {
     return options_.refuse(request, {meaning(result.error().code).http_status, result.error()});
   }
 
-  Response crowded(const Request& request) {
-    return options_.refuse(request, {503,
-                                     {Code::busy,
-                                      "too many clients are being kept informed already",
-                                      {},
-                                      "try again, or ask from time to time in place of waiting"}});
+  static Response with_headers(Response response, const std::vector<Header>& more) {
+    response.headers.insert(response.headers.end(), more.begin(), more.end());
+    return response;
+  }
+
+  // What the library says of every answer to HEAD; empty where it is right.
+  static std::string_view library_ranges(const Response& response) {
+    const bool ours = std::any_of(response.headers.begin(), response.headers.end(),
+                                  [](const Header& header) { return header.name == "Accept-Ranges"; });
+    return ours ? "" : "\r\nAccept-Ranges: bytes";
   }
 
   static Result<Response> handled(const Route& route, Request& request) {
@@ -267,9 +307,12 @@ class Server::Library : public httplib::Server {
     request.path = from.path;
     for (const auto& [name, value] : from.params) request.query.emplace(name, value);
     request.headers = served->head().headers;
+    if (from.method == "HEAD")  // ranges are for GET (RFC 9110, 14.2)
+      std::erase_if(request.headers, [](const Header& header) { return named(header.name, "Range"); });
     request.content_length = served->head().content_length;
     request.body = served;
-    if (const auto refusal = check_origin(request, options_.front_host)) return options_.refuse(request, *refusal);
+    if (const auto refusal = check_origin(request, options_.front_host))
+      return options_.refuse(request, *refusal);
     Router::Match match = router_.match(request.method, request.path);
     if (!match.route && !match.allowed.empty()) {
       Response response = options_.refuse(
@@ -293,7 +336,8 @@ class Server::Library : public httplib::Server {
   Router router_;
   std::atomic<bool> ending_ = false;    // streams end
   std::atomic<bool> stopping_ = false;  // every wait ends
-  std::atomic<int> active_ = 0, streams_ = 0;
+  std::atomic<int> active_ = 0;
+  Places places_{options_.streams, options_.streams_of_one};
   int port_ = 0;
   std::thread listener_;
 };

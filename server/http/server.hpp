@@ -6,8 +6,8 @@
 // reaches the library.
 //
 // A response that streams or waits (message.hpp) keeps its thread, so these have a bound and threads of their own: when
-// `streams` of them are under way the next one is refused with 503 and Retry-After, and `threads` are always left for
-// the other requests.
+// `streams` of them are under way the next one is refused with 503 and Retry-After, when `streams_of_one` are one party's
+// its next one with 429, and `threads` are always left for the other requests.
 #pragma once
 
 #include <functional>
@@ -29,10 +29,11 @@ struct Answered {
 
 struct ServerOptions {
   std::string host = "127.0.0.1";
-  std::string front_host;  // under which a TLS front passes requests on, in lower case; empty: there is none
-  int port = 0;      // 0: any free one
-  int threads = 64;  // requests at a time; a thread waits for its client, so more than cores
-  int streams = 64;  // responses at a time that stream or wait, besides
+  std::string front_host;   // under which a TLS front passes requests on, in lower case; empty: there is none
+  int port = 0;             // 0: any free one
+  int threads = 64;         // requests at a time; a thread waits for its client, so more than cores
+  int streams = 64;         // responses at a time that stream or wait, besides
+  int streams_of_one = 16;  // of them for the same party (Response::party)
   Limits limits;
   // Makes the answer to a refusal; `request` has a path only if the head could be read.
   std::function<Response(const Request& request, const Refusal& refusal)> refuse;

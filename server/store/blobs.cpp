@@ -48,8 +48,8 @@ Result<void> Upload::flush() {
   return {};
 }
 
-Result<Blobs> Blobs::open(const fs::path& data) {
-  Blobs blobs(data);
+Result<Blobs> Blobs::open(const fs::path& data, std::chrono::milliseconds trust) {
+  Blobs blobs(data, trust);
   VACUFORM_CHECK(make_directory(blobs.blobs_));
   VACUFORM_CHECK(make_directory(blobs.incoming_));
   std::error_code error;
@@ -98,10 +98,11 @@ Result<void> CheckedFiles::check(const File& file, const std::string& sha256) {
     return fail(Code::unavailable, "a stored file cannot be read", sha256);
   const Seen now{status.st_ino, static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec,
                  status.st_mtim.tv_nsec};
+  const auto time = std::chrono::steady_clock::now();
   {
     const std::lock_guard hold(mutex_);
-    const auto known = seen_.find(sha256);
-    if (known != seen_.end() && known->second == now) return {};
+    const auto known = good_.find(sha256);
+    if (known != good_.end() && known->second.seen == now && time < known->second.until) return {};
   }
   Sha256 hash;
   std::vector<char> piece(256 * 1024);
@@ -118,8 +119,8 @@ Result<void> CheckedFiles::check(const File& file, const std::string& sha256) {
   }
   constexpr std::size_t most = 100'000;
   const std::lock_guard hold(mutex_);
-  if (seen_.size() >= most) seen_.clear();
-  seen_[sha256] = now;
+  if (good_.size() >= most) good_.clear();
+  good_[sha256] = {now, time + trust_};
   return {};
 }
 
@@ -130,7 +131,8 @@ Result<File> Blobs::read(const std::string& sha256) const {
 }
 
 Result<void> Blobs::copy(const std::string& sha256, const fs::path& blobs) const {
-  VACUFORM_CHECK(read(sha256));
+  VACUFORM_TRY(file, File::open(place(sha256)));
+  VACUFORM_CHECK(CheckedFiles(std::chrono::milliseconds(0)).check(file, sha256));
   const fs::path to = blobs / sha256.substr(0, 2) / sha256;
   VACUFORM_CHECK(make_directory(to.parent_path()));
   std::error_code error;
@@ -140,7 +142,7 @@ Result<void> Blobs::copy(const std::string& sha256, const fs::path& blobs) const
     return fail(Code::unavailable, "copying a stored file failed: " + error.message(), to.string(),
                 "see that there is room on the disk");
   File copied(::open(to.c_str(), O_RDWR | O_CLOEXEC));
-  VACUFORM_CHECK(CheckedFiles().check(copied, sha256));
+  VACUFORM_CHECK(CheckedFiles(std::chrono::milliseconds(0)).check(copied, sha256));
   VACUFORM_CHECK(copied.sync());
   return sync_directory(to.parent_path());
 }

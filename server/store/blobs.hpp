@@ -7,6 +7,7 @@
 // kept disappears with the Upload, and what a crash left in incoming is deleted at the next start.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -42,19 +43,21 @@ class Upload {
  private:
   friend class Blobs;
   Upload(File file, std::filesystem::path path) : file_(std::move(file)), path_(std::move(path)) {}
-  Result<void> flush();
 
   File file_;
   std::filesystem::path path_;  // empty when the file has moved on
+  Result<void> flush();
+
   Sha256 hash_;
   Blob blob_;
   bool flushed_ = false;
   bool known_ = false;  // when it was sealed its bytes were there, under their name and whole
 };
 
-// Files whose bytes were found good, by what changes with every write. From any thread.
+// Files whose bytes were found good within the last `trust`, by what changes with every write. From any thread.
 class CheckedFiles {
  public:
+  explicit CheckedFiles(std::chrono::milliseconds trust) : trust_(trust) {}
   // Errors: gone: the bytes are not of that hash. Reads the file whole unless it is known.
   Result<void> check(const File& file, const std::string& sha256);
 
@@ -64,14 +67,21 @@ class CheckedFiles {
     std::int64_t modified_s, modified_ns;
     bool operator==(const Seen&) const = default;
   };
+  struct Good {
+    Seen seen;
+    std::chrono::steady_clock::time_point until;
+  };
+  const std::chrono::milliseconds trust_;
   std::mutex mutex_;
-  std::map<std::string, Seen> seen_;  // by hash; begun anew when it has grown
+  std::map<std::string, Good> good_;  // by hash; begun anew when it has grown
 };
 
 class Blobs {
  public:
-  // Makes the folders; deletes what unfinished uploads left behind. Errors: unavailable.
-  static Result<Blobs> open(const std::filesystem::path& data);
+  // Makes the folders; deletes what unfinished uploads left behind. `trust` is how long a file that was read whole is
+  // taken to be good, unless it was written to. Errors: unavailable.
+  static Result<Blobs> open(const std::filesystem::path& data,
+                            std::chrono::milliseconds trust = std::chrono::hours(1));
 
   Result<Upload> upload() const;
   // Takes over a whole file on the same disk that is flushed already.
@@ -82,10 +92,11 @@ class Blobs {
   Result<Blob> seal(Upload& upload) const;
   // Gives a sealed upload its final name. Keeping the same bytes twice leaves one file.
   Result<void> keep(Upload& upload) const;
-  // The file, whose bytes are checked when they are read for the first time since it was written or the programme
-  // started. Errors: not_found; gone: the bytes are others.
+  // The file, whose bytes are checked when it was written to, or not read whole by this process within the last hour.
+  // Errors: not_found; gone: the bytes are others.
   Result<File> read(const std::string& sha256) const;
-  // The same into a file of that hash beneath another folder: a hard link, or a copy where the disk is another one.
+  // The same into a file of that hash beneath another folder: a hard link, or a copy where the disk is another one. The
+  // bytes are checked in any case.
   Result<void> copy(const std::string& sha256, const std::filesystem::path& blobs) const;
   // Missing files are no error: a crash may have come between the row's end and the file's.
   void remove(const std::string& sha256) const;
@@ -93,8 +104,8 @@ class Blobs {
   Result<void> sweep(const std::function<bool(const std::string& sha256)>& wanted) const;
 
  private:
-  explicit Blobs(std::filesystem::path data)
-      : blobs_(data / "blobs"), incoming_(data / "incoming"), checked_(std::make_shared<CheckedFiles>()) {}
+  Blobs(std::filesystem::path data, std::chrono::milliseconds trust)
+      : blobs_(data / "blobs"), incoming_(data / "incoming"), checked_(std::make_shared<CheckedFiles>(trust)) {}
   std::filesystem::path place(const std::string& sha256) const {
     return blobs_ / sha256.substr(0, 2) / sha256;
   }

@@ -76,6 +76,14 @@ std::optional<Scope> needed(const http::Route& route) {
   return route.method == "GET" ? Scope::read : Scope::submit;
 }
 
+TEST_F(ServerAccess, TheNameOfTheSchemeHasNoCase) {
+  for (const char* scheme : {"bearer ", "BEARER "})
+    EXPECT_EQ(ask("GET", "/api/v1/jobs", std::string("Authorization: ") + scheme + user_ + "\r\n").status,
+              200)
+        << scheme;
+  EXPECT_EQ(ask("GET", "/api/v1/jobs", "Authorization: Basic " + user_ + "\r\n").status, 401);
+}
+
 TEST_F(ServerAccess, EveryRouteAsksForItsScopeAndForNoOther) {
   const http::Router router = all_routes(*service_);
   EXPECT_GT(router.routes().size(), 30u);

@@ -62,6 +62,24 @@ TEST_F(ServerEvent, AnEntityTagNamesTheStateOfAJob) {
   EXPECT_EQ(ask("GET", path_ + "?wait=61", known).status, 400);
 }
 
+TEST_F(ServerEvent, AnEntityTagThatMustMatchIsLookedAt) {
+  const std::string tag = ask("GET", path_).header("ETag");
+  for (const std::string& good : {tag, std::string("*"), "\"0\", " + tag})
+    EXPECT_EQ(ask("GET", path_, "If-Match: " + good + "\r\n").status, 200) << good;
+  for (const std::string& bad : {std::string("\"0\""), "W/" + tag})
+    EXPECT_EQ(ask("GET", path_, "If-Match: " + bad + "\r\n").status, 412) << bad;
+}
+
+// The store may be older than what a client has heard: a copy that was put in its place.
+TEST_F(ServerEvent, WhatWasHeardOfALaterStoreCountsForNothing) {
+  ask("POST", path_ + "/cancel");
+  for (const char* last : {"999.0", "9223372036854775807.9223372036854775807"}) {
+    const Answer answer = parsed(receive_all(following(last)));
+    EXPECT_EQ(answer.status, 200) << last;
+    EXPECT_EQ(events(answer.body).back().data["state"], "cancelled");
+  }
+}
+
 TEST_F(ServerEvent, AWaitEndsWithTheChange) {
   const std::string tag = ask("GET", path_).header("ETag");
   Answer answer;

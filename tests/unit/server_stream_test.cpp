@@ -12,8 +12,9 @@ using http::Request;
 using http::Response;
 using namespace std::chrono_literals;
 
-Response streamed(http::Producer producer) {
+Response streamed(http::Producer producer, const std::string& party = "someone") {
   Response response;
+  response.party = party;
   response.media_type = "text/event-stream";
   response.stream = std::move(producer);
   return response;
@@ -42,11 +43,20 @@ class ServerStream : public ServerTest {
         return "";
       });
     });
+    router.add("GET", "/of/{party}", [](Request& request) -> Result<Response> {
+      return streamed(
+          []() -> std::optional<std::string> {
+            std::this_thread::sleep_for(1ms);
+            return "";
+          },
+          request.at("party"));
+    });
     router.add("GET", "/broken", [](Request&) -> Result<Response> {
       return streamed([]() -> std::optional<std::string> { throw std::runtime_error("secret text"); });
     });
     router.add("GET", "/late", [this](Request&) -> Result<Response> {
       Response response;
+      response.party = "another";
       response.waiter = [this](const http::Going& going) -> Result<Response> {
         while (going() && !known_.try_acquire_for(1ms)) continue;
         return http::text_response("text/plain", "it is known");
@@ -66,6 +76,7 @@ class ServerStream : public ServerTest {
     options.refuse = refuse;
     options.threads = 4;
     options.streams = 3;
+    options.streams_of_one = 2;
     auto server = http::Server::start(std::move(options), std::move(router));
     ASSERT_TRUE(server) << server.error().text();
     streams_ = std::move(*server);
@@ -120,6 +131,24 @@ TEST_F(ServerStream, EndsWhenTheServerStops) {
   EXPECT_EQ(parsed(receive_all(sockets[2])).status, 200);
 }
 
+TEST_F(ServerStream, NobodyTakesThePlacesOfTheOthers) {
+  const std::array<int, 2> sockets{begun("/of/station-1"), begun("/of/station-1")};
+  await_streams(2);
+  const Answer refused = get("/of/station-1");
+  EXPECT_EQ(refused.status, 429);
+  EXPECT_FALSE(refused.header("Retry-After").empty());
+  EXPECT_NE(refused.body.find("of your clients"), std::string::npos);
+  const int other = begun("/of/station-2");
+  await_streams(3);
+  EXPECT_EQ(get("/of/station-3").status, 503);
+  ::close(sockets[0]);
+  await_streams(2);
+  const int again = begun("/of/station-1");
+  await_streams(3);
+  for (const int socket : {sockets[1], other, again}) ::close(socket);
+  await_streams(0);
+}
+
 TEST_F(ServerStream, MoreThanThereArePlacesAreRefusedAndOthersGoOn) {
   const std::array<int, 3> sockets{begun("/silent"), begun("/silent"), begun("/late")};
   await_streams(3);
@@ -130,7 +159,9 @@ TEST_F(ServerStream, MoreThanThereArePlacesAreRefusedAndOthersGoOn) {
     EXPECT_NE(refused.body.find("/problems/busy"), std::string::npos);
   }
   EXPECT_EQ(get("/quick").body, "quick");
-  EXPECT_EQ(get("/silent", "HEAD").status, 200);  // a head alone takes no place
+  const Answer head = get("/silent", "HEAD");
+  EXPECT_EQ(head.status, 200);  // a head alone takes no place
+  EXPECT_EQ(head.header("Content-Length"), "");
   known_.release();
   EXPECT_EQ(parsed(receive_all(sockets[2])).body, "it is known");
   await_streams(2);
