@@ -3,6 +3,9 @@
 A small validator of our own for the part of JSON Schema that the description uses; a keyword that it does not know is a
 fault of the test, not something to pass over.
 """
+import dataclasses
+import email
+import email.policy
 import json
 import pathlib
 import re
@@ -12,12 +15,21 @@ import yaml
 
 DESCRIPTION = pathlib.Path(__file__).resolve().parents[2] / "api" / "openapi.yaml"
 ANNOTATIONS = {"description", "title", "format", "examples", "default", "contentMediaType"}
+METHODS = {"get", "post", "put", "patch", "delete", "options"}
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None), "number": (int, float),
          "integer": int}
 
 
 class Broken(AssertionError):
     """The service does not do what it says."""
+
+
+@dataclasses.dataclass
+class Part:
+    """One part of a form: the bytes of a file, or a text."""
+    name: str
+    content: bytes
+    is_file: bool
 
 
 def is_of(value, kind):
@@ -33,6 +45,17 @@ class Contract:
         for path in sorted(self.root["paths"], key=lambda p: p.count("{")):
             pattern = re.sub(r"\\\{\w+\\\}", "[^/]+", re.escape(path))
             self.routes.append((re.compile(pattern), path, self.root["paths"][path]))
+        # Headers that mean something to some operation mean nothing to those that do not describe them.
+        self.special_headers = {p["name"].lower() for p in self.all_parameters() if p["in"] == "header"}
+        self.taken = set()  # operations of which a request was taken
+
+    def all_parameters(self):
+        for item in self.root["paths"].values():
+            for place in (item, *(item[m] for m in item.keys() & METHODS)):
+                yield from map(self.resolved, place.get("parameters", []))
+
+    def all_operations(self):
+        return {f"{method.upper()} {path}" for path, item in self.root["paths"].items() for method in item.keys() & METHODS}
 
     def resolved(self, node):
         while isinstance(node, dict) and "$ref" in node:
@@ -126,8 +149,9 @@ class Contract:
                 return operation, parameters, f"{method.upper()} {template}"
         return None
 
-    def check(self, method, url, sent, status, headers, body):
-        """One exchange. `sent`: headers of the request, names in lower case; `headers`: those of the answer."""
+    def check(self, method, url, sent, status, headers, body, asked=None):
+        """One exchange. `sent`: headers of the request, names in lower case; `asked`: its body, bytes or a list of Parts;
+        `headers`, `body`: those of the answer."""
         parts = urllib.parse.urlsplit(url)
         path = urllib.parse.unquote(parts.path)
         if not path.startswith("/api/") and path != "/healthz":
@@ -139,26 +163,78 @@ class Contract:
             return
         operation, parameters, where = found
         if status < 400:
-            self.check_request(operation, parameters, parts.query, sent, where)
+            self.check_request(operation, parameters, parts.query, sent, asked, where)
+            self.taken.add(where)
         self.check_answer(operation, where, method, status, headers, body)
 
-    def check_request(self, operation, parameters, query, sent, where):
-        """Only of requests that were taken: others may break any rule."""
+    def check_request(self, operation, parameters, query, sent, asked, where):
+        """Only of requests that were taken: what was refused may have broken any rule, and what was taken none."""
         known = {p["name"]: p for p in parameters if p["in"] == "query"}
         for name, values in urllib.parse.parse_qs(query, keep_blank_values=True).items():
             if name not in known:
                 raise Broken(f"{where}: takes a query {name} that is not described")
-            kind = self.resolved(known[name]["schema"]).get("type")
-            value = int(values[0]) if kind == "integer" else values[0]
-            self.check_value(value, known[name]["schema"], f"{where}?{name}")
-        for p in parameters:
-            if p["in"] == "header" and p.get("required") and p["name"].lower() not in sent and "HEAD" not in where \
-                    and p["name"] != "Tus-Resumable":
+            if len(values) > 1:
+                raise Broken(f"{where}: takes {name} more than once")
+            self.check_text(values[0], known[name]["schema"], f"{where}?{name}")
+        described = {p["name"].lower(): p for p in parameters if p["in"] == "header"}
+        for name, p in described.items():
+            if name in sent:
+                self.check_text(sent[name], p["schema"], f"{where}: {p['name']}")
+            elif p.get("required"):
                 raise Broken(f"{where}: taken without {p['name']}")
-        if "content-type" in sent and "requestBody" in operation:
-            media = sent["content-type"].split(";")[0].strip()
-            if media not in operation["requestBody"]["content"]:
-                raise Broken(f"{where}: takes {media}, which is not described")
+        for name in sent.keys() & self.special_headers - described.keys():
+            raise Broken(f"{where}: takes {name}, which is not described there")
+        self.check_body(operation.get("requestBody"), sent, asked, where)
+
+    def check_text(self, text, schema, where):
+        """A parameter, which is a text on the wire, as what its schema wants."""
+        kind = self.resolved(schema).get("type")
+        if kind == "integer":
+            if not re.fullmatch(r"-?[0-9]+", text):
+                raise Broken(f"{where}: not a whole number: {text}")
+            text = int(text)
+        self.check_value(text, schema, where)
+
+    def check_body(self, described, sent, asked, where):
+        if not asked:
+            if described and described.get("required"):
+                raise Broken(f"{where}: taken without a body")
+            return
+        if not described:
+            raise Broken(f"{where}: takes a body, which is not described")
+        media = sent.get("content-type", "").split(";")[0].strip()
+        if media not in described["content"]:
+            raise Broken(f"{where}: takes {media!r}, which is not described")
+        content = described["content"][media]
+        schema = self.resolved(content.get("schema", {}))
+        if media == "multipart/form-data":
+            self.check_form(asked if isinstance(asked, list) else parts_of(sent["content-type"], asked), schema,
+                            content.get("encoding", {}), where)
+        elif media.endswith("json"):
+            self.check_value(json.loads(asked), schema, f"{where} body")
+
+    def check_form(self, parts, schema, encoding, where):
+        names = [part.name for part in parts]
+        for name in names:
+            if names.count(name) > 1:
+                raise Broken(f"{where}: takes {name} more than once")
+        for part in parts:
+            at = f"{where} part {part.name}"
+            patterns = [v for k, v in schema.get("patternProperties", {}).items() if re.search(k, part.name)]
+            rules = [schema["properties"][part.name]] if part.name in schema.get("properties", {}) else patterns
+            if not rules:
+                raise Broken(f"{at}: not described")
+            for rule in map(self.resolved, rules):
+                if part.is_file != ("contentMediaType" in rule):
+                    raise Broken(f"{at}: {'a file' if part.is_file else 'no file'}")
+                if not part.is_file:
+                    self.check_value(part.content.decode(), rule, at)
+            if encoding.get(part.name, {}).get("contentType") == "application/json" and part.content.strip() \
+                    and not isinstance(json.loads(part.content), dict):
+                raise Broken(f"{at}: no JSON object")
+        lacking = set(schema.get("required", [])) - set(names)
+        if lacking:
+            raise Broken(f"{where}: taken without {lacking}")
 
     def check_answer(self, operation, where, method, status, headers, body):
         answers = operation["responses"]
@@ -181,9 +257,28 @@ class Contract:
             self.check_value(json.loads(body), schema["schema"], f"{where} {status}")
 
 
+def parts_of(content_type, body):
+    """The parts of a form that was put together by hand."""
+    text = b"Content-Type: " + content_type.encode() + b"\r\n\r\n" + body
+    message = email.message_from_bytes(text, policy=email.policy.HTTP)
+    return [Part(p.get_param("name", header="content-disposition"), p.get_payload(decode=True) or b"",
+                 p.get_filename() is not None) for p in message.iter_parts()]
+
+
+def part_of(word):
+    """A part of a form as curl's -F says it: name=text, name=@file, name=<file with text."""
+    name, _, value = word.partition("=")
+    if value.startswith(("@", "<")):
+        path = pathlib.Path(re.split(r";(?:type|filename)=", value[1:])[0])
+        # Of a file the contract knows that it is one.
+        return Part(name, b"" if value[0] == "@" else path.read_bytes(), value[0] == "@")
+    return Part(name, value.encode(), False)
+
+
 def of_curl(words):
-    """Method, URL and headers of a request as curl's words say them; no URL: nothing to check."""
-    method, url, headers = None, None, {}
+    """Method, URL, headers and body (bytes, or a list of Parts) of a request as curl's words say them; no URL: nothing to
+    check."""
+    method, url, headers, body, kind = None, None, {}, None, None
     words = [str(w) for w in words]
     for word, after in zip(words, words[1:] + [""]):
         if word == "-X":
@@ -191,15 +286,20 @@ def of_curl(words):
         elif word == "-H" and ":" in after:
             name, _, value = after.partition(":")
             headers[name.strip().lower()] = value.strip()
+        elif word == "-r":
+            headers["range"] = "bytes=" + after
         elif word in ("-I", "--head"):
             method = method or "HEAD"
         elif word == "-T":
-            method = method or "PUT"
+            method, body = method or "PUT", pathlib.Path(after).read_bytes()
         elif word.startswith("-F"):
-            method = method or "POST"
-            headers.setdefault("content-type", "multipart/form-data")
-        elif word in ("-d", "--data", "--data-binary", "--json"):
-            method = method or "POST"
+            method, kind = method or "POST", "multipart/form-data"
+            body = [*(body or []), part_of(word[2:] or after)]
+        elif word in ("-d", "--data-binary"):
+            method, kind = method or "POST", "application/x-www-form-urlencoded"
+            body = pathlib.Path(after[1:]).read_bytes() if after.startswith("@") else after.encode()
         elif word.startswith("http://127.0.0.1:"):
             url = word
-    return method or "GET", url, headers
+    if kind:
+        headers.setdefault("content-type", kind)
+    return method or "GET", url, headers, body

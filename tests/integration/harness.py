@@ -113,9 +113,9 @@ def curl(*words, patience=PATIENCE):
             if colon:
                 headers[name.strip().lower()] = value.strip()
         response = Response(int(lines[start].split()[1]), headers, body.read_bytes() if body.exists() else b"")
-    method, url, sent = of_curl(words)
+    method, url, sent, asked = of_curl(words)
     if url and any(url.startswith(server + "/") for server in TOKEN_FILES):
-        CONTRACT.check(method, url, sent, response.status, headers, response.body)
+        CONTRACT.check(method, url, sent, response.status, headers, response.body, asked)
     return response
 
 

@@ -10,7 +10,7 @@ import time
 import unittest
 
 import hostile
-from harness import Case, Server, curl
+from harness import Case, Server, curl, wait_for
 
 MOST_MEMORY_KIB = 300 * 1024
 MOST_SECONDS = 1
@@ -45,7 +45,8 @@ class Attacks(Case):
         super().setUpClass()
         port_file = cls.folder / "status-port"
         cls.server = cls.enterClass(Server(cls.folder, 2, ["--status-port-file", port_file]))
-        cls.health = Health(int(port_file.read_text()))
+        cls.status_port = int(port_file.read_text())
+        cls.health = Health(cls.status_port)
         cls.health.start()
         cls.token = cls.server.token_file.read_text().strip()
 
@@ -62,8 +63,8 @@ class Attacks(Case):
         cls.health.join()
         assert cls.health.asked > 20, "the health was hardly looked at"
 
-    def connected(self):
-        return socket.create_connection(("127.0.0.1", self.server.port), timeout=60)
+    def connected(self, port=None):
+        return socket.create_connection(("127.0.0.1", port or self.server.port), timeout=60)
 
     def head(self, first, *lines, token=None):
         return "\r\n".join([first + " HTTP/1.1", f"Host: 127.0.0.1:{self.server.port}", f"Authorization: Bearer {token or self.token}",
@@ -138,6 +139,18 @@ class Attacks(Case):
             self.assertEqual(curl(self.server.url + "/healthz").status, 200)
             self.assertLess(time.monotonic() - begun, 15)  # of the busy listener; that of health is looked at in tearDown
             time.sleep(3)
+        finally:
+            for connection in stalled:
+                connection.close()
+
+    def test_heads_that_never_end_do_not_keep_the_health_from_answering(self):
+        asked = self.health.asked
+        stalled = []
+        try:
+            for _ in range(300):
+                stalled.append(self.connected(self.status_port))
+                stalled[-1].sendall(b"GET /healthz HTTP/1.1\r\nHo")
+            wait_for(lambda: self.health.asked > asked + 10, "some answers about the health")
         finally:
             for connection in stalled:
                 connection.close()

@@ -111,7 +111,7 @@ class Crashes(Case):
                 else:
                     self.assertEqual(answer.status // 100, 2, answer)
         self.assertEqual(curl(f"{server.api}/jobs/{job}/artifacts/report.json").body.decode(), new["lease"])
-        self.assertEqual(curl("-d", "{}", f"{server.api}/leases").status, 403)  # the administrator is no worker
+        self.assertEqual(curl(*of_json, "-d", "{}", f"{server.api}/leases").status, 403)  # the administrator is no worker
 
     def test_server_killed_during_an_upload_keeps_what_it_accepted_and_nothing_else(self):
         server = self.server()
