@@ -78,7 +78,9 @@ class Inspections(Case):
 
     def test_through_the_form(self):
         """As a browser sends it: every field, the empty ones too, with the name of the button."""
-        answer = curl("-F", f"scan=@{HEAD}", "-F", f"pattern=@{RINGS}", "-F", "temperature=@/dev/null;filename=", "-F", "profile=",
+        empty = self.folder / "none"
+        empty.touch()
+        answer = curl("-F", f"scan=@{HEAD}", "-F", f"pattern=@{RINGS}", "-F", f'temperature=@{empty};filename=""', "-F", "profile=",
                       "-F", "print.dpi=", "-F", "kind=inspection", self.server.url + "/jobs")
         self.assertEqual(answer.status, 303, answer)
         job = self.server.wait(answer.headers["location"].rsplit("/", 1)[1])
