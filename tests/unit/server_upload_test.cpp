@@ -261,8 +261,8 @@ TEST_F(ServerUpload, WhatAnInspectionFindsStandsWithItsScan) {
   EXPECT_EQ(held["kind"], "inspection");
   const std::string lease = "/api/v1/leases/" + held["job"].get<std::string>();
   const std::string key = worker_headers(held["lease"].get<std::string>());
-  EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, R"({"fits":true})").status, 204);
-  EXPECT_EQ(ask("POST", lease + "/complete", key, "{}").status, 204);
+  EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, R"({"fits":true})").status, 200);
+  EXPECT_EQ(ask("POST", lease + "/complete", key, "{}").status, 200);
   inspection = json::parse(ask("GET", at).body)["inspection"];
   EXPECT_EQ(inspection["state"], "succeeded");
   EXPECT_EQ(inspection["findings"], json::parse(R"({"fits":true})"));
@@ -288,8 +288,8 @@ TEST_F(ServerUpload, FindingsThatNobodyCanReadAreNone) {
     const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
     const std::string lease = "/api/v1/leases/" + held["job"].get<std::string>();
     const std::string key = worker_headers(held["lease"].get<std::string>());
-    EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, findings).status, 204);
-    EXPECT_EQ(ask("POST", lease + "/complete", key, "{}").status, 204);
+    EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, findings).status, 200);
+    EXPECT_EQ(ask("POST", lease + "/complete", key, "{}").status, 200);
     const json inspection = json::parse(ask("GET", "/api/v1/scans/" + id).body)["inspection"];
     EXPECT_EQ(inspection["state"], "succeeded");
     EXPECT_TRUE(inspection["findings"].is_null()) << findings.substr(0, 10);
