@@ -11,7 +11,7 @@ import time
 import unittest
 
 import hostile
-from harness import BIN, PATIENCE, TOKEN_FILES, Case, Program, Server, curl, free_port, vacuform, wait_for
+from harness import BIN, PATIENCE, TOKEN_FILES, Case, Program, Server, curl, free_port, wait_for
 
 DEPLOY = pathlib.Path(__file__).resolve().parents[2] / "deploy"
 NGINX = shutil.which("nginx") or "/usr/sbin/nginx"
@@ -104,6 +104,23 @@ class Front(Case):
         self.assertRegex(done.headers["set-cookie"], r"(?i); secure")
         self.assertEqual(self.ask("/sign-in", *words, "-H", "Origin: https://elsewhere.example.org").status, 403)
 
+    def test_programs_and_people_are_told_that_the_service_is_away(self):
+        self.server.stop()
+        try:
+            told = self.ask("/api/v1/jobs")
+            self.assertEqual((told.status, told.headers["content-type"], told.headers["retry-after"]), (503, "application/problem+json", "5"))
+            self.assertEqual((told.json["type"], told.json["status"]), ("/problems/unavailable", 503))
+            self.assertEqual(self.ask("/api/v1/jobs", *self.files()).status, 503)
+            page = self.ask("/", "-H", "Accept: text/html,*/*;q=0.8")
+            self.assertEqual((page.status, page.headers["content-type"]), (503, "text/html; charset=utf-8"))
+            self.assertIn(b"<h1>Vacuform is away</h1>", page.body)
+            for answer in told, page:
+                self.assertEqual(answer.headers["strict-transport-security"], "max-age=31536000")
+        finally:
+            self.server.start()
+        self.assertEqual(self.ask("/api/v1/jobs").status, 200)
+        self.assertEqual(self.ask("/front/away/person").status, 404)  # no address of its own
+
     def test_only_its_own_name_and_tls_of_today(self):
         direct = curl("-H", "Host: elsewhere.example.org", self.server.url + "/healthz")
         self.assertEqual(direct.status, 421)
@@ -150,7 +167,7 @@ class Front(Case):
             stalled[-1].sendall(head if i % 2 else head[:40])
         try:
             self.assertEqual(self.ask("/healthz").status, 200)
-            status = json.loads(next(line for line in self.server.program.says().splitlines() if '"server-started"' in line))["status_url"]
+            status = json.loads([line for line in self.server.program.says().splitlines() if '"server-started"' in line][-1])["status_url"]
             metrics = curl(status + "/metrics").body.decode()
             self.assertEqual(re.search(r"^vacuform_http_connections (\d+)$", metrics, re.M)[1], "0")
         finally:

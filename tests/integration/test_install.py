@@ -106,7 +106,9 @@ class Install(Case):
         self.installed(DESTDIR=str(root))
         mine = root / "etc/vacuform/server.json"
         mine.write_text('{"workers": 1}')
-        self.assertIn(f"{mine} is kept as it is.", self.installed("--listen", "127.0.0.1:9000", DESTDIR=str(root)))
+        said = self.installed("--listen", "127.0.0.1:9000", DESTDIR=str(root))
+        self.assertRegex(said, rf'{mine} is kept as it is\..*\n{{\n(  .*\n)*  "listen": "127.0.0.1:9000",\n')
+        self.assertIn('"server": "http://127.0.0.1:9000"', said)  # what the workers would be told
         self.assertEqual(mine.read_text(), '{"workers": 1}')
 
     def test_workers_alone(self):
