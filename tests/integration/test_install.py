@@ -140,7 +140,7 @@ class Install(Case):
         script(inside, f"""
             set -euo pipefail
             mount --bind etc /etc
-            for own in /opt /run /var/lib /var/cache; do mount -t tmpfs -o mode=755 own $own; done
+            for own in /opt /run /var/lib /var/cache /var/backups; do mount -t tmpfs -o mode=755 own $own; done
             install=(checkout/deploy/install --prefix /opt/vacuform --listen 127.0.0.1:{port})
             "${{install[@]}}" > first
             sed -i 's/"keep_days": 1/"keep_days": 2/' /etc/vacuform/worker.json
@@ -151,6 +151,7 @@ class Install(Case):
             VACUFORM_TOKEN=$(eval "$make") vacuform submit --server http://127.0.0.1:{port} --scan head.stl --pattern coils.svg \\
               --settings small.json --wait --out out
             stat -c '%U:%G %a %n' /var/lib/vacuform /var/cache/vacuform-worker /etc/vacuform/worker.token /etc/vacuform/server.json > modes
+            runuser -u vacuform -- vacuform-server backup --to /var/backups/vacuform/monday > backup
             ps -eo user:20,comm | sort -u > users
             ! runuser -u vacuform-worker -- ls /var/lib/vacuform 2>> refused
             ! runuser -u vacuform-worker -- cat /etc/vacuform/worker.token 2>> refused
@@ -173,6 +174,7 @@ class Install(Case):
         self.assertEqual((self.here / "modes").read_text().splitlines(),
                          ["vacuform:vacuform 700 /var/lib/vacuform", "vacuform-worker:vacuform-worker 700 /var/cache/vacuform-worker",
                           "root:root 600 /etc/vacuform/worker.token", "root:root 644 /etc/vacuform/server.json"])
+        self.assertEqual(json.loads((self.here / "backup").read_text())["damaged"], [])
         users = (self.here / "users").read_text().split("\n")
         self.assertIn(["vacuform", "vacuform-server"], [line.split() for line in users])
         self.assertIn(["vacuform-worker", "vacuform-worker"], [line.split() for line in users])
