@@ -17,7 +17,7 @@
 //    go by turns of their owners: the owner with the fewest running jobs, and of several the one that was served the
 //    longest ago; of an owner's jobs that of the highest priority, then the oldest.
 //  - The queue is bounded: no more than `most_queued` jobs wait, and of one owner no more than `most_queued_by_owner`.
-//  - What open() gives has been read whole and checked against its hash since it was last written or the server started.
+//  - What open() gives has been read whole and checked against its hash since it was last written and within the last hour.
 //  - Files that no job names are deleted: with the job, or at the next start when a crash came between.
 // Every function may be called from any thread.
 #pragma once
