@@ -6,6 +6,7 @@
 #include "worker/scan/scan_file.hpp"
 #include "worker/scan/undercuts.hpp"
 #include "worker/scan/welding.hpp"
+#include "worker/scan/wrapping.hpp"
 
 namespace vacuform {
 namespace {
@@ -282,6 +283,44 @@ TEST(Rebuilding, PatchesWithGapsAreWrapped) {
   EXPECT_TRUE(mold->findings.rebuilt);
   EXPECT_NEAR(signed_volume(mold->mesh), signed_volume(sphere(60, 40)),
               0.015 * signed_volume(sphere(60, 40)));
+}
+
+// Fifty-one plates, each with its upper and its lower side.
+TEST(Undercuts, FiftyLayersAreRefused) {
+  TriangleMesh pile;
+  for (int i = 0; i < 51; ++i) pile = joined(pile, box({0, 0, 2.0 * i}, {60, 60, 2.0 * i + 1}));
+  const auto space = CoveredSpace::measure(pile, 0, 0.5, ScanProgress(Context()));
+  ASSERT_FALSE(space);
+  EXPECT_EQ(space.error().code, Code::unusable_scan);
+  EXPECT_NE(space.error().text().find("more than fifty above each other"), std::string::npos)
+      << space.error().text();
+}
+
+// Needles that all begin in one point: each step of a wrap has to look at all of them.
+TEST(Wrapping, EndsWhereItsBudgetDoes) {
+  TriangleMesh needles;
+  needles.vertices = {{0, 0, 0}};
+  for (int i = 0; i < 2000; ++i) {
+    const double z = 1 - (2 * i + 1) / 2000.0, r = std::sqrt(1 - z * z), turn = 2.4 * i;
+    const Eigen::Vector3d tip(60 * r * std::cos(turn), 60 * r * std::sin(turn), 60 * z);
+    needles.vertices.push_back(tip);
+    needles.vertices.push_back(tip + Eigen::Vector3d(0.1, 0.1, 0));
+    needles.triangles.push_back({0, 2 * i + 1, 2 * i + 2});
+  }
+  WrapBudget budget{1'000'000};
+  const auto refused = wrap(needles, 20, 0.1, ScanProgress(Context()), budget);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::unusable_scan);
+  EXPECT_EQ(budget.tests, 0);
+
+  const auto ball = sphere(60, 40);
+  budget.tests = 5'000'000;
+  ASSERT_TRUE(wrap(ball, 20, 0.1, ScanProgress(Context()), budget));
+  const std::int64_t used = 5'000'000 - budget.tests;
+  EXPECT_LT(used, 4'000'000);
+  budget.tests = 5'000'000;
+  ASSERT_TRUE(wrap(ball, 20, 0.1, ScanProgress(Context()), budget));
+  EXPECT_EQ(5'000'000 - budget.tests, used);  // counted, not timed
 }
 
 TEST(Clearance, IsAnOffsetWithinAPercent) {

@@ -54,11 +54,15 @@ std::vector<std::vector<int>> border_loops(const TriangleMesh& mesh) {
   std::vector<std::vector<int>> loops;
   std::vector<char> taken(border.size(), 0);
   std::vector<int> place(mesh.vertices.size(), -1);  // of a vertex on the path under way
+  // The first edge of a vertex that is not taken. They are taken in order, so that nothing is looked at twice.
+  std::vector<std::size_t> next_of(mesh.vertices.size(), border.size());
+  for (std::size_t i = border.size(); i-- > 0;) next_of[static_cast<std::size_t>(border[i].first)] = i;
   const auto outgoing = [&](int vertex) {
-    auto it = std::lower_bound(border.begin(), border.end(), std::pair{vertex, -1});
-    for (; it != border.end() && it->first == vertex; ++it)
-      if (!taken[static_cast<std::size_t>(it - border.begin())]) return it;
-    return border.end();
+    std::size_t& next = next_of[static_cast<std::size_t>(vertex)];
+    while (next < border.size() && border[next].first == vertex && taken[next]) ++next;
+    return next < border.size() && border[next].first == vertex
+               ? border.begin() + static_cast<std::ptrdiff_t>(next)
+               : border.end();
   };
   std::vector<int> path;
   for (std::size_t start = 0; start < border.size(); ++start) {

@@ -10,7 +10,18 @@
 namespace vacuform {
 namespace {
 constexpr double least_height_mm = 0.2;
+constexpr double most_layers = 50;        // crossed by a ray on average; heads have two or three
+constexpr double most_crossings = 2.5e6;  // some 3 s; a head's have a quarter of a million
+
+// The area that the mesh, turned, shows from above, each layer counted: divided by the spacing squared it is how many
+// surfaces the rays will cross.
+double area_from_above(const TriangleMesh& mesh, const Eigen::Matrix3d& turn) {
+  const Eigen::Vector3d up = turn.row(2);
+  double area = 0;
+  for (const auto& t : mesh.triangles) area += std::abs(up.dot(area_vector(mesh, t)));
+  return area;
 }
+}  // namespace
 
 Eigen::Vector2d CoveredSpace::place(int column) const {
   const int x = column % nx_, y = column / nx_;
@@ -26,6 +37,12 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
     const Eigen::Vector3d q = turn * p;
     box.low = box.low.cwiseMin(q), box.high = box.high.cwiseMax(q);
   }
+  const double area = area_from_above(mesh, turn);
+  if (area > most_layers * box.size().x() * box.size().y())
+    return fail(
+        Code::unusable_scan, "the scan's surface lies in layers, more than fifty above each other", "",
+        "keep its outer surface alone (in a mesh editor: remove inner and double faces) and export it again");
+  spacing = std::max(spacing, std::sqrt(area / most_crossings));
   space.back_ = turn.transpose();
   space.floor_ = floor;
   space.ceiling_ = box.high.z();
