@@ -34,7 +34,7 @@ bool known_method(std::string_view line) {
   const std::string_view method = line.substr(0, line.find(' '));
   for (const char* known : {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "CONNECT"})
     if (method == known) return true;
-  return !token(method);  // which is malformed, and refused as such
+  return !token(method) || line.find(" HTTP/") == std::string_view::npos;  // malformed, and refused as such
 }
 
 bool printable(std::string_view text) {
@@ -102,8 +102,6 @@ void Connection::parse_head(std::string_view text) {
   head_.request_line = text.substr(0, first);
   if (!printable(head_.request_line) || head_.request_line.find('\t') != std::string::npos)
     return refuse(400, "the request line is malformed", "send HTTP/1.1");
-  if (!known_method(head_.request_line))
-    return refuse(501, "there is no such method here", "send GET, HEAD, POST, PUT, PATCH, DELETE or OPTIONS");
   if (head_.request_line.size() > 4096) return refuse(414, "the address is too long", "send a shorter one");
   text.remove_prefix(first + 2);
   int hosts = 0, lengths = 0;
@@ -142,7 +140,9 @@ void Connection::parse_head(std::string_view text) {
     }
     head_.headers.push_back({std::string(name), std::string(value)});
   }
-  if (hosts == 0) refuse(400, "there is no Host", "send HTTP/1.1 with a Host");
+  if (hosts == 0) return refuse(400, "there is no Host", "send HTTP/1.1 with a Host");
+  if (!known_method(head_.request_line))
+    refuse(501, "there is no such method here", "send GET, HEAD, POST, PUT, PATCH, DELETE or OPTIONS");
 }
 
 Result<std::size_t> Connection::read(std::span<char> into) {

@@ -117,18 +117,15 @@ class ServerTest : public testing::Test {
     return parsed(receive_all(socket));
   }
   std::string host() const { return "127.0.0.1:" + std::to_string(server_->port()); }
-  // `headers` as lines that end with \r\n; the user's token goes with them, unless they say who asks, and of a body that
-  // looks like JSON that it is.
+  // `headers` as lines that end with \r\n; the user's token goes with them, unless they say who asks, and of a body
+  // that it is JSON, unless they say what it is.
   Answer ask(const std::string& method, const std::string& path, const std::string& headers = "",
              const std::string& body = "") const {
     const bool said = ("\n" + headers).find("\nAuthorization:") != std::string::npos ||
                       ("\n" + headers).find("\nCookie:") != std::string::npos;
+    const bool typed = headers.find("Content-Type:") != std::string::npos;
     return raw(method + " " + path + " HTTP/1.1\r\nHost: " + host() + "\r\n" + headers +
-               (said ? "" : bearer(user_)) +
-               ((body.starts_with('{') || body.starts_with('[')) &&
-                        headers.find("Content-Type:") == std::string::npos
-                    ? json_type
-                    : "") +
+               (said ? "" : bearer(user_)) + (body.empty() || typed ? "" : json_type) +
                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" +
                body);
   }

@@ -26,10 +26,12 @@ class ServerStream : public ServerTest {
     ServerTest::SetUp();
     http::Router router;
     router.add("GET", "/three", [](Request&) -> Result<Response> {
-      return streamed([n = 0]() mutable -> std::optional<std::string> {
-        if (n++ == 6) return std::nullopt;
-        return n % 2 ? "piece " : "";  // nothing came in the meantime
-      });
+      return streamed(
+          [n = 0]() mutable -> std::optional<std::string> {
+            if (n++ == 6) return std::nullopt;
+            return n % 2 ? "piece " : "";  // nothing came in the meantime
+          },
+          "a third one");
     });
     router.add("GET", "/endless", [](Request&) -> Result<Response> {
       return streamed([]() -> std::optional<std::string> {
