@@ -24,8 +24,8 @@ class ConfigurationSources {
   using Value = std::variant<std::string*, int*, double*, bool*, std::filesystem::path*>;
 
   // `program` is "server" or "worker": the file is /etc/vacuform/<program>.json unless --config or
-  // VACUFORM_<PROGRAM>_CONFIG names another, and the variables begin with VACUFORM_<PROGRAM>_. Adds --config and
-  // --check-config. `app` must outlive this.
+  // VACUFORM_<PROGRAM>_CONFIG names another (an empty text: none), and the variables begin with VACUFORM_<PROGRAM>_. Adds
+  // --config and --check-config. `app` must outlive this.
   ConfigurationSources(CLI::App& app, const std::string& program);
   // Adds a setting under its name in the file. `value` holds its default, receives what is read, and must outlive this. Gives
   // the option of the command line, for checks of its values.

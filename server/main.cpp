@@ -176,6 +176,8 @@ Result<void> run(ConfigurationSources& sources, const Configuration& configurati
 
 int main(int argc, char** argv) {
   ::umask(0077);  // scans of patients are nobody else's to read
+  // Its own workers hear from it alone: the file is for workers of another user, or even of another server.
+  ::setenv("VACUFORM_WORKER_CONFIG", "", 0);
   CLI::App app(
       "The HTTP service of Vacuform: takes scans and patterns, hands jobs to workers, keeps the results.");
   app.set_version_flag("--version", std::string("vacuform-server ").append(vacuform::version));

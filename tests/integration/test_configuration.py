@@ -7,7 +7,7 @@ import os
 import subprocess
 import unittest
 
-from harness import BIN, Case
+from harness import BIN, Case, Program, wait_for
 
 
 class Configuration:
@@ -131,6 +131,19 @@ class ServerConfiguration(Configuration, Case):
         self.assertEqual(json.loads(command("backup", "--to", self.folder / "copy"))["damaged"], [])
         self.assertIn("owner station-3", command("token", "list", "--data", self.folder / "copy"))
         self.assertEqual(command("token", "list", "--data", self.folder / "empty"), "")
+
+
+    def test_its_own_workers_do_not_hear_from_the_file_of_others(self):
+        """/etc/vacuform/worker.json names the folders of another user, where the machine has workers as services."""
+        worker = self.folder / "worker"
+        worker.write_text('#!/bin/sh\necho "${VACUFORM_WORKER_CONFIG-/etc/vacuform/worker.json}" > "$0.said"\nexec sleep 600\n')
+        worker.chmod(0o755)
+        said = self.folder / "worker.said"
+        server = Program([BIN / "vacuform-server", "--listen", "127.0.0.1:0", "--data", self.folder / "data", "--workers", 1,
+                          "--worker-program", worker], self.folder / "log")
+        self.addCleanup(server.end)
+        wait_for(lambda: said.exists() and said.read_text(), "the worker")
+        self.assertEqual(said.read_text(), "\n")
 
 
 class WorkerConfiguration(Configuration, Case):

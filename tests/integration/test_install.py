@@ -43,6 +43,14 @@ class Units(Case):
             done = self.analyze("security", "--offline=true", f"--threshold={int(most * 10)}", "--no-pager", f"./{unit}")
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    def test_the_worker_can_still_confine_its_jobs(self):
+        """worker/sandbox.cpp: namespaces for users, network and IPC; Landlock, which this systemd's groups of calls may lack; seccomp."""
+        text = (DEPLOY / "units" / UNITS[1]).read_text()
+        self.assertIn("\nRestrictNamespaces=user net ipc\n", text)
+        calls = re.search(r"^SystemCallFilter=@system-service (.*)$", text, re.M)[1].split()
+        self.assertEqual(calls, ["landlock_create_ruleset", "landlock_add_rule", "landlock_restrict_self", "seccomp"])
+        self.assertNotIn("~@process", text)
+
     def test_a_stop_is_told_to_the_program_alone(self):
         """A job's child that got the signal too would be taken for one that crashed; the programs need up to ten seconds."""
         for unit in UNITS:
