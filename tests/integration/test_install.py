@@ -119,6 +119,12 @@ class Install(Case):
         self.assertIn('"server": "http://127.0.0.1:9000"', said)  # what the workers would be told
         self.assertEqual(mine.read_text(), '{"workers": 1}')
 
+    def test_workers_of_a_service_that_listens_everywhere_go_to_loopback(self):
+        root = self.here / "root"
+        self.installed("--listen", "0.0.0.0:9000", "--front", "https://vacuform.example.org", DESTDIR=str(root))
+        self.assertEqual(json.loads((root / "etc/vacuform/worker.json").read_text())["server"], "http://127.0.0.1:9000")
+        self.assertEqual(json.loads((root / "etc/vacuform/server.json").read_text())["status_listen"], "0.0.0.0:9001")
+
     def test_workers_alone(self):
         root, token = self.here / "root", self.here / "token"
         token.write_text("vft_0123456789abcdef_" + "0" * 64 + "\n")
