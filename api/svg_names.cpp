@@ -30,70 +30,92 @@ struct Name {
   }
 };
 
-// A picture as base 64, character by character: decoded, filtered, and put back in as many characters. White space and
-// references to characters (&#10;) between them stay.
+// A picture as base 64, character by character: decoded, filtered, and put back into the same places. White space and
+// references to characters (&#10;) between them stay where they are.
 class Base64Picture {
  public:
   void step(char c, std::string& out) {
-    if (in_reference_ || c == '&') {
-      in_reference_ = c != ';';
-      out += c;
-      return;
-    }
     const std::size_t letter = base64_letters.find(c);
-    if (letter == std::string_view::npos || ended_) {
-      if (c == '=') end(out);
-      out += c == '=' ? c : blank(c);
-      return;
+    const bool is_letter = letter != std::string_view::npos;
+    in_reference_ = c == '&' || (in_reference_ && (is_letter || c == '#'));
+    if (in_reference_) {
+      layout_ += c;
+    } else if (is_letter && !ended_) {
+      take(static_cast<std::uint32_t>(letter));
+    } else {
+      if (c == '=') end_of_letters();
+      layout_ += c == '=' || c == ';' ? c : blank(c);
     }
-    group_ = group_ << 6 | static_cast<std::uint32_t>(letter);
-    if (++letters_ < 4) return;
-    letters_ = 0;
-    keep(filter_.pass(bytes_of_group(3)), out);
+    give(out);
   }
 
-  // At the first padding, or at the end of the text.
   void end(std::string& out) {
-    if (ended_) return;
-    ended_ = true;
-    const int letters = letters_;
-    group_ <<= 6 * (4 - letters);
-    if (letters > 1) kept_ += filter_.pass(bytes_of_group(static_cast<std::size_t>(letters) - 1));
-    keep(filter_.finish(), out);
-    if (kept_.empty())
-      return void(out.append(static_cast<std::size_t>(letters), 'A'));  // one letter says nothing
-    kept_.resize(3, '\0');
-    std::string last;
-    keep("", last);
-    out += last.substr(0, static_cast<std::size_t>(letters));
+    end_of_letters();
+    give(out);
   }
 
   void fields(FilterState& state) {
     std::string inner = state.reads() ? std::string() : filter_.state();
-    state(in_reference_, ended_, group_, letters_, kept_, inner);
+    state(in_reference_, ended_, group_, letters_, kept_, layout_, ready_, inner);
     if (state.reads()) filter_.go_on(inner);
   }
 
  private:
+  static constexpr char place = '\1';  // of a letter in the layout
+
+  void take(std::uint32_t letter) {
+    layout_ += place;
+    group_ = group_ << 6 | letter;
+    if (++letters_ < 4) return;
+    letters_ = 0;
+    encode(filter_.pass(bytes_of_group(3)));
+  }
+
+  // At the first padding, or at the end of the text.
+  void end_of_letters() {
+    if (ended_) return;
+    ended_ = true;
+    const auto letters = static_cast<std::size_t>(letters_);
+    group_ <<= 6 * (4 - letters_);
+    if (letters > 1) encode(filter_.pass(bytes_of_group(letters - 1)));
+    encode(filter_.finish());
+    const std::size_t whole = ready_.size();
+    kept_.resize(kept_.empty() ? 0 : 3, '\0');
+    encode("");
+    ready_.resize(whole + letters, 'A');  // one letter alone says nothing
+  }
+
   std::string bytes_of_group(std::size_t size) const {
     const std::string bytes{static_cast<char>(group_ >> 16 & 0xFF), static_cast<char>(group_ >> 8 & 0xFF),
                             static_cast<char>(group_ & 0xFF)};
     return bytes.substr(0, size);
   }
-  // Writes as many whole groups as there are.
-  void keep(std::string_view bytes, std::string& out) {
+  // Makes letters of as many whole groups as there are.
+  void encode(std::string_view bytes) {
     kept_ += bytes;
     std::size_t at = 0;
     for (; kept_.size() - at >= 3; at += 3) {
       std::uint32_t group = 0;
       for (std::size_t i = 0; i < 3; ++i) group = group << 8 | static_cast<unsigned char>(kept_[at + i]);
-      for (int shift = 18; shift >= 0; shift -= 6) out += base64_letters[group >> shift & 63];
+      for (int shift = 18; shift >= 0; shift -= 6) ready_ += base64_letters[group >> shift & 63];
     }
     kept_.erase(0, at);
   }
+  // Fills the places that letters are there for.
+  void give(std::string& out) {
+    std::size_t at = 0, used = 0;
+    for (; at < layout_.size(); ++at) {
+      if (layout_[at] == place && used == ready_.size()) break;
+      out += layout_[at] == place ? ready_[used++] : layout_[at];
+    }
+    layout_.erase(0, at);
+    ready_.erase(0, used);
+  }
 
   NameFilter filter_{""};
-  std::string kept_;  // out of the filter, and no whole group yet
+  std::string layout_;  // of what is held back: places for letters, and what stands between them
+  std::string ready_;   // letters for them
+  std::string kept_;    // out of the filter, and no whole group yet
   std::uint32_t group_ = 0;
   int letters_ = 0;  // of the group that comes in
   bool in_reference_ = false, ended_ = false;
