@@ -9,6 +9,7 @@ namespace vacuform {
 struct JobLimits {
   std::int64_t scan_triangles = 5'000'000;
   std::int64_t scan_vertices = 15'000'000;            // three corners a triangle, as in STL
+  std::int64_t scan_components = 1'000'000;           // connected pieces of its surface
   std::int64_t pattern_pixels = 64'000'000;           // of a picture, or that an SVG is drawn with
   std::int64_t sheet_cells = 640'000;                 // of the simulation's grid
   std::int64_t seconds = 900;                         // of the job's process, from its start

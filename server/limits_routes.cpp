@@ -42,6 +42,7 @@ void add_limits_routes(http::Router& router, Service& service) {
                 object.update({{"settings_bytes", largest_settings},
                                {"scan_triangles", job_limits.scan_triangles},
                                {"scan_vertices", job_limits.scan_vertices},
+                               {"scan_components", job_limits.scan_components},
                                {"pattern_pixels", job_limits.pattern_pixels},
                                {"sheet_cells", job_limits.sheet_cells},
                                {"job_seconds", job_limits.seconds},

@@ -152,21 +152,29 @@ TEST(Skin, TwoPartsSideBySideAreBothKept) {
   EXPECT_EQ(mold->undercuts.size(), 0u);
 }
 
-TEST(Skin, AMillionPieces) {
+// A sphere and crumbs beside it.
+TriangleMesh in_pieces(int pieces) {
   auto mesh = sphere(100, 64);
   mesh.vertices.reserve(3'100'000);
-  for (int i = 0; i < 1'000'000; ++i) {
+  for (int i = 1; i < pieces; ++i) {
     const Eigen::Vector3d at(i % 100, i / 100 % 100, i / 10000 + 150);
     const int first = static_cast<int>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(),
                          {at, at + Eigen::Vector3d(0.3, 0, 0), at + Eigen::Vector3d(0, 0.3, 0)});
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
-  const auto skin = outer_skin(mesh, ScanProgress(quiet));
+  return mesh;
+}
+
+TEST(Skin, AMillionPiecesAndNotOneMore) {
+  const auto skin = outer_skin(in_pieces(1'000'000), ScanProgress(quiet));
   ASSERT_TRUE(skin);
-  EXPECT_EQ(skin->components, 1'000'001);
-  EXPECT_EQ(skin->components_dropped, 1'000'000);
+  EXPECT_EQ(skin->components, 1'000'000);
+  EXPECT_EQ(skin->components_dropped, 999'999);
   EXPECT_EQ(skin->mesh.triangles.size(), sphere(100, 64).triangles.size());
+  const auto more = outer_skin(in_pieces(1'000'001), ScanProgress(quiet));
+  ASSERT_FALSE(more);
+  EXPECT_EQ(more.error().code, Code::too_large);
 }
 
 struct Size {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/job_limits.hpp"
 #include "worker/scan/ray_caster.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/scan/welding.hpp"
@@ -165,6 +166,11 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progr
   OuterSkin skin;
   std::vector<int> piece_of;
   skin.components = connected_pieces(mesh, piece_of);
+  if (skin.components > job_limits.scan_components)
+    return fail(Code::too_large,
+                "the scan falls into " + std::to_string(skin.components) + " pieces, of " +
+                    std::to_string(job_limits.scan_components) + " that are read",
+                {}, "join them, or delete the debris, before uploading it");
   const auto pieces = measure_pieces(mesh, piece_of, skin.components);
   VACUFORM_CHECK(progress.tick());
 

@@ -19,7 +19,7 @@ struct OuterSkin {
 // Takes a welded mesh. The main piece is the one of largest diagonal; a piece is enclosed when nearly every
 // ray from nearly every of its points hits the main piece. Within each piece the triangles' directions are
 // made to agree over edges that two of them share, then the whole is turned outwards (by its volume; an open
-// piece is closed in thought towards the middle of its border). O(n log n). Error: cancelled.
+// piece is closed in thought towards the middle of its border). O(n log n). Errors: cancelled, too_large (more pieces than job_limits allow).
 Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progress);
 
 }  // namespace vacuform
