@@ -25,12 +25,6 @@ constexpr auto silence = 15s;  // after which a comment is sent, so that nobody 
 constexpr auto longest_stream = 10min;  // then the client comes again, with a token that still holds
 constexpr int lines_at_once = 200;
 
-std::string etag_of(const Job& job) {
-  std::string tag("\"");
-  tag.append(std::to_string(job.version)).append("\"");
-  return tag;
-}
-
 Response job_response(const Job& job) {
   Response response = json_response(job_json(job));
   response.set("ETag", etag_of(job));

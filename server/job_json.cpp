@@ -26,6 +26,11 @@ double rounded(double progress) { return std::round(progress * 1e4) / 1e4; }
 
 }  // namespace
 
+std::string etag_of(const Job& job) {
+  std::string tag("\"");
+  return tag.append(std::to_string(job.version)).append("\"");
+}
+
 double whole_progress(const Job& job) {
   if (job.state == JobState::succeeded) return 1;
   if (!job.stage) return 0;

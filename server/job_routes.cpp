@@ -98,7 +98,8 @@ Result<Response> get_zip(Service& service, const Request& request, const Caller&
   if (job.artifacts.empty())
     return fail(Code::not_found, "the job has no artifacts yet", job.id, "wait until it has succeeded");
   const std::string etag = zip_etag(job);
-  if (http::names_etag(request.header("If-None-Match"), quoted(etag))) return unchanged(etag);  // before it is made
+  if (http::names_etag(request.header("If-None-Match"), quoted(etag)))
+    return unchanged(etag);  // before it is made
   VACUFORM_TRY(file, make_zip(service.store, job));
   VACUFORM_TRY(response, http::file_response(request, std::move(file), "application/zip", etag));
   response.set("Content-Disposition", "attachment; filename=\"vacuform-" + job.id + ".zip\"");
@@ -120,6 +121,8 @@ Result<Response> get_log(Service& service, const Request& request, const Caller&
 
 Result<Response> cancel_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(seen, job_for(service, request, caller));
+  if (auto refusal = http::unmet_precondition(request, etag_of(seen)))
+    return http::refused_response(std::move(*refusal));
   VACUFORM_TRY(job, service.store.cancel(seen.id));
   log_event("job-cancel-asked", {{"job", job.id}, {"state", name(job.state)}, {"token", caller.token}});
   return json_response(job_json(job));
@@ -127,6 +130,8 @@ Result<Response> cancel_job(Service& service, const Request& request, const Call
 
 Result<Response> delete_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(seen, job_for(service, request, caller));
+  if (auto refusal = http::unmet_precondition(request, etag_of(seen)))
+    return http::refused_response(std::move(*refusal));
   VACUFORM_CHECK(service.store.remove(seen.id));
   log_event("job-deleted", {{"job", seen.id}, {"token", caller.token}});
   Response response;

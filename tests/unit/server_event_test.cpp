@@ -67,7 +67,10 @@ TEST_F(ServerEvent, AnEntityTagThatMustMatchIsLookedAt) {
   for (const std::string& good : {tag, std::string("*"), "\"0\", " + tag})
     EXPECT_EQ(ask("GET", path_, "If-Match: " + good + "\r\n").status, 200) << good;
   for (const std::string& bad : {std::string("\"0\""), "W/" + tag})
-    EXPECT_EQ(ask("GET", path_, "If-Match: " + bad + "\r\n").status, 412) << bad;
+    for (const auto& [method, path] :
+         {std::pair{"GET", path_}, {"POST", path_ + "/cancel"}, {"DELETE", path_}})
+      EXPECT_EQ(ask(method, path, "If-Match: " + bad + "\r\n").status, 412) << method << bad;
+  EXPECT_EQ(ask("POST", path_ + "/cancel", "If-Match: " + tag + "\r\n").status, 200);
 }
 
 // The store may be older than what a client has heard: a copy that was put in its place.
