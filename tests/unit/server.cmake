@@ -1,5 +1,6 @@
 vacuform_test(server_test
-  SOURCES ${CMAKE_CURRENT_LIST_DIR}/store_test.cpp ${CMAKE_CURRENT_LIST_DIR}/sqlite_store_test.cpp
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/store_test.cpp ${CMAKE_CURRENT_LIST_DIR}/store_lease_test.cpp ${CMAKE_CURRENT_LIST_DIR}/store_queue_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sqlite_store_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/http_parts_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/server_limits_test.cpp ${CMAKE_CURRENT_LIST_DIR}/server_api_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/server_program_test.cpp ${CMAKE_CURRENT_LIST_DIR}/server_status_test.cpp
