@@ -13,7 +13,7 @@ What must hold (chaos_ledger.py):
  - a key submitted again gives that job and no other;
  - every job ends; what was once seen to have ended never changes again, neither its state nor its time nor its artifacts;
  - a job ends as it deserves: it succeeds, or is refused for a bad scan, or was cancelled. That machine, server and worker were
-   killed under it is no reason to fail; that its own process died twice is, and its log says so;
+   killed under it is no reason to fail, unless ten times; that its own process died twice is one; and its log says so;
  - the artifacts of a job that succeeded are one whole set with the digests that the job names, and the same bytes for every job
    that was asked for the same.
 """

@@ -6,7 +6,10 @@ import threading
 from harness import PATIENCE, wait_for
 
 ENDED = ("succeeded", "failed", "cancelled")
-BROKE_DOWN = "its process broke down, queued again"  # in the log of a job whose process died by itself, the first time
+ENDINGS = ("succeeded", "cancelled", "refused", "crashed twice", "lost ten times")  # what the figures count
+# In the log of a job, each time that it was tried again.
+BROKE_DOWN = "its process broke down, queued again"
+LOST = ("its worker was lost, queued again", "its worker met a fault of its own, queued again")
 
 
 class Ledger:
@@ -53,7 +56,7 @@ class Ledger:
             assert again == job, f"the key of {job} gives {again} now"
         self.check_results(api, [job for job in jobs if sort[job] == "succeeded"])
         figures = {"accepted": len(jobs), "lost": 0, "twice": 0}
-        figures.update({name: list(sort.values()).count(name) for name in ("succeeded", "cancelled", "refused", "crashed twice")})
+        figures.update({name: list(sort.values()).count(name) for name in ENDINGS})
         figures.update({"attempts": sum(self.attempts.values()), "most attempts of one": max(self.attempts.values())})
         return figures
 
@@ -72,11 +75,13 @@ class Ledger:
         if problem["type"] == "/problems/unusable-scan":
             assert wish.may("be refused"), (wish, job, problem)
             return "refused"
-        # All else was killed from outside. Of that only the second death of the job's own process may end it.
+        # All else was killed from outside. Of that only the second death of the job's own process may end it, or the
+        # tenth of a worker that ran it.
         log = [line["text"] for line in api.log(job)]
-        assert problem["type"] == "/problems/internal" and log.count(BROKE_DOWN) == 1, (
+        crashed, lost = log.count(BROKE_DOWN) == 1, sum(map(log.count, LOST)) == 9
+        assert problem["type"] == "/problems/internal" and (crashed or lost), (
             f"{job} failed for no fault of its own: {json.dumps(problem)}, {log}")
-        return "crashed twice"
+        return "lost ten times" if "workers were lost" in problem["what"] else "crashed twice"
 
     def check_results(self, api, jobs):
         """One wish, one result, however often it was interrupted; and the bytes are those that the job names."""
