@@ -45,6 +45,7 @@ class Attacks(Case):
         super().setUpClass()
         port_file = cls.folder / "status-port"
         cls.server = cls.enterClass(Server(cls.folder, 2, ["--status-port-file", port_file]))
+        wait_for(port_file.exists, "the port of the other listener")  # it is told when the first one answers already
         cls.status_port = int(port_file.read_text())
         cls.health = Health(cls.status_port)
         cls.health.start()
