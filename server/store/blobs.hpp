@@ -105,7 +105,9 @@ class Blobs {
 
  private:
   Blobs(std::filesystem::path data, std::chrono::milliseconds trust)
-      : blobs_(data / "blobs"), incoming_(data / "incoming"), checked_(std::make_shared<CheckedFiles>(trust)) {}
+      : blobs_(data / "blobs"),
+        incoming_(data / "incoming"),
+        checked_(std::make_shared<CheckedFiles>(trust)) {}
   std::filesystem::path place(const std::string& sha256) const {
     return blobs_ / sha256.substr(0, 2) / sha256;
   }
