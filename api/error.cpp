@@ -46,7 +46,7 @@ CodeMeaning meaning(Code code) {
     case Code::not_found:
       return {"not-found", "There is no such thing here", 404, 2};
     case Code::conflict:
-      return {"conflict", "The job's state does not allow this", 409, 2};
+      return {"conflict", "What is there already does not allow this", 409, 2};
     case Code::lease_lost:
       return {"lease-lost", "The lease is no longer held", 409, 1};
     case Code::unauthorized:

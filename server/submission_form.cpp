@@ -4,6 +4,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "server/problem.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -35,10 +37,7 @@ std::string SubmissionForm::field(const std::string& name) const {
 Result<void> SubmissionForm::read(http::Request& request) {
   if (!request.header("Content-Type").starts_with("application/json"))
     return http::read_multipart(request, *this);
-  VACUFORM_TRY(text, http::read_text(request, largest_settings + 4096));
-  const auto object = nlohmann::json::parse(text, nullptr, false);
-  if (!object.is_object())
-    return fail(Code::bad_usage, "the body is not a JSON object", "request body", "see /api/v1/openapi.yaml");
+  VACUFORM_TRY(object, read_object(request, largest_settings + 4096));
   return take(object);
 }
 

@@ -73,9 +73,10 @@ Explanation explanation(Code code) {
               "See the list of jobs."};
     case Code::conflict:
       return {
-          "The job's state does not allow this: only jobs that have ended can be deleted, only others can be "
-          "cancelled.",
-          "Look at the job's state first."};
+          "What is there already does not allow this: only jobs that have ended can be deleted, only others "
+          "can be "
+          "cancelled; an upload goes on where it stands; an Idempotency-Key is for one submission.",
+          "Look first at the job or the upload, or take another key."};
     case Code::lease_lost:
       return {
           "A worker was too late with its sign of life, and the job was given to another.",

@@ -52,12 +52,11 @@ Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
 
 Result<std::optional<std::string>> SqliteStore::next_queued() {
   const Millis now = options_.clock();
-  Query raised(
-      db_,
-      // By itself SQLite goes through the whole queue by another index.
-      "SELECT id FROM job INDEXED BY job_raised WHERE state='queued' AND priority>0"
-      " AND (not_before IS NULL OR not_before<=?) ORDER BY priority DESC, id LIMIT 1",
-      now);
+  Query raised(db_,
+               // By itself SQLite goes through the whole queue by another index.
+               "SELECT id FROM job INDEXED BY job_raised WHERE state='queued' AND priority>0"
+               " AND (not_before IS NULL OR not_before<=?) ORDER BY priority DESC, id LIMIT 1",
+               now);
   VACUFORM_TRY(found_raised, raised.row());
   if (found_raised) return std::optional(raised.text(0));
   Query turns(db_, "SELECT owner FROM submitter WHERE queued>0 ORDER BY running, served, owner");
