@@ -26,7 +26,7 @@ ordered_json json_artifact(Store& store, const Job& job, std::string_view name) 
           return shallow = shallow && depth <= deepest;
         },
         false);
-    return shallow && !value.is_discarded() ? value : ordered_json();
+    return shallow && value.is_object() ? value : ordered_json();
   }
   return nullptr;
 }

@@ -8,8 +8,8 @@
 
 namespace vacuform {
 
-// report.json or findings.json of a job. Null when there is none, it cannot be read, is above 4 MiB, no JSON, or nested
-// deeper than 16.
+// report.json or findings.json of a job. Null when there is none, it cannot be read, is above 4 MiB, no JSON object, or
+// nested deeper than 16.
 nlohmann::ordered_json json_artifact(Store& store, const Job& job, std::string_view name);
 
 }  // namespace vacuform

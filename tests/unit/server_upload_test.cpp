@@ -281,8 +281,8 @@ TEST_F(ServerUpload, WhatAnInspectionFindsStandsWithItsScan) {
 TEST_F(ServerUpload, FindingsThatNobodyCanReadAreNone) {
   const Answer made = ask("POST", "/api/v1/scans", form_type, part("scan", "a.stl", "solid") + "--XX--\r\n");
   const std::string id = json::parse(made.body)["id"];
-  for (const std::string& findings :
-       {std::string("{"), std::string(100'000, '['), std::string(20, '[') + std::string(20, ']')}) {
+  for (const std::string& findings : {std::string("{"), std::string("7"), std::string(100'000, '['),
+                                      std::string(20, '[') + std::string(20, ']')}) {
     ask("POST", "/api/v1/jobs", form_type,
         part("scan_id", "", id) + part("kind", "", "inspection") + "--XX--\r\n");
     const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
