@@ -77,7 +77,7 @@ TEST(ElementPatch, OnASphereHasTrueAreasAndGeodesicRadii) {
   const auto patch = element_patch(surface, centre, surface.chart_axis(centre.triangle), 40, Context());
   ASSERT_TRUE(patch);
   EXPECT_TRUE(patch->smooth);
-  const PatchMap map(*patch);
+  const ElementMap map(*patch);
   const Vector3d middle = surface.place(centre).normalized();
   for (const double drawn : {10.0, 25.0, 40.0})
     for (int i = 0; i < 30; ++i) {
@@ -111,7 +111,7 @@ TEST(ElementPatch, OnABumpKeepsRadiiAndTurnsNothingOver) {
     }
   }
   // Behind the centre, radii feel nothing but the area that the bump adds, which makes them smaller all around.
-  const PatchMap map(*patch);
+  const ElementMap map(*patch);
   double least = 1e9, most = 0;
   for (int i = 0; i < 60; ++i) {
     const double angle = 2 * M_PI / 3 + i * M_PI / 90;

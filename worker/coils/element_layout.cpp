@@ -33,7 +33,7 @@ Result<ElementOnSurface> lay(const InkedSurface& surface, const LaidElement& ele
   ElementOnSurface laid;
   laid.turn = turn;
   laid.patch = std::move(patch);
-  const PatchMap map(laid.patch);
+  const ElementMap map(laid.patch);
   laid.on_head = std::all_of(element.outline.points.begin(), element.outline.points.end(),
                              [&](const Vector2d& p) { return map.on_chart(element.size * p); });
   laid.loop = loop_in_space(map, element);

@@ -45,7 +45,7 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface
 std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b);
 
 // The element's loop in space by flat coordinates, mm; empty where a part of it lies beyond the map. PolarGrid and
-// PatchMap are such maps.
+// ElementMap are such maps.
 template <class Map>
 std::vector<Eigen::Vector3d> loop_in_space(const Map& map, const LaidElement& element) {
   std::vector<Eigen::Vector3d> out;

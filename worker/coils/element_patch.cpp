@@ -31,16 +31,16 @@ Result<ElementPatch> element_patch(const InkedSurface& surface, const SheetPoint
   return bumpy_patch(surface, centre, axis, ink_mm, context);
 }
 
-PatchMap::PatchMap(const ElementPatch& patch)
+ElementMap::ElementMap(const ElementPatch& patch)
     : patch_(&patch), locator_(patch.patch.triangles, patch.patch.uv) {}
 
-std::optional<Vector3d> PatchMap::place(const Vector2d& flat) const {
+std::optional<Vector3d> ElementMap::place(const Vector2d& flat) const {
   const auto found = locator_.find(flat);
   if (!found) return {};
   return interpolate(patch_->patch.triangles, *found, patch_->patch.inked);
 }
 
-bool PatchMap::on_chart(const Vector2d& flat) const {
+bool ElementMap::on_chart(const Vector2d& flat) const {
   const auto found = locator_.find(flat);
   return found && patch_->on_chart[static_cast<std::size_t>(found->triangle)] != 0;
 }

@@ -27,9 +27,9 @@ Result<ElementPatch> element_patch(const InkedSurface& surface, const SheetPoint
                                    bool rough = false);
 
 // Finds flat coordinates in a patch.
-class PatchMap {
+class ElementMap {
  public:
-  explicit PatchMap(const ElementPatch& patch);  // which must outlive it
+  explicit ElementMap(const ElementPatch& patch);  // which must outlive it
   // The place in space; nothing off the patch.
   std::optional<Eigen::Vector3d> place(const Eigen::Vector2d& flat) const;
   bool on_chart(const Eigen::Vector2d& flat) const;
