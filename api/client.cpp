@@ -1,11 +1,15 @@
 #include "api/client.hpp"
 
+#include <sys/random.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "api/log.hpp"
 #include "api/sha256.hpp"
@@ -38,6 +42,16 @@ std::uint64_t count_of(const json& object, const char* key) {
 }
 double fraction_of(const json& object, const char* key) {
   return std::clamp(number_of(object, key, 0), 0.0, 1.0);
+}
+
+// 32 hexadecimal digits that no one else has.
+std::string random_key() {
+  std::array<unsigned char, 16> bytes;
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) std::abort();
+  std::string text;
+  for (const unsigned byte : bytes)
+    for (const unsigned digit : {byte >> 4, byte & 15u}) text += "0123456789abcdef"[digit];
+  return text;
 }
 
 // Text from elsewhere need not be UTF-8.
@@ -148,6 +162,7 @@ Result<RemoteJob> Client::submit(const std::map<std::string, std::filesystem::pa
   HttpRequest request;
   request.method = "POST";
   request.path = "/api/v1/jobs";
+  request.headers = {{"Idempotency-Key", random_key()}};
   request.form = {{"settings", {}, settings_json}};
   if (!from.empty()) request.form.push_back({"from", {}, from});
   for (const auto& [name, file] : files) {
@@ -156,11 +171,25 @@ Result<RemoteJob> Client::submit(const std::map<std::string, std::filesystem::pa
                             "check its name and permissions");
     request.form.push_back({name, file, {}});
   }
+  bool begun = false;
+  double fraction = 0;
   request.going = [&](std::uint64_t sent, std::uint64_t total) {
-    return uploaded(total ? static_cast<double>(sent) / static_cast<double>(total) : 0.0);
+    begun = begun || sent > 0;
+    fraction = total ? static_cast<double>(sent) / static_cast<double>(total) : 0.0;
+    return uploaded(fraction);
   };
-  VACUFORM_TRY(response, good(http_.send(request)));
-  return job_from(response);
+  // Nobody knows whether a request that broke off was accepted; under one key it may be sent again.
+  constexpr int tries = 4;
+  for (int attempt = 1;; ++attempt) {
+    const auto response = good(http_.send(request));
+    if (response) return job_from(*response);
+    if (response.error().code != Code::unavailable || !begun || attempt == tries)
+      return tl::make_unexpected(response.error());
+    for (int tenths = 0; tenths < 10 << attempt; ++tenths) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      if (!uploaded(fraction)) return vacuform::fail(Code::cancelled, "cancelled");
+    }
+  }
 }
 
 Result<RemoteJob> Client::job(const std::string& id, const Going& going) {

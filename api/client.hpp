@@ -45,7 +45,8 @@ class Client {
   static Result<Client> to(const std::string& server, const std::string& token);
 
   // Creates a job; the files, by the name of their kind of input, are streamed. `uploaded` receives the fraction sent and
-  // may give up. `from`, where not empty, is the id of a job that it shares the other files with. Never made twice by itself: when the answer is lost the caller cannot know whether the job exists.
+  // may give up. `from`, where not empty, is the id of a job that it shares the other files with. A request that breaks
+  // off is sent again, up to three times within half a minute; its Idempotency-Key makes one job of all.
   Result<RemoteJob> submit(const std::map<std::string, std::filesystem::path>& files,
                            const std::string& settings_json, const std::string& from,
                            const std::function<bool(double)>& uploaded);

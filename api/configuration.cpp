@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+
+#include "api/strict_json.hpp"
 
 namespace vacuform {
 
@@ -99,10 +102,14 @@ Error ConfigurationSources::unknown(const std::string& name, const std::string& 
 Result<void> ConfigurationSources::read_file(const std::string& file) {
   std::ifstream in(file);
   if (!in) return fail(Code::unreadable, "the configuration cannot be read", file, "see --config");
-  const auto object = nlohmann::json::parse(in, nullptr, false);
-  if (!object.is_object()) return fail(Code::bad_usage, "the configuration is not a JSON object", file);
+  auto object = strict_json<nlohmann::json>(std::string(std::istreambuf_iterator<char>(in), {}));
+  if (!object) {
+    object.error().where = file;
+    return tl::make_unexpected(object.error());
+  }
+  if (!object->is_object()) return fail(Code::bad_usage, "the configuration is not a JSON object", file);
   std::vector<std::string> words;
-  for (const auto& [name, value] : object.items()) {
+  for (const auto& [name, value] : object->items()) {
     if (!has(name)) return tl::make_unexpected(unknown(name, file));
     if (!value.is_string() && !value.is_number() && !value.is_boolean())
       return fail(Code::bad_usage, "neither a text, nor a number, nor true or false: " + name, file);

@@ -1,6 +1,10 @@
 #include "api/http.hpp"
 
+#include <arpa/inet.h>
 #include <curl/curl.h>
+#include <ifaddrs.h>
+#include <netdb.h>
+#include <netinet/in.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -64,11 +68,46 @@ int keep_going(void* user, curl_off_t, curl_off_t, curl_off_t total, curl_off_t 
   return x.given_up ? 1 : 0;
 }
 
-bool loopback(const std::string& url) {
-  const std::string host = url.substr(url.find("://") + 3);
-  for (const std::string_view name : {"localhost", "127.", "[::1]"})
-    if (host.rfind(name, 0) == 0) return true;
-  return false;
+// The host of a URL; empty where it has none or is no URL.
+std::string host_of(const std::string& url) {
+  struct Free {
+    void operator()(CURLU* parts) const { curl_url_cleanup(parts); }
+  };
+  const std::unique_ptr<CURLU, Free> parts(curl_url());
+  char* text = nullptr;
+  if (!parts || curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
+      curl_url_get(parts.get(), CURLUPART_HOST, &text, 0) != CURLUE_OK)
+    return {};
+  std::string host = text;
+  curl_free(text);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  return host;
+}
+
+bool loopback(const std::string& host) {
+  in_addr v4{};
+  in6_addr v6{};
+  if (::inet_pton(AF_INET, host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
+  if (::inet_pton(AF_INET6, host.c_str(), &v6) == 1) return IN6_IS_ADDR_LOOPBACK(&v6);
+  return host == "localhost";
+}
+
+// Whether it is an address of this machine's own: what is sent there does not leave the machine.
+bool own_address(const std::string& host) {
+  ifaddrs* all = nullptr;
+  if (::getifaddrs(&all) != 0) return false;
+  bool found = false;
+  for (const ifaddrs* one = all; one && !found; one = one->ifa_next) {
+    if (!one->ifa_addr) continue;
+    const int family = one->ifa_addr->sa_family;
+    const socklen_t size = family == AF_INET ? sizeof(sockaddr_in) : sizeof(sockaddr_in6);
+    char text[NI_MAXHOST];
+    found = (family == AF_INET || family == AF_INET6) &&
+            ::getnameinfo(one->ifa_addr, size, text, sizeof text, nullptr, 0, NI_NUMERICHOST) == 0 &&
+            host == text;
+  }
+  ::freeifaddrs(all);
+  return found;
 }
 
 }  // namespace
@@ -93,13 +132,21 @@ Http::~Http() = default;
 
 Result<Http> Http::to(const std::string& url, const std::string& token) {
   const bool http = url.rfind("http://", 0) == 0, https = url.rfind("https://", 0) == 0;
-  if (!(http && url.size() > 7) && !(https && url.size() > 8))
+  if (!http && !https)
     return fail(Code::bad_usage, "not a server's address: " + url, "--server",
                 "write for example http://127.0.0.1:8080");
+  const std::string host = host_of(url);
+  if (host.empty())
+    return fail(Code::bad_usage, "not a server's address: " + url, "--server",
+                "write for example http://127.0.0.1:8080");
+  if (http && !token.empty() && !loopback(host) && !own_address(host))
+    return fail(Code::bad_usage, "a token must not cross the network in plain HTTP", url,
+                "use the server's https:// address");
   if (token.find_first_of("\r\n") != std::string::npos)
     return fail(Code::bad_usage, "the token holds a line break", "",
                 "keep the token on one line of its file");
   Http door;
+  door.loopback_ = loopback(host);
   door.url_ = url;
   while (door.url_.back() == '/') door.url_.pop_back();
   door.token_ = token;
@@ -120,7 +167,7 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
   curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, 30L);
   if (request.limit.count() > 0)
     curl_easy_setopt(curl, CURLOPT_TIMEOUT, static_cast<long>(request.limit.count()));
-  if (loopback(url_)) curl_easy_setopt(curl, CURLOPT_PROXY, "");
+  if (loopback_) curl_easy_setopt(curl, CURLOPT_PROXY, "");
   curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, take_body);
   curl_easy_setopt(curl, CURLOPT_WRITEDATA, &x);
   curl_easy_setopt(curl, CURLOPT_HEADERFUNCTION, take_header);

@@ -47,7 +47,7 @@ struct HttpRequest {
 // without a sink are held in memory, 4 MiB at most.
 class Http {
  public:
-  // Errors: bad_usage when the URL is not http:// or https://.
+  // Errors: bad_usage when the URL is not http:// or https://, or when a token would leave this machine in plain HTTP.
   static Result<Http> to(const std::string& url, const std::string& token = {});
   Http(Http&&) noexcept;
   Http& operator=(Http&&) noexcept;
@@ -66,6 +66,7 @@ class Http {
   std::unique_ptr<Handle> handle_;
   std::string url_;
   std::string token_;
+  bool loopback_ = false;
 };
 
 // What a response other than 2xx says: its problem document (RFC 9457) where it has one, the status otherwise.

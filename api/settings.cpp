@@ -7,6 +7,7 @@
 
 #include "api/job_limits.hpp"
 #include "api/settings_fields.hpp"
+#include "api/strict_json.hpp"
 
 namespace vacuform {
 
@@ -269,16 +270,16 @@ Result<Settings> settings_from_json(const json& object) {
   return settings;
 }
 
+Result<json> settings_json(std::string_view text) {
+  auto object = strict_json<json>(text);
+  if (!object)
+    return fail(Code::bad_settings, object.error().what, "settings", "write {\"print\": {\"dpi\": 300}}");
+  return object;
+}
+
 Result<Settings> settings_from_text(std::string_view text) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return Settings{};
-  constexpr std::size_t deepest = 8;  // a parser that recurses must not be led down
-  const auto shallow = [](int depth, json::parse_event_t, json&) {
-    return static_cast<std::size_t>(depth) <= deepest;
-  };
-  const json object = json::parse(text, shallow, false);
-  if (object.is_discarded())
-    return fail(Code::bad_settings, "the settings are not valid JSON", "",
-                "write {\"print\": {\"dpi\": 300}}");
+  VACUFORM_TRY(object, settings_json(text));
   return settings_from_json(object);
 }
 
@@ -291,8 +292,11 @@ Result<void> set_in_json(json& object, std::string_view assignment) {
   if (!object.is_object()) object = json::object();
   const std::string group(assignment.substr(0, dot)), key(assignment.substr(dot + 1, equals - dot - 1));
   const std::string_view text = assignment.substr(equals + 1);
-  json value = json::parse(text, nullptr, false);
-  if (value.is_discarded()) value = std::string(text);
+  json value = std::string(text);
+  if (json::accept(text)) {
+    VACUFORM_TRY(parsed, strict_json<json>(text));
+    value = std::move(parsed);
+  }
   if (!object[group].is_object()) object[group] = json::object();
   object[group][key] = std::move(value);
   return {};

@@ -147,6 +147,8 @@ struct Settings {
 Result<Settings> settings_from_json(const nlohmann::json& object);
 Result<Settings> settings_from_text(
     std::string_view text);  // the same from JSON text; an empty text is all defaults
+// JSON text as strict_json() reads it, before its groups and keys are looked at. Errors: bad_settings.
+Result<nlohmann::json> settings_json(std::string_view text);
 
 // Applies one "group.key=value" to a JSON object of settings that is parsed later. The value is read as JSON where
 // it is JSON (3, true, "auto", [1, 2]) and as a string otherwise (petg). Refuses a text without a dot or '='.

@@ -155,7 +155,7 @@ Result<Response> get_events(Service& service, const Request& request, const Call
 }  // namespace
 
 void add_event_routes(http::Router& router, Service& service) {
-  add_guarded(router, service, Scope::read, "GET", "/api/v1/jobs/{id}", get_job);
+  add_guarded(router, service, Scope::read, "GET", "/api/v1/jobs/{id}?wait", get_job);
   add_guarded(router, service, Scope::read, "GET", "/api/v1/jobs/{id}/events", get_events);
 }
 

@@ -25,16 +25,17 @@ Result<Response> no_room(Service& service, const Caller& caller, const Error& er
   return response;
 }
 
-Result<Response> create_job(Service& service, Request& request, const Caller& caller) {
-  const std::string only = request.query_value("validate_only");
-  if (!only.empty() && only != "true" && only != "false")
-    return fail(Code::bad_usage, "validate_only is neither true nor false", "validate_only", "send true");
+// Says what a submission would be as a job, and keeps nothing.
+Result<Response> validate_job(Service& service, Request& request, const Caller& caller) {
   std::map<std::string, std::string> fields;
   VACUFORM_TRY(submission, read_submission(service, request, caller, fields));
-  if (only == "true") {
-    VACUFORM_TRY(plan, plan_of(submission, service.store));
-    return json_response(plan);
-  }
+  VACUFORM_TRY(plan, plan_of(submission, service.store));
+  return json_response(plan);
+}
+
+Result<Response> create_job(Service& service, Request& request, const Caller& caller) {
+  std::map<std::string, std::string> fields;
+  VACUFORM_TRY(submission, read_submission(service, request, caller, fields));
   auto made = service.store.create(std::move(submission));
   // The key of another submission: as the draft of Idempotency-Key wants it told.
   if (!made && made.error().code == Code::conflict) return problem_response(made.error(), 422);
@@ -147,8 +148,9 @@ void add_job_routes(http::Router& router, Service& service) {
     add_guarded(router, service, scope, method, "/api/v1/jobs" + tail, handler);
   };
   add(Scope::submit, "POST", "", create_job);
-  add(Scope::read, "GET", "", list_jobs);
-  add(Scope::read, "GET", "/{id}/log", get_log);
+  add_guarded(router, service, Scope::submit, "POST", "/api/v1/validate", validate_job);
+  add(Scope::read, "GET", "?limit&cursor", list_jobs);
+  add(Scope::read, "GET", "/{id}/log?after&limit", get_log);
   add(Scope::submit, "POST", "/{id}/cancel", cancel_job);
   add(Scope::submit, "DELETE", "/{id}", delete_job);
   add(Scope::read, "GET", "/{id}/artifacts", list_artifacts);

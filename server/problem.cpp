@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/strict_json.hpp"
+
 namespace vacuform {
 
 using nlohmann::ordered_json;
@@ -55,21 +57,15 @@ Result<std::string> read_json_text(http::Request& request, std::uint64_t limit) 
 }
 
 Result<nlohmann::json> read_object(http::Request& request, std::uint64_t limit) {
-  using nlohmann::json;
-  constexpr int deepest = 16;
   VACUFORM_TRY(text, read_json_text(request, limit));
-  if (text.empty()) return json::object();
-  bool deep = false;
-  const json object = json::parse(
-      text,
-      [&deep](int depth, json::parse_event_t, json&) {
-        deep = deep || depth > deepest;
-        return !deep;
-      },
-      false);
-  if (deep || !object.is_object())
-    return fail(Code::bad_usage, "the body is not a JSON object, or one nested too deep", "request body",
-                "see /api/v1/openapi.yaml");
+  if (text.empty()) return nlohmann::json::object();
+  auto object = strict_json<nlohmann::json>(text);
+  if (!object) {
+    object.error().where = "request body";
+    return object;
+  }
+  if (!object->is_object())
+    return fail(Code::bad_usage, "the body is not a JSON object", "request body", "see /api/v1/openapi.yaml");
   return object;
 }
 

@@ -23,7 +23,7 @@ http::Response json_response(const nlohmann::ordered_json& json, int status = 20
 // The body as JSON text, empty when there is none. Errors: unsupported_format unless Content-Type says so; those of
 // read_text().
 Result<std::string> read_json_text(http::Request& request, std::uint64_t limit);
-// The body as a JSON object, empty when there is none, nested at most 16 deep. Errors: as above; bad_usage.
+// The body as a JSON object (strict_json.hpp), empty when there is none. Errors: as above; bad_usage.
 Result<nlohmann::json> read_object(http::Request& request, std::uint64_t limit);
 
 }  // namespace vacuform

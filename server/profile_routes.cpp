@@ -4,6 +4,7 @@
 
 #include "api/log.hpp"
 #include "api/settings.hpp"
+#include "api/strict_json.hpp"
 #include "server/http/range.hpp"
 #include "server/problem.hpp"
 #include "server/secrets.hpp"
@@ -79,15 +80,15 @@ Result<Response> put_profile(Service& service, Request& request, const Caller& c
   if (!plain_name(name))
     return fail(Code::bad_usage, "not a name for a profile", "name", "give 1 to 64 of a-z, 0-9 and '-'");
   VACUFORM_TRY(text, read_json_text(request, largest_settings));
-  VACUFORM_CHECK(settings_from_text(text));  // one that no job could begin with is refused here
-  const auto object = ordered_json::parse(text, nullptr, false);
-  if (!object.is_object())
+  VACUFORM_CHECK(settings_from_text(text));  // settings that no job accepts are refused here
+  const auto object = strict_json<ordered_json>(text);
+  if (!object || !object->is_object())
     return fail(Code::bad_usage, "the body is not a JSON object of settings", "request body",
                 R"(send {"machine": {"window_width_mm": 280}})");
   VACUFORM_TRY(etag, etag_of(service, name));
   if (auto refusal = http::unmet_precondition(request, etag))
     return http::refused_response(std::move(*refusal));
-  VACUFORM_TRY(made, service.store.put_profile({name, object.dump(), 0}));
+  VACUFORM_TRY(made, service.store.put_profile({name, object->dump(), 0}));
   log_event("profile-put", {{"profile", name}, {"by", caller.token}});
   VACUFORM_TRY(profile, service.store.find_profile(name));
   return profile_response(profile, made ? 201 : 200);
@@ -108,7 +109,7 @@ Result<Response> delete_profile(Service& service, Request& request, const Caller
 
 void add_profile_routes(http::Router& router, Service& service) {
   const std::string all = "/api/v1/profiles", one = all + "/{name}";
-  add_guarded(router, service, Scope::read, "GET", all, list_profiles);
+  add_guarded(router, service, Scope::read, "GET", all + "?limit&cursor", list_profiles);
   add_guarded(router, service, Scope::read, "GET", one, show_profile);
   add_guarded(router, service, Scope::admin, "PUT", one, put_profile);
   add_guarded(router, service, Scope::admin, "DELETE", one, delete_profile);

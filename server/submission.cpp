@@ -51,11 +51,9 @@ Result<Settings> merged_settings(const std::string& base, const std::string& tex
                                  const std::map<std::string, std::string>& fields) {
   nlohmann::json object = nlohmann::json::parse(base);
   if (text.find_first_not_of(" \t\r\n") != std::string::npos) {
-    const auto alone = settings_from_text(text);  // also bounds its depth
-    if (!alone && (base == "{}" || alone.error().code != Code::bad_settings)) return alone;
-    const auto given = nlohmann::json::parse(text, nullptr, false);
-    if (!given.is_object() && !alone) return alone;
-    if (!given.is_object()) return settings_from_json(given);
+    VACUFORM_TRY(given, settings_json(text));
+    const auto alone = settings_from_json(given);
+    if (!alone && (base == "{}" || !given.is_object())) return alone;
     for (const auto& [group, values] : given.items()) {
       if (!values.is_object() || !object[group].is_object())
         object[group] = values;
@@ -82,6 +80,18 @@ Result<std::string> client_key_of(const http::Request& request) {
     return fail(Code::bad_usage, "the key has not 8 to 128 visible ASCII characters", "Idempotency-Key",
                 "send for example a random UUID");
   return key;
+}
+
+// The key of a page's form, which every submission of that page carries: submitted twice, the same files and settings
+// make one job, and others a job of their own.
+std::string key_of_form(const std::string& page, NewJob& job) {
+  std::string text = page + "\n" + std::string(name(job.kind)) + "\n" + job.settings + "\n" +
+                     job.derived_from.value_or("") + "\n";
+  for (NewInput& input : job.inputs) {
+    auto* upload = std::get_if<Upload>(&input.file);
+    text += input.name + " " + (upload ? upload->digest() : std::get<Blob>(input.file)).sha256 + "\n";
+  }
+  return text_hash(text);
 }
 
 // The file that a field names by an id.
@@ -194,9 +204,10 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   job.priority = priority;
   VACUFORM_CHECK(match_files(job, settings));
   job.settings = to_json(settings).dump();
-  job.client_key = std::move(client_key);
   job.request = request.id;
   job.owner = caller.owner;
+  const std::string page = form.field("idempotency_key");
+  job.client_key = client_key.empty() && !page.empty() ? key_of_form(page, job) : std::move(client_key);
   return job;
 }
 

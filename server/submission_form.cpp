@@ -10,7 +10,8 @@ namespace vacuform {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> plain_fields{"kind", "from", "priority", "profile"};
+constexpr std::array<std::string_view, 5> plain_fields{"kind", "from", "priority", "profile",
+                                                       "idempotency_key"};
 
 bool known(const std::string& field) {
   return SubmissionForm::is_file(field) ||
@@ -88,11 +89,16 @@ Result<void> SubmissionForm::end() {
 // Here settings is an object, and everything else a field.
 Result<void> SubmissionForm::take(const nlohmann::json& object) {
   for (const auto& [name, value] : object.items()) {
-    const bool is_settings = name == "settings" && value.is_object();
-    if (!is_settings && !(known(name) && (value.is_string() || value.is_number_integer())))
+    const bool is_settings = name == "settings", is_number = name == "priority";
+    if (!is_settings && !known(name))
       return tl::make_unexpected(
-          unknown("or misshapen member", name,
-                  "send settings, an object, and kind, from, priority, profile, scan_id or ids of uploads"));
+          unknown("member", name, "send settings, kind, from, priority, profile, scan_id or ids of uploads"));
+    if (is_settings ? !value.is_object() : is_number ? !value.is_number_integer() : !value.is_string())
+      return fail(Code::bad_usage,
+                  std::string("not ") + (is_settings ? "an object"
+                                         : is_number ? "a whole number"
+                                                     : "a string"),
+                  name, "see /api/v1/openapi.yaml");
     (is_settings ? settings : fields_[name]) = value.is_string() ? value.get<std::string>() : value.dump();
   }
   return {};

@@ -1,5 +1,6 @@
 // The protocol of the workers. A worker shows a token of the scope work, asks for a lease, and names the lease's own
 // token in everything that it does for the job. Whoever lost the lease gets lease-lost.
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -20,19 +21,44 @@ namespace {
 
 constexpr std::uint64_t largest_message = 64 << 10;
 
-// A string of the object, cut to what a log or a page can show.
-std::string text_of(const json& object, const char* key) {
-  const auto it = object.find(key);
-  return it != object.end() && it->is_string() ? it->get<std::string>().substr(0, 2000) : std::string();
+tl::unexpected<Error> wrong_type(const char* key, const char* wanted) {
+  return fail(Code::bad_usage, std::string("not ") + wanted, key, "see /api/v1/openapi.yaml");
 }
 
-std::vector<std::string> texts_of(const json& object, const char* key) {
+// Members of a message; what is absent is empty, false or 0. Unknown members may come from a newer worker.
+// A string is cut to what a log or a page can show.
+Result<std::string> text_of(const json& object, const char* key) {
+  const auto it = object.find(key);
+  if (it == object.end()) return std::string();
+  if (!it->is_string()) return wrong_type(key, "a string");
+  return it->get<std::string>().substr(0, 2000);
+}
+
+Result<std::vector<std::string>> texts_of(const json& object, const char* key) {
   std::vector<std::string> texts;
   const auto it = object.find(key);
-  if (it != object.end() && it->is_array())
-    for (const json& item : *it)
-      if (item.is_string()) texts.push_back(item.get<std::string>());
+  if (it == object.end()) return texts;
+  if (!it->is_array()) return wrong_type(key, "a list of strings");
+  for (const json& item : *it) {
+    if (!item.is_string()) return wrong_type(key, "a list of strings");
+    texts.push_back(item.get<std::string>());
+  }
   return texts;
+}
+
+Result<bool> flag_of(const json& object, const char* key) {
+  const auto it = object.find(key);
+  if (it == object.end()) return false;
+  if (!it->is_boolean()) return wrong_type(key, "true or false");
+  return it->get<bool>();
+}
+
+Result<double> fraction_of(const json& object, const char* key) {
+  const auto it = object.find(key);
+  if (it == object.end()) return 0.0;
+  if (!it->is_number() || it->get<double>() < 0 || it->get<double>() > 1)
+    return wrong_type(key, "a number from 0 to 1");
+  return it->get<double>();
 }
 
 LeaseKey key_of(const Request& request) {
@@ -41,8 +67,10 @@ LeaseKey key_of(const Request& request) {
 
 Result<Response> take_lease(Service& service, Request& request) {
   VACUFORM_TRY(body, read_object(request, largest_message));
-  const std::string worker = text_of(body, "worker").substr(0, 64);
-  service.workers.seen(worker, texts_of(body, "sandbox"), wall_clock());
+  VACUFORM_TRY(worker, text_of(body, "worker"));
+  worker.resize(std::min<std::size_t>(worker.size(), 64));
+  VACUFORM_TRY(sandbox, texts_of(body, "sandbox"));
+  service.workers.seen(worker, sandbox, wall_clock());
   VACUFORM_TRY(lease, service.store.lease(worker));
   if (!lease) {
     Response response;
@@ -79,16 +107,15 @@ Result<Response> get_input(Service& service, const Request& request) {
 Result<Response> heartbeat(Service& service, Request& request) {
   VACUFORM_TRY(body, read_object(request, largest_message));
   std::optional<Stage> stage;
-  if (const std::string text = text_of(body, "stage"); !text.empty()) {
+  VACUFORM_TRY(text, text_of(body, "stage"));
+  if (!text.empty()) {
     stage = stage_from(text);
     if (!stage)
       return fail(Code::bad_usage, "there is no such stage: " + text, "stage",
                   "send scan, forming, flattening, printing or inspection");
   }
-  const auto progress = body.find("progress");
-  const bool numeric = progress != body.end() && progress->is_number();
-  VACUFORM_TRY(cancel,
-               service.store.heartbeat(key_of(request), stage, numeric ? progress->get<double>() : 0));
+  VACUFORM_TRY(progress, fraction_of(body, "progress"));
+  VACUFORM_TRY(cancel, service.store.heartbeat(key_of(request), stage, progress));
   return json_response({{"cancel", cancel}});
 }
 
@@ -97,7 +124,8 @@ Result<Response> add_log(Service& service, Request& request) {
   const auto first = body.find("first");
   if (first == body.end() || !first->is_number_unsigned() || first->get<std::uint64_t>() > most_log_lines)
     return fail(Code::bad_usage, "there is no number of the first line", "first", "number lines from 0");
-  VACUFORM_CHECK(service.store.log(key_of(request), first->get<int>(), texts_of(body, "lines")));
+  VACUFORM_TRY(lines, texts_of(body, "lines"));
+  VACUFORM_CHECK(service.store.log(key_of(request), first->get<int>(), lines));
   return json_response(ordered_json::object());
 }
 
@@ -133,15 +161,18 @@ Response ended_as(const char* event, const Job& job) {
 
 Result<Response> fail_job(Service& service, Request& request) {
   VACUFORM_TRY(body, read_object(request, largest_message));
-  const auto code = code_from(text_of(body, "code"));
+  VACUFORM_TRY(slug, text_of(body, "code"));
+  const auto code = code_from(slug);
   if (!code)
-    return fail(Code::bad_usage, "there is no such problem type: " + text_of(body, "code"), "code",
+    return fail(Code::bad_usage, "there is no such problem type: " + slug, "code",
                 "send the last piece of a type of /problems/");
-  const Error error{*code, text_of(body, "what"), text_of(body, "where"), text_of(body, "mend")};
-  const auto said = [&](const char* key) { return body.value(key, json(false)) == json(true); };
-  const Retry retry = said("crashed") ? Retry::after_crash
-                      : said("retry") ? Retry::after_fault
-                                      : Retry::never;
+  VACUFORM_TRY(what, text_of(body, "what"));
+  VACUFORM_TRY(where, text_of(body, "where"));
+  VACUFORM_TRY(mend, text_of(body, "mend"));
+  VACUFORM_TRY(crashed, flag_of(body, "crashed"));
+  VACUFORM_TRY(again, flag_of(body, "retry"));
+  const Error error{*code, std::move(what), std::move(where), std::move(mend)};
+  const Retry retry = crashed ? Retry::after_crash : again ? Retry::after_fault : Retry::never;
   VACUFORM_TRY(job, service.store.fail_job(key_of(request), error, retry));
   return ended_as("job-failed", job);
 }

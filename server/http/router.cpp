@@ -1,5 +1,7 @@
 #include "server/http/router.hpp"
 
+#include <algorithm>
+
 namespace vacuform::http {
 
 namespace {
@@ -28,7 +30,13 @@ bool fits(std::string_view pattern, std::string_view path, std::map<std::string,
 }  // namespace
 
 void Router::add(std::string method, std::string pattern, Handler handler) {
-  routes_.push_back({std::move(method), std::move(pattern), std::move(handler)});
+  Route route{std::move(method), pattern.substr(0, pattern.find('?')), {}, std::move(handler)};
+  for (std::size_t at = pattern.find('?'); at != std::string::npos;) {
+    const std::size_t next = pattern.find('&', at + 1);
+    route.query.push_back(pattern.substr(at + 1, next == std::string::npos ? next : next - at - 1));
+    at = next;
+  }
+  routes_.push_back(std::move(route));
 }
 
 Router::Match Router::match(std::string_view method, std::string_view path) const {
@@ -43,6 +51,23 @@ Router::Match Router::match(std::string_view method, std::string_view path) cons
         (match.allowed.empty() ? "" : ", ") + route.method + (route.method == "GET" ? ", HEAD" : "");
   }
   return match;
+}
+
+std::optional<Refusal> query_refusal(const Route& route,
+                                     const std::multimap<std::string, std::string>& query) {
+  std::string known;
+  for (const std::string& name : route.query) known += (known.empty() ? "" : ", ") + name;
+  for (const auto& [name, value] : query) {
+    const std::string shown = name.substr(0, 64);
+    if (std::find(route.query.begin(), route.query.end(), name) == route.query.end())
+      return Refusal{400,
+                     {Code::bad_usage, "unknown query parameter: " + shown, "query",
+                      known.empty() ? "send no query" : "send only " + known}};
+    if (query.count(name) > 1)
+      return Refusal{400,
+                     {Code::bad_usage, "query parameter given twice: " + shown, "query", "send it once"}};
+  }
+  return std::nullopt;
 }
 
 }  // namespace vacuform::http

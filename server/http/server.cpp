@@ -326,6 +326,8 @@ class Server::Library : public httplib::Server {
       return options_.refuse(request,
                              {404, {Code::not_found, "there is nothing at this address", {}, "see /"}});
     answered.route = match.route->pattern;
+    if (const auto refusal = query_refusal(*match.route, from.params))
+      return options_.refuse(request, *refusal);
     request.captures = std::move(match.captures);
     auto result = handled(*match.route, request);
     if (result) return std::move(*result);

@@ -6,6 +6,7 @@
 #include "api/settings.hpp"
 #include "server/job_json.hpp"
 #include "server/pages/pages.hpp"
+#include "server/secrets.hpp"
 
 namespace vacuform {
 
@@ -189,7 +190,10 @@ Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profi
     page.main += problem_box(*error) +
                  "<p>Nothing was started. Your settings are kept below; choose the files again.</p>\n";
   page.main +=
-      "<form method=\"post\" action=\"/jobs\" enctype=\"multipart/form-data\">\n<fieldset class=\"files\">\n"
+      "<form method=\"post\" action=\"/jobs\" enctype=\"multipart/form-data\">\n"
+      "<input type=\"hidden\" name=\"idempotency_key\" value=\"" +
+      random_hex(16) +
+      "\">\n<fieldset class=\"files\">\n"
       "<legend>Files</legend>\n" +
       files_html() +
       "</fieldset>\n<h2>Settings</h2>\n<p>All have a default: an empty field keeps the value that it shows "

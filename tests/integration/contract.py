@@ -238,7 +238,7 @@ class Contract:
 
     def check_answer(self, operation, where, method, status, headers, body):
         answers = operation["responses"]
-        answer = answers.get(str(status), answers.get("default") if status >= 400 else None)
+        answer = answers.get(str(status)) or answers.get(f"{status // 100}XX")
         if answer is None:
             raise Broken(f"{where}: the status {status} is not described")
         answer = self.resolved(answer)

@@ -5,7 +5,7 @@ import json
 import re
 import unittest
 
-from contract import DESCRIPTION, Broken, Contract, Part
+from contract import DESCRIPTION, METHODS, Broken, Contract, Part
 import hostile
 from harness import CONTRACT, Case, Server, curl
 
@@ -47,7 +47,7 @@ class Validator(unittest.TestCase):
         scan, pattern = Part("scan", b"", True), Part("pattern", b"", True)
         tus = {"tus-resumable": "1.0.0", "upload-offset": "0"}
         by_hand = b'--b\r\nContent-Disposition: form-data; name="scan"; filename="a"\r\n\r\nx\r\n--b--\r\n'
-        good = [("POST", "/api/v1/jobs?validate_only=true", {"idempotency-key": "12345678"},
+        good = [("POST", "/api/v1/jobs", {"idempotency-key": "12345678"},
                  [scan, pattern, Part("settings", b'{"print": {"dpi": 100}}', False), Part("print.dpi", b"600", False)], form),
                 ("POST", "/api/v1/jobs", {}, b'{"from": "x", "priority": -3}', json_text),
                 ("POST", "/api/v1/scans", {}, by_hand, form + "; boundary=b"),
@@ -90,6 +90,23 @@ class Validator(unittest.TestCase):
                     self.assertNotIn("does not know", str(fault))
         for schema in self.contract.root["components"]["schemas"].values():
             walk(schema)
+
+    def test_every_operation_describes_its_refusals(self):
+        for path, item in self.contract.root["paths"].items():
+            for method in item.keys() & METHODS:
+                self.assertTrue(any(str(status).startswith("4") for status in item[method]["responses"]), (method, path))
+
+    def test_every_required_property_is_described(self):
+        def look(node, where):
+            if isinstance(node, dict):
+                if "properties" in node:
+                    self.assertLessEqual(set(node.get("required", [])), set(node["properties"]), where)
+                for key, value in node.items():
+                    look(value, f"{where}/{key}")
+            elif isinstance(node, list):
+                for number, value in enumerate(node):
+                    look(value, f"{where}/{number}")
+        look(self.contract.root, "")
 
     def test_every_reference_leads_somewhere(self):
         for reference in set(re.findall(r"\$ref: '(#[^']+)'", DESCRIPTION.read_text())):
@@ -172,7 +189,7 @@ class Exchanges(Case):
     def work_on_jobs(self):
         jobs = self.server.api + "/jobs"
         form = ["-F", f"scan=@{self.scan}", "-F", f"pattern=@{self.pattern}", "-F", 'settings={"print": {"dpi": 100}}']
-        self.taken(*form, "-F", "print.dpi=150", jobs + "?validate_only=true")
+        self.taken(*form, "-F", "print.dpi=150", self.server.api + "/validate")
         first = self.taken("-H", "Idempotency-Key: 12345678", *form, jobs, status=202).json["id"]
         for _ in range(4):
             self.taken(*OF_JSON, "-d", json.dumps({"from": first, "priority": -1}), jobs, status=202)

@@ -3,11 +3,13 @@ import hashlib
 import http.server
 import json
 import signal
+import socket
 import subprocess
 import threading
 import unittest
 
-from harness import BIN, Case, vacuform, wait_for
+import hostile
+from harness import BIN, Case, Server, vacuform, wait_for
 
 PRINT = b"\x89PNG print"
 
@@ -131,6 +133,58 @@ class Submit(Case):
         self.assertIn("the job goes on", err)
         self.assertIn(f"vacuform submit --server {self.server.url} --job j1 --wait --out {self.out}", err)
         self.assertNotIn("/api/v1/jobs/j1/cancel", self.server.seen)
+
+
+class Relay(threading.Thread):
+    """Passes connections on to a port of this machine; the first `broken` of them end before the answer."""
+
+    def __init__(self, port, broken):
+        super().__init__(daemon=True)
+        self.port, self.broken, self.answered = port, broken, []
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"http://127.0.0.1:{self.listener.getsockname()[1]}"
+        self.start()
+
+    def run(self):
+        while True:
+            near, _ = self.listener.accept()
+            with near, socket.create_connection(("127.0.0.1", self.port)) as far:
+                sender = threading.Thread(target=self.send, args=[near, far], daemon=True)
+                sender.start()
+                answer = far.recv(1 << 16)
+                self.answered.append(answer[:12])
+                if len(self.answered) > self.broken:
+                    near.sendall(answer)
+                    while piece := far.recv(1 << 16):
+                        near.sendall(piece)
+
+    @staticmethod
+    def send(near, far):
+        try:
+            while piece := near.recv(1 << 16):
+                far.sendall(piece)
+        except OSError:  # either side is gone
+            pass
+
+
+class SubmitAgain(Case):
+    def test_a_submission_whose_answer_is_lost_makes_one_job(self):
+        with Server(self.folder, 0) as server:
+            relay = Relay(server.port, 2)
+            scan, pattern = self.folder / "scan.stl", self.folder / "p.svg"
+            scan.write_bytes(hostile.stl(hostile.dome_triangles()))
+            pattern.write_bytes(hostile.GOOD_SVG)
+            done = vacuform("submit", "--server", relay.url, "--token-file", server.token_file, "--scan", scan, "--pattern", pattern)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertEqual([answer for answer in relay.answered], [b"HTTP/1.1 202"] * 3)
+            self.assertEqual([job["id"] for job in server.jobs()], [done.stdout.strip().rsplit("/", 1)[1]])
+
+    def test_a_token_is_not_sent_over_the_network_in_plain_http(self):
+        token = self.folder / "token"
+        token.write_text("vft_0123456789abcdef_" + "0" * 64 + "\n")
+        done = vacuform("submit", "--server", "http://192.0.2.1:8080", "--token-file", token, "--job", "j1")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("a token must not cross the network in plain HTTP", done.stderr)
 
 
 if __name__ == "__main__":

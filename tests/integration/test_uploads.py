@@ -122,7 +122,7 @@ class Uploads(Case):
             kept = curl("-F", "scan_upload=" + upload["id"], server.api + "/scans")
             self.assertEqual(kept.status, 201, kept)
             form = ["-F", "scan_id=" + kept.json["id"], "-F", f"pattern=@{PATTERNS / 'rings-7x40mm.svg'}"]
-            plan = curl(*form, server.api + "/jobs?validate_only=true")
+            plan = curl(*form, server.api + "/validate")
             self.assertEqual((plan.status, plan.json["inputs"]["scan"]["format"]), (200, "stl"))
             job = curl(*form, server.api + "/jobs")
             self.assertEqual(job.json["inputs"]["scan"]["sha256"], upload["sha256"])

@@ -12,7 +12,21 @@ TEST(Http, TakesOnlyAddressesOfServers) {
     EXPECT_EQ(http.error().code, Code::bad_usage);
   }
   EXPECT_EQ(Http::to("http://127.0.0.1:8080//")->url(), "http://127.0.0.1:8080");
-  EXPECT_FALSE(Http::to("http://host", "two\r\nlines"));
+  EXPECT_FALSE(Http::to("https://host", "two\r\nlines"));
+}
+
+TEST(Http, KeepsATokenOffTheNetworkWithoutTls) {
+  for (const char* url :
+       {"http://example.org", "http://192.0.2.1:8080", "http://127.evil.example", "http://[2001:db8::1]",
+        "http://localhost.example.org", "http://localhost@example.org", "http://127.0.0.1@192.0.2.1"}) {
+    const auto refused = Http::to(url, "token");
+    ASSERT_FALSE(refused) << url;
+    EXPECT_NE(refused.error().what.find("plain HTTP"), std::string::npos);
+    EXPECT_TRUE(Http::to(url)) << url;
+  }
+  for (const char* url :
+       {"http://127.0.0.1:8080", "http://localhost:8080/", "http://[::1]:8080", "https://example.org"})
+    EXPECT_TRUE(Http::to(url, "token")) << url;
 }
 
 TEST(Http, NobodyAtTheAddressIsUnavailable) {

@@ -95,9 +95,11 @@ TEST_F(ServerApi, TheRequestThatMadeAJobIsKnownToItsWorker) {
 }
 
 TEST_F(ServerApi, SaysItsLimitsAndWhatKeepsJobsIn) {
-  const std::string ask_for_job = R"({"worker":"w1","sandbox":["seccomp","namespaces","magic",7]})";
+  const std::string ask_for_job = R"({"worker":"w1","sandbox":["seccomp","namespaces","magic"]})";
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), ask_for_job).status, 204);
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"w2"})").status, 204);
+  for (const char* wrong : {R"({"worker":5})", R"({"sandbox":"seccomp"})", R"({"sandbox":[7]})"})
+    EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), wrong).status, 400) << wrong;
   const json limits = json::parse(ask("GET", "/api/v1/limits").body);
   EXPECT_EQ(limits["scan_bytes"], 1 << 30);
   EXPECT_EQ(limits["head_lines"], 100);

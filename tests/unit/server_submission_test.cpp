@@ -50,9 +50,7 @@ TEST(Formats, OfDrawingsAndTemperatures) {
 
 class ServerSubmission : public ServerTest {
  protected:
-  Answer validate(const std::string& more = "", const std::string& query = "?validate_only=true") {
-    return submit(more, "/api/v1/jobs" + query);
-  }
+  Answer validate(const std::string& more = "") { return submit(more, "/api/v1/validate"); }
   void expect_nothing_kept() {
     EXPECT_TRUE(store_->list(1, "")->jobs.empty());
     EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
@@ -82,13 +80,64 @@ TEST_F(ServerSubmission, ValidatedOnlyRefusesWhatASubmissionWould) {
   EXPECT_EQ(validate(part("heat.source", "", "measured")).status, 422);
   EXPECT_EQ(validate(part("virus", "x.exe", "MZ")).status, 400);
   const Answer foreign =
-      ask("POST", "/api/v1/jobs?validate_only=true", form_type,
+      ask("POST", "/api/v1/validate", form_type,
           part("scan", "head.zip", "PK\x03\x04") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n");
   EXPECT_EQ(foreign.status, 415);
   EXPECT_EQ(json::parse(foreign.body)["what"], "the scan is a ZIP archive");
-  EXPECT_EQ(validate("", "?validate_only=perhaps").status, 400);
   expect_nothing_kept();
-  EXPECT_EQ(validate("", "?validate_only=false").status, 202);
+}
+
+TEST_F(ServerSubmission, AQueryThatTheRouteDoesNotTakeIsRefusedByName) {
+  for (const char* query : {"?validate-only=true", "?validate_only=true", "?limit=1"}) {
+    const Answer answer = submit("", std::string("/api/v1/jobs") + query);
+    EXPECT_EQ(answer.status, 400) << query;
+    EXPECT_EQ(json::parse(answer.body)["where"], "query");
+  }
+  expect_nothing_kept();
+  EXPECT_NE(ask("GET", "/api/v1/jobs?stat=failed").body.find("unknown query parameter: stat"),
+            std::string::npos);
+  EXPECT_EQ(ask("GET", "/api/v1/jobs?limit=1&limit=2").status, 400);
+  EXPECT_EQ(ask("GET", "/api/v1/jobs?limit=1").status, 200);
+  EXPECT_EQ(ask("GET", "/healthz?x=1").status, 400);
+}
+
+TEST_F(ServerSubmission, AFormThatIsSentTwiceCreatesOneJob) {
+  const auto key = [&] {
+    const std::string page = ask("GET", "/").body, field = "name=\"idempotency_key\" value=\"";
+    const std::size_t at = page.find(field);
+    return at == std::string::npos ? "" : page.substr(at + field.size(), 32);
+  };
+  const std::string first = key();
+  ASSERT_EQ(first.size(), 32u);
+  const auto send = [&](const std::string& page, const std::string& more = "") {
+    return submit(part("idempotency_key", "", page) + more, "/jobs").header("Location");
+  };
+  const std::string job = send(first);
+  EXPECT_TRUE(job.starts_with("/jobs/"));
+  EXPECT_EQ(send(first), job);                               // a second click
+  EXPECT_NE(send(first, part("print.dpi", "", "72")), job);  // back, changed, sent again
+  EXPECT_NE(send(key()), job);                               // the page loaded again
+  EXPECT_EQ(store_->list(10, "")->jobs.size(), 3u);
+}
+
+TEST_F(ServerSubmission, AJsonBodyIsReadStrictly) {
+  const auto problem_of = [&](const std::string& body) {
+    const Answer answer = ask("POST", "/api/v1/jobs", "", body);
+    EXPECT_EQ(answer.status / 100, 4) << body;
+    return json::parse(answer.body)["detail"].get<std::string>();
+  };
+  EXPECT_NE(problem_of(R"({"kind": "print", "kind": "inspection"})").find("\"kind\" twice"),
+            std::string::npos);
+  EXPECT_NE(problem_of(R"({"settings": {"print": {"dpi": 72, "dpi": 600}}})").find("\"dpi\" twice"),
+            std::string::npos);
+  EXPECT_NE(problem_of("{\"kind\": ").find("not valid JSON, near byte"), std::string::npos);
+  for (const char* body : {R"({"scan_upload": 5})", R"({"from": 5})", R"({"profile": 1})", R"({"kind": 0})"})
+    EXPECT_NE(problem_of(body).find("not a string"), std::string::npos) << body;
+  EXPECT_NE(problem_of(R"({"priority": "1"})").find("not a whole number"), std::string::npos);
+  EXPECT_NE(problem_of(R"({"settings": "{}"})").find("not an object"), std::string::npos);
+  EXPECT_NE(validate(part("settings", "", R"({"print": {"dpi": 72}, "print": {}})")).body.find("twice"),
+            std::string::npos);
+  expect_nothing_kept();
 }
 
 }  // namespace

@@ -32,9 +32,8 @@ class ServerUpload : public ServerTest {
   }
   std::string offset(const std::string& place) { return ask("HEAD", place, tus).header("Upload-Offset"); }
   static std::string id_of(const std::string& place) { return place.substr(place.rfind('/') + 1); }
-  Answer submit_with(const std::string& parts, const std::string& query = "") {
-    return ask("POST", "/api/v1/jobs" + query, form_type,
-               parts + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n");
+  Answer submit_with(const std::string& parts, const std::string& path = "/api/v1/jobs") {
+    return ask("POST", path, form_type, parts + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n");
   }
 };
 
@@ -216,7 +215,7 @@ TEST_F(ServerUpload, AScanIsKeptOnceForManyJobs) {
   EXPECT_EQ(json::parse(ask("GET", at).body), scan);
   EXPECT_EQ(json::parse(post(part("scan", "b.stl", "solid")).body)["id"], id);  // the same bytes
   EXPECT_EQ(ask("DELETE", place, tus).status, 204);                             // the scan keeps them
-  EXPECT_EQ(submit_with(part("scan_id", "", id), "?validate_only=true").status, 200);
+  EXPECT_EQ(submit_with(part("scan_id", "", id), "/api/v1/validate").status, 200);
   const Answer job = submit_with(part("scan_id", "", id));
   ASSERT_EQ(job.status, 202) << job.body;
   const std::string other = bearer(token("station-2", {Scope::submit, Scope::read}));

@@ -98,8 +98,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"heat": {"gains": {"rim": 1}}})", "heat.gains.rim", "no heater"},
         Refusal{R"({"heat": {"gains": {"rim": -1}}})", "heat.gains.rim", "from 0 to 10"},
         Refusal{R"({"heat": {"black_c": 20}})", "heat.black_c", "a temperature each"},
-        Refusal{"[1, 2]", "", "JSON object"}, Refusal{"{\"print\": {", "", "not valid JSON"},
-        Refusal{"[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]", "", "JSON"}));
+        Refusal{"[1, 2]", "", "JSON object"}, Refusal{"{\"print\": {", "settings", "not valid JSON"},
+        Refusal{"[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]", "settings", "nested"},
+        Refusal{R"({"print": {"dpi": 72}, "print": {}})", "settings", "twice"}));
 
 TEST(Settings, SetReadsJsonAndBareWords) {
   nlohmann::json object;

@@ -34,12 +34,17 @@ Result<nlohmann::json> read_object(const std::string& file) {
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in || text.size() > 1u << 20)
     return fail(Code::unreadable, "the settings cannot be read", file, "give a JSON file of at most 1 MiB");
-  nlohmann::json object = nlohmann::json::parse(text, nullptr, false);
+  auto parsed = settings_json(text);
+  if (!parsed) {
+    parsed.error().where = file;
+    return parsed;
+  }
+  nlohmann::json& object = *parsed;
   if (!object.is_object())
     return fail(Code::bad_settings, "the settings are not a JSON object", file,
                 "write {\"print\": {\"dpi\": 300}}");
   object.erase("calibration");  // what a machine profile says of itself is no setting
-  return object;
+  return parsed;
 }
 
 void put_over(nlohmann::json& under, nlohmann::json&& over) {
