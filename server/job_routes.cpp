@@ -143,10 +143,10 @@ Result<Response> delete_job(Service& service, const Request& request, const Call
 
 void add_job_routes(http::Router& router, Service& service) {
   const auto add = [&](Scope scope, const char* method, const std::string& tail,
-                       const GuardedHandler& handler) {
-    add_guarded(router, service, scope, method, "/api/v1/jobs" + tail, handler);
+                       const GuardedHandler& handler, std::uint64_t most_body = http::small_body) {
+    add_guarded(router, service, scope, method, "/api/v1/jobs" + tail, handler, most_body);
   };
-  add(Scope::submit, "POST", "", create_job);
+  add(Scope::submit, "POST", "", create_job, largest_form());
   add(Scope::read, "GET", "", list_jobs);
   add(Scope::read, "GET", "/{id}/log", get_log);
   add(Scope::submit, "POST", "/{id}/cancel", cancel_job);

@@ -28,7 +28,7 @@ bool fits(std::string_view pattern, std::string_view path, std::map<std::string,
 }  // namespace
 
 void Router::add(std::string method, std::string pattern, Handler handler) {
-  routes_.push_back({std::move(method), std::move(pattern), std::move(handler)});
+  add(Route{std::move(method), std::move(pattern), std::move(handler)});
 }
 
 Router::Match Router::match(std::string_view method, std::string_view path) const {
