@@ -13,8 +13,15 @@ namespace vacuform {
 
 namespace {
 
-constexpr std::string_view cookie_name = "vacuform-session";
-constexpr std::string_view attributes = "; Path=/; HttpOnly; SameSite=Strict; Max-Age=";
+// Behind TLS the cookie is for TLS and for this host alone, and the prefix makes the browser see to that: no plain page and no
+// other host beneath the same domain can set one (draft-ietf-httpbis-rfc6265bis, 4.1.3.2).
+std::string_view cookie_name(bool by_tls) { return by_tls ? "__Host-vacuform-session" : "vacuform-session"; }
+
+std::string set_cookie(bool by_tls, const std::string& value, Millis seconds) {
+  return std::string(cookie_name(by_tls)) + "=" + value + "; Path=/; HttpOnly; SameSite=Strict" +
+         (by_tls ? "; Secure" : "") + "; Max-Age=" + std::to_string(seconds);
+}
+
 constexpr Millis session_seconds = 12 * 3600;
 constexpr std::size_t most_sessions = 1000;
 constexpr double most_patience = 20;
@@ -28,7 +35,7 @@ std::string_view cookie_of(const http::Request& request) {
     all.remove_prefix(end == std::string_view::npos ? all.size() : end + 1);
     while (pair.starts_with(' ')) pair.remove_prefix(1);
     const std::size_t equals = pair.find('=');
-    if (equals != std::string_view::npos && pair.substr(0, equals) == cookie_name)
+    if (equals != std::string_view::npos && pair.substr(0, equals) == cookie_name(request.by_front))
       return pair.substr(equals + 1);
   }
   return {};
@@ -100,7 +107,7 @@ Error Access::refused(Error error) {
   return error;
 }
 
-Result<std::string> Access::sign_in(std::string_view text) {
+Result<std::string> Access::sign_in(std::string_view text, bool by_tls) {
   const auto token = usable_token(store_, text, clock_);
   if (!token) return tl::make_unexpected(refused(token.error()));
   const std::string value = random_hex(32);
@@ -113,13 +120,13 @@ Result<std::string> Access::sign_in(std::string_view text) {
     }));
   sessions_[text_hash(value)] = {token->id, now + session_seconds * 1000};
   log_event("signed-in", {{"token", token->id}});
-  return std::string(cookie_name) + "=" + value + std::string(attributes) + std::to_string(session_seconds);
+  return set_cookie(by_tls, value, session_seconds);
 }
 
 std::string Access::sign_out(const http::Request& request) {
   const std::lock_guard hold(mutex_);
   sessions_.erase(text_hash(cookie_of(request)));
-  return std::string(cookie_name) + "=" + std::string(attributes) + "0";
+  return set_cookie(request.by_front, "", 0);
 }
 
 }  // namespace vacuform

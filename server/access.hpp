@@ -34,8 +34,8 @@ class Access {
   // tokens beyond twenty at once and one a second later. A right token is never refused because others are wrong.
   Result<Caller> check(const http::Request& request, Scope wanted);
 
-  // The value of Set-Cookie for someone who shows a usable token. Errors: as above.
-  Result<std::string> sign_in(std::string_view token);
+  // The value of Set-Cookie for someone who shows a usable token; `by_tls`: through the TLS front. Errors: as above.
+  Result<std::string> sign_in(std::string_view token, bool by_tls);
   // Ends the session of the request's cookie; gives the value of Set-Cookie that takes it away.
   std::string sign_out(const http::Request& request);
 

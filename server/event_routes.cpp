@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <unordered_map>
 
 #include "server/http/range.hpp"
 #include "server/job_json.hpp"
@@ -25,8 +28,38 @@ constexpr auto silence = 15s;  // after which a comment is sent, so that nobody 
 constexpr auto longest_stream = 10min;  // then the client comes again, with a token that still holds
 constexpr int lines_at_once = 200;
 
-Response job_response(const Job& job) {
-  Response response = json_response(job_json(job));
+// The JSON of jobs that are asked for again and again, one version of each. It is much more work to write than the job is to
+// read. From any thread.
+class Shown {
+ public:
+  std::string of(const Job& job) {
+    {
+      const std::lock_guard hold(mutex_);
+      const auto found = texts_.find(job.id);
+      if (found != texts_.end() && found->second.version == job.version &&
+          found->second.artifacts == job.artifacts.size())
+        return found->second.text;
+    }
+    std::string text = dump(job_json(job));
+    const std::lock_guard hold(mutex_);
+    if (texts_.size() >= most) texts_.clear();
+    texts_[job.id] = {job.version, job.artifacts.size(), text};
+    return text;
+  }
+
+ private:
+  static constexpr std::size_t most = 1000;  // some 4 KiB each
+  struct Text {
+    std::int64_t version = 0;
+    std::size_t artifacts = 0;  // those of a running job come one by one
+    std::string text;
+  };
+  std::mutex mutex_;
+  std::unordered_map<std::string, Text> texts_;
+};
+
+Response job_response(const Job& job, Shown& shown) {
+  Response response = json_text_response(shown.of(job));
   response.set("ETag", etag_of(job));
   return response;
 }
@@ -39,21 +72,23 @@ Response unchanged(const Job& job) {
   return response;
 }
 
-Result<Response> get_job(Service& service, const Request& request, const Caller& caller) {
+Result<Response> get_job(Service& service, const std::shared_ptr<Shown>& shown, const Request& request,
+                         const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request, caller));
   VACUFORM_TRY(seconds, query_number(request, "wait", 0, 0, most_wait_seconds));
   if (auto refusal = http::unmet_precondition(request, etag_of(job)))
     return http::refused_response(std::move(*refusal));
-  if (!http::names_etag(request.header("If-None-Match"), etag_of(job))) return job_response(job);
+  if (!http::names_etag(request.header("If-None-Match"), etag_of(job)))
+    return job_response(job, *shown);
   if (seconds == 0 || ended(job.state)) return unchanged(job);
   Response response;
   response.party = caller.owner;
-  response.waiter = [&store = service.store, job,
+  response.waiter = [&store = service.store, shown, job,
                      until = steady_clock::now() +
                              std::chrono::seconds(seconds)](const http::Going& going) -> Result<Response> {
     while (going() && steady_clock::now() < until) {
       VACUFORM_TRY(now, store.wait_for_change(job.id, job.version, slice));
-      if (now.version > job.version) return job_response(now);
+      if (now.version > job.version) return job_response(now, *shown);
     }
     return unchanged(job);
   };
@@ -155,7 +190,10 @@ Result<Response> get_events(Service& service, const Request& request, const Call
 }  // namespace
 
 void add_event_routes(http::Router& router, Service& service) {
-  add_guarded(router, service, Scope::read, "GET", "/api/v1/jobs/{id}?wait", get_job);
+  add_guarded(router, service, Scope::read, "GET", "/api/v1/jobs/{id}?wait",
+              [shown = std::make_shared<Shown>()](Service& s, const Request& request, const Caller& caller) {
+                return get_job(s, shown, request, caller);
+              });
   add_guarded(router, service, Scope::read, "GET", "/api/v1/jobs/{id}/events", get_events);
 }
 

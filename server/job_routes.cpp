@@ -94,15 +94,25 @@ Response unchanged(const std::string& etag) {
   return response;
 }
 
-Result<Response> get_zip(Service& service, const Request& request, const Caller& caller) {
+Result<Response> get_zip(Service& service, Checksums& checksums, const Request& request,
+                         const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request, caller));
   if (job.artifacts.empty())
     return fail(Code::not_found, "the job has no artifacts yet", job.id, "wait until it has succeeded");
   const std::string etag = zip_etag(job);
   if (http::names_etag(request.header("If-None-Match"), quoted(etag)))
-    return unchanged(etag);  // before it is made
-  VACUFORM_TRY(file, make_zip(service.store, job));
-  VACUFORM_TRY(response, http::file_response(request, std::move(file), "application/zip", etag));
+    return unchanged(etag);
+  std::vector<Zip::Entry> entries;
+  for (const auto& artifact : job.artifacts) entries.push_back({artifact.name, artifact.blob, 0});
+  if (!request.head_only) {  // whose length is the same
+    VACUFORM_TRY(crc, checksums.of(service.store, job));
+    for (std::size_t i = 0; i < entries.size(); ++i) entries[i].crc = crc[i];
+  }
+  auto zip = std::make_shared<Zip>(std::move(entries),
+                                   [&store = service.store](const Blob& blob) { return store.open(blob); });
+  const std::uint64_t bytes = zip->bytes();
+  VACUFORM_TRY(response,
+               http::source_response(request, std::move(zip), bytes, "application/zip", etag));
   response.set("Content-Disposition", "attachment; filename=\"vacuform-" + job.id + ".zip\"");
   response.set("X-Content-Type-Options", "nosniff");
   return response;
@@ -144,18 +154,21 @@ Result<Response> delete_job(Service& service, const Request& request, const Call
 
 void add_job_routes(http::Router& router, Service& service) {
   const auto add = [&](Scope scope, const char* method, const std::string& tail,
-                       const GuardedHandler& handler) {
-    add_guarded(router, service, scope, method, "/api/v1/jobs" + tail, handler);
+                       const GuardedHandler& handler, std::uint64_t most_body = http::small_body) {
+    add_guarded(router, service, scope, method, "/api/v1/jobs" + tail, handler, most_body);
   };
-  add(Scope::submit, "POST", "", create_job);
-  add_guarded(router, service, Scope::submit, "POST", "/api/v1/validate", validate_job);
+  add(Scope::submit, "POST", "", create_job, largest_form());
+  add_guarded(router, service, Scope::submit, "POST", "/api/v1/validate", validate_job, largest_form());
   add(Scope::read, "GET", "?limit&cursor", list_jobs);
   add(Scope::read, "GET", "/{id}/log?after&limit", get_log);
   add(Scope::submit, "POST", "/{id}/cancel", cancel_job);
   add(Scope::submit, "DELETE", "/{id}", delete_job);
   add(Scope::read, "GET", "/{id}/artifacts", list_artifacts);
   add(Scope::read, "GET", "/{id}/artifacts/{name}", get_artifact);
-  add(Scope::read, "GET", "/{id}/artifacts.zip", get_zip);
+  add(Scope::read, "GET", "/{id}/artifacts.zip",
+      [checksums = std::make_shared<Checksums>()](Service& s, const Request& request, const Caller& caller) {
+        return get_zip(s, *checksums, request, caller);
+      });
 }
 
 }  // namespace vacuform

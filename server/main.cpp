@@ -1,5 +1,6 @@
 // vacuform-server: the options, the lifetime, the signals.
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,6 +27,14 @@
 
 namespace vacuform {
 namespace {
+
+// A descriptor for each connection, one more for each download, and those of the store.
+void raise_file_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = std::max(limit.rlim_cur, std::min<rlim_t>(limit.rlim_max, 4096));
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
 
 // The tokens that a service needs to begin with, each in a file of its own in the data folder.
 Result<void> first_tokens(Store& store, const std::filesystem::path& data,
@@ -61,16 +70,17 @@ std::string url_of(const Address& address, const http::Server& server) {
   return "http://" + host + ":" + std::to_string(server.port());
 }
 
-// Its threads are its own, and a slow client keeps one for half a second, many slow ones each for a moment: who asks here
-// sends all at once.
+// With threads of its own, few: who asks here sends all at once, and is answered without waiting for anything.
 http::ServerOptions status_listener(const Address& address) {
   http::ServerOptions listener;
   listener.host = address.host;
   listener.port = address.port;
-  listener.threads = 64;
+  listener.connections = 256;
+  listener.threads = 4;
+  listener.uploads = 0;
   listener.streams = 0;
   listener.limits.head_time = std::chrono::milliseconds(500);
-  listener.limits.crowded_head_time = std::chrono::milliseconds(20);
+  listener.limits.idle_time = std::chrono::seconds(30);  // of a scraper between two questions
   listener.limits.wait = std::chrono::seconds(1);
   listener.refuse = [](const http::Request&, const http::Refusal& refusal) {
     return problem_response(refusal.error, refusal.status);
@@ -95,6 +105,7 @@ Result<void> serve(const Configuration& options) {
   for (const int signal : {SIGTERM, SIGINT, SIGCHLD}) sigaddset(&signals, signal);
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
+  raise_file_limit();
 
   StoreOptions store_options;
   store_options.lease = options.lease_seconds * Millis{1000};
@@ -121,7 +132,7 @@ Result<void> serve(const Configuration& options) {
                 metrics,
                 options.data,
                 [&server] { return server->connections(); },
-                listener.threads + listener.streams,
+                listener.connections,
                 [&server] { return server->streams(); },
                 listener.streams};
   VACUFORM_TRY(status_server, http::Server::start(status_listener(status_address), status_routes(status)));

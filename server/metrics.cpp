@@ -34,9 +34,11 @@ void write_sample(std::string& out, const std::string& name, const std::string& 
 void Metrics::answered(const http::Answered& answered) {
   const auto interval = std::lower_bound(bounds.begin(), bounds.end(), answered.seconds) - bounds.begin();
   const std::lock_guard hold(mutex_);
-  ++requests_[{answered.route.empty() ? "none" : answered.route, answered.method, answered.status}];
-  ++seconds_[static_cast<std::size_t>(interval)];
-  all_seconds_ += answered.seconds;
+  const std::string route = answered.route.empty() ? "none" : answered.route;
+  ++requests_[{route, answered.method, answered.status}];
+  Seconds& seconds = seconds_[route];
+  ++seconds.in[static_cast<std::size_t>(interval)];
+  seconds.sum += answered.seconds;
 }
 
 void Metrics::leases_lost(std::size_t number_lost) {
@@ -59,17 +61,20 @@ std::string Metrics::text(const std::vector<Family>& read) const {
         "route=\"" + route + "\",method=\"" + method + "\",status=\"" + std::to_string(status) + "\"",
         static_cast<double>(count));
   }
-  write_head(out, "vacuform_http_request_seconds", "From the end of a request's head to its answer",
-             "histogram");
-  std::uint64_t so_far = 0;
-  for (std::size_t i = 0; i < seconds_.size(); ++i) {
-    so_far += seconds_[i];
-    const std::string bound = i < bounds.size() ? number(bounds[i]) : "+Inf";
-    write_sample(out, "vacuform_http_request_seconds_bucket", "le=\"" + bound + "\"",
-                 static_cast<double>(so_far));
+  write_head(out, "vacuform_http_request_seconds",
+             "Time from the end of a request's head to its answer, by route", "histogram");
+  for (const auto& [route, seconds] : seconds_) {
+    const std::string of_route = "route=\"" + route + "\"";
+    std::uint64_t so_far = 0;
+    for (std::size_t i = 0; i < seconds.in.size(); ++i) {
+      so_far += seconds.in[i];
+      const std::string bound = i < bounds.size() ? number(bounds[i]) : "+Inf";
+      write_sample(out, "vacuform_http_request_seconds_bucket", of_route + ",le=\"" + bound + "\"",
+                   static_cast<double>(so_far));
+    }
+    write_sample(out, "vacuform_http_request_seconds_sum", of_route, seconds.sum);
+    write_sample(out, "vacuform_http_request_seconds_count", of_route, static_cast<double>(so_far));
   }
-  write_sample(out, "vacuform_http_request_seconds_sum", "", all_seconds_);
-  write_sample(out, "vacuform_http_request_seconds_count", "", static_cast<double>(so_far));
   write_head(out, "vacuform_leases_lost_total", "Leases that ended without a word of their worker",
              "counter");
   write_sample(out, "vacuform_leases_lost_total", "", static_cast<double>(leases_lost_));

@@ -39,8 +39,11 @@ class Metrics {
   static constexpr std::array<double, 8> bounds{0.005, 0.02, 0.1, 0.5, 2, 10, 60, 600};  // seconds
   mutable std::mutex mutex_;
   std::map<std::tuple<std::string, std::string, int>, std::uint64_t> requests_;  // route, method, status
-  std::array<std::uint64_t, bounds.size() + 1> seconds_{};  // in each interval of the bounds
-  double all_seconds_ = 0;
+  struct Seconds {
+    std::array<std::uint64_t, bounds.size() + 1> in{};  // each interval of the bounds
+    double sum = 0;
+  };
+  std::map<std::string, Seconds> seconds_;  // by route
   std::uint64_t leases_lost_ = 0;
 };
 

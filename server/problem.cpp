@@ -27,12 +27,16 @@ http::Response problem_response(const Error& error, int status) {
       http::text_response("application/problem+json", dump(problem_json(error, given)), given);
   response.set("Cache-Control", "no-store");
   response.set("X-Content-Type-Options", "nosniff");
-  if (given == 503) response.set("Retry-After", "5");
-  if (given == 429) response.set("Retry-After", "60");
+  set_retry_after(response);
   if (error.code == Code::unauthorized) response.set("WWW-Authenticate", "Bearer realm=\"vacuform\"");
   if (error.code == Code::forbidden)
     response.set("WWW-Authenticate", "Bearer realm=\"vacuform\", error=\"insufficient_scope\"");
   return response;
+}
+
+void set_retry_after(http::Response& response) {
+  if (response.status == 503) response.set("Retry-After", "5");
+  if (response.status == 429) response.set("Retry-After", "60");
 }
 
 void set_retry_after(http::Response& response, std::int64_t seconds) {
@@ -70,7 +74,11 @@ Result<nlohmann::json> read_object(http::Request& request, std::uint64_t limit) 
 }
 
 http::Response json_response(const ordered_json& json, int status) {
-  http::Response response = http::text_response("application/json", dump(json), status);
+  return json_text_response(dump(json), status);
+}
+
+http::Response json_text_response(std::string text, int status) {
+  http::Response response = http::text_response("application/json", std::move(text), status);
   response.set("Cache-Control", "no-store");
   response.set("X-Content-Type-Options", "nosniff");
   return response;

@@ -13,12 +13,15 @@ namespace vacuform {
 nlohmann::ordered_json problem_json(const Error& error, int status = 0);
 http::Response problem_response(const Error& error, int status = 0);
 
-// In place of the Retry-After that every 429 and 503 has.
+// The Retry-After that every 429 and 503 has, in a problem or a page.
+void set_retry_after(http::Response& response);
+// Another one in its place.
 void set_retry_after(http::Response& response, std::int64_t seconds);
 
 // JSON text; bytes that are no UTF-8 become U+FFFD.
 std::string dump(const nlohmann::ordered_json& json);
 http::Response json_response(const nlohmann::ordered_json& json, int status = 200);
+http::Response json_text_response(std::string text, int status = 200);  // of JSON that is written already
 
 // The body as JSON text, empty when there is none. Errors: unsupported_format unless Content-Type says so; those of
 // read_text().

@@ -15,13 +15,18 @@ using http::Request;
 using http::Response;
 
 void add_guarded(http::Router& router, Service& service, Scope scope, std::string method, std::string pattern,
-                 GuardedHandler handler) {
+                 GuardedHandler handler, std::uint64_t most_body) {
   Service* const s = &service;
-  router.add(std::move(method), std::move(pattern),
-             [s, scope, handler = std::move(handler)](Request& request) -> Result<Response> {
-               VACUFORM_TRY(caller, s->access.check(request, scope));
-               return handler(*s, request, caller);
-             });
+  router.add({std::move(method), std::move(pattern),
+              [s, scope, handler = std::move(handler)](Request& request) -> Result<Response> {
+                VACUFORM_TRY(caller, s->access.check(request, scope));
+                return handler(*s, request, caller);
+              },
+              most_body,
+              [s, scope](const Request& request) -> Result<void> {
+                VACUFORM_CHECK(s->access.check(request, scope));
+                return {};
+              }});
 }
 
 Result<Job> job_for(Service& service, const Request& request, const Caller& caller) {

@@ -8,6 +8,7 @@
 #include "server/json_artifact.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
+#include "server/submission.hpp"
 
 namespace vacuform {
 
@@ -143,7 +144,7 @@ Result<StoredScan> scan_for(Service& service, const std::string& id, const Calle
 }
 
 void add_scan_routes(http::Router& router, Service& service) {
-  add_guarded(router, service, Scope::submit, "POST", "/api/v1/scans", create_scan);
+  add_guarded(router, service, Scope::submit, "POST", "/api/v1/scans", create_scan, largest_form("scan"));
   add_guarded(router, service, Scope::read, "GET", "/api/v1/scans?limit&cursor", list_scans);
   add_guarded(router, service, Scope::read, "GET", "/api/v1/scans/{id}", show_scan);
   add_guarded(router, service, Scope::submit, "DELETE", "/api/v1/scans/{id}", delete_scan);

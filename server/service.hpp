@@ -38,10 +38,11 @@ void add_public_routes(http::Router& router, Service& service);   // what is abo
 void add_backup_routes(http::Router& router, Service& service);   // /api/v1/backup, for administrators
 http::Router all_routes(Service& service);
 
-// Adds a route that only a caller with this scope reaches.
+// Adds a route that only a caller with this scope reaches, and whose body has at most so many bytes. The token is checked
+// before the body is waited for.
 using GuardedHandler = std::function<Result<http::Response>(Service&, http::Request&, const Caller&)>;
 void add_guarded(http::Router& router, Service& service, Scope scope, std::string method, std::string pattern,
-                 GuardedHandler handler);
+                 GuardedHandler handler, std::uint64_t most_body = http::small_body);
 
 // The job of the route's {id}, if the caller may see it; not_found otherwise, so that nobody learns of another's jobs.
 Result<Job> job_for(Service& service, const http::Request& request, const Caller& caller);

@@ -13,6 +13,8 @@ namespace vacuform {
 
 namespace {
 
+constexpr std::uint64_t part_heads = 1 << 20;  // of a form
+
 bool has(const NewJob& job, std::string_view name) {
   return std::any_of(job.inputs.begin(), job.inputs.end(),
                      [&](const NewInput& input) { return input.name == name; });
@@ -178,13 +180,16 @@ Result<std::optional<Job>> origin_of(Service& service, const SubmissionForm& for
 
 }  // namespace
 
+std::uint64_t largest_form() {
+  std::uint64_t most = part_heads + largest_settings;
+  for (const InputKind& kind : input_kinds) most += kind.most_bytes;
+  return most;
+}
+
+std::uint64_t largest_form(std::string_view input) { return part_heads + input_kind(input)->most_bytes; }
+
 Result<NewJob> read_submission(Service& service, http::Request& request, const Caller& caller,
                                std::map<std::string, std::string>& fields) {
-  std::uint64_t most = largest_settings + (1u << 20);  // the part heads
-  for (const InputKind& kind : input_kinds) most += kind.most_bytes;
-  if (request.content_length > most)
-    return fail(Code::too_large, "the form is larger than " + std::to_string(most >> 20) + " MiB",
-                "request body", "send a smaller scan");
   VACUFORM_TRY(client_key, client_key_of(request));
   SubmissionForm form(service.store, fields);
   VACUFORM_CHECK(form.read(request));

@@ -14,6 +14,9 @@
 namespace vacuform {
 
 inline constexpr std::uint64_t largest_artifact = 2ull << 30;
+// Of the body of a form with such a file, or with all of them.
+std::uint64_t largest_form(std::string_view input);
+std::uint64_t largest_form();
 
 // Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; the JSON text goes
 // before the same setting of the profile, a field before both, an empty field keeps the default. An empty file is none, as a browser sends

@@ -217,14 +217,18 @@ Result<Response> ended(Service& service, Request& request, const Caller& caller)
   return terminate(service, request, caller);
 }
 
-Result<Response> options(Request&) {
-  Response response = no_content();
+std::uint64_t largest_upload() {
   std::uint64_t most = 0;
   for (const InputKind& kind : input_kinds) most = std::max(most, kind.most_bytes);
+  return most;
+}
+
+Result<Response> options(Request&) {
+  Response response = no_content();
   response.set("Tus-Resumable", version);
   response.set("Tus-Version", version);
   response.set("Tus-Extension", extensions);
-  response.set("Tus-Max-Size", std::to_string(most));
+  response.set("Tus-Max-Size", std::to_string(largest_upload()));
   response.set("Tus-Checksum-Algorithm", "sha1,sha256");
   return response;
 }
@@ -242,11 +246,11 @@ void add_upload_routes(http::Router& router, Service& service) {
   const std::string all = "/api/v1/uploads", one = all + "/{id}";
   router.add("OPTIONS", all, options);
   router.add("OPTIONS", one, options);
-  add_guarded(router, service, Scope::submit, "POST", all, speaking_tus(create));
+  add_guarded(router, service, Scope::submit, "POST", all, speaking_tus(create), largest_upload());
   add_guarded(router, service, Scope::submit, "GET", one, speaking_tus(shown));
-  add_guarded(router, service, Scope::submit, "PATCH", one, speaking_tus(append));
+  add_guarded(router, service, Scope::submit, "PATCH", one, speaking_tus(append), largest_upload());
   add_guarded(router, service, Scope::submit, "DELETE", one, speaking_tus(ended));
-  add_guarded(router, service, Scope::submit, "POST", one, speaking_tus(overridden));
+  add_guarded(router, service, Scope::submit, "POST", one, speaking_tus(overridden), largest_upload());
 }
 
 }  // namespace vacuform

@@ -134,8 +134,6 @@ Result<Response> put_artifact(Service& service, Request& request) {
   if (!artifact_kind(name))
     return fail(Code::bad_usage, "no artifact has this name", name.substr(0, 64),
                 "see api/openapi.yaml for the names");
-  if (request.content_length > largest_artifact)
-    return fail(Code::too_large, "the artifact is larger than 2 GiB", name, "lower print.dpi");
   if (request.header("Content-Length").empty())
     return problem_response({Code::bad_usage, "there is no Content-Length", name, "send the number of bytes"},
                             411);
@@ -180,9 +178,10 @@ Result<Response> fail_job(Service& service, Request& request) {
 }  // namespace
 
 void add_worker_routes(http::Router& router, Service& service) {
-  const auto add = [&](const char* method, const std::string& tail, auto route) {
+  const auto add = [&](const char* method, const std::string& tail, auto route,
+                       std::uint64_t most_body = http::small_body) {
     add_guarded(router, service, Scope::work, method, "/api/v1/leases" + tail,
-                [route](Service& s, Request& request, const Caller&) { return route(s, request); });
+                [route](Service& s, Request& request, const Caller&) { return route(s, request); }, most_body);
   };
   const auto add_end = [&](const std::string& tail, const char* event, auto change) {
     add("POST", "/{job}/" + tail, [event, change](Service& s, Request& request) -> Result<Response> {
@@ -194,7 +193,7 @@ void add_worker_routes(http::Router& router, Service& service) {
   add("GET", "/{job}/inputs/{input}", get_input);
   add("POST", "/{job}/heartbeat", heartbeat);
   add("POST", "/{job}/log", add_log);
-  add("PUT", "/{job}/artifacts/{name}", put_artifact);
+  add("PUT", "/{job}/artifacts/{name}", put_artifact, largest_artifact);
   add("POST", "/{job}/fail", fail_job);
   add_end("complete", "job-completed", &Store::complete);
   add_end("cancelled", "job-cancelled", &Store::cancelled);

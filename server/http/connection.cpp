@@ -1,53 +1,91 @@
 #include "server/http/connection.hpp"
 
 #include <poll.h>
-#include <strings.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
+
+#include "server/http/router.hpp"
 
 namespace vacuform::http {
 
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-namespace {
-
-bool named(std::string_view name, std::string_view wanted) {
-  return name.size() == wanted.size() && strncasecmp(name.data(), wanted.data(), name.size()) == 0;
+Connection::Connection(int socket, const Limits& limits, UploadRoom& room, const std::atomic<bool>& stopping)
+    : socket_(socket), limits_(limits), room_(room), stopping_(stopping) {
+  reading_.socket = socket;
 }
 
-bool token(std::string_view text) {
-  constexpr std::string_view others = "!#$%&'*+-.^_`|~";
-  return !text.empty() && std::all_of(text.begin(), text.end(), [&](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           others.find(c) != std::string_view::npos;
-  });
+Connection::~Connection() { close(); }
+
+void Connection::close() {
+  place_.reset();  // before the number of the socket can be another's
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
 }
 
-// Of a request line: what HTTP has, whether an address answers to it or not (405).
-bool known_method(std::string_view line) {
-  const std::string_view method = line.substr(0, line.find(' '));
-  for (const char* known : {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "CONNECT"})
-    if (method == known) return true;
-  return !token(method) || line.find(" HTTP/") == std::string_view::npos;  // malformed, and refused as such
+Connection::Got Connection::receive() {
+  std::array<char, 16 * 1024> piece;
+  const std::size_t most = limits_.head_bytes + small_body;
+  if (in_.size() >= most) return Got::nothing;
+  for (;;) {
+    const ssize_t n = ::recv(socket_, piece.data(), std::min(piece.size(), most - in_.size()), MSG_DONTWAIT);
+    if (n > 0) {
+      in_.append(piece.data(), static_cast<std::size_t>(n));
+      return Got::bytes;
+    }
+    if (n == 0) return Got::end;
+    if (errno == EAGAIN || errno == EWOULDBLOCK) return Got::nothing;
+    if (errno != EINTR) return Got::end;
+  }
 }
 
-bool printable(std::string_view text) {
-  return std::all_of(text.begin(), text.end(),
-                     [](char c) { return static_cast<unsigned char>(c) >= 32 || c == '\t'; });
+std::optional<tl::expected<Head, Refusal>> Connection::take_head() {
+  const std::size_t end = in_.find("\r\n\r\n", searched_ < 3 ? 0 : searched_ - 3);
+  searched_ = in_.size();
+  if (std::min(end, in_.size()) > limits_.head_bytes)
+    return tl::make_unexpected(
+        Refusal{431,
+                {Code::too_large,
+                 "the head of the request is longer than " + std::to_string(limits_.head_bytes) + " bytes",
+                 "request head", "send fewer or shorter header lines"}});
+  if (end == std::string::npos) return std::nullopt;
+  auto head = parse_head(std::string_view(in_).substr(0, end + 2), limits_);
+  in_.erase(0, end + 4);
+  length_ = head ? head->content_length : 0;
+  continue_due_ = head && head->expects_continue;
+  return head;
 }
 
-}  // namespace
+bool Connection::more_arrived() const {
+  const std::uint64_t left = length_ - body_read_;
+  if (in_.size() != left) return in_.size() > left;
+  char next = 0;
+  return ::recv(socket_, &next, 1, MSG_PEEK | MSG_DONTWAIT) >= 0;  // also the end: no more requests come
+}
 
-Connection::Connection(int socket, const Limits& limits, const std::atomic<bool>& stopping)
-    : socket_(socket), limits_(limits), stopping_(stopping) {}
+Refusal Connection::too_slow() const {
+  return {408, {Code::out_of_time, "the body of the request came too slowly", {}, "try again"}};
+}
 
-Connection::~Connection() { ::close(socket_); }
+Refusal Connection::broken_off() const {
+  return {400,
+          {Code::bad_usage,
+           "the body of the request ended after " + std::to_string(body_read_ + in_.size()) + " of " +
+               std::to_string(length_) + " bytes",
+           {},
+           "send it again"}};
+}
+
+void Connection::send_continue() {
+  if (!std::exchange(continue_due_, false)) return;
+  constexpr std::string_view interim = "HTTP/1.1 100 Continue\r\n\r\n";
+  (void)::send(socket_, interim.data(), interim.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+}
 
 Connection::Wait Connection::wait_for(short events, Instant deadline) const {
   for (;;) {
@@ -62,119 +100,48 @@ Connection::Wait Connection::wait_for(short events, Instant deadline) const {
   }
 }
 
-void Connection::refuse(int status, std::string what, std::string mend) {
-  Code code = Code::bad_usage;
-  if (status == 413 || status == 414 || status == 431) code = Code::too_large;
-  if (status == 408) code = Code::out_of_time;
-  refusal_ = Refusal{status, {code, std::move(what), "request head", std::move(mend)}};
-}
-
-bool Connection::read_head() {
-  const Instant deadline = steady_clock::now() + limits_.head_time;
-  std::string text;
-  std::array<char, 4096> piece;
-  for (;;) {
-    const std::size_t searched = text.size() < 3 ? 0 : text.size() - 3;
-    const Wait wait = wait_for(POLLIN, deadline);
-    if (wait == Wait::gone || (wait == Wait::late && text.empty())) return false;
-    if (wait == Wait::late) return refuse(408, "the head of the request took too long", "try again"), true;
-    const ssize_t n = ::recv(socket_, piece.data(), piece.size(), 0);
-    if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (n <= 0) return false;
-    text.append(piece.data(), static_cast<std::size_t>(n));
-    const std::size_t end = text.find("\r\n\r\n", searched);
-    if (std::min(end, text.size()) > limits_.head_bytes)
-      return refuse(431,
-                    "the head of the request is longer than " + std::to_string(limits_.head_bytes) + " bytes",
-                    "send fewer or shorter header lines"),
-             true;
-    if (end == std::string::npos) continue;
-    early_ = text.substr(end + 4);
-    parse_head(std::string_view(text).substr(0, end + 2));
-    if (early_.size() > head_.content_length) early_.resize(head_.content_length);
-    body_started_ = steady_clock::now();
-    return true;
-  }
-}
-
-void Connection::parse_head(std::string_view text) {
-  const std::size_t first = text.find("\r\n");
-  head_.request_line = text.substr(0, first);
-  if (!printable(head_.request_line) || head_.request_line.find('\t') != std::string::npos)
-    return refuse(400, "the request line is malformed", "send HTTP/1.1");
-  if (head_.request_line.size() > 4096) return refuse(414, "the address is too long", "send a shorter one");
-  text.remove_prefix(first + 2);
-  int hosts = 0, lengths = 0;
-  while (!text.empty()) {
-    const std::size_t end = text.find("\r\n");
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(end + 2);
-    const std::size_t colon = line.find(':');
-    if (colon == std::string_view::npos || !token(line.substr(0, colon)) || !printable(line))
-      return refuse(400, "a header line is malformed", "send name: value");
-    std::string_view name = line.substr(0, colon), value = line.substr(colon + 1);
-    while (!value.empty() && (value.front() == ' ' || value.front() == '\t')) value.remove_prefix(1);
-    while (!value.empty() && (value.back() == ' ' || value.back() == '\t')) value.remove_suffix(1);
-    if (head_.headers.size() >= limits_.head_lines)
-      return refuse(431, "the request has more than " + std::to_string(limits_.head_lines) + " header lines",
-                    "send fewer");
-    if (named(name, "Transfer-Encoding"))
-      return refuse(411, "a body without Content-Length is not accepted",
-                    "send Content-Length in place of chunks");
-    if (named(name, "Content-Encoding") && !named(value, "identity"))
-      return refuse(501, "an encoded body is not accepted",
-                    "send the body as it is, without Content-Encoding");
-    if (named(name, "Content-Length")) {
-      const auto [stop, error] =
-          std::from_chars(value.data(), value.data() + value.size(), head_.content_length);
-      if (++lengths > 1 || value.empty() || error != std::errc() || stop != value.data() + value.size()) {
-        head_.content_length = 0;
-        return refuse(400, "Content-Length is not one whole number", "send the number of bytes of the body");
-      }
-    }
-    if (named(name, "Host") && ++hosts > 1) return refuse(400, "there is more than one Host", "send one");
-    if (named(name, "Expect")) {
-      if (!named(value, "100-continue"))
-        return refuse(417, "an unknown expectation", "send no Expect header");
-      continue_due_ = true;
-    }
-    head_.headers.push_back({std::string(name), std::string(value)});
-  }
-  if (hosts == 0) return refuse(400, "there is no Host", "send HTTP/1.1 with a Host");
-  if (!known_method(head_.request_line))
-    refuse(501, "there is no such method here", "send GET, HEAD, POST, PUT, PATCH, DELETE or OPTIONS");
+// Only the time that the client is waited for counts, not that of the disk behind the route.
+Connection::Wait Connection::wait_for_body() {
+  const Instant begun = steady_clock::now();
+  const Wait wait = wait_for(POLLIN, begun + (limits_.wait - waited_) + 1ms);
+  waited_ += steady_clock::now() - begun;
+  if (wait == Wait::gone || waited_ < limits_.wait) return wait;
+  const double least = static_cast<double>(limits_.slowest_body) * std::chrono::duration<double>(waited_).count();
+  if (static_cast<double>(window_bytes_) < least) return Wait::late;
+  waited_ = {};
+  window_bytes_ = 0;
+  return wait == Wait::late ? wait_for_body() : wait;
 }
 
 Result<std::size_t> Connection::read(std::span<char> into) {
-  const std::uint64_t left = head_.content_length - body_read_;
+  const std::uint64_t left = length_ - body_read_;
   const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(into.size(), left));
   if (wanted == 0) return 0;
-  if (!early_.empty()) {
-    const std::size_t n = std::min(wanted, early_.size());
-    std::copy_n(early_.begin(), n, into.begin());
-    early_.erase(0, n);
+  if (!in_.empty()) {
+    const std::size_t n = std::min(wanted, in_.size());
+    std::copy_n(in_.begin(), n, into.begin());
+    in_.erase(0, n);
     body_read_ += n;
     return n;
   }
-  if (continue_due_) {
-    continue_due_ = false;
-    write("HTTP/1.1 100 Continue\r\n\r\n");
-  }
-  const Instant now = steady_clock::now();
-  const Instant slowest =
-      body_started_ + limits_.wait + std::chrono::seconds(body_read_ / limits_.slowest_body + 1);
+  const auto refuse = [&](Refusal refusal) {
+    trouble_ = std::move(refusal);
+    return tl::make_unexpected(trouble_->error);
+  };
+  if (trouble_) return tl::make_unexpected(trouble_->error);
+  if (!place_ && !(place_ = room_.take(reading_)))
+    return refuse({503, {Code::busy, "too many large bodies arrive at this moment", {}, "try again"}});
+  send_continue();
   for (;;) {
-    const Wait wait = wait_for(POLLIN, std::min(now + limits_.wait, slowest));
-    if (wait == Wait::late)
-      return fail(Code::out_of_time, "the body of the request came too slowly", {}, "try again");
-    const ssize_t n = wait == Wait::gone ? 0 : ::recv(socket_, into.data(), wanted, 0);
+    const Wait wait = wait_for_body();
+    if (wait == Wait::late) return refuse(too_slow());
+    const ssize_t n = wait == Wait::gone ? 0 : ::recv(socket_, into.data(), wanted, MSG_DONTWAIT);
     if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (n <= 0)
-      return fail(Code::bad_usage,
-                  "the body of the request ended after " + std::to_string(body_read_) + " of " +
-                      std::to_string(head_.content_length) + " bytes",
-                  {}, "send it again");
+    if (n <= 0 && reading_.evicted) return refuse(too_slow());
+    if (n <= 0) return tl::make_unexpected(broken_off().error);
     body_read_ += static_cast<std::uint64_t>(n);
+    window_bytes_ += static_cast<std::uint64_t>(n);
+    reading_.bytes += static_cast<std::uint64_t>(n);
     return static_cast<std::size_t>(n);
   }
 }
@@ -198,17 +165,14 @@ bool Connection::gone() const {
   return ::poll(&watched, 1, 0) > 0;
 }
 
-void Connection::finish() {
-  ::shutdown(socket_, SHUT_WR);
-  const bool all_read = !refusal_ && body_read_ == head_.content_length;
-  if (all_read || (refusal_ && refusal_->status == 408)) return;
-  // Closing with unread bytes would reset the connection and destroy the answer on its way.
-  const Instant deadline = steady_clock::now() + 2s;
-  std::array<char, 16384> piece;
-  while (wait_for(POLLIN, deadline) == Wait::ready) {
-    const ssize_t n = ::recv(socket_, piece.data(), piece.size(), MSG_DONTWAIT);
-    if (n == 0 || (n < 0 && errno != EINTR && errno != EAGAIN)) return;
-  }
+void Connection::end_request() {
+  place_.reset();
+  in_.erase(0, static_cast<std::size_t>(std::min<std::uint64_t>(in_.size(), length_ - body_read_)));
+  if (in_.capacity() > 4096 && in_.empty()) std::string().swap(in_);
+  searched_ = 0;
+  length_ = body_read_ = 0;
+  continue_due_ = false;
+  trouble_.reset();
 }
 
 }  // namespace vacuform::http

@@ -1,71 +1,79 @@
-// One accepted connection, one request, with limits on everything that a client can make long: the head's
-// bytes and lines, the time for the head, for each wait and for the whole body. Nothing after the body that
-// Content-Length announced is ever read as a request.
+// One accepted connection and the request that it is at. Its socket never blocks; only the body of a large upload and the
+// pieces of a stream are waited for, within the limits.
 #pragma once
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "server/http/head.hpp"
 #include "server/http/message.hpp"
+#include "server/http/upload_room.hpp"
 
 namespace vacuform::http {
 
-struct Limits {
-  std::size_t head_bytes = 32 * 1024;
-  std::size_t head_lines = 100;
-  std::chrono::milliseconds head_time{10'000};
-  std::chrono::milliseconds crowded_head_time{100};  // the same while most threads are taken
-  std::chrono::milliseconds wait{30'000};            // for the next bytes of a body, or for room to write
-  std::uint64_t slowest_body = 4 * 1024;             // bytes a second, on the average after `wait`
-};
-
-// What the head says, after the gate: only what the library behind may see.
-struct Head {
-  std::string request_line;
-  std::vector<Header> headers;
-  std::uint64_t content_length = 0;
-};
-
 class Connection : public Body {
  public:
-  // Takes the socket and closes it. `stopping` set makes every wait end within half a second.
-  Connection(int socket, const Limits& limits, const std::atomic<bool>& stopping);
+  // Takes the socket, which must not block, and closes it. `stopping` set makes every wait end within half a second.
+  Connection(int socket, const Limits& limits, UploadRoom& room, const std::atomic<bool>& stopping);
   ~Connection() override;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  // Reads and vets the head. False when the client sent nothing and went away; a refusal is kept for the
-  // answer.
-  bool read_head();
-  const Head& head() const { return head_; }
-  const std::optional<Refusal>& refusal() const { return refusal_; }
+  int socket() const { return socket_; }
+  void close();
 
+  enum class Got { bytes, nothing, end };  // nothing: not yet; end: the client will send no more
+  // Takes in what has arrived, up to the longest head and the longest small body.
+  Got receive();
+  // Whether a part of a request, or more, is here.
+  bool begun() const { return !in_.empty(); }
+  // The next head, once all of it is here. Its body follows.
+  std::optional<tl::expected<Head, Refusal>> take_head();
+  // The whole body is here, and need not be waited for.
+  bool body_arrived() const { return in_.size() >= length_ - body_read_; }
+  // More than the announced body has come: a request that did not wait for its answer.
+  bool more_arrived() const;
+
+  // Waits for the client where the body is not here yet; see Body.
   Result<std::size_t> read(std::span<char> into) override;
+  // Tells a client that waits for it to send the body.
+  void send_continue();
+  // Why the body could not be read to its end, if it is the client that came too slowly (408) or the server that has no room
+  // (503).
+  const std::optional<Refusal>& trouble() const { return trouble_; }
+  Refusal too_slow() const;
+  Refusal broken_off() const;
+
+  // Sends all, as long as the client takes some of it within the limits.
   bool write(std::string_view bytes);
-  // Says that nothing more will come, and takes in what the client is still sending for a moment, so that a
-  // refusal in the middle of an upload reaches it.
-  void finish();
   // Whether the client has closed its side, or the connection broke.
   bool gone() const;
+  // Forgets the request, with what is left of its body.
+  void end_request();
 
  private:
   using Instant = std::chrono::steady_clock::time_point;
   enum class Wait { ready, late, gone };
   Wait wait_for(short events, Instant deadline) const;
-  void parse_head(std::string_view text);
-  void refuse(int status, std::string what, std::string mend);
+  Wait wait_for_body();
 
   int socket_;
-  const Limits limits_;
+  const Limits& limits_;
+  UploadRoom& room_;
   const std::atomic<bool>& stopping_;
-  Head head_;
-  std::optional<Refusal> refusal_;
-  std::string early_;  // bytes of the body that came with the head
+  std::string in_;              // received and not yet used
+  std::size_t searched_ = 0;    // of it, for the end of a head
+  std::uint64_t length_ = 0;    // of the body
   std::uint64_t body_read_ = 0;
-  Instant body_started_{};
-  bool continue_due_ = false;  // the client waits for "100 Continue"
+  bool continue_due_ = false;
+  std::optional<Refusal> trouble_;
+  UploadRoom::Reading reading_;
+  UploadRoom::Place place_;
+  std::chrono::steady_clock::duration waited_{};  // in the present window
+  std::uint64_t window_bytes_ = 0;
 };
 
 }  // namespace vacuform::http

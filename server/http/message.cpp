@@ -72,12 +72,24 @@ namespace {
 
 constexpr std::uint64_t largest_digested_part = 16 << 20;
 
-Result<std::string> sha256_of(const FileBody& body) {
+class FileSource : public Source {
+ public:
+  explicit FileSource(File file) : file_(std::move(file)) {}
+  Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const override {
+    return file_.read_at(offset, into);
+  }
+  void doubt() const override { file_.doubt(); }
+
+ private:
+  File file_;
+};
+
+Result<std::string> sha256_of(const SourceBody& body) {
   Sha256 hash;
   std::vector<char> piece(64 * 1024);
   for (std::uint64_t done = 0; done < body.bytes;) {
     const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), body.bytes - done));
-    VACUFORM_TRY(n, body.file->read_at(body.offset + done, {piece.data(), wanted}));
+    VACUFORM_TRY(n, body.source->read_at(body.offset + done, {piece.data(), wanted}));
     if (n == 0) return fail(Code::unreadable, "a file is shorter than it was");
     hash.add(std::string_view(piece.data(), n));
     done += n;
@@ -86,7 +98,7 @@ Result<std::string> sha256_of(const FileBody& body) {
 }
 
 // `sha256` is that of the whole file.
-Result<void> set_digests(Response& response, const FileBody& body, const std::string& sha256) {
+Result<void> set_digests(Response& response, const SourceBody& body, const std::string& sha256) {
   response.set("Repr-Digest", digest_field(sha256));
   if (response.status == 200) {
     response.set("Content-Digest", digest_field(sha256));
@@ -102,6 +114,13 @@ Result<void> set_digests(Response& response, const FileBody& body, const std::st
 Result<Response> file_response(const Request& request, File file, std::string media_type,
                                const std::string& etag, const std::string& sha256) {
   VACUFORM_TRY(bytes, file.size());
+  return source_response(request, std::make_shared<FileSource>(std::move(file)), bytes, std::move(media_type),
+                         etag, sha256);
+}
+
+Result<Response> source_response(const Request& request, std::shared_ptr<const Source> source,
+                                 std::uint64_t bytes, std::string media_type, const std::string& etag,
+                                 const std::string& sha256) {
   const std::string quoted = "\"" + etag + "\"";
   Response response;
   response.set("ETag", quoted);
@@ -113,7 +132,7 @@ Result<Response> file_response(const Request& request, File file, std::string me
     return response;
   }
   response.media_type = std::move(media_type);
-  FileBody body{std::make_shared<const File>(std::move(file)), 0, bytes};
+  SourceBody body{std::move(source), 0, bytes};
   const std::string_view if_range = request.header("If-Range");
   if (if_range.empty() || if_range == quoted) {
     const RangeAnswer answer = byte_range(request.header("Range"), bytes);

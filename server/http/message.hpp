@@ -25,19 +25,21 @@ class Body {
  public:
   virtual ~Body() = default;
   // At least one byte, or 0 at the end of the body. Errors: bad_usage when the client went away, out_of_time
-  // when it is too slow.
+  // when it is too slow, busy when too many large bodies arrive at a time.
   virtual Result<std::size_t> read(std::span<char> into) = 0;
 };
 
 struct Request {
   std::string method;  // GET also for HEAD
   std::string path;    // percent-decoded
-  std::map<std::string, std::string> query;
+  std::multimap<std::string, std::string> query;  // as sent
   std::vector<Header> headers;
   std::map<std::string, std::string> captures;  // of the route's pattern
   std::string id;                               // for the log: the client's own, or a random one
   std::uint64_t content_length = 0;
-  Body* body = nullptr;  // never null inside a route
+  bool head_only = false;  // a HEAD request, which `method` calls GET
+  bool by_front = false;   // it came through the TLS front, by the front's name
+  Body* body = nullptr;    // never null inside a route
 
   // The first header of that name, whatever its case; empty when there is none.
   std::string_view header(std::string_view name) const;
@@ -49,12 +51,22 @@ struct Request {
 // The whole body. Errors: too_large above `limit`, and those of Body::read.
 Result<std::string> read_text(Request& request, std::uint64_t limit);
 
-// A piece of a file as the body of a response. Of a whole file whose SHA-256 is known the last bytes are sent only if all of
-// them have that hash; otherwise the connection breaks off before them.
-struct FileBody {
-  std::shared_ptr<const File> file;
+// Bytes whose number is known and that can be read from any place: a file, or what is composed of files.
+class Source {
+ public:
+  virtual ~Source() = default;
+  // As File::read_at; one call at a time.
+  virtual Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const = 0;
+  // Called when the bytes turned out to be others than they should be.
+  virtual void doubt() const {}
+};
+
+// A piece of a source as the body of a response. Of a whole source whose SHA-256 is known the last bytes are sent only if
+// all of them have that hash; otherwise the connection breaks off before them.
+struct SourceBody {
+  std::shared_ptr<const Source> source;
   std::uint64_t offset = 0, bytes = 0;
-  std::string sha256 = {};  // of a whole file; may be empty
+  std::string sha256 = {};  // of a whole source; may be empty
 };
 
 // An error under an HTTP status of its own.
@@ -81,7 +93,7 @@ struct Response {
   std::string media_type;
   std::string text;
   std::optional<Refusal> refusal;  // in place of all but the headers: its answer gets these
-  std::optional<FileBody> file;    // in place of text
+  std::optional<SourceBody> file;  // in place of text
   Producer stream;    // in place of both, until the producer ends, the client leaves or the server stops
   Waiter waiter;      // in place of everything else
   std::string party;  // for whom a stream or a waiter is; each has so many (ServerOptions)
@@ -97,6 +109,10 @@ Response text_response(std::string media_type, std::string text, int status = 20
 // are sent, left out of parts beyond 16 MiB, which would have to be read twice.
 Result<Response> file_response(const Request& request, File file, std::string media_type,
                                const std::string& etag, const std::string& sha256 = {});
+// The same of any source of that many bytes.
+Result<Response> source_response(const Request& request, std::shared_ptr<const Source> source,
+                                 std::uint64_t bytes, std::string media_type, const std::string& etag,
+                                 const std::string& sha256 = {});
 
 // The refusal (412) of a request whose If-Match does not name this entity tag (with its quotes; empty: there is nothing yet),
 // or that changes something which If-None-Match names; none otherwise (RFC 9110, section 13).

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t longest_head = 8192;
 constexpr int most_parts = 128;
+constexpr std::uint64_t most_outside = 8192;  // bytes before the first part and behind the last, which are not used
 
 tl::unexpected<Error> malformed(std::string what) {
   return fail(Code::bad_usage, std::move(what), "request body",
@@ -64,7 +65,7 @@ MultipartParser::MultipartParser(std::string_view boundary, PartSink& sink)
     : delimiter_("\r\n--" + std::string(boundary)), pending_("\r\n"), sink_(sink) {}
 
 Result<void> MultipartParser::feed(std::string_view bytes) {
-  if (place_ == Place::epilogue) return {};
+  if (place_ == Place::epilogue) return count_outside(bytes.size());
   pending_.append(bytes);
   std::size_t at = 0;  // all before it is done
   const auto keep_rest = [&] { pending_.erase(0, at); };
@@ -79,6 +80,7 @@ Result<void> MultipartParser::feed(std::string_view bytes) {
                                  : rest.size() < delimiter_.size() ? 0
                                                                    : rest.size() - delimiter_.size() + 1;
         if (place_ == Place::data && sure > 0) VACUFORM_CHECK(sink_.data(rest.substr(0, sure)));
+        if (place_ == Place::preamble) VACUFORM_CHECK(count_outside(sure));
         at += sure;
         if (found == std::string_view::npos) return keep_rest(), Result<void>();
         if (place_ == Place::data) VACUFORM_CHECK(sink_.end());
@@ -90,9 +92,10 @@ Result<void> MultipartParser::feed(std::string_view bytes) {
         if (rest.size() < 2) return keep_rest(), Result<void>();
         at += 2;
         if (rest.starts_with("--")) {
+          const std::size_t behind = rest.size() - 2;
           place_ = Place::epilogue;
           pending_.clear();
-          return {};
+          return count_outside(behind);
         }
         if (!rest.starts_with("\r\n"))
           return malformed("a boundary is followed by neither a line end nor \"--\"");
@@ -112,6 +115,12 @@ Result<void> MultipartParser::feed(std::string_view bytes) {
         return {};
     }
   }
+}
+
+Result<void> MultipartParser::count_outside(std::size_t bytes) {
+  outside_ += bytes;
+  if (outside_ > most_outside) return malformed("there is too much before the first part or behind the last");
+  return {};
 }
 
 Result<void> MultipartParser::finish() const {

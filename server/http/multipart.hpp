@@ -31,11 +31,13 @@ class MultipartParser {
  private:
   enum class Place { preamble, after_delimiter, head, data, epilogue };
   Result<void> read_head(std::string_view head);
+  Result<void> count_outside(std::size_t bytes);
 
   std::string delimiter_, pending_;
   PartSink& sink_;
   Place place_ = Place::preamble;
   int parts_ = 0;
+  std::uint64_t outside_ = 0;  // bytes of the preamble and of the epilogue
 };
 
 // The boundary of a Content-Type header. Errors: unsupported_format when it is not multipart/form-data.

@@ -28,11 +28,16 @@ bool is_loopback_host(std::string_view host) {
   return strcasecmp(text.c_str(), "localhost") == 0 || text == "::1";
 }
 
+bool through_front(const Request& request, std::string_view front_host) {
+  const std::string_view host = request.header("Host");
+  return !front_host.empty() && host.size() == front_host.size() &&
+         strncasecmp(host.data(), front_host.data(), host.size()) == 0;
+}
+
 std::optional<Refusal> check_origin(const Request& request, std::string_view front_host) {
   const std::string_view host = request.header("Host");
-  const bool through_front = !front_host.empty() && host.size() == front_host.size() &&
-                             strncasecmp(host.data(), front_host.data(), host.size()) == 0;
-  if (!is_loopback_host(host) && !through_front)
+  const bool by_front = through_front(request, front_host);
+  if (!is_loopback_host(host) && !by_front)
     return Refusal{421,
                    {Code::bad_usage,
                     front_host.empty() ? "this server answers on loopback only"
@@ -42,7 +47,7 @@ std::optional<Refusal> check_origin(const Request& request, std::string_view fro
                                        : "address it as https://" + std::string(front_host)}};
   if (request.method == "GET" || request.method == "HEAD" || request.method == "OPTIONS") return std::nullopt;
   const std::string_view origin = request.header("Origin");
-  if (!origin.empty() && origin != "http://" + std::string(host) && origin != "https://" + std::string(host))
+  if (!origin.empty() && origin != (by_front ? "https://" : "http://") + std::string(host))
     return Refusal{403,
                    {Code::bad_usage, "the request comes from a page of another origin", "Origin",
                     "use the pages of this server"}};

@@ -12,8 +12,11 @@ namespace vacuform::http {
 // "127.0.0.1:8080", "localhost", "[::1]:80": a loopback name with or without a port.
 bool is_loopback_host(std::string_view host);
 
-// Refuses a Host that is neither loopback nor `front_host` (421; in lower case, empty: there is none), and an unsafe
-// request whose Origin is not that Host (403). Programs send no Origin and pass.
+// Whether the request names the front as its host. `front_host` is in lower case; empty: there is none.
+bool through_front(const Request& request, std::string_view front_host);
+
+// Refuses a Host that is neither loopback nor `front_host` (421), and an unsafe request whose Origin is not that Host under
+// the scheme by which it is reached: https through the front, http on loopback (403). Programs send no Origin and pass.
 std::optional<Refusal> check_origin(const Request& request, std::string_view front_host = {});
 
 }  // namespace vacuform::http

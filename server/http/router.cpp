@@ -30,10 +30,15 @@ bool fits(std::string_view pattern, std::string_view path, std::map<std::string,
 }  // namespace
 
 void Router::add(std::string method, std::string pattern, Handler handler) {
-  Route route{std::move(method), pattern.substr(0, pattern.find('?')), {}, std::move(handler)};
-  for (std::size_t at = pattern.find('?'); at != std::string::npos;) {
-    const std::size_t next = pattern.find('&', at + 1);
-    route.query.push_back(pattern.substr(at + 1, next == std::string::npos ? next : next - at - 1));
+  add(Route{std::move(method), std::move(pattern), std::move(handler)});
+}
+
+void Router::add(Route route) {
+  const std::string whole = route.pattern;
+  route.pattern = whole.substr(0, whole.find('?'));
+  for (std::size_t at = whole.find('?'); at != std::string::npos;) {
+    const std::size_t next = whole.find('&', at + 1);
+    route.query.push_back(whole.substr(at + 1, next == std::string::npos ? next : next - at - 1));
     at = next;
   }
   routes_.push_back(std::move(route));

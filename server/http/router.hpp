@@ -11,11 +11,17 @@
 namespace vacuform::http {
 
 using Handler = std::function<Result<Response>(Request&)>;
+// Says from the head alone whether the request may go on: before a byte of its body is waited for.
+using Admission = std::function<Result<void>(const Request&)>;
+
+inline constexpr std::uint64_t small_body = 72 << 10;  // a body up to this is held in memory until it is whole
 
 struct Route {
-  std::string method, pattern;     // without the query
-  std::vector<std::string> query;  // the names of the parameters that it takes
+  std::string method, pattern;
   Handler handler;
+  std::uint64_t most_body = small_body;  // a longer body is refused by its Content-Length (413)
+  Admission admission = nullptr;         // null: everybody may
+  std::vector<std::string> query = {};   // the names of the parameters that it takes
 };
 
 class Router {
@@ -23,6 +29,7 @@ class Router {
   // A piece "{name}" of the pattern matches one non-empty piece of a path and is captured under its name. Behind "?"
   // stand the names of the query parameters, separated by "&".
   void add(std::string method, std::string pattern, Handler handler);
+  void add(Route route);
 
   struct Match {
     const Route* route = nullptr;

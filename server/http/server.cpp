@@ -1,294 +1,504 @@
-// cpp-httplib 0.11 (Debian 12) and 0.18 (Debian 13). It brings the listener, the threads, the parsing of the
-// request line and the writing of responses. Its reading of heads and bodies is not used: 0.11 bounds
-// neither, believes headers about the peer, and takes what a refused body leaves behind for the next request.
-// Connection does that instead, and the library sees a request line and nothing else.
+// Threads share one epoll. A thread takes one event, gives that connection as much of its turn as needs no waiting, and arms
+// it again (EPOLLONESHOT), so a client that is slow to send or to take costs memory and no thread. Only what a route must
+// wait for keeps a thread, and each kind of that has its bound: large bodies (upload_room.hpp), streams and waiters
+// (places.hpp), and the work of any one route, which gets a share of the threads and has the others wait in line. Another
+// thread ends what takes too long.
+//
+// No HTTP library stands here: of cpp-httplib, Debian's, only the writing of heads was ever usable. It gives each connection a
+// thread, and takes what a refused body leaves behind for the next request.
 #include "server/http/server.hpp"
 
-#include <httplib.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <strings.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <deque>
 #include <exception>
+#include <map>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "api/log.hpp"
-#include "api/sha256.hpp"
+#include "server/http/connection.hpp"
 #include "server/http/digest.hpp"
 #include "server/http/origin.hpp"
+#include "server/http/outgoing.hpp"
 #include "server/http/places.hpp"
 #include "server/http/request_id.hpp"
 
 namespace vacuform::http {
 
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+using Instant = steady_clock::time_point;
+
 namespace {
 
-bool named(std::string_view name, std::string_view wanted) {
-  return name.size() == wanted.size() && strncasecmp(name.data(), wanted.data(), name.size()) == 0;
+constexpr std::uint64_t listener_id = 0, wake_id = 1;  // of events; connections count on from there
+constexpr int send_buffer = 128 << 10;                 // of the kernel, for each connection; it takes double
+constexpr std::size_t most_held = 64 << 20;            // bytes of all answers in memory that wait for their clients
+constexpr auto linger_time = 2s;
+constexpr auto tick = 50ms;
+
+std::string_view reason(int status) {
+  switch (status) {
+    case 200: return "OK";
+    case 201: return "Created";
+    case 202: return "Accepted";
+    case 204: return "No Content";
+    case 206: return "Partial Content";
+    case 303: return "See Other";
+    case 304: return "Not Modified";
+    case 400: return "Bad Request";
+    case 401: return "Unauthorized";
+    case 403: return "Forbidden";
+    case 404: return "Not Found";
+    case 405: return "Method Not Allowed";
+    case 408: return "Request Timeout";
+    case 409: return "Conflict";
+    case 410: return "Gone";
+    case 411: return "Length Required";
+    case 412: return "Precondition Failed";
+    case 413: return "Content Too Large";
+    case 414: return "URI Too Long";
+    case 415: return "Unsupported Media Type";
+    case 416: return "Range Not Satisfiable";
+    case 417: return "Expectation Failed";
+    case 421: return "Misdirected Request";
+    case 422: return "Unprocessable Content";
+    case 429: return "Too Many Requests";
+    case 431: return "Request Header Fields Too Large";
+    case 500: return "Internal Server Error";
+    case 501: return "Not Implemented";
+    case 503: return "Service Unavailable";
+    default: return "Other";
+  }
 }
 
-// Lines that the library adds to heads by itself and that would be wrong in the one that this thread writes.
-thread_local std::vector<std::string_view> unwanted_lines;
+// One client, as the threads hand it on. All but the id is used under `turn`.
+struct Client {
+  enum class State { head, body, line, answer, linger };  // what it waits for while it rests
 
-std::string without_lines(std::string head) {
-  for (const std::string_view line : unwanted_lines)
-    if (const std::size_t at = head.find(line); at != std::string::npos) head.erase(at, line.size());
-  return head;
-}
+  Client(std::uint64_t number, int socket, const ServerOptions& options, UploadRoom& room,
+         const std::atomic<bool>& stopping)
+      : id(number), connection(socket, options.limits, room, stopping) {}
 
-// The vetted request line in, the response out.
-class LineStream : public httplib::Stream {
- public:
-  explicit LineStream(Connection& connection) : connection_(connection) {
-    text_ = connection.refusal() ? "GET / HTTP/1.1" : connection.head().request_line;
-    text_ += "\r\n\r\n";
-  }
-  bool is_readable() const override { return at_ < text_.size(); }
-  bool is_writable() const override { return true; }
-  ssize_t read(char* into, std::size_t size) override {
-    const std::size_t n = text_.copy(into, size, at_);
-    at_ += n;
-    return static_cast<ssize_t>(n);
-  }
-  ssize_t write(const char* bytes, std::size_t size) override {
-    const bool head = !std::exchange(answered_, true);  // the library writes it in one piece
-    const bool written =
-        head ? connection_.write(without_lines({bytes, size})) : connection_.write({bytes, size});
-    return written ? static_cast<ssize_t>(size) : -1;
-  }
-  void get_remote_ip_and_port(std::string&, int&) const override {}
-  void get_local_ip_and_port(std::string&, int&) const override {}
-  // The library compares it with the limits of select(), which is not used here.
-  socket_t socket() const override { return 0; }
+  const std::uint64_t id;
+  std::mutex turn;
+  Connection connection;
+  bool closed = false;
+  State state = State::head;
+  Instant since = steady_clock::now();  // the state's beginning
+  Instant deadline;
+  Request request;
+  Router::Match match;
+  Instant request_begun;
+  bool head_read = false;   // the present request has one that could be read
+  bool keep = false;        // the connection serves another request after this one
+  bool used = false;        // it has served one
+  bool admitted = false;    // it has a place among the requests of its route that are at work
+  Outgoing out;
+  std::size_t held = 0;             // bytes of `out` that are counted as waiting
+  std::uint64_t window_bytes = 0;   // that the client had taken when the present window began
 
- private:
-  Connection& connection_;
-  std::string text_;
-  std::size_t at_ = 0;
-  bool answered_ = false;
+  bool idle() const { return state == State::head && !connection.begun(); }
 };
-
-// The connection that this thread serves; the library's callbacks carry no context of their own.
-thread_local Connection* served = nullptr;
-
-// The two signatures that Debian's versions have.
-using Setup = std::function<void(httplib::Request&)>;
-template <class L>
-void process(L& library, httplib::Stream& stream,
-             bool (httplib::Server::*request)(httplib::Stream&, bool, bool&, const Setup&)) {
-  bool closed = true;
-  (library.*request)(stream, true, closed, nullptr);
-}
-template <class L>
-void process(L& library, httplib::Stream& stream,
-             bool (httplib::Server::*request)(httplib::Stream&, const std::string&, int, const std::string&,
-                                              int, bool, bool&, const Setup&)) {
-  bool closed = true;
-  (library.*request)(stream, "", 0, "", 0, true, closed, nullptr);
-}
-
-// Gives the bytes of a file to the library; see FileBody.
-class FileSender {
- public:
-  explicit FileSender(FileBody body) : body_(std::move(body)) {
-    if (!body_.sha256.empty()) hash_ = std::make_shared<Sha256>();
-  }
-
-  bool operator()(std::size_t offset, std::size_t length, httplib::DataSink& sink) const {
-    std::array<char, 64 * 1024> piece;
-    const auto n = body_.file->read_at(body_.offset + offset, {piece.data(), std::min(length, piece.size())});
-    if (!n || *n == 0) return false;
-    if (hash_) hash_->add(std::string_view(piece.data(), *n));
-    if (hash_ && offset + *n == body_.bytes && hash_->hex() != body_.sha256) {
-      log_event("blob-damaged", {{"blob", body_.sha256}});
-      body_.file->doubt();
-      return false;
-    }
-    return sink.write(piece.data(), *n);
-  }
-
- private:
-  FileBody body_;
-  std::shared_ptr<Sha256> hash_;  // of what was sent; the library copies this object
-};
-
-void give(const Response& from, httplib::Response& to) {
-  to.status = from.status;
-  for (const Header& header : from.headers) to.set_header(header.name, header.value);
-  if (!from.file || from.file->bytes == 0) {
-    to.body = from.text;
-    if (!from.media_type.empty()) to.set_header("Content-Type", from.media_type);
-    return;
-  }
-  to.set_content_provider(from.file->bytes, from.media_type, FileSender(*from.file));
-}
-
-// Without a length: the end of the connection is the end of the body.
-void give_stream(const Response& from, const Going& going, Places::Place place, httplib::Response& to) {
-  to.status = from.status;
-  for (const Header& header : from.headers) to.set_header(header.name, header.value);
-  to.set_content_provider(from.media_type, [going, place = std::move(place), producer = from.stream](
-                                               std::size_t, httplib::DataSink& sink) {
-    try {
-      const std::optional<std::string> bytes = going() ? producer() : std::nullopt;
-      if (!bytes) return sink.done(), true;
-      return bytes->empty() || sink.write(bytes->data(), bytes->size());
-    } catch (const std::exception& fault) {  // the library would let it end the process
-      log_event("stream-failed", {{"fault", fault.what()}});
-      return false;
-    }
-  });
-}
+using Clients = std::vector<std::shared_ptr<Client>>;
 
 }  // namespace
 
-class Server::Library : public httplib::Server {
+class Server::Loop {
  public:
-  Library(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {
-    new_task_queue = [threads = options_.threads + options_.streams] {
-      return new httplib::ThreadPool(static_cast<std::size_t>(threads));
-    };
-    set_tcp_nodelay(true);
-    // Not the library's SO_REUSEPORT, with which two servers would share a port without a word.
-    set_socket_options([](socket_t socket) {
-      const int yes = 1;
-      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-      // A browser opens connections before it needs them: none takes a thread before its first byte.
-      const int seconds = 10;
-      ::setsockopt(socket, IPPROTO_TCP, TCP_DEFER_ACCEPT, &seconds, sizeof seconds);
-    });
-    set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-      answer(request, response);
-      return HandlerResponse::Handled;
-    });
-    // What the library itself refuses: a request line that it cannot read.
-    set_error_handler([this](const httplib::Request&, httplib::Response& response) {
-      if (response.has_header("Content-Type")) return;
-      const Refusal refusal{response.status,
-                            {Code::bad_usage, "the request line is malformed", {}, "send HTTP/1.1"}};
-      give(options_.refuse({}, refusal), response);
-    });
-  }
+  Loop(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {}
 
   Result<void> begin() {
-    if (options_.port == 0)
-      port_ = bind_to_any_port(options_.host);
-    else
-      port_ = bind_to_port(options_.host, options_.port) ? options_.port : -1;
-    if (port_ <= 0)
-      return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port),
-                  {}, "see whether another program listens there, or give another port (0: any free one)");
-    ::listen(svr_sock_, 256);  // the library's backlog of 5 turns bursts of clients away
-    listener_ = std::thread([this] { listen_after_bind(); });
+    VACUFORM_CHECK(listen());
+    epoll_ = ::epoll_create1(EPOLL_CLOEXEC);
+    wake_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (epoll_ < 0 || wake_ < 0) return fail(Code::internal, "this machine gives no epoll");
+    arm(listener_, listener_id, EPOLLIN | EPOLLONESHOT, EPOLL_CTL_ADD);
+    arm(wake_, wake_id, EPOLLIN, EPOLL_CTL_ADD);
+    for (int i = 0; i < options_.threads + options_.uploads + options_.streams; ++i)
+      threads_.emplace_back([this] { work(); });
+    threads_.emplace_back([this] { watch(); });
     return {};
   }
 
   void end() {
-    using namespace std::chrono_literals;
-    if (!listener_.joinable()) return;
-    while (!is_running()) std::this_thread::sleep_for(1ms);
-    ending_ = true;
-    stop();
-    for (int i = 0; i < 500 && active_ > 0; ++i) std::this_thread::sleep_for(10ms);
-    stopping_ = true;
-    listener_.join();
+    if (!threads_.empty()) {
+      ending_ = true;
+      ::shutdown(listener_, SHUT_RDWR);
+      for (int i = 0; i < 500 && connections() > 0; ++i) std::this_thread::sleep_for(10ms);
+      stopping_ = true;
+      ::eventfd_write(wake_, 1);  // nobody reads it, so every thread sees it
+      for (std::thread& thread : threads_) thread.join();
+      threads_.clear();
+      clients_.clear();
+    }
+    for (const int file : {listener_, epoll_, wake_})
+      if (file >= 0) ::close(file);
   }
 
   int port() const { return port_; }
-  int connections() const { return active_; }
+  int connections() const { return open_; }
   int streams() const { return places_.taken(); }
 
  private:
-  bool process_and_close_socket(socket_t socket) override {
-    Limits limits = options_.limits;
-    // Clients that are slow to say what they want must not take the last threads from the others.
-    if (++active_ - streams() > options_.threads * 3 / 4)
-      limits.head_time = std::min(limits.head_time, limits.crowded_head_time);
-    {
-      Connection connection(socket, limits, stopping_);
-      if (connection.read_head()) {
-        served = &connection;
-        unwanted_lines.clear();
-        LineStream stream(connection);
-        process(*this, stream, &Library::process_request);
-        served = nullptr;
-        connection.finish();
-      }
+  Result<void> listen() {
+    const auto refuse = [&] {
+      return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port),
+                  {}, "see whether another program listens there, or give another port (0: any free one)");
+    };
+    addrinfo wanted{};
+    wanted.ai_family = AF_UNSPEC;
+    wanted.ai_socktype = SOCK_STREAM;
+    wanted.ai_flags = AI_PASSIVE;
+    addrinfo* found = nullptr;
+    if (::getaddrinfo(options_.host.c_str(), std::to_string(options_.port).c_str(), &wanted, &found) != 0)
+      return refuse();
+    const std::unique_ptr<addrinfo, void (*)(addrinfo*)> addresses(found, ::freeaddrinfo);
+    for (const addrinfo* address = found; address && listener_ < 0; address = address->ai_next) {
+      listener_ = ::socket(address->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+      if (listener_ < 0) continue;
+      const int yes = 1;
+      ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+      // Both are inherited by the connections. Without the bound the kernel would take megabytes for a client that does not
+      // read, and count them as read.
+      ::setsockopt(listener_, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
+      ::setsockopt(listener_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+      if (::bind(listener_, address->ai_addr, address->ai_addrlen) == 0 && ::listen(listener_, 512) == 0) break;
+      ::close(std::exchange(listener_, -1));
     }
-    --active_;
-    return true;
+    sockaddr_storage bound{};
+    socklen_t size = sizeof bound;
+    if (listener_ < 0 || ::getsockname(listener_, reinterpret_cast<sockaddr*>(&bound), &size) != 0)
+      return refuse();
+    port_ = ntohs(bound.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(bound).sin6_port
+                                              : reinterpret_cast<const sockaddr_in&>(bound).sin_port);
+    return {};
   }
 
-  void answer(const httplib::Request& from, httplib::Response& to) {
-    const auto begun = std::chrono::steady_clock::now();
+  bool arm(int file, std::uint64_t id, std::uint32_t events, int how) const {
+    epoll_event event{};
+    event.events = events;
+    event.data.u64 = id;
+    return ::epoll_ctl(epoll_, how, file, &event) == 0;
+  }
+
+  void work() {
+    while (!stopping_) {
+      epoll_event event{};  // one at a time: a thread that a route keeps must not keep others' events with it
+      if (::epoll_wait(epoll_, &event, 1, -1) <= 0) continue;
+      if (event.data.u64 == wake_id) return;
+      if (event.data.u64 == listener_id) {
+        if (!ending_) accept_some();
+        continue;
+      }
+      if (const std::shared_ptr<Client> client = find(event.data.u64)) {
+        const std::lock_guard hold(client->turn);
+        if (!client->closed) turn(*client);
+      }
+    }
+  }
+
+  std::shared_ptr<Client> find(std::uint64_t id) {
+    const std::lock_guard hold(clients_mutex_);
+    const auto found = clients_.find(id);
+    return found == clients_.end() ? nullptr : found->second;
+  }
+
+  Clients all_clients() {
+    Clients all;
+    const std::lock_guard hold(clients_mutex_);
+    all.reserve(clients_.size());
+    for (const auto& [id, client] : clients_) all.push_back(client);
+    return all;
+  }
+
+  void accept_some() {
+    for (int i = 0; i < 64; ++i) {
+      const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+      const int why = errno;
+      if (socket < 0 && (why == EMFILE || why == ENFILE || why == ENOMEM || why == ENOBUFS)) {
+        if (!make_room()) std::this_thread::sleep_for(tick);
+        break;
+      }
+      if (socket < 0 && (why == EINTR || why == ECONNABORTED)) continue;
+      if (socket < 0) break;
+      if (open_ >= options_.connections && !make_room()) {
+        ::close(socket);
+        continue;
+      }
+      std::uint64_t id = 0;
+      std::shared_ptr<Client> client;
+      {
+        const std::lock_guard hold(clients_mutex_);
+        id = ++last_id_;
+        client = std::make_shared<Client>(id, socket, options_, room_, stopping_);
+        client->deadline = client->since + options_.limits.head_time;
+        clients_.emplace(id, client);
+        ++open_;
+      }
+      const std::lock_guard hold(client->turn);
+      if (!arm(socket, id, EPOLLIN | EPOLLRDHUP | EPOLLONESHOT, EPOLL_CTL_ADD)) drop(*client);
+    }
+    arm(listener_, listener_id, EPOLLIN | EPOLLONESHOT, EPOLL_CTL_MOD);
+  }
+
+  // From here on under the client's turn.
+
+  void drop(Client& client) {
+    if (std::exchange(client.closed, true)) return;
+    leave_line(client);
+    release(client);
+    client.connection.close();
+    --open_;
+    const std::lock_guard hold(clients_mutex_);
+    clients_.erase(client.id);  // who came here holds it
+  }
+
+  void release(Client& client) {
+    held_ -= std::exchange(client.held, 0);
+    client.out = Outgoing();
+  }
+
+  void rest(Client& client, std::uint32_t events) {
+    if (!arm(client.connection.socket(), client.id, events | EPOLLONESHOT, EPOLL_CTL_MOD)) drop(client);
+  }
+
+  void enter(Client& client, Client::State state, std::chrono::milliseconds time) {
+    client.state = state;
+    client.since = steady_clock::now();
+    client.deadline = client.since + time;
+  }
+
+  // As much as needs no waiting for the client.
+  void turn(Client& client) {
+    while (!client.closed) {
+      switch (client.state) {
+        case Client::State::head:
+          if (auto head = client.connection.take_head()) {
+            begin_request(client, std::move(*head));
+          } else if (!take_in(client)) {
+            return;
+          }
+          break;
+        case Client::State::body:
+          if (client.connection.body_arrived()) {
+            handle(client);
+          } else if (!take_in(client)) {
+            return;
+          }
+          break;
+        case Client::State::line:
+          if (!client.admitted) return;
+          answer(client, std::nullopt);
+          break;
+        case Client::State::answer:
+          if (!send_answer(client)) return;
+          break;
+        case Client::State::linger:
+          return linger(client);
+      }
+    }
+  }
+
+  // False when nothing is there to go on with: the client rests, or is dropped.
+  bool take_in(Client& client) {
+    const bool idle = client.idle();
+    switch (client.connection.receive()) {
+      case Connection::Got::bytes:
+        if (idle) enter(client, Client::State::head, options_.limits.head_time);
+        return true;
+      case Connection::Got::nothing:
+        if (idle && ending_)
+          drop(client);
+        else
+          rest(client, EPOLLIN | EPOLLRDHUP);
+        return false;
+      case Connection::Got::end:
+        if (client.state != Client::State::body) return drop(client), false;
+        answer(client, client.connection.broken_off());
+        return true;
+    }
+    return false;
+  }
+
+  void begin_request(Client& client, tl::expected<Head, Refusal> head) {
+    client.request = Request();
+    client.match = {};
+    client.request_begun = steady_clock::now();
+    client.head_read = head.has_value();
+    client.keep = head && head->keep_alive;
+    if (!head) return answer(client, std::move(head.error()));
+    Request& request = client.request;
+    request.head_only = head->method == "HEAD";
+    request.method = request.head_only ? "GET" : head->method;
+    request.path = std::move(head->path);
+    request.query = std::move(head->query);
+    request.headers = std::move(head->headers);
+    request.content_length = head->content_length;
+    request.body = &client.connection;
+    request.by_front = through_front(request, options_.front_host);
+    if (auto refusal = inadmissible(client)) return answer(client, std::move(refusal));
+    if (client.connection.body_arrived()) return handle(client);
+    if (const auto admitted = admit(client); !admitted)
+      return answer(client, Refusal{meaning(admitted.error().code).http_status, admitted.error()});
+    if (request.content_length > small_body) return handle(client);
+    client.connection.send_continue();
+    enter(client, Client::State::body, options_.limits.wait);
+  }
+
+  // What the head alone and the table of the routes decide.
+  std::optional<Refusal> inadmissible(Client& client) {
+    const Request& request = client.request;
+    if (auto refusal = check_origin(request, options_.front_host)) return refusal;
+    client.match = router_.match(request.method, request.path);
+    const Route* route = client.match.route;
+    if (!route && !client.match.allowed.empty())
+      return Refusal{405,
+                     {Code::bad_usage,
+                      "this address does not answer to that method",
+                      {},
+                      "use " + client.match.allowed}};
+    if (!route) return Refusal{404, {Code::not_found, "there is nothing at this address", {}, "see /"}};
+    if (auto refusal = query_refusal(*route, request.query)) return refusal;
+    if (request.content_length > route->most_body) {
+      const std::uint64_t most = route->most_body;
+      return Refusal{413,
+                     {Code::too_large,
+                      "the body is larger than " + (most >= 1 << 20 ? std::to_string(most >> 20) + " MiB"
+                                                                    : std::to_string(most) + " bytes"),
+                      "request body", "send less"}};
+    }
+    return std::nullopt;
+  }
+
+  // Before the body of a request is waited for. A request that is here whole is checked by its route alone.
+  Result<void> admit(Client& client) {
+    const Route& route = *client.match.route;
+    if (!route.admission) return {};
+    try {
+      return route.admission(client.request);
+    } catch (const std::exception& fault) {
+      log_event("admission-failed", {{"fault", fault.what()}});
+      return fail(Code::internal, "the server met a fault of its own", {}, "try again");
+    }
+  }
+
+  void handle(Client& client) {
+    // A large body is waited for by its route and has a bound of its own.
+    if (client.request.content_length <= small_body && !join_line(client))
+      return enter(client, Client::State::line, options_.limits.wait);
+    answer(client, std::nullopt);
+  }
+
+  // The requests of one route that are at work, and those that wait for one of them to end.
+  struct Line {
+    int at_work = 0;
+    std::deque<std::uint64_t> waiting;
+  };
+
+  bool join_line(Client& client) {
+    const std::lock_guard hold(lines_mutex_);
+    Line& line = lines_[client.match.route];
+    client.admitted = line.at_work < std::max(1, options_.threads / 4);
+    if (client.admitted)
+      ++line.at_work;
+    else
+      line.waiting.push_back(client.id);
+    return client.admitted;
+  }
+
+  // Gives the place to the next one who waits. That one's turn is never held by anyone who waits for another turn.
+  void leave_line(Client& client) {
+    if (!std::exchange(client.admitted, false)) return;
+    for (;;) {
+      std::shared_ptr<Client> next;
+      {
+        const std::lock_guard hold(lines_mutex_);
+        Line& line = lines_[client.match.route];
+        if (line.waiting.empty()) {
+          --line.at_work;
+          return;
+        }
+        next = find(line.waiting.front());
+        line.waiting.pop_front();
+      }
+      if (!next) continue;
+      const std::lock_guard hold(next->turn);
+      if (next->closed || next->state != Client::State::line) continue;
+      next->admitted = arm(next->connection.socket(), next->id, EPOLLOUT | EPOLLONESHOT, EPOLL_CTL_MOD);
+      if (next->admitted) return;
+    }
+  }
+
+  // By the route, unless there is a refusal already.
+  void answer(Client& client, const std::optional<Refusal>& refusal) {
     Answered answered;
-    Request request;
-    request.id = request_id(served->head().headers);
+    Request& request = client.request;
+    request.id = request_id(request.headers);
     const LoggedRequest logged(request.id);
     Response response;
-    const bool head_only = from.method == "HEAD";
     Places::Place place;
     try {
-      response = respond(from, request, answered);
-      if (response.waiter || (response.stream && !head_only)) {
+      response = refusal ? refused(client, *refusal) : respond(client);
+      if (response.waiter || (response.stream && !request.head_only)) {
+        leave_line(client);
         auto taken = places_.take(response.party);
         if (taken) place = std::move(*taken);
-        response = taken ? waited(request, std::move(response)) : options_.refuse(request, taken.error());
+        response = taken ? waited(client, std::move(response)) : options_.refuse(request, taken.error());
       }
-      if (response.refusal)
-        response = with_headers(options_.refuse(request, *response.refusal), response.headers);
+      if (response.refusal) {
+        const std::vector<Header> more = std::move(response.headers);
+        response = with_headers(options_.refuse(request, *response.refusal), more);
+      }
     } catch (const std::exception& fault) {
       answered.fault = fault.what();
       response = options_.refuse(
           request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
     }
-    response.set("X-Request-Id", request.id);
-    if (head_only) unwanted_lines.push_back(library_ranges(response));
-    if (response.status == 204 || response.status == 304 || (head_only && response.stream))
-      unwanted_lines.push_back("\r\nContent-Length: 0");
-    // It is about what is sent, and that is nothing here.
-    if (head_only)
-      std::erase_if(response.headers, [](const Header& header) { return header.name == "Content-Digest"; });
-    if (response.stream && place)
-      give_stream(response, going(), std::move(place), to);
-    else
-      give(response, to);
+    if (const auto& trouble = client.connection.trouble(); trouble && response.status >= 400)
+      response = with_headers(options_.refuse(request, *trouble), response.headers);
+    leave_line(client);
+    if (client.match.route) answered.route = client.match.route->pattern;
     answered.method = request.method;
     answered.status = response.status;
-    answered.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    answered.seconds = std::chrono::duration<double>(steady_clock::now() - client.request_begun).count();
     if (options_.observe) options_.observe(answered);
+    if (response.stream && !request.head_only)
+      stream(client, std::move(response));
+    else
+      give(client, std::move(response));
   }
 
-  // For the thread that serves the connection.
-  Going going() const {
-    return [this] { return !ending_ && !served->gone(); };
-  }
-
-  Response waited(const Request& request, Response response) {
-    if (!response.waiter) return response;
-    auto result = response.waiter(going());
-    if (result) return std::move(*result);
-    return options_.refuse(request, {meaning(result.error().code).http_status, result.error()});
-  }
-
-  static Response with_headers(Response response, const std::vector<Header>& more) {
-    response.headers.insert(response.headers.end(), more.begin(), more.end());
+  Response refused(Client& client, const Refusal& refusal) {
+    Response response = options_.refuse(client.request, refusal);
+    if (refusal.status == 405) response.set("Allow", client.match.allowed);
     return response;
   }
 
-  // What the library says of every answer to HEAD; empty where it is right.
-  static std::string_view library_ranges(const Response& response) {
-    const bool ours = std::any_of(response.headers.begin(), response.headers.end(),
-                                  [](const Header& header) { return header.name == "Accept-Ranges"; });
-    return ours ? "" : "\r\nAccept-Ranges: bytes";
+  Response respond(Client& client) {
+    Request& request = client.request;
+    if (request.head_only)  // ranges are for GET (RFC 9110, 14.2)
+      std::erase_if(request.headers, [](const Header& header) { return same_word(header.name, "Range"); });
+    request.captures = std::move(client.match.captures);
+    auto result = handled(*client.match.route, request);
+    if (result) return std::move(*result);
+    return options_.refuse(request, {meaning(result.error().code).http_status, result.error()});
   }
 
   static Result<Response> handled(const Route& route, Request& request) {
@@ -296,64 +506,254 @@ class Server::Library : public httplib::Server {
     std::unique_ptr<Body> checked;
     if (!digest.empty()) {
       checked = checked_body(*request.body, digest);
-      request.body = checked.get();
     }
-    return route.handler(request);
+    Body* const body = std::exchange(request.body, checked ? checked.get() : request.body);
+    auto result = route.handler(request);
+    request.body = body;
+    return result;
   }
 
-  Response respond(const httplib::Request& from, Request& request, Answered& answered) {
-    if (served->refusal()) return options_.refuse(request, *served->refusal());
-    request.method = from.method == "HEAD" ? "GET" : from.method;
-    request.path = from.path;
-    for (const auto& [name, value] : from.params) request.query.emplace(name, value);
-    request.headers = served->head().headers;
-    if (from.method == "HEAD")  // ranges are for GET (RFC 9110, 14.2)
-      std::erase_if(request.headers, [](const Header& header) { return named(header.name, "Range"); });
-    request.content_length = served->head().content_length;
-    request.body = served;
-    if (const auto refusal = check_origin(request, options_.front_host))
-      return options_.refuse(request, *refusal);
-    Router::Match match = router_.match(request.method, request.path);
-    if (!match.route && !match.allowed.empty()) {
-      Response response = options_.refuse(
-          request,
-          {405,
-           {Code::bad_usage, "this address does not answer to that method", {}, "use " + match.allowed}});
-      response.set("Allow", match.allowed);
-      return response;
-    }
-    if (!match.route)
-      return options_.refuse(request,
-                             {404, {Code::not_found, "there is nothing at this address", {}, "see /"}});
-    answered.route = match.route->pattern;
-    if (const auto refusal = query_refusal(*match.route, from.params))
-      return options_.refuse(request, *refusal);
-    request.captures = std::move(match.captures);
-    auto result = handled(*match.route, request);
+  Going going(Client& client) const {
+    return [this, &connection = client.connection] { return !ending_ && !connection.gone(); };
+  }
+
+  Response waited(Client& client, Response response) {
+    if (!response.waiter) return response;
+    auto result = response.waiter(going(client));
     if (result) return std::move(*result);
-    return options_.refuse(request, {meaning(result.error().code).http_status, result.error()});
+    return options_.refuse(client.request, {meaning(result.error().code).http_status, result.error()});
   }
 
-  ServerOptions options_;
-  Router router_;
-  std::atomic<bool> ending_ = false;    // streams end
+  // With those of `more` whose names it lacks.
+  static Response with_headers(Response response, const std::vector<Header>& more) {
+    const std::size_t own = response.headers.size();
+    for (const Header& header : more)
+      if (std::none_of(response.headers.begin(), response.headers.begin() + static_cast<std::ptrdiff_t>(own),
+                       [&](const Header& other) { return same_word(header.name, other.name); }))
+        response.headers.push_back(header);
+    return response;
+  }
+
+  static std::string head_of(const Client& client, const Response& response, bool keep) {
+    std::string text = "HTTP/1.1 " + std::to_string(response.status) + " ";
+    text.append(reason(response.status)).append("\r\n");
+    const auto add = [&](std::string_view name, std::string_view value) {
+      text.append(name).append(": ").append(value).append("\r\n");
+    };
+    for (const Header& header : response.headers) {
+      // It is about what is sent, and that is nothing here.
+      if (client.request.head_only && header.name == "Content-Digest") continue;
+      add(header.name, header.value);
+    }
+    add("X-Request-Id", client.request.id);
+    if (!keep) add("Connection", "close");
+    const std::uint64_t bytes = response.file ? response.file->bytes : response.text.size();
+    const bool has_body = response.status != 204 && response.status != 304;
+    if (has_body && !response.media_type.empty()) add("Content-Type", response.media_type);
+    if (has_body && !response.stream) add("Content-Length", std::to_string(bytes));
+    return text += "\r\n";
+  }
+
+  // Sends what it can; the rest follows as the client takes it.
+  void give(Client& client, Response response) {
+    // What came before its answer was sent is no request of somebody who waits for answers: perhaps it was smuggled in.
+    client.keep = client.keep && !ending_ && client.connection.body_arrived() && !client.connection.more_arrived();
+    std::string text = head_of(client, response, client.keep);
+    const bool body = !client.request.head_only && response.status != 204 && response.status != 304;
+    if (body && !response.file) text += response.text;
+    client.out =
+        Outgoing(std::move(text), body && response.file && response.file->bytes > 0 ? std::move(response.file)
+                                                                                      : std::nullopt);
+    client.window_bytes = 0;
+    enter(client, Client::State::answer, options_.limits.wait);
+  }
+
+  // Keeps its thread; without a length, so that the end of the connection is the end of the body.
+  void stream(Client& client, Response response) {
+    client.keep = false;
+    bool sent = client.connection.write(head_of(client, response, false));
+    const Going on = going(client);
+    try {
+      while (sent && on()) {
+        const std::optional<std::string> bytes = response.stream();
+        if (!bytes) break;
+        sent = bytes->empty() || client.connection.write(*bytes);
+      }
+    } catch (const std::exception& fault) {
+      log_event("stream-failed", {{"fault", fault.what()}});
+    }
+    end_answer(client);
+  }
+
+  // False when the client rests, or is gone.
+  bool send_answer(Client& client) {
+    switch (client.out.send(client.connection.socket())) {
+      case Outgoing::Sent::all:
+        return end_answer(client);
+      case Outgoing::Sent::blocked:
+        held_ += client.out.memory() - client.held;
+        client.held = client.out.memory();
+        [[fallthrough]];
+      case Outgoing::Sent::paused:
+        rest(client, EPOLLOUT);
+        return false;
+      case Outgoing::Sent::broken:
+        drop(client);
+        return false;
+    }
+    return false;
+  }
+
+  bool end_answer(Client& client) {
+    release(client);
+    if (client.keep) {
+      client.used = true;
+      client.connection.end_request();
+      enter(client, Client::State::head, options_.limits.idle_time);
+      rest(client, EPOLLIN | EPOLLRDHUP);
+      return false;
+    }
+    ::shutdown(client.connection.socket(), SHUT_WR);
+    const bool all_read =
+        client.head_read && client.connection.body_arrived() && !client.connection.more_arrived();
+    if (all_read) return drop(client), false;
+    // Closing with unread bytes would reset the connection and destroy the answer on its way.
+    enter(client, Client::State::linger, linger_time);
+    return true;
+  }
+
+  void linger(Client& client) {
+    std::array<char, 64 * 1024> piece;
+    for (int i = 0; i < 16; ++i) {
+      const ssize_t n = ::recv(client.connection.socket(), piece.data(), piece.size(), MSG_DONTWAIT);
+      if (n < 0 && errno == EAGAIN) break;
+      if (n == 0 || (n < 0 && errno != EINTR)) return drop(client);
+    }
+    rest(client, EPOLLIN);
+  }
+
+  // From here on without any client's turn.
+
+  // Ends what takes too long. Never waits for a client: whoever has its turn is at work.
+  void watch() {
+    while (!stopping_) {
+      std::this_thread::sleep_for(tick);
+      const Instant now = steady_clock::now();
+      for (const auto& client : all_clients()) {
+        const std::unique_lock hold(client->turn, std::try_to_lock);
+        if (!hold || client->closed) continue;
+        if (ending_ && client->idle())
+          drop(*client);
+        else if (now >= client->deadline)
+          too_late(*client);
+      }
+      if (held_ > most_held) make_room(Client::State::answer);
+    }
+  }
+
+  void too_late(Client& client) {
+    switch (client.state) {
+      case Client::State::head:
+        if (client.idle()) return drop(client);
+        begin_request(client, tl::make_unexpected(Refusal{
+                                  408,
+                                  {Code::out_of_time, "the head of the request took too long", "request head",
+                                   "try again"}}));
+        return turn(client);
+      case Client::State::body:
+        answer(client, client.connection.too_slow());
+        return turn(client);
+      case Client::State::line:
+        answer(client, Refusal{503, {Code::busy, "too many requests of this kind wait", {}, "try again"}});
+        return turn(client);
+      case Client::State::answer: {
+        const std::uint64_t taken = client.out.bytes();
+        const double least = static_cast<double>(options_.limits.slowest_body) *
+                             std::chrono::duration<double>(options_.limits.wait).count();
+        if (static_cast<double>(taken - client.window_bytes) < least) return drop(client);
+        client.window_bytes = taken;
+        client.deadline = steady_clock::now() + options_.limits.wait;
+        return;
+      }
+      case Client::State::linger:
+        return drop(client);
+    }
+  }
+
+  // Closes the connections that deserve it most: first those that nothing is asked on, then those that have long been sending
+  // a request, then those that take their answers slowest. A twentieth of all, so that the search is seldom.
+  bool make_room(std::optional<Client::State> only = std::nullopt) {
+    struct Candidate {
+      int order;
+      double worth;
+      std::shared_ptr<Client> client;
+    };
+    std::vector<Candidate> candidates;
+    const Instant now = steady_clock::now();
+    for (auto& client : all_clients()) {
+      const std::unique_lock hold(client->turn, std::try_to_lock);
+      if (!hold || client->closed || (only && client->state != *only)) continue;
+      const double seconds = std::chrono::duration<double>(now - client->since).count();
+      switch (client->state) {
+        case Client::State::linger: candidates.push_back({0, -seconds, client}); break;
+        case Client::State::head:
+          candidates.push_back({client->idle() && client->used ? 1 : 2, -seconds, client});
+          break;
+        case Client::State::body:
+        case Client::State::line:
+          candidates.push_back({2, -seconds, client});
+          break;
+        case Client::State::answer:
+          candidates.push_back({3, static_cast<double>(client->out.bytes()) / (seconds + 1), client});
+          break;
+      }
+    }
+    const std::size_t enough = std::min(candidates.size(), static_cast<std::size_t>(options_.connections) / 20 + 1);
+    std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(enough),
+                      candidates.end(), [](const Candidate& a, const Candidate& b) {
+                        return std::pair(a.order, a.worth) < std::pair(b.order, b.worth);
+                      });
+    bool made = false;
+    for (std::size_t i = 0; i < enough; ++i) {
+      Client& client = *candidates[i].client;
+      const std::unique_lock hold(client.turn, std::try_to_lock);
+      if (!hold || client.closed) continue;
+      drop(client);
+      made = true;
+    }
+    return made;
+  }
+
+  const ServerOptions options_;
+  const Router router_;
+  std::atomic<bool> ending_ = false;    // streams end, and connections after their answers
   std::atomic<bool> stopping_ = false;  // every wait ends
-  std::atomic<int> active_ = 0;
+  std::atomic<int> open_ = 0;
+  std::atomic<std::size_t> held_ = 0;  // bytes of answers that wait for their clients
   Places places_{options_.streams, options_.streams_of_one};
-  int port_ = 0;
-  std::thread listener_;
+  UploadRoom room_{options_.uploads};
+  int listener_ = -1, epoll_ = -1, wake_ = -1, port_ = 0;
+  std::mutex lines_mutex_;  // taken before the next one, if both
+  std::map<const Route*, Line> lines_;
+  std::mutex clients_mutex_;
+  std::unordered_map<std::uint64_t, std::shared_ptr<Client>> clients_;
+  std::uint64_t last_id_ = wake_id;
+  std::vector<std::thread> threads_;
 };
 
-Server::Server(std::unique_ptr<Library> library) : library_(std::move(library)) {}
-Server::~Server() { library_->end(); }
-int Server::port() const { return library_->port(); }
-int Server::connections() const { return library_->connections(); }
-int Server::streams() const { return library_->streams(); }
+Server::Server(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
+Server::~Server() { loop_->end(); }
+int Server::port() const { return loop_->port(); }
+int Server::connections() const { return loop_->connections(); }
+int Server::streams() const { return loop_->streams(); }
 
 Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router) {
-  auto library = std::make_unique<Library>(std::move(options), std::move(router));
-  VACUFORM_CHECK(library->begin());
-  return std::unique_ptr<Server>(new Server(std::move(library)));
+  auto loop = std::make_unique<Loop>(std::move(options), std::move(router));
+  if (auto begun = loop->begin(); !begun) {
+    loop->end();
+    return tl::make_unexpected(begun.error());
+  }
+  return std::unique_ptr<Server>(new Server(std::move(loop)));
 }
 
 }  // namespace vacuform::http

@@ -1,13 +1,18 @@
-// The listener: accepts, vets, routes, answers. The one place behind which an HTTP library (cpp-httplib)
-// stands.
+// The listener: accepts, reads, routes, answers.
 //
-// Every request passes, in this order: the limits of connection.hpp, the checks of origin.hpp, the router,
-// the route. A body whose Content-Digest was sent is checked while the route reads it (digest.hpp). A connection serves one request. Peer addresses are not looked at, and no header of a client
-// reaches the library.
+// Every request passes, in this order: the head (head.hpp), the checks of origin.hpp, the router with its limit on the body,
+// the route's admission, the body, the route. A body up to 72 KiB is in memory before the route runs; a longer one is read by
+// the route as it comes, and a body whose Content-Digest was sent is checked meanwhile (digest.hpp). Peer addresses are not
+// looked at.
 //
-// A response that streams or waits (message.hpp) keeps its thread, so these have a bound and threads of their own: when
-// `streams` of them are under way the next one is refused with 503 and Retry-After, when `streams_of_one` are one party's
-// its next one with 429, and `threads` are always left for the other requests.
+// A connection serves one request after another (HTTP/1.1 keep-alive). It is closed after an answer when its request was
+// refused for its form, when its body was not read to the end, and when bytes behind the request came before the answer was
+// sent: pipelined requests are not served, and what a request carries along is never read as the next one.
+//
+// Clients that are slow cost no thread, but for large bodies and for responses that stream or wait (message.hpp), which have
+// bounds and threads of their own. A client must keep up with `limits`, or is closed; beyond `connections` the idle and the
+// slowest are closed to make room for new ones. When `streams` streams are under way the next one is refused with 503 and
+// Retry-After, when `streams_of_one` are one party's its next one with 429.
 #pragma once
 
 #include <functional>
@@ -31,13 +36,15 @@ struct ServerOptions {
   std::string host = "127.0.0.1";
   std::string front_host;   // under which a TLS front passes requests on, in lower case; empty: there is none
   int port = 0;             // 0: any free one
-  int threads = 64;         // requests at a time; a thread waits for its client, so more than cores
+  int connections = 1000;   // open at a time
+  int threads = 64;         // requests at a time; they wait for the disk, so more than cores
+  int uploads = 32;         // large bodies at a time, besides
   int streams = 64;         // responses at a time that stream or wait, besides
   int streams_of_one = 16;  // of them for the same party (Response::party)
   Limits limits;
-  // Makes the answer to a refusal; `request` has a path only if the head could be read.
+  // Makes the answer to a refusal; `request` has a path only if the head could be read. Must not wait.
   std::function<Response(const Request& request, const Refusal& refusal)> refuse;
-  // Called after each answer, from the thread that gave it.
+  // Called before each answer is sent, from the thread that made it. Must not wait.
   std::function<void(const Answered&)> observe;
 };
 
@@ -51,13 +58,13 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   int port() const;
-  int connections() const;  // being served at the moment
+  int connections() const;  // open at the moment
   int streams() const;      // those among them that stream or wait
 
  private:
-  class Library;
-  explicit Server(std::unique_ptr<Library> library);
-  std::unique_ptr<Library> library_;
+  class Loop;
+  explicit Server(std::unique_ptr<Loop> loop);
+  std::unique_ptr<Loop> loop_;
 };
 
 }  // namespace vacuform::http

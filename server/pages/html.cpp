@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "server/problem.hpp"
+
 namespace vacuform {
 
 std::string escaped(std::string_view text) {
@@ -65,6 +67,7 @@ http::Response html_response(const Page& page) {
   response.set("Cross-Origin-Opener-Policy", "same-origin");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   response.set("Cache-Control", "no-store");
+  set_retry_after(response);
   return response;
 }
 

@@ -69,13 +69,14 @@ Result<Response> remove(Service& service, const Request& request, const Caller& 
 }  // namespace
 
 void add_page_routes(http::Router& router, Service& service) {
-  const auto add = [&](Scope scope, const char* method, const char* pattern, const GuardedHandler& handler) {
-    add_guarded(router, service, scope, method, pattern, handler);
+  const auto add = [&](Scope scope, const char* method, const char* pattern, const GuardedHandler& handler,
+                       std::uint64_t most_body = http::small_body) {
+    add_guarded(router, service, scope, method, pattern, handler, most_body);
   };
   add(Scope::read, "GET", "/", show_form);
   add(Scope::read, "GET", "/jobs",
       [](Service&, Request&, const Caller&) -> Result<Response> { return see_other("/"); });
-  add(Scope::submit, "POST", "/jobs", submit);
+  add(Scope::submit, "POST", "/jobs", submit, largest_form());
   add(Scope::read, "GET", "/jobs/{id}", show_job);
   add(Scope::submit, "POST", "/jobs/{id}/cancel", cancel);
   add(Scope::submit, "POST", "/jobs/{id}/delete", remove);

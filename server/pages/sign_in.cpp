@@ -12,6 +12,7 @@ using http::Response;
 namespace {
 
 constexpr std::size_t longest_token = 200;
+constexpr std::uint64_t largest_sign_in = 4 << 10;  // of a form with a token, whoever sends it
 
 // The one field of the form.
 class TokenForm : public http::PartSink {
@@ -40,7 +41,7 @@ std::string trimmed(const std::string& text) {
 Result<Response> sign_in(Service& service, Request& request) {
   TokenForm form;
   VACUFORM_CHECK(http::read_multipart(request, form));
-  const auto cookie = service.access.sign_in(trimmed(form.token));
+  const auto cookie = service.access.sign_in(trimmed(form.token), request.by_front);
   if (!cookie) return html_response(sign_in_page(cookie.error()));
   Response response = see_other("/");
   response.set("Set-Cookie", *cookie);
@@ -77,8 +78,8 @@ Page sign_in_page(const std::optional<Error>& error) {
 void add_sign_in_routes(http::Router& router, Service& service) {
   Service* const s = &service;
   router.add("GET", "/sign-in", [](Request&) -> Result<Response> { return html_response(sign_in_page()); });
-  router.add("POST", "/sign-in", [s](Request& request) { return sign_in(*s, request); });
-  router.add("POST", "/sign-out", [s](Request& request) { return sign_out(*s, request); });
+  router.add({"POST", "/sign-in", [s](Request& request) { return sign_in(*s, request); }, largest_sign_in});
+  router.add({"POST", "/sign-out", [s](Request& request) { return sign_out(*s, request); }, largest_sign_in});
 }
 
 }  // namespace vacuform

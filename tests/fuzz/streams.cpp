@@ -96,10 +96,12 @@ void read_request(Bytes bytes) {
   {
     const std::atomic<bool> stopping{false};
     http::Limits limits;
-    http::Connection connection(ends[0], limits, stopping);
-    if (connection.read_head() && !connection.refusal()) {
-      const auto& head = connection.head();
-      require(head.request_line.find_first_of("\r\n") == std::string::npos, "a request line is one line");
+    http::UploadRoom room(1);
+    http::Connection connection(ends[0], limits, room, stopping);
+    auto found = connection.take_head();
+    while (!found && connection.receive() == http::Connection::Got::bytes) found = connection.take_head();
+    if (found && *found) {
+      const http::Head& head = **found;
       for (const auto& header : head.headers)
         require(
             (header.name + header.value).find_first_of(std::string_view("\r\n\0", 3)) == std::string::npos,

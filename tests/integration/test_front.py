@@ -2,7 +2,6 @@
 import json
 import os
 import pathlib
-import re
 import shutil
 import socket
 import ssl
@@ -101,7 +100,8 @@ class Front(Case):
         words = ["-F", f"token={token}", "-H", "Authorization:"]
         done = self.ask("/sign-in", *words, "-H", f"Origin: {self.url}")
         self.assertEqual(done.status, 303, done)
-        self.assertRegex(done.headers["set-cookie"], r"(?i); secure")
+        self.assertRegex(done.headers["set-cookie"], r"(?i)^__Host-vacuform-session=.*; secure")
+        self.assertEqual(self.ask("/sign-in", *words, "-H", f"Origin: http{self.url[5:]}").status, 403)
         self.assertEqual(self.ask("/sign-in", *words, "-H", "Origin: https://elsewhere.example.org").status, 403)
 
     def test_programs_and_people_are_told_that_the_service_is_away(self):
@@ -156,6 +156,40 @@ class Front(Case):
                               f"boundary=b\r\nContent-Length: {2 << 30}\r\n\r\n".encode(), PATIENCE)
         self.assertRegex(answer, rb"^HTTP/1.1 413 ")
 
+    def assert_problem(self, answer, status, slug):
+        head, _, body = answer.partition(b"\r\n\r\n")
+        self.assertRegex(head, rb"^HTTP/1.1 %d " % status)
+        self.assertIn(b"Content-Type: application/problem+json", head)
+        problem = json.loads(body)
+        self.assertEqual((problem["status"], problem["type"]), (status, "/problems/" + slug))
+        self.assertLessEqual({"title", "detail", "what", "where", "mend"}, set(problem))
+        return head
+
+    def test_only_uploads_may_be_large(self):
+        for first in ("POST /sign-in", "POST /api/v1/tokens", "POST /api/v1/jobs/x/cancel", "PUT /api/v1/profiles/a", "POST /"):
+            answer, _ = self.talk(f"{first} HTTP/1.1\r\nHost: {NAME}:{self.https}\r\nContent-Length: 100000\r\n\r\n".encode(), PATIENCE)
+            self.assert_problem(answer, 413, "too-large")
+
+    def test_nothing_is_kept_of_an_upload_without_a_token(self):
+        """The token is checked before a byte of the body is taken."""
+        for path in ("/api/v1/jobs", "/api/v1/scans", "/jobs", "/api/v1/uploads", "/api/v1/uploads/x"):
+            head = (f"POST {path} HTTP/1.1\r\nHost: {NAME}:{self.https}\r\nContent-Type: multipart/form-data; boundary=b\r\n"
+                    f"Content-Length: 1000000000\r\n\r\n")
+            answer, seconds = self.talk(head.encode() + bytes(1 << 20), PATIENCE)
+            self.assertRegex(answer, rb"^HTTP/1.1 401 ")
+            self.assertLess(seconds, 20)
+        self.assertEqual([p for p in (self.folder / "nginx-client_body").rglob("*") if p.is_file()], [])
+
+    def test_too_many_requests_are_told_so_in_a_problem(self):
+        request = f"GET /healthz HTTP/1.1\r\nHost: {NAME}:{self.https}\r\n\r\n".encode()
+        last = request.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n")
+        answer, _ = self.talk(request * 400 + last, PATIENCE)
+        self.assertIn(b"HTTP/1.1 200 ", answer)
+        self.assertIn(b"HTTP/1.1 429 ", answer)
+        refused = answer[answer.index(b"HTTP/1.1 429 "):].split(b"HTTP/1.1 ")[1]
+        self.assertIn(b"Retry-After: 5", self.assert_problem(b"HTTP/1.1 " + refused, 429, "busy"))
+        time.sleep(5)  # the others find the bucket empty again
+
     def test_slow_clients_hold_nothing_of_the_service(self):
         """Heads and bodies that never end stay in nginx."""
         context = ssl.create_default_context(cafile=self.certificate)
@@ -168,8 +202,7 @@ class Front(Case):
         try:
             self.assertEqual(self.ask("/healthz").status, 200)
             status = json.loads([line for line in self.server.program.says().splitlines() if '"server-started"' in line][-1])["status_url"]
-            metrics = curl(status + "/metrics").body.decode()
-            self.assertEqual(re.search(r"^vacuform_http_connections (\d+)$", metrics, re.M)[1], "0")
+            wait_for(lambda: "\nvacuform_http_connections 0\n" in curl(status + "/metrics").body.decode(), "the end of the last request")
         finally:
             for connection in stalled:
                 connection.close()

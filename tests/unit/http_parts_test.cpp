@@ -77,6 +77,10 @@ TEST(Multipart, RefusesHostileHeads) {
   EXPECT_EQ(refuse("--B\r\nContent-Disposition: form-data; name=a\r\nContent-Transfer-Encoding: "
                    "base64\r\n\r\nx\r\n--B--"),
             "a part has a transfer encoding");
+  const std::string part = "--B\r\nContent-Disposition: form-data; name=a\r\n\r\nx\r\n";
+  const std::string junk(10'000, 'x');
+  EXPECT_EQ(refuse(junk + "\r\n" + part + "--B--"), "there is too much before the first part or behind the last");
+  EXPECT_EQ(refuse(part + "--B--" + junk), "there is too much before the first part or behind the last");
   std::string many;
   for (int i = 0; i < 200; ++i) many += "--B\r\nContent-Disposition: form-data; name=a\r\n\r\nx\r\n";
   EXPECT_EQ(refuse(many + "--B--"), "the form has more than 128 parts");
@@ -148,10 +152,15 @@ TEST(Origin, AFormOnAnotherPageIsRefused) {
   request.headers.push_back({"Origin", "http://127.0.0.1:8080"});
   EXPECT_FALSE(check_origin(request));
   for (const char* origin :
-       {"http://example.org", "null", "http://127.0.0.1:9999", "http://localhost:8080"}) {
+       {"http://example.org", "null", "http://127.0.0.1:9999", "http://localhost:8080",
+        "https://127.0.0.1:8080"}) {
     request.headers.back().value = origin;
     EXPECT_EQ(check_origin(request).value().status, 403) << origin;
   }
+  request.headers = {{"Host", "front.example.org"}, {"Origin", "https://front.example.org"}};
+  EXPECT_FALSE(check_origin(request, "front.example.org"));
+  request.headers.back().value = "http://front.example.org";
+  EXPECT_EQ(check_origin(request, "front.example.org").value().status, 403);
   request.method = "GET";
   EXPECT_FALSE(check_origin(request));
 }

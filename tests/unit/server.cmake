@@ -8,7 +8,7 @@ vacuform_test(server_test
           ${CMAKE_CURRENT_LIST_DIR}/server_stream_test.cpp ${CMAKE_CURRENT_LIST_DIR}/server_digest_test.cpp ${CMAKE_CURRENT_LIST_DIR}/partial_file_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/server_submission_test.cpp ${CMAKE_CURRENT_LIST_DIR}/server_upload_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/server_event_test.cpp ${CMAKE_CURRENT_LIST_DIR}/blobs_test.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/server_semantics_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/server_semantics_test.cpp ${CMAKE_CURRENT_LIST_DIR}/zip_test.cpp
   LINKS vacuform_service)
 target_compile_definitions(server_test PRIVATE VACUFORM_SERVER="$<TARGET_FILE:vacuform-server>")
 add_dependencies(server_test vacuform-server)

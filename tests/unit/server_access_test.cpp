@@ -250,6 +250,42 @@ TEST_F(ServerAccess, ABrowserSignsInAndOut) {
   EXPECT_EQ(ask("GET", "/api/v1/jobs", session).status, 401);
 }
 
+TEST_F(ServerAccess, TheSignInPageSaysWhenToTryAgain) {
+  Answer answer;
+  for (int i = 0; i < 30 && answer.status != 429; ++i)
+    answer = ask("POST", "/sign-in", anonymous + std::string(form_type), part("token", "", "wrong") + "--XX--\r\n");
+  EXPECT_EQ(answer.status, 429);
+  EXPECT_EQ(answer.header("Retry-After"), "60");
+}
+
+// The prefix makes a browser accept the cookie only by TLS and for this host alone.
+TEST_F(ServerAccess, TheCookieIsForTlsAloneBehindAFront) {
+  http::ServerOptions options;
+  options.refuse = refuse;
+  options.front_host = "front.example.org";
+  const auto server = http::Server::start(std::move(options), all_routes(*service_));
+  ASSERT_TRUE(server);
+  const auto by_front = [&](const std::string& line, const std::string& headers, const std::string& body) {
+    const int socket = connected_to(**server);
+    send_all(socket, line + " HTTP/1.1\r\nHost: front.example.org\r\nConnection: close\r\n" + headers +
+                         "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+    return parsed(receive_all(socket));
+  };
+  const std::string body = part("token", "", user_) + "--XX--\r\n";
+  const Answer in = by_front("POST /sign-in", form_type, body);
+  const std::string cookie = in.header("Set-Cookie"), pair = cookie.substr(0, cookie.find(';'));
+  EXPECT_TRUE(cookie.starts_with("__Host-vacuform-session=")) << cookie;
+  EXPECT_NE(cookie.find("; Secure"), std::string::npos);
+  EXPECT_NE(cookie.find("; Path=/;"), std::string::npos);
+  EXPECT_EQ(by_front("GET /api/v1/jobs", "Cookie: " + pair + "\r\n", "").status, 200);
+  EXPECT_EQ(by_front("GET /api/v1/jobs", "Cookie: " + pair.substr(7) + "\r\n", "").status, 401);
+  EXPECT_EQ(by_front("POST /sign-out", "Origin: http://front.example.org\r\nCookie: " + pair + "\r\n", "").status,
+            403);
+  const Answer out =
+      by_front("POST /sign-out", "Origin: https://front.example.org\r\nCookie: " + pair + "\r\n", "");
+  EXPECT_TRUE(out.header("Set-Cookie").starts_with("__Host-vacuform-session=;")) << out.header("Set-Cookie");
+}
+
 // A page of another origin can make a browser send the cookie's bearer somewhere; it cannot make it send our Origin.
 TEST_F(ServerAccess, ACookieAloneChangesNothing) {
   const std::string session = signed_in(user_), id = created(user_), path = "/api/v1/jobs/" + id + "/cancel";

@@ -80,6 +80,13 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   EXPECT_EQ(zip.status, 200);
   EXPECT_EQ(zip.body.substr(0, 4), "PK\x03\x04");
   EXPECT_EQ(zip.body, again.body);
+  const Answer head = ask("HEAD", "/api/v1/jobs/" + id + "/artifacts.zip"),
+               part = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip", "Range: bytes=5-\r\n");
+  EXPECT_EQ(head.header("Content-Length"), std::to_string(zip.body.size()));
+  EXPECT_EQ(head.header("ETag"), zip.header("ETag"));
+  EXPECT_EQ(part.status, 206);
+  EXPECT_EQ(part.body, zip.body.substr(5));
+  EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
   EXPECT_EQ(ask("DELETE", "/api/v1/jobs/" + id).status, 204);
   EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id).status, 404);
 }

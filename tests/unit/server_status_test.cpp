@@ -39,7 +39,9 @@ TEST_F(ServerStatus, CountsRequestsJobsAndLostLeases) {
   EXPECT_TRUE(has_line(
       text, "vacuform_http_requests_total{route=\"/api/v1/jobs/{id}\",method=\"GET\",status=\"404\"} 1"));
   EXPECT_EQ(text.find("BREW"), std::string::npos);
-  EXPECT_TRUE(has_line(text, "vacuform_http_request_seconds_count 4")) << text;
+  EXPECT_TRUE(has_line(text, "vacuform_http_request_seconds_count{route=\"/api/v1/jobs\"} 2")) << text;
+  EXPECT_TRUE(has_line(text, "vacuform_http_request_seconds_count{route=\"/api/v1/jobs/{id}\"} 1"));
+  EXPECT_TRUE(has_line(text, "vacuform_http_request_seconds_count{route=\"none\"} 1"));
   EXPECT_TRUE(has_line(text, "vacuform_leases_lost_total 3"));
   EXPECT_TRUE(has_line(text, "vacuform_http_connections_limit 64"));
 }

@@ -90,7 +90,7 @@ class ServerStream : public ServerTest {
 
   int begun(const std::string& path, const std::string& method = "GET") {
     const int socket = connected_to(*streams_);
-    send_all(socket, method + " " + path + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    send_all(socket, method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     return socket;
   }
   Answer get(const std::string& path, const std::string& method = "GET") {
