@@ -161,7 +161,8 @@ class Seam {
 
   const cInt x_;
   Paths rings_, chains_;  // rings that are whole; the others' parts between points on the line
-  std::map<cInt, int> ups_;  // by height, what changes there in the rings that run upwards less those downwards
+  std::map<cInt, int>
+      ups_;  // by height, what changes there in the rings that run upwards less those downwards
 };
 
 struct Operation {
@@ -214,8 +215,7 @@ Paths in_strips(const Operation& operation, Paths subject, Paths other, int dept
 }  // namespace
 
 Area covered_by(const std::vector<Ring>& rings, FillRule rule) {
-  const Operation operation{clip::ctUnion,
-                            rule == FillRule::even_odd ? clip::pftEvenOdd : clip::pftNonZero};
+  const Operation operation{clip::ctUnion, rule == FillRule::even_odd ? clip::pftEvenOdd : clip::pftNonZero};
   return from_clipper(in_strips(operation, to_clipper(rings), {}, 0));
 }
 
