@@ -28,11 +28,12 @@ constexpr double most_visits = 2e6;     // of this count itself
 constexpr int deepest = 100;            // references to references
 constexpr double plain_crossings = 50;  // as of a line that does not cross itself
 constexpr double most_segments = 2e6;   // that are looked at for their length
+constexpr double longest_sides = 2;     // of a piece of an outline, as far as it lies on the page
 constexpr double surface_bytes = 4;     // a pixel
 constexpr double most_surface_bytes = 5e8, fewest_pixels = 250'000;
 
 // In pages: what makes a whole page to be copied, blended or filtered.
-constexpr double blended_pages = 4, masked_pages = 12, filtered_pages = 40, patterned_pages = 8,
+constexpr double blended_pages = 4, masked_pages = 12, filtered_pages = 200, patterned_pages = 8,
                  clipped_pages = 2, shaded_pages = 6;
 
 // Sizes by powers of two, so that each can be limited by the page's once it is known how much it is enlarged.
@@ -61,6 +62,11 @@ class Sizes {
       if (sum.size > most * sum.count) out += sum.count * std::sqrt(sum.size / sum.count / most);
     return out;
   }
+  double count() const {
+    double out = 0;
+    for (const auto& [power, sum] : sums_) out += sum.count;
+    return out;
+  }
   static constexpr double unbounded = 1e60;
 
  private:
@@ -75,13 +81,20 @@ struct Part {
   SvgWork work;
   Sizes areas, lengths;  // of shapes, and of pieces of outlines
 
-  // `scale`: of areas.
+  // `scale`: of areas. Where that is unbounded, each shape counts as a whole page.
   void add(const Part& other, double scale, double count = 1) {
     work.elements += count * other.work.elements;
     work.text += count * other.work.text;
     work.crossings += count * other.work.crossings;
     work.pages += count * other.work.pages;
+    work.sides += count * other.work.sides;
+    work.layers += count * other.work.layers;
     work.surfaces = std::max(work.surfaces, other.work.surfaces);
+    if (scale == Sizes::unbounded) {
+      work.pages += count * other.areas.count();
+      work.sides += count * longest_sides * other.lengths.count();
+      return;
+    }
     areas.add(other.areas, scale, count);
     lengths.add(other.lengths, std::sqrt(scale), count);
   }
@@ -130,7 +143,7 @@ class Counter {
                       "replace copies by the shapes themselves", file_name_);
     SvgWork work = all.work;
     const double side = std::sqrt(page_area());
-    work.elements += all.lengths.arcs_beyond(2 * side);
+    work.elements += all.lengths.arcs_beyond(longest_sides * side);
     if (!(visits_ <= most_visits) || !(work.elements <= most_elements))
       return too_much("the SVG draws too many elements", std::max(work.elements, visits_), most_elements,
                       "make fewer copies with <use>, patterns, markers or dashes, or join shapes to paths",
@@ -139,7 +152,7 @@ class Counter {
       return too_much("the SVG's outlines cross too often (estimated)", std::max(work.crossings, segments_),
                       most_crossings, "simplify the paths, or unite their overlaps", file_name_);
     work.pages += all.areas.sum_up_to(page_area());
-    work.sides += all.lengths.sum_up_to(2 * side) * 2;
+    work.sides += longest_sides * all.lengths.sum_up_to(longest_sides * side);
     return work;
   }
 
@@ -372,7 +385,7 @@ class Counter {
       Part mask = referred(target_of_url(style[Property::mask]), style, depth + 1);
       mask.work.surfaces += 3;
       inside.add(mask, Sizes::unbounded);
-      inside.work.pages += masked_pages;
+      inside.work.layers += masked_pages;
       inside.work.surfaces += 1;
     }
     if (set(Property::filter, "none")) filter(style[Property::filter], inside);
@@ -381,7 +394,7 @@ class Counter {
   // What a primitive costs grows with its numbers: the order of a matrix, a radius, octaves.
   void filter(std::string_view value, Part& inside) {
     inside.work.surfaces += 4;
-    inside.work.pages += filtered_pages;
+    inside.work.layers += filtered_pages;
     for (std::size_t at = 0; (at = value.find("url(", at)) != value.npos; at += 4)
       for (const pugi::xml_node primitive : target_of_url(value.substr(at)).children()) {
         ++visits_;
@@ -390,9 +403,9 @@ class Counter {
         for (const char* key : {"order", "radius", "numOctaves"})
           if (const auto numbers = svg_numbers(primitive.attribute(key).value()))
             for (const double n : *numbers) each = std::max(each, key[0] == 'n' ? n : n * n);
-        inside.work.pages += filtered_pages * std::min(each, 1e30);
+        inside.work.layers += filtered_pages * std::min(each, 1e30);
       }
-    if (!value.starts_with("url(")) inside.work.pages += filtered_pages * static_cast<double>(value.size());
+    if (!value.starts_with("url(")) inside.work.layers += filtered_pages * static_cast<double>(value.size());
   }
 
   const std::string& file_name_;
@@ -409,8 +422,10 @@ class Counter {
 double SvgWork::seconds(double pixels) const {
   // It is drawn in bands, and each band goes through all elements.
   const double bands = std::ceil(pixels / 4e6);
-  return bands * (elements * seconds_an_element + text * seconds_a_byte) + crossings * seconds_a_crossing +
-         pages * pixels * seconds_a_painted_pixel + sides * std::sqrt(pixels) * seconds_an_outline_pixel;
+  return bands * (elements * seconds_an_element + text * seconds_a_byte +
+                  layers * pixels * seconds_a_painted_pixel) +
+         crossings * seconds_a_crossing + pages * pixels * seconds_a_painted_pixel +
+         sides * std::sqrt(pixels) * seconds_an_outline_pixel;
 }
 
 Result<SvgWork> work_to_draw(const pugi::xml_document& document, const std::string& file_name) {
@@ -422,7 +437,7 @@ Result<double> affordable_pixels(const SvgWork& work, double wanted, const std::
   if (work.surfaces > 0) pixels = std::min(pixels, most_surface_bytes / (surface_bytes * work.surfaces));
   while (pixels > fewest_pixels && work.seconds(pixels) > most_seconds) pixels *= 0.9;
   if (pixels >= std::min(wanted, fewest_pixels)) return pixels;
-  return too_much("the SVG paints too much over itself, in pages", work.pages,
+  return too_much("the SVG paints too much over itself, in pages", work.pages + work.layers,
                   most_seconds / (fewest_pixels * seconds_a_painted_pixel),
                   "take away masks, filters, patterns and transparent groups, or give a picture", file_name);
 }

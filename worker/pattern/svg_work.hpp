@@ -15,6 +15,7 @@ struct SvgWork {
   double crossings = 0;  // of outlines with themselves, estimated from length and box
   double pages = 0;      // painted: a page's area counts as 1
   double sides = 0;      // of outlines: a page's side counts as 1
+  double layers = 0;     // painted, in pages, again for each band of the picture
   double surfaces = 0;   // pictures of a whole page that are held at the same time
 
   // Of the processor, for a picture of so many pixels; on the slow side.
