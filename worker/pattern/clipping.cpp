@@ -1,7 +1,8 @@
-// Polygon clipping: A. Johnson's Clipper, after B. Vatti 1992, "A generic solution to polygon clipping". Its sweep looks, at
-// the height of each point, at every edge that crosses this height, so its time grows with the square of a drawing's
-// width. Large polygons are therefore cut in two at a vertical line (Sutherland and Hodgman 1974, "Reentrant polygon
-// clipping", which keeps winding numbers on each side), again and again, and the results are joined along these lines.
+// Polygon clipping: A. Johnson's Clipper, after B. Vatti 1992, "A generic solution to polygon clipping". Its
+// sweep looks, at the height of each point, at every edge that crosses this height, so its time grows with
+// the square of a drawing's width. Large polygons are therefore cut in two at a vertical line (Sutherland and
+// Hodgman 1974, "Reentrant polygon clipping", which keeps winding numbers on each side), again and again, and
+// the results are joined along these lines.
 #include "worker/pattern/clipping.hpp"
 
 #include <algorithm>
@@ -146,8 +147,8 @@ class Seam {
     chain = Path();
   }
 
-  // Where both sides run along the line in opposite directions, the line vanishes. Where rounding has left them a unit
-  // apart, the rest stays.
+  // Where both sides run along the line in opposite directions, the line vanishes. Where rounding has left
+  // them a unit apart, the rest stays.
   void leave_remains() {
     int ups = 0;
     for (auto at = ups_.begin(); at != ups_.end(); ++at) {

@@ -31,8 +31,7 @@ class Pattern {
   // JPEG's density; else unusable_pattern with the mend "give pattern.width_mm". A JPEG's Exif orientation is
   // honoured. Nothing but the bytes is read: an SVG that refers to other files is refused.
   // Errors: unsupported_format, corrupt_file, too_large (above 64 million pixels, or too much
-  // work to draw), unusable_pattern (no ink or
-  // size).
+  // work to draw), unusable_pattern (no ink or size).
   static Result<Pattern> read(std::span<const std::uint8_t> bytes, const std::string& file_name,
                               const PatternSettings& settings, int dpi);
   ~Pattern();

@@ -55,7 +55,8 @@ class Sizes {
     for (const auto& [power, sum] : sums_) out += std::min(sum.size / most, sum.count);
     return out;
   }
-  // Of those beyond `most`: how many points the library puts onto an arc of this radius, as a multiple of those for `most`.
+  // Of those beyond `most`: how many points the library puts onto an arc of this radius, as a multiple of
+  // those for `most`.
   double arcs_beyond(double most) const {
     double out = 0;
     for (const auto& [power, sum] : sums_)

@@ -8,7 +8,8 @@
 
 namespace vacuform {
 
-// Every copy that <use>, patterns, markers, masks and clipping paths make counts. Doubles, so that no product overflows.
+// Every copy that <use>, patterns, markers, masks and clipping paths make counts. Doubles, so that no product
+// overflows.
 struct SvgWork {
   double elements = 0;   // drawn
   double text = 0;       // bytes of path data and of text that is drawn
@@ -22,9 +23,10 @@ struct SvgWork {
   double seconds(double pixels) const;
 };
 
-// Adds up the work without expanding: what is used several times is counted once and multiplied.
-// Errors: too_large for references nested deeper than 100, for more elements or crossings than can be drawn in ten seconds,
-// and for style sheets with too many rules for the number of elements; unsupported_format for values by entities.
+// Adds up the work without expanding: what is used several times is counted once and multiplied. Errors:
+// too_large for references nested deeper than 100, for more elements or crossings than can be drawn in ten
+// seconds, and for style sheets with too many rules for the number of elements; unsupported_format for values
+// by entities.
 Result<SvgWork> work_to_draw(const pugi::xml_document& document, const std::string& file_name);
 
 // The most pixels, at most `wanted`, that can be drawn in ten seconds and in half a gibibyte.
