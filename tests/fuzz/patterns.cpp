@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "tests/fuzz/targets.hpp"
+#include "worker/pattern/area.hpp"
 #include "worker/pattern/drawing.hpp"
 #include "worker/pattern/pattern.hpp"
 
@@ -20,11 +21,17 @@ void check(const Pattern& pattern) {
 
 void check(const Drawing& drawing) {
   for (const Element& element : drawing.elements)
-    for (const Shape& shape : element.shapes)
+    for (const Shape& shape : element.shapes) {
       for (const Curve& curve : shape.curves) {
         require(curve.points.size() % 3 == 1, "a curve is whole segments");
         for (const Eigen::Vector2d& p : curve.points) require(p.allFinite(), "a curve is finite");
       }
+      // As the print makes them.
+      if (shape.fill)
+        require(square_mm(fill_area(shape.curves, shape.even_odd, 0.002)) >= -1, "a fill has an area");
+      if (shape.stroke)
+        require(square_mm(stroke_area(shape.curves, *shape.stroke, 0.002)) >= -1, "a line has an area");
+    }
 }
 
 void read(Bytes bytes, const char* file_name) {

@@ -96,6 +96,84 @@ SVGS = {
     "deep": "<g>" * 180 + '<circle r="5"/>' + "</g>" * 180,
 }
 
+def copies_of_copies(levels):
+    """Each group holds ten copies of the one before."""
+    groups = "".join(f'<g id="g{i + 1}">' + "".join(f'<use href="#g{i}" x="{k / 10}"/>' for k in range(10)) + "</g>"
+                     for i in range(levels))
+    return (f'<defs><g id="g0"><circle cx="50" cy="50" r="20" fill="none" stroke="black" stroke-width="2"/></g>{groups}</defs>'
+            f'<use href="#g{levels}"/>')
+
+
+def waves(count):
+    """One path of cubics in rows of 250."""
+    rows = count // 250
+    high = 0.3 * 90 / rows
+    row = "".join(f"c{way:.2f} {side:.3f} {2 * way:.2f} {side:.3f} {3 * way:.2f} 0" for way, side in ((.12, high), (.12, -high)) * 125)
+    return f'<path fill="none" stroke="black" stroke-width=".1" d="' + "".join(
+        f"M5 {5 + 90 * i / rows:.3f}{row}" for i in range(rows)) + '"/>'
+
+
+def scattered(count, width=0.1, far=90):
+    """A line between points all over the page."""
+    points = " ".join(f"{5 + far * (i * 0.6180339887 % 1):.1f},{5 + far * (i * i * 0.7548776662 % 1):.1f}" for i in range(count))
+    return f'<polyline fill="none" stroke="black" stroke-width="{width}" stroke-linejoin="round" points="{points}"/>'
+
+
+def nested_effects(kind, attribute, levels, inside):
+    return "".join(f'<{kind} id="e{i}"{f" {attribute}=" + chr(34) + f"url(#e{i - 1})" + chr(34) if i else ""}>{inside}</{kind}>'
+                   for i in range(levels)) + f'<rect width="90" height="90" {attribute}="url(#e{levels - 1})"/>'
+
+
+# Small files that ask for much work.
+COSTLY_SVGS = {
+    "copies of copies, 11 levels": copies_of_copies(11),
+    "copies of copies, 5 levels": copies_of_copies(5),
+    "copies of copies, 4 levels": copies_of_copies(4),
+    "a chain of copies": '<g id="g0"><rect width="9" height="9"/></g>' + "".join(
+        f'<g id="g{i + 1}"><use href="#g{i}"/></g>' for i in range(3000)) + '<use href="#g3000"/>',
+    "5000 cubics": waves(5000),
+    "60000 cubics": waves(60000),
+    "5000 cubics at one point": '<path fill="none" stroke="black" d="M50 50' + "c0 0 0 0 0 0" * 5000 + '"/>',
+    "5000 tiny cubics": '<path fill="none" stroke="black" stroke-width="2" d="M10 50' + "c.01 0 .01 0 .016 0" * 5000 + '"/>',
+    "5000 cubics over each other": '<path fill="none" stroke="black" d="' + "M10 50c10 30 50 -70 80 0" * 5000 + '"/>',
+    "5000 loops": '<path fill="none" stroke="black" d="M10 50' + "c5 0 5 -5 0 -5c-5 0 -5 5 .015 5" * 2500 + '"/>',
+    "500 lines": scattered(500),
+    "3000 lines": scattered(3000),
+    "2000 wide lines": scattered(2000, width=1e5),
+    "2000 lines of a third of the page": scattered(2000, width=30),
+    "2000 lines far off": scattered(2000, far=1e9),
+    "1000 circles in a path": '<path fill="none" stroke="black" stroke-width=".3" d="' + "".join(
+        f"M{30 + i % 31} {30 + i % 37}a{5 + i % 13} {5 + i % 11} 0 1 1 .1 0z" for i in range(1000)) + '"/>',
+    "3000 ellipses": "".join(f'<ellipse id="e{i}" cx="{30 + i % 41}" cy="{30 + i % 37}" rx="{5 + i % 19}" ry="{5 + i % 17}" '
+                             'fill="none" stroke="black" stroke-width=".3"/>' for i in range(3000)),
+    "5000 pages over each other": '<rect width="100" height="100" fill-opacity=".01"/>' * 5000,
+    "dashes": '<path stroke="black" d="M0 50H100" stroke-dasharray="1e-4"/>',
+    "100000 dashes": '<path stroke="black" d="M0 50H100" stroke-dasharray="' + ".1 " * 100000 + '"/>',
+    "groups of opacity": '<g opacity=".99">' * 150 + '<circle cx="50" cy="50" r="45"/>' + "</g>" * 150,
+    "clips of clips": nested_effects("clipPath", "clip-path", 90, '<circle cx="50" cy="50" r="45"/>'),
+    "masks of masks": nested_effects("mask", "mask", 90, '<circle cx="50" cy="50" r="45" fill="white"/>'),
+    "300 masks": '<mask id="m"><circle cx="50" cy="50" r="45" fill="white"/></mask>' + '<rect width="100" height="100" mask="url(#m)"/>' * 300,
+    "patterns of patterns": "".join(f'<pattern id="p{i}" width=".5" height=".5">' + (
+        f'<rect width="50" height="50" fill="url(#p{i - 1})"/>' * 10 if i else '<rect width="5" height="5"/>') + "</pattern>"
+        for i in range(6)) + '<rect width="100" height="100" fill="url(#p5)"/>',
+    "1000 clipped pages": '<clipPath id="c">' + "".join(f'<circle cx="{i % 97}" cy="{i % 89}" r="10"/>' for i in range(1000)) +
+                          "</clipPath>" + '<rect width="100" height="100" clip-path="url(#c)"/>' * 1000,
+    "markers": '<marker id="m" markerWidth="9" markerHeight="9" overflow="visible">' + '<circle r="1"/>' * 100 + "</marker>"
+               '<path fill="none" stroke="black" marker-mid="url(#m)" d="M5 5' + "l.01 .01" * 5000 + '"/>',
+    "a chain of gradients": '<linearGradient id="g0"><stop stop-color="red"/></linearGradient>' + "".join(
+        f'<linearGradient id="g{i}" href="#g{i - 1}"/>' for i in range(1, 3000)) + '<rect width="10" height="10" fill="url(#g2999)"/>' * 500,
+    "20 blurs": '<filter id="f"><feGaussianBlur stdDeviation="50"/></filter>' + '<rect width="80" height="80" filter="url(#f)"/>' * 20,
+    "turbulence": '<filter id="f"><feTurbulence numOctaves="1000" baseFrequency=".5"/></filter><rect width="80" height="80" filter="url(#f)"/>',
+    "a large matrix": '<filter id="f"><feConvolveMatrix order="50" kernelMatrix="' + "1 " * 2500 + '"/></filter>'
+                      '<rect width="80" height="80" filter="url(#f)"/>',
+    "a large radius": '<filter id="f"><feMorphology operator="dilate" radius="200"/></filter><rect width="80" height="80" filter="url(#f)"/>',
+    "rules": "<style>" + "".join(f".a{{fill:#{i % 4096:03x}}}" for i in range(9000)) + "</style>" + '<rect class="a" width="1" height="1"/>' * 9000,
+    "rules of siblings": "<style>" + "".join(f"rect ~ rect ~ rect.c{i}{{fill:red}}" for i in range(100)) + "</style>" + "".join(
+        f'<rect class="c{i % 100}" width="1" height="1"/>' for i in range(2000)),
+    "letters": '<text x="5" y="40" font-size="20">' + "ink " * 20000 + "</text>",
+    "texts": "".join(f'<text x="5" y="{i % 90}" font-size="20">ink</text>' for i in range(10000)),
+}
+
 SETTINGS = [
     "", "{}", '{"print":{"dpi":600,"marks":false}}', '{"scan":{"units":"mm","up":"-y","yaw_deg":12.5,"trim_mm":"auto"}}',
     '{"machine":{"heaters":[{"z_mm":120,"width_mm":300,"height_mm":300,"celsius":450}]},"heat":{"source":"heaters","gains":{"a":1.5}}}',
@@ -144,7 +222,8 @@ def seeds():
     found["jpeg"] |= JPEGS
     found["svg"] |= {name: hostile.svg(inner) for name, inner in SVGS.items()}
     found["svg"] |= {f"{name} on a page of metres": hostile.svg(inner, root='width="4900mm" height="4900mm" viewBox="0 0 100 100"')
-                     for name, inner in SVGS.items()}
+                     for name, inner in (SVGS | COSTLY_SVGS).items()}
+    found["svg"] |= {name: hostile.svg(inner) for name, inner in COSTLY_SVGS.items()}
     for name, (_, _, extension, make) in hostile.PATTERNS.items():
         found["jpeg" if extension == "jpg" else extension][name] = make()
     for target, texts in (("settings", SETTINGS), ("temperature", TEMPERATURES)):

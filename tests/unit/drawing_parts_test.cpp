@@ -28,6 +28,49 @@ Pattern pattern() {
   return std::move(*read);
 }
 
+// A wave of `width` mm along x, `thick` mm high everywhere, as a ring.
+Ring wave(double width, double low, double thick) {
+  constexpr int points = 1000;
+  Ring ring;
+  const auto at = [&](int i, double y) {
+    ring.emplace_back(width * i / points, y + 0.3 * std::sin(0.1 * i));
+  };
+  for (int i = 0; i <= points; ++i) at(i, low);
+  for (int i = points; i >= 0; --i) at(i, low + thick);
+  return ring;
+}
+
+TEST(Area, UnitesLargePolygons) {
+  std::vector<Ring> overlapping, apart;
+  for (int k = 0; k < 50; ++k) {
+    overlapping.push_back(wave(90, k, 1.2));
+    apart.push_back(wave(90, 2 * k, 1.2));
+  }
+  const Area one = union_of(overlapping), many = union_of(apart);
+  EXPECT_EQ(one.size(), 1u);
+  EXPECT_NEAR(square_mm(one), 90 * 50.2, 1e-3);
+  EXPECT_EQ(many.size(), 50u);
+  EXPECT_NEAR(square_mm(many), 90 * 50 * 1.2, 1e-3);
+  // What each of the two halves shares with them.
+  EXPECT_NEAR(square_mm(intersection(overlapping, {{{0, -9}, {45, -9}, {45, 99}, {0, 99}}})), 45 * 50.2,
+              0.01);
+}
+
+TEST(Area, KeepsTheHolesOfLargePolygons) {
+  std::vector<Ring> bars;
+  for (int k = 0; k < 100; ++k) {
+    const double low = k - 0.1, high = k + 0.1;
+    bars.push_back({{low, -1}, {high, -1}, {high, 100}, {low, 100}});
+    Ring row;  // with many points, so that it is cut
+    for (int i = 0; i <= 1000; ++i) row.emplace_back(-1 + 0.101 * i, low);
+    for (int i = 1000; i >= 0; --i) row.emplace_back(-1 + 0.101 * i, high);
+    bars.push_back(row);
+  }
+  const Area lattice = union_of(bars);
+  EXPECT_EQ(lattice.size(), 1u + 99 * 99);
+  EXPECT_NEAR(square_mm(lattice), 2 * 100 * 101 * 0.2 - 1e4 * 0.04, 1e-3);
+}
+
 TEST(InkParts, AreTheConnectedInkWithItsOutlines) {
   const InkParts parts(pattern());
   const auto& elements = parts.drawing().elements;

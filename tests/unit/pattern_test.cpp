@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 
@@ -355,12 +356,17 @@ std::vector<Refusal> refusals() {
        bytes_of(svg("width='9mm' height='9mm'",
                     "<g><image width='5' height='5' xlink:href='file:///etc/hostname'/></g>")),
        Code::unusable_pattern,
-       "the SVG refers to another file: file:///etc/hostname (x); embed the picture in the drawing, or give "
-       "the picture itself"},
+       "the SVG refers to another file in its <image> element on line 1 (x); embed the picture in the "
+       "drawing, or give the picture itself"},
       {"SVG that uses a shape elsewhere",
-       bytes_of(svg("width='9mm' height='9mm'", "<use href='other.svg#a'/>")), Code::unusable_pattern,
-       "the SVG refers to another file: other.svg#a (x); embed the picture in the drawing, or give the "
-       "picture itself"},
+       bytes_of(svg("width='9mm' height='9mm'", "<g>\n</g>\n<use href='other.svg#a'/>")),
+       Code::unusable_pattern,
+       "the SVG refers to another file in its <use> element on line 3 (x); embed the picture in the "
+       "drawing, or give the picture itself"},
+      {"SVG whose reference was replaced by spaces",
+       bytes_of(svg("width='9mm' height='9mm'", "\n<image href='          '/>")), Code::unusable_pattern,
+       "the SVG refers to another file in its <image> element on line 2 (x); embed the picture in the "
+       "drawing, or give the picture itself"},
       {"SVG that hides elements in an entity",
        bytes_of("<!DOCTYPE svg [<!ENTITY e '<image/>'>]>" + svg("width='9mm' height='9mm'", "&e;")),
        Code::unsupported_format,
@@ -389,6 +395,60 @@ TEST(Pattern, RefusesWhatItCannotTrustAndSaysWhy) {
     }
     EXPECT_FALSE(pattern.error().mend.empty()) << r.what;
   }
+}
+
+// Groups of ten copies of the group before, `levels` deep.
+std::string copies_of_copies(int levels) {
+  std::string body = "<defs><g id='g0'><circle cx='9' cy='9' r='5'/></g>";
+  for (int i = 1; i <= levels; ++i) {
+    body += std::string("<g id='g") + std::to_string(i) + "'>";
+    for (int k = 0; k < 10; ++k) body += std::string("<use href='#g") + std::to_string(i - 1) + "'/>";
+    body += "</g>";
+  }
+  return body + "</defs><use href='#g" + std::to_string(levels) + "'/>";
+}
+
+TEST(Pattern, CountsTheWorkOfAnSvgBeforeItDraws) {
+  const std::string attributes = "width='20mm' height='20mm' viewBox='0 0 20 20'";
+  const auto refusal = [&](const std::string& body) {
+    const std::clock_t begun = std::clock();
+    const auto pattern = read(bytes_of(svg(attributes, body)), "x");
+    EXPECT_LT(static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC, 5);
+    return pattern ? std::string() : pattern.error().text();
+  };
+  EXPECT_EQ(refusal(copies_of_copies(3)), "");
+  EXPECT_EQ(refusal(copies_of_copies(5)),
+            "the SVG draws too many elements: 322223 where at most 100000 can be (x); make fewer copies with "
+            "<use>, patterns, markers or dashes, or join shapes to paths");
+  for (const int levels : {11, 18, 90})
+    EXPECT_TRUE(refusal(copies_of_copies(levels)).starts_with("the SVG draws too many elements: "));
+  EXPECT_TRUE(refusal(copies_of_copies(400)).starts_with("the SVG nests references to elements too deeply"));
+
+  std::string path = "<path fill='none' stroke='black' stroke-width='1' d='";
+  for (int i = 0; i < 5000; ++i) path += "M1 9c5 20 10 -20 15 0";
+  EXPECT_TRUE(refusal(path + "'/>").starts_with("the SVG's outlines cross too often (estimated): "));
+  EXPECT_EQ(refusal("<path stroke='black' d='M0 9H20' stroke-dasharray='1e-9'/>").substr(0, 31),
+            "the SVG draws too many elements");
+  std::string rules = "<style>";
+  for (int i = 0; i < 3000; ++i) rules += "g .a{fill:red}";
+  rules += "</style>";
+  for (int i = 0; i < 3000; ++i) rules += "<rect class='a' width='1' height='1'/>";
+  EXPECT_TRUE(refusal(rules).starts_with("the SVG has too many style rules for its elements: "));
+  EXPECT_EQ(refusal("<rect width='5' height='5'/>").size(), 0u);
+  const auto entities = read("<!DOCTYPE svg [<!ENTITY g '#g0'>]>" + svg(attributes, "<use href='&g;'/>"));
+  ASSERT_FALSE(entities);
+  EXPECT_EQ(entities.error().what, "the SVG takes values from entities of its document type");
+}
+
+TEST(Pattern, DrawsCostlySvgsWithFewerPixels) {
+  std::string body;
+  for (int i = 0; i < 800; ++i) body += "<g opacity='.9'><rect width='20' height='20'/></g>";
+  const auto plain = read(svg("width='100mm' height='100mm' viewBox='0 0 20 20'")),
+             costly = read(svg("width='100mm' height='100mm' viewBox='0 0 20 20'", body));
+  ASSERT_TRUE(plain && costly);
+  EXPECT_EQ(plain->size_pixels().x(), 2000);
+  EXPECT_LT(costly->size_pixels().x(), 1500);
+  EXPECT_NEAR(costly->ink_mm2(), 10'000, 10);
 }
 
 TEST(Pattern, DrawsThePicturesInsideAnSvg) {

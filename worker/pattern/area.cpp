@@ -1,14 +1,13 @@
 // Strokes are put together from pieces that each turn clockwise: a half of the line's width along each chord, a wedge at
 // each outer corner, a cap at each end. Neighbouring pieces are joined into one ring where they run on; where the curve
 // bends more tightly than the stroke is wide, the piece would turn over and stands alone. What any piece covers, by the
-// non-zero rule, is the stroke. Polygon clipping: A. Johnson's Clipper, after B. Vatti 1992, "A generic solution to
-// polygon clipping".
+// non-zero rule, is the stroke.
 #include "worker/pattern/area.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <polyclipping/clipper.hpp>
 
+#include "worker/pattern/clipping.hpp"
 #include "worker/pattern/curve.hpp"
 
 namespace vacuform {
@@ -16,48 +15,6 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector2d;
-namespace clip = ClipperLib;
-
-constexpr double units_per_mm = 1e5;
-
-clip::Path to_clipper(const Ring& ring) {
-  clip::Path out;
-  out.reserve(ring.size());
-  for (const Vector2d& p : ring)
-    out.emplace_back(std::llround(p.x() * units_per_mm), std::llround(p.y() * units_per_mm));
-  return out;
-}
-
-clip::Paths to_clipper(const std::vector<Ring>& rings) {
-  clip::Paths out;
-  for (const Ring& ring : rings) out.push_back(to_clipper(ring));
-  return out;
-}
-
-Area from_clipper(clip::Paths paths) {
-  // Rounding leaves edges of a few units, which point anywhere.
-  clip::CleanPolygons(paths, 0.0005 * units_per_mm);
-  Area out;
-  for (const clip::Path& path : paths) {
-    if (path.size() < 3) continue;
-    Ring ring;
-    ring.reserve(path.size());
-    for (const clip::IntPoint& p : path)
-      ring.emplace_back(static_cast<double>(p.X) / units_per_mm, static_cast<double>(p.Y) / units_per_mm);
-    out.push_back(std::move(ring));
-  }
-  return out;
-}
-
-Area execute(clip::ClipType type, const clip::Paths& subject, const clip::Paths& other,
-             clip::PolyFillType rule) {
-  clip::Clipper clipper;
-  clipper.AddPaths(subject, clip::ptSubject, true);
-  clipper.AddPaths(other, clip::ptClip, true);
-  clip::Paths out;
-  clipper.Execute(type, out, rule, clip::pftNonZero);
-  return from_clipper(std::move(out));
-}
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 Vector2d left_of(const Vector2d& t) { return {-t.y(), t.x()}; }
@@ -259,7 +216,7 @@ Area fill_area(const std::vector<Curve>& curves, bool even_odd, double tolerance
     for (const CurvePoint& p : flatten(curve, fineness)) ring.push_back(p.at);
     rings.push_back(std::move(ring));
   }
-  return execute(clip::ctUnion, to_clipper(rings), {}, even_odd ? clip::pftEvenOdd : clip::pftNonZero);
+  return covered_by(rings, even_odd ? FillRule::even_odd : FillRule::non_zero);
 }
 
 double widest_mm(const Stroke& stroke) { return stroke.width_mm * largest_stretch(stroke.pen); }
@@ -282,13 +239,9 @@ Area stroke_area(const std::vector<Curve>& curves, const Stroke& stroke, double 
   return union_of(stroker.rings());
 }
 
-Area intersection(const Area& a, const Area& b) {
-  return execute(clip::ctIntersection, to_clipper(a), to_clipper(b), clip::pftNonZero);
-}
+Area intersection(const Area& a, const Area& b) { return shared_by(a, b); }
 
-Area union_of(const std::vector<Ring>& rings) {
-  return execute(clip::ctUnion, to_clipper(rings), {}, clip::pftNonZero);
-}
+Area union_of(const std::vector<Ring>& rings) { return covered_by(rings, FillRule::non_zero); }
 
 double square_mm(const Area& area) {
   double twice = 0;

@@ -92,6 +92,23 @@ Eigen::AlignedBox2d box_of(const Curve& curve) {
   return box;
 }
 
+double turns(const Curve& curve) {
+  double out = 0, of_segment = 0;
+  Vector2d before(0, 0);
+  for (std::size_t i = 1; i < curve.points.size(); ++i) {
+    const Vector2d way = curve.points[i] - curve.points[i - 1];
+    if (!way.isZero(0)) {
+      const double sine = before.x() * way.y() - before.y() * way.x();
+      if (!before.isZero(0)) of_segment += std::atan2(std::abs(sine), before.dot(way));
+      before = way;
+    }
+    if (i % 3 != 0) continue;
+    out += std::min(of_segment, 1.0);
+    of_segment = 0;
+  }
+  return out;
+}
+
 std::vector<CurvePoint> flatten(const Curve& curve, const Fineness& fineness) {
   std::vector<CurvePoint> out;
   Flattener flattener(fineness, out);

@@ -11,6 +11,9 @@ namespace vacuform {
 // The smallest box around the curve itself, not around its control points.
 Eigen::AlignedBox2d box_of(const Curve& curve);
 
+// How far the curve turns, in radians, of each segment and the corner before it at most 1.
+double turns(const Curve& curve);
+
 struct CurvePoint {
   Eigen::Vector2d at;
   Eigen::Vector2d before, after;  // unit tangents; they differ at corners. Zero on a curve without length

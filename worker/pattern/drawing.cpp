@@ -374,7 +374,7 @@ class Reader {
   // From user units to pattern coordinates.
   void place(Shape& shape, const Under& under) {
     AlignedBox2d box;
-    double length = 0, pieces = 0;
+    double length = 0, turned = 0;  // what is drawn across the line: at its turns and ends
     for (Curve& curve : shape.curves) {
       for (Vector2d& p : curve.points) {
         p = under.to_pattern * p;
@@ -384,7 +384,7 @@ class Reader {
       }
       for (std::size_t i = 1; i < curve.points.size(); ++i)
         length += (curve.points[i] - curve.points[i - 1]).norm();
-      pieces += static_cast<double>(curve.points.size() / 3);
+      turned += 1 + turns(curve);
     }
     const double width = shape.stroke ? widest_mm(*shape.stroke) : 0;
     if (width > farthest_mm) return refuse_size();
@@ -395,10 +395,10 @@ class Reader {
       const double dashes = own_length / period * static_cast<double>(shape.stroke->dashes_mm.size());
       if (!(dashes < most_segments)) return refuse_size();
       segments_ += static_cast<std::size_t>(dashes);
-      pieces += dashes;
+      turned += dashes;
     }
     const Vector2d sides = box.sizes() + Vector2d::Constant(width + 0.01);
-    const double drawn = length + pieces * width;
+    const double drawn = length + turned * width;
     length_ += length;
     crossings_ += std::max(0.0, drawn * drawn / sides.prod() - plain_crossings);
     if (length_ > longest_mm || crossings_ > most_crossings || segments_ > most_segments)

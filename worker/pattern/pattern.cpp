@@ -205,8 +205,9 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
       // Finer than the print by the samples that it takes in each of its pixels.
       const double fine = std::max(2 * wanted_dpi, 300.0);
       const double pixels = (picture->size_mm / 25.4 * fine).prod();
-      const double draw_dpi =
-          fine * std::min(1.0, std::sqrt(0.98 * static_cast<double>(largest_raster) / pixels));
+      const double wanted = std::min(pixels, 0.98 * static_cast<double>(largest_raster));
+      VACUFORM_TRY(affordable, affordable_pixels(size.work, wanted, file_name));
+      const double draw_dpi = fine * std::min(1.0, std::sqrt(affordable / pixels));
       const auto side = [&](double mm) { return std::clamp(std::ceil(mm / 25.4 * draw_dpi), 1.0, 32000.0); };
       const int width = static_cast<int>(side(picture->size_mm.x())),
                 height = static_cast<int>(side(picture->size_mm.y()));

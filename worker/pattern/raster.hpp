@@ -13,6 +13,7 @@
 
 #include "api/error.hpp"
 #include "api/job_limits.hpp"
+#include "worker/pattern/svg_work.hpp"
 
 namespace vacuform {
 
@@ -43,9 +44,11 @@ Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string&
 struct SvgSize {
   std::optional<Eigen::Vector2d> size_mm;
   double aspect = 1;  // width / height
+  SvgWork work;
 };
 
-// Refuses what is not SVG, breaks XML, or refers to other files: nothing outside the bytes is ever read.
+// Refuses what is not SVG, breaks XML, refers to other files (nothing outside the bytes is ever read), or is too much to
+// draw.
 Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::string& file_name);
 // Draws the whole document onto width x height pixels.
 Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width,

@@ -82,8 +82,19 @@ Result<void> check_embedded(std::string_view address, const std::string& file_na
   return {};
 }
 
+// The name of the other file is not repeated: in a job, it was replaced by spaces before the drawing was stored.
+tl::unexpected<Error> refers_elsewhere(std::string_view element, std::span<const std::uint8_t> bytes,
+                                       std::ptrdiff_t offset, const std::string& file_name) {
+  const auto place = bytes.begin() + std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(bytes));
+  const auto line = 1 + std::count(bytes.begin(), place, std::uint8_t{'\n'});
+  return fail(Code::unusable_pattern,
+              "the SVG refers to another file in its <" + std::string(element.substr(0, 16)) +
+                  "> element on line " + std::to_string(line),
+              file_name, "embed the picture in the drawing, or give the picture itself");
+}
+
 // librsvg would silently leave out what it may not load; a drawing with a hole is worse than a refusal.
-Result<void> check_references(std::span<const std::uint8_t> bytes, const std::string& file_name) {
+Result<SvgWork> check(std::span<const std::uint8_t> bytes, const std::string& file_name) {
   pugi::xml_document document;
   const auto parsed =
       document.load_buffer(bytes.data(), bytes.size(), pugi::parse_default | pugi::parse_doctype);
@@ -118,9 +129,7 @@ Result<void> check_references(std::span<const std::uint8_t> bytes, const std::st
         if (target.starts_with("data:")) {
           VACUFORM_CHECK(check_embedded(target, file_name, pixels));
         } else if (!target.empty() && !target.starts_with('#')) {
-          return fail(Code::unusable_pattern,
-                      "the SVG refers to another file: " + std::string(target.substr(0, 80)), file_name,
-                      "embed the picture in the drawing, or give the picture itself");
+          return refers_elsewhere(local, bytes, node.offset_debug(), file_name);
         }
       }
     if (node.first_child()) {
@@ -131,7 +140,7 @@ Result<void> check_references(std::span<const std::uint8_t> bytes, const std::st
       if (node) node = node.next_sibling();
     }
   }
-  return {};
+  return work_to_draw(document, file_name);
 }
 
 }  // namespace
@@ -139,7 +148,7 @@ Result<void> check_references(std::span<const std::uint8_t> bytes, const std::st
 Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::string& file_name) {
   if (bytes.size() > 32u << 20)
     return fail(Code::too_large, "the SVG has more than 32 MB", file_name, "simplify the drawing");
-  VACUFORM_CHECK(check_references(bytes, file_name));
+  VACUFORM_TRY(work, check(bytes, file_name));
   VACUFORM_TRY(handle, load(bytes, file_name));
 
   gboolean has_width = FALSE, has_height = FALSE, has_box = FALSE;
@@ -152,6 +161,7 @@ Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::st
   const bool usable_box = has_box && box.width > 0 && box.height > 0 && std::isfinite(box.width / box.height);
 
   SvgSize size;
+  size.work = work;
   const double w = width_mm.value_or(0), h = height_mm.value_or(0);
   if (w > 0 && h > 0)
     size.aspect = w / h;

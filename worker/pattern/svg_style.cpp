@@ -109,6 +109,12 @@ Style::Style() {
   for (const Described& d : described) values_[static_cast<std::size_t>(d.property)] = d.initial;
 }
 
+std::string Style::inherited() const {
+  std::string out;
+  for (std::size_t p = 0; p < first_own; ++p) out.append(values_[p]).append(1, '\n');
+  return out;
+}
+
 std::string_view local_name(const pugi::xml_node& node) {
   const std::string_view name = node.name();
   return name.substr(name.find(':') + 1);

@@ -48,6 +48,7 @@ class Style {
  public:
   Style();  // the initial values
   std::string_view operator[](Property p) const { return values_[static_cast<std::size_t>(p)]; }
+  std::string inherited() const;  // the same for styles that give an element's children the same
 
  private:
   friend class StyleSheets;

@@ -12,6 +12,7 @@ using Eigen::Vector2d;
 using Cubic = std::array<Vector2d, 4>;
 
 constexpr double reach_mm = 0.3;  // of the differences that tangents are taken from
+constexpr std::size_t most_points = 20'000;  // that one curve is tried on
 
 Vector2d at(const Cubic& c, double t) {
   const double s = 1 - t;
@@ -30,6 +31,7 @@ class Fitter {
   // From points[first] to points[last]; `towards` leave the curve's ends into it.
   void fit(std::size_t first, std::size_t last, const Vector2d& start, const Vector2d& end) {
     if (last - first == 1) return straight(first, last);
+    if (last - first > most_points) return divide(first, last, (first + last) / 2, start, end);
     parameters_.resize(last - first + 1);
     for (std::size_t i = first; i <= last; ++i)
       parameters_[i - first] = (along_[i] - along_[first]) / (along_[last] - along_[first]);
@@ -44,10 +46,7 @@ class Fitter {
       if (error > 16 * tolerance_) break;  // no better parameters mend that
       improve(c, first, last);
     }
-    worst = std::clamp(worst, first + 1, last - 1);
-    const Vector2d middle = tangent(worst, first, last);
-    fit(first, worst, start, -middle);
-    fit(worst, last, middle, end);
+    divide(first, last, std::clamp(worst, first + 1, last - 1), start, end);
   }
 
   // Into the curve from its end `from`, not looking beyond `limit`.
@@ -64,6 +63,13 @@ class Fitter {
   }
 
  private:
+  void divide(std::size_t first, std::size_t last, std::size_t at, const Vector2d& start,
+              const Vector2d& end) {
+    const Vector2d middle = tangent(at, first, last);
+    fit(first, at, start, -middle);
+    fit(at, last, middle, end);
+  }
+
   void straight(std::size_t first, std::size_t last) {
     const Vector2d &a = points_[first], &b = points_[last];
     out_.insert(out_.end(), {a + (b - a) / 3, b - (b - a) / 3, b});

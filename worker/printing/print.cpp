@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <utility>
 
 #include "worker/decimal.hpp"
 #include "worker/pattern/curve.hpp"
@@ -127,34 +129,59 @@ std::vector<Eigen::AlignedBox2d> taken_by(const Patch& chart, const Print& print
   return taken;
 }
 
-// Points along what was painted, to which a mark must keep its distance.
-std::vector<Vector2d> painted_points(const Print& print) {
-  std::vector<Vector2d> points;
-  if (!print.vectors) return points;
+// Where points lie, on squares of a given side.
+class Squares {
+ public:
+  explicit Squares(double side) : side_(side) {}
+  void add(const Vector2d& p) { points_[square(p, 0, 0)].push_back(p); }
+  // Whether one lies nearer than a side.
+  bool any_near(const Vector2d& p) const {
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy) {
+        const auto at = points_.find(square(p, dx, dy));
+        if (at == points_.end()) continue;
+        for (const Vector2d& q : at->second)
+          if ((p - q).squaredNorm() < side_ * side_) return true;
+      }
+    return false;
+  }
+
+ private:
+  std::pair<long, long> square(const Vector2d& p, int dx, int dy) const {
+    return {std::lround(p.x() / side_) + dx, std::lround(p.y() / side_) + dy};
+  }
+  const double side_;
+  std::map<std::pair<long, long>, std::vector<Vector2d>> points_;
+};
+
+// Whether something was painted nearer than `clear_mm` to a point of the border.
+bool painted_near(const Print& print, const Patch& chart, const std::vector<std::vector<int>>& border,
+                  double clear_mm) {
+  Squares squares(clear_mm);
+  for (const auto& vertices : border)
+    for (const int v : vertices) squares.add(chart.rest[static_cast<std::size_t>(v)]);
   for (const PrintedElement& element : print.vectors->elements)
     for (const PaintedArea& area : element.areas)
       for (const Curve& curve : area.outlines)
         for (const CurvePoint& p : flatten(curve, {.tolerance_mm = 0.1, .turn = 0.5, .longest_mm = 2}))
-          points.push_back(p.at);
-  return points;
+          if (squares.any_near(p.at)) return true;
+  return false;
 }
 
 // Where the plastic leaves the mold, print coordinates; nothing where ink comes within 2 mm of it.
 std::vector<std::vector<Vector2d>> mold_outline(const Patch& chart, const Pattern& pattern,
                                                 const Print& print) {
   constexpr double clear_mm = 2;
-  const std::vector<Vector2d> painted = painted_points(print);
+  const auto border = border_of(chart);
+  if (print.vectors && painted_near(print, chart, border, clear_mm)) return {};
   std::vector<std::vector<Vector2d>> rings;
-  for (const auto& vertices : border_of(chart)) {
+  for (const auto& vertices : border) {
     rings.emplace_back();
     for (const int v : vertices) {
       const Vector2d st = chart.rest[static_cast<std::size_t>(v)];
-      const bool touched =
-          print.vectors
-              ? std::any_of(painted.begin(), painted.end(),
-                            [&](const Vector2d& p) { return (p - st).squaredNorm() < clear_mm * clear_mm; })
-              : pattern.sample(chart.uv[static_cast<std::size_t>(v)], 2 * clear_mm).coverage() > 0.01;
-      if (touched) return {};
+      if (!print.vectors &&
+          pattern.sample(chart.uv[static_cast<std::size_t>(v)], 2 * clear_mm).coverage() > 0.01)
+        return {};
       rings.back().emplace_back(print.mirrored ? -st.x() : st.x(), st.y());
     }
   }

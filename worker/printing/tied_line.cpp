@@ -11,6 +11,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double longest_reach_mm = 20;
+constexpr std::size_t most_pieces = 8;  // of the line, in the smallest boxes
 
 // The part of the way from a to b at which p is nearest.
 double nearest(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
@@ -42,7 +43,9 @@ double distance(const Vector2d& p, const Area& area) {
 
 TiedLine::TiedLine(std::vector<CurvePoint> line, double width_mm, const PatchMap& chart,
                    const PatchMap* start, const PatchMap* end)
-    : line_(std::move(line)), beside_(width_mm), chart_(chart), ties_{tie(start, false), tie(end, true)} {}
+    : line_(std::move(line)), beside_(width_mm), chart_(chart), ties_{tie(start, false), tie(end, true)} {
+  if (line_.size() > 1) build(0, 1, line_.size());
+}
 
 // The element's patch need not reach as far as the line would pass over to the chart.
 TiedLine::Tie TiedLine::tie(const PatchMap* map, bool from_end) const {
@@ -56,16 +59,48 @@ TiedLine::Tie TiedLine::tie(const PatchMap* map, bool from_end) const {
   return {reach > 0 ? map : nullptr, reach};
 }
 
-double TiedLine::along(const Vector2d& uv) const {
-  double least = std::numeric_limits<double>::infinity(), out = 0;
-  for (std::size_t i = 1; i < line_.size(); ++i) {
+// Piece i joins points i - 1 and i.
+void TiedLine::build(std::size_t node, std::size_t first, std::size_t last) {
+  if (boxes_.size() <= node) boxes_.resize(node + 1);
+  for (std::size_t i = first - 1; i < last; ++i) boxes_[node].extend(line_[i].at);
+  if (last - first <= most_pieces) return;
+  build(2 * node + 1, first, (first + last) / 2);
+  build(2 * node + 2, (first + last) / 2, last);
+}
+
+// Some distance squared that the nearest point is not beyond.
+double TiedLine::bound(const Vector2d& uv) const {
+  std::size_t node = 0, first = 1, last = line_.size();
+  while (last - first > most_pieces) {
+    const bool right =
+        boxes_[2 * node + 2].squaredExteriorDistance(uv) < boxes_[2 * node + 1].squaredExteriorDistance(uv);
+    (right ? first : last) = (first + last) / 2;
+    node = 2 * node + (right ? 2 : 1);
+  }
+  return (line_[first].at - uv).squaredNorm() * (1 + 1e-9) + 1e-18;
+}
+
+void TiedLine::look(std::size_t node, std::size_t first, std::size_t last, const Vector2d& uv,
+                    Nearest& best) const {
+  if (boxes_[node].squaredExteriorDistance(uv) > best.square * (1 + 1e-9) + 1e-18) return;
+  if (last - first > most_pieces) {
+    look(2 * node + 1, first, (first + last) / 2, uv, best);
+    look(2 * node + 2, (first + last) / 2, last, uv, best);
+    return;
+  }
+  for (std::size_t i = first; i < last; ++i) {
     const CurvePoint &a = line_[i - 1], &b = line_[i];
     const double f = nearest(a.at, b.at, uv), d = (a.at + f * (b.at - a.at) - uv).squaredNorm();
-    if (d >= least) continue;
-    least = d;
-    out = a.along + f * (b.along - a.along);
+    if (d < best.square) best = {d, a.along + f * (b.along - a.along)};
   }
-  return out;
+}
+
+// Of several that are equally near, the first on the line.
+double TiedLine::along(const Vector2d& uv) const {
+  if (line_.size() < 2) return 0;
+  Nearest best{bound(uv), 0};
+  look(0, 1, line_.size(), uv, best);
+  return best.along;
 }
 
 std::optional<Vector2d> TiedLine::rest_at(const Vector2d& uv) const {

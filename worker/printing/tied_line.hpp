@@ -29,10 +29,20 @@ class TiedLine {
     const PatchMap* map = nullptr;
     double reach = 0;  // along the line, mm: there the chart has taken over
   };
+  struct Nearest {
+    double square = 0, along = 0;
+  };
   double along(const Eigen::Vector2d& uv) const;  // of the line's nearest point
+  // Pieces [first, last) below `node` of the tree of boxes.
+  void build(std::size_t node, std::size_t first, std::size_t last);
+  void look(std::size_t node, std::size_t first, std::size_t last, const Eigen::Vector2d& uv,
+            Nearest& best) const;
+  double bound(const Eigen::Vector2d& uv) const;
   Tie tie(const PatchMap* map, bool from_end) const;
 
   const std::vector<CurvePoint> line_;
+  std::vector<Eigen::AlignedBox2d>
+      boxes_;            // around halves of the line, halves of these...: 2 n + 1, 2 n + 2 below n
   const double beside_;  // how far ink lies beside the line
   const PatchMap& chart_;
   std::array<Tie, 2> ties_;

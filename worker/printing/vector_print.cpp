@@ -179,7 +179,9 @@ class Puller {
           for (Ring& r : stroke_area(shape.curves, *shape.stroke, polygon_tolerance))
             rings.push_back(std::move(r));
       }
-      ink_.emplace(index, union_of(rings));
+      Area area = union_of(rings);
+      const AlignedBox2d box = box_of(area);
+      ink_.emplace(index, Inked{std::move(area), box});
     }
   }
 
@@ -219,6 +221,10 @@ class Puller {
   struct Placed {
     std::unique_ptr<PatchMap> map;
     double size;
+  };
+  struct Inked {
+    Area area;
+    AlignedBox2d box;
   };
 
   static Fineness fine() { return {.tolerance_mm = polygon_tolerance, .turn = 0.2, .longest_mm = sample_mm}; }
@@ -261,10 +267,9 @@ class Puller {
   const PatchMap* touched(const Vector2d& end, double within) const {
     const PatchMap* out = nullptr;
     double least = within + 1e-6;
-    for (const auto& [index, area] : ink_) {
-      const AlignedBox2d box = box_of(area);
-      if (box.isEmpty() || box.exteriorDistance(end) > least) continue;
-      const double d = distance(end, area);
+    for (const auto& [index, inked] : ink_) {
+      if (inked.box.isEmpty() || inked.box.exteriorDistance(end) > least) continue;
+      const double d = distance(end, inked.area);
       if (d >= least) continue;
       least = d;
       out = placed_.at(index).map.get();
@@ -295,7 +300,7 @@ class Puller {
   std::vector<Ground> charts_;
   Area covered_;  // by the charts together, where they are several
   std::map<std::size_t, Placed> placed_;
-  std::map<std::size_t, Area> ink_;
+  std::map<std::size_t, Inked> ink_;
 };
 
 }  // namespace

@@ -17,15 +17,12 @@ struct Release {
   void operator()(cairo_t* c) const { cairo_destroy(c); }
 };
 
-void trace(cairo_t* cairo, const PaintedArea& area) {
-  cairo_new_path(cairo);
-  for (const Curve& curve : area.outlines) {
-    const auto& p = curve.points;
-    cairo_move_to(cairo, p[0].x(), p[0].y());
-    for (std::size_t i = 1; i + 2 < p.size(); i += 3)
-      cairo_curve_to(cairo, p[i].x(), p[i].y(), p[i + 1].x(), p[i + 1].y(), p[i + 2].x(), p[i + 2].y());
-    cairo_close_path(cairo);
-  }
+void trace(cairo_t* cairo, const Curve& curve) {
+  const auto& p = curve.points;
+  cairo_move_to(cairo, p[0].x(), p[0].y());
+  for (std::size_t i = 1; i + 2 < p.size(); i += 3)
+    cairo_curve_to(cairo, p[i].x(), p[i].y(), p[i + 1].x(), p[i + 1].y(), p[i + 2].x(), p[i + 2].y());
+  cairo_close_path(cairo);
 }
 
 // From cairo's premultiplied pixel to straight RGBA.
@@ -54,10 +51,15 @@ VectorRaster::VectorRaster(const VectorPrint& print, int width, int height, doub
   for (const PrintedElement& element : print.elements)
     for (const PaintedArea& area : element.areas) {
       Eigen::AlignedBox2d box;
-      for (const Curve& curve : area.outlines)
-        for (const Eigen::Vector2d& p : curve.points) box.extend(p);
+      std::vector<std::pair<double, double>> ranges;
+      for (const Curve& curve : area.outlines) {
+        Eigen::AlignedBox2d around;
+        for (const Eigen::Vector2d& p : curve.points) around.extend(p);
+        ranges.emplace_back(around.min().y(), around.max().y());
+        box.extend(around);
+      }
       if (box.isEmpty()) continue;
-      areas_.push_back({&area, box.min().y(), box.max().y()});
+      areas_.push_back({&area, box.min().y(), box.max().y(), std::move(ranges)});
       box_.extend(box);
     }
 }
@@ -99,7 +101,10 @@ std::vector<std::uint8_t> VectorRaster::rows(int top, int bottom) const {
     for (const Painted& painted : areas_) {
       if (!touches(painted)) continue;
       const PaintedArea& area = *painted.area;
-      trace(cairo, area);
+      cairo_new_path(cairo);
+      for (std::size_t i = 0; i < area.outlines.size(); ++i)
+        if (painted.ranges[i].first <= high && painted.ranges[i].second >= low)
+          trace(cairo, area.outlines[i]);
       cairo_set_fill_rule(cairo, area.even_odd ? CAIRO_FILL_RULE_EVEN_ODD : CAIRO_FILL_RULE_WINDING);
       cairo_set_source_rgba(cairo, area.colour.r, area.colour.g, area.colour.b, area.colour.a);
       cairo_fill(cairo);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <utility>
+#include <vector>
 
 #include "worker/printing/row_source.hpp"
 #include "worker/printing/vector_print.hpp"
@@ -20,7 +22,8 @@ class VectorRaster : public RowSource {
  private:
   struct Painted {
     const PaintedArea* area;
-    double low, high;  // t, mm
+    double low, high;                               // t, mm
+    std::vector<std::pair<double, double>> ranges;  // the same of each outline
   };
   const int width_, height_, band_;
   const double pixel_mm_;
