@@ -50,7 +50,7 @@ TEST(Area, UnitesLargePolygons) {
   EXPECT_EQ(one.size(), 1u);
   EXPECT_NEAR(square_mm(one), 90 * 50.2, 1e-3);
   EXPECT_EQ(many.size(), 50u);
-  EXPECT_NEAR(square_mm(many), 90 * 50 * 1.2, 1e-3);
+  EXPECT_NEAR(square_mm(many), 90 * 50 * 1.2, 0.02);  // points within 0.0005 mm of a line are left out
   // What each of the two halves shares with them.
   EXPECT_NEAR(square_mm(intersection(overlapping, {{{0, -9}, {45, -9}, {45, 99}, {0, 99}}})), 45 * 50.2,
               0.01);
