@@ -106,7 +106,8 @@ Connection::Wait Connection::wait_for_body() {
   const Wait wait = wait_for(POLLIN, begun + (limits_.wait - waited_) + 1ms);
   waited_ += steady_clock::now() - begun;
   if (wait == Wait::gone || waited_ < limits_.wait) return wait;
-  const double least = static_cast<double>(limits_.slowest_body) * std::chrono::duration<double>(waited_).count();
+  const double least =
+      static_cast<double>(limits_.slowest_body) * std::chrono::duration<double>(waited_).count();
   if (static_cast<double>(window_bytes_) < least) return Wait::late;
   waited_ = {};
   window_bytes_ = 0;

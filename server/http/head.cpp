@@ -117,8 +117,7 @@ struct RequestLine {
 
 tl::expected<RequestLine, Refusal> parse_request_line(std::string_view line) {
   if (!printable(line) || line.find('\t') != std::string_view::npos) return malformed_line();
-  if (line.size() > longest_request_line)
-    return refuse(414, "the address is too long", "send a shorter one");
+  if (line.size() > longest_request_line) return refuse(414, "the address is too long", "send a shorter one");
   RequestLine parsed;
   std::string_view rest = line;
   parsed.method = take_until(rest, ' ');
@@ -135,8 +134,7 @@ tl::expected<void, Refusal> take_framing(Head& head, std::string_view name, std:
     return refuse(411, "a body without Content-Length is not accepted",
                   "send Content-Length in place of chunks");
   if (same_word(name, "Content-Encoding") && !same_word(value, "identity"))
-    return refuse(501, "an encoded body is not accepted",
-                  "send the body as it is, without Content-Encoding");
+    return refuse(501, "an encoded body is not accepted", "send the body as it is, without Content-Encoding");
   if (same_word(name, "Content-Length")) {
     const auto [stop, error] =
         std::from_chars(value.data(), value.data() + value.size(), head.content_length);
@@ -224,8 +222,7 @@ tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limi
   if (host.data() == nullptr) return refuse(400, "there is no Host", "send HTTP/1.1 with a Host");
   if (!line) return tl::make_unexpected(line.error());
   if (!known_method(line->method))
-    return refuse(501, "there is no such method here",
-                  "send GET, HEAD, POST, PUT, PATCH, DELETE or OPTIONS");
+    return refuse(501, "there is no such method here", "send GET, HEAD, POST, PUT, PATCH, DELETE or OPTIONS");
   head.method = line->method;
   Target target = split_target(line->target);
   if (target.authority.data() != nullptr && !same_word(target.authority, host))

@@ -38,6 +38,7 @@
 #include "server/http/outgoing.hpp"
 #include "server/http/places.hpp"
 #include "server/http/request_id.hpp"
+#include "server/http/response_head.hpp"
 
 namespace vacuform::http {
 
@@ -47,46 +48,12 @@ using Instant = steady_clock::time_point;
 
 namespace {
 
-constexpr std::uint64_t listener_id = 0, wake_id = 1;  // of events; connections count on from there
-constexpr int send_buffer = 128 << 10;                 // of the kernel, for each connection; it takes double
-constexpr std::size_t most_held = 64 << 20;            // bytes of all answers in memory that wait for their clients
+constexpr std::uint64_t listener_id = 0, wake_id = 1,
+                        next_id = 2;         // of events; connections count on from there
+constexpr int send_buffer = 128 << 10;       // of the kernel, for each connection; it takes double
+constexpr std::size_t most_held = 64 << 20;  // bytes of all answers in memory that wait for their clients
 constexpr auto linger_time = 2s;
 constexpr auto tick = 50ms;
-
-std::string_view reason(int status) {
-  switch (status) {
-    case 200: return "OK";
-    case 201: return "Created";
-    case 202: return "Accepted";
-    case 204: return "No Content";
-    case 206: return "Partial Content";
-    case 303: return "See Other";
-    case 304: return "Not Modified";
-    case 400: return "Bad Request";
-    case 401: return "Unauthorized";
-    case 403: return "Forbidden";
-    case 404: return "Not Found";
-    case 405: return "Method Not Allowed";
-    case 408: return "Request Timeout";
-    case 409: return "Conflict";
-    case 410: return "Gone";
-    case 411: return "Length Required";
-    case 412: return "Precondition Failed";
-    case 413: return "Content Too Large";
-    case 414: return "URI Too Long";
-    case 415: return "Unsupported Media Type";
-    case 416: return "Range Not Satisfiable";
-    case 417: return "Expectation Failed";
-    case 421: return "Misdirected Request";
-    case 422: return "Unprocessable Content";
-    case 429: return "Too Many Requests";
-    case 431: return "Request Header Fields Too Large";
-    case 500: return "Internal Server Error";
-    case 501: return "Not Implemented";
-    case 503: return "Service Unavailable";
-    default: return "Other";
-  }
-}
 
 // One client, as the threads hand it on. All but the id is used under `turn`.
 struct Client {
@@ -106,13 +73,13 @@ struct Client {
   Request request;
   Router::Match match;
   Instant request_begun;
-  bool head_read = false;   // the present request has one that could be read
-  bool keep = false;        // the connection serves another request after this one
-  bool used = false;        // it has served one
-  bool admitted = false;    // it has a place among the requests of its route that are at work
+  bool head_read = false;  // the present request has one that could be read
+  bool keep = false;       // the connection serves another request after this one
+  bool used = false;       // it has served one
+  bool admitted = false;   // it has a place among the requests of its route that are at work
   Outgoing out;
-  std::size_t held = 0;             // bytes of `out` that are counted as waiting
-  std::uint64_t window_bytes = 0;   // that the client had taken when the present window began
+  std::size_t held = 0;            // bytes of `out` that are counted as waiting
+  std::uint64_t window_bytes = 0;  // that the client had taken when the present window began
 
   bool idle() const { return state == State::head && !connection.begun(); }
 };
@@ -128,9 +95,11 @@ class Server::Loop {
     VACUFORM_CHECK(listen());
     epoll_ = ::epoll_create1(EPOLL_CLOEXEC);
     wake_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    if (epoll_ < 0 || wake_ < 0) return fail(Code::internal, "this machine gives no epoll");
+    next_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK | EFD_SEMAPHORE);
+    if (epoll_ < 0 || wake_ < 0 || next_ < 0) return fail(Code::internal, "this machine gives no epoll");
     arm(listener_, listener_id, EPOLLIN | EPOLLONESHOT, EPOLL_CTL_ADD);
     arm(wake_, wake_id, EPOLLIN, EPOLL_CTL_ADD);
+    arm(next_, next_id, EPOLLIN, EPOLL_CTL_ADD);
     for (int i = 0; i < options_.threads + options_.uploads + options_.streams; ++i)
       threads_.emplace_back([this] { work(); });
     threads_.emplace_back([this] { watch(); });
@@ -148,7 +117,7 @@ class Server::Loop {
       threads_.clear();
       clients_.clear();
     }
-    for (const int file : {listener_, epoll_, wake_})
+    for (const int file : {listener_, epoll_, wake_, next_})
       if (file >= 0) ::close(file);
   }
 
@@ -179,7 +148,8 @@ class Server::Loop {
       // read, and count them as read.
       ::setsockopt(listener_, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
       ::setsockopt(listener_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-      if (::bind(listener_, address->ai_addr, address->ai_addrlen) == 0 && ::listen(listener_, 512) == 0) break;
+      if (::bind(listener_, address->ai_addr, address->ai_addrlen) == 0 && ::listen(listener_, 512) == 0)
+        break;
       ::close(std::exchange(listener_, -1));
     }
     sockaddr_storage bound{};
@@ -203,6 +173,10 @@ class Server::Loop {
       epoll_event event{};  // one at a time: a thread that a route keeps must not keep others' events with it
       if (::epoll_wait(epoll_, &event, 1, -1) <= 0) continue;
       if (event.data.u64 == wake_id) return;
+      if (event.data.u64 == next_id) {
+        work_on_next();
+        continue;
+      }
       if (event.data.u64 == listener_id) {
         if (!ending_) accept_some();
         continue;
@@ -331,7 +305,7 @@ class Server::Loop {
         return false;
       case Connection::Got::end:
         if (client.state != Client::State::body) return drop(client), false;
-        answer(client, client.connection.broken_off());
+        handle(client);  // what came of a resumable upload counts; the route meets the end of the rest
         return true;
     }
     return false;
@@ -350,6 +324,7 @@ class Server::Loop {
     request.path = std::move(head->path);
     request.query = std::move(head->query);
     request.headers = std::move(head->headers);
+    request.id = request_id(request.headers);
     request.content_length = head->content_length;
     request.body = &client.connection;
     request.by_front = through_front(request, options_.front_host);
@@ -391,6 +366,7 @@ class Server::Loop {
   Result<void> admit(Client& client) {
     const Route& route = *client.match.route;
     if (!route.admission) return {};
+    const LoggedRequest logged(client.request.id);
     try {
       return route.admission(client.request);
     } catch (const std::exception& fault) {
@@ -423,34 +399,47 @@ class Server::Loop {
     return client.admitted;
   }
 
-  // Gives the place to the next one who waits. That one's turn is never held by anyone who waits for another turn.
   void leave_line(Client& client) {
-    if (!std::exchange(client.admitted, false)) return;
-    for (;;) {
-      std::shared_ptr<Client> next;
-      {
-        const std::lock_guard hold(lines_mutex_);
-        Line& line = lines_[client.match.route];
-        if (line.waiting.empty()) {
-          --line.at_work;
-          return;
-        }
-        next = find(line.waiting.front());
-        line.waiting.pop_front();
-      }
-      if (!next) continue;
-      const std::lock_guard hold(next->turn);
-      if (next->closed || next->state != Client::State::line) continue;
-      next->admitted = arm(next->connection.socket(), next->id, EPOLLOUT | EPOLLONESHOT, EPOLL_CTL_MOD);
-      if (next->admitted) return;
+    if (std::exchange(client.admitted, false)) leave_line(client.match.route);
+  }
+
+  // Gives the place to the next one who waits; any thread takes its turn.
+  void leave_line(const Route* route) {
+    const std::lock_guard hold(lines_mutex_);
+    Line& line = lines_[route];
+    if (line.waiting.empty()) {
+      --line.at_work;
+      return;
     }
+    ready_.emplace_back(line.waiting.front(), route);
+    line.waiting.pop_front();
+    ::eventfd_write(next_, 1);
+  }
+
+  void work_on_next() {
+    eventfd_t one = 0;
+    if (::eventfd_read(next_, &one) != 0) return;  // another thread has it
+    std::pair<std::uint64_t, const Route*> next;
+    {
+      const std::lock_guard hold(lines_mutex_);
+      next = ready_.front();
+      ready_.pop_front();
+    }
+    if (const std::shared_ptr<Client> client = find(next.first)) {
+      const std::lock_guard hold(client->turn);
+      if (!client->closed && client->state == Client::State::line) {
+        client->admitted = true;
+        return turn(*client);
+      }
+    }
+    leave_line(next.second);
   }
 
   // By the route, unless there is a refusal already.
   void answer(Client& client, const std::optional<Refusal>& refusal) {
     Answered answered;
     Request& request = client.request;
-    request.id = request_id(request.headers);
+    if (request.id.empty()) request.id = request_id({});  // without a head
     const LoggedRequest logged(request.id);
     Response response;
     Places::Place place;
@@ -534,36 +523,17 @@ class Server::Loop {
     return response;
   }
 
-  static std::string head_of(const Client& client, const Response& response, bool keep) {
-    std::string text = "HTTP/1.1 " + std::to_string(response.status) + " ";
-    text.append(reason(response.status)).append("\r\n");
-    const auto add = [&](std::string_view name, std::string_view value) {
-      text.append(name).append(": ").append(value).append("\r\n");
-    };
-    for (const Header& header : response.headers) {
-      // It is about what is sent, and that is nothing here.
-      if (client.request.head_only && header.name == "Content-Digest") continue;
-      add(header.name, header.value);
-    }
-    add("X-Request-Id", client.request.id);
-    if (!keep) add("Connection", "close");
-    const std::uint64_t bytes = response.file ? response.file->bytes : response.text.size();
-    const bool has_body = response.status != 204 && response.status != 304;
-    if (has_body && !response.media_type.empty()) add("Content-Type", response.media_type);
-    if (has_body && !response.stream) add("Content-Length", std::to_string(bytes));
-    return text += "\r\n";
-  }
-
   // Sends what it can; the rest follows as the client takes it.
   void give(Client& client, Response response) {
     // What came before its answer was sent is no request of somebody who waits for answers: perhaps it was smuggled in.
-    client.keep = client.keep && !ending_ && client.connection.body_arrived() && !client.connection.more_arrived();
-    std::string text = head_of(client, response, client.keep);
+    client.keep =
+        client.keep && !ending_ && client.connection.body_arrived() && !client.connection.more_arrived();
+    std::string text = response_head(client.request, response, client.keep);
     const bool body = !client.request.head_only && response.status != 204 && response.status != 304;
     if (body && !response.file) text += response.text;
     client.out =
-        Outgoing(std::move(text), body && response.file && response.file->bytes > 0 ? std::move(response.file)
-                                                                                      : std::nullopt);
+        Outgoing(std::move(text),
+                 body && response.file && response.file->bytes > 0 ? std::move(response.file) : std::nullopt);
     client.window_bytes = 0;
     enter(client, Client::State::answer, options_.limits.wait);
   }
@@ -571,7 +541,7 @@ class Server::Loop {
   // Keeps its thread; without a length, so that the end of the connection is the end of the body.
   void stream(Client& client, Response response) {
     client.keep = false;
-    bool sent = client.connection.write(head_of(client, response, false));
+    bool sent = client.connection.write(response_head(client.request, response, false));
     const Going on = going(client);
     try {
       while (sent && on()) {
@@ -655,10 +625,10 @@ class Server::Loop {
     switch (client.state) {
       case Client::State::head:
         if (client.idle()) return drop(client);
-        begin_request(client, tl::make_unexpected(Refusal{
-                                  408,
-                                  {Code::out_of_time, "the head of the request took too long", "request head",
-                                   "try again"}}));
+        begin_request(client,
+                      tl::make_unexpected(Refusal{408,
+                                                  {Code::out_of_time, "the head of the request took too long",
+                                                   "request head", "try again"}}));
         return turn(client);
       case Client::State::body:
         answer(client, client.connection.too_slow());
@@ -695,7 +665,9 @@ class Server::Loop {
       if (!hold || client->closed || (only && client->state != *only)) continue;
       const double seconds = std::chrono::duration<double>(now - client->since).count();
       switch (client->state) {
-        case Client::State::linger: candidates.push_back({0, -seconds, client}); break;
+        case Client::State::linger:
+          candidates.push_back({0, -seconds, client});
+          break;
         case Client::State::head:
           candidates.push_back({client->idle() && client->used ? 1 : 2, -seconds, client});
           break;
@@ -708,7 +680,8 @@ class Server::Loop {
           break;
       }
     }
-    const std::size_t enough = std::min(candidates.size(), static_cast<std::size_t>(options_.connections) / 20 + 1);
+    const std::size_t enough =
+        std::min(candidates.size(), static_cast<std::size_t>(options_.connections) / 20 + 1);
     std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(enough),
                       candidates.end(), [](const Candidate& a, const Candidate& b) {
                         return std::pair(a.order, a.worth) < std::pair(b.order, b.worth);
@@ -732,12 +705,14 @@ class Server::Loop {
   std::atomic<std::size_t> held_ = 0;  // bytes of answers that wait for their clients
   Places places_{options_.streams, options_.streams_of_one};
   UploadRoom room_{options_.uploads};
-  int listener_ = -1, epoll_ = -1, wake_ = -1, port_ = 0;
-  std::mutex lines_mutex_;  // taken before the next one, if both
+  int listener_ = -1, epoll_ = -1, wake_ = -1, next_ = -1, port_ = 0;
+  std::mutex lines_mutex_;
   std::map<const Route*, Line> lines_;
+  std::deque<std::pair<std::uint64_t, const Route*>>
+      ready_;  // those whose wait in line is over; next_ counts them
   std::mutex clients_mutex_;
   std::unordered_map<std::uint64_t, std::shared_ptr<Client>> clients_;
-  std::uint64_t last_id_ = wake_id;
+  std::uint64_t last_id_ = next_id;
   std::vector<std::thread> threads_;
 };
 

@@ -8,8 +8,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto trial = 1s;                      // before which nobody can tell how fast a body comes
-constexpr double fast = 256.0 * 1024;           // bytes a second; such a body ends soon enough
+constexpr auto trial = 1s;             // before which nobody can tell how fast a body comes
+constexpr double fast = 256.0 * 1024;  // bytes a second; such a body ends soon enough
 
 }  // namespace
 

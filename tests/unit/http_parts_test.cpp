@@ -157,12 +157,17 @@ TEST(Origin, AFormOnAnotherPageIsRefused) {
     request.headers.back().value = origin;
     EXPECT_EQ(check_origin(request).value().status, 403) << origin;
   }
+  request.method = "GET";
+  EXPECT_FALSE(check_origin(request));
+}
+
+TEST(Origin, TheSchemeIsThatOfTheConnection) {
+  Request request;
+  request.method = "POST";
   request.headers = {{"Host", "front.example.org"}, {"Origin", "https://front.example.org"}};
   EXPECT_FALSE(check_origin(request, "front.example.org"));
   request.headers.back().value = "http://front.example.org";
   EXPECT_EQ(check_origin(request, "front.example.org").value().status, 403);
-  request.method = "GET";
-  EXPECT_FALSE(check_origin(request));
 }
 
 TEST(RequestId, IsTheClientsWhenItIsAnId) {

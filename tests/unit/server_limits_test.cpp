@@ -245,6 +245,7 @@ TEST_F(ServerLimits, NothingBehindARequestIsReadAsAnother) {
             bearer(user_) + form_type + "\r\n"}) {
     const int socket = connected();
     send_all(socket, first + smuggled);
+    ::shutdown(socket, SHUT_WR);
     const std::string all = receive_all(socket);
     EXPECT_EQ(all.find("HTTP/1.1", 8), std::string::npos) << all;  // one answer
   }
