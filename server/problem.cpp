@@ -26,6 +26,7 @@ http::Response problem_response(const Error& error, int status) {
   response.set("Cache-Control", "no-store");
   response.set("X-Content-Type-Options", "nosniff");
   if (given == 503) response.set("Retry-After", "5");
+  if (given == 507) response.set("Retry-After", "60");
   if (given == 429) response.set("Retry-After", "60");
   if (error.code == Code::unauthorized) response.set("WWW-Authenticate", "Bearer realm=\"vacuform\"");
   if (error.code == Code::forbidden)

@@ -175,6 +175,7 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   if (request.content_length > most)
     return fail(Code::too_large, "the form is larger than " + std::to_string(most >> 20) + " MiB",
                 "request body", "send a smaller scan");
+  VACUFORM_CHECK(service.store.room_for(request.content_length));  // before its bytes
   VACUFORM_TRY(client_key, client_key_of(request));
   SubmissionForm form(service.store, fields);
   VACUFORM_CHECK(form.read(request));

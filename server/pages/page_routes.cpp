@@ -17,7 +17,7 @@ namespace {
 constexpr int longest_shown_log = 200;  // lines
 
 std::vector<Job> recent_jobs(Store& store, const Caller& caller) {
-  auto page = store.list(10, "", caller.only());
+  auto page = store.list(10, "", {.owner = caller.only()}, Detail::brief);
   return page ? std::move(page->jobs) : std::vector<Job>();
 }
 
