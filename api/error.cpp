@@ -61,6 +61,8 @@ CodeMeaning meaning(Code code) {
       return {"wrong-digest", "The bytes do not match their digest", 400, 1};
     case Code::gone:
       return {"gone", "This has expired", 410, 2};
+    case Code::disk_full:
+      return {"disk-full", "The server's disk is full", 507, 1};
     case Code::unavailable:
       return {"unavailable", "The service cannot do this now", 503, 1};
     case Code::internal:

@@ -33,6 +33,7 @@ enum class Code {
   busy,                // a bound on waiting jobs, uploads or streams is reached; try again later
   wrong_digest,        // bytes do not match the digest that was sent with them
   gone,                // there was such a thing, and it has expired
+  disk_full,           // the server's disk has no room for more; deleting jobs makes some
   unavailable,         // the service cannot do this now; try again later
   internal,            // a fault of Vacuform's own
 };

@@ -83,6 +83,12 @@ inline constexpr std::array<ArtifactKind, 21> artifact_kinds{{
     {"report.json", "application/json", "What was asked, what was done, the figures, the warnings"},
     {"report.html", "text/html; charset=utf-8", "The report for people: figures, pictures, all settings"},
 }};
+// Whether every job of that kind that succeeds has the artifact.
+constexpr bool due(JobKind job, const ArtifactKind& artifact) {
+  if (job == JobKind::print) return artifact.always;
+  return artifact.name == "findings.json" || artifact.name == "preview-findings.png" ||
+         artifact.name == "mold.stl";
+}
 // nullptr when no artifact has that name.
 const ArtifactKind* artifact_kind(std::string_view name);
 

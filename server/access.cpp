@@ -23,7 +23,7 @@ std::string set_cookie(bool by_tls, const std::string& value, Millis seconds) {
 }
 
 constexpr Millis session_seconds = 12 * 3600;
-constexpr std::size_t most_sessions = 1000;
+constexpr std::size_t most_sessions = 1000, most_sessions_of_token = 50;
 constexpr double most_patience = 20;
 
 // The value of our cookie among those of the request.
@@ -114,13 +114,30 @@ Result<std::string> Access::sign_in(std::string_view text, bool by_tls) {
   const Millis now = clock_();
   const std::lock_guard hold(mutex_);
   std::erase_if(sessions_, [&](const auto& entry) { return entry.second.ends <= now; });
-  if (sessions_.size() >= most_sessions)
-    sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(), [](const auto& a, const auto& b) {
-      return a.second.ends < b.second.ends;
-    }));
+  make_room_for_session(token->id);
   sessions_[text_hash(value)] = {token->id, now + session_seconds * 1000};
   log_event("signed-in", {{"token", token->id}});
   return set_cookie(by_tls, value, session_seconds);
+}
+
+// A token loses its oldest session when it has too many. When all tokens together have too many, the one with the most
+// loses its oldest, so that no token ends the sessions of the others.
+void Access::make_room_for_session(const std::string& token) {
+  std::map<std::string, std::size_t> counts;
+  for (const auto& [cookie, session] : sessions_) ++counts[session.token];
+  std::string loser;
+  if (counts[token] >= most_sessions_of_token)
+    loser = token;
+  else if (sessions_.size() >= most_sessions)
+    loser = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+              return a.second < b.second;
+            })->first;
+  if (loser.empty()) return;
+  auto oldest = sessions_.end();
+  for (auto it = sessions_.begin(); it != sessions_.end(); ++it)
+    if (it->second.token == loser && (oldest == sessions_.end() || it->second.ends < oldest->second.ends))
+      oldest = it;
+  sessions_.erase(oldest);
 }
 
 std::string Access::sign_out(const http::Request& request) {

@@ -47,6 +47,7 @@ class Access {
   Result<Token> token_of(const http::Request& request);
   Result<Token> token_of_session(const http::Request& request);
   Error refused(Error error);
+  void make_room_for_session(const std::string& token);
 
   Store& store_;
   const Clock clock_;

@@ -117,7 +117,7 @@ std::string event(const char* name, const std::string& id, const ordered_json& d
 }
 
 ordered_json change_json(const Job& job) {
-  const ordered_json whole = job_json(job);
+  const ordered_json whole = job_json(job, Detail::brief);
   ordered_json change;
   for (const char* key :
        {"id", "state", "stage", "progress", "stage_progress", "attempt", "started", "ended", "problem"})

@@ -14,11 +14,14 @@ namespace {
 
 std::string reason(int number) { return std::generic_category().message(number); }
 
+bool full(int number) { return number == ENOSPC || number == EDQUOT; }
+
 // File names of the store are its own; they tell a log reader nothing about a patient.
 tl::unexpected<Error> disk_error(const char* doing, const std::filesystem::path& path, int number) {
-  return fail(Code::unavailable, std::string(doing) + " failed: " + reason(number), path.filename().string(),
-              number == ENOSPC || number == EDQUOT ? "free some space on the server's disk and try again"
-                                                   : "see that the server may write to its data folder");
+  return fail(full(number) ? Code::disk_full : Code::unavailable,
+              std::string(doing) + " failed: " + reason(number), path.filename().string(),
+              full(number) ? "delete jobs that are no longer needed, or free some space on the server's disk"
+                           : "see that the server may write to its data folder");
 }
 
 }  // namespace
@@ -89,7 +92,8 @@ Result<void> make_directory(const std::filesystem::path& path) {
     error = std::make_error_code(std::errc::not_a_directory);
   if (!error) std::filesystem::permissions(path, std::filesystem::perms::owner_all, error);
   if (error)
-    return fail(Code::unavailable, "making a folder failed: " + error.message(), path.string(),
+    return fail(full(error.value()) ? Code::disk_full : Code::unavailable,
+                "making a folder failed: " + error.message(), path.string(),
                 "give another folder with --data, or see that the server may write there");
   return {};
 }
@@ -116,12 +120,17 @@ Result<void> write_text_file(const std::filesystem::path& path, std::string_view
   std::filesystem::path beside = path;
   beside += ".new";
   ::unlink(beside.c_str());
-  {
+  const auto replace = [&]() -> Result<void> {
     VACUFORM_TRY(file, File::create(beside));
     VACUFORM_CHECK(file.write(text));
     VACUFORM_CHECK(file.sync());
+    if (std::rename(beside.c_str(), path.c_str()) != 0) return disk_error("renaming a file", path, errno);
+    return {};
+  };
+  if (auto replaced = replace(); !replaced) {
+    ::unlink(beside.c_str());
+    return replaced;
   }
-  if (std::rename(beside.c_str(), path.c_str()) != 0) return disk_error("renaming a file", path, errno);
   return sync_directory(path.has_parent_path() ? path.parent_path() : ".");
 }
 

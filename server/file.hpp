@@ -20,7 +20,7 @@ class File {
   File& operator=(File&& other) noexcept;
   ~File();
 
-  // Makes a new file for writing and reading; refuses one that exists. Errors: unavailable (disk full, no
+  // Makes a new file for writing and reading; refuses one that exists. Errors: disk_full, unavailable (no
   // permission).
   static Result<File> create(const std::filesystem::path& path);
   // Opens a file for reading. Errors: not_found, unreadable.
@@ -28,7 +28,7 @@ class File {
 
   bool is_open() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }
-  // All bytes or an error (unavailable, when the disk is full).
+  // All bytes or an error (disk_full, unavailable).
   Result<void> write(std::string_view bytes);
   // Bytes from `offset` on, at most the span's size; 0 only at the end of the file. Safe from many threads.
   Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const;
@@ -42,7 +42,7 @@ class File {
   int descriptor_ = -1;
 };
 
-// Makes a folder and those above it. Errors: unavailable.
+// Makes a folder and those above it. Errors: disk_full, unavailable.
 Result<void> make_directory(const std::filesystem::path& path);
 // Returns when the names in the folder are on the disk: after a rename, so that the name survives a power
 // cut.
@@ -50,7 +50,8 @@ Result<void> sync_directory(const std::filesystem::path& path);
 
 // A whole small file. Errors: not_found, unreadable, too_large.
 Result<std::string> read_text_file(const std::filesystem::path& path, std::uint64_t limit);
-// Writes beside the place, flushes, renames: readers see the old text or the new one, never half.
+// Writes beside the place, flushes, renames: readers see the old text or the new one, never half. An error leaves no file
+// beside the place.
 Result<void> write_text_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace vacuform

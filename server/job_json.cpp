@@ -67,35 +67,39 @@ ordered_json inputs_json(const Job& job) {
   return inputs;
 }
 
-ordered_json job_json(const Job& job) {
-  const std::string self = "/api/v1/jobs/" + job.id;
-  ordered_json artifacts = ordered_json::array();
+ordered_json job_json(const Job& job, Detail detail) {
+  ordered_json all = ordered_json::object();
+  // One by one: a list of braces would make each value twice, and lists show many jobs.
+  all.get_ref<ordered_json::object_t&>().reserve(20);
+  all["id"] = job.id;
+  all["kind"] = name(job.kind);
+  all["state"] = name(job.state);
+  all["stage"] = job.stage ? ordered_json(name(*job.stage)) : ordered_json();
+  all["progress"] = rounded(whole_progress(job));
+  all["stage_progress"] = rounded(job.stage_progress);
+  all["attempt"] = job.attempt;
+  all["priority"] = job.priority;
+  all["owner"] = job.owner;
+  all["derived_from"] = job.derived_from ? ordered_json(*job.derived_from) : ordered_json();
+  all["version"] = job.version;
+  all["created"] = rfc3339(job.created);
+  all["started"] = time_or_null(job.started);
+  all["ended"] = time_or_null(job.ended);
+  all["not_before"] = time_or_null(job.not_before);
+  all["problem"] = job.error ? problem_json(*job.error) : ordered_json();
+  if (detail == Detail::brief) return all;
+  all["settings"] = ordered_json::parse(job.settings);
+  all["inputs"] = inputs_json(job);
+  ordered_json& artifacts = all["artifacts"] = ordered_json::array();
   for (const auto& artifact : job.artifacts) artifacts.push_back(artifact_json(job, artifact));
-  return {{"id", job.id},
-          {"kind", name(job.kind)},
-          {"state", name(job.state)},
-          {"stage", job.stage ? ordered_json(name(*job.stage)) : ordered_json()},
-          {"progress", rounded(whole_progress(job))},
-          {"stage_progress", rounded(job.stage_progress)},
-          {"attempt", job.attempt},
-          {"priority", job.priority},
-          {"derived_from", job.derived_from ? ordered_json(*job.derived_from) : ordered_json()},
-          {"version", job.version},
-          {"created", rfc3339(job.created)},
-          {"started", time_or_null(job.started)},
-          {"ended", time_or_null(job.ended)},
-          {"not_before", time_or_null(job.not_before)},
-          {"settings", ordered_json::parse(job.settings)},
-          {"inputs", inputs_json(job)},
-          {"artifacts", artifacts},
-          {"problem", job.error ? problem_json(*job.error) : ordered_json()},
-          {"links",
-           {{"self", self},
-            {"page", "/jobs/" + job.id},
-            {"artifacts", self + "/artifacts"},
-            {"zip", self + "/artifacts.zip"},
-            {"log", self + "/log"},
-            {"cancel", self + "/cancel"}}}};
+  const std::string self = "/api/v1/jobs/" + job.id;
+  all["links"] = {{"self", self},
+                  {"page", "/jobs/" + job.id},
+                  {"artifacts", self + "/artifacts"},
+                  {"zip", self + "/artifacts.zip"},
+                  {"log", self + "/log"},
+                  {"cancel", self + "/cancel"}};
+  return all;
 }
 
 }  // namespace vacuform

@@ -7,7 +7,7 @@
 
 namespace vacuform {
 
-nlohmann::ordered_json job_json(const Job& job);
+nlohmann::ordered_json job_json(const Job& job, Detail detail = Detail::full);
 nlohmann::ordered_json artifact_json(const Job& job, const StoredArtifact& artifact);
 nlohmann::ordered_json input_json(const Input& input);
 nlohmann::ordered_json backup_json(const BackupReport& report);

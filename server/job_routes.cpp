@@ -1,4 +1,5 @@
 // The API that people and programs use; api/openapi.yaml describes it.
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -33,27 +34,78 @@ Result<Response> validate_job(Service& service, Request& request, const Caller& 
   return json_response(plan);
 }
 
-Result<Response> create_job(Service& service, Request& request, const Caller& caller) {
+Result<Response> submit_job(Service& service, Request& request, const Caller& caller) {
   std::map<std::string, std::string> fields;
   VACUFORM_TRY(submission, read_submission(service, request, caller, fields));
-  auto made = service.store.create(std::move(submission));
+  auto made = create_job(service, std::move(submission), caller);
   // The key of another submission: as the draft of Idempotency-Key wants it told.
   if (!made && made.error().code == Code::conflict) return problem_response(made.error(), 422);
   if (!made && made.error().code == Code::busy) return no_room(service, caller, made.error());
   VACUFORM_TRY(job, std::move(made));
-  log_event("job-created", {{"job", job.id}, {"token", caller.token}});
   Response response = json_response(job_json(job), 202);
   response.set("Location", "/api/v1/jobs/" + job.id);
   return response;
 }
 
+Result<std::vector<JobState>> states_of(std::string_view text) {
+  std::vector<JobState> states;
+  while (!text.empty()) {
+    const std::string_view one = text.substr(0, text.find(','));
+    const auto state = job_state_from(one);
+    if (!state)
+      return fail(Code::bad_usage, "there is no such state: " + std::string(one.substr(0, 64)), "state",
+                  "give for example queued,running");
+    states.push_back(*state);
+    text.remove_prefix(std::min(one.size() + 1, text.size()));
+  }
+  return states;
+}
+
+Result<std::optional<Millis>> time_of(const Request& request, const char* name) {
+  const std::string text = request.query_value(name);
+  if (text.empty()) return std::optional<Millis>();
+  const auto time = from_rfc3339(text);
+  if (!time)
+    return fail(Code::bad_usage, "not a time as RFC 3339 has it: " + text.substr(0, 64), name,
+                "give for example 2026-01-31T12:00:00Z");
+  return time;
+}
+
+// The filters of a list, within what the caller may see.
+Result<JobFilter> filter_of(const Request& request, const Caller& caller) {
+  JobFilter filter;
+  filter.owner = caller.only();
+  const std::string owner = request.query_value("owner");
+  if (filter.owner && !owner.empty() && owner != *filter.owner)
+    return fail(Code::forbidden, "only an administrator lists the jobs of another owner", "owner",
+                "leave it out");
+  if (!owner.empty()) filter.owner = owner;
+  VACUFORM_TRY(states, states_of(request.query_value("state")));
+  filter.states = std::move(states);
+  const std::string kind = request.query_value("kind");
+  if (!kind.empty() && !(filter.kind = job_kind_from(kind)))
+    return fail(Code::bad_usage, "there is no such kind of job: " + kind.substr(0, 64), "kind",
+                "give print or inspection");
+  VACUFORM_TRY(after, time_of(request, "created_after"));
+  VACUFORM_TRY(before, time_of(request, "created_before"));
+  filter.created_after = after;
+  filter.created_before = before;
+  return filter;
+}
+
 Result<Response> list_jobs(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(limit, query_number(request, "limit", 20, 1, 100));
   VACUFORM_TRY(cursor, page_cursor(request));
-  VACUFORM_TRY(page, service.store.list(static_cast<int>(limit), cursor, caller.only()));
+  VACUFORM_TRY(filter, filter_of(request, caller));
+  const std::string full = request.query_value("full");
+  if (!full.empty() && full != "true" && full != "false")
+    return fail(Code::bad_usage, "full is neither true nor false", "full", "send true");
+  const Detail detail = full == "true" ? Detail::full : Detail::brief;
+  VACUFORM_TRY(page, service.store.list(static_cast<int>(limit), cursor, filter, detail));
   ordered_json jobs = ordered_json::array();
-  for (const Job& job : page.jobs) jobs.push_back(job_json(job));
-  return json_response({{"jobs", jobs}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
+  for (const Job& job : page.jobs) jobs.push_back(job_json(job, detail));
+  return json_response(
+      {{"jobs", std::move(jobs)}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
 }
 
 Result<Response> list_artifacts(Service& service, const Request& request, const Caller& caller) {
@@ -130,20 +182,30 @@ Result<Response> get_log(Service& service, const Request& request, const Caller&
                         {"ended", ended(job.state) && lines.size() < static_cast<std::size_t>(limit)}});
 }
 
+// The check of If-Match and If-None-Match, for the transaction that changes the job.
+JobGuard precondition(const Request& request, std::optional<http::Refusal>& refusal) {
+  return [&request, &refusal](const Job& now) {
+    refusal = http::unmet_precondition(request, etag_of(now));
+    return !refusal;
+  };
+}
+
 Result<Response> cancel_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(seen, job_for(service, request, caller));
-  if (auto refusal = http::unmet_precondition(request, etag_of(seen)))
-    return http::refused_response(std::move(*refusal));
-  VACUFORM_TRY(job, service.store.cancel(seen.id));
+  std::optional<http::Refusal> refusal;
+  auto cancelled = service.store.cancel(seen.id, precondition(request, refusal));
+  if (refusal) return http::refused_response(std::move(*refusal));
+  VACUFORM_TRY(job, std::move(cancelled));
   log_event("job-cancel-asked", {{"job", job.id}, {"state", name(job.state)}, {"token", caller.token}});
   return json_response(job_json(job));
 }
 
 Result<Response> delete_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(seen, job_for(service, request, caller));
-  if (auto refusal = http::unmet_precondition(request, etag_of(seen)))
-    return http::refused_response(std::move(*refusal));
-  VACUFORM_CHECK(service.store.remove(seen.id));
+  std::optional<http::Refusal> refusal;
+  const auto removed = service.store.remove(seen.id, precondition(request, refusal));
+  if (refusal) return http::refused_response(std::move(*refusal));
+  VACUFORM_CHECK(removed);
   log_event("job-deleted", {{"job", seen.id}, {"token", caller.token}});
   Response response;
   response.status = 204;
@@ -157,9 +219,9 @@ void add_job_routes(http::Router& router, Service& service) {
                        const GuardedHandler& handler, std::uint64_t most_body = http::small_body) {
     add_guarded(router, service, scope, method, "/api/v1/jobs" + tail, handler, most_body);
   };
-  add(Scope::submit, "POST", "", create_job, largest_form());
+  add(Scope::submit, "POST", "", submit_job, largest_form());
   add_guarded(router, service, Scope::submit, "POST", "/api/v1/validate", validate_job, largest_form());
-  add(Scope::read, "GET", "?limit&cursor", list_jobs);
+  add(Scope::read, "GET", "?limit&cursor&state&kind&owner&created_after&created_before&full", list_jobs);
   add(Scope::read, "GET", "/{id}/log?after&limit", get_log);
   add(Scope::submit, "POST", "/{id}/cancel", cancel_job);
   add(Scope::submit, "DELETE", "/{id}", delete_job);

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -41,12 +40,19 @@ Result<void> first_tokens(Store& store, const std::filesystem::path& data,
                           const std::filesystem::path& worker_token) {
   VACUFORM_CHECK(token_in_file(store, worker_token, {"local-workers", {Scope::work}, std::nullopt}));
   VACUFORM_TRY(tokens, store.tokens());
-  const bool someone_can_make_more = std::any_of(tokens.begin(), tokens.end(), [](const Token& token) {
-    return token.scopes.has(Scope::admin) && usable(token, wall_clock());
-  });
-  if (someone_can_make_more) return {};
-  VACUFORM_CHECK(token_in_file(store, data / "admin-token", {"admin", {Scope::admin}, std::nullopt}));
+  for (const Token& token : tokens)
+    if (usable(token, wall_clock()) && mixes_work(token.scopes))
+      log_event("token-mixes-work", {{"token", token.id}, {"scopes", token.scopes.text()}});
+  const std::filesystem::path file = data / "admin-token";
+  if (token_of_file(store, file, {Scope::admin})) return {};
+  // The server's own commands need it. A backup has its row and not its file, and then nobody has its secret any more.
+  VACUFORM_CHECK(token_in_file(store, file, {"admin", {Scope::admin}, std::nullopt}));
   log_event("admin-token-made", {{"file", "admin-token"}});
+  for (const Token& token : tokens) {
+    if (token.file != "admin-token" || !usable(token, wall_clock())) continue;
+    VACUFORM_CHECK(store.revoke_token(token.id));
+    log_event("admin-token-revoked", {{"token", token.id}});
+  }
   return {};
 }
 
@@ -88,9 +94,15 @@ http::ServerOptions status_listener(const Address& address) {
   return listener;
 }
 
+// A full disk does not matter where the file has that text already.
+Result<void> write_if_new(const std::filesystem::path& file, const std::string& text) {
+  const auto old = read_text_file(file, 4096);
+  return old && *old == text ? Result<void>() : write_text_file(file, text);
+}
+
 Result<void> tell_port(const std::filesystem::path& file, const http::Server& server) {
   if (file.empty()) return {};
-  return write_text_file(file, std::to_string(server.port()) + "\n");
+  return write_if_new(file, std::to_string(server.port()) + "\n");
 }
 
 // Serves until SIGTERM or SIGINT.
@@ -107,7 +119,9 @@ Result<void> serve(const Configuration& options) {
   ::signal(SIGPIPE, SIG_IGN);
   raise_file_limit();
 
+  Metrics metrics;
   StoreOptions store_options;
+  store_options.job_ended = [&metrics](const Job& job) { metrics.job_ended(job); };
   store_options.lease = options.lease_seconds * Millis{1000};
   const KeptFolder kept(options.data);
   store_options.blob_gone = [&kept](const std::string& sha256) { kept.forget(sha256); };
@@ -120,7 +134,6 @@ Result<void> serve(const Configuration& options) {
   VACUFORM_TRY(uploads, Uploads::open(*store, options.data / "uploads"));
   Service service{*store, access, seen_workers, *uploads, static_cast<int>(store_options.lease / 1000)};
 
-  Metrics metrics;
   http::ServerOptions listener;
   listener.host = address.host;
   listener.port = address.port;
@@ -137,7 +150,9 @@ Result<void> serve(const Configuration& options) {
                 listener.streams};
   VACUFORM_TRY(status_server, http::Server::start(status_listener(status_address), status_routes(status)));
   const std::string url = url_of(address, *server), status_url = url_of(status_address, *status_server);
-  VACUFORM_CHECK(write_text_file(options.data / "server-url", url + "\n"));  // for vacuform-server token
+  // For vacuform-server token; the service does without it.
+  if (const auto written = write_if_new(options.data / "server-url", url + "\n"); !written)
+    log_event("file-not-written", {{"file", "server-url"}, {"problem", written.error().what}});
   VACUFORM_CHECK(tell_port(options.status_port_file, *status_server));
   VACUFORM_CHECK(tell_port(options.port_file, *server));
   log_event(

@@ -46,6 +46,19 @@ void Metrics::leases_lost(std::size_t number_lost) {
   leases_lost_ += number_lost;
 }
 
+void Metrics::job_ended(const Job& job) {
+  const std::string labels =
+      "kind=\"" + std::string(name(job.kind)) + "\",outcome=\"" + std::string(name(job.state)) + "\"";
+  const std::lock_guard hold(mutex_);
+  ++jobs_ended_[labels];
+  if (!job.started || !job.ended) return;
+  const double seconds = static_cast<double>(std::max<Millis>(0, *job.ended - *job.started)) / 1000;
+  Durations& durations = job_durations_[labels];
+  ++durations.counts[static_cast<std::size_t>(
+      std::lower_bound(job_bounds.begin(), job_bounds.end(), seconds) - job_bounds.begin())];
+  durations.sum += seconds;
+}
+
 std::string Metrics::text(const std::vector<Family>& read) const {
   std::string out;
   for (const Family& family : read) {
@@ -78,6 +91,23 @@ std::string Metrics::text(const std::vector<Family>& read) const {
   write_head(out, "vacuform_leases_lost_total", "Leases that ended without a word of their worker",
              "counter");
   write_sample(out, "vacuform_leases_lost_total", "", static_cast<double>(leases_lost_));
+  write_head(out, "vacuform_jobs_ended_total", "Jobs that ended since the start of the server, by outcome",
+             "counter");
+  for (const auto& [labels, count] : jobs_ended_)
+    write_sample(out, "vacuform_jobs_ended_total", labels, static_cast<double>(count));
+  write_head(out, "vacuform_job_duration_seconds", "From the start of a job's last attempt to its end",
+             "histogram");
+  for (const auto& [labels, durations] : job_durations_) {
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < durations.counts.size(); ++i) {
+      count += durations.counts[i];
+      const std::string bound = i < job_bounds.size() ? number(job_bounds[i]) : "+Inf";
+      write_sample(out, "vacuform_job_duration_seconds_bucket", labels + ",le=\"" + bound + "\"",
+                   static_cast<double>(count));
+    }
+    write_sample(out, "vacuform_job_duration_seconds_sum", labels, durations.sum);
+    write_sample(out, "vacuform_job_duration_seconds_count", labels, static_cast<double>(count));
+  }
   return out;
 }
 

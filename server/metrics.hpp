@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/http/server.hpp"
+#include "server/store/job.hpp"
 
 namespace vacuform {
 
@@ -31,6 +32,7 @@ class Metrics {
  public:
   void answered(const http::Answered& answered);
   void leases_lost(std::size_t number);
+  void job_ended(const Job& job);
 
   // Everything that was counted, and `read` before it.
   std::string text(const std::vector<Family>& read) const;
@@ -45,6 +47,14 @@ class Metrics {
   };
   std::map<std::string, Seconds> seconds_;  // by route
   std::uint64_t leases_lost_ = 0;
+
+  static constexpr std::array<double, 7> job_bounds{1, 5, 15, 60, 300, 900, 3600};  // seconds
+  struct Durations {
+    std::array<std::uint64_t, job_bounds.size() + 1> counts{};
+    double sum = 0;
+  };
+  std::map<std::string, std::uint64_t> jobs_ended_;  // by labels
+  std::map<std::string, Durations> job_durations_;   // of those that a worker started
 };
 
 // Memory, files and start of this process, from /proc; what cannot be read is left out.

@@ -36,7 +36,7 @@ http::Response problem_response(const Error& error, int status) {
 
 void set_retry_after(http::Response& response) {
   if (response.status == 503) response.set("Retry-After", "5");
-  if (response.status == 429) response.set("Retry-After", "60");
+  if (response.status == 429 || response.status == 507) response.set("Retry-After", "60");
 }
 
 void set_retry_after(http::Response& response, std::int64_t seconds) {

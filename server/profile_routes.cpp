@@ -38,12 +38,12 @@ std::string etag_of(const Profile& profile) {
   return tag.append(text_hash(profile.settings)).append("\"");
 }
 
-// Of the profile of that name; empty where there is none.
-Result<std::string> etag_of(Service& service, const std::string& name) {
-  const auto profile = service.store.find_profile(name);
-  if (!profile && profile.error().code == Code::not_found) return std::string();
-  if (!profile) return tl::make_unexpected(profile.error());
-  return etag_of(*profile);
+// The check of If-Match and If-None-Match, for the transaction that changes the profile.
+ProfileGuard precondition(const Request& request, std::optional<http::Refusal>& refusal) {
+  return [&request, &refusal](const std::optional<Profile>& now) {
+    refusal = http::unmet_precondition(request, now ? etag_of(*now) : std::string());
+    return !refusal;
+  };
 }
 
 Response profile_response(const Profile& profile, int status) {
@@ -85,20 +85,20 @@ Result<Response> put_profile(Service& service, Request& request, const Caller& c
   if (!object || !object->is_object())
     return fail(Code::bad_usage, "the body is not a JSON object of settings", "request body",
                 R"(send {"machine": {"window_width_mm": 280}})");
-  VACUFORM_TRY(etag, etag_of(service, name));
-  if (auto refusal = http::unmet_precondition(request, etag))
-    return http::refused_response(std::move(*refusal));
-  VACUFORM_TRY(made, service.store.put_profile({name, object->dump(), 0}));
+  const Profile profile{name, object->dump(), wall_clock()};
+  std::optional<http::Refusal> refusal;
+  const auto put = service.store.put_profile(profile, precondition(request, refusal));
+  if (refusal) return http::refused_response(std::move(*refusal));
+  VACUFORM_TRY(made, put);
   log_event("profile-put", {{"profile", name}, {"by", caller.token}});
-  VACUFORM_TRY(profile, service.store.find_profile(name));
   return profile_response(profile, made ? 201 : 200);
 }
 
 Result<Response> delete_profile(Service& service, Request& request, const Caller& caller) {
-  VACUFORM_TRY(etag, etag_of(service, request.at("name")));
-  if (auto refusal = http::unmet_precondition(request, etag))
-    return http::refused_response(std::move(*refusal));
-  VACUFORM_CHECK(service.store.remove_profile(request.at("name")));
+  std::optional<http::Refusal> refusal;
+  const auto removed = service.store.remove_profile(request.at("name"), precondition(request, refusal));
+  if (refusal) return http::refused_response(std::move(*refusal));
+  VACUFORM_CHECK(removed);
   log_event("profile-deleted", {{"profile", request.at("name")}, {"by", caller.token}});
   Response response;
   response.status = 204;

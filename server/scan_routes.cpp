@@ -97,6 +97,7 @@ Result<StoredScan> scan_from(Service& service, ScanForm& form, const Caller& cal
 }
 
 Result<Response> create_scan(Service& service, Request& request, const Caller& caller) {
+  VACUFORM_CHECK(service.store.room_for(request.content_length));  // before its bytes
   ScanForm form(service.store);
   VACUFORM_CHECK(http::read_multipart(request, form));
   VACUFORM_TRY(scan, scan_from(service, form, caller));

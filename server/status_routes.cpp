@@ -12,8 +12,6 @@ using http::Response;
 
 namespace {
 
-constexpr std::uintmax_t least_room = 64u << 20;  // bytes; less and a scan's upload may fail
-
 std::uintmax_t room(const Status& status) {
   std::error_code ec;
   const auto space = std::filesystem::space(status.data, ec);
@@ -22,7 +20,7 @@ std::uintmax_t room(const Status& status) {
 
 Result<Response> ready(const Status& status) {
   VACUFORM_CHECK(status.store.counts());
-  if (room(status) < least_room)
+  if (room(status) == 0 || !status.store.room_for(0))
     return fail(Code::unavailable, "the disk of the data folder is nearly full", "--data",
                 "delete jobs that are no longer needed, or move the folder to a larger disk");
   return json_response({{"status", "ready"}});

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "api/log.hpp"
 #include "api/settings.hpp"
 #include "server/formats.hpp"
 #include "server/submission_form.hpp"
@@ -190,6 +191,7 @@ std::uint64_t largest_form(std::string_view input) { return part_heads + input_k
 
 Result<NewJob> read_submission(Service& service, http::Request& request, const Caller& caller,
                                std::map<std::string, std::string>& fields) {
+  VACUFORM_CHECK(service.store.room_for(request.content_length));  // before its bytes
   VACUFORM_TRY(client_key, client_key_of(request));
   SubmissionForm form(service.store, fields);
   VACUFORM_CHECK(form.read(request));
@@ -213,6 +215,13 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   job.owner = caller.owner;
   const std::string page = form.field("idempotency_key");
   job.client_key = client_key.empty() && !page.empty() ? key_of_form(page, job) : std::move(client_key);
+  return job;
+}
+
+Result<Job> create_job(Service& service, NewJob submission, const Caller& caller) {
+  bool repeated = false;
+  auto job = service.store.create(std::move(submission), &repeated);
+  if (job) log_event(repeated ? "job-repeated" : "job-created", {{"job", job->id}, {"token", caller.token}});
   return job;
 }
 

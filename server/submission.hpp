@@ -26,6 +26,10 @@ std::uint64_t largest_form();
 Result<NewJob> read_submission(Service& service, http::Request& request, const Caller& caller,
                                std::map<std::string, std::string>& fields);
 
+// Creates the job, or gives the one that the same key created before, and logs which of the two. Errors: those of
+// Store::create.
+Result<Job> create_job(Service& service, NewJob submission, const Caller& caller);
+
 // What a submission would be as a job: its settings in full and its files with the formats that they seem to be of. Keeps
 // nothing. Errors: unsupported_format, and those of reading the files.
 Result<nlohmann::ordered_json> plan_of(NewJob& job, Store& store);

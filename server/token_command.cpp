@@ -14,11 +14,12 @@ using nlohmann::ordered_json;
 
 namespace {
 
-// Does `with_store` where no server runs, and asks the server otherwise.
+// Does `with_store` where no server runs, and asks the server otherwise. Errors: not_found, when there is no store.
 template <class WithStore>
 Result<ordered_json> do_or_ask(const std::filesystem::path& data, const WithStore& with_store,
                                const std::string& method, const std::string& tail,
-                               const std::string& body = {}) {
+                               const std::string& body = {}, bool may_begin = false) {
+  if (!may_begin && !has_store(data)) return no_store(data);
   if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
   const auto store = open_store(data);
   if (store) return with_store(**store);
@@ -51,7 +52,8 @@ void TokenCommand::add_to(CLI::App& app) {
 bool TokenCommand::asked() const { return token_->parsed(); }
 
 Result<void> TokenCommand::run(const std::filesystem::path& configured_data) {
-  if (data_.empty()) data_ = configured_data;
+  data_named_ = !data_.empty();
+  if (!data_named_) data_ = configured_data;
   if (create_->parsed()) return create();
   if (list_->parsed()) return list();
   return revoke();
@@ -73,7 +75,10 @@ Result<void> TokenCommand::create() const {
     answer["token"] = made.text;
     return answer;
   };
-  VACUFORM_TRY(made, do_or_ask(data_, here, "POST", "", wanted.dump()));
+  // The first token is made before the first start: in the configured folder, or in an empty one.
+  std::error_code error;
+  const bool may_begin = !data_named_ || std::filesystem::is_empty(data_, error);
+  VACUFORM_TRY(made, do_or_ask(data_, here, "POST", "", wanted.dump(), may_begin && !error));
   const std::string text = made.value("token", "") + "\n";
   if (!out_.empty()) return write_text_file(out_, text);
   std::fputs(text.c_str(), stdout);
@@ -95,9 +100,12 @@ Result<void> TokenCommand::list() const {
     const auto text = [&](const char* key) {
       return token.at(key).is_string() ? token.at(key).get<std::string>() : std::string("-");
     };
-    std::printf("%s  owner %s  scopes %s  created %s  expires %s  revoked %s\n", text("id").c_str(),
+    const auto parsed = Scopes::from(scopes);
+    const bool mixed = parsed && mixes_work(*parsed) && text("revoked") == "-";
+    std::printf("%s  owner %s  scopes %s  created %s  expires %s  revoked %s%s\n", text("id").c_str(),
                 text("owner").c_str(), scopes.c_str(), text("created").c_str(), text("expires").c_str(),
-                text("revoked").c_str());
+                text("revoked").c_str(),
+                mixed ? "  (work beside other scopes: make two tokens, revoke this one)" : "");
   }
   return {};
 }

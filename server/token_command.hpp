@@ -32,6 +32,7 @@ class TokenCommand {
   std::filesystem::path data_, out_;
   std::string owner_, scopes_, id_;
   double days_ = 0;
+  bool data_named_ = false;  // by --data
 };
 
 }  // namespace vacuform

@@ -26,14 +26,20 @@ Result<MadeToken> make_token(Store& store, const NewToken& wanted, const Clock& 
   if (wanted.scopes == Scopes())
     return fail(Code::bad_usage, "the token has no scope", "scopes",
                 "give some of submit, read, work, admin");
+  if (mixes_work(wanted.scopes))
+    return fail(Code::bad_usage, "a worker's token has the scope work alone", "scopes",
+                "make one token with work and another one with the other scopes");
   const Millis now = clock();
   if (wanted.expires && *wanted.expires <= now)
     return fail(Code::bad_usage, "the token would have expired already", "days", "give a number above 0");
   const std::string id = random_hex(id_size / 2), secret = random_hex(secret_size / 2);
-  Token token{id, wanted.owner, wanted.scopes, text_hash(secret), now, wanted.expires, std::nullopt};
+  Token token{id,  wanted.owner,   wanted.scopes, text_hash(secret),
+              now, wanted.expires, std::nullopt,  wanted.file};
   VACUFORM_CHECK(store.add_token(token));
   return MadeToken{std::move(token), std::string(prefix) + id + "_" + secret};
 }
+
+bool mixes_work(const Scopes& scopes) { return scopes.has(Scope::work) && scopes != Scopes{Scope::work}; }
 
 bool usable(const Token& token, Millis now) {
   return !token.revoked && (!token.expires || now < *token.expires);
@@ -56,13 +62,20 @@ Result<Token> usable_token(Store& store, std::string_view text, const Clock& clo
   return token;
 }
 
+std::optional<std::string> token_of_file(Store& store, const std::filesystem::path& file,
+                                         const Scopes& scopes) {
+  auto text = read_text_file(file, 4096);
+  if (!text) return std::nullopt;
+  while (!text->empty() && text->back() == '\n') text->pop_back();
+  const auto token = usable_token(store, *text);
+  return token && token->scopes == scopes ? std::optional(std::move(*text)) : std::nullopt;
+}
+
 Result<std::string> token_in_file(Store& store, const std::filesystem::path& file, const NewToken& wanted) {
-  if (auto text = read_text_file(file, 4096)) {
-    while (!text->empty() && text->back() == '\n') text->pop_back();
-    const auto token = usable_token(store, *text);
-    if (token && token->scopes == wanted.scopes) return text;
-  }
-  VACUFORM_TRY(made, make_token(store, wanted));
+  if (auto text = token_of_file(store, file, wanted.scopes)) return std::move(*text);
+  NewToken named = wanted;
+  named.file = file.filename().string();
+  VACUFORM_TRY(made, make_token(store, named));
   VACUFORM_CHECK(write_text_file(file, made.text + "\n"));
   return made.text;
 }

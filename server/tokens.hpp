@@ -18,6 +18,7 @@ struct NewToken {
       owner;  // whose jobs it sees: 1 to 32 of a-z, 0-9 and '-', for a place or a purpose, never a person
   Scopes scopes;
   std::optional<Millis> expires;
+  std::string file = {};  // of the data folder, if the server makes it for one
 };
 
 struct MadeToken {
@@ -25,7 +26,8 @@ struct MadeToken {
   std::string text;  // what its user shows; it is kept nowhere
 };
 
-// Errors: bad_usage (the owner's name, no scope, already expired), and those of the store.
+// Errors: bad_usage (the owner's name, no scope, work together with another scope, already expired), and those of the
+// store.
 Result<MadeToken> make_token(Store& store, const NewToken& wanted, const Clock& clock = wall_clock);
 
 // The token that a text is, if it is one that may be used now. Errors: unauthorized.
@@ -34,6 +36,12 @@ Result<Token> usable_token(Store& store, std::string_view text, const Clock& clo
 // Whether a token may be used now.
 bool usable(const Token& token, Millis now);
 
+// Whether a token has the scope work beside others, as those of earlier versions may.
+bool mixes_work(const Scopes& scopes);
+
+// The text of the usable token of exactly these scopes that a file holds, if it holds one.
+std::optional<std::string> token_of_file(Store& store, const std::filesystem::path& file,
+                                         const Scopes& scopes);
 // Sees that a file holds a usable token of this scope, and otherwise makes one and writes it there, for the owner of
 // the folder alone (0600). Gives its text.
 Result<std::string> token_in_file(Store& store, const std::filesystem::path& file, const NewToken& wanted);

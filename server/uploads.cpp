@@ -1,7 +1,10 @@
 #include "server/uploads.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <vector>
+
+#include "api/log.hpp"
 
 namespace vacuform {
 
@@ -22,9 +25,14 @@ tl::unexpected<Error> held(const std::string& id) {
 Result<std::unique_ptr<Uploads>> Uploads::open(Store& store, fs::path folder, Clock clock) {
   VACUFORM_CHECK(make_directory(folder));
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (!store.find_upload(entry.path().stem().string()) || !PartialFile::is_one(entry.path()))
-      fs::remove(entry.path(), error);
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const auto upload = store.find_upload(entry.path().stem().string());
+    const bool unknown =
+        !upload && (upload.error().code == Code::not_found || upload.error().code == Code::gone);
+    if (!unknown && PartialFile::is_one(entry.path())) continue;
+    if (const auto deleted = Blobs::delete_aside(entry.path()); !deleted)
+      log_event("file-not-deleted", {{"folder", "uploads"}, {"problem", deleted.error().what}});
+  }
   return std::unique_ptr<Uploads>(new Uploads(store, std::move(folder), std::move(clock)));
 }
 
@@ -94,9 +102,12 @@ Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t 
   if (request.content_length > upload.length - offset)
     return fail(Code::too_large, "there are more bytes than the upload's length", "Upload-Length",
                 "begin an upload of the right length");
+  VACUFORM_CHECK(store_.room_for(request.content_length));
   const auto received = receive(file, upload.length, request, whole);
-  // Unflushed bytes go with the writer: what counts is what stands in the file.
-  if (!received && (whole || received.error().code == Code::unavailable)) writer->file.reset();
+  if (!received && !file.is_flushed()) {  // only flushed bytes count
+    file.drop_unflushed();
+    writer->file.reset();
+  }
   if (!received) return tl::make_unexpected(received.error());
   const std::uint64_t bytes = file.bytes();
   if (bytes < upload.length) return bytes;
@@ -118,6 +129,7 @@ Result<void> Uploads::receive(PartialFile& file, std::uint64_t length, http::Req
     }
     if (*n > length - file.bytes())
       return fail(Code::too_large, "there are more bytes than the upload's length");
+    VACUFORM_CHECK(store_.room_for(*n));
     VACUFORM_CHECK(file.take({piece.data(), *n}));
     if (whole || file.bytes() - flushed < flush_every) continue;
     VACUFORM_CHECK(file.flush());
@@ -126,9 +138,9 @@ Result<void> Uploads::receive(PartialFile& file, std::uint64_t length, http::Req
 }
 
 Result<void> Uploads::finish(const StoredUpload& upload, PartialFile& file) {
-  VACUFORM_TRY(whole, file.finish());
+  VACUFORM_TRY(whole, file.finish(store_.temporary_path()));
   VACUFORM_CHECK(store_.finish_upload(upload.id, std::move(whole)));
-  PartialFile::remove(name_of(upload.id));
+  discard(upload.id);
   return {};
 }
 
@@ -157,13 +169,26 @@ Result<void> Uploads::remove(const std::string& id) {
   if (!writing) return held(id);
   VACUFORM_CHECK(store_.remove_upload(id));
   writer->file.reset();
-  PartialFile::remove(name_of(id));
+  discard(id);
   return {};
+}
+
+void Uploads::discard(const std::string& id) {
+  const auto removed = PartialFile::remove(name_of(id));
+  const std::lock_guard hold(mutex_);
+  if (removed)
+    undeleted_.erase(id);
+  else if (undeleted_.insert(id).second)
+    log_event("file-not-deleted", {{"upload", id}, {"problem", removed.error().what}});
 }
 
 Result<void> Uploads::collect() {
   VACUFORM_TRY(ids, store_.expire_uploads());
-  for (const std::string& id : ids) PartialFile::remove(name_of(id));
+  {
+    const std::lock_guard hold(mutex_);
+    ids.insert(ids.end(), undeleted_.begin(), undeleted_.end());
+  }
+  for (const std::string& id : ids) discard(id);
   return {};
 }
 

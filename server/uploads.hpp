@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 
 #include "server/http/message.hpp"
 #include "server/store/partial_file.hpp"
@@ -39,7 +40,7 @@ class Uploads {
   Result<std::uint64_t> append(const StoredUpload& upload, std::uint64_t offset, http::Request& request,
                                bool whole);
   Result<void> remove(const std::string& id);
-  // Deletes what has expired. Call it now and then.
+  // Deletes what has expired, and what could not be deleted before. Call it now and then.
   Result<void> collect();
 
  private:
@@ -55,12 +56,15 @@ class Uploads {
   Result<void> receive(PartialFile& file, std::uint64_t length, http::Request& request, bool whole);
   Result<void> finish_after_crash(const StoredUpload& upload, Writer& writer);
   Result<void> finish(const StoredUpload& upload, PartialFile& file);
+  // Deletes the files of an upload; collect() tries again what could not be deleted.
+  void discard(const std::string& id);
 
   Store& store_;
   const std::filesystem::path folder_;
   const Clock clock_;
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Writer>> writers_;
+  std::set<std::string> undeleted_;  // ids
   std::uint64_t uses_ = 0;
 };
 

@@ -139,7 +139,7 @@ Result<Response> put_artifact(Service& service, Request& request) {
                             411);
   const LeaseKey key = key_of(request);
   VACUFORM_TRY(job, service.store.leased(key));  // before the bytes are taken in
-  VACUFORM_TRY(upload, service.store.upload());
+  VACUFORM_TRY(upload, service.store.upload(Use::artifact));
   std::vector<char> piece(64 * 1024);
   for (;;) {
     VACUFORM_TRY(n, request.body->read(piece));

@@ -15,7 +15,9 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 // The server may be away, or has a fault that passes: the same call may be made again.
-bool passing(const Error& error) { return error.code == Code::unavailable || error.code == Code::internal; }
+bool passing(const Error& error) {
+  return error.code == Code::unavailable || error.code == Code::disk_full || error.code == Code::internal;
+}
 
 milliseconds longer(milliseconds pause) { return std::min(2 * pause, milliseconds(10000)); }
 

@@ -17,7 +17,7 @@ namespace {
 constexpr int longest_shown_log = 200;  // lines
 
 std::vector<Job> recent_jobs(Store& store, const Caller& caller) {
-  auto page = store.list(10, "", caller.only());
+  auto page = store.list(10, "", {.owner = caller.only()}, Detail::brief);
   return page ? std::move(page->jobs) : std::vector<Job>();
 }
 
@@ -34,9 +34,8 @@ Result<Response> submit(Service& service, Request& request, const Caller& caller
   std::map<std::string, std::string> fields;
   auto submission = read_submission(service, request, caller, fields);
   if (!submission) return form(service, caller, submission.error(), fields);
-  auto job = service.store.create(std::move(*submission));
+  auto job = create_job(service, std::move(*submission), caller);
   if (!job) return form(service, caller, job.error(), fields);
-  log_event("job-created", {{"job", job->id}, {"token", caller.token}});
   return see_other("/jobs/" + job->id);
 }
 

@@ -108,8 +108,16 @@ Explanation explanation(Code code) {
     case Code::gone:
       return {"What was asked for has expired: an unfinished upload is kept for a day after its last byte.",
               "Begin the upload again."};
+    case Code::disk_full:
+      return {
+          "The disk of the service has no room for more files. Jobs can still be read, cancelled and "
+          "deleted, and "
+          "nothing that was accepted is lost.",
+          "Delete jobs, scans and uploads that you no longer need, then try again. Ask the operator for a "
+          "larger "
+          "disk if this happens often."};
     case Code::unavailable:
-      return {"The service cannot do this now: the disk is full, or it is just stopping.",
+      return {"The service cannot do this now, for example because it is just stopping.",
               "Try again a little later."};
     case Code::internal:
       return {"A fault of Vacuform's own.",

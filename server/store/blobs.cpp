@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 Upload::Upload(Upload&& other) noexcept
     : file_(std::move(other.file_)),
       path_(std::move(other.path_)),
+      room_(std::move(other.room_)),
+      use_(other.use_),
       hash_(std::move(other.hash_)),
       blob_(std::move(other.blob_)),
       flushed_(other.flushed_),
@@ -31,6 +33,7 @@ Upload::~Upload() {
 }
 
 Result<void> Upload::write(std::string_view bytes) {
+  if (room_) VACUFORM_CHECK(room_->check(use_, bytes.size()));
   VACUFORM_CHECK(file_.write(bytes));
   hash_.add(bytes);
   blob_.bytes += bytes.size();
@@ -48,23 +51,27 @@ Result<void> Upload::flush() {
   return {};
 }
 
-Result<Blobs> Blobs::open(const fs::path& data, std::chrono::milliseconds trust) {
-  Blobs blobs(data, trust);
+Result<Blobs> Blobs::open(const fs::path& data, std::chrono::milliseconds trust,
+                          std::shared_ptr<const DiskRoom> room) {
+  Blobs blobs(data, trust, std::move(room));
   VACUFORM_CHECK(make_directory(blobs.blobs_));
   VACUFORM_CHECK(make_directory(blobs.incoming_));
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(blobs.incoming_, error)) fs::remove(entry.path(), error);
+  for (const auto& entry : fs::directory_iterator(blobs.incoming_, error))
+    if (const auto deleted = delete_aside(entry.path()); !deleted)
+      log_event("file-not-deleted", {{"folder", "incoming"}, {"problem", deleted.error().what}});
   return blobs;
 }
 
-Result<Upload> Blobs::upload() const {
+Result<Upload> Blobs::upload(Use use) const {
+  if (room_) VACUFORM_CHECK(room_->check(use));
   fs::path path = temporary_path();
   VACUFORM_TRY(file, File::create(path));
-  return Upload(std::move(file), std::move(path));
+  return Upload(std::move(file), std::move(path), room_, use);
 }
 
 Upload Blobs::adopt(fs::path path, Blob blob) {
-  Upload upload({}, std::move(path));
+  Upload upload({}, std::move(path), nullptr, Use::submission);
   upload.blob_ = std::move(blob);
   upload.flushed_ = true;
   return upload;
@@ -80,14 +87,17 @@ Result<Blob> Blobs::seal(Upload& upload) const {
 Result<void> Blobs::keep(Upload& upload) const {
   const fs::path path = place(upload.digest().sha256);
   std::error_code error;
-  if (upload.known_ && fs::exists(path, error)) return {};  // the upload's own file goes with it
+  // The upload's own file goes with it, or it was kept by a transaction that is tried again.
+  if ((upload.known_ || upload.path_.empty()) && fs::exists(path, error)) return {};
   VACUFORM_CHECK(upload.flush());  // already done, unless the known file was deleted meanwhile
   const bool new_folder = !fs::exists(path.parent_path(), error);
   VACUFORM_CHECK(make_directory(path.parent_path()));
   if (new_folder) VACUFORM_CHECK(sync_directory(blobs_));
   if (std::rename(upload.path_.c_str(), path.c_str()) != 0)
-    return fail(Code::unavailable, "keeping an upload failed: " + std::generic_category().message(errno), {},
-                "see that the server may write to its data folder");
+    return fail(errno == ENOSPC || errno == EDQUOT ? Code::disk_full : Code::unavailable,
+                "keeping an upload failed: " + std::generic_category().message(errno), {},
+                "see that the server may write to its data folder, and that its disk has room");
+  ::unlink(upload.path_.c_str());  // still there when both names are of one file
   upload.path_.clear();
   return sync_directory(path.parent_path());
 }
@@ -147,7 +157,19 @@ Result<void> Blobs::copy(const std::string& sha256, const fs::path& blobs) const
   return sync_directory(to.parent_path());
 }
 
-void Blobs::remove(const std::string& sha256) const { ::unlink(place(sha256).c_str()); }
+Result<fs::path> Blobs::set_aside(const std::string& sha256) const {
+  fs::path aside = temporary_path();
+  if (::rename(place(sha256).c_str(), aside.c_str()) == 0) return aside;
+  if (errno == ENOENT) return fs::path();
+  VACUFORM_CHECK(delete_aside(place(sha256)));  // a full disk may have no room for another name
+  return fs::path();
+}
+
+Result<void> Blobs::delete_aside(const fs::path& file) {
+  if (::unlink(file.c_str()) == 0 || errno == ENOENT) return {};
+  return fail(Code::unavailable, "deleting a file failed: " + std::generic_category().message(errno),
+              file.filename().string(), "see that the server may write to its data folder");
+}
 
 Result<void> Blobs::sweep(const std::function<bool(const std::string&)>& wanted) const {
   std::error_code error;
@@ -156,7 +178,9 @@ Result<void> Blobs::sweep(const std::function<bool(const std::string&)>& wanted)
     if (!entry.is_directory(error) && !wanted(entry.path().filename().string()))
       unwanted.push_back(entry.path());
   if (error) return fail(Code::unavailable, "reading the blobs' folder failed: " + error.message(), "blobs");
-  for (const auto& path : unwanted) ::unlink(path.c_str());
+  for (const auto& path : unwanted)
+    if (const auto deleted = delete_aside(path); !deleted)
+      log_event("file-not-deleted", {{"blob", path.filename().string()}, {"problem", deleted.error().what}});
   return {};
 }
 

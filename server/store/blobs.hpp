@@ -20,6 +20,7 @@
 #include "api/sha256.hpp"
 #include "server/file.hpp"
 #include "server/secrets.hpp"
+#include "server/store/disk_room.hpp"
 
 namespace vacuform {
 
@@ -34,6 +35,7 @@ class Upload {
   Upload& operator=(Upload&&) = delete;
   ~Upload();
 
+  // Errors: disk_full, when too little room would stay on the disk for what the file is for.
   Result<void> write(std::string_view bytes);
   std::uint64_t bytes() const { return blob_.bytes; }
   const File& file() const { return file_; }  // what was written, to be looked at
@@ -42,10 +44,13 @@ class Upload {
 
  private:
   friend class Blobs;
-  Upload(File file, std::filesystem::path path) : file_(std::move(file)), path_(std::move(path)) {}
+  Upload(File file, std::filesystem::path path, std::shared_ptr<const DiskRoom> room, Use use)
+      : file_(std::move(file)), path_(std::move(path)), room_(std::move(room)), use_(use) {}
 
   File file_;
   std::filesystem::path path_;  // empty when the file has moved on
+  std::shared_ptr<const DiskRoom> room_;
+  Use use_;
   Result<void> flush();
 
   Sha256 hash_;
@@ -81,16 +86,18 @@ class Blobs {
   // Makes the folders; deletes what unfinished uploads left behind. `trust` is how long a file that was read whole is
   // taken to be good, unless it was written to. Errors: unavailable.
   static Result<Blobs> open(const std::filesystem::path& data,
-                            std::chrono::milliseconds trust = std::chrono::hours(1));
+                            std::chrono::milliseconds trust = std::chrono::hours(1),
+                            std::shared_ptr<const DiskRoom> room = nullptr);
 
-  Result<Upload> upload() const;
+  // Errors: disk_full, unavailable.
+  Result<Upload> upload(Use use = Use::submission) const;
   // Takes over a whole file on the same disk that is flushed already.
   static Upload adopt(std::filesystem::path path, Blob blob);
   std::filesystem::path temporary_path() const { return incoming_ / random_hex(16); }
   // Fixes the hash, and flushes the bytes to the disk unless they are there already. The slow part of keep(), without
   // a lock.
   Result<Blob> seal(Upload& upload) const;
-  // Gives a sealed upload its final name. Keeping the same bytes twice leaves one file.
+  // Gives a sealed upload its final name. Keeping the same bytes, or the same upload, twice leaves one file.
   Result<void> keep(Upload& upload) const;
   // The file, whose bytes are checked when it was written to, or not read whole by this process within the last hour.
   // Errors: not_found; gone: the bytes are others.
@@ -98,21 +105,26 @@ class Blobs {
   // The same into a file of that hash beneath another folder: a hard link, or a copy where the disk is another one. The
   // bytes are checked in any case.
   Result<void> copy(const std::string& sha256, const std::filesystem::path& blobs) const;
-  // Missing files are no error: a crash may have come between the row's end and the file's.
-  void remove(const std::string& sha256) const;
+  // Takes the file out of sight at once, which is quick; delete_aside() then frees its space, which takes a while for a
+  // large file. What a crash leaves in between is deleted at the next start. Gives an empty path when there is no such
+  // file. Errors: disk_full, unavailable.
+  Result<std::filesystem::path> set_aside(const std::string& sha256) const;
+  static Result<void> delete_aside(const std::filesystem::path& file);
   // Deletes every blob for which `wanted` is false.
   Result<void> sweep(const std::function<bool(const std::string& sha256)>& wanted) const;
 
  private:
-  Blobs(std::filesystem::path data, std::chrono::milliseconds trust)
+  Blobs(std::filesystem::path data, std::chrono::milliseconds trust, std::shared_ptr<const DiskRoom> room)
       : blobs_(data / "blobs"),
         incoming_(data / "incoming"),
+        room_(std::move(room)),
         checked_(std::make_shared<CheckedFiles>(trust)) {}
   std::filesystem::path place(const std::string& sha256) const {
     return blobs_ / sha256.substr(0, 2) / sha256;
   }
 
   std::filesystem::path blobs_, incoming_;
+  std::shared_ptr<const DiskRoom> room_;
   std::shared_ptr<CheckedFiles> checked_;
 };
 

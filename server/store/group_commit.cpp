@@ -21,8 +21,7 @@ Result<void> GroupCommit::run(const std::function<bool()>& change) {
   return self.result;
 }
 
-void GroupCommit::run_together(const std::vector<Waiting*>& batch) {
-  const std::lock_guard hold(database_mutex_);
+Result<void> GroupCommit::transaction(const std::vector<Waiting*>& batch) {
   const auto all = [&]() -> Result<void> {
     VACUFORM_CHECK(db_.execute("BEGIN IMMEDIATE"));
     for (const Waiting* waiting : batch) {
@@ -32,12 +31,26 @@ void GroupCommit::run_together(const std::vector<Waiting*>& batch) {
     }
     return db_.execute("COMMIT");
   };
-  if (const Result<void> result = all(); !result) {
-    (void)db_.execute(
-        "ROLLBACK");  // SQLite may have rolled back already; then this is refused and changes nothing
-    for (Waiting* waiting : batch) waiting->result = result;
+  auto result = all();
+  // SQLite may have rolled back already; then this is refused and changes nothing.
+  if (!result) (void)db_.execute("ROLLBACK");
+  return result;
+}
+
+void GroupCommit::run_together(const std::vector<Waiting*>& batch) {
+  const std::lock_guard hold(database_mutex_);
+  auto result = transaction(batch);
+  if (db_.take_perhaps_full()) {
+    make_room_();
+    if (!result) {
+      ended_transaction_(false);
+      result = transaction(batch);
+    }
+    (void)db_.take_perhaps_full();
   }
-  committed_();
+  if (!result)
+    for (Waiting* waiting : batch) waiting->result = result;
+  ended_transaction_(result.has_value());
 }
 
 }  // namespace vacuform

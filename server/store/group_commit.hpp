@@ -14,11 +14,13 @@ namespace vacuform {
 
 class GroupCommit {
  public:
-  // `committed` is called after each transaction, committed or not, still under the lock.
-  GroupCommit(Database& db, std::function<void()> committed) : db_(db), committed_(std::move(committed)) {}
+  // `make_room` is called when a transaction may have found the disk full; then all of its changes are tried once more. `ended` is
+  // called after each transaction with whether it was committed, still under the lock.
+  GroupCommit(Database& db, std::function<void()> make_room, std::function<void(bool)> ended)
+      : db_(db), make_room_(std::move(make_room)), ended_transaction_(std::move(ended)) {}
 
-  // Runs `change` under the lock inside a savepoint, and returns when it is on the disk, or undone. False
-  // from `change` undoes it alone and is no error. Errors: those of the transaction, which undid the change.
+  // Runs `change` under the lock inside a savepoint, and returns when it is on the disk, or undone. It may run twice.
+  // False from `change` undoes it alone and is no error. Errors: those of the transaction, which undid the change.
   Result<void> run(const std::function<bool()>& change);
 
   // Held while a transaction runs; hold it to read.
@@ -31,9 +33,11 @@ class GroupCommit {
     bool done = false;
   };
   void run_together(const std::vector<Waiting*>& batch);
+  Result<void> transaction(const std::vector<Waiting*>& batch);
 
   Database& db_;
-  std::function<void()> committed_;
+  std::function<void()> make_room_;
+  std::function<void(bool)> ended_transaction_;
   std::mutex database_mutex_;  // taken after the other, or alone
   std::mutex queue_mutex_;
   std::condition_variable ended_;

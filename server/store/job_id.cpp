@@ -14,9 +14,14 @@ void write_digits(std::string& id, std::size_t begin, std::size_t end, std::uint
 
 }  // namespace
 
-std::string make_job_id(Millis time) {
+std::string first_job_id(Millis time) {
   std::string id(26, '0');
   write_digits(id, 0, 10, static_cast<std::uint64_t>(time));
+  return id;
+}
+
+std::string make_job_id(Millis time) {
+  std::string id = first_job_id(time);
   write_digits(id, 10, 18, random_number());
   write_digits(id, 18, 26, random_number());
   return id;

@@ -9,5 +9,7 @@
 namespace vacuform {
 
 std::string make_job_id(Millis time);
+// The least id of that time.
+std::string first_job_id(Millis time);
 
 }  // namespace vacuform

@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cstdio>
+#include <system_error>
 #include <vector>
 
 namespace vacuform {
@@ -52,9 +55,9 @@ bool PartialFile::is_one(const fs::path& file) {
   return file.extension() == ".part" || file.extension() == ".state";
 }
 
-void PartialFile::remove(const fs::path& name) {
-  ::unlink(state_of(name).c_str());
-  ::unlink(part_of(name).c_str());
+Result<void> PartialFile::remove(const fs::path& name) {
+  VACUFORM_CHECK(Blobs::delete_aside(state_of(name)));
+  return Blobs::delete_aside(part_of(name));
 }
 
 Result<PartialFile> PartialFile::open(fs::path name, const std::string& extension) {
@@ -66,15 +69,15 @@ Result<PartialFile> PartialFile::open(fs::path name, const std::string& extensio
     return file;
   }
   if (!file.filter_.go_on(state->filter))
-    return fail(Code::unreadable, "an upload cannot be gone on with", {}, "begin it again");
-  file.received_ = state->received;
-  file.kept_ = state->kept;
+    return fail(Code::unreadable, "an upload cannot be resumed", {}, "begin it again");
+  file.received_ = file.flushed_received_ = state->received;
+  file.kept_ = file.flushed_kept_ = state->kept;
   VACUFORM_CHECK(file.hash_again());
   return file;
 }
 
 Result<void> PartialFile::begin() {
-  remove(name_);
+  VACUFORM_CHECK(remove(name_));
   VACUFORM_TRY(file, File::create(part_of(name_)));
   file_ = std::move(file);
   return {};
@@ -92,7 +95,7 @@ Result<void> PartialFile::hash_again() {
   }
   if (::ftruncate(file_.descriptor(), static_cast<off_t>(kept_)) != 0 ||
       ::lseek(file_.descriptor(), 0, SEEK_END) < 0)
-    return fail(Code::unavailable, "an upload cannot be gone on with", {}, "begin it again");
+    return fail(Code::unavailable, "an upload cannot be resumed", {}, "begin it again");
   return {};
 }
 
@@ -113,14 +116,26 @@ Result<void> PartialFile::take(std::string_view bytes) {
 
 Result<void> PartialFile::flush() {
   VACUFORM_CHECK(file_.sync());
-  return write_text_file(state_of(name_),
-                         std::to_string(received_) + " " + std::to_string(kept_) + "\n" + filter_.state());
+  VACUFORM_CHECK(write_text_file(
+      state_of(name_), std::to_string(received_) + " " + std::to_string(kept_) + "\n" + filter_.state()));
+  flushed_received_ = received_;
+  flushed_kept_ = kept_;
+  return {};
 }
 
-Result<Upload> PartialFile::finish() {
+void PartialFile::drop_unflushed() {
+  (void)!::ftruncate(file_.descriptor(), static_cast<off_t>(flushed_kept_));  // else open() does it
+}
+
+Result<Upload> PartialFile::finish(const fs::path& as) {
   VACUFORM_CHECK(keep(filter_.finish()));
   VACUFORM_CHECK(file_.sync());
-  return Blobs::adopt(part_of(name_), {hash_.hex(), kept_});
+  // Where the disk knows no second names, the file moves.
+  if (::link(part_of(name_).c_str(), as.c_str()) != 0 && ::rename(part_of(name_).c_str(), as.c_str()) != 0)
+    return fail(errno == ENOSPC || errno == EDQUOT ? Code::disk_full : Code::unavailable,
+                "an upload cannot be kept: " + std::generic_category().message(errno), {},
+                "see that the server may write to its data folder, and that its disk has room");
+  return Blobs::adopt(as, {hash_.hex(), kept_});
 }
 
 }  // namespace vacuform

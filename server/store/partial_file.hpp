@@ -25,16 +25,22 @@ class PartialFile {
   static Result<PartialFile> open(std::filesystem::path name, const std::string& extension);
   // How many bytes the last flush of that name left; 0 when there was none. Reads only that number.
   static Result<std::uint64_t> flushed(const std::filesystem::path& name);
-  static void remove(const std::filesystem::path& name);
+  // Errors: unavailable.
+  static Result<void> remove(const std::filesystem::path& name);
   // Whether a file of that name belongs to one; others beside them are nobody's.
   static bool is_one(const std::filesystem::path& file);
 
   std::uint64_t bytes() const { return received_; }
-  // Takes the next bytes. They are lost in a crash before flush(). Errors: unavailable (disk full).
+  // Takes the next bytes. They are lost in a crash before flush(). Errors: disk_full, unavailable.
   Result<void> take(std::string_view bytes);
   Result<void> flush();
-  // Ends the file and hands it over; nothing may be taken afterwards. The state stays until remove().
-  Result<Upload> finish();
+  // Whether all bytes that were taken are flushed.
+  bool is_flushed() const { return received_ == flushed_received_; }
+  // Frees the space of what was taken since the last flush; then the file must be opened again.
+  void drop_unflushed();
+  // Ends the file and hands it over under a second name, `as`, on the same disk; nothing may be taken afterwards. What is
+  // under the first name stays until remove(), so that a file that could not be kept is not lost.
+  Result<Upload> finish(const std::filesystem::path& as);
 
  private:
   PartialFile(std::filesystem::path name, const std::string& extension)
@@ -48,6 +54,7 @@ class PartialFile {
   NameFilter filter_;
   Sha256 hash_;
   std::uint64_t received_ = 0, kept_ = 0;  // kept_: of NAME.part; the filter holds a few back
+  std::uint64_t flushed_received_ = 0, flushed_kept_ = 0;
 };
 
 }  // namespace vacuform

@@ -1,6 +1,7 @@
 // Named settings: a machine, a sheet. Everybody sees them and may take one as the base of a job's settings.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,15 +24,20 @@ struct ProfilePage {
 
 inline constexpr int most_profiles = 1000;
 
+// Sees the profile as it is when it is changed, none when there is none, and may refuse with false. May be called twice.
+using ProfileGuard = std::function<bool(const std::optional<Profile>& now)>;
+
 class ProfileTable {
  public:
   virtual ~ProfileTable() = default;
-  // Adds it or replaces one of its name; true when it is new. Errors: busy, when there are most_profiles.
-  virtual Result<bool> put_profile(const Profile& profile) = 0;
+  // Adds it or replaces one of its name; true when it is new. Errors: busy, when there are most_profiles; conflict, when
+  // it was not allowed; disk_full.
+  virtual Result<bool> put_profile(const Profile& profile, const ProfileGuard& allowed = {}) = 0;
   virtual Result<Profile> find_profile(const std::string& name) = 0;  // errors: not_found
   // Those whose names come after that of the cursor.
   virtual Result<ProfilePage> list_profiles(int limit, const std::string& cursor) = 0;
-  virtual Result<void> remove_profile(const std::string& name) = 0;  // errors: not_found
+  // Errors: not_found; conflict, when it was not allowed.
+  virtual Result<void> remove_profile(const std::string& name, const ProfileGuard& allowed = {}) = 0;
 };
 
 }  // namespace vacuform

@@ -129,6 +129,14 @@ CREATE TABLE profile(name TEXT PRIMARY KEY, settings TEXT NOT NULL, changed INTE
     R"sql(
 ALTER TABLE job ADD COLUMN kind TEXT NOT NULL DEFAULT 'print';
 )sql",
+    // 8: leases had their ends here, by the wall clock; lists had no filters; nobody knew which token stands in which file
+    R"sql(
+DROP INDEX job_by_state;
+ALTER TABLE job DROP COLUMN lease_ends;
+CREATE INDEX job_by_state ON job(state, id, kind, created);
+CREATE INDEX job_by_owner_and_state ON job(owner, state, id, kind, created);
+ALTER TABLE token ADD COLUMN file TEXT;
+)sql",
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <sqlite3.h>
 
+#include <cerrno>
+
 namespace vacuform {
 
 Database::~Database() {
@@ -12,7 +14,16 @@ Database::~Database() {
 Result<void> Database::open(const std::string& path) {
   const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   if (sqlite3_open_v2(path.c_str(), &db_, flags, nullptr) != SQLITE_OK) return error();
+  sqlite3_wal_hook(db_, wrote, this);
   return {};
+}
+
+// After each transaction that wrote to the log. A checkpoint that fails is tried again after the next one.
+int Database::wrote(void* self, sqlite3* db, const char* name, int pages) {
+  constexpr int most_pages = 1000;
+  ++static_cast<Database*>(self)->commits_;
+  if (pages >= most_pages) sqlite3_wal_checkpoint_v2(db, name, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+  return SQLITE_OK;
 }
 
 Result<void> Database::execute(const std::string& sql) {
@@ -50,9 +61,14 @@ tl::unexpected<Error> Database::error() const {
   if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)
     return fail(Code::corrupt_file, "the job store is damaged: " + text, "jobs.sqlite",
                 "restore the data folder from a backup, or start with an empty one");
-  return fail(Code::unavailable, "the job store cannot be used: " + text, "jobs.sqlite",
-              code == SQLITE_FULL ? "free some space on the server's disk and try again"
-                                  : "see that the server may write to its data folder");
+  // Of other failures SQLite does not always remember the reason; a quota and a late flush give them, too.
+  const int system = code == SQLITE_IOERR || code == SQLITE_CANTOPEN ? sqlite3_system_errno(db_) : 0;
+  const bool full = code == SQLITE_FULL || system == ENOSPC || system == EDQUOT;
+  perhaps_full_ = perhaps_full_ || full || code == SQLITE_IOERR || code == SQLITE_CANTOPEN;
+  return fail(full ? Code::disk_full : Code::unavailable, "the job store cannot be used: " + text,
+              "jobs.sqlite",
+              full ? "free some space on the server's disk and try again"
+                   : "see that the server may write to its data folder");
 }
 
 Result<sqlite3_stmt*> Database::prepared(const char* sql) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "api/error.hpp"
 
@@ -23,7 +24,7 @@ class Database {
   Database& operator=(const Database&) = delete;
   ~Database();
 
-  // Opens or makes the file. Errors here and below: unavailable (disk full, locked), corrupt_file (not a
+  // Opens or makes the file. Errors here and below: disk_full, unavailable (locked), corrupt_file (not a
   // database).
   Result<void> open(const std::string& path);
   // One or several statements without arguments and results.
@@ -31,16 +32,23 @@ class Database {
   // Copies the database into a new file. Between pieces of a thousand pages `pause` is called, which may let others use
   // the connection; what they change is in the copy. False from it gives up with cancelled.
   Result<void> copy_to(const std::string& path, const std::function<bool()>& pause);
+  // Whether an error since the last call may mean that the disk is full.
+  bool take_perhaps_full() { return std::exchange(perhaps_full_, false); }
+  // Transactions so far that have changed the file, each of them in it for good.
+  std::int64_t commits() const { return commits_; }
   // Steps of SQLite's virtual machine so far: the work that was done, whatever the machine's speed.
   std::int64_t steps() const;
 
  private:
   friend class Query;
   tl::unexpected<Error> error() const;
+  static int wrote(void* self, sqlite3* db, const char* name, int pages);
   // Statements live as long as the connection; `sql` is a literal, so its address identifies it.
   Result<sqlite3_stmt*> prepared(const char* sql);
 
   sqlite3* db_ = nullptr;
+  mutable bool perhaps_full_ = false;
+  std::int64_t commits_ = 0;
   std::unordered_map<const char*, sqlite3_stmt*> statements_;
 };
 

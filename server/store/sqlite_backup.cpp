@@ -56,8 +56,11 @@ Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function
       ++store.backups_;
     }
     ~Hold() {
-      const std::lock_guard lock(store.commits_.lock());
-      if (--store.backups_ == 0) store.committed();
+      {
+        const std::lock_guard lock(store.commits_.lock());
+        if (--store.backups_ == 0 && !store.doubtful_) store.set_garbage_aside();
+      }
+      store.delete_trash();
     }
     SqliteStore& store;
   } const hold(*this);

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <functional>
+#include <limits>
 
 #include "server/store/job_id.hpp"
 #include "server/store/sqlite_store.hpp"
@@ -19,7 +21,8 @@ Blob blob_of(NewInput& input) {
 
 }  // namespace
 
-Result<Job> SqliteStore::create(NewJob job) {
+Result<Job> SqliteStore::create(NewJob job, bool* repeated) {
+  const Deletion deletion(*this);
   std::vector<Blob> blobs;
   for (auto& input : job.inputs) {
     if (auto* upload = std::get_if<Upload>(&input.file)) {
@@ -30,9 +33,11 @@ Result<Job> SqliteStore::create(NewJob job) {
   return write([&]() -> Result<Job> {
     if (!job.client_key.empty()) {
       VACUFORM_TRY(earlier, made_before(job, blobs));
+      if (repeated) *repeated = earlier.has_value();
       if (earlier) return *earlier;
     }
     VACUFORM_CHECK(check_room(job.owner));
+    VACUFORM_CHECK(room_for(0));
     const Millis now = options_.clock();
     last_id_time_ = std::max(now, last_id_time_ + 1);
     const std::string id = make_job_id(last_id_time_);
@@ -97,17 +102,17 @@ Result<std::optional<Job>> SqliteStore::made_before(const NewJob& job, const std
   return std::optional<Job>(std::move(earlier));
 }
 
-Result<Job> SqliteStore::find(const std::string& id) {
+Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
   Query query(
       db_,
       "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
-      " error_where, error_mend, settings, request, owner, priority, derived_from, not_before, version, kind"
+      " error_where, error_mend, request, owner, priority, derived_from, not_before, version, kind, settings"
       " FROM job WHERE id=?",
       id);
   VACUFORM_TRY(found, query.row());
   if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
   const auto state = job_state_from(query.text(1));
-  const auto kind = job_kind_from(query.text(19));
+  const auto kind = job_kind_from(query.text(18));
   if (!state || !kind) return fail(Code::corrupt_file, "the job store is damaged: unknown state or kind", id);
   Job job;
   job.id = query.text(0);
@@ -122,13 +127,14 @@ Result<Job> SqliteStore::find(const std::string& id) {
   if (!query.null(8))
     job.error = Error{code_from(query.text(8)).value_or(Code::internal), query.text(9), query.text(10),
                       query.text(11)};
-  job.settings = query.text(12);
-  job.request = query.text(13);
-  job.owner = query.text(14);
-  job.priority = static_cast<int>(query.integer(15));
-  if (!query.null(16)) job.derived_from = query.text(16);
-  if (!query.null(17)) job.not_before = query.integer(17);
-  job.version = query.integer(18);
+  job.request = query.text(12);
+  job.owner = query.text(13);
+  job.priority = static_cast<int>(query.integer(14));
+  if (!query.null(15)) job.derived_from = query.text(15);
+  if (!query.null(16)) job.not_before = query.integer(16);
+  job.version = query.integer(17);
+  if (detail == Detail::brief) return job;
+  job.settings = query.text(19);
   Query inputs(db_, "SELECT name, blob, bytes, extension FROM input WHERE job=?", id);
   for (;;) {
     VACUFORM_TRY(more, inputs.row());
@@ -139,17 +145,23 @@ Result<Job> SqliteStore::find(const std::string& id) {
   std::sort(job.inputs.begin(), job.inputs.end(), [](const Input& a, const Input& b) {
     return input_kind(a.name) < input_kind(b.name);  // places in one table
   });
-  Query artifacts(db_, "SELECT name, blob, bytes FROM artifact WHERE job=?", id);
-  for (;;) {
-    VACUFORM_TRY(more, artifacts.row());
-    if (!more) break;
-    job.artifacts.push_back(
-        {artifacts.text(0), {artifacts.text(1), static_cast<std::uint64_t>(artifacts.integer(2))}});
-  }
+  if (job.state != JobState::succeeded) return job;
+  VACUFORM_TRY(artifacts, artifacts_of(id));
+  job.artifacts = std::move(artifacts);
   std::sort(job.artifacts.begin(), job.artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
     return artifact_kind(a.name) < artifact_kind(b.name);  // places in one table
   });
   return job;
+}
+
+Result<std::vector<StoredArtifact>> SqliteStore::artifacts_of(const std::string& job) {
+  std::vector<StoredArtifact> artifacts;
+  Query query(db_, "SELECT name, blob, bytes FROM artifact WHERE job=?", job);
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return artifacts;
+    artifacts.push_back({query.text(0), {query.text(1), static_cast<std::uint64_t>(query.integer(2))}});
+  }
 }
 
 Result<Job> SqliteStore::job(const std::string& id) {
@@ -157,12 +169,10 @@ Result<Job> SqliteStore::job(const std::string& id) {
   return find(id);
 }
 
-Result<JobPage> SqliteStore::list(int limit, const std::string& cursor,
-                                  const std::optional<std::string>& owner) {
-  const std::lock_guard hold(commits_.lock());
-  limit = std::clamp(limit, 1, 100);
+// The newest `count` ids below `before`.
+Result<std::vector<std::string>> SqliteStore::ids_of(int count, const std::string& before,
+                                                     const JobFilter& filter) {
   std::vector<std::string> ids;
-  const std::string before = cursor.empty() ? "~" : cursor;
   const auto collect = [&](Query query) -> Result<void> {
     for (;;) {
       VACUFORM_TRY(more, query.row());
@@ -170,17 +180,56 @@ Result<JobPage> SqliteStore::list(int limit, const std::string& cursor,
       ids.push_back(query.text(0));
     }
   };
-  VACUFORM_CHECK(
-      owner ? collect({db_, "SELECT id FROM job WHERE owner=? AND id < ? ORDER BY id DESC LIMIT ?", *owner,
-                       before, limit + 1})
-            : collect({db_, "SELECT id FROM job WHERE id < ? ORDER BY id DESC LIMIT ?", before, limit + 1}));
+  if (filter.states.empty() && !filter.kind && !filter.created_after && !filter.created_before) {
+    VACUFORM_CHECK(
+        filter.owner
+            ? collect({db_, "SELECT id FROM job WHERE owner=? AND id<? ORDER BY id DESC LIMIT ?",
+                       *filter.owner, before, count})
+            : collect({db_, "SELECT id FROM job WHERE id<? ORDER BY id DESC LIMIT ?", before, count}));
+    return ids;
+  }
+  // A state at a time, each from an index that has all that is asked for. An id is never older than its job, so
+  // it bounds created_after from below.
+  std::optional<std::string_view> kind;
+  if (filter.kind) kind = name(*filter.kind);
+  const Millis after = filter.created_after.value_or(-1);
+  const Millis until = filter.created_before.value_or(std::numeric_limits<Millis>::max());
+  const std::string first = first_job_id(std::max<Millis>(after, 0));
+  for (std::size_t i = 0; i < job_state_names.size(); ++i) {
+    const auto state = static_cast<JobState>(i);
+    if (!filter.states.empty() &&
+        std::find(filter.states.begin(), filter.states.end(), state) == filter.states.end())
+      continue;
+    VACUFORM_CHECK(filter.owner
+                       ? collect({db_,
+                                  "SELECT id FROM job INDEXED BY job_by_owner_and_state WHERE owner=?1 AND "
+                                  "state=?2 AND id<?3"
+                                  " AND id>=?4 AND (?5 IS NULL OR kind=?5) AND created>?6 AND created<?7"
+                                  " ORDER BY id DESC LIMIT ?8",
+                                  *filter.owner, name(state), before, first, kind, after, until, count})
+                       : collect({db_,
+                                  "SELECT id FROM job INDEXED BY job_by_state WHERE state=?1 AND id<?2"
+                                  " AND id>=?3 AND (?4 IS NULL OR kind=?4) AND created>?5 AND created<?6"
+                                  " ORDER BY id DESC LIMIT ?7",
+                                  name(state), before, first, kind, after, until, count}));
+  }
+  std::sort(ids.begin(), ids.end(), std::greater<>());
+  if (ids.size() > static_cast<std::size_t>(count)) ids.resize(static_cast<std::size_t>(count));
+  return ids;
+}
+
+Result<JobPage> SqliteStore::list(int limit, const std::string& cursor, const JobFilter& filter,
+                                  Detail detail) {
+  const std::lock_guard hold(commits_.lock());
+  limit = std::clamp(limit, 1, 100);
+  VACUFORM_TRY(ids, ids_of(limit + 1, cursor.empty() ? "~" : cursor, filter));
   JobPage page;
   if (ids.size() > static_cast<std::size_t>(limit)) {
     ids.pop_back();
     page.next = ids.back();
   }
   for (const auto& id : ids) {
-    VACUFORM_TRY(job, find(id));
+    VACUFORM_TRY(job, find(id, detail));
     page.jobs.push_back(std::move(job));
   }
   return page;
@@ -204,15 +253,27 @@ Result<JobCounts> SqliteStore::counts() {
   Query query(db_, "SELECT state, count(*) FROM job GROUP BY state");
   for (;;) {
     VACUFORM_TRY(more, query.row());
-    if (!more) return counts;
+    if (!more) break;
     if (const auto state = job_state_from(query.text(0)))
       counts[static_cast<std::size_t>(*state)] = query.integer(1);
   }
+  const Millis now = options_.elapsed();
+  const auto count = [&](JobState state) -> std::int64_t& { return counts[static_cast<std::size_t>(state)]; };
+  for (const auto& [id, ends] : leases_) {
+    if (ends > now) continue;
+    const auto job = find(id);
+    if (!job) continue;
+    if (job->state == JobState::running) --count(JobState::running), ++count(JobState::queued);
+    if (job->state == JobState::cancelling) --count(JobState::cancelling), ++count(JobState::cancelled);
+  }
+  return counts;
 }
 
-Result<Job> SqliteStore::cancel(const std::string& id) {
+Result<Job> SqliteStore::cancel(const std::string& id, const JobGuard& allowed) {
+  const Deletion deletion(*this);
   return write([&]() -> Result<Job> {
     VACUFORM_TRY(job, find(id));
+    if (allowed && !allowed(job)) return fail(Code::conflict, "the job has changed", id, "look at it again");
     if (job.state == JobState::succeeded || job.state == JobState::failed)
       return fail(Code::conflict, "the job has " + std::string(name(job.state)) + " already", id,
                   "delete it if you do not need it");
@@ -226,13 +287,15 @@ Result<Job> SqliteStore::cancel(const std::string& id) {
   });
 }
 
-Result<void> SqliteStore::remove(const std::string& id) {
+Result<void> SqliteStore::remove(const std::string& id, const JobGuard& allowed) {
+  const Deletion deletion(*this);
   return write([&]() -> Result<void> {
     VACUFORM_TRY(job, find(id));
+    if (allowed && !allowed(job)) return fail(Code::conflict, "the job has changed", id, "look at it again");
     if (!ended(job.state))
       return fail(Code::conflict, "the job is " + std::string(name(job.state)), id, "cancel it first");
     for (const auto& input : job.inputs) maybe_garbage(input.blob.sha256);
-    for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
+    VACUFORM_CHECK(drop_artifacts(job));
     changed_.push_back(id);  // whoever waits for it learns that it is gone
     return Query(db_, "DELETE FROM job WHERE id=?", id).run();
   });

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "server/secrets.hpp"
 #include "server/store/sqlite_store.hpp"
@@ -30,6 +31,7 @@ std::string cleaned(const std::string& line) {
 Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
   return write([&]() -> Result<std::optional<LeasedJob>> {
     VACUFORM_TRY(expired, expire_now());
+    if (!room_->check(Use::begin_job)) return std::optional<LeasedJob>();
     VACUFORM_TRY(next, next_queued());
     if (!next) return std::optional<LeasedJob>();
     const std::string id = *next, token = random_hex(32);
@@ -37,9 +39,10 @@ Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
     VACUFORM_CHECK(
         Query(db_,
               "UPDATE job SET state='running', attempt=attempt+1, started=?, stage=NULL, progress=0,"
-              " worker=?, lease_hash=?, lease_ends=?, log_lines=0, not_before=NULL WHERE id=?",
-              now, worker, text_hash(token), now + options_.lease, id)
+              " worker=?, lease_hash=?, log_lines=0, not_before=NULL WHERE id=?",
+              now, worker, text_hash(token), id)
             .run());
+    leases_[id] = options_.elapsed() + options_.lease;
     VACUFORM_TRY(job, find(id));
     VACUFORM_CHECK(Query(db_,
                          "UPDATE submitter SET served=(SELECT max(served) + 1 FROM submitter) WHERE owner=?",
@@ -51,7 +54,7 @@ Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
 }
 
 Result<std::optional<std::string>> SqliteStore::next_queued() {
-  const Millis now = options_.clock();
+  const Millis now = steady_now();
   Query raised(db_,
                // By itself SQLite goes through the whole queue by another index.
                "SELECT id FROM job INDEXED BY job_raised WHERE state='queued' AND priority>0"
@@ -81,11 +84,13 @@ Result<bool> SqliteStore::heartbeat(const LeaseKey& key, std::optional<Stage> st
     VACUFORM_TRY(job, holder(key, false));
     std::optional<std::string_view> stage_name;
     if (stage) stage_name = name(*stage);
-    VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_ends=?, stage=?, progress=? WHERE id=?",
-                         options_.clock() + options_.lease, stage_name, std::clamp(progress, 0.0, 1.0),
-                         job.id)
-                       .run());
-    if (stage != job.stage || progress != job.stage_progress) VACUFORM_CHECK(tell(job.id));
+    leases_[job.id] = options_.elapsed() + options_.lease;  // without a write, unless there is something new
+    progress = std::clamp(progress, 0.0, 1.0);
+    if (stage != job.stage || progress != job.stage_progress) {
+      VACUFORM_CHECK(
+          Query(db_, "UPDATE job SET stage=?, progress=? WHERE id=?", stage_name, progress, job.id).run());
+      VACUFORM_CHECK(tell(job.id));
+    }
     return job.state == JobState::cancelling;
   });
 }
@@ -107,11 +112,13 @@ Result<void> SqliteStore::log(const LeaseKey& key, int first, const std::vector<
 }
 
 Result<void> SqliteStore::put_artifact(const LeaseKey& key, const std::string& name, Upload upload) {
+  const Deletion deletion(*this);
   VACUFORM_TRY(blob, blobs_.seal(upload));
   return write([&]() -> Result<void> {
     VACUFORM_TRY(job, holder(key, false));
     maybe_garbage(blob.sha256);
-    for (const auto& old : job.artifacts)
+    VACUFORM_TRY(artifacts, artifacts_of(job.id));
+    for (const auto& old : artifacts)
       if (old.name == name) maybe_garbage(old.blob.sha256);
     VACUFORM_CHECK(blobs_.keep(upload));
     return Query(db_, "INSERT OR REPLACE INTO artifact(job, name, blob, bytes) VALUES(?,?,?,?)", job.id, name,
@@ -121,6 +128,7 @@ Result<void> SqliteStore::put_artifact(const LeaseKey& key, const std::string& n
 }
 
 Result<Job> SqliteStore::release(const LeaseKey& key) {
+  const Deletion deletion(*this);
   return write([&]() -> Result<Job> {
     VACUFORM_TRY(job, holder(key, false));
     if (job.state == JobState::cancelling) {
@@ -133,10 +141,14 @@ Result<Job> SqliteStore::release(const LeaseKey& key) {
 }
 
 Result<std::vector<Expired>> SqliteStore::bury(const std::string& worker) {
+  const Deletion deletion(*this);
   return write([&]() -> Result<std::vector<Expired>> {
-    VACUFORM_CHECK(
-        Query(db_, "UPDATE job SET lease_ends=0 WHERE worker=? AND state IN ('running','cancelling')", worker)
-            .run());
+    Query held(db_, "SELECT id FROM job WHERE state IN ('running','cancelling') AND worker=?", worker);
+    for (;;) {
+      VACUFORM_TRY(more, held.row());
+      if (!more) break;
+      leases_[held.text(0)] = std::numeric_limits<Millis>::min();
+    }
     return expire_now();
   });
 }
@@ -162,10 +174,12 @@ Result<SqliteStore::Faults> SqliteStore::faults_of(const std::string& job) {
 
 Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error,
                                 Retry retry) {
+  const Deletion deletion(*this);
   return write([&]() -> Result<Job> {
     VACUFORM_TRY(job, holder(key, true));
     if (ended(job.state)) return job;
     if (job.state == JobState::cancelling) wanted = JobState::cancelled;
+    if (wanted == JobState::succeeded) VACUFORM_CHECK(check_artifacts(job));
     if (wanted == JobState::failed && retry != Retry::never) {
       VACUFORM_TRY(faults, faults_of(job.id));
       ++(retry == Retry::after_crash ? faults.crashes : faults.losses);
@@ -187,19 +201,35 @@ Result<void> SqliteStore::end(const Job& job, JobState state, const std::optiona
   if (state != JobState::succeeded) {
     VACUFORM_CHECK(drop_artifacts(job));
   }
+  const Millis now = options_.clock();
   std::optional<std::string_view> code, what, where, mend;
   if (error) code = meaning(error->code).slug, what = error->what, where = error->where, mend = error->mend;
-  VACUFORM_CHECK(
-      Query(db_,
-            "UPDATE job SET state=?, ended=?, lease_ends=NULL, error_code=?, error_what=?, error_where=?,"
-            " error_mend=? WHERE id=?",
-            name(state), options_.clock(), code, what, where, mend, job.id)
-          .run());
+  VACUFORM_CHECK(Query(db_,
+                       "UPDATE job SET state=?, ended=?, error_code=?, error_what=?, error_where=?,"
+                       " error_mend=? WHERE id=?",
+                       name(state), now, code, what, where, mend, job.id)
+                     .run());
+  ended_jobs_.push_back(job);
+  ended_jobs_.back().state = state;
+  ended_jobs_.back().ended = now;
   return note(job.id, error ? failed_with(error) : std::string(name(state)));
 }
 
+Result<void> SqliteStore::check_artifacts(const Job& job) {
+  VACUFORM_TRY(artifacts, artifacts_of(job.id));
+  std::string missing;
+  for (const ArtifactKind& kind : artifact_kinds)
+    if (due(job.kind, kind) && std::none_of(artifacts.begin(), artifacts.end(),
+                                            [&](const StoredArtifact& a) { return a.name == kind.name; }))
+      missing.append(missing.empty() ? "" : ", ").append(kind.name);
+  if (missing.empty()) return {};
+  return fail(Code::conflict, "the job lacks artifacts that it must have: " + missing, job.id,
+              "send them before the job is completed, or say that it failed");
+}
+
 Result<void> SqliteStore::drop_artifacts(const Job& job) {
-  for (const auto& artifact : job.artifacts) maybe_garbage(artifact.blob.sha256);
+  VACUFORM_TRY(artifacts, artifacts_of(job.id));
+  for (const auto& artifact : artifacts) maybe_garbage(artifact.blob.sha256);
   return Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run();
 }
 
@@ -208,10 +238,10 @@ Result<void> SqliteStore::queue_again(const Job& job, const Faults& faults, cons
   VACUFORM_CHECK(drop_artifacts(job));
   const int count = faults.losses + faults.crashes;
   std::optional<Millis> not_before;
-  if (count > 0) not_before = options_.clock() + rest_after(count, options_.backoff);
+  if (count > 0) not_before = steady_now() + rest_after(count, options_.backoff);
   VACUFORM_CHECK(Query(db_,
                        "UPDATE job SET state='queued', stage=NULL, progress=0, started=NULL, worker=NULL,"
-                       " lease_hash=NULL, lease_ends=NULL, losses=max(losses, ?), crashes=max(crashes, ?),"
+                       " lease_hash=NULL, losses=max(losses, ?), crashes=max(crashes, ?),"
                        " not_before=? WHERE id=?",
                        faults.losses, faults.crashes, not_before, job.id)
                      .run());
@@ -219,21 +249,19 @@ Result<void> SqliteStore::queue_again(const Job& job, const Faults& faults, cons
 }
 
 Result<std::vector<Expired>> SqliteStore::expire_now() {
+  const Millis now = options_.elapsed();
   std::vector<std::string> over;
-  {
-    Query query(db_,
-                "SELECT id FROM job WHERE state IN ('running','cancelling') AND lease_ends <= ?"
-                " ORDER BY id",
-                options_.clock());
-    for (;;) {
-      VACUFORM_TRY(more, query.row());
-      if (!more) break;
-      over.push_back(query.text(0));
-    }
-  }
+  for (const auto& [id, ends] : leases_)
+    if (ends <= now) over.push_back(id);
   std::vector<Expired> expired;
   for (const auto& id : over) {
-    VACUFORM_TRY(job, find(id));
+    const auto found = find(id);
+    if (!found && found.error().code != Code::not_found) return tl::make_unexpected(found.error());
+    if (!found || (found->state != JobState::running && found->state != JobState::cancelling)) {
+      leases_.erase(id);  // only now: a change that ended the lease may have been undone
+      continue;
+    }
+    const Job& job = *found;
     VACUFORM_TRY(faults, faults_of(id));
     ++faults.losses;
     JobState state = JobState::queued;

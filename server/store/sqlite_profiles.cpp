@@ -11,16 +11,27 @@ Result<Profile> SqliteStore::profile_row(const std::string& name) {
   return Profile{query.text(0), query.text(1), query.integer(2)};
 }
 
-Result<bool> SqliteStore::put_profile(const Profile& profile) {
+Result<std::optional<Profile>> SqliteStore::allowed_profile(const std::string& name,
+                                                            const ProfileGuard& allowed) {
+  auto row = profile_row(name);
+  if (!row && row.error().code != Code::not_found) return tl::make_unexpected(row.error());
+  const std::optional<Profile> now = row ? std::optional(std::move(*row)) : std::nullopt;
+  if (allowed && !allowed(now))
+    return fail(Code::conflict, "the profile has changed", name, "look at it again");
+  return now;
+}
+
+Result<bool> SqliteStore::put_profile(const Profile& profile, const ProfileGuard& allowed) {
   return write([&]() -> Result<bool> {
-    const bool old = profile_row(profile.name).has_value();
+    VACUFORM_TRY(old, allowed_profile(profile.name, allowed));
+    VACUFORM_CHECK(room_for(profile.settings.size()));
     Query count(db_, "SELECT count(*) FROM profile");
     VACUFORM_TRY(found, count.row());
     if (!old && found && count.integer(0) >= most_profiles)
       return fail(Code::busy, "there are " + std::to_string(most_profiles) + " profiles already",
                   profile.name, "delete some");
     VACUFORM_CHECK(Query(db_, "INSERT OR REPLACE INTO profile(name, settings, changed) VALUES(?,?,?)",
-                         profile.name, profile.settings, options_.clock())
+                         profile.name, profile.settings, profile.changed)
                        .run());
     return !old;
   });
@@ -49,8 +60,9 @@ Result<ProfilePage> SqliteStore::list_profiles(int limit, const std::string& cur
   return page;
 }
 
-Result<void> SqliteStore::remove_profile(const std::string& name) {
+Result<void> SqliteStore::remove_profile(const std::string& name, const ProfileGuard& allowed) {
   return write([&]() -> Result<void> {
+    VACUFORM_CHECK(allowed_profile(name, allowed));
     VACUFORM_CHECK(profile_row(name));
     return Query(db_, "DELETE FROM profile WHERE name=?", name).run();
   });

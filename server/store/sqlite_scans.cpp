@@ -19,6 +19,7 @@ StoredScan scan_of(const Query& row) {
 
 Result<StoredScan> SqliteStore::add_scan(const std::string& owner, std::variant<Upload, Blob> file,
                                          const std::string& extension) {
+  const Deletion deletion(*this);
   NewInput input{"scan", std::move(file), extension};
   auto* upload = std::get_if<Upload>(&input.file);
   VACUFORM_TRY(blob, upload ? blobs_.seal(*upload) : Result<Blob>(std::get<Blob>(input.file)));
@@ -31,6 +32,7 @@ Result<StoredScan> SqliteStore::add_scan(const std::string& owner, std::variant<
       VACUFORM_TRY(found, same.row());
       if (found) return scan_of(same);
     }
+    VACUFORM_CHECK(room_for(0));
     VACUFORM_CHECK(keep(input, blob));
     last_id_time_ = std::max(options_.clock(), last_id_time_ + 1);
     const StoredScan scan{make_job_id(last_id_time_), owner, options_.clock(), blob, extension};
@@ -83,6 +85,7 @@ Result<ScanPage> SqliteStore::list_scans(int limit, const std::string& cursor,
 }
 
 Result<void> SqliteStore::remove_scan(const std::string& id) {
+  const Deletion deletion(*this);
   return write([&]() -> Result<void> {
     VACUFORM_TRY(scan, scan_row(id));
     maybe_garbage(scan.blob.sha256);

@@ -3,6 +3,11 @@
 #include <fcntl.h>
 #include <sys/file.h>
 
+#include <cerrno>
+
+#include <nlohmann/json.hpp>
+
+#include "api/log.hpp"
 #include "server/store/schema.hpp"
 
 namespace vacuform {
@@ -21,24 +26,88 @@ Result<void> SqliteStore::open(const std::filesystem::path& data) {
     VACUFORM_TRY(found, newest.row());
     if (found) last_id_time_ = newest.integer(0);
   }
-  VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_ends=? WHERE state IN ('running','cancelling')",
-                       options_.clock() + options_.lease)
-                     .run());
+  opened_ = options_.clock();
+  opened_elapsed_ = options_.elapsed();
+  {
+    Query running(db_, "SELECT id FROM job WHERE state IN ('running','cancelling')");
+    for (;;) {
+      VACUFORM_TRY(more, running.row());
+      if (!more) break;
+      leases_[running.text(0)] = opened_elapsed_ + options_.lease;
+    }
+  }
+  // The clock may have been set back since these were written.
+  const Millis longest = opened_ + longest_rest;
+  VACUFORM_CHECK(
+      Query(db_, "UPDATE job SET not_before=?1 WHERE state='queued' AND not_before>?1", longest).run());
   // A crash may have come between a file and the row that names it.
   return blobs_.sweep([&](const std::string& sha256) { return named(sha256).value_or(true); });
 }
 
-void SqliteStore::committed() {
-  if (backups_ == 0) {
-    for (const auto& sha256 : garbage_)
-      if (const auto used = named(sha256); used && !*used) {
-        blobs_.remove(sha256);
-        if (options_.blob_gone) options_.blob_gone(sha256);
-      }
-    garbage_.clear();
+void SqliteStore::transaction_ended(bool committed) {
+  if (!committed) {
+    doubtful_ = true;
+    commits_before_doubt_ = db_.commits();
+  } else {
+    if (db_.commits() != commits_before_doubt_) doubtful_ = false;
+    if (options_.job_ended)
+      for (const Job& job : ended_jobs_) options_.job_ended(job);
+    news_.tell(changed_);
   }
-  news_.tell(changed_);
+  ended_jobs_.clear();
   changed_.clear();
+  if (!doubtful_ && backups_ == 0) set_garbage_aside();
+}
+
+// A full disk: the reserve gives some room, and so does SQLite's log, which begins again from its start.
+void SqliteStore::make_room() {
+  room_->give_up();
+  (void)db_.execute("PRAGMA wal_checkpoint(RESTART)");
+}
+
+void SqliteStore::set_garbage_aside() {
+  for (const std::string& sha256 : garbage_) {
+    const auto used = named(sha256);
+    if (!used || *used) continue;
+    auto file = blobs_.set_aside(sha256);
+    if (file) {
+      undeleted_.erase(sha256);
+      const std::lock_guard hold(trash_mutex_);
+      trash_.push_back({std::move(*file), sha256});
+    } else if (undeleted_.insert(sha256).second) {
+      log_event("file-not-deleted", {{"blob", sha256}, {"problem", file.error().what}});
+    }
+  }
+  garbage_.clear();
+}
+
+void SqliteStore::delete_trash() {
+  std::vector<Trash> trash;
+  {
+    const std::lock_guard hold(trash_mutex_);
+    trash.swap(trash_);
+  }
+  for (Trash& item : trash) {
+    const auto deleted = item.file.empty() ? Result<void>() : Blobs::delete_aside(item.file);
+    if (!item.sha256.empty()) {
+      if (!deleted) log_event("file-not-deleted", {{"blob", item.sha256}, {"problem", deleted.error().what}});
+      if (options_.blob_gone && !holds(item.sha256).value_or(true)) options_.blob_gone(item.sha256);
+      item.sha256.clear();
+    }
+    if (deleted) continue;
+    const std::lock_guard hold(trash_mutex_);
+    trash_.push_back(std::move(item));  // the next call tries again
+  }
+}
+
+Result<std::vector<Expired>> SqliteStore::expire() {
+  const Deletion deletion(*this);
+  auto expired = write([&] {
+    garbage_.insert(garbage_.end(), undeleted_.begin(), undeleted_.end());
+    return expire_now();
+  });
+  room_->restore();
+  return expired;
 }
 
 Result<bool> SqliteStore::named(const std::string& sha256) {
@@ -50,14 +119,29 @@ Result<bool> SqliteStore::named(const std::string& sha256) {
   return query.row();
 }
 
+bool has_store(const std::filesystem::path& data) {
+  std::error_code error;
+  return std::filesystem::exists(data / "jobs.sqlite", error);
+}
+
+tl::unexpected<Error> no_store(const std::filesystem::path& data) {
+  return fail(Code::not_found, "there is no job store in this folder", data.string(),
+              "give the data folder of the service with --data");
+}
+
 Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options) {
   VACUFORM_CHECK(make_directory(data));
   File lock(::open((data / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600));
-  if (!lock.is_open() || ::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
+  if (!lock.is_open())
+    return fail(errno == ENOSPC ? Code::disk_full : Code::unavailable, "the data folder cannot be written to",
+                data.string(), "see that the server may write there, and that its disk has room");
+  if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
     return fail(Code::unavailable, "another server uses this data folder", data.string(),
                 "stop it, or give another folder with --data");
-  VACUFORM_TRY(blobs, Blobs::open(data));
-  auto store = std::make_unique<SqliteStore>(std::move(options), std::move(blobs), std::move(lock));
+  auto room = DiskRoom::open(data, options.kept_free);
+  VACUFORM_TRY(blobs, Blobs::open(data, std::chrono::hours(1), room));
+  auto store =
+      std::make_unique<SqliteStore>(std::move(options), std::move(room), std::move(blobs), std::move(lock));
   VACUFORM_CHECK(store->open(data));
   return std::unique_ptr<Store>(std::move(store));
 }

@@ -7,7 +7,10 @@
 #pragma once
 
 #include <exception>
+#include <map>
+#include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,15 +25,17 @@ namespace vacuform {
 
 class SqliteStore : public Store {
  public:
-  SqliteStore(StoreOptions options, Blobs blobs, File lock)
+  SqliteStore(StoreOptions options, std::shared_ptr<DiskRoom> room, Blobs blobs, File lock)
       : options_(std::move(options)),
         lock_(std::move(lock)),
+        room_(std::move(room)),
         blobs_(std::move(blobs)),
         news_(options_.most_waiters) {}
   Result<void> open(const std::filesystem::path& data);
   std::int64_t steps() const { return db_.steps(); }  // for tests, while nothing else runs
 
-  Result<Upload> upload() override { return blobs_.upload(); }
+  Result<Upload> upload(Use use) override { return blobs_.upload(use); }
+  Result<void> room_for(std::uint64_t bytes) override { return room_->check(Use::submission, bytes); }
   std::filesystem::path temporary_path() override { return blobs_.temporary_path(); }
   Result<File> open(const Blob& blob) override { return blobs_.read(blob.sha256); }
   Result<bool> holds(const std::string& sha256) override {
@@ -39,15 +44,14 @@ class SqliteStore : public Store {
   }
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
 
-  Result<Job> create(NewJob job) override;
+  Result<Job> create(NewJob job, bool* repeated) override;
   Result<std::int64_t> seconds_until_room(const std::string& owner) override;
   Result<Job> job(const std::string& id) override;
-  Result<JobPage> list(int limit, const std::string& cursor,
-                       const std::optional<std::string>& owner) override;
+  Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter, Detail detail) override;
   Result<std::optional<Job>> newest_inspection(const StoredScan& scan) override;
   Result<JobCounts> counts() override;
-  Result<Job> cancel(const std::string& id) override;
-  Result<void> remove(const std::string& id) override;
+  Result<Job> cancel(const std::string& id, const JobGuard& allowed) override;
+  Result<void> remove(const std::string& id, const JobGuard& allowed) override;
   Result<std::vector<LogLine>> log_after(const std::string& id, std::int64_t number, int limit) override;
   Result<Job> wait_for_change(const std::string& id, std::int64_t version,
                               std::chrono::milliseconds time) override;
@@ -70,10 +74,10 @@ class SqliteStore : public Store {
                               const std::optional<std::string>& owner) override;
   Result<void> remove_scan(const std::string& id) override;
 
-  Result<bool> put_profile(const Profile& profile) override;
+  Result<bool> put_profile(const Profile& profile, const ProfileGuard& allowed) override;
   Result<Profile> find_profile(const std::string& name) override;
   Result<ProfilePage> list_profiles(int limit, const std::string& cursor) override;
-  Result<void> remove_profile(const std::string& name) override;
+  Result<void> remove_profile(const std::string& name, const ProfileGuard& allowed) override;
 
   Result<std::optional<LeasedJob>> lease(const std::string& worker) override;
   Result<Job> leased(const LeaseKey& key) override;
@@ -86,9 +90,7 @@ class SqliteStore : public Store {
   }
   Result<Job> cancelled(const LeaseKey& key) override { return finish(key, JobState::cancelled); }
   Result<Job> release(const LeaseKey& key) override;
-  Result<std::vector<Expired>> expire() override {
-    return write([&] { return expire_now(); });
-  }
+  Result<std::vector<Expired>> expire() override;
   Result<std::vector<Expired>> bury(const std::string& worker) override;
 
  private:
@@ -97,11 +99,13 @@ class SqliteStore : public Store {
   auto write(Change change) -> decltype(change()) {
     decltype(change()) result = fail(Code::internal, "the store met a fault of its own", {}, "try again");
     const auto committed = commits_.run([&] {
+      const std::size_t ended_before = ended_jobs_.size();
       try {
         result = change();
       } catch (const std::exception& fault) {  // a bug or no memory: one change fails, the others go on
         result = fail(Code::internal, std::string("the store met a fault of its own: ") + fault.what());
       }
+      if (!result) ended_jobs_.resize(ended_before);
       return result.has_value();
     });
     if (!committed) result = tl::make_unexpected(committed.error());
@@ -110,15 +114,28 @@ class SqliteStore : public Store {
 
   // After the transaction, the file goes unless a row names it by then.
   void maybe_garbage(const std::string& sha256) { garbage_.push_back(sha256); }
-  void committed();
+  void transaction_ended(bool committed);
+  void make_room();
+  void set_garbage_aside();
+  // Deletes what was set aside, without the lock.
+  void delete_trash();
+  // At the top of a function that may leave files behind: its end deletes them.
+  struct Deletion {
+    explicit Deletion(SqliteStore& s) : store(s) {}
+    ~Deletion() { store.delete_trash(); }
+    Deletion(const Deletion&) = delete;
+    SqliteStore& store;
+  };
   Result<bool> named(const std::string& sha256);  // whether any row names the blob
 
   // All of these are for the holder of the lock, those that change something for the body of write().
-  Result<Job> find(const std::string& id);
+  Result<Job> find(const std::string& id, Detail detail = Detail::full);
+  Result<std::vector<std::string>> ids_of(int count, const std::string& before, const JobFilter& filter);
   Result<Token> find_token(const std::string& id);
   Result<StoredUpload> upload_row(const std::string& id);
   Result<StoredScan> scan_row(const std::string& id);
   Result<Profile> profile_row(const std::string& name);
+  Result<std::optional<Profile>> allowed_profile(const std::string& name, const ProfileGuard& allowed);
   Result<void> keep(NewInput& input, const Blob& blob);
   Result<std::optional<Job>> made_before(const NewJob& job, const std::vector<Blob>& blobs);
   Result<Job> holder(const LeaseKey& key, bool even_ended);
@@ -127,6 +144,8 @@ class SqliteStore : public Store {
   Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error = {},
                      Retry retry = Retry::never);
   Result<void> end(const Job& job, JobState state, const std::optional<Error>& error);
+  Result<std::vector<StoredArtifact>> artifacts_of(const std::string& job);  // made so far, in no order
+  Result<void> check_artifacts(const Job& job);  // errors: conflict, when some are missing
   Result<void> drop_artifacts(const Job& job);
   struct Faults {
     int losses = 0, crashes = 0;
@@ -134,20 +153,39 @@ class SqliteStore : public Store {
   Result<Faults> faults_of(const std::string& job);
   Result<void> queue_again(const Job& job, const Faults& faults, const std::string& why);
   Result<std::vector<Expired>> expire_now();
+  // The clock of rests: the wall clock as it was when the store was opened, and what has passed since.
+  Millis steady_now() const { return opened_ + options_.elapsed() - opened_elapsed_; }
   // A line of the job's log, which is news of it.
   Result<void> note(const std::string& job, std::string_view text);
   Result<void> tell(const std::string& job);  // news without a line
 
   StoreOptions options_;
   File lock_;  // released last
+  std::shared_ptr<DiskRoom> room_;
   Blobs blobs_;
   News news_;
+  Millis opened_ = 0, opened_elapsed_ = 0;
+
+  struct Trash {
+    std::filesystem::path file;  // may be empty
+    std::string sha256;          // whose owner is still to be told; empty: it was
+  };
+  std::mutex trash_mutex_;
+  std::vector<Trash> trash_;
+
   // Everything below is touched under commits_.lock() alone.
   Database db_;
-  GroupCommit commits_{db_, [this] { committed(); }};
+  GroupCommit commits_{db_, [this] { make_room(); }, [this](bool done) { transaction_ended(done); }};
   Millis last_id_time_ = 0;
   std::vector<std::string> garbage_, changed_;
-  int backups_ = 0;  // under way; blobs stay until they are done
+  std::vector<Job> ended_jobs_;           // in this transaction
+  std::set<std::string> undeleted_;       // blobs whose files could not be set aside
+  std::map<std::string, Millis> leases_;  // when they end, by job; also of some jobs that have none any more
+  int backups_ = 0;                       // under way; blobs stay until they are done
+  // A commit has failed, so its rows may still be in SQLite's log and come back after a crash. Blobs stay until another
+  // commit has overwritten them there.
+  bool doubtful_ = false;
+  std::int64_t commits_before_doubt_ = 0;
 };
 
 }  // namespace vacuform

@@ -14,6 +14,7 @@ tl::unexpected<Error> no_upload(const std::string& id) {
 
 Result<void> SqliteStore::add_upload(const StoredUpload& upload) {
   return write([&]() -> Result<void> {
+    VACUFORM_CHECK(room_for(upload.length));
     {
       Query held(db_, "SELECT count(*), coalesce(sum(length), 0) FROM upload WHERE owner=? AND collected=0",
                  upload.owner);
@@ -59,6 +60,7 @@ Result<StoredUpload> SqliteStore::find_upload(const std::string& id) {
 }
 
 Result<StoredUpload> SqliteStore::finish_upload(const std::string& id, Upload file) {
+  const Deletion deletion(*this);
   VACUFORM_TRY(blob, blobs_.seal(file));
   return write([&]() -> Result<StoredUpload> {
     VACUFORM_CHECK(upload_row(id));
@@ -71,6 +73,7 @@ Result<StoredUpload> SqliteStore::finish_upload(const std::string& id, Upload fi
 }
 
 Result<void> SqliteStore::remove_upload(const std::string& id) {
+  const Deletion deletion(*this);
   return write([&]() -> Result<void> {
     VACUFORM_TRY(upload, upload_row(id));
     if (upload.blob) maybe_garbage(upload.blob->sha256);
@@ -79,6 +82,7 @@ Result<void> SqliteStore::remove_upload(const std::string& id) {
 }
 
 Result<std::vector<std::string>> SqliteStore::expire_uploads() {
+  const Deletion deletion(*this);
   return write([&]() -> Result<std::vector<std::string>> {
     const Millis now = options_.clock();
     std::vector<std::string> ids;

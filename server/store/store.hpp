@@ -6,6 +6,10 @@
 //  - A job has at most one lease. Every write of a worker names the job and the lease's token; when the token is not
 //    that of the current lease the write changes nothing and gives lease_lost. Ending a job twice under one token is
 //    harmless and gives the same answer, so that a worker may repeat a request whose answer it never saw.
+//  - A job shows its artifacts when it has succeeded, and it succeeds only with all artifacts that its kind always has.
+//  - A full disk stops new files and submissions, not the rest: jobs can be deleted, cancelled and ended, and the store
+//    opens (disk_room.hpp).
+//  - Leases and rests are spans of boot_clock(): setting the machine's clock neither ends nor extends them.
 //  - A lease that is not renewed within `lease` ends, and the job is queued again. So it is after faults that a worker
 //    calls its own. Neither is the job's doing: a machine restarts, a disk is full for a while. Only when `losses`
 //    attempts were lost, which with the rests between them takes eight to twenty-five minutes, the job fails with that reason,
@@ -18,7 +22,8 @@
 //    longest ago; of an owner's jobs that of the highest priority, then the oldest.
 //  - The queue is bounded: no more than `most_queued` jobs wait, and of one owner no more than `most_queued_by_owner`.
 //  - What open() gives has been read whole and checked against its hash since it was last written and within the last hour.
-//  - Files that no job names are deleted: with the job, or at the next start when a crash came between.
+//  - Files that no job names are deleted: with the job, or at the next start when a crash came between. What cannot be
+//    deleted is logged and tried again.
 // Every function may be called from any thread.
 #pragma once
 
@@ -42,6 +47,17 @@
 
 namespace vacuform {
 
+// Which jobs a list shows: those that meet every condition that is set.
+struct JobFilter {
+  std::optional<std::string> owner = {};
+  std::vector<JobState> states = {};  // any of these; empty: all
+  std::optional<JobKind> kind = {};
+  std::optional<Millis> created_after = {}, created_before = {};  // neither includes the time itself
+};
+
+// How much of a job a list gives: brief leaves out settings, inputs and artifacts, which are most of the work.
+enum class Detail { brief, full };
+
 struct JobPage {
   std::vector<Job> jobs;            // newest first
   std::optional<std::string> next;  // cursor of the page after this one
@@ -55,7 +71,10 @@ struct Token {
   std::string hash;  // SHA-256 of its secret, in hexadecimal
   Millis created = 0;
   std::optional<Millis> expires, revoked;
+  std::string file = {};  // of the data folder, for which the server made it; empty: made on request
 };
+
+using JobGuard = std::function<bool(const Job& now)>;  // may be called twice
 
 using JobCounts = std::array<std::int64_t, job_state_names.size()>;
 
@@ -83,30 +102,34 @@ struct Expired {
 
 class Store : public UploadTable, public ScanTable, public ProfileTable {
  public:
-  // Starts a file that create() or put_artifact() takes over.
-  virtual Result<Upload> upload() = 0;
+  // Starts a file that create() or put_artifact() takes over. Errors here and wherever something is added: disk_full.
+  virtual Result<Upload> upload(Use use = Use::submission) = 0;
+  // Whether the disk takes a submission with so many bytes. Errors: disk_full.
+  virtual Result<void> room_for(std::uint64_t bytes) = 0;
   // A new name for a file of the caller's own; what is left there is deleted at the next start.
   virtual std::filesystem::path temporary_path() = 0;
   // A job that was made under the same client key is given in place of a second one; conflict when that key
   // came with other files or settings. busy: the queue is full. gone: nothing names a blob any more that the job was to share.
-  virtual Result<Job> create(NewJob job) = 0;
+  // `repeated`, where given, says which of the two happened.
+  virtual Result<Job> create(NewJob job, bool* repeated = nullptr) = 0;
   // How long it takes, by the pace at which jobs ended within the last quarter of an hour, until there is room again for
   // this owner's next job where create() said busy: 1 to 600 seconds, and 60 where too few have ended to tell.
   virtual Result<std::int64_t> seconds_until_room(const std::string& owner) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
-  // `limit` jobs (1 to 100) older than the job that the cursor names, of one owner or of all; an empty cursor begins
-  // with the newest.
-  virtual Result<JobPage> list(int limit, const std::string& cursor,
-                               const std::optional<std::string>& owner = std::nullopt) = 0;
+  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor begins with the newest.
+  virtual Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter = {},
+                               Detail detail = Detail::full) = 0;
   // The owner's newest inspection of these bytes under that extension, or none.
   virtual Result<std::optional<Job>> newest_inspection(const StoredScan& scan) = 0;
-  // How many jobs there are in each state, by the state's number.
+  // How many jobs there are in each state, by the state's number. A job whose lease is over counts as what it will be:
+  // queued, or cancelled.
   virtual Result<JobCounts> counts() = 0;
-  // A queued job is cancelled at once, a running one when its worker says so; a cancelled one stays so.
-  // Errors: not_found; conflict when it has succeeded or failed.
-  virtual Result<Job> cancel(const std::string& id) = 0;
-  // Errors: not_found; conflict unless the job has ended.
-  virtual Result<void> remove(const std::string& id) = 0;
+  // A queued job is cancelled at once, a running one when its worker says so; a cancelled one stays so. `allowed`, if
+  // there is one, sees the job as it is when it is changed, and may refuse with false; so in remove().
+  // Errors: not_found; conflict when it has succeeded or failed, or was not allowed.
+  virtual Result<Job> cancel(const std::string& id, const JobGuard& allowed = {}) = 0;
+  // Errors: not_found; conflict unless the job has ended, or when it was not allowed.
+  virtual Result<void> remove(const std::string& id, const JobGuard& allowed = {}) = 0;
   // Lines of the job's log after that of this number, at most `limit` (1 to 1000). Errors: not_found.
   virtual Result<std::vector<LogLine>> log_after(const std::string& id, std::int64_t number, int limit) = 0;
   // The job as soon as its version is greater than this one, or as it is when the time is over. Errors: not_found, also
@@ -128,7 +151,7 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // For good; revoking twice is harmless. Errors: not_found.
   virtual Result<void> revoke_token(const std::string& id) = 0;
 
-  // The job whose turn it is, or none.
+  // The job whose turn it is, or none. None, too, while the disk has no room for what a job makes.
   virtual Result<std::optional<LeasedJob>> lease(const std::string& worker) = 0;
   // The job under a current lease.
   virtual Result<Job> leased(const LeaseKey& key) = 0;
@@ -140,7 +163,7 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   virtual Result<void> log(const LeaseKey& key, int first, const std::vector<std::string>& lines) = 0;
   // A second file under the same name replaces the first.
   virtual Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) = 0;
-  // Ends the attempt: done (cancelled when a cancel came first), failed (queued again as `retry` says and not too
+  // Ends the attempt: done (cancelled when a cancel came first; conflict when artifacts are missing), failed (queued again as `retry` says and not too
   // often), cancelled, or given back unharmed. Gives the job as it then is.
   virtual Result<Job> complete(const LeaseKey& key) = 0;
   virtual Result<Job> fail_job(const LeaseKey& key, const Error& error, Retry retry) = 0;
@@ -161,16 +184,27 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
 inline constexpr int most_log_lines = 500, longest_log_line = 200;
 
 struct StoreOptions {
-  Clock clock = wall_clock;
+  Clock clock = wall_clock;    // for what is shown and kept
+  Clock elapsed = boot_clock;  // for leases and rests
+  std::optional<std::uint64_t> kept_free =
+      {};  // bytes of the disk (disk_room.hpp); the default follows from the disk
   Millis lease = 30'000;
   int losses = 10;         // attempts that end with their worker, or by its fault
   int crashes = 2;         // of the job's own process
   Millis backoff = 2'000;  // the first rest of a job after a fault
   std::int64_t most_queued = 10'000, most_queued_by_owner = 1'000;
-  // Called, by any thread, when nothing names a blob any more and it is deleted.
+  // Called, by any thread and without a lock, when nothing names a blob any more and it is deleted.
   std::function<void(const std::string& sha256)> blob_gone = {};
+  // Called once for every job that has ended, by any thread, under the store's lock: it must be quick.
+  std::function<void(const Job& job)> job_ended = {};
   std::size_t most_waiters = 256;  // threads in wait_for_change()
 };
+
+inline constexpr Millis longest_rest = 15 * 60'000;  // of a job after a fault
+
+// Whether the folder has a store, and the error for one that should.
+bool has_store(const std::filesystem::path& data);
+tl::unexpected<Error> no_store(const std::filesystem::path& data);
 
 // Opens or makes the store in a folder; one process at a time (unavailable when another has it). Jobs that
 // were running when the last server ended keep their leases for another `lease`, so that workers which

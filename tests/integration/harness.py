@@ -22,6 +22,13 @@ PATTERNS = pathlib.Path(os.environ["VACUFORM_SHARED_DATA"]) / "patterns"
 PATIENCE = 240  # seconds that anything may take on a busy machine
 
 
+# The artifacts without which no print succeeds.
+DUE_ARTIFACTS = {"print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png",
+                 "preview-with.png", "preview-anisotropy.png", "preview-area.png", "preview-thickness.png",
+                 "preview-findings.png", "formed.ply", "formed.obj", "formed.mtl", "uv-map.obj", "mold.stl", "report.json",
+                 "report.html"}
+
+
 def free_port():
     with socket.socket() as s:
         s.bind(("127.0.0.1", 0))

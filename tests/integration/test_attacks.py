@@ -174,6 +174,7 @@ class Attacks(Case):
                 self.assertNotIn(b"evil", answer)
                 self.assertRegex(answer, rb"^HTTP/1.1 (202|400) ")
         for job in self.server.jobs():
+            job = self.server.job(job["id"])
             self.assertNotIn("evil", json.dumps(job))
             extension = job["inputs"]["scan"]["extension"]
             self.assertRegex(extension, r"^[a-z0-9]{0,8}$")

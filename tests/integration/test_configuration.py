@@ -130,7 +130,11 @@ class ServerConfiguration(Configuration, Case):
         self.assertIn("owner station-3", command("token", "list"))
         self.assertEqual(json.loads(command("backup", "--to", self.folder / "copy"))["damaged"], [])
         self.assertIn("owner station-3", command("token", "list", "--data", self.folder / "copy"))
-        self.assertEqual(command("token", "list", "--data", self.folder / "empty"), "")
+        for words in ["token", "list"], ["token", "create", "--owner", "a", "--scopes", "read"], ["backup", "--to", self.folder / "b"]:
+            done = subprocess.run([BIN / "vacuform-server", *words, "--data", self.folder / "mistyped"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("there is no job store in this folder", done.stderr)
+            self.assertFalse((self.folder / "mistyped").exists())
 
 
     def test_its_own_workers_do_not_hear_from_the_file_of_others(self):

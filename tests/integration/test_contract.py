@@ -7,7 +7,7 @@ import unittest
 
 from contract import DESCRIPTION, METHODS, Broken, Contract, Part
 import hostile
-from harness import CONTRACT, Case, Server, curl
+from harness import CONTRACT, DUE_ARTIFACTS, Case, Server, curl
 
 
 class Validator(unittest.TestCase):
@@ -199,11 +199,14 @@ class Exchanges(Case):
         self.taken(*worker, *OF_JSON, "-d", '{"stage": "scan", "progress": 0.5}', lease + "/heartbeat")
         self.taken(*worker, *OF_JSON, "-d", '{"first": 0, "lines": ["stage scan"]}', lease + "/log")
         self.taken(*worker, *OF_BYTES, "-T", self.scan, lease + "/artifacts/mold.stl")
+        for artifact in sorted(DUE_ARTIFACTS - {"mold.stl"}):
+            self.taken(*worker, *OF_BYTES, "-T", self.pattern, f"{lease}/artifacts/{artifact}")
         self.taken("-X", "POST", *worker, lease + "/complete")
         for path in ("", "?wait=1", "/log?limit=5", "/artifacts", "/artifacts/mold.stl", "/artifacts.zip", "/events"):
             self.taken(f"{jobs}/{first}{path}")
         self.taken("-r", "0-9", f"{jobs}/{first}/artifacts/mold.stl", status=206)
-        self.taken(jobs + "?limit=100")
+        self.taken(jobs + "?limit=100&state=queued,succeeded&kind=print&created_after=2026-01-01T00:00:00Z")
+        self.taken(jobs + "?full=true")
         worker, lease = self.lease()
         self.taken(*worker, *OF_JSON, "-d", '{"code": "corrupt-file", "what": "x"}', lease + "/fail")
         worker, lease = self.lease()

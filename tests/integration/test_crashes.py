@@ -6,7 +6,7 @@ import signal
 import socket
 import unittest
 
-from harness import BIN, PATTERNS, SCANS, Case, Program, Server, children, curl, runs, wait_for
+from harness import BIN, DUE_ARTIFACTS, PATTERNS, SCANS, Case, Program, Server, children, curl, runs, wait_for
 
 NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
@@ -103,8 +103,10 @@ class Crashes(Case):
         for lease, status in (old, 409), (new, 200):
             words = [*bearer, "-H", "Vacuform-Lease: " + lease["lease"]]
             root = f"{server.api}/leases/{job}"
+            put = lambda name: curl(*words, "-H", "Content-Type: application/octet-stream", "-X", "PUT", "--data-binary",
+                                    lease["lease"], f"{root}/artifacts/{name}")
             for answer in [curl(*words, *of_json, "-d", '{"stage":"forming","progress":0.5}', root + "/heartbeat"),
-                           curl(*words, "-H", "Content-Type: application/octet-stream", "-X", "PUT", "--data-binary", lease["lease"], root + "/artifacts/report.json"),
+                           *map(put, sorted(DUE_ARTIFACTS)),
                            curl(*words, *of_json, "-d", "{}", root + "/complete")]:
                 if status == 409:
                     self.assertEqual((answer.status, answer.json["type"]), (409, "/problems/lease-lost"))

@@ -1,4 +1,5 @@
 """The disk fills up under the running service: what it accepted stays, what it cannot keep is refused and leaves nothing."""
+import json
 import os
 import shutil
 import signal
@@ -7,7 +8,7 @@ import sys
 import unittest
 
 import hostile
-from harness import Case, Server, curl
+from harness import Case, Server, curl, wait_for
 
 COARSE = {"sheet": {"resolution_mm": 12}, "print": {"dpi": 72}}
 
@@ -15,13 +16,24 @@ COARSE = {"sheet": {"resolution_mm": 12}, "print": {"dpi": 72}}
 class DiskFull(Case):
     """In a mount namespace of its own a small tmpfs is the disk; where the machine allows none, there is nothing to be tested."""
 
-    def test_nothing_accepted_is_lost_and_nothing_half_is_kept(self):
-        disk = self.folder / "data"
-        disk.mkdir()
-        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=24m,mode=700", "tmpfs", disk], check=True)
+    def server_on_a_disk_of(self, mebibytes):
+        folder = self.folder / f"of{mebibytes}"
+        disk = folder / "data"
+        disk.mkdir(parents=True)
+        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={mebibytes}m,mode=700", "tmpfs", disk], check=True)
         self.addCleanup(subprocess.run, ["umount", "-l", disk])
-        server = Server(self.folder, 0).start()
+        server = Server(folder, 0).start()
         self.addCleanup(lambda: server.stop())
+        return server, disk
+
+    def expect_refused(self, answer):
+        self.assertEqual(answer.status, 507, answer)
+        self.assertEqual(answer.json["type"], "/problems/disk-full")
+        self.assertTrue(answer.json["mend"])
+        self.assertGreater(int(answer.headers["retry-after"]), 0)
+
+    def test_nothing_accepted_is_lost_and_nothing_half_is_kept(self):
+        server, disk = self.server_on_a_disk_of(24)
         scan, pattern = self.folder / "scan.stl", self.folder / "p.svg"
         pattern.write_bytes(hostile.GOOD_SVG)
         accepted, refused = [], 0
@@ -32,8 +44,7 @@ class DiskFull(Case):
                 accepted.append(answer.json["id"])
                 self.assertEqual(refused, 0, "nothing has been freed in between")
             else:
-                self.assertIn(answer.status, (503, 507), answer)
-                self.assertEqual(answer.headers["content-type"], "application/problem+json")
+                self.expect_refused(answer)
                 refused += 1
             if refused == 3:
                 break
@@ -53,6 +64,87 @@ class DiskFull(Case):
             self.assertEqual(curl("-X", "DELETE", f"{server.api}/jobs/{job}").status, 204)
         self.assertEqual(server.post(scan, pattern, COARSE).status, 202)
         self.assertEqual(len(server.jobs()), len(accepted) - 2)
+
+    def upload_until_refused(self, server):
+        """Uploads of two mebibytes, in pieces, until the disk takes no more; gives their addresses."""
+        piece = self.folder / "piece"
+        places = []
+        tus = ["-H", "Tus-Resumable: 1.0.0"]
+        while True:
+            begun = curl("-X", "POST", *tus, "-H", f"Upload-Length: {1 << 21}", server.api + "/uploads")
+            if begun.status == 507:
+                self.expect_refused(begun)
+                return places
+            self.assertEqual(begun.status, 201, begun)
+            places.append(server.url + begun.headers["location"])
+            for offset in (0, 1 << 20):
+                piece.write_bytes(os.urandom(1 << 20))
+                sent = curl("-X", "PATCH", *tus, "-H", "Content-Type: application/offset+octet-stream", "-H",
+                            f"Upload-Offset: {offset}", "--data-binary", f"@{piece}", places[-1])
+                if sent.status == 507:
+                    self.expect_refused(sent)
+                    return places
+                self.assertEqual(sent.status, 204, sent)
+
+    def fill(self, disk):
+        """Somebody else takes all that is left."""
+        with open(disk / "somebody-elses", "ab", buffering=0) as filler:
+            try:
+                while True:
+                    filler.write(bytes(4096))
+            except OSError:
+                pass
+
+    def lease(self, server):
+        worker = ["-H", "Authorization: Bearer " + (server.data / "worker-token").read_text().strip()]
+        of_json = ["-H", "Content-Type: application/json", "-d", "{}"]
+        answer = curl("-X", "POST", *worker, *of_json, server.api + "/leases")
+        self.assertEqual(answer.status, 200, answer)
+        words = [*worker, "-H", "Vacuform-Lease: " + answer.json["lease"]]
+        return answer.json["job"], words, f"{server.api}/leases/{answer.json['job']}"
+
+    def test_a_full_disk_stops_new_files_and_nothing_else(self):
+        server, disk = self.server_on_a_disk_of(64)
+        scan, pattern = self.folder / "scan.stl", self.folder / "p.svg"
+        pattern.write_bytes(hostile.GOOD_SVG)
+        scan.write_bytes(hostile.stl(hostile.dome_triangles()))
+        jobs = [server.submit(scan, pattern, COARSE) for _ in range(6)]
+        running, words, lease = self.lease(server)
+        uploads = self.upload_until_refused(server)
+        self.assertGreater(len(uploads), 15)
+        reserve = (disk / "reserve").stat().st_blocks
+        self.assertGreater(reserve, 0)
+        self.fill(disk)
+
+        def beat(progress):
+            return curl("-X", "POST", *words, "-H", "Content-Type: application/json", "-d",
+                        json.dumps({"stage": "scan", "progress": progress}), lease + "/heartbeat").status
+
+        for i in range(50):
+            self.assertEqual(beat(i / 50), 200)
+        self.expect_refused(server.post(scan, pattern, COARSE))
+        jobs.remove(running)
+        self.assertEqual(curl("-X", "POST", f"{server.api}/jobs/{jobs[0]}/cancel").status, 200)
+        self.assertEqual(curl("-X", "DELETE", f"{server.api}/jobs/{jobs[0]}").status, 204)
+        self.fill(disk)
+        for number in (signal.SIGTERM, signal.SIGKILL):
+            self.assertEqual(server.stop(number), 0 if number == signal.SIGTERM else -number)
+            self.fill(disk)
+            server.start()
+            self.assertEqual({j["id"] for j in server.jobs()}, {*jobs[1:], running})
+            self.assertEqual(curl(f"{server.api}/jobs/{running}").json["state"], "running")
+            self.assertEqual(curl(server.api + "/limits").status, 200)
+
+        (disk / "somebody-elses").unlink()
+        for upload in uploads:
+            self.assertEqual(curl("-X", "DELETE", "-H", "Tus-Resumable: 1.0.0", upload).status, 204)
+        self.assertEqual(curl("-X", "POST", f"{server.api}/jobs/{running}/cancel").status, 200)
+        self.assertEqual(curl("-X", "POST", *words, lease + "/cancelled").status, 200)
+        for job in [*jobs[1:], running]:
+            curl("-X", "POST", f"{server.api}/jobs/{job}/cancel")
+            self.assertEqual(curl("-X", "DELETE", f"{server.api}/jobs/{job}").status, 204)
+        self.assertEqual(server.post(scan, pattern, COARSE).status, 202)
+        wait_for(lambda: (disk / "reserve").stat().st_blocks == reserve, "the reserve")
 
 
 def may_mount():

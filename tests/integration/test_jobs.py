@@ -113,7 +113,7 @@ class Backups(Case):
             self.assertEqual(len(found), json.loads(made.stdout)["jobs"])
             self.assertLessEqual(set(before), set(found))
             self.assertEqual({found[j]["state"] for j in before}, {"queued"})
-            self.assertEqual(found[before[0]]["inputs"]["scan"]["bytes"], 5)
+            self.assertEqual(copy.job(before[0])["inputs"]["scan"]["bytes"], 5)
             self.assertTrue(set(during))
             later = copy.submit(scan, pattern)
             self.assertGreater(later, max(found))

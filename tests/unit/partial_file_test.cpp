@@ -46,11 +46,11 @@ class PartialFileTest : public testing::Test {
   std::string finished(const std::string& extension) {
     auto file = PartialFile::open(name_, extension);
     EXPECT_TRUE(file);
-    auto upload = file->finish();
+    auto upload = file->finish(blobs_->temporary_path());
     EXPECT_TRUE(upload);
     const Blob blob = upload->digest();
     EXPECT_TRUE(blobs_->keep(*upload));
-    PartialFile::remove(name_);
+    EXPECT_TRUE(PartialFile::remove(name_));
     const std::string kept = bytes_of(data_ / "blobs" / blob.sha256.substr(0, 2) / blob.sha256);
     EXPECT_EQ(blob.bytes, kept.size());
     EXPECT_EQ(blob.sha256, text_hash(kept));
@@ -95,6 +95,21 @@ TEST_F(PartialFileTest, NoWholeNameStandsOnTheDiskMeanwhile) {
   for (const char* end : {".part", ".state"})
     EXPECT_EQ(bytes_of(data_ / (std::string("upload") + end)).find(name), std::string::npos);
   EXPECT_LE(std::filesystem::file_size(data_ / "upload.state"), 200u);
+}
+
+TEST_F(PartialFileTest, WhatWasNotFlushedGivesItsSpaceBack) {
+  {
+    auto file = PartialFile::open(name_, "stl");
+    ASSERT_TRUE(file && file->take(std::string(1000, '\1')) && file->flush());
+    EXPECT_TRUE(file->is_flushed());
+    const auto flushed = std::filesystem::file_size(data_ / "upload.part");
+    ASSERT_TRUE(file->take(std::string(100'000, '\1')));
+    EXPECT_FALSE(file->is_flushed());
+    EXPECT_GT(std::filesystem::file_size(data_ / "upload.part"), flushed);
+    file->drop_unflushed();
+    EXPECT_EQ(std::filesystem::file_size(data_ / "upload.part"), flushed);
+  }
+  EXPECT_EQ(PartialFile::open(name_, "stl")->bytes(), 1000u);
 }
 
 TEST_F(PartialFileTest, AStateThatIsNoneBeginsAnew) {

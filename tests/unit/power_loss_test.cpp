@@ -48,6 +48,7 @@ class PowerLoss : public testing::Test {
   static StoreOptions options() {
     StoreOptions options;
     options.clock = [] { return Millis{1'800'000'000'000}; };
+    options.kept_free = 0;
     return options;
   }
 
@@ -68,12 +69,11 @@ class PowerLoss : public testing::Test {
     answered(states);
   }
   Job created(const std::string& scan) {
-    NewJob wanted{.settings = "{}"};
+    NewJob wanted{.settings = "{}", .kind = JobKind::inspection};
     wanted.add("scan", upload(scan), "stl");
     wanted.add("pattern", upload("a pattern"), "svg");
     const auto job = store_->create(std::move(wanted));
     EXPECT_TRUE(job) << job.error().text();
-    scans_[job->id] = scan;
     answered(*job);
     return *job;
   }
@@ -101,7 +101,7 @@ class PowerLoss : public testing::Test {
       const auto file = (*store)->open(job.input("scan")->blob);
       EXPECT_TRUE(file) << file.error().text();
       if (job.state == JobState::succeeded) {
-        EXPECT_EQ(job.artifacts.size(), 1u);
+        EXPECT_EQ(job.artifacts.size(), 3u);
         EXPECT_TRUE((*store)->open(job.artifacts.at(0).blob));
       }
     }
@@ -113,13 +113,13 @@ class PowerLoss : public testing::Test {
   States states_;
   std::vector<States> answers_;
   std::vector<Moment> moments_;
-  std::map<std::string, std::string> scans_;
 };
 
 TEST_F(PowerLoss, WhatWasAnsweredIsThereAfterALossAtEveryFlush) {
   const Job first = created("first"), second = created("second"), third = created("third");
   const LeaseKey one = leased();
-  ASSERT_TRUE(store_->put_artifact(one, "report.json", upload("{}")));
+  for (const char* name : {"findings.json", "preview-findings.png", "mold.stl"})
+    ASSERT_TRUE(store_->put_artifact(one, name, upload("{}")));
   answered(*store_->complete(one));
   answered(*store_->cancel(second.id));
   const LeaseKey three = leased();

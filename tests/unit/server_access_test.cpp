@@ -126,6 +126,33 @@ TEST_F(ServerAccess, OnlyTheTokenItselfIsAToken) {
   EXPECT_NE(expired.body.find("expired"), std::string::npos);
 }
 
+TEST_F(ServerAccess, AWorkersTokenHasNoOtherScope) {
+  for (const char* scopes : {R"(["work","admin"])", R"(["work","read"])"}) {
+    const Answer made = ask("POST", "/api/v1/tokens", bearer(admin_),
+                            std::string(R"({"owner":"a","scopes":)") + scopes + "}");
+    EXPECT_EQ(made.status, 400) << scopes;
+    EXPECT_EQ(json::parse(made.body)["what"], "a worker's token has the scope work alone");
+  }
+  // Those of earlier versions can still be read.
+  ASSERT_TRUE(store_->add_token(
+      {"00000000000000aa", "old", {Scope::work, Scope::admin}, std::string(64, 'a'), 5, {}, {}}));
+  EXPECT_NE(ask("GET", "/api/v1/tokens", bearer(admin_)).body.find(R"("scopes":["work","admin"])"),
+            std::string::npos);
+}
+
+TEST_F(ServerAccess, ATokenEndsNoSessionOfAnother) {
+  const auto cookie = [](const Result<std::string>& set) {
+    return "Cookie: " + set->substr(0, set->find(';')) + "\r\n";
+  };
+  const auto status = [&](const std::string& shown) { return ask("GET", "/api/v1/jobs", shown).status; };
+  const std::string other = cookie(access_->sign_in(admin_)), first = cookie(access_->sign_in(user_));
+  std::string last;
+  for (int i = 0; i < 1100; ++i) last = cookie(access_->sign_in(user_));
+  EXPECT_EQ(status(other), 200);
+  EXPECT_EQ(status(last), 200);
+  EXPECT_EQ(status(first), 401);
+}
+
 TEST_F(ServerAccess, AdministratorsMakeListAndRevokeTokens) {
   const auto admin = [&](const std::string& method, const std::string& path, const std::string& body = "") {
     return ask(method, path, bearer(admin_), body);

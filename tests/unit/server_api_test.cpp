@@ -65,6 +65,14 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   EXPECT_EQ(worker("POST", held, "/heartbeat", "[").status, 400);
   EXPECT_EQ(worker("PUT", held, "/artifacts/report.json", R"({"figures":{}})").status, 200);
   EXPECT_EQ(worker("PUT", held, "/artifacts/print.png", std::string(200'000, 'p')).status, 200);
+  const Answer early = worker("POST", held, "/complete");
+  EXPECT_EQ(early.status, 409);
+  EXPECT_NE(json::parse(early.body)["what"].get<std::string>().find("print.svg, print.pdf"),
+            std::string::npos);
+  put_artifacts({held["job"], held["lease"]}, {"report.json", "print.png"});
+  EXPECT_TRUE(show(id)["artifacts"].empty());  // until it has succeeded
+  EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id + "/artifacts/print.png").status, 404);
+  EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip").status, 404);
   EXPECT_EQ(json::parse(worker("POST", held, "/complete").body)["state"], "succeeded");
   EXPECT_EQ(worker("POST", held, "/complete").status, 200);
   EXPECT_EQ(worker("PUT", held, "/artifacts/print.svg", "late").status, 409);
@@ -72,7 +80,7 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   job = show(id);
   EXPECT_EQ(job["state"], "succeeded");
   EXPECT_EQ(job["progress"], 1);
-  ASSERT_EQ(job["artifacts"].size(), 2u);
+  ASSERT_EQ(job["artifacts"].size(), 18u);
   EXPECT_EQ(job["artifacts"][0]["name"], "print.png");
   EXPECT_EQ(job["artifacts"][0]["bytes"], 200'000);
   const Answer zip = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip"),
@@ -117,12 +125,45 @@ TEST_F(ServerApi, SaysItsLimitsAndWhatKeepsJobsIn) {
   EXPECT_EQ(limits["workers"][1]["lacks"].size(), 3u);
 }
 
+TEST_F(ServerApi, ListsAreShortAndFiltered) {
+  const std::string queued = created(), cancelled = created();
+  ask("POST", "/api/v1/jobs/" + cancelled + "/cancel");
+  const auto list = [&](const std::string& query, const std::string& who = "") {
+    return json::parse(ask("GET", "/api/v1/jobs" + query, who).body)["jobs"];
+  };
+  const json brief = list("?state=queued");
+  ASSERT_EQ(brief.size(), 1u);
+  EXPECT_EQ(brief[0]["id"], queued);
+  EXPECT_EQ(brief[0]["owner"], "station-1");
+  for (const char* key : {"settings", "inputs", "artifacts", "links"})
+    EXPECT_FALSE(brief[0].contains(key)) << key;
+  EXPECT_EQ(list("?full=true&limit=1")[0], show(cancelled));
+  EXPECT_EQ(list("?state=queued,cancelled").size(), 2u);
+  EXPECT_EQ(list("?state=running").size(), 0u);
+  EXPECT_EQ(list("?kind=inspection").size(), 0u);
+  const std::string created = show(queued)["created"];
+  EXPECT_EQ(list("?created_after=" + created).size(),
+            list("?created_after=" + created + "&state=cancelled").size());
+  EXPECT_EQ(list("?created_before=" + created).size(), 0u);
+  EXPECT_EQ(list("?created_before=2100-01-01T00:00:00%2B02:00").size(), 2u);
+  EXPECT_EQ(list("?owner=station-1").size(), 2u);
+  EXPECT_EQ(list("?owner=station-1", bearer(admin_)).size(), 2u);
+  EXPECT_EQ(list("?owner=station-2", bearer(admin_)).size(), 0u);
+  EXPECT_EQ(ask("GET", "/api/v1/jobs?owner=station-2").status, 403);
+  for (const char* query : {"state=waiting", "state=queued,", "kind=video", "created_after=yesterday",
+                            "full=1", "created_before=2026-02-30T00:00:00Z"})
+    EXPECT_EQ(ask("GET", std::string("/api/v1/jobs?") + query).status,
+              std::string(query) == "state=queued," ? 200 : 400)
+        << query;
+}
+
 TEST_F(ServerApi, DownloadsKnowRangesAndEntityTags) {
   const std::string id = created(), path = "/api/v1/jobs/" + id + "/artifacts/formed.ply";
   const json held = lease();
   std::string bytes;
   for (std::uint32_t i = 0; i < 300'000; ++i) bytes += static_cast<char>(i * 7919u >> 3);
   ASSERT_EQ(worker("PUT", held, "/artifacts/formed.ply", bytes).status, 200);
+  finish({held["job"], held["lease"]}, {"formed.ply"});
   const Answer whole = ask("GET", path);
   EXPECT_EQ(whole.body, bytes);
   EXPECT_EQ(whole.header("ETag"), "\"" + text_hash(bytes) + "\"");
@@ -301,6 +342,7 @@ TEST_F(ServerApi, AJobsLogIsReadWhileItGrows) {
   EXPECT_EQ(first["lines"][2]["text"], "stage scan");
   EXPECT_EQ(first["next"], 3);
   EXPECT_EQ(first["ended"], false);
+  put_artifacts({held["job"], held["lease"]});
   EXPECT_EQ(worker("POST", held, "/complete").status, 200);
   const json rest = log("?after=3");
   EXPECT_EQ(rest["lines"].back()["text"], "succeeded");

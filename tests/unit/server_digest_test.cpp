@@ -66,6 +66,7 @@ class ServerDigest : public ServerTest {
                   headers + "Content-Digest: " + http::digest_field(text_hash(bytes)) + "\r\n", bytes)
                   .status,
               200);
+    finish({id, held["lease"]}, {"mold.stl"});
     return "/api/v1/jobs/" + id + "/artifacts/mold.stl";
   }
 };

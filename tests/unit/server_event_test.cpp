@@ -101,6 +101,7 @@ TEST_F(ServerEvent, AStreamTellsEverythingOnceAndEndsWithTheJob) {
   const int socket = following();
   const json held = lease();
   worker(held, "/heartbeat", R"({"stage":"forming","progress":0.5})");
+  put_artifacts({held["job"], held["lease"]});
   worker(held, "/complete");
   const Answer answer = parsed(receive_all(socket));
   EXPECT_EQ(answer.status, 200);

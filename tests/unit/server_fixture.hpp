@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "server/http/server.hpp"
@@ -163,6 +164,21 @@ class ServerTest : public testing::Test {
   Answer submit(const std::string& more = "", const std::string& path = "/api/v1/jobs") const {
     return ask("POST", path, form_type,
                part("scan", "Head.STL", "solid") + part("pattern", "p.svg", "<svg/>") + more + "--XX--\r\n");
+  }
+  // The artifacts that the leased job must have, but for those that are there.
+  void put_artifacts(const LeaseKey& key, const std::set<std::string>& there = {}) const {
+    const auto job = store_->leased(key);
+    ASSERT_TRUE(job);
+    for (const ArtifactKind& kind : artifact_kinds) {
+      if (!due(job->kind, kind) || there.count(std::string(kind.name)) != 0) continue;
+      auto file = store_->upload(Use::artifact);
+      ASSERT_TRUE(file && file->write("an artifact"));
+      ASSERT_TRUE(store_->put_artifact(key, std::string(kind.name), std::move(*file)));
+    }
+  }
+  void finish(const LeaseKey& key, const std::set<std::string>& there = {}) const {
+    put_artifacts(key, there);
+    ASSERT_TRUE(store_->complete(key));
   }
   std::string worker_headers(const std::string& lease = "") const {
     return bearer(worker_) + (lease.empty() ? "" : "Vacuform-Lease: " + lease + "\r\n");

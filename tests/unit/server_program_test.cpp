@@ -181,7 +181,14 @@ TEST_F(ServerProgram, MakesListsAndRevokesTokens) {
                               first_line(out) + "\r\n\r\n");
     return answer.substr(9, 3);
   };
-  ASSERT_EQ(command({"create", "--owner", "local", "--scopes", "submit,read", "--out", out}), 0) << said();
+  const std::vector<std::string> first{"create", "--owner", "local", "--scopes", "submit,read", "--out", out};
+  for (const std::vector<std::string>& words : {first, {"list"}}) {  // a mistyped folder begins no store
+    EXPECT_EQ(command(words), 2);
+    EXPECT_NE(said().find("there is no job store in this folder"), std::string::npos) << said();
+    EXPECT_FALSE(fs::exists(data()));
+  }
+  fs::create_directory(data());
+  ASSERT_EQ(command(first), 0) << said();
   EXPECT_EQ(mode(out), 0600u);
   serve();
   const pid_t server = process_;
@@ -198,6 +205,36 @@ TEST_F(ServerProgram, MakesListsAndRevokesTokens) {
   EXPECT_NE(said().find("never the name of a person"), std::string::npos) << said();
   EXPECT_EQ(command({"create", "--owner", "a", "--scopes", "all"}), 2);
   process_ = server;
+  EXPECT_EQ(stop(SIGTERM), 0);
+}
+
+// A backup holds the row of the administrator's token and not its file.
+TEST_F(ServerProgram, MakesAnotherAdminTokenWhereTheFileIsMissing) {
+  serve();
+  EXPECT_EQ(stop(SIGTERM), 0);
+  const std::string before = first_line(data() / "admin-token");
+  fs::remove(data() / "admin-token");
+  fs::remove(data() / "worker-token");
+  serve();
+  const pid_t server = process_;
+  const std::string after = first_line(data() / "admin-token");
+  EXPECT_NE(after, before);
+  EXPECT_NE(said().find("\"event\":\"admin-token-revoked\",\"token\":\"" + before.substr(4, 16) + "\""),
+            std::string::npos)
+      << said();
+  const auto status = [&](const std::string& token) {
+    return talk(connected(), "GET /api/v1/tokens HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer " +
+                                 token + "\r\n\r\n")
+        .substr(9, 3);
+  };
+  EXPECT_EQ(status(before), "401");
+  EXPECT_EQ(status(after), "200");
+  start({"token", "list", "--data", data()});  // through the server
+  EXPECT_EQ(wait(), 0) << said();
+  process_ = server;
+  EXPECT_EQ(stop(SIGTERM), 0);
+  serve();
+  EXPECT_EQ(first_line(data() / "admin-token"), after);
   EXPECT_EQ(stop(SIGTERM), 0);
 }
 

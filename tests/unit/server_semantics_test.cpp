@@ -1,5 +1,8 @@
 // What HTTP (RFC 9110) asks of answers, whatever they are about: methods, preconditions, ranges, heads, media types.
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "server_fixture.hpp"
 
@@ -48,12 +51,34 @@ TEST_F(ServerSemantics, AnswersWithoutABodySayNothingOfItsLength) {
   EXPECT_EQ(deleted.header("Content-Length"), "");
 }
 
+TEST_F(ServerSemantics, OfTwoPutsWithOneTagOneWins) {
+  const std::string at = "/api/v1/profiles/shared", as_admin = bearer(admin_);
+  for (int round = 0; round < 10; ++round) {
+    const std::string width = std::to_string(400 + 10 * round);
+    ASSERT_EQ(ask("PUT", at, as_admin, R"({"sheet":{"width_mm":)" + width + "}}").status / 100, 2);
+    const std::string tag = ask("GET", at).header("ETag");
+    std::array<int, 2> statuses{};
+    std::vector<std::thread> clients;
+    for (std::size_t i = 0; i < 2; ++i)
+      clients.emplace_back([&, i] {
+        statuses[i] =
+            ask("PUT", at, as_admin + "If-Match: " + tag + "\r\n",
+                R"({"sheet":{"width_mm":)" + std::to_string(401 + 10 * round + static_cast<int>(i)) + "}}")
+                .status;
+      });
+    for (auto& client : clients) client.join();
+    std::sort(statuses.begin(), statuses.end());
+    EXPECT_EQ(statuses, (std::array<int, 2>{200, 412}));
+  }
+}
+
 TEST_F(ServerSemantics, ARangeThatIsNotThereAndATagThatDoesNotMatchAreProblems) {
   const std::string id = json::parse(submit().body)["id"],
                     path = "/api/v1/jobs/" + id + "/artifacts/print.png";
   const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
   ask("PUT", "/api/v1/leases/" + id + "/artifacts/print.png",
       worker_headers(held["lease"].get<std::string>()) + "Content-Type: application/octet-stream\r\n", "ink");
+  finish({id, held["lease"]}, {"print.png"});
   const std::string tag = ask("GET", path).header("ETag");
   const Answer beyond = ask("GET", path, "Range: bytes=3-\r\n");
   EXPECT_EQ(beyond.status, 416);

@@ -46,6 +46,26 @@ TEST_F(ServerStatus, CountsRequestsJobsAndLostLeases) {
   EXPECT_TRUE(has_line(text, "vacuform_http_connections_limit 64"));
 }
 
+TEST_F(ServerStatus, CountsHowJobsEndAndHowLongTheyTook) {
+  Job job;
+  job.state = JobState::succeeded;
+  job.started = 1'000;
+  job.ended = 8'500;
+  metrics_.job_ended(job);
+  job.state = JobState::cancelled;
+  job.kind = JobKind::inspection;
+  job.started.reset();
+  metrics_.job_ended(job);
+  const std::string text = status("/metrics").body;
+  const std::string labels = "{kind=\"print\",outcome=\"succeeded\"";
+  EXPECT_TRUE(has_line(text, "vacuform_jobs_ended_total" + labels + "} 1")) << text;
+  EXPECT_TRUE(has_line(text, "vacuform_jobs_ended_total{kind=\"inspection\",outcome=\"cancelled\"} 1"));
+  EXPECT_TRUE(has_line(text, "vacuform_job_duration_seconds_bucket" + labels + ",le=\"5\"} 0"));
+  EXPECT_TRUE(has_line(text, "vacuform_job_duration_seconds_bucket" + labels + ",le=\"15\"} 1"));
+  EXPECT_TRUE(has_line(text, "vacuform_job_duration_seconds_sum" + labels + "} 7.5"));
+  EXPECT_TRUE(has_line(text, "vacuform_job_duration_seconds_count" + labels + "} 1"));
+}
+
 // The text format: every sample has a family announced before it, the buckets never fall, and the last is the count.
 TEST_F(ServerStatus, WritesWhatPrometheusReads) {
   submit();

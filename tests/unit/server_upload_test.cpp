@@ -261,6 +261,7 @@ TEST_F(ServerUpload, WhatAnInspectionFindsStandsWithItsScan) {
   const std::string lease = "/api/v1/leases/" + held["job"].get<std::string>();
   const std::string key = worker_headers(held["lease"].get<std::string>());
   EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, R"({"fits":true})").status, 200);
+  put_artifacts({held["job"], held["lease"]}, {"findings.json"});
   EXPECT_EQ(ask("POST", lease + "/complete", key, "{}").status, 200);
   inspection = json::parse(ask("GET", at).body)["inspection"];
   EXPECT_EQ(inspection["state"], "succeeded");
@@ -288,6 +289,7 @@ TEST_F(ServerUpload, FindingsThatNobodyCanReadAreNone) {
     const std::string lease = "/api/v1/leases/" + held["job"].get<std::string>();
     const std::string key = worker_headers(held["lease"].get<std::string>());
     EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, findings).status, 200);
+    put_artifacts({held["job"], held["lease"]}, {"findings.json"});
     EXPECT_EQ(ask("POST", lease + "/complete", key, "{}").status, 200);
     const json inspection = json::parse(ask("GET", "/api/v1/scans/" + id).body)["inspection"];
     EXPECT_EQ(inspection["state"], "succeeded");

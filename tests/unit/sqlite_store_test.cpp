@@ -71,7 +71,7 @@ TEST_F(SqliteStoreTest, TellsWhenThereWillBeRoom) {
     ASSERT_TRUE(submit("a"));
     const auto lease = *store->lease("worker");
     now += 20'000;
-    ASSERT_TRUE(store->complete({lease->job.id, lease->token}));
+    ASSERT_TRUE(store->fail_job({lease->job.id, lease->token}, {}, Retry::never));
   }
   EXPECT_EQ(*store->seconds_until_room("a"), 20);
   for (const char* owner : {"a", "a", "b"}) ASSERT_TRUE(submit(owner));
@@ -171,10 +171,10 @@ TEST_F(SqliteStoreTest, ALongQueueSlowsNothingDown) {
       job.owner = "station-3";
       EXPECT_TRUE(store.create(std::move(job)));
       const auto leased = store.lease("worker").value();
-      EXPECT_TRUE(store.complete({leased->job.id, leased->token}));
-      const JobPage page = store.list(5, "", "station-1").value();
+      EXPECT_TRUE(store.fail_job({leased->job.id, leased->token}, {}, Retry::never));
+      const JobPage page = store.list(5, "", {.owner = "station-1"}, Detail::full).value();
       EXPECT_EQ(page.jobs.size(), 5u);
-      EXPECT_TRUE(store.list(5, *page.next, std::nullopt));
+      EXPECT_TRUE(store.list(5, *page.next, {}, Detail::full));
     }
     return store.steps() - before;
   };

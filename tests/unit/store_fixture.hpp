@@ -48,7 +48,9 @@ class StoreTest : public testing::TestWithParam<Backend> {
   }
   StoreOptions options() {
     StoreOptions options;
-    options.clock = [this] { return now_; };
+    options.clock = [this] { return now_ + clock_set_; };
+    options.elapsed = [this] { return now_; };
+    options.kept_free = 1 << 20;
     options.losses = 3;
     options.backoff = 0;  // faults rest only where a test says so
     return options;
@@ -84,6 +86,16 @@ class StoreTest : public testing::TestWithParam<Backend> {
     EXPECT_TRUE(lease && *lease);
     return {(*lease)->job.id, (*lease)->token};
   }
+  // Completes a job with all the artifacts that it must have; those that it has already stay.
+  Result<Job> complete(const LeaseKey& key, std::set<std::string> there = {}) {
+    const auto leased = store_->leased(key);
+    if (leased)
+      for (const ArtifactKind& kind : artifact_kinds)
+        if (due(leased->kind, kind) && there.count(std::string(kind.name)) == 0) {
+          EXPECT_TRUE(store_->put_artifact(key, std::string(kind.name), upload("an artifact")));
+        }
+    return store_->complete(key);
+  }
   Job job(const std::string& id) { return store_->job(id).value(); }
   std::set<std::string> blobs() const {
     std::set<std::string> names;
@@ -101,6 +113,7 @@ class StoreTest : public testing::TestWithParam<Backend> {
 
   fs::path folder_;
   Millis now_ = 1'800'000'000'000;
+  Millis clock_set_ = 0;  // by how much the wall clock was set forward
   std::unique_ptr<Store> store_;
 };
 

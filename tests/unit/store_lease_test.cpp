@@ -61,7 +61,7 @@ TEST_P(StoreTest, AnExpiredLeaseGoesToAnotherWorkerAndTheFirstIsRefused) {
   EXPECT_EQ(job(id).attempt, 2);
   EXPECT_EQ(store_->complete(first).error().code, Code::lease_lost);
   EXPECT_EQ(store_->put_artifact(first, "print.png", upload("late")).error().code, Code::lease_lost);
-  EXPECT_EQ(store_->complete(second).value().state, JobState::succeeded);
+  EXPECT_EQ(complete(second).value().state, JobState::succeeded);
   EXPECT_EQ(store_->complete(first).error().code, Code::lease_lost);
 }
 
@@ -115,7 +115,7 @@ TEST_P(StoreTest, AReleasedJobIsNotALoss) {
 TEST_P(StoreTest, EndingTwiceUnderOneTokenIsHarmless) {
   create();
   const LeaseKey key = lease();
-  const Job done = store_->complete(key).value();
+  const Job done = complete(key).value();
   now_ += 5'000;
   const Job again = store_->complete(key).value();
   EXPECT_EQ(again.state, JobState::succeeded);
@@ -164,13 +164,13 @@ TEST_P(StoreTest, WhatBefellItsWorkersIsNotHeldAgainstAJob) {
     now_ += 30'001;
     ASSERT_EQ(store_->expire()->size(), 1u);
   }
-  EXPECT_EQ(store_->complete(lease())->state, JobState::succeeded);
+  EXPECT_EQ(complete(lease())->state, JobState::succeeded);
 }
 
 TEST_P(StoreTest, AJobOutlivesEightMinutesOfTroubleButNotAnHour) {
   store_.reset();
   StoreOptions plain;  // what a server has
-  plain.clock = [this] { return now_; };
+  plain.clock = plain.elapsed = [this] { return now_; };
   store_ = std::move(*GetParam().open(data(), plain));
   const std::string id = create().id;
   const Millis begun = now_;
@@ -225,6 +225,87 @@ TEST_P(StoreTest, ARestartLeavesRunningJobsAWholeLeaseMore) {
   EXPECT_EQ(store_->expire().value().size(), 1u);
 }
 
+TEST_P(StoreTest, SettingTheClockNeitherEndsNorExtendsALease) {
+  const std::string id = create().id;
+  const LeaseKey key = lease();
+  for (const Millis set : {86'400'000, -86'400'000}) {
+    clock_set_ = set;
+    EXPECT_TRUE(store_->expire()->empty());
+    EXPECT_TRUE(store_->heartbeat(key, Stage::scan, 0.5));
+  }
+  now_ += 30'001;
+  clock_set_ = -86'400'000;
+  EXPECT_EQ(store_->expire()->size(), 1u);
+}
+
+TEST_P(StoreTest, SettingTheClockNeitherEndsNorExtendsARest) {
+  StoreOptions resting = options();
+  resting.backoff = 60'000;
+  const auto open = [&] {
+    store_.reset();
+    store_ = std::move(*GetParam().open(data(), resting));
+  };
+  open();
+  create();
+  ASSERT_TRUE(store_->fail_job(lease(), {Code::internal, "", "", ""}, Retry::after_fault));
+  clock_set_ = 86'400'000;
+  EXPECT_FALSE(*store_->lease("early"));
+  clock_set_ = -86'400'000;
+  open();  // the clock was set back while no server ran
+  now_ += longest_rest;
+  EXPECT_TRUE(*store_->lease("in time"));
+}
+
+TEST_P(StoreTest, AnEndedLeaseDoesNotCountAsRunning) {
+  create();
+  const std::string second = create().id;
+  lease();
+  lease();
+  ASSERT_TRUE(store_->cancel(second));
+  now_ += 30'001;
+  JobCounts expected{};
+  expected[static_cast<std::size_t>(JobState::queued)] = 1;
+  expected[static_cast<std::size_t>(JobState::cancelled)] = 1;
+  EXPECT_EQ(store_->counts().value(), expected);
+  ASSERT_EQ(store_->expire()->size(), 2u);
+  EXPECT_EQ(store_->counts().value(), expected);
+}
+
+TEST_P(StoreTest, AJobSucceedsOnlyWithItsArtifactsAndShowsThemOnlyThen) {
+  for (const JobKind kind : {JobKind::print, JobKind::inspection}) {
+    NewJob wanted = submission();
+    wanted.kind = kind;
+    const std::string id = store_->create(std::move(wanted))->id;
+    const LeaseKey key = lease();
+    for (const ArtifactKind& artifact : artifact_kinds) {
+      if (!due(kind, artifact)) continue;
+      const auto early = store_->complete(key);
+      ASSERT_FALSE(early);
+      EXPECT_EQ(early.error().code, Code::conflict);
+      EXPECT_NE(early.error().what.find(artifact.name), std::string::npos) << early.error().what;
+      ASSERT_TRUE(store_->put_artifact(key, std::string(artifact.name), upload("an artifact")));
+      EXPECT_TRUE(job(id).artifacts.empty());
+    }
+    EXPECT_EQ(store_->complete(key)->state, JobState::succeeded);
+    EXPECT_EQ(job(id).artifacts.size(), kind == JobKind::print ? 18u : 3u);
+  }
+}
+
+TEST_P(StoreTest, TellsOfEveryEndOnce) {
+  std::vector<std::string> ends;
+  StoreOptions telling = options();
+  telling.job_ended = [&](const Job& job) { ends.emplace_back(name(job.state)); };
+  store_.reset();
+  store_ = std::move(*GetParam().open(data(), telling));
+  const std::string first = create().id;
+  ASSERT_TRUE(store_->cancel(first) && store_->cancel(first));
+  create();
+  const LeaseKey key = lease();
+  EXPECT_FALSE(store_->complete(key));
+  ASSERT_TRUE(store_->fail_job(key, {}, Retry::never) && store_->fail_job(key, {}, Retry::never));
+  EXPECT_EQ(ends, (std::vector<std::string>{"cancelled", "failed"}));
+}
+
 TEST_P(StoreTest, ManyWorkersShareTheJobsWithoutOneTwice) {
   constexpr int jobs = 60;
   for (int i = 0; i < jobs; ++i) create("scan " + std::to_string(i));
@@ -236,7 +317,7 @@ TEST_P(StoreTest, ManyWorkersShareTheJobsWithoutOneTwice) {
       for (;;) {
         const auto leased = store_->lease("worker");
         if (!leased || !*leased) return;
-        if (!store_->complete({(*leased)->job.id, (*leased)->token})) return;
+        if (!store_->fail_job({(*leased)->job.id, (*leased)->token}, {}, Retry::never)) return;
         const std::lock_guard hold(mutex);
         done.push_back((*leased)->job.id);
       }

@@ -89,7 +89,7 @@ TEST_P(StoreTest, ACancelledJobWhoseWorkerDiedIsCancelledNotRunAgain) {
 
 TEST_P(StoreTest, AnEndedJobCannotBeCancelled) {
   const std::string id = create().id;
-  ASSERT_TRUE(store_->complete(lease()));
+  ASSERT_TRUE(complete(lease()));
   EXPECT_EQ(store_->cancel(id).error().code, Code::conflict);
   EXPECT_EQ(store_->cancel("nobody").error().code, Code::not_found);
 }

@@ -1,6 +1,9 @@
 // What a store keeps: jobs, files, tokens, keys; copies of it.
 #include "tests/unit/store_fixture.hpp"
 
+#include <algorithm>
+#include <future>
+
 namespace vacuform {
 namespace {
 
@@ -59,7 +62,7 @@ TEST_P(StoreTest, ListsTheJobsOfOneOwner) {
     std::vector<std::string> found;
     std::string cursor;
     for (;;) {
-      const JobPage page = store_->list(2, cursor, owner).value();
+      const JobPage page = store_->list(2, cursor, {.owner = owner}).value();
       for (const Job& job : page.jobs) found.push_back(job.id);
       if (!page.next) return found;
       cursor = *page.next;
@@ -68,6 +71,93 @@ TEST_P(StoreTest, ListsTheJobsOfOneOwner) {
   EXPECT_EQ(ids("first"), first);
   EXPECT_EQ(ids(std::nullopt), all);
   EXPECT_TRUE(ids("third").empty());
+}
+
+TEST_P(StoreTest, ListsByStateKindAndTime) {
+  struct Made {
+    std::string id, owner;
+    JobKind kind;
+    Millis created;
+  };
+  std::vector<Made> made;
+  for (int i = 0; i < 24; ++i) {
+    NewJob wanted = submission("a", "b");
+    wanted.owner = i % 3 == 0 ? "first" : "second";
+    wanted.kind = i % 4 == 0 ? JobKind::inspection : JobKind::print;
+    const Job job = *store_->create(std::move(wanted));
+    made.insert(made.begin(), {job.id, job.owner, job.kind, job.created});
+    if (i % 5 == 0) {
+      ASSERT_TRUE(store_->cancel(job.id));
+    }
+    now_ += i % 2 == 0 ? 1000 : -500;  // the clock may step back
+  }
+  const auto ids = [&](const JobFilter& filter) {
+    std::vector<std::string> found;
+    std::string cursor;
+    for (;;) {
+      const JobPage page = store_->list(3, cursor, filter, Detail::brief).value();
+      for (const Job& job : page.jobs) found.push_back(job.id);
+      if (!page.next) return found;
+      cursor = *page.next;
+    }
+  };
+  std::vector<JobFilter> filters;
+  const Millis middle = made[12].created;
+  for (const auto& owner : {std::optional<std::string>(), std::optional<std::string>("first")})
+    for (const auto& states : {std::vector<JobState>(),
+                               {JobState::queued},
+                               {JobState::queued, JobState::cancelled},
+                               {JobState::succeeded}})
+      for (const auto& kind : {std::optional<JobKind>(), std::optional(JobKind::inspection)})
+        for (const auto& after : {std::optional<Millis>(), std::optional(middle)})
+          for (const auto& before : {std::optional<Millis>(), std::optional(middle + 2000)})
+            filters.push_back({owner, states, kind, after, before});
+  for (const JobFilter& f : filters) {
+    std::vector<std::string> expected;
+    for (const Made& m : made) {
+      const JobState state = job(m.id).state;
+      if ((!f.owner || m.owner == *f.owner) && (!f.kind || m.kind == *f.kind) &&
+          (f.states.empty() || std::find(f.states.begin(), f.states.end(), state) != f.states.end()) &&
+          (!f.created_after || m.created > *f.created_after) &&
+          (!f.created_before || m.created < *f.created_before))
+        expected.push_back(m.id);
+    }
+    EXPECT_EQ(ids(f), expected);
+  }
+  const Job brief = store_->list(1, "", {}, Detail::brief)->jobs.at(0);
+  EXPECT_TRUE(brief.settings.empty() && brief.inputs.empty());
+  EXPECT_EQ(store_->list(1, "")->jobs.at(0).inputs.size(), 2u);
+}
+
+// Two writers who saw the same: one of them wins.
+TEST_P(StoreTest, AGuardSeesWhatTheChangeChanges) {
+  for (int round = 0; round < 20; ++round) {
+    std::atomic<int> won{0}, refused{0};
+    const std::string seen = "{\"round\":" + std::to_string(round) + "}";
+    ASSERT_TRUE(store_->put_profile({"shared", seen, 1}));
+    std::vector<std::thread> writers;
+    for (int i = 0; i < 4; ++i)
+      writers.emplace_back([&, i] {
+        const auto put = store_->put_profile(
+            {"shared", std::to_string(i), 2},
+            [&](const std::optional<Profile>& now) { return now && now->settings == seen; });
+        if (put)
+          ++won;
+        else if (put.error().code == Code::conflict)
+          ++refused;
+      });
+    for (auto& writer : writers) writer.join();
+    EXPECT_EQ(won, 1);
+    EXPECT_EQ(refused, 3);
+  }
+  EXPECT_EQ(store_->remove_profile("shared", [](const auto&) { return false; }).error().code, Code::conflict);
+  EXPECT_TRUE(store_->find_profile("shared"));
+  const Job made = create();
+  const auto same = [&](const Job& now) { return now.version == made.version; };
+  EXPECT_TRUE(store_->cancel(made.id, same));
+  EXPECT_EQ(store_->cancel(made.id, same).error().code, Code::conflict);
+  EXPECT_EQ(store_->remove(made.id, same).error().code, Code::conflict);
+  EXPECT_TRUE(store_->remove(made.id));
 }
 
 TEST_P(StoreTest, CountsItsJobsByState) {
@@ -214,11 +304,30 @@ TEST_P(StoreTest, TellsWhenABlobIsGone) {
             (std::set{text_hash("one"), text_hash("a scan"), text_hash("two")}));
 }
 
+// What follows a deletion may take long, as a folder of a million files does.
+TEST_P(StoreTest, TheStoreWorksWhileADeletionGoesOn) {
+  std::future<bool> worked;
+  StoreOptions slow = options();
+  slow.blob_gone = [&](const std::string&) {
+    if (worked.valid()) return;
+    worked = std::async(std::launch::async, [&] {
+      return store_->create(submission("another", "one")).has_value() && store_->expire().has_value();
+    });
+    EXPECT_EQ(worked.wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  };
+  store_.reset();
+  store_ = std::move(*GetParam().open(data(), slow));
+  const std::string id = create().id;
+  ASSERT_TRUE(store_->cancel(id) && store_->remove(id));
+  ASSERT_TRUE(worked.valid());
+  EXPECT_TRUE(worked.get());
+}
+
 TEST_P(StoreTest, ABackupOpensAsTheStoreWas) {
   const Job made = create("a scan", "a pattern"), ended = create("a scan", "another");
   const LeaseKey key = lease();
   ASSERT_TRUE(store_->put_artifact(key, "print.png", upload("ink")));
-  ASSERT_TRUE(store_->complete(key));
+  ASSERT_TRUE(complete(key, {"print.png"}));
   const fs::path to = folder_ / "backup";
   const auto go_on = [] { return true; };
   EXPECT_EQ(store_->backup(to, go_on).error().code, Code::bad_usage);  // no such folder
@@ -231,7 +340,7 @@ TEST_P(StoreTest, ABackupOpensAsTheStoreWas) {
   });
   ASSERT_TRUE(report) << report.error().text();
   EXPECT_EQ(report->jobs, 2);
-  EXPECT_EQ(report->blobs, 4);
+  EXPECT_EQ(report->blobs, 5);
   EXPECT_TRUE(report->damaged.empty());
   EXPECT_EQ(store_->backup(to, go_on).error().code, Code::bad_usage);  // not empty any more
   ASSERT_TRUE(store_->remove(made.id));
@@ -277,7 +386,7 @@ TEST_P(StoreTest, OnlyEndedJobsAreDeleted) {
   EXPECT_EQ(store_->remove(id).error().code, Code::conflict);
   const LeaseKey key = lease();
   EXPECT_EQ(store_->remove(id).error().code, Code::conflict);
-  ASSERT_TRUE(store_->complete(key));
+  ASSERT_TRUE(complete(key));
   EXPECT_TRUE(store_->remove(id));
   EXPECT_EQ(store_->job(id).error().code, Code::not_found);
   EXPECT_EQ(store_->remove(id).error().code, Code::not_found);
@@ -289,7 +398,7 @@ TEST_P(StoreTest, ASharedFileStaysAsLongAsAnyJobNamesIt) {
   EXPECT_EQ(blobs().size(), 3u);  // the scan is there once
   const LeaseKey key = lease();
   ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("one")));  // the bytes of a pattern
-  ASSERT_TRUE(store_->complete(key));
+  ASSERT_TRUE(complete(key, {"report.json"}));
   auto reading = store_->open(job(first).input("pattern")->blob).value();
   ASSERT_TRUE(store_->remove(first));
   EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("same scan"), text_hash("two")}));
@@ -314,7 +423,7 @@ TEST_P(StoreTest, OnlySuccessKeepsArtifacts) {
   ASSERT_TRUE(store_->cancel(cancelled.job));
   EXPECT_EQ(store_->cancelled(cancelled).value().artifacts.size(), 0u);
   const LeaseKey done = half_done("of the done");
-  EXPECT_EQ(store_->complete(done).value().artifacts.size(), 1u);
+  EXPECT_EQ(complete(done, {"print.png"}).value().artifacts.size(), 18u);
   EXPECT_EQ(blobs().count(text_hash("of the failed")) + blobs().count(text_hash("of the cancelled")), 0u);
   EXPECT_EQ(blobs().count(text_hash("of the done")), 1u);
 }
@@ -325,10 +434,12 @@ TEST_P(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("first")));
   ASSERT_TRUE(store_->put_artifact(key, "print.png", upload("ink")));
   ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("second")));
+  ASSERT_TRUE(complete(key, {"report.json", "print.png"}));
   const Job found = job(id);
-  ASSERT_EQ(found.artifacts.size(), 2u);
+  ASSERT_EQ(found.artifacts.size(), 18u);
   EXPECT_EQ(found.artifacts[0].name, "print.png");  // the order of api/job.hpp
-  EXPECT_EQ(bytes_of(found.artifacts[1].blob), "second");
+  EXPECT_EQ(found.artifacts[16].name, "report.json");
+  EXPECT_EQ(bytes_of(found.artifacts[16].blob), "second");
   EXPECT_EQ(blobs().count(text_hash("first")), 0u);
 }
 
