@@ -8,12 +8,11 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "api/job_limits.hpp"
 #include "server/http/message.hpp"
 #include "server/service.hpp"
 
 namespace vacuform {
-
-inline constexpr std::uint64_t largest_artifact = 2ull << 30;
 
 // Streams the files into the store, without the names in them (api/names.hpp), and validates the settings; the JSON text goes
 // before the same setting of the profile, a field before both, an empty field keeps the default. An empty file is none, as a browser sends
