@@ -105,7 +105,7 @@ pid_t split(bool bare, unsigned long namespaces) {
   ::_exit(refused);
 }
 
-pid_t program = 0;  // of the supervisor
+volatile pid_t program = 0;  // of the supervisor
 void end_program(int) {
   if (program > 0) ::kill(program, SIGKILL);
 }
