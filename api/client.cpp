@@ -197,8 +197,8 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
   request.method = "POST";
   request.path = "/api/v1/leases";
   request.headers = {{"Content-Type", "application/json"}};
-  request.body =
-      written(json{{"worker", worker}, {"sandbox", sandbox}, {"protocol", worker_protocol}, {"version", version}});
+  request.body = written(
+      json{{"worker", worker}, {"sandbox", sandbox}, {"protocol", worker_protocol}, {"version", version}});
   request.limit = short_call;
   VACUFORM_TRY(response, good(http_.send(request)));
   if (response.status == 204) return std::nullopt;
@@ -266,8 +266,8 @@ Result<bool> WorkerClient::heartbeat(const Lease& lease, Stage stage, double pro
   return object.value("cancel", json(false)) == json(true);
 }
 
-Result<void> WorkerClient::upload(const Lease& lease, const std::string& artifact,
-                                  int file, std::uint64_t bytes, const Going& going) {
+Result<void> WorkerClient::upload(const Lease& lease, const std::string& artifact, int file,
+                                  std::uint64_t bytes, const Going& going) {
   HttpRequest request;
   request.method = "PUT";
   request.path = "/api/v1/leases/" + lease.job + "/artifacts/" + artifact;

@@ -113,8 +113,7 @@ std::size_t remove_tree(int parent, const char* name) {
       const Descriptor folder = open_folder(top.number(), entry, true);
       const Listing below = folder ? list(folder.number()) : nullptr;
       while (const char* deeper = below ? next(below) : nullptr)
-        if (remove_entry(folder.number(), deeper) ||
-            move_up(folder.number(), deeper, top.number(), number))
+        if (remove_entry(folder.number(), deeper) || move_up(folder.number(), deeper, top.number(), number))
           progress = true;
       if (::unlinkat(top.number(), entry, AT_REMOVEDIR) == 0)
         progress = true;

@@ -36,7 +36,8 @@ Descriptor open_folder(int parent, const char* name, bool force);
 struct TreeSize {
   std::size_t entries = 0;  // files, folders and everything else
   std::uint64_t bytes = 0;  // of regular files
-  bool within = true;       // false: more than was allowed, or a folder that cannot be read; then the sums are not complete
+  bool within =
+      true;  // false: more than was allowed, or a folder that cannot be read; then the sums are not complete
 };
 struct TreeLimits {
   std::size_t entries = 1000;

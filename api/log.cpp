@@ -32,17 +32,21 @@ Result<void> log_into(const std::filesystem::path& file) {
   const bool taken = opened >= 0 && ::dup2(opened, STDERR_FILENO) == STDERR_FILENO;
   if (opened >= 0) ::close(opened);
   if (taken) return {};
-  return fail(Code::unreadable, "the log cannot be written to", file.string(), "give --log a file that may be written to");
+  return fail(Code::unreadable, "the log cannot be written to", file.string(),
+              "give --log a file that may be written to");
 }
 
 void bound_log(const std::filesystem::path& file, std::uint64_t most_bytes) {
   struct stat info {};
-  if (file.empty() || ::fstat(STDERR_FILENO, &info) != 0 || static_cast<std::uint64_t>(info.st_size) < most_bytes) return;
+  if (file.empty() || ::fstat(STDERR_FILENO, &info) != 0 ||
+      static_cast<std::uint64_t>(info.st_size) < most_bytes)
+    return;
   // The workers hold the same file open: it is emptied, not replaced.
   std::error_code error;
   std::filesystem::copy_file(file, std::filesystem::path(file).concat(".1"),
                              std::filesystem::copy_options::overwrite_existing, error);
-  [[maybe_unused]] const int emptied = ::ftruncate(STDERR_FILENO, 0);  // on a full disk too, where there is no copy
+  [[maybe_unused]] const int emptied =
+      ::ftruncate(STDERR_FILENO, 0);  // on a full disk too, where there is no copy
 }
 
 void log_event(std::string_view event, const nlohmann::ordered_json& fields) {

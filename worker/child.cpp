@@ -72,7 +72,7 @@ struct Start {
   const char* home;
   const ChildLimits& limits;
   const Confinement& confinement;
-  int out, err;              // to write to
+  int out, err;               // to write to
   int ended, worker_listens;  // the two ends of a pipe, for the program's status
 };
 
@@ -94,9 +94,9 @@ pid_t split(bool bare, unsigned long namespaces) {
   const bool ready =
       ::sigprocmask(SIG_SETMASK, &no_signals, nullptr) == 0 && ::prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 &&
       ::getppid() == supervisor && ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && null >= 0 &&
-      ::dup2(null, 0) == 0 && ::dup2(start.out, 1) == 1 && ::dup2(start.err, 2) == 2 && ::chdir(start.home) == 0 &&
-      confinement.leave_files() && confinement.hold_program() && limit(RLIMIT_CORE, 0, 0) &&
-      limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 5) &&
+      ::dup2(null, 0) == 0 && ::dup2(start.out, 1) == 1 && ::dup2(start.err, 2) == 2 &&
+      ::chdir(start.home) == 0 && confinement.leave_files() && confinement.hold_program() &&
+      limit(RLIMIT_CORE, 0, 0) && limit(RLIMIT_CPU, limits.cpu_seconds, limits.cpu_seconds + 5) &&
       limit(RLIMIT_FSIZE, limits.file_size, limits.file_size) &&
       limit(RLIMIT_NOFILE, limits.open_files, limits.open_files) && limit(RLIMIT_NPROC, tasks, tasks) &&
       (limits.address_space == 0 || limit(RLIMIT_AS, limits.address_space, limits.address_space)) &&
@@ -137,7 +137,8 @@ void end_descendants() {
   // What the worker sends to end everything, and what this process gets when the worker is gone.
   const int end_all = first ? SIGKILL : SIGUSR1;
   ::close(start.worker_listens);
-  for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP}) ::signal(number, SIG_IGN);  // they are for the program
+  for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP})
+    ::signal(number, SIG_IGN);  // they are for the program
   ::signal(SIGCHLD, SIG_DFL);
   sigset_t until_it_runs;
   ::sigemptyset(&until_it_runs);
@@ -146,7 +147,8 @@ void end_descendants() {
   ::signal(SIGUSR1, end_program);
   pollfd worker{start.ended, 0, 0};
   const bool ready = ::setpgid(0, 0) == 0 && ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) == 0 &&
-                     ::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0 && ::prctl(PR_SET_PDEATHSIG, end_all) == 0 &&
+                     ::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0 &&
+                     ::prctl(PR_SET_PDEATHSIG, end_all) == 0 &&
                      ::poll(&worker, 1, 0) == 0;  // else the worker is dead already
   const pid_t self = ::getpid();
   program = ready ? split(first, 0) : -1;
@@ -228,8 +230,8 @@ ChildLine parse_child_line(std::string_view line) {
 }
 
 Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& command,
-                           const std::filesystem::path& home, const ChildLimits& limits, const Sandbox& sandbox,
-                           const std::function<void(const ChildProgress&)>& progress,
+                           const std::filesystem::path& home, const ChildLimits& limits,
+                           const Sandbox& sandbox, const std::function<void(const ChildProgress&)>& progress,
                            const std::function<bool()>& stop, const std::filesystem::path& kept) {
   std::vector<char*> argv, envp;
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
@@ -244,8 +246,8 @@ Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& com
   Pipe out, err, ended;
   const Error no_process{Code::internal, "no process could be made for the job", "", "try again later"};
   if (!out.open() || !err.open() || !ended.open()) return tl::make_unexpected(no_process);
-  const Start start{argv.data(), envp.data(), home.c_str(), limits, confinement, out.write, err.write,
-                    ended.write, ended.read};
+  const Start start{argv.data(), envp.data(), home.c_str(), limits,    confinement,
+                    out.write,   err.write,   ended.write,  ended.read};
   const bool namespaces = confinement.namespaces() != 0;
   const pid_t pid = split(namespaces, confinement.namespaces());
   if (pid < 0) return tl::make_unexpected(no_process);
@@ -346,7 +348,8 @@ Sandbox strongest_sandbox(int program_file, const std::string& program, const st
                            Sandbox{true, 0, false}};
   for (const Sandbox& choice : choices) {
     const auto end = run_child(
-        program_file, {program, "--version"}, home, limits, choice, [](const ChildProgress&) {}, [] { return false; });
+        program_file, {program, "--version"}, home, limits, choice, [](const ChildProgress&) {},
+        [] { return false; });
     if (end && end->how == ChildEnd::How::exited && end->number == 0) return choice;
   }
   return {};

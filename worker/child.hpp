@@ -30,7 +30,8 @@ struct ChildLimits {
   std::uint64_t cpu_seconds = job_limits.cpu_seconds;
   std::uint64_t file_size = 4ull << 30;  // bytes, of each file
   std::uint64_t open_files = 64;
-  std::uint64_t tasks = 128 + 8 * std::thread::hardware_concurrency();  // threads; the kernel holds root to none
+  std::uint64_t tasks =
+      128 + 8 * std::thread::hardware_concurrency();  // threads; the kernel holds root to none
   std::chrono::milliseconds wall = std::chrono::seconds(job_limits.seconds);
 };
 
@@ -68,8 +69,8 @@ struct ChildEnd {
 // thread that lives at least as long as the child: the kernel ends the child when that thread ends. Errors: internal (no
 // process or sandbox could be made).
 Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& command,
-                           const std::filesystem::path& home, const ChildLimits& limits, const Sandbox& sandbox,
-                           const std::function<void(const ChildProgress&)>& progress,
+                           const std::filesystem::path& home, const ChildLimits& limits,
+                           const Sandbox& sandbox, const std::function<void(const ChildProgress&)>& progress,
                            const std::function<bool()>& stop, const std::filesystem::path& kept = {});
 
 // The strongest choice of measures under which `program --version` ends well in `home`: they are tried together, with the

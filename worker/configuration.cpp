@@ -43,12 +43,14 @@ void WorkerConfiguration::add_to(ConfigurationSources& sources) {
   sources.add("no_keep", &no_keep, "Keep nothing of a job");
   sources
       .add("sandbox", &sandbox,
-           "required: stop unless the kernel gives Landlock and seccomp; best-effort: run jobs with the measures that "
+           "required: stop unless the kernel gives Landlock and seccomp; best-effort: run jobs with the "
+           "measures that "
            "it gives; off: run them with all rights of this user, to find faults, never for files of others")
       ->check(CLI::IsMember({"required", "best-effort", "off"}));
   sources
-      .add("user", &user,
-           "User to become, when started by root: jobs then cannot read what belongs to root or to the server")
+      .add(
+          "user", &user,
+          "User to become, when started by root: jobs then cannot read what belongs to root or to the server")
       ->type_name("NAME");
 }
 

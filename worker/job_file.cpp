@@ -13,8 +13,9 @@ namespace vacuform {
 Result<std::optional<JobFile>> open_job_file(int home, const char* folder, const char* name,
                                              std::uint64_t largest) {
   const auto refuse = [&](const char* why) {
-    return fail(Code::internal, std::string("the job's process left something that is not a file of its own: ") + why,
-                name, "report it with the job's id");
+    return fail(Code::internal,
+                std::string("the job's process left something that is not a file of its own: ") + why, name,
+                "report it with the job's id");
   };
   const Descriptor inside(::openat(home, folder, O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (!inside && errno == ENOENT) return std::nullopt;
@@ -25,7 +26,8 @@ Result<std::optional<JobFile>> open_job_file(int home, const char* folder, const
   if (!file.descriptor && errno == ENOENT) return std::nullopt;
   if (!file.descriptor) return refuse(errno == ELOOP ? "a symbolic link" : "it cannot be opened");
   struct stat info {};
-  if (::fstat(file.descriptor.number(), &info) != 0 || !S_ISREG(info.st_mode)) return refuse("not a regular file");
+  if (::fstat(file.descriptor.number(), &info) != 0 || !S_ISREG(info.st_mode))
+    return refuse("not a regular file");
   if (info.st_uid != ::geteuid()) return refuse("it belongs to another user");
   if (info.st_nlink != 1) return refuse("it has another name elsewhere");
   file.bytes = static_cast<std::uint64_t>(info.st_size);

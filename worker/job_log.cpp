@@ -42,8 +42,8 @@ std::vector<std::string> warning_codes(const JobFile& report) {
   if (report.bytes > largest_report) return {};
   std::string text(report.bytes, '\0');
   const ssize_t size = ::pread(report.descriptor.number(), text.data(), text.size(), 0);
-  const auto object = nlohmann::json::parse(text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(size, 0))),
-                                            nullptr, false);
+  const auto object = nlohmann::json::parse(
+      text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(size, 0))), nullptr, false);
   std::vector<std::string> codes;
   if (!object.is_object() || !object.contains("warnings") || !object["warnings"].is_array()) return codes;
   for (const auto& warning : object["warnings"]) {

@@ -172,7 +172,8 @@ void KeptStages::make_room() const {
   for (fs::directory_iterator it(*folder_, error), end; !error && it != end; it.increment(error)) {
     struct stat info {};
     const fs::path& file = it->path();
-    if ((file.extension() != ".mold" && file.extension() != ".sheet") || ::lstat(file.c_str(), &info) != 0) continue;
+    if ((file.extension() != ".mold" && file.extension() != ".sheet") || ::lstat(file.c_str(), &info) != 0)
+      continue;
     files.push_back({file, std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec,
                      static_cast<std::uint64_t>(info.st_size)});
     sum += files.back().size;

@@ -206,8 +206,10 @@ class LeasedJob {
          {"stderr", end.last_words.substr(end.last_words.size() - std::min(told, end.last_words.size()))}});
     if (end.problem) return tl::make_unexpected(*end.problem);
     if (end.how == ChildEnd::How::signalled && end.number == SIGKILL)
-      return fail(Code::out_of_time, "the job's process was killed, most likely because the memory ran out", "",
-                  "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi; an administrator can give the "
+      return fail(Code::out_of_time, "the job's process was killed, most likely because the memory ran out",
+                  "",
+                  "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi; an administrator "
+                  "can give the "
                   "worker more memory");
     return fail(Code::internal, "the pipeline broke down on this scan and pattern", "",
                 "try other settings; if it stays so, report it with the job's id");
@@ -231,9 +233,9 @@ class LeasedJob {
 
 Result<void> LeaseLoop::run(const StopSignal& stop) const {
   VACUFORM_TRY(client, WorkerClient::to(server, token));
-  log_event("worker-started", {{"worker", name},
-                               {"sandbox", sandbox.measures(true)},
-                               {"sandbox_lacks", sandbox.measures(false)}});
+  log_event(
+      "worker-started",
+      {{"worker", name}, {"sandbox", sandbox.measures(true)}, {"sandbox_lacks", sandbox.measures(false)}});
   milliseconds pause = poll;
   auto tidied = std::chrono::steady_clock::now() - tidy_every;
   while (!stop.within(milliseconds(0))) {
@@ -256,7 +258,8 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
     if (!held.understood) {
       log_event("job-not-understood", {{"worker", name}, {"job", held.job}, {"version", version}});
       VACUFORM_CHECK(client.release(held));
-      return fail(Code::bad_usage, "the server gave a job that this worker does not understand; it is given back", server,
+      return fail(Code::bad_usage,
+                  "the server gave a job that this worker does not understand; it is given back", server,
                   "install the worker of the server's version (this one is " + std::string(version) + ")");
     }
     log_event("job-leased", {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}});

@@ -29,9 +29,9 @@ namespace vacuform {
 namespace {
 
 constexpr int own_namespaces = CLONE_NEWUSER | CLONE_NEWPID | CLONE_NEWNET | CLONE_NEWIPC;
-constexpr int program_number = 3;       // the descriptor of the program, when it is executed
-constexpr const char* no_path = "";     // execveat() executes the descriptor itself
-constexpr int last_known_call = 450;    // of Linux 5.17; from 424 on the numbers are the same on every machine
+constexpr int program_number = 3;     // the descriptor of the program, when it is executed
+constexpr const char* no_path = "";   // execveat() executes the descriptor itself
+constexpr int last_known_call = 450;  // of Linux 5.17; from 424 on the numbers are the same on every machine
 
 struct RulesetAttributes {
   std::uint64_t files, net, scoped;
@@ -100,24 +100,26 @@ constexpr std::array refused_calls{
     // the network
     "socket", "socketpair", "connect", "bind", "listen", "accept", "accept4", "sendto", "sendmsg", "sendmmsg",
     // other processes, and processes of its own: a job is one process with threads
-    "fork", "vfork", "setsid", "setpgid", "ptrace", "process_vm_readv", "process_vm_writev", "process_madvise",
-    "process_mrelease", "kcmp", "pidfd_open", "pidfd_getfd", "pidfd_send_signal", "kill", "tkill",
-    "rt_sigqueueinfo", "rt_tgsigqueueinfo", "migrate_pages", "move_pages", "setpriority", "ioprio_set",
-    "sched_setscheduler", "sched_setparam", "sched_setattr", "sched_setaffinity", "execve",
+    "fork", "vfork", "setsid", "setpgid", "ptrace", "process_vm_readv", "process_vm_writev",
+    "process_madvise", "process_mrelease", "kcmp", "pidfd_open", "pidfd_getfd", "pidfd_send_signal", "kill",
+    "tkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo", "migrate_pages", "move_pages", "setpriority",
+    "ioprio_set", "sched_setscheduler", "sched_setparam", "sched_setattr", "sched_setaffinity", "execve",
     // what files are besides their content
-    "chmod", "fchmod", "fchmodat", "chown", "fchown", "lchown", "fchownat", "setxattr", "lsetxattr", "fsetxattr",
-    "removexattr", "lremovexattr", "fremovexattr", "getxattr", "lgetxattr", "fgetxattr", "listxattr", "llistxattr",
-    "flistxattr", "truncate", "truncate64", "utime", "utimes", "futimesat", "mknod", "mknodat",
+    "chmod", "fchmod", "fchmodat", "chown", "fchown", "lchown", "fchownat", "setxattr", "lsetxattr",
+    "fsetxattr", "removexattr", "lremovexattr", "fremovexattr", "getxattr", "lgetxattr", "fgetxattr",
+    "listxattr", "llistxattr", "flistxattr", "truncate", "truncate64", "utime", "utimes", "futimesat",
+    "mknod", "mknodat",
     // the rest of the machine
-    "mount", "umount2", "pivot_root", "chroot", "setns", "unshare", "open_tree", "move_mount", "fsopen", "fsmount",
-    "fsconfig", "fspick", "mount_setattr", "open_by_handle_at", "name_to_handle_at", "bpf", "perf_event_open",
-    "userfaultfd", "keyctl", "add_key", "request_key", "init_module", "finit_module", "delete_module", "kexec_load",
-    "kexec_file_load", "reboot", "swapon", "swapoff", "acct", "quotactl", "quotactl_fd", "settimeofday",
-    "clock_settime", "clock_adjtime", "adjtimex", "sethostname", "setdomainname", "iopl", "ioperm", "personality",
-    "io_uring_setup", "io_uring_enter", "io_uring_register", "vhangup", "syslog", "setuid", "setgid", "setreuid",
-    "setregid", "setresuid", "setresgid", "setgroups", "setfsuid", "setfsgid", "inotify_init", "inotify_init1",
-    "fanotify_init", "shmget", "shmat", "shmctl", "msgget", "msgsnd", "msgrcv", "msgctl", "semget", "semop",
-    "semctl", "semtimedop", "mq_open", "mq_unlink"};
+    "mount", "umount2", "pivot_root", "chroot", "setns", "unshare", "open_tree", "move_mount", "fsopen",
+    "fsmount", "fsconfig", "fspick", "mount_setattr", "open_by_handle_at", "name_to_handle_at", "bpf",
+    "perf_event_open", "userfaultfd", "keyctl", "add_key", "request_key", "init_module", "finit_module",
+    "delete_module", "kexec_load", "kexec_file_load", "reboot", "swapon", "swapoff", "acct", "quotactl",
+    "quotactl_fd", "settimeofday", "clock_settime", "clock_adjtime", "adjtimex", "sethostname",
+    "setdomainname", "iopl", "ioperm", "personality", "io_uring_setup", "io_uring_enter", "io_uring_register",
+    "vhangup", "syslog", "setuid", "setgid", "setreuid", "setregid", "setresuid", "setresgid", "setgroups",
+    "setfsuid", "setfsgid", "inotify_init", "inotify_init1", "fanotify_init", "shmget", "shmat", "shmctl",
+    "msgget", "msgsnd", "msgrcv", "msgctl", "semget", "semop", "semctl", "semtimedop", "mq_open",
+    "mq_unlink"};
 
 struct Release {
   void operator()(void* filter) const { ::seccomp_release(filter); }
@@ -245,9 +247,7 @@ bool Confinement::hold_program() const {
          ::close_range(program_number + 1, ~0u, 0) == 0;
 }
 
-bool Confinement::leave_calls() const {
-  return filter_.empty() || (install(filter_) && install_own_rules());
-}
+bool Confinement::leave_calls() const { return filter_.empty() || (install(filter_) && install_own_rules()); }
 
 void Confinement::execute(char* const* argv, char* const* envp) const {
   ::syscall(SYS_execveat, program_number, no_path, argv, envp, AT_EMPTY_PATH);

@@ -54,7 +54,8 @@ class Confinement {
   bool leave_files() const;   // once standard input, output and error are in place, without new privileges
   bool hold_program() const;  // closes every other descriptor
   bool leave_calls() const;   // right before execute()
-  void execute(char* const* argv, char* const* envp) const;  // returns only when the program cannot be executed
+  void execute(char* const* argv,
+               char* const* envp) const;  // returns only when the program cannot be executed
 
  private:
   Confinement();

@@ -21,7 +21,8 @@ Result<void> settle(const std::string& work, const std::string& name) {
   const gid_t gid = user ? user->pw_gid : ::getegid();
   const bool change = uid != ::geteuid();
   if (change && ::geteuid() != 0)
-    return fail(Code::bad_usage, "only root can become the user " + name, "--user", "leave --user out, or start it as root");
+    return fail(Code::bad_usage, "only root can become the user " + name, "--user",
+                "leave --user out, or start it as root");
 
   const Error unusable{Code::unreadable, "the folder for work cannot be used", work,
                        "give --work a folder that belongs to the worker's user and that it may write to"};

@@ -52,7 +52,7 @@ std::multimap<std::string, std::string> targets() {
 void write_artifacts(const std::string& report = "{}") {
   ::mkdir("out", 0700);
   for (const vacuform::ArtifactKind& kind : vacuform::artifact_kinds)
-    std::ofstream("out/" + std::string(kind.name)) << (kind.name == "report.json"      ? report
+    std::ofstream("out/" + std::string(kind.name)) << (kind.name == "report.json"     ? report
                                                        : kind.name.ends_with(".json") ? "{}"
                                                                                       : "mine");
 }
@@ -75,7 +75,10 @@ std::string tried(const std::multimap<std::string, std::string>& at) {
       attempt("chown " + path, [&] { return ::chown(p, 1, 1) == 0; });
       attempt("setxattr " + path, [&] { return ::setxattr(p, "user.x", "y", 1, 0) == 0; });
       attempt("setxattrat " + path, [&] {
-        struct { std::uint64_t value; std::uint32_t size, flags; } a{reinterpret_cast<std::uint64_t>("y"), 1, 0};
+        struct {
+          std::uint64_t value;
+          std::uint32_t size, flags;
+        } a{reinterpret_cast<std::uint64_t>("y"), 1, 0};
         return ::syscall(463, AT_FDCWD, p, 0, "user.z", &a, sizeof a) == 0;
       });
       attempt("utimensat " + path, [&] { return ::utimensat(AT_FDCWD, p, nullptr, 0) == 0; });
@@ -86,7 +89,8 @@ std::string tried(const std::multimap<std::string, std::string>& at) {
     if (name == "folder") {
       attempt("list " + path, [&] { return ::opendir(p) != nullptr; });
       attempt("chmod " + path, [&] { return ::chmod(p, 0777) == 0; });
-      attempt("create in " + path, [&] { return ::open((path + "/new").c_str(), O_CREAT | O_WRONLY, 0600) >= 0; });
+      attempt("create in " + path,
+              [&] { return ::open((path + "/new").c_str(), O_CREAT | O_WRONLY, 0600) >= 0; });
     }
     if (name == "process") {
       const pid_t pid = std::stoi(path);
@@ -110,7 +114,8 @@ std::string tried(const std::multimap<std::string, std::string>& at) {
         address.sin_family = AF_INET;
         address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(path)));
         address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        return ::connect(::socket(AF_INET, SOCK_STREAM, 0), reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+        return ::connect(::socket(AF_INET, SOCK_STREAM, 0), reinterpret_cast<sockaddr*>(&address),
+                         sizeof address) == 0;
       });
     if (name == "abstract")
       attempt("connect @" + path, [&] {

@@ -215,9 +215,9 @@ TEST_F(Child, ADaemonEndsWithACancelledProgram) {
 
 // Each starts the next in a session of its own, and ends: no one process leads to the last.
 TEST_F(Child, GenerationsOfProcessesEndWithTheProgram) {
-  const auto end = run(
-      "printf '[ $1 = 0 ] && { read self rest < /proc/self/stat; echo $self > pid; exec sleep 300; }; "
-      "setsid sh ./next $(($1 - 1)) &' > next; sh ./next 10; until [ -s pid ]; do sleep 0.01; done");
+  const auto end =
+      run("printf '[ $1 = 0 ] && { read self rest < /proc/self/stat; echo $self > pid; exec sleep 300; }; "
+          "setsid sh ./next $(($1 - 1)) &' > next; sh ./next 10; until [ -s pid ]; do sleep 0.01; done");
   EXPECT_EQ(end.number, 0);
   EXPECT_FALSE(runs(std::to_string(std::stoi(content(home / "pid")))));
 }

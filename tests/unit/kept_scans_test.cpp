@@ -89,7 +89,8 @@ TEST_F(KeptScansTest, WhatWasNotUsedForLongGoes) {
 TEST_F(KeptScansTest, OnlyCodesOfAReportReachTheLog) {
   const auto codes = [&](const std::string& text) {
     std::ofstream(folder / "report.json", std::ios::trunc) << text;
-    return warning_codes({Descriptor(::open((folder / "report.json").c_str(), O_RDONLY | O_CLOEXEC)), text.size()});
+    return warning_codes(
+        {Descriptor(::open((folder / "report.json").c_str(), O_RDONLY | O_CLOEXEC)), text.size()});
   };
   EXPECT_EQ(
       codes(R"({"warnings":[{"code":"undercut","text":"of Jane Roe"},{"code":"Jane Roe"},{"code":7},3]})"),
@@ -104,7 +105,8 @@ TEST_F(KeptScansTest, OnlyCodesOfAReportReachTheLog) {
 
 TEST_F(KeptScansTest, AFolderWithTooManyFilesOrWithFoldersIsDeleted) {
   const KeptScans kept = open(1000000);
-  const fs::path crowded = used(kept, 'a', 1, std::chrono::hours(0)), deep = used(kept, 'b', 1, std::chrono::hours(0)),
+  const fs::path crowded = used(kept, 'a', 1, std::chrono::hours(0)),
+                 deep = used(kept, 'b', 1, std::chrono::hours(0)),
                  good = used(kept, 'c', 1, std::chrono::hours(0));
   for (std::size_t i = 0; i < KeptScans::most_files; ++i) std::ofstream(crowded / std::to_string(i));
   fs::create_directory(deep / "folder");

@@ -39,8 +39,8 @@ class InSandbox : public testing::Test {
     ChildLimits limits;
     limits.address_space = 0;
     const auto end = run_child(
-        probe.number(), {VACUFORM_SANDBOX_PROBE, what, argument}, home, limits, sandbox, [](const ChildProgress&) {},
-        [] { return false; }, kept);
+        probe.number(), {VACUFORM_SANDBOX_PROBE, what, argument}, home, limits, sandbox,
+        [](const ChildProgress&) {}, [] { return false; }, kept);
     EXPECT_TRUE(end);
     return end->how == ChildEnd::How::signalled ? -end->number : end->number;
   }
@@ -160,10 +160,11 @@ TEST_F(InSandbox, SeccompRefusesToChangeWhatFilesAreBesidesTheirContent) {
   if (!all.seccomp) GTEST_SKIP() << "this kernel has no seccomp filters";
   const Sandbox calls = only(&Sandbox::seccomp);
   const fs::path secret = folder / "secret";
-  for (const char* what : {"chmod", "fchmod", "fchmodat", "chown", "setxattr", "truncate", "empty", "touch", "setsid", "setpgid",
-                           "fork", "prlimit", "own-pipe", "mkfifo"})
+  for (const char* what : {"chmod", "fchmod", "fchmodat", "chown", "setxattr", "truncate", "empty", "touch",
+                           "setsid", "setpgid", "fork", "prlimit", "own-pipe", "mkfifo"})
     EXPECT_EQ(attempt(calls, what, secret), EPERM) << what;
-  for (const char* what : {"fchmodat2", "setxattrat"}) EXPECT_EQ(attempt(calls, what, secret), ENOSYS) << what;
+  for (const char* what : {"fchmodat2", "setxattrat"})
+    EXPECT_EQ(attempt(calls, what, secret), ENOSYS) << what;
   EXPECT_EQ(fs::file_size(secret), 7u);
   EXPECT_EQ(attempt(none, "chmod", secret), 0);  // it would be done
   EXPECT_EQ(attempt(none, "empty", secret), 0);
@@ -195,7 +196,8 @@ TEST_F(InSandbox, EveryAbiOfLandlockIsEnoughWithSeccomp) {
     EXPECT_EQ(attempt(old, "read", secret), EACCES) << abi;
     EXPECT_EQ(attempt(old, "write", secret), EACCES) << abi;
     EXPECT_EQ(attempt(old, "remove", secret), EACCES) << abi;
-    for (const char* what : {"truncate", "empty", "chmod", "touch"}) EXPECT_EQ(attempt(old, what, secret), EPERM) << abi << what;
+    for (const char* what : {"truncate", "empty", "chmod", "touch"})
+      EXPECT_EQ(attempt(old, what, secret), EPERM) << abi << what;
     EXPECT_EQ(attempt(old, "tgkill", std::to_string(::getpid())), EPERM) << abi;
     EXPECT_NE(attempt(old, "link", secret), 0) << abi;
   }

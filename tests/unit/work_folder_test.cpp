@@ -89,8 +89,9 @@ TEST_F(WorkFolders, AMessIsDeletedWithoutPermissionAndWithoutRecursion) {
   ASSERT_TRUE(sweep(parent));
   const pid_t as_nobody = ::fork();  // root would need no permission
   if (as_nobody == 0) {
-    if (::geteuid() == 0 && (::chmod(parent.parent_path().c_str(), 0755) != 0 || ::chown(parent.c_str(), 65534, 65534) != 0 ||
-                             ::setresuid(65534, 65534, 65534) != 0))
+    if (::geteuid() == 0 &&
+        (::chmod(parent.parent_path().c_str(), 0755) != 0 || ::chown(parent.c_str(), 65534, 65534) != 0 ||
+         ::setresuid(65534, 65534, 65534) != 0))
       ::_exit(2);
     fs::path left;
     {
