@@ -13,6 +13,8 @@
 
 #include "api/log.hpp"
 #include "api/sha256.hpp"
+#include "api/version.hpp"
+#include "api/worker_protocol.hpp"
 
 namespace vacuform {
 
@@ -224,7 +226,8 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
   request.method = "POST";
   request.path = "/api/v1/leases";
   request.headers = {{"Content-Type", "application/json"}};
-  request.body = written(json{{"worker", worker}, {"sandbox", sandbox}});
+  request.body = written(
+      json{{"worker", worker}, {"sandbox", sandbox}, {"protocol", worker_protocol}, {"version", version}});
   request.limit = short_call;
   VACUFORM_TRY(response, good(http_.send(request)));
   if (response.status == 204) return std::nullopt;
@@ -233,6 +236,8 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
   Lease lease;
   lease.job = text_of(object, "job");
   lease.token = text_of(object, "lease");
+  if (!plain(lease.job, 64) || !plain(lease.token, 256))
+    return tl::make_unexpected(not_vacuform("a lease without its job or token"));
   const auto job_kind = job_kind_from(text_of(object, "kind"));
   if (std::string id = text_of(object, "request"); is_request_id(id)) lease.request = std::move(id);
   lease.attempt = static_cast<int>(std::clamp(number_of(object, "attempt", 1), 1.0, 1e6));
@@ -242,8 +247,10 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
       static_cast<int>(std::clamp(number_of(object, "heartbeat_seconds", 10), 1.0, 3600.0)));
   const auto settings = object.find("settings");
   lease.settings = settings == object.end() || settings->is_null() ? "{}" : settings->dump();
+  lease.keep = text_of(object, "keep");
   const auto inputs = object.find("inputs");
-  if (inputs != object.end() && inputs->is_object())
+  const bool with_inputs = inputs != object.end() && inputs->is_object();
+  if (with_inputs)
     for (const InputKind& kind : input_kinds)
       if (const auto from = inputs->find(kind.name); from != inputs->end() && from->is_object())
         lease.inputs.push_back(input_from(kind, *from));
@@ -253,8 +260,8 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
            std::any_of(lease.inputs.begin(), lease.inputs.end(),
                        [&](const LeasedInput& leased) { return leased.name == input.name; });
   });
-  if (!job_kind || !plain(lease.job, 64) || !plain(lease.token, 256) || !whole)
-    return tl::make_unexpected(not_vacuform("a lease without its job, kind, token or inputs"));
+  // An input that this program does not know may change what the job is to make.
+  lease.understood = job_kind && whole && with_inputs && inputs->size() == lease.inputs.size();
   return lease;
 }
 
@@ -288,14 +295,15 @@ Result<bool> WorkerClient::heartbeat(const Lease& lease, Stage stage, double pro
   return object.value("cancel", json(false)) == json(true);
 }
 
-Result<void> WorkerClient::upload(const Lease& lease, const std::string& artifact,
-                                  const std::filesystem::path& file, const Going& going) {
+Result<void> WorkerClient::upload(const Lease& lease, const std::string& artifact, int file,
+                                  std::uint64_t bytes, const Going& going) {
   HttpRequest request;
   request.method = "PUT";
   request.path = "/api/v1/leases/" + lease.job + "/artifacts/" + artifact;
   request.headers = headers_of(lease);
   request.headers["Content-Type"] = "application/octet-stream";
   request.file = file;
+  request.file_bytes = bytes;
   if (going) request.going = [&](std::uint64_t, std::uint64_t) { return going(); };
   VACUFORM_CHECK(good(http_.send(request)));
   return {};

@@ -78,6 +78,10 @@ struct Lease {
   std::string settings;                // JSON text
   std::string request;                 // the id of the request that made the job, for the log; may be empty
   std::vector<LeasedInput> inputs;     // in the order of input_kinds, with all that the kind of job needs
+  std::string keep;  // a key for what may be kept for other jobs of the same owner and scan; empty: keep nothing
+  // Whether this program understands all that the job needs. If not, only `job`, `token` and `request` are certain, and the
+  // job is to be released.
+  bool understood = true;
 };
 
 // What a worker does with leases. Every call but the first may give lease_lost: the job is someone else's now.
@@ -85,14 +89,16 @@ class WorkerClient {
  public:
   static Result<WorkerClient> to(const std::string& server, const std::string& token);
 
-  // Nothing: no job waits. `sandbox` names the measures that this worker's jobs run under.
+  // Nothing: no job waits. `sandbox` names the measures that this worker's jobs run under. The server refuses a worker whose
+  // protocol it does not speak with conflict.
   Result<std::optional<Lease>> lease(const std::string& worker, const std::vector<std::string>& sandbox);
   // One of the lease's inputs, checked against its length and SHA-256.
   Result<void> download_input(const Lease& lease, const LeasedInput& input, const std::filesystem::path& file,
                               const Going& going);
   // True: the user asks to cancel.
   Result<bool> heartbeat(const Lease& lease, Stage stage, double progress, const Going& going);
-  Result<void> upload(const Lease& lease, const std::string& artifact, const std::filesystem::path& file,
+  // The first `bytes` bytes of an open file.
+  Result<void> upload(const Lease& lease, const std::string& artifact, int file, std::uint64_t bytes,
                       const Going& going);
   Result<void> complete(const Lease& lease);
   Result<void> fail(const Lease& lease, const Error& error, Retry retry);

@@ -5,6 +5,7 @@
 #include <ifaddrs.h>
 #include <netdb.h>
 #include <netinet/in.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -19,7 +20,6 @@ namespace {
 constexpr std::size_t body_limit = 4u << 20;
 
 struct Closer {
-  void operator()(std::FILE* file) const { std::fclose(file); }
   void operator()(curl_slist* list) const { curl_slist_free_all(list); }
   void operator()(curl_mime* mime) const { curl_mime_free(mime); }
 };
@@ -29,7 +29,7 @@ struct Exchange {
   CURL* curl;
   const HttpRequest& request;
   HttpResponse response;
-  std::uint64_t to_send = 0;
+  std::uint64_t to_send = 0, file_sent = 0;
   bool given_up = false, overflow = false;
 };
 
@@ -59,6 +59,22 @@ std::size_t take_header(char* bytes, std::size_t, std::size_t count, void* user)
   const auto value = line.find_first_not_of(' ', colon + 1);
   x.response.headers[name] = value == std::string::npos ? "" : line.substr(value);
   return count;
+}
+
+// By position, so that no other user of the descriptor matters, and to the stated length, whatever the file grows to.
+std::size_t give_file(char* bytes, std::size_t, std::size_t count, void* user) {
+  auto& x = *static_cast<Exchange*>(user);
+  const auto most = std::min<std::uint64_t>(count, x.request.file_bytes - x.file_sent);
+  const ssize_t n = ::pread(x.request.file, bytes, most, static_cast<off_t>(x.file_sent));
+  if (n < 0 || (n == 0 && most > 0)) return CURL_READFUNC_ABORT;
+  x.file_sent += static_cast<std::uint64_t>(n);
+  return static_cast<std::size_t>(n);
+}
+
+int seek_file(void* user, curl_off_t offset, int origin) {
+  if (origin != SEEK_SET) return CURL_SEEKFUNC_CANTSEEK;
+  static_cast<Exchange*>(user)->file_sent = static_cast<std::uint64_t>(offset);
+  return CURL_SEEKFUNC_OK;
 }
 
 int keep_going(void* user, curl_off_t, curl_off_t, curl_off_t total, curl_off_t sent) {
@@ -177,7 +193,6 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
   curl_easy_setopt(curl, CURLOPT_NOPROGRESS, 0L);
 
   std::unique_ptr<curl_mime, Closer> mime;
-  std::unique_ptr<std::FILE, Closer> file;
   if (!request.form.empty()) {
     mime.reset(curl_mime_init(curl));
     for (const FormPart& part : request.form) {
@@ -190,16 +205,13 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
                     "check its name and permissions");
     }
     curl_easy_setopt(curl, CURLOPT_MIMEPOST, mime.get());
-  } else if (!request.file.empty()) {
-    file.reset(std::fopen(request.file.c_str(), "rbe"));
-    std::error_code ec;
-    const auto size = std::filesystem::file_size(request.file, ec);
-    if (!file || ec)
-      return fail(Code::unreadable, "the file cannot be read", request.file.string(),
-                  "check its name and permissions");
+  } else if (request.file >= 0) {
     curl_easy_setopt(curl, CURLOPT_UPLOAD, 1L);
-    curl_easy_setopt(curl, CURLOPT_READDATA, file.get());
-    curl_easy_setopt(curl, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(size));
+    curl_easy_setopt(curl, CURLOPT_READFUNCTION, give_file);
+    curl_easy_setopt(curl, CURLOPT_READDATA, &x);
+    curl_easy_setopt(curl, CURLOPT_SEEKFUNCTION, seek_file);
+    curl_easy_setopt(curl, CURLOPT_SEEKDATA, &x);
+    curl_easy_setopt(curl, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(request.file_bytes));
   } else if (request.method != "GET") {
     curl_easy_setopt(curl, CURLOPT_POSTFIELDS, request.body.data());
     curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body.size()));
@@ -219,7 +231,7 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
   if (x.overflow)
     return fail(Code::too_large, "the server's answer is longer than 4 MiB", url_,
                 "check that this is a Vacuform server");
-  if (code == CURLE_READ_ERROR)
+  if (code == CURLE_READ_ERROR || (code == CURLE_ABORTED_BY_CALLBACK && request.file >= 0))
     return fail(Code::unreadable, "a file could not be read to its end", "", "check that it is a plain file");
   if (code != CURLE_OK)
     return fail(Code::unavailable, std::string("no answer from the server: ") + curl_easy_strerror(code),

@@ -18,4 +18,6 @@ struct JobLimits {
 };
 inline constexpr JobLimits job_limits;
 
+inline constexpr std::uint64_t largest_artifact = 2ull << 30;  // bytes, of each
+
 }  // namespace vacuform

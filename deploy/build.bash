@@ -1,6 +1,8 @@
 # The release, and what this machine is good for; read by deploy/start and deploy/install, which define refuse().
 # shellcheck shell=bash
 
+as_root=()
+
 # The arithmetic of a compiler on this code, which needs up to 1.5 GiB, and of a worker, which needs up to 1 GiB.
 cores=$(nproc)
 memory_mib=$(awk '/^MemAvailable:/ { print int($2 / 1024) }' /proc/meminfo)
@@ -19,6 +21,14 @@ build_release() {
   cd "$checkout" || refuse "there is no $checkout"
   configured=$(cmake --preset release 2>&1) || { echo "$configured" >&2; refuse "the build cannot be configured"; }
   cmake --build --preset release -j "$jobs" --target vacuform vacuform-server vacuform-worker
+}
+
+# make_user NAME: a user without rights, made when there is none. With `as_root` set to a command, by that command.
+make_user() {
+  getent passwd "$1" >/dev/null && return
+  "${as_root[@]}" useradd --system --user-group --no-create-home --home-dir /nonexistent --shell /usr/sbin/nologin "$1" ||
+    refuse "the user $1 cannot be made; make it, then repeat this"
+  echo "The user $1 is made."
 }
 
 # load_profiles CHECKOUT URL ADMIN_TOKEN: the machines and sheets of deploy/profiles become profiles of the service.

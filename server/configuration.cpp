@@ -57,6 +57,9 @@ Result<void> check(const Configuration& configuration) {
                 "give for example https://vacuform.example.org");
   VACUFORM_CHECK(listen_address(configuration.listen, "--listen", configuration.front));
   VACUFORM_CHECK(listen_address(configuration.status_listen, "--status-listen", configuration.front));
+  if (!configuration.worker_user.empty() && ::geteuid() != 0)
+    return fail(Code::bad_usage, "only root can start workers as another user", "--worker-user",
+                "leave --worker-user out, or start the server as root");
   if (configuration.workers > 0 && ::access(configuration.worker_program.c_str(), X_OK) != 0)
     return fail(Code::bad_usage, "there is no worker program", configuration.worker_program.string(),
                 "give its path with --worker-program");
@@ -82,6 +85,15 @@ void Configuration::add_to(ConfigurationSources& sources) {
            "second")
       ->check(CLI::Range(3, 3600));
   sources.add("worker_program", &worker_program, "The worker");
+  sources
+      .add("worker_user", &worker_user,
+           "User that the workers become, when root starts this: it cannot read the folder of --data")
+      ->type_name("NAME");
+  sources
+      .add("log", &log,
+           "File for the log, of the workers too, in place of standard error; at 32 MiB its lines go to FILE.1, in place of "
+           "those that are there")
+      ->type_name("FILE");
   sources.add("port_file", &port_file, "File that receives the port when the server is ready");
   sources.add("status_port_file", &status_port_file, "File that receives the port of --status-listen");
 }

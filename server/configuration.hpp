@@ -17,6 +17,8 @@ struct Configuration {
   int workers = 0;
   int lease_seconds = 30;
   std::filesystem::path worker_program;  // empty until add_to(): vacuform-worker beside this program
+  std::string worker_user;               // whom the workers become; empty: this program's user
+  std::filesystem::path log;             // empty: standard error
   std::filesystem::path port_file, status_port_file;
 
   void add_to(ConfigurationSources& sources);

@@ -26,7 +26,8 @@ void LocalWorkers::start(Worker& worker, std::size_t number) {
   const std::string name = name_of(number), program = command_.program.string();
   std::vector<std::string> words{
       program, "--server", command_.server_url, "--token-file", command_.token_file.string(), "--name", name};
-  if (!command_.kept.empty()) words.insert(words.end(), {"--keep", command_.kept.string()});
+  if (!command_.work.empty()) words.insert(words.end(), {"--work", command_.work.string()});
+  if (!command_.user.empty()) words.insert(words.end(), {"--user", command_.user});
   std::vector<char*> arguments;
   for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);

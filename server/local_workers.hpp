@@ -15,7 +15,8 @@ struct WorkerCommand {
   std::filesystem::path program;
   std::string server_url;
   std::filesystem::path token_file;
-  std::filesystem::path kept = {};  // for what their jobs keep, by scan; empty: the workers' own choice
+  std::filesystem::path work = {};  // their folder for work; empty: their own choice
+  std::string user = {};            // whom they become; empty: who they are
 };
 
 // All functions are for one thread, which must live as long as the workers: the kernel ends a worker when the

@@ -110,6 +110,7 @@ Result<void> serve(const Configuration& options) {
   VACUFORM_CHECK(check(options));
   VACUFORM_TRY(address, listen_address(options.listen, "--listen", options.front));
   VACUFORM_TRY(status_address, listen_address(options.status_listen, "--status-listen", options.front));
+  if (!options.log.empty()) VACUFORM_CHECK(log_into(options.log));
   if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
   // Blocked before the first thread starts, so that only this thread hears them.
   sigset_t signals;
@@ -123,16 +124,15 @@ Result<void> serve(const Configuration& options) {
   StoreOptions store_options;
   store_options.job_ended = [&metrics](const Job& job) { metrics.job_ended(job); };
   store_options.lease = options.lease_seconds * Millis{1000};
-  const KeptFolder kept(options.data);
-  store_options.blob_gone = [&kept](const std::string& sha256) { kept.forget(sha256); };
   VACUFORM_TRY(store, open_store(options.data, store_options));
-  kept.sweep(*store);
+  VACUFORM_TRY(kept, KeptFolder::open(options.data, *store));
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
   VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
   Access access(*store);
   Workers seen_workers;
   VACUFORM_TRY(uploads, Uploads::open(*store, options.data / "uploads"));
   Service service{*store, access, seen_workers, *uploads, static_cast<int>(store_options.lease / 1000)};
+  service.kept = kept.get();
 
   http::ServerOptions listener;
   listener.host = address.host;
@@ -167,14 +167,17 @@ Result<void> serve(const Configuration& options) {
   // Workers of an earlier run died with it; their jobs need not wait for the leases to end.
   for (int i = 0; i < options.workers; ++i)
     log_expired(store->bury(LocalWorkers::name_of(static_cast<std::size_t>(i))));
-  LocalWorkers workers({std::filesystem::absolute(options.worker_program), url, token_file, kept.path()},
-                       options.workers);
+  LocalWorkers workers(
+      {std::filesystem::absolute(options.worker_program), url, token_file, kept->workers(), options.worker_user},
+      options.workers);
   for (;;) {
     for (const std::string& dead : workers.tend()) log_expired(store->bury(dead));
     const timespec second{1, 0};
     const int signal = ::sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGTERM || signal == SIGINT) break;
     log_expired(store->expire());
+    kept->tidy(*store);
+    bound_log(options.log);
     if (const auto collected = uploads->collect(); !collected)
       log_event("store-failed", {{"problem", collected.error().text()}});
   }

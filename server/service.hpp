@@ -12,6 +12,8 @@
 
 namespace vacuform {
 
+class KeptFolder;
+
 inline constexpr int most_wait_seconds = 60;  // of GET /api/v1/jobs/{id}?wait=
 
 // What every route works on. Outlives the listener.
@@ -22,6 +24,7 @@ struct Service {
   Uploads& uploads;
   int lease_seconds = 30;
   int heartbeat_seconds = 1;
+  KeptFolder* kept = nullptr;  // none: workers keep nothing
 };
 
 void add_job_routes(http::Router& router, Service& service);     // /api/v1/jobs..., for people and programs

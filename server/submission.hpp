@@ -8,12 +8,12 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "api/job_limits.hpp"
 #include "server/http/message.hpp"
 #include "server/service.hpp"
 
 namespace vacuform {
 
-inline constexpr std::uint64_t largest_artifact = 2ull << 30;
 // Of the body of a form with such a file, or with all of them.
 std::uint64_t largest_form(std::string_view input);
 std::uint64_t largest_form();

@@ -5,7 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "api/log.hpp"
+#include "api/version.hpp"
+#include "api/worker_protocol.hpp"
 #include "server/job_json.hpp"
+#include "server/kept_folder.hpp"
 #include "server/problem.hpp"
 #include "server/service.hpp"
 #include "server/submission.hpp"
@@ -70,6 +73,21 @@ Result<Response> take_lease(Service& service, Request& request) {
   VACUFORM_TRY(worker, text_of(body, "worker"));
   worker.resize(std::min<std::size_t>(worker.size(), 64));
   VACUFORM_TRY(sandbox, texts_of(body, "sandbox"));
+  VACUFORM_TRY(stated, text_of(body, "version"));
+  const auto protocol = body.find("protocol");
+  if (protocol == body.end() || *protocol != json(worker_protocol)) {
+    // Only numbers and letters: the text is a stranger's.
+    stated.resize(std::min<std::size_t>(stated.size(), 20));
+    std::erase_if(stated, [](char c) {
+      return c != '.' && c != '-' && (c < '0' || c > '9') && (c < 'a' || c > 'z');
+    });
+    log_event("worker-refused", {{"worker", worker}, {"version", stated}});
+    return fail(Code::conflict,
+                "this server (" + std::string(version) + ") speaks protocol " +
+                    std::to_string(worker_protocol) + " with workers, and the worker" +
+                    (stated.empty() ? "" : " (" + stated + ")") + " another",
+                "protocol", "install server and workers of the same version");
+  }
   service.workers.seen(worker, sandbox, wall_clock());
   VACUFORM_TRY(lease, service.store.lease(worker));
   if (!lease) {
@@ -81,6 +99,7 @@ Result<Response> take_lease(Service& service, Request& request) {
   ordered_json inputs = inputs_json(job);
   for (const InputKind& kind : input_kinds)  // what waits for a print is not the inspection's business
     if (job.kind == JobKind::inspection && !needs(job.kind, kind)) inputs.erase(std::string(kind.name));
+  const Input* scan = job.input("scan");
   log_event("job-leased", {{"job", job.id}, {"attempt", job.attempt}});
   return json_response({{"job", job.id},
                         {"kind", name(job.kind)},
@@ -89,6 +108,7 @@ Result<Response> take_lease(Service& service, Request& request) {
                         {"lease_seconds", service.lease_seconds},
                         {"heartbeat_seconds", service.heartbeat_seconds},
                         {"request", job.request},
+                        {"keep", service.kept && scan ? service.kept->key(job.owner, scan->blob.sha256) : ""},
                         {"settings", ordered_json::parse(job.settings)},
                         {"inputs", std::move(inputs)}});
 }

@@ -1,5 +1,6 @@
 #include "worker/configuration.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -40,8 +41,17 @@ void WorkerConfiguration::add_to(ConfigurationSources& sources) {
   sources.add("keep_days", &keep_days, "Days after the last use for which a scan's stages are kept")
       ->check(CLI::Range(1, 3650));
   sources.add("no_keep", &no_keep, "Keep nothing of a job");
-  sources.add("no_sandbox", &no_sandbox,
-              "Run jobs with the rights of this user, for finding faults; never for files of others");
+  sources
+      .add("sandbox", &sandbox,
+           "required: stop unless the kernel gives Landlock and seccomp; best-effort: run jobs with the "
+           "measures that "
+           "it gives; off: run them with all rights of this user, to find faults, never for files of others")
+      ->check(CLI::IsMember({"required", "best-effort", "off"}));
+  sources
+      .add(
+          "user", &user,
+          "User to become, when started by root: jobs then cannot read what belongs to root or to the server")
+      ->type_name("NAME");
 }
 
 Result<LeaseLoop> WorkerConfiguration::loop() const {
@@ -50,10 +60,10 @@ Result<LeaseLoop> WorkerConfiguration::loop() const {
   LeaseLoop loop;
   loop.server = server;
   loop.name = name;
-  loop.work = std::filesystem::absolute(work);
   loop.poll = std::chrono::milliseconds(static_cast<int>(poll_seconds * 1000));
   loop.program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vacuform";
-  if (::access(loop.program.c_str(), X_OK) != 0)
+  loop.program_file = Descriptor(::open(loop.program.c_str(), O_PATH | O_CLOEXEC));
+  if (!loop.program_file || ::access(loop.program.c_str(), X_OK) != 0)
     return fail(Code::unreadable, "the program vacuform is not beside this one", loop.program.string(),
                 "install both in one folder");
   VACUFORM_TRY(token, find_token(token_file.string()));

@@ -18,11 +18,14 @@ struct WorkerConfiguration {
   double poll_seconds = 1;
   std::filesystem::path keep;  // empty: kept/ in `work`
   int keep_days = 7;
-  bool no_keep = false, no_sandbox = false;
+  bool no_keep = false;
+  std::string sandbox = "required";  // or "best-effort", "off"
+  std::string user;                  // whom to become; empty: who it is
 
   void add_to(ConfigurationSources& sources);
-  // The loop that it asks for, without its sandbox and its folders, which are not looked at. Errors: bad_usage (no address,
-  // no token), unreadable (the file of the token; `vacuform` is not beside this program).
+  // The loop that it asks for, with the token and the program open, but without its sandbox and its folders, which are not
+  // looked at. Errors: bad_usage (no address, no token), unreadable (the file of the token; `vacuform` is not beside this
+  // program).
   Result<LeaseLoop> loop() const;
 };
 

@@ -1,6 +1,8 @@
 #include "worker/job_log.hpp"
 
-#include <fstream>
+#include <unistd.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace vacuform {
@@ -8,7 +10,7 @@ namespace vacuform {
 namespace {
 
 constexpr std::size_t most_lines = 200, most_codes = 50, longest_code = 40;
-constexpr std::uintmax_t largest_report = 4 << 20;
+constexpr std::uint64_t largest_report = 4 << 20;
 
 bool is_code(const std::string& text) {
   return !text.empty() && text.size() <= longest_code &&
@@ -36,13 +38,12 @@ Result<void> JobLog::send(WorkerClient& client, const Lease& lease, const Going&
   return {};
 }
 
-std::vector<std::string> warning_codes(const std::filesystem::path& report) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(report, error)) ||
-      std::filesystem::file_size(report, error) > largest_report)
-    return {};
-  std::ifstream in(report, std::ios::binary);
-  const auto object = nlohmann::json::parse(in, nullptr, false);
+std::vector<std::string> warning_codes(const JobFile& report) {
+  if (report.bytes > largest_report) return {};
+  std::string text(report.bytes, '\0');
+  const ssize_t size = ::pread(report.descriptor.number(), text.data(), text.size(), 0);
+  const auto object = nlohmann::json::parse(
+      text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(size, 0))), nullptr, false);
   std::vector<std::string> codes;
   if (!object.is_object() || !object.contains("warnings") || !object["warnings"].is_array()) return codes;
   for (const auto& warning : object["warnings"]) {

@@ -1,12 +1,12 @@
 // The lines that a worker adds to the log of a job on the server: words of our own and codes, nothing out of a file.
 #pragma once
 
-#include <filesystem>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "api/client.hpp"
+#include "worker/job_file.hpp"
 
 namespace vacuform {
 
@@ -24,6 +24,6 @@ class JobLog {
 };
 
 // The codes of the warnings in a report.json, which the child wrote and which may be anything; none when it is no report.
-std::vector<std::string> warning_codes(const std::filesystem::path& report);
+std::vector<std::string> warning_codes(const JobFile& report);
 
 }  // namespace vacuform

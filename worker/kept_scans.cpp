@@ -1,10 +1,15 @@
 #include "worker/kept_scans.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <vector>
+
+#include "api/file_tree.hpp"
+#include "api/log.hpp"
 
 namespace vacuform {
 
@@ -29,29 +34,29 @@ Error unusable(const fs::path& folder) {
           "give --keep a folder of your own with mode 0700, or --no-keep"};
 }
 
-std::uint64_t bytes_in(const fs::path& folder) {
-  std::uint64_t sum = 0;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    std::error_code gone;
-    if (it->is_regular_file(gone) && !it->is_symlink(gone)) sum += it->file_size(gone);
-  }
-  return sum;
+// A job leaves a few files here and no folders; what has more is no longer read, counted or kept.
+TreeSize size_of(const fs::path& folder) {
+  const Descriptor opened = open_folder(AT_FDCWD, folder.c_str(), true);
+  TreeLimits limits;
+  limits.entries = KeptScans::most_files;
+  limits.depth = 0;
+  return opened ? measure_tree(opened.number(), limits) : TreeSize{0, 0, false};
 }
 
 }  // namespace
 
 Result<KeptScans> KeptScans::open(fs::path folder, std::uint64_t most_bytes, std::chrono::hours longest) {
   std::error_code error;
-  fs::create_directories(folder.parent_path().parent_path(), error);
-  ::mkdir(folder.parent_path().c_str(), 0700);  // the folder for work, where nobody made it yet
+  if (folder.is_absolute()) fs::create_directories(folder.parent_path().parent_path(), error);
+  if (folder.has_parent_path())
+    ::mkdir(folder.parent_path().c_str(), 0700);  // the folder for work, where nobody made it yet
   if (!private_folder(folder)) return tl::make_unexpected(unusable(folder));
   return KeptScans(std::move(folder), most_bytes, longest);
 }
 
-Result<fs::path> KeptScans::of(const std::string& sha256) const {
-  if (!is_digest(sha256)) return fail(Code::bad_usage, "not a SHA-256", sha256.substr(0, 64));
-  const fs::path folder = folder_ / sha256;
+Result<fs::path> KeptScans::of(const std::string& key) const {
+  if (!is_digest(key)) return fail(Code::bad_usage, "not a key of 64 hexadecimal digits", key.substr(0, 64));
+  const fs::path folder = folder_ / key;
   if (!private_folder(folder)) return tl::make_unexpected(unusable(folder));
   std::error_code error;
   fs::last_write_time(folder, fs::file_time_type::clock::now(), error);
@@ -62,7 +67,7 @@ int KeptScans::make_room() const {
   struct Scan {
     fs::path folder;
     fs::file_time_type used;
-    std::uint64_t bytes;
+    TreeSize size;
   };
   std::vector<Scan> scans;
   std::uint64_t sum = 0;
@@ -70,16 +75,19 @@ int KeptScans::make_room() const {
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     if (!is_digest(it->path().filename().string())) continue;
     std::error_code gone;
-    scans.push_back({it->path(), it->last_write_time(gone), bytes_in(it->path())});
-    sum += scans.back().bytes;
+    scans.push_back({it->path(), it->last_write_time(gone), size_of(it->path())});
+    sum += scans.back().size.bytes;
   }
   std::sort(scans.begin(), scans.end(), [](const Scan& a, const Scan& b) { return a.used < b.used; });
   const auto oldest = fs::file_time_type::clock::now() - longest_;
   int deleted = 0;
   for (const Scan& scan : scans) {
-    if (sum <= most_bytes_ && scan.used >= oldest) continue;
-    fs::remove_all(scan.folder, error);
-    sum -= scan.bytes;
+    if (scan.size.within && sum <= most_bytes_ && scan.used >= oldest) continue;
+    if (const std::size_t left = remove_tree(AT_FDCWD, scan.folder.c_str()); left > 0) {
+      log_event("kept-scan-not-deleted", {{"key", scan.folder.filename().string()}, {"entries", left}});
+      continue;
+    }
+    sum -= scan.size.bytes;
     ++deleted;
   }
   return deleted;

@@ -1,11 +1,13 @@
 #include "worker/kept_stages.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "api/file_tree.hpp"
 #include "api/sha256.hpp"
 #include "worker/archive.hpp"
 
@@ -56,20 +58,33 @@ void fields(A& a, FormedSheet& s) {
 
 namespace {
 
-std::optional<std::vector<std::uint8_t>> bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary | std::ios::ate);
-  if (!in) return std::nullopt;
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(in.tellg()));
-  in.seekg(0);
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!in) return std::nullopt;
+// All of an open file; nothing unless it is a regular one.
+std::optional<std::vector<std::uint8_t>> bytes_of(const Descriptor& file) {
+  struct stat info {};
+  if (!file || ::fstat(file.number(), &info) != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(info.st_size));
+  for (std::size_t at = 0; at < bytes.size();) {
+    const ssize_t n = ::pread(file.number(), bytes.data() + at, bytes.size() - at, static_cast<off_t>(at));
+    if (n <= 0) return std::nullopt;
+    at += static_cast<std::size_t>(n);
+  }
   return bytes;
+}
+
+bool write_all(int file, const void* data, std::size_t size) {
+  const char* bytes = static_cast<const char*>(data);
+  for (std::size_t at = 0; at < size;) {
+    const ssize_t n = ::write(file, bytes + at, size - at);
+    if (n <= 0) return false;
+    at += static_cast<std::size_t>(n);
+  }
+  return true;
 }
 
 // A changed program must not trust what another one made.
 const std::string& program_digest() {
   static const std::string digest = [] {
-    const auto program = bytes_of("/proc/self/exe");
+    const auto program = bytes_of(Descriptor(::open("/proc/self/exe", O_RDONLY | O_CLOEXEC)));
     return program ? sha256_hex(*program) : std::string();
   }();
   return digest;
@@ -79,7 +94,9 @@ constexpr std::size_t digest_size = 64;  // the file begins with the digest of t
 
 template <class T>
 std::optional<T> read_kept(const fs::path& path) {
-  const auto file = bytes_of(path);
+  // Another job of this scan may have left anything here: a FIFO must not block, a link not lead elsewhere.
+  const Descriptor opened(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  const auto file = bytes_of(opened);
   if (!file || file->size() < digest_size) return std::nullopt;
   const auto content = std::span(*file).subspan(digest_size);
   if (sha256_hex(content) != std::string(file->begin(), file->begin() + digest_size)) return std::nullopt;
@@ -87,8 +104,7 @@ std::optional<T> read_kept(const fs::path& path) {
   ArchiveReader reader(content);
   reader(value);
   if (!reader.at_end()) return std::nullopt;
-  std::error_code ignored;
-  fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);  // used just now
+  ::futimens(opened.number(), nullptr);  // used just now
   return value;
 }
 
@@ -97,15 +113,13 @@ void write_kept(const fs::path& path, const T& value) {
   ArchiveWriter writer;
   writer(value);
   const fs::path part = path.string() + "." + std::to_string(::getpid()) + ".part";
-  std::ofstream out(part, std::ios::binary | std::ios::trunc);
-  std::error_code error;
-  fs::permissions(part, fs::perms::owner_read | fs::perms::owner_write, error);
-  out << sha256_hex(writer.bytes);
-  out.write(reinterpret_cast<const char*>(writer.bytes.data()),
-            static_cast<std::streamsize>(writer.bytes.size()));
-  out.close();
-  if (out && !error) fs::rename(part, path, error);
-  if (!out || error) fs::remove(part, error);
+  ::unlink(part.c_str());
+  const Descriptor out(::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+  if (!out) return;
+  const std::string digest = sha256_hex(writer.bytes);
+  const bool written = write_all(out.number(), digest.data(), digest.size()) &&
+                       write_all(out.number(), writer.bytes.data(), writer.bytes.size());
+  if (!written || ::rename(part.c_str(), path.c_str()) != 0) ::unlink(part.c_str());
 }
 
 }  // namespace
@@ -113,7 +127,8 @@ void write_kept(const fs::path& path, const T& value) {
 KeptStages::KeptStages(fs::path folder, std::function<void(Stage)> found, std::uint64_t most_bytes)
     : found_(std::move(found)), most_bytes_(most_bytes) {
   std::error_code error;
-  if (fs::create_directories(folder, error)) fs::permissions(folder, fs::perms::owner_all, error);
+  fs::create_directories(folder.parent_path(), error);
+  ::mkdir(folder.c_str(), 0700);
   if (!program_digest().empty()) folder_ = std::move(folder);
 }
 
@@ -148,15 +163,19 @@ void KeptStages::keep(const nlohmann::ordered_json& made_from, const FormedSheet
 void KeptStages::make_room() const {
   struct File {
     fs::path path;
-    fs::file_time_type used;
+    std::int64_t used;  // nanoseconds
     std::uint64_t size;
   };
   std::vector<File> files;
   std::uint64_t sum = 0;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(*folder_, error)) {
-    if (entry.path().extension() != ".mold" && entry.path().extension() != ".sheet") continue;
-    files.push_back({entry.path(), entry.last_write_time(error), entry.file_size(error)});
+  for (fs::directory_iterator it(*folder_, error), end; !error && it != end; it.increment(error)) {
+    struct stat info {};
+    const fs::path& file = it->path();
+    if ((file.extension() != ".mold" && file.extension() != ".sheet") || ::lstat(file.c_str(), &info) != 0)
+      continue;
+    files.push_back({file, std::int64_t{info.st_mtim.tv_sec} * 1'000'000'000 + info.st_mtim.tv_nsec,
+                     static_cast<std::uint64_t>(info.st_size)});
     sum += files.back().size;
   }
   std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.used < b.used; });

@@ -1,10 +1,14 @@
 #include "worker/lease_loop.hpp"
 
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "api/job_limits.hpp"
 #include "api/log.hpp"
+#include "api/version.hpp"
 #include "worker/heartbeat.hpp"
+#include "worker/job_file.hpp"
 #include "worker/work_folder.hpp"
 
 namespace vacuform {
@@ -22,6 +26,9 @@ bool passing(const Error& error) {
 milliseconds longer(milliseconds pause) { return std::min(2 * pause, milliseconds(10000)); }
 
 constexpr std::chrono::hours tidy_every{1};  // of what is kept, besides after every job
+
+constexpr const char* out = "out";  // the folder of artifacts, in that of the job
+constexpr TreeLimits most_left;     // in a job's folder
 
 // How a leased job ended, for this worker.
 enum class Verdict { completed, failed, cancelled, released, lost };
@@ -46,12 +53,13 @@ const char* name_of(Verdict verdict) {
 class LeasedJob {
  public:
   LeasedJob(const LeaseLoop& loop, WorkerClient& client, Heartbeat& heartbeat, const Lease& lease,
-            const fs::path& folder, const StopSignal& stop, JobLog& log)
+            const WorkFolder& folder, const StopSignal& stop, JobLog& log)
       : loop_(loop),
         client_(client),
         heartbeat_(heartbeat),
         lease_(lease),
-        folder_(folder),
+        folder_(folder.path()),
+        home_(folder.descriptor()),
         stop_(stop),
         log_(log) {}
 
@@ -95,7 +103,7 @@ class LeasedJob {
   }
 
   Result<void> work() {
-    const fs::path out = folder_ / "out", settings = folder_ / "settings.json";
+    const fs::path settings = folder_ / "settings.json";
     const auto alive = [this] { return going(); };
     const bool inspection = lease_.kind == JobKind::inspection;
     std::vector<std::string> command{loop_.program.string(),
@@ -103,7 +111,7 @@ class LeasedJob {
                                      "--settings",
                                      settings.filename().string(),
                                      "--out",
-                                     out.filename().string(),
+                                     out,
                                      "--progress",
                                      "json"};
     for (const LeasedInput& input : lease_.inputs) {
@@ -116,31 +124,61 @@ class LeasedJob {
       return fail(Code::internal, "the worker has no room for the job", "", "try again later");
     }
     const fs::path kept = kept_folder();
-    if (!kept.empty()) command.insert(command.end(), {"--keep", kept.string()});
+    // The child's own working directory is a folder in ours.
+    if (!kept.empty())
+      command.insert(command.end(), {"--keep", (kept.is_absolute() ? kept : ".." / kept).string()});
     const auto end = run_child(
-        command, folder_, loop_.limits, loop_.sandbox, [this](const ChildProgress& at) { heard(at); },
-        [this] { return !going(); }, kept);
+        loop_.program_file.number(), command, folder_, loop_.limits, loop_.sandbox,
+        [this](const ChildProgress& at) { heard(at); }, [this] { return !going() || has_too_much(); }, kept);
     if (loop_.kept) loop_.kept->make_room();
     if (!end) {
       retry_ = Retry::after_fault;
       return tl::make_unexpected(end.error());
     }
+    measured_ = {};
+    if (going() && has_too_much())
+      return fail(Code::out_of_time,
+                  "the job left more than " + std::to_string(most_left.entries) + " files or " +
+                      std::to_string(most_left.bytes >> 30) + " GiB in its folder",
+                  "", "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi");
     VACUFORM_CHECK(judge(*end));
-    for (const ArtifactKind& kind : artifact_kinds)
-      if (const fs::path file = out / kind.name; fs::is_regular_file(fs::symlink_status(file)))
-        VACUFORM_CHECK(persist([&] { return client_.upload(lease_, std::string(kind.name), file, alive); }));
-    for (const std::string& code : warning_codes(out / "report.json")) log_.say("warning " + code);
+    for (const ArtifactKind& kind : artifact_kinds) {
+      const std::string name(kind.name);
+      VACUFORM_TRY(file, left(name));
+      if (file)
+        VACUFORM_CHECK(persist(
+            [&] { return client_.upload(lease_, name, file->descriptor.number(), file->bytes, alive); }));
+    }
+    VACUFORM_TRY(report, left("report.json"));
+    if (report)
+      for (const std::string& code : warning_codes(*report)) log_.say("warning " + code);
     VACUFORM_CHECK(persist([&] { return log_.send(client_, lease_, alive); }));
     return persist([&] { return client_.complete(lease_); });
   }
 
-  // Where this scan's stages are kept; empty: nowhere. A job does without rather than fail for it.
+  // A file of the child's, now that it is dead.
+  Result<std::optional<JobFile>> left(const std::string& name) {
+    auto file = open_job_file(home_, out, name.c_str(), largest_artifact);
+    if (!file) {
+      retry_ = Retry::after_crash;
+      log_event("artifact-refused", {{"job", lease_.job}, {"artifact", name}, {"why", file.error().what}});
+    }
+    return file;
+  }
+
+  // No limit of the kernel's bounds the number of files or their sum: looked at once a second, in bounded time.
+  bool has_too_much() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - measured_ < std::chrono::seconds(1)) return too_much_;
+    measured_ = now;
+    too_much_ = too_much_ || !measure_tree(home_, most_left).within;
+    return too_much_;
+  }
+
+  // Where this owner's stages of this scan are kept; empty: nowhere. A job does without rather than fail for it.
   fs::path kept_folder() const {
-    if (!loop_.kept) return {};
-    for (const LeasedInput& input : lease_.inputs)
-      if (input.name == "scan")
-        if (const auto folder = loop_.kept->of(input.sha256)) return *folder;
-    return {};
+    if (!loop_.kept || lease_.keep.empty()) return {};
+    return loop_.kept->of(lease_.keep).value_or(fs::path());
   }
 
   void heard(const ChildProgress& at) {
@@ -169,6 +207,12 @@ class LeasedJob {
          {end.how == ChildEnd::How::signalled ? "signal" : "exit", end.number},
          {"stderr", end.last_words.substr(end.last_words.size() - std::min(told, end.last_words.size()))}});
     if (end.problem) return tl::make_unexpected(*end.problem);
+    if (end.how == ChildEnd::How::signalled && end.number == SIGKILL)
+      return fail(Code::out_of_time, "the job's process was killed, most likely because the memory ran out",
+                  "",
+                  "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi; an administrator "
+                  "can give the "
+                  "worker more memory");
     return fail(Code::internal, "the pipeline broke down on this scan and pattern", "",
                 "try other settings; if it stays so, report it with the job's id");
   }
@@ -178,9 +222,12 @@ class LeasedJob {
   Heartbeat& heartbeat_;
   const Lease& lease_;
   const fs::path folder_;
+  const int home_;  // the same folder, open
   const StopSignal& stop_;
   JobLog& log_;
   std::optional<Stage> stage_;  // of the child
+  std::chrono::steady_clock::time_point measured_{};
+  bool too_much_ = false;
   Retry retry_ = Retry::never;
 };
 
@@ -188,16 +235,15 @@ class LeasedJob {
 
 Result<void> LeaseLoop::run(const StopSignal& stop) const {
   VACUFORM_TRY(client, WorkerClient::to(server, token));
-  VACUFORM_TRY(swept, sweep(work));
-  log_event("worker-started", {{"worker", name},
-                               {"swept", swept},
-                               {"sandbox", sandbox.measures(true)},
-                               {"sandbox_lacks", sandbox.measures(false)}});
+  log_event(
+      "worker-started",
+      {{"worker", name}, {"sandbox", sandbox.measures(true)}, {"sandbox_lacks", sandbox.measures(false)}});
   milliseconds pause = poll;
   auto tidied = std::chrono::steady_clock::now() - tidy_every;
   while (!stop.within(milliseconds(0))) {
-    if (const auto now = std::chrono::steady_clock::now(); kept && now - tidied >= tidy_every) {
-      kept->make_room();
+    if (const auto now = std::chrono::steady_clock::now(); now - tidied >= tidy_every) {
+      if (kept) kept->make_room();
+      (void)sweep(work);  // what could not be deleted before
       tidied = now;
     }
     const auto lease = client.lease(name, sandbox.measures(true));
@@ -211,6 +257,13 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
     pause = poll;
     const Lease& held = **lease;
     const LoggedRequest logged(held.request);
+    if (!held.understood) {
+      log_event("job-not-understood", {{"worker", name}, {"job", held.job}, {"version", version}});
+      VACUFORM_CHECK(client.release(held));
+      return fail(Code::bad_usage,
+                  "the server gave a job that this worker does not understand; it is given back", server,
+                  "install the worker of the server's version (this one is " + std::string(version) + ")");
+    }
     log_event("job-leased", {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}});
     const auto folder = WorkFolder::make(work);
     if (!folder) {
@@ -220,7 +273,7 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
     VACUFORM_TRY(beating, WorkerClient::to(server, token));
     JobLog job_log;
     Heartbeat heartbeat(std::move(beating), held, job_log);
-    const Verdict verdict = LeasedJob(*this, client, heartbeat, held, folder->path(), stop, job_log).run();
+    const Verdict verdict = LeasedJob(*this, client, heartbeat, held, *folder, stop, job_log).run();
     log_event(
         "job-left",
         {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}, {"verdict", name_of(verdict)}});

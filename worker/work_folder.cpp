@@ -6,6 +6,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
+#include "api/file_tree.hpp"
+#include "api/log.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -14,13 +19,19 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view prefix = "job-";
 
-// An open, locked folder, or -1 when it is locked already. Locks end with the process that holds them.
-int lock(const fs::path& folder, int how) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (fd < 0) return -1;
-  if (::flock(fd, how) == 0) return fd;
-  ::close(fd);
-  return -1;
+// An open, locked folder; no descriptor when it is locked already. Locks end with the process that holds them.
+Descriptor lock(const fs::path& folder, int how) {
+  Descriptor opened = open_folder(AT_FDCWD, folder.c_str(), true);
+  if (opened && ::flock(opened.number(), how) != 0) opened = Descriptor();
+  return opened;
+}
+
+// What cannot be deleted now is tried again by the next sweep.
+bool remove_logged(const fs::path& folder) {
+  const std::size_t left = remove_tree(AT_FDCWD, folder.c_str());
+  if (left > 0)
+    log_event("work-folder-not-deleted", {{"folder", folder.filename().string()}, {"entries", left}});
+  return left == 0;
 }
 
 Error unusable(const fs::path& folder) {
@@ -32,46 +43,33 @@ Error unusable(const fs::path& folder) {
 
 // Folders are made and swept under the parent's lock, so that none is swept between being made and being locked.
 Result<WorkFolder> WorkFolder::make(const fs::path& parent) {
-  const int parent_lock = lock(parent, LOCK_EX);
+  const Descriptor parent_lock = lock(parent, LOCK_EX);
   std::string name = (parent / (std::string(prefix) + "XXXXXX")).string();
-  const bool made = parent_lock >= 0 && ::mkdtemp(name.data()) != nullptr;
-  const int own_lock = made ? lock(name, LOCK_EX | LOCK_NB) : -1;
-  if (parent_lock >= 0) ::close(parent_lock);
-  if (own_lock < 0) return tl::make_unexpected(unusable(parent));
-  return WorkFolder(name, own_lock);
-}
-
-WorkFolder::WorkFolder(WorkFolder&& other) noexcept : path_(std::move(other.path_)), lock_(other.lock_) {
-  other.lock_ = -1;
+  const bool made = parent_lock && ::mkdtemp(name.data()) != nullptr;
+  Descriptor own_lock = made ? lock(name, LOCK_EX | LOCK_NB) : Descriptor();
+  if (!own_lock) return tl::make_unexpected(unusable(parent));
+  return WorkFolder(name, std::move(own_lock));
 }
 
 WorkFolder::~WorkFolder() {
-  if (lock_ < 0) return;
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-  ::close(lock_);
+  if (lock_) remove_logged(path_);
 }
 
 Result<int> sweep(const fs::path& parent) {
   std::error_code ec;
-  fs::create_directories(parent.parent_path(), ec);
+  if (parent.has_parent_path()) fs::create_directories(parent.parent_path(), ec);
   ::mkdir(parent.c_str(), 0700);
   struct stat info {};
   if (::lstat(parent.c_str(), &info) != 0 || !S_ISDIR(info.st_mode) || info.st_uid != ::geteuid())
     return tl::make_unexpected(unusable(parent));
-  const int parent_lock = lock(parent, LOCK_EX);
-  if (parent_lock < 0) return tl::make_unexpected(unusable(parent));
+  const Descriptor parent_lock = lock(parent, LOCK_EX);
+  if (!parent_lock) return tl::make_unexpected(unusable(parent));
   int removed = 0;
-  for (const auto& entry : fs::directory_iterator(parent, ec)) {
-    if (entry.path().filename().string().rfind(prefix, 0) != 0) continue;
-    const int abandoned = lock(entry.path(), LOCK_EX | LOCK_NB);
-    if (abandoned < 0) continue;
-    std::error_code ignored;
-    fs::remove_all(entry.path(), ignored);
-    ::close(abandoned);
-    ++removed;
+  for (fs::directory_iterator it(parent, ec), end; !ec && it != end; it.increment(ec)) {
+    if (it->path().filename().string().rfind(prefix, 0) != 0) continue;
+    const Descriptor abandoned = lock(it->path(), LOCK_EX | LOCK_NB);
+    if (abandoned && remove_logged(it->path())) ++removed;
   }
-  ::close(parent_lock);
   return removed;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "api/error.hpp"
+#include "api/file_tree.hpp"
 
 namespace vacuform {
 
@@ -12,22 +13,23 @@ class WorkFolder {
   // Makes <parent>/job-XXXXXX, mode 0700, and locks it for as long as this object (or its process) lives.
   // Errors: unreadable.
   static Result<WorkFolder> make(const std::filesystem::path& parent);
-  // Removes the folder with everything in it.
+  // Removes the folder with everything in it, whatever its permissions; logs what cannot be removed.
   ~WorkFolder();
-  WorkFolder(WorkFolder&& other) noexcept;
+  WorkFolder(WorkFolder&&) noexcept = default;
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
+  int descriptor() const { return lock_.number(); }  // of the folder itself, wherever it is moved
 
  private:
-  WorkFolder(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
+  WorkFolder(std::filesystem::path path, Descriptor lock) : path_(std::move(path)), lock_(std::move(lock)) {}
   std::filesystem::path path_;
-  int lock_ = -1;
+  Descriptor lock_;
 };
 
 // Makes `parent` (mode 0700) when absent and removes from it the folders whose workers are gone: those whose lock is
-// free. Gives their number. Errors: unreadable (it cannot be made, or belongs to someone else).
+// free. Gives the number of those that are gone. Errors: unreadable (it cannot be made, or belongs to someone else).
 Result<int> sweep(const std::filesystem::path& parent);
 
 }  // namespace vacuform

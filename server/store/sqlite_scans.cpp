@@ -93,4 +93,21 @@ Result<void> SqliteStore::remove_scan(const std::string& id) {
   });
 }
 
+Result<bool> SqliteStore::names_scan(const std::string& owner, const std::string& sha256) {
+  const std::lock_guard hold(commits_.lock());
+  Query query(db_, "SELECT 1 FROM input JOIN job ON job.id=input.job WHERE blob=? AND owner=? LIMIT 1", sha256, owner);
+  return query.row();
+}
+
+Result<std::vector<std::pair<std::string, std::string>>> SqliteStore::scans_of_jobs() {
+  const std::lock_guard hold(commits_.lock());
+  std::vector<std::pair<std::string, std::string>> scans;
+  Query query(db_, "SELECT DISTINCT owner, blob FROM input JOIN job ON job.id=input.job WHERE name='scan'");
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return scans;
+    scans.emplace_back(query.text(0), query.text(1));
+  }
+}
+
 }  // namespace vacuform

@@ -42,6 +42,8 @@ class SqliteStore : public Store {
     const std::lock_guard hold(commits_.lock());
     return named(sha256);
   }
+  Result<bool> names_scan(const std::string& owner, const std::string& sha256) override;
+  Result<std::vector<std::pair<std::string, std::string>>> scans_of_jobs() override;
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
 
   Result<Job> create(NewJob job, bool* repeated) override;

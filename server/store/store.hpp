@@ -142,6 +142,10 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
 
   // Whether anything names the blob.
   virtual Result<bool> holds(const std::string& sha256) = 0;
+  // Whether a job of this owner has the scan.
+  virtual Result<bool> names_scan(const std::string& owner, const std::string& sha256) = 0;
+  // The owner and scan of every job, each pair once.
+  virtual Result<std::vector<std::pair<std::string, std::string>>> scans_of_jobs() = 0;
 
   // Conflict when there is one of that id.
   virtual Result<void> add_token(const Token& token) = 0;

@@ -131,7 +131,7 @@ def work(port, token, _):
     """Takes jobs until there are none; when each was done."""
     done = []
     while True:
-        lease = ask(port, token, "POST", "/api/v1/leases", b'{"worker":"bench"}')
+        lease = ask(port, token, "POST", "/api/v1/leases", b'{"worker":"bench","protocol":2}')
         if not lease:
             return done
         root, mine = f"/api/v1/leases/{lease['job']}", {"Vacuform-Lease": lease["lease"]}

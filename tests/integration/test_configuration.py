@@ -163,8 +163,8 @@ class WorkerConfiguration(Configuration, Case):
 
     def test_defaults(self):
         settings = self.settings(file={})
-        self.assertEqual((settings["poll_seconds"], settings["keep"], settings["keep_days"], settings["no_keep"], settings["no_sandbox"]),
-                         (1.0, "", 7, False, False))
+        self.assertEqual((settings["poll_seconds"], settings["keep"], settings["keep_days"], settings["no_keep"], settings["sandbox"]),
+                         (1.0, "", 7, False, "required"))
 
     def test_yes_and_no(self):
         self.assertIs(self.settings(file={"no_keep": True})["no_keep"], True)

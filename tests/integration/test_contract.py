@@ -129,7 +129,7 @@ class Exchanges(Case):
     def lease(self):
         """A leased job, as words of curl with which its worker speaks, and its address."""
         worker = ["-H", "Authorization: Bearer " + (self.server.data / "worker-token").read_text().strip()]
-        lease = self.taken(*worker, *OF_JSON, "-d", '{"worker": "w1", "sandbox": []}', self.server.api + "/leases").json
+        lease = self.taken(*worker, *OF_JSON, "-d", '{"worker": "w1", "sandbox": [], "protocol": 2}', self.server.api + "/leases").json
         return [*worker, "-H", "Vacuform-Lease: " + lease["lease"]], f"{self.server.api}/leases/{lease['job']}"
 
     def test_every_operation_is_taken(self):

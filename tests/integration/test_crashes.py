@@ -93,10 +93,10 @@ class Crashes(Case):
         job = server.submit(NEONATE, RINGS, COARSE)
         token = (server.data / "worker-token").read_text().strip()
         bearer, of_json = ["-H", f"Authorization: Bearer {token}"], ["-H", "Content-Type: application/json"]
-        old = curl(*bearer, *of_json, "-d", '{"worker":"old"}', f"{server.api}/leases").json
+        old = curl(*bearer, *of_json, "-d", '{"worker":"old","protocol":2}', f"{server.api}/leases").json
         self.assertEqual((old["job"], old["lease_seconds"]), (job, LEASE))
         server.wait(job, lambda j: j["state"] == "queued", "the end of the lease")
-        ask = lambda: curl(*bearer, *of_json, "-d", '{"worker":"new"}', f"{server.api}/leases")
+        ask = lambda: curl(*bearer, *of_json, "-d", '{"worker":"new","protocol":2}', f"{server.api}/leases")
         new = wait_for(lambda: (answer := ask()).status == 200 and answer, "the end of the job's rest").json
         self.assertEqual((new["job"], new["attempt"]), (job, 2))
         self.assertNotEqual(new["lease"], old["lease"])
@@ -113,7 +113,7 @@ class Crashes(Case):
                 else:
                     self.assertEqual(answer.status // 100, 2, answer)
         self.assertEqual(curl(f"{server.api}/jobs/{job}/artifacts/report.json").body.decode(), new["lease"])
-        self.assertEqual(curl(*of_json, "-d", "{}", f"{server.api}/leases").status, 403)  # the administrator is no worker
+        self.assertEqual(curl(*of_json, "-d", '{"protocol":2}', f"{server.api}/leases").status, 403)  # the administrator is no worker
 
     def test_server_killed_during_an_upload_keeps_what_it_accepted_and_nothing_else(self):
         server = self.server()

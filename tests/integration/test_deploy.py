@@ -6,13 +6,14 @@ have had already, are stood in for.
 import json
 import os
 import pathlib
+import pwd
 import shutil
 import signal
 import socket
 import subprocess
 import unittest
 
-from harness import BIN, PATIENCE, Case, curl, free_port, runs, wait_for
+from harness import BIN, PATIENCE, Case, children, curl, free_port, runs, wait_for
 
 DEPLOY = pathlib.Path(__file__).resolve().parents[2] / "deploy"
 
@@ -68,6 +69,8 @@ class Deploy(Case):
         metrics = curl(f"http://127.0.0.1:{self.port + 1}/metrics").body.decode()
         self.assertIn('\nvacuform_jobs{state="succeeded"} 1\n', metrics)
         pid = self.pid()
+        if os.geteuid() == 0:
+            self.assert_workers_are_strangers(pid)
         listed = curl(f"http://127.0.0.1:{self.port}/api/v1/profiles", "-H", f"Authorization: Bearer {token.strip()}")
         self.assertIn("formech-300xq", [profile["name"] for profile in json.loads(listed.body)["profiles"]])
 
@@ -98,6 +101,18 @@ class Deploy(Case):
         self.assertIn("Vacuform has stopped.", stopped.stdout)
         self.assertFalse(runs(pid))
         self.assertEqual(self.run_script("stop").stdout, "Vacuform is not running.\n")
+
+    def assert_workers_are_strangers(self, server):
+        """Started by root, the workers have a user of their own, who can read nothing of the service."""
+        (worker,) = children(server)
+        user = pwd.getpwnam("vacuform-worker")
+        status = pathlib.Path(f"/proc/{worker}/status").read_text()
+        self.assertRegex(status, rf"\nUid:(\t{user.pw_uid}){{4}}\nGid:(\t{user.pw_gid}){{4}}\n")
+        self.assertRegex(status, r"\nGroups:\s*\n")
+        self.assertEqual((self.var / "store" / "workers").stat().st_uid, user.pw_uid)
+        for secret in self.var / "store" / "admin-token", self.var / "store" / "worker-token", self.var / "token", self.var / "server.log":
+            done = subprocess.run(["setpriv", f"--reuid={user.pw_uid}", f"--regid={user.pw_gid}", "--clear-groups", "cat", secret], capture_output=True)
+            self.assertNotEqual(done.returncode, 0, secret)
 
     def test_names_a_port_that_another_program_has(self):
         with socket.socket() as taken:

@@ -97,7 +97,7 @@ class DiskFull(Case):
 
     def lease(self, server):
         worker = ["-H", "Authorization: Bearer " + (server.data / "worker-token").read_text().strip()]
-        of_json = ["-H", "Content-Type: application/json", "-d", "{}"]
+        of_json = ["-H", "Content-Type: application/json", "-d", '{"protocol": 2}']
         answer = curl("-X", "POST", *worker, *of_json, server.api + "/leases")
         self.assertEqual(answer.status, 200, answer)
         words = [*worker, "-H", "Vacuform-Lease: " + answer.json["lease"]]

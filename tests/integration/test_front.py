@@ -134,7 +134,7 @@ class Front(Case):
         self.assertEqual(old.returncode, 35, old)
 
     def test_leases_are_not_for_strangers(self):
-        self.assertEqual(self.ask("/api/v1/leases", "-d", "{}").status, 403)
+        self.assertEqual(self.ask("/api/v1/leases", "-d", '{"protocol": 2}').status, 403)
 
     def talk(self, text, patience):
         """What comes back over one TLS connection until it is closed, and after how many seconds."""

@@ -44,9 +44,9 @@ class Units(Case):
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_the_worker_can_still_confine_its_jobs(self):
-        """worker/sandbox.cpp: namespaces for users, network and IPC; Landlock, which this systemd's groups of calls may lack; seccomp."""
+        """worker/sandbox.cpp: namespaces for users, processes, network and IPC; Landlock, which this systemd's groups of calls may lack; seccomp."""
         text = (DEPLOY / "units" / UNITS[1]).read_text()
-        self.assertIn("\nRestrictNamespaces=user net ipc\n", text)
+        self.assertIn("\nRestrictNamespaces=user pid net ipc\n", text)
         calls = re.search(r"^SystemCallFilter=@system-service (.*)$", text, re.M)[1].split()
         self.assertEqual(calls, ["landlock_create_ruleset", "landlock_add_rule", "landlock_restrict_self", "seccomp"])
         self.assertNotIn("~@process", text)
@@ -146,6 +146,9 @@ class Install(Case):
     def test_really_installed_and_run_without_systemd(self):
         """All of it, in a mount namespace whose /etc, /opt, /run and /var are its own; started by the commands that it tells."""
         shutil.copytree("/etc", self.here / "etc", symlinks=True)
+        for name in ("passwd", "group", "shadow", "gshadow"):  # as if Vacuform had never been started here
+            lines = (self.here / "etc" / name).read_text().splitlines(keepends=True)
+            (self.here / "etc" / name).write_text("".join(line for line in lines if not line.startswith("vacuform")))
         for name, data in ("head.stl", hostile.stl(hostile.dome_triangles())), ("coils.svg", hostile.GOOD_SVG):
             (self.here / name).write_bytes(data)
         (self.here / "small.json").write_text(json.dumps(SMALL))

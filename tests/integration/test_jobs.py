@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import unittest
 
-from harness import BIN, PATTERNS, SCANS, Case, Server, curl, vacuform
+from harness import BIN, PATTERNS, SCANS, Case, Server, curl, vacuform, wait_for
 
 RINGS = PATTERNS / "rings-7x40mm.svg"
 SCAN = SCANS / "neonate-40w.stl"
@@ -65,14 +65,26 @@ class DerivedJobs(Case):
             self.assertEqual((self.folder / "kept" / "print.svg").read_bytes(), (self.folder / "fresh" / "print.svg").read_bytes())
 
             # A head is kept as long as a job names its scan, for its owner's eyes.
-            kept = list((server.data / "kept").iterdir())
-            self.assertEqual([k.name for k in kept], [second["inputs"]["scan"]["sha256"]])
+            kept = list((server.data / "workers" / "kept").iterdir())
+            self.assertEqual(len(kept), 1)
+            self.assertRegex(kept[0].name, "^[0-9a-f]{64}$")
+            self.assertNotEqual(kept[0].name, second["inputs"]["scan"]["sha256"])  # it tells neither the scan nor the owner
             self.assertEqual(kept[0].stat().st_mode & 0o777, 0o700)
+
+            # Another owner's job of the same scan finds nothing of it, and leaves nothing to it.
+            made = curl("-d", '{"owner":"other","scopes":["submit","read"]}', "-H", "Content-Type: application/json", f"{server.api}/tokens").json
+            other = ["-H", "Authorization: Bearer " + made["token"]]
+            third = server.post(SCAN, RINGS, {"sheet": {"resolution_mm": 6}, "print": {"dpi": 72}}, *other).json["id"]
+            self.assertEqual(server.wait(third)["state"], "succeeded")
+            self.assertNotIn("stage scan kept", log_of(server, third))
+            self.assertEqual(len(list((server.data / "workers" / "kept").iterdir())), 2)
+            self.assertEqual(curl("-X", "DELETE", f"{server.api}/jobs/{third}").status, 204)
+            wait_for(lambda: list((server.data / "workers" / "kept").iterdir()) == kept, "the end of what was kept for the other owner")
             jobs = [j["id"] for j in server.jobs()]
             for job in jobs:
                 self.assertTrue(kept[0].exists())
                 self.assertEqual(curl("-X", "DELETE", f"{server.api}/jobs/{job}").status, 204)
-            self.assertFalse(kept[0].exists())
+            wait_for(lambda: not kept[0].exists(), "the end of what was kept")
 
     def test_a_job_of_nobody_is_no_beginning(self):
         with Server(self.folder, workers=0) as server:

@@ -81,7 +81,7 @@ class SlowClients(Case):
         kind = {"Content-Type": "multipart/form-data; boundary=b"}
         job = cls.ask("POST", "/api/v1/jobs", cls.token, form, **kind)["id"]
         worker = (cls.server.data / "worker-token").read_text().strip()
-        lease = cls.ask("POST", "/api/v1/leases", worker, b'{"worker":"slow-clients"}', **{"Content-Type": "application/json"})
+        lease = cls.ask("POST", "/api/v1/leases", worker, b'{"worker":"slow-clients","protocol":2}', **{"Content-Type": "application/json"})
         mine = {"Vacuform-Lease": lease["lease"], "Content-Type": "application/octet-stream"}
         for name in ARTIFACTS:
             large = os.urandom(1 << 20) * (ARTIFACT_BYTES >> 20) if name in ("print.png", "formed.ply") else b"{}"

@@ -40,6 +40,9 @@ class ScriptedServer(http.server.ThreadingHTTPServer):
         self.jobs = 1             # still to be leased
         self.lease_seconds = 30
         self.scan_sha = digest(SCAN)
+        self.kind = "print"
+        self.inputs = {}          # besides scan and pattern
+        self.keep = "a" * 64
         self.cancel = False       # asked with the next heartbeat
         self.lost = False         # the lease is someone else's
         self.away = 0             # so many requests under a lease get 503
@@ -86,11 +89,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
                 return self.reply(204)
             s.jobs -= 1
             return self.reply(200, {
-                "job": "j1", "kind": "print", "lease": "abc", "attempt": 1, "lease_seconds": s.lease_seconds, "heartbeat_seconds": 1,
-                "request": REQUEST,
+                "job": "j1", "kind": s.kind, "lease": "abc", "attempt": 1, "lease_seconds": s.lease_seconds, "heartbeat_seconds": 1,
+                "request": REQUEST, "keep": s.keep,
                 "settings": {"print": {"dpi": 100}},
                 "inputs": {"scan": {"extension": "stl", "bytes": len(SCAN), "sha256": s.scan_sha},
-                           "pattern": {"extension": "svg", "bytes": len(PATTERN), "sha256": digest(PATTERN)}}})
+                           "pattern": {"extension": "svg", "bytes": len(PATTERN), "sha256": digest(PATTERN)}, **s.inputs}})
         if self.headers.get("Vacuform-Lease") != "abc" or s.lost:
             return self.problem(409, "lease-lost", "the lease is no longer held")
         if s.away > 0:
@@ -131,7 +134,7 @@ class Worker(Case):
         program.write_text('#!/bin/sh\nOUT=out; mkdir -p $OUT; echo $$ > %s/pid\n' % self.here + pipeline)
         program.chmod(0o755)
         worker = Program([self.here / "vacuform-worker", "--server", self.server.url, "--token-file", self.token,
-                          "--no-sandbox", "--work", self.work, "--poll-seconds", "0.05", "--name", "w1", *keep.split()], self.here / "log")
+                          "--sandbox=off", "--work", self.work, "--poll-seconds", "0.05", "--name", "w1", *keep.split()], self.here / "log")
         self.addCleanup(worker.end)
         return worker
 
@@ -150,7 +153,7 @@ class Worker(Case):
             echo "$@" > %s/words; cp scan.stl pattern.svg settings.json %s
             echo '{"stage":"forming","progress":0.5}'
             printf print > $OUT/print.png; printf '{}' > $OUT/report.json
-            printf x > $OUT/notes.txt; ln -s /etc/passwd $OUT/mold.stl
+            printf x > $OUT/notes.txt
             until [ -e %s/go ]; do sleep 0.02; done""" % (self.here, self.here, self.here))
         wait_for(lambda: any(json.loads(c[2]) == {"stage": "forming", "progress": 0.5}
                              for c in self.server.calls("/heartbeat")), "a heartbeat in forming")
@@ -211,7 +214,7 @@ class Worker(Case):
             echo '{"warnings":[{"code":"thin","text":"x"},{"code":"A B"}]}' > $OUT/report.json""" % self.here,
                    keep=f"--keep {self.here / 'kept'}")
         self.the_call("/complete")
-        own = self.here / "kept" / digest(SCAN)
+        own = self.here / "kept" / ("a" * 64)  # as the lease says: the scan's own digest is other owners' too
         self.assertIn(f"--keep {own}", (self.here / "words").read_text())
         self.assertEqual(own.stat().st_mode & 0o777, 0o700)
         lines = []
@@ -220,6 +223,45 @@ class Worker(Case):
             self.assertEqual(said["first"], len(lines))
             lines += said["lines"]
         self.assertEqual(lines, ["stage scan kept", "stage forming", "warning thin"])
+
+    def test_what_is_not_a_plain_file_is_not_handed_in(self):
+        for number, left in enumerate(("ln -s /etc/passwd $OUT/mold.stl", "mkfifo $OUT/mold.stl", "ln $OUT/print.png $OUT/mold.stl",
+                                       "mkdir $OUT/mold.stl", "mv $OUT real; ln -s real out", "mv $OUT real; ln -s out out")):
+            with self.subTest(left):
+                self.server.jobs = 1
+                worker = self.start(f"printf print > $OUT/print.png; {left}")
+                said = json.loads(wait_for(lambda: self.server.calls("/fail")[number:], "the failure")[0][2])
+                self.assertEqual((said["code"], said["crashed"]), ("internal", True))
+                self.assertIn("not a file of its own", said["what"])
+                self.assertIsNone(worker.process.poll())
+                worker.end()
+                self.assert_nothing_left()
+        self.assertNotIn("mold.stl", self.server.artifacts)
+        self.assertFalse(self.server.calls("/complete"))
+
+    def test_too_many_files_end_the_job_and_are_deleted(self):
+        self.start("cd $OUT; for i in $(seq 2000); do : > $i; done; exec sleep 300")
+        said = json.loads(self.the_call("/fail")[2])
+        self.assertEqual((said["code"], said["retry"]), ("out-of-time", False))
+        self.assertIn("more than 1000 files", said["what"])
+        self.assert_nothing_left()
+
+    def test_a_killed_child_is_said_to_have_run_out_of_memory(self):
+        self.start("kill -KILL $$")
+        said = json.loads(self.the_call("/fail")[2])
+        self.assertEqual((said["code"], said["retry"], said["crashed"]), ("out-of-time", True, True))
+        self.assertIn("most likely because the memory ran out", said["what"])
+        self.assertIn("sheet.resolution_mm", said["mend"])
+
+    def test_a_job_that_is_not_understood_is_given_back_once(self):
+        for change in ({"kind": "casting"}, {"inputs": {"mask": {"extension": "png", "bytes": 1, "sha256": "0" * 64}}}):
+            with self.subTest(change):
+                self.server.jobs, self.server.seen = 3, []
+                self.server.kind, self.server.inputs = change.get("kind", "print"), change.get("inputs", {})
+                worker = self.start("exit 0")
+                self.assertEqual(worker.wait(), 2)
+                self.assertIn("a job that this worker does not understand; it is given back", worker.says())
+                self.assertEqual([len(self.server.calls(tail)) for tail in ("/leases", "/release", "/fail")], [1, 1, 0])
 
     def test_refusal_is_passed_on_and_final(self):
         self.start("""echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","mend":"turn it"}}'

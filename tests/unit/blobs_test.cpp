@@ -75,7 +75,7 @@ using ServerBlobs = ServerTest;
 TEST_F(ServerBlobs, ADownloadOfADamagedFileBreaksOffAndIsTheLast) {
   const std::string id = json::parse(submit().body)["id"],
                     path = "/api/v1/jobs/" + id + "/artifacts/mold.stl";
-  const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
+  const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body);
   std::string bytes;
   while (bytes.size() < 300'000) bytes += "one byte after the other, ";
   ASSERT_EQ(

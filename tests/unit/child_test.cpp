@@ -1,5 +1,6 @@
 #include "worker/child.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -8,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 #include <thread>
+
+#include "api/file_tree.hpp"
 
 namespace vacuform {
 namespace {
@@ -51,14 +54,16 @@ class Child : public testing::Test {
 
   ChildEnd run(const std::string& script) {
     auto end = run_child(
-        {"/bin/sh", "-c", script}, home, limits, Sandbox(),
+        shell.number(), {"/bin/sh", "-c", script}, home, limits, sandbox,
         [this](const ChildProgress& at) { seen.push_back(at); }, [this] { return stop(); });
     EXPECT_TRUE(end);
     return *end;
   }
 
+  const Descriptor shell{::open("/bin/sh", O_PATH | O_CLOEXEC)};
   fs::path home;
   ChildLimits limits;
+  Sandbox sandbox;
   std::vector<ChildProgress> seen;
   std::function<bool()> stop = [] { return false; };
 };
@@ -100,7 +105,7 @@ TEST_F(Child, HasNothingOfItsWorkersEnvironment) {
   EXPECT_EQ(content(home / "files"), "64\n");
   EXPECT_EQ(content(home / "core"), "0\n");
   EXPECT_EQ(content(home / "privileges"), "NoNewPrivs:\t1\n");
-  EXPECT_EQ(std::stoi(content(home / "open")), 4);  // 0, 1, 2 and the one that ls reads
+  EXPECT_EQ(std::stoi(content(home / "open")), 5);  // 0, 1, 2, its own program and the one that ls reads
 }
 
 TEST_F(Child, CrashIsASignal) {
@@ -112,7 +117,7 @@ TEST_F(Child, CrashIsASignal) {
 
 TEST_F(Child, ProgramThatDoesNotExistIsNoSuccess) {
   const auto end = run_child(
-      {"/no/such/program"}, home, limits, Sandbox(), [](const ChildProgress&) {}, stop);
+      -1, {"/no/such/program"}, home, limits, Sandbox(), [](const ChildProgress&) {}, stop);
   ASSERT_TRUE(end);
   EXPECT_EQ(end->how, ChildEnd::How::exited);
   EXPECT_EQ(end->number, 126);
@@ -178,13 +183,90 @@ TEST_F(Child, DiesWithItsWorker) {
   const pid_t worker = ::fork();
   if (worker == 0) {
     (void)run_child(
-        {"/bin/sh", "-c", "echo $$ > pid; sleep 300 & wait"}, home, limits, Sandbox(),
+        shell.number(), {"/bin/sh", "-c", "echo $$ > pid; sleep 300 & wait"}, home, limits, Sandbox(),
         [](const ChildProgress&) {}, stop);
     ::_exit(0);
   }
   ASSERT_TRUE(becomes_true([&] { return content(home / "pid").find('\n') != std::string::npos; }));
   std::string pid = content(home / "pid");
   pid.pop_back();
+  EXPECT_TRUE(runs(pid));
+  ::kill(worker, SIGKILL);
+  ::waitpid(worker, nullptr, 0);
+  EXPECT_TRUE(becomes_true([&] { return !runs(pid); }));
+}
+
+// A daemon of the program's, in a session of its own and with no parent; it tells its number as this machine knows it.
+constexpr const char* daemon =
+    "setsid sh -c 'read self rest < /proc/self/stat; echo $self > pid; exec sleep 300' & "
+    "until [ -s pid ]; do sleep 0.01; done";
+
+TEST_F(Child, ADaemonEndsWithTheProgram) {
+  EXPECT_EQ(run(daemon).number, 0);
+  EXPECT_FALSE(runs(std::to_string(std::stoi(content(home / "pid")))));
+}
+
+TEST_F(Child, ADaemonEndsWithACancelledProgram) {
+  stop = [&] { return fs::exists(home / "ready"); };
+  EXPECT_EQ(run(std::string("trap '' TERM; ") + daemon + "; echo > ready; while :; do sleep 0.05; done").how,
+            ChildEnd::How::stopped);
+  EXPECT_FALSE(runs(std::to_string(std::stoi(content(home / "pid")))));
+}
+
+// Each starts the next in a session of its own, and ends: no one process leads to the last.
+TEST_F(Child, GenerationsOfProcessesEndWithTheProgram) {
+  const auto end =
+      run("printf '[ $1 = 0 ] && { read self rest < /proc/self/stat; echo $self > pid; exec sleep 300; }; "
+          "setsid sh ./next $(($1 - 1)) &' > next; sh ./next 10; until [ -s pid ]; do sleep 0.01; done");
+  EXPECT_EQ(end.number, 0);
+  EXPECT_FALSE(runs(std::to_string(std::stoi(content(home / "pid")))));
+}
+
+class ChildInNamespaces : public Child {
+ protected:
+  void SetUp() override {
+    Child::SetUp();
+    sandbox.namespaces = true;
+    if (run("true").number != 0) GTEST_SKIP() << "this machine gives no namespaces";
+  }
+};
+
+TEST_F(ChildInNamespaces, ADaemonEndsWithTheProgram) {
+  EXPECT_EQ(run(daemon).number, 0);
+  EXPECT_FALSE(runs(std::to_string(std::stoi(content(home / "pid")))));
+}
+
+TEST_F(ChildInNamespaces, HowTheProgramEndedIsTold) {
+  EXPECT_EQ(run("exit 7").number, 7);
+  const auto crashed = run("kill -SEGV $$");
+  EXPECT_EQ(crashed.how, ChildEnd::How::signalled);
+  EXPECT_EQ(crashed.number, SIGSEGV);
+  const auto killed = run("kill -KILL $$");
+  EXPECT_EQ(killed.how, ChildEnd::How::signalled);
+  EXPECT_EQ(killed.number, SIGKILL);
+  limits.cpu_seconds = 1;
+  EXPECT_EQ(run("while :; do :; done").how, ChildEnd::How::out_of_time);
+}
+
+TEST_F(ChildInNamespaces, ACancelledProgramMayEndByItselfAndMustEnd) {
+  stop = [&] { return fs::exists(home / "ready"); };
+  EXPECT_EQ(run("trap 'echo bye > bye; exit 0' TERM; echo > ready; while :; do sleep 0.01; done").how,
+            ChildEnd::How::stopped);
+  EXPECT_EQ(content(home / "bye"), "bye\n");
+  fs::remove(home / "ready");
+  const auto asked = steady_clock::now();
+  EXPECT_EQ(run("trap '' TERM; echo > ready; while :; do sleep 0.05; done").how, ChildEnd::How::stopped);
+  EXPECT_LT(steady_clock::now() - asked, std::chrono::seconds(10));
+}
+
+TEST_F(ChildInNamespaces, DiesWithItsWorker) {
+  const pid_t worker = ::fork();
+  if (worker == 0) {
+    (void)run(std::string(daemon) + "; sleep 300");
+    ::_exit(0);
+  }
+  ASSERT_TRUE(becomes_true([&] { return content(home / "pid").find('\n') != std::string::npos; }));
+  const std::string pid = std::to_string(std::stoi(content(home / "pid")));
   EXPECT_TRUE(runs(pid));
   ::kill(worker, SIGKILL);
   ::waitpid(worker, nullptr, 0);

@@ -1,7 +1,10 @@
 #include "api/log.hpp"
 
 #include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -36,6 +39,25 @@ TEST(Log, IsOneJsonObjectALineWithItsRequest) {
     std::thread([] { EXPECT_EQ(logged_request(), ""); }).join();  // another thread works for nobody yet
   }
   EXPECT_EQ(logged_request(), outer);
+}
+
+TEST(Log, AFileStaysBelowItsBoundAndKeepsWhatWasBeforeIt) {
+  std::string name = (std::filesystem::temp_directory_path() / "log-test-XXXXXX").string();
+  ASSERT_NE(::mkdtemp(name.data()), nullptr);
+  const std::filesystem::path log = std::filesystem::path(name) / "server.log";
+  const int before = ::dup(STDERR_FILENO);
+  ASSERT_TRUE(log_into(log));
+  for (int i = 0; i < 100; ++i) {
+    log_event("e", {{"number", i}});
+    bound_log(log, 1000);
+  }
+  ::dup2(before, STDERR_FILENO);
+  ::close(before);
+  EXPECT_LT(std::filesystem::file_size(log), 1100u);
+  EXPECT_GE(std::filesystem::file_size(log.string() + ".1"), 1000u);
+  EXPECT_LT(std::filesystem::file_size(log.string() + ".1"), 1100u);
+  EXPECT_FALSE(log_into(log / "nowhere"));
+  std::filesystem::remove_all(name);
 }
 
 TEST(Log, BytesOfScansCannotBreakALine) {

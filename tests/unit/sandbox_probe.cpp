@@ -7,9 +7,12 @@
 #include <signal.h>
 #include <sys/mount.h>
 #include <sys/ptrace.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -52,6 +55,7 @@ int work() {
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   const char* argument = argc > 2 ? argv[2] : "";
+  if (what == "--version") return 0;  // the trial of a sandbox
   if (what == "work") return work();
   if (what == "read") return open_file(argument, O_RDONLY);
   if (what == "write") return open_file(argument, O_WRONLY | O_CREAT);
@@ -65,6 +69,33 @@ int main(int argc, char** argv) {
   if (what == "unshare") return outcome(::unshare(CLONE_NEWUSER));
   if (what == "kill") return outcome(::kill(std::atoi(argument), SIGCONT));
   if (what == "exec") return outcome(::execl(argument, argument, nullptr));
+  if (what == "chmod") return outcome(::chmod(argument, 0666));
+  if (what == "fchmod") return outcome(::fchmod(0, 0666));
+  if (what == "fchmodat") return outcome(::fchmodat(AT_FDCWD, argument, 0666, 0));
+  if (what == "fchmodat2") return outcome(::syscall(452, AT_FDCWD, argument, 0666, 0));
+  if (what == "chown") return outcome(::chown(argument, ::geteuid(), ::getegid()));
+  if (what == "setxattr") return outcome(::setxattr(argument, "user.x", "y", 1, 0));
+  if (what == "setxattrat") return outcome(::syscall(463, AT_FDCWD, argument, 0, "user.x", nullptr, 0));
+  if (what == "empty") return open_file(argument, O_RDONLY | O_TRUNC);
+  if (what == "touch") return outcome(::utimensat(AT_FDCWD, argument, nullptr, 0));
+  if (what == "link") return outcome(::link(argument, "stolen"));
+  if (what == "mkfifo") return outcome(::mkfifo("fifo", 0600));
+  if (what == "setsid") return outcome(::setsid());
+  if (what == "setpgid") return outcome(::setpgid(0, 0));
+  if (what == "fork") {
+    const pid_t pid = ::fork();
+    if (pid == 0) ::_exit(0);
+    return outcome(pid);
+  }
+  if (what == "tgkill") return outcome(::syscall(SYS_tgkill, std::atoi(argument), std::atoi(argument), SIGCONT));
+  if (what == "prlimit") {
+    rlimit limit{};
+    return outcome(::syscall(SYS_prlimit64, ::getppid() + 1, RLIMIT_CPU, nullptr, &limit));
+  }
+  if (what == "own-pipe") {
+    int ends[2];
+    return ::pipe(ends) == 0 ? outcome(::fcntl(ends[0], F_SETOWN, 1)) : 254;
+  }
   if (what == "abort") ::abort();
   return 255;
 }

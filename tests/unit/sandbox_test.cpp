@@ -1,6 +1,7 @@
 // The sandbox of a job's child: each measure against a child that tries, alone and with the others.
 #include "worker/sandbox.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <signal.h>
@@ -10,6 +11,7 @@
 #include <cerrno>
 #include <fstream>
 
+#include "api/file_tree.hpp"
 #include "worker/child.hpp"
 
 namespace vacuform {
@@ -27,6 +29,7 @@ class InSandbox : public testing::Test {
     fs::create_directory(home);
     std::ofstream(home / "scan.stl") << "solid";
     std::ofstream(folder / "secret") << "a token";
+    all = strongest_sandbox(probe.number(), VACUFORM_SANDBOX_PROBE, home, ChildLimits());
   }
   void TearDown() override { fs::remove_all(folder); }
 
@@ -36,8 +39,8 @@ class InSandbox : public testing::Test {
     ChildLimits limits;
     limits.address_space = 0;
     const auto end = run_child(
-        {VACUFORM_SANDBOX_PROBE, what, argument}, home, limits, sandbox, [](const ChildProgress&) {},
-        [] { return false; }, kept);
+        probe.number(), {VACUFORM_SANDBOX_PROBE, what, argument}, home, limits, sandbox,
+        [](const ChildProgress&) {}, [] { return false; }, kept);
     EXPECT_TRUE(end);
     return end->how == ChildEnd::How::signalled ? -end->number : end->number;
   }
@@ -53,7 +56,9 @@ class InSandbox : public testing::Test {
     return one;
   }
 
-  const Sandbox all = Sandbox::of_this_machine(), none;
+  const Descriptor probe{::open(VACUFORM_SANDBOX_PROBE, O_PATH | O_CLOEXEC)};
+  Sandbox all;
+  const Sandbox none;
   fs::path folder, home;
 };
 
@@ -148,6 +153,55 @@ TEST_F(InSandbox, SeccompRefusesWhatNoPipelineNeeds) {
   EXPECT_EQ(attempt(calls, "mount", home), EPERM);
   EXPECT_EQ(attempt(calls, "exec", "/bin/true"), EPERM);
   EXPECT_EQ(attempt(calls, "exec", VACUFORM_SANDBOX_PROBE), EPERM);
+}
+
+// What Landlock does not know, or not on every kernel.
+TEST_F(InSandbox, SeccompRefusesToChangeWhatFilesAreBesidesTheirContent) {
+  if (!all.seccomp) GTEST_SKIP() << "this kernel has no seccomp filters";
+  const Sandbox calls = only(&Sandbox::seccomp);
+  const fs::path secret = folder / "secret";
+  for (const char* what : {"chmod", "fchmod", "fchmodat", "chown", "setxattr", "truncate", "empty", "touch",
+                           "setsid", "setpgid", "fork", "prlimit", "own-pipe", "mkfifo"})
+    EXPECT_EQ(attempt(calls, what, secret), EPERM) << what;
+  for (const char* what : {"fchmodat2", "setxattrat"})
+    EXPECT_EQ(attempt(calls, what, secret), ENOSYS) << what;
+  EXPECT_EQ(fs::file_size(secret), 7u);
+  EXPECT_EQ(attempt(none, "chmod", secret), 0);  // it would be done
+  EXPECT_EQ(attempt(none, "empty", secret), 0);
+  EXPECT_EQ(fs::file_size(secret), 0u);
+}
+
+TEST_F(InSandbox, SignalsReachTheProcessItselfAlone) {
+  for (const Sandbox& sandbox : {all, only(&Sandbox::seccomp)}) {
+    if (!sandbox.seccomp) GTEST_SKIP() << "this kernel has no seccomp filters";
+    EXPECT_EQ(attempt(sandbox, "tgkill", std::to_string(::getpid())), EPERM);
+    EXPECT_EQ(attempt(sandbox, "abort"), -SIGABRT);
+  }
+}
+
+TEST_F(InSandbox, AJobNeedsLandlockAndSeccomp) {
+  EXPECT_TRUE((Sandbox{true, 1, true}).is_enough());
+  EXPECT_TRUE((Sandbox{false, 2, true}).is_enough());
+  EXPECT_FALSE((Sandbox{true, 0, true}).is_enough());
+  EXPECT_FALSE((Sandbox{true, 7, false}).is_enough());
+}
+
+// An old ABI forbids less by itself; together with seccomp it forbids the same.
+TEST_F(InSandbox, EveryAbiOfLandlockIsEnoughWithSeccomp) {
+  if (!all.is_enough()) GTEST_SKIP() << "this kernel has no Landlock or no seccomp filters";
+  for (int abi = 1; abi <= all.landlock; ++abi) {
+    const Sandbox old{all.namespaces, abi, true};
+    const fs::path secret = folder / "secret";
+    EXPECT_EQ(attempt(old, "write", home / "new"), 0) << abi;
+    EXPECT_EQ(attempt(old, "read", secret), EACCES) << abi;
+    EXPECT_EQ(attempt(old, "write", secret), EACCES) << abi;
+    EXPECT_EQ(attempt(old, "remove", secret), EACCES) << abi;
+    for (const char* what : {"truncate", "empty", "chmod", "touch"})
+      EXPECT_EQ(attempt(old, what, secret), EPERM) << abi << what;
+    EXPECT_EQ(attempt(old, "tgkill", std::to_string(::getpid())), EPERM) << abi;
+    EXPECT_NE(attempt(old, "link", secret), 0) << abi;
+  }
+  EXPECT_EQ(fs::file_size(folder / "secret"), 7u);
 }
 
 TEST_F(InSandbox, SaysWhatItTakesAndWhatTheMachineLacks) {

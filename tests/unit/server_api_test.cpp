@@ -21,7 +21,7 @@ class ServerApi : public ServerTest {
   }
   json show(const std::string& id) { return json::parse(ask("GET", "/api/v1/jobs/" + id).body); }
   json lease() {
-    return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test"})").body);
+    return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test","protocol":2})").body);
   }
   Answer worker(const std::string& method, const json& lease, const std::string& path,
                 const std::string& body = "{}") {
@@ -109,10 +109,23 @@ TEST_F(ServerApi, TheRequestThatMadeAJobIsKnownToItsWorker) {
   EXPECT_EQ(raw("nonsense\r\n\r\n").header("X-Request-Id").size(), 32u);
 }
 
+TEST_F(ServerApi, AWorkerOfAnotherProtocolGetsNoJob) {
+  const json made = json::parse(
+      ask("POST", "/api/v1/jobs", form_type,
+          part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n").body);
+  for (const char* body : {"{}", R"({"protocol":1})", R"({"protocol":3,"version":"9.9 <b>"})", R"({"protocol":"2"})"}) {
+    const auto refused = ask("POST", "/api/v1/leases", worker_headers(), body);
+    EXPECT_EQ(refused.status, 409) << body;
+    EXPECT_EQ(json::parse(refused.body)["where"], "protocol");
+    EXPECT_EQ(refused.body.find('<'), std::string::npos);
+  }
+  EXPECT_EQ(json::parse(ask("GET", "/api/v1/jobs/" + made["id"].get<std::string>()).body)["attempt"], 0);
+}
+
 TEST_F(ServerApi, SaysItsLimitsAndWhatKeepsJobsIn) {
-  const std::string ask_for_job = R"({"worker":"w1","sandbox":["seccomp","namespaces","magic"]})";
+  const std::string ask_for_job = R"({"worker":"w1","protocol":2,"sandbox":["seccomp","namespaces","magic"]})";
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), ask_for_job).status, 204);
-  EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"w2"})").status, 204);
+  EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"w2","protocol":2})").status, 204);
   for (const char* wrong : {R"({"worker":5})", R"({"sandbox":"seccomp"})", R"({"sandbox":[7]})"})
     EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), wrong).status, 400) << wrong;
   const json limits = json::parse(ask("GET", "/api/v1/limits").body);

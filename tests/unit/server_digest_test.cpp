@@ -56,7 +56,7 @@ class ServerDigest : public ServerTest {
   // The path of an artifact with these bytes.
   std::string artifact(const std::string& bytes) {
     EXPECT_EQ(submit().status, 202);
-    const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
+    const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body);
     const std::string id = held["job"], headers = worker_headers(held["lease"].get<std::string>());
     EXPECT_EQ(ask("PUT", "/api/v1/leases/" + id + "/artifacts/mold.stl",
                   headers + "Content-Digest: " + nothing + "\r\n", bytes)

@@ -16,7 +16,7 @@ class ServerEvent : public ServerTest {
     id_ = json::parse(submit().body)["id"];
     path_ = "/api/v1/jobs/" + id_;
   }
-  json lease() { return json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body); }
+  json lease() { return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body); }
   Answer worker(const json& lease, const std::string& tail, const std::string& body = "{}") {
     return ask("POST", "/api/v1/leases/" + id_ + tail, worker_headers(lease["lease"].get<std::string>()),
                body);

@@ -75,7 +75,7 @@ TEST_F(ServerSemantics, OfTwoPutsWithOneTagOneWins) {
 TEST_F(ServerSemantics, ARangeThatIsNotThereAndATagThatDoesNotMatchAreProblems) {
   const std::string id = json::parse(submit().body)["id"],
                     path = "/api/v1/jobs/" + id + "/artifacts/print.png";
-  const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
+  const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body);
   ask("PUT", "/api/v1/leases/" + id + "/artifacts/print.png",
       worker_headers(held["lease"].get<std::string>()) + "Content-Type: application/octet-stream\r\n", "ink");
   finish({id, held["lease"]}, {"print.png"});

@@ -228,7 +228,7 @@ TEST_F(ServerUpload, AScanIsKeptOnceForManyJobs) {
   EXPECT_EQ(ask("DELETE", at).status, 204);
   EXPECT_EQ(ask("GET", at).status, 404);
   const json held =
-      json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);  // the job keeps it
+      json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body);  // the job keeps it
   EXPECT_EQ(ask("GET", "/api/v1/leases/" + held["job"].get<std::string>() + "/inputs/scan",
                 worker_headers(held["lease"].get<std::string>()))
                 .body,
@@ -256,7 +256,7 @@ TEST_F(ServerUpload, WhatAnInspectionFindsStandsWithItsScan) {
   EXPECT_EQ(inspection["state"], "queued");
   EXPECT_TRUE(inspection["findings"].is_null());
 
-  const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
+  const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body);
   EXPECT_EQ(held["kind"], "inspection");
   const std::string lease = "/api/v1/leases/" + held["job"].get<std::string>();
   const std::string key = worker_headers(held["lease"].get<std::string>());
@@ -285,7 +285,7 @@ TEST_F(ServerUpload, FindingsThatNobodyCanReadAreNone) {
                                       std::string(20, '[') + std::string(20, ']')}) {
     ask("POST", "/api/v1/jobs", form_type,
         part("scan_id", "", id) + part("kind", "", "inspection") + "--XX--\r\n");
-    const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), "{}").body);
+    const json held = json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body);
     const std::string lease = "/api/v1/leases/" + held["job"].get<std::string>();
     const std::string key = worker_headers(held["lease"].get<std::string>());
     EXPECT_EQ(ask("PUT", lease + "/artifacts/findings.json", key, findings).status, 200);

@@ -1,0 +1,212 @@
+"""A hostile program in the place of `vacuform`, with the real server and the real worker: everything at once, as jobs run.
+
+As root under deploy/start's arrangement (the server's own workers, as another user); as a service user under the calls and
+namespaces that the worker's unit allows, imposed by a filter, for no systemd runs here; in a container without namespaces; and on
+a kernel without Landlock, where a worker starts only when it is told that its best is enough.
+"""
+import json
+import os
+import pathlib
+import pwd
+import shutil
+import socket
+import subprocess
+import time
+import unittest
+
+import confine
+import hostile
+from harness import BIN, Case, Program, Server, children, curl, wait_for
+
+GOOD, TRY_ALL, SWAP, LOOP, FIFO, HARD_LINK, MANY, DEEP, DAEMON, LINK, OUT_LINK = range(100, 111)
+NOBODY = pwd.getpwnam("nobody")
+SECRET = b"the bytes of somebody else"
+
+
+def as_nobody(filtered=None):
+    """What a child does before it becomes a program."""
+    def change():
+        os.setgroups([])
+        os.setresgid(NOBODY.pw_gid, NOBODY.pw_gid, NOBODY.pw_gid)
+        os.setresuid(NOBODY.pw_uid, NOBODY.pw_uid, NOBODY.pw_uid)
+        if filtered:
+            filtered.load()
+    return change
+
+
+class Hostile(Case):
+    """The jobs and what is held against them; the classes below say how the worker runs."""
+
+    user = "nobody"
+
+    def setUp(self):
+        self.here = self.folder / self._testMethodName
+        self.here.mkdir()
+        self.scan, self.pattern = self.here / "scan.stl", self.here / "pattern.svg"
+        self.scan.write_bytes(hostile.stl(hostile.dome_triangles()))
+        self.pattern.write_bytes(hostile.GOOD_SVG)
+        self.secret = self.here / "secret"  # of root
+        self.secret.write_bytes(SECRET)
+        self.secret.chmod(0o600)
+        self.listener = socket.socket()
+        self.listener.bind(("127.0.0.1", 0))
+        self.listener.listen()
+        self.abstract = socket.socket(socket.AF_UNIX)
+        self.abstract.bind(f"\0vacuform-{os.getpid()}-{self._testMethodName}")
+        self.abstract.listen()
+        for opened in self.listener, self.abstract:
+            self.addCleanup(opened.close)
+        self.bin = self.here / "bin"
+        self.bin.mkdir()
+        for name in "vacuform-worker", "vacuform-server":
+            shutil.copy(BIN / name, self.bin)
+        shutil.copy(BIN / "hostile_job", self.bin / "vacuform")
+
+    def aims(self, *more):
+        """Tells the program what to attack; it is read anew by each job."""
+        lines = [("secret", self.secret), ("port", self.listener.getsockname()[1]), ("abstract", f"vacuform-{os.getpid()}-{self._testMethodName}"), *more]
+        copy = self.bin / "new"
+        copy.write_bytes((BIN / "hostile_job").read_bytes() + b"\n#TARGETS\n" + "".join(f"{name} {value}\n" for name, value in lines).encode())
+        copy.chmod(0o755)
+        copy.rename(self.bin / "vacuform")
+
+    def job(self, what):
+        job = self.server.submit(self.scan, self.pattern, {"print": {"dpi": what}})
+        return self.server.wait(job)
+
+    def artifact(self, job, name):
+        return curl(f"{self.server.api}/jobs/{job['id']}/artifacts/{name}").body
+
+    def programs(self):
+        """Every process that runs a program of this test's folder and its worker's work."""
+        found = []
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                if str(process.joinpath("exe").readlink()).startswith(str(self.bin / "vacuform")):
+                    found.append((int(process.name), process.joinpath("exe").readlink().name))
+            except OSError:
+                continue
+        return found
+
+    def hold_against(self, worker, work, foreign):
+        """All attacks in turn; `foreign` says which of what was done counts."""
+        before = self.secret.stat()
+        tried = self.job(TRY_ALL)
+        self.assertEqual(tried["state"], "succeeded", tried)
+        done = [d for d in json.loads(self.artifact(tried, "report.json"))["done"] if foreign(d)]
+        self.assertEqual(done, [])
+        for what in (SWAP,) * 12 + (LOOP, FIFO, HARD_LINK, MANY, DEEP, DAEMON, LINK, OUT_LINK):
+            started = time.monotonic()
+            ended = self.job(what)
+            with self.subTest(attack=what, state=ended["state"]):
+                for artifact in ended["artifacts"]:
+                    self.assertNotIn(SECRET, self.artifact(ended, artifact["name"]))
+                if what in (LOOP, MANY, LINK, OUT_LINK) or ended["state"] != "succeeded":
+                    self.assertIn(ended["problem"]["type"], ("/problems/internal", "/problems/out-of-time"), ended)
+                self.assertLess(time.monotonic() - started, 120)
+                wait_for(lambda: not any(p.name.startswith("job-") for p in work.iterdir()), "the job's folder gone", 60)
+                jobs = [p for p in self.programs() if p[1] not in ("vacuform-worker", "vacuform-server")]
+                self.assertEqual(jobs, [])
+        after = self.secret.stat()
+        self.assertEqual([after.st_mode, after.st_uid, after.st_size, after.st_nlink, after.st_mtime_ns],
+                         [before.st_mode, before.st_uid, before.st_size, before.st_nlink, before.st_mtime_ns])
+        self.assertEqual(self.secret.read_bytes(), SECRET)
+        self.assertEqual(os.listxattr(self.secret), [])
+        good = self.job(GOOD)
+        self.assertEqual(good["state"], "succeeded", good)
+        self.assertEqual(self.artifact(good, "report.html"), b"mine")
+        self.assertIn((worker, "vacuform-worker"), self.programs())  # the same one as at first
+
+    def alone(self, filtered=None, *words):
+        """A server without workers, and a worker of nobody's beside it. Gives the worker."""
+        self.folder.chmod(0o711)
+        self.server = Server(self.here, workers=0)
+        self.addCleanup(self.server.stop)
+        self.server.start()
+        token = self.here / "token"
+        token.write_text((self.server.data / "worker-token").read_text())
+        os.chown(token, NOBODY.pw_uid, NOBODY.pw_gid)
+        self.work = self.here / "work"
+        self.work.mkdir(mode=0o700)
+        os.chown(self.work, NOBODY.pw_uid, NOBODY.pw_gid)
+        self.aims(("folder", self.server.data), ("secret", self.server.data / "admin-token"), ("secret", token), ("folder", self.work / "kept"))
+        self.log = self.here / "worker.log"
+        with open(self.log, "wb") as log:
+            worker = subprocess.Popen([self.bin / "vacuform-worker", "--server", self.server.url, "--token-file", token, "--work", self.work,
+                                       "--name", "w", "--poll-seconds", "0.05", *words], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                                      preexec_fn=as_nobody(filtered))
+        self.addCleanup(worker.wait)
+        self.addCleanup(worker.terminate)
+        return worker
+
+    def started(self):
+        """What the worker says of its sandbox."""
+        def look():
+            for line in self.log.read_text().splitlines():
+                if '"worker-started"' in line:
+                    return json.loads(line)
+        said = wait_for(look, "the worker")
+        return said["sandbox"], said["sandbox_lacks"]
+
+
+class Unconfined(Hostile):
+    def test_the_hostile_program_does_all_that_it_is_held_against(self):
+        """Or the tests below would show nothing."""
+        with subprocess.Popen(["sleep", "600"]) as bystander:
+            self.addCleanup(bystander.kill)
+            self.aims(("process", bystander.pid))
+            (self.here / "settings.json").write_text(json.dumps({"print": {"dpi": TRY_ALL}}))
+            subprocess.run([self.bin / "vacuform", "run"], cwd=self.here, check=True, timeout=60)
+            bystander.kill()
+        done = {d.split()[0] for d in json.loads((self.here / "out" / "report.json").read_text())["done"]}
+        expected = {"read", "write", "empty", "truncate", "chmod", "utimensat", "link", "rename", "connect", "kill", "tgkill", "exec", "signal"}
+        self.assertEqual(expected - done, set())
+
+
+@unittest.skipUnless(os.geteuid() == 0, "only root can start workers as another user")
+class AsRoot(Hostile):
+    def test_the_server_s_own_workers(self):
+        self.server = Server(self.here, workers=1, options=["--worker-user", "nobody", "--worker-program", self.bin / "vacuform-worker"])
+        self.folder.chmod(0o700)  # nobody cannot come here
+        (self.bin / "vacuform-worker").chmod(0o755)
+        data = self.server.data
+        self.aims(("folder", data), ("secret", data / "admin-token"), ("secret", data / "worker-token"), ("secret", data / "jobs.sqlite"),
+                  ("folder", data / "workers" / "kept"))
+        self.server.start()
+        self.addCleanup(self.server.stop)
+        (worker,) = wait_for(lambda: children(self.server.program.pid), "the worker")
+        wait_for(lambda: os.stat(f"/proc/{worker}/task").st_uid == 0 and
+                 f"Uid:\t{NOBODY.pw_uid}\t" in pathlib.Path(f"/proc/{worker}/status").read_text(), "the worker's new user")
+        self.assertEqual(data.stat().st_mode & 0o777, 0o700)
+        self.assertEqual((data / "workers").stat().st_uid, NOBODY.pw_uid)
+        self.hold_against(worker, data / "workers", lambda done: True)
+
+
+@unittest.skipUnless(os.geteuid() == 0, "only root can become the service's user")
+class AsService(Hostile):
+    def test_under_the_calls_that_its_unit_allows(self):
+        worker = self.alone(confine.as_the_unit_allows())
+        self.assertEqual(self.started(), (["namespaces", "landlock", "seccomp"], []))
+        self.hold_against(worker.pid, self.work, lambda done: True)
+
+    def test_in_a_container_without_namespaces(self):
+        worker = self.alone(confine.without_namespaces())
+        self.assertEqual(self.started(), (["landlock", "seccomp"], ["namespaces"]))
+        self.hold_against(worker.pid, self.work, lambda done: True)
+
+    def test_without_landlock_a_worker_does_not_start(self):
+        worker = self.alone(confine.without_landlock())
+        self.assertEqual(worker.wait(timeout=60), 2)
+        self.assertIn("this machine does not give landlock, without which no job is run", self.log.read_text())
+        self.assertIn("set sandbox to best-effort", self.log.read_text())
+
+    def test_without_landlock_the_best_effort_keeps_all_but_this_user_s_own_files(self):
+        worker = self.alone(confine.without_landlock(), "--sandbox=best-effort")
+        self.assertEqual(self.started(), (["namespaces", "seccomp"], ["landlock"]))
+        self.assertFalse((self.work / "kept").exists())  # nothing of other owners is there
+        token = str(self.here / "token")  # may be read and deleted by its user
+        self.hold_against(worker.pid, self.work, lambda done: not (done.endswith(token) and done.split()[0] in ("read", "write", "link", "rename")))
+
+
+if __name__ == "__main__":
+    unittest.main()
