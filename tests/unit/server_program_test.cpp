@@ -177,7 +177,7 @@ TEST_F(ServerProgram, MakesListsAndRevokesTokens) {
   const fs::path out = folder_ / "token";
   const auto status = [&] {
     const std::string answer =
-        talk(connected(), "GET /api/v1/jobs HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer " +
+        talk(connected(), "GET /api/v1/jobs HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
                               first_line(out) + "\r\n\r\n");
     return answer.substr(9, 3);
   };
@@ -268,7 +268,8 @@ TEST_F(ServerProgram, KilledInTheMiddleOfAnUploadItLeavesNoTrace) {
   EXPECT_TRUE(fs::is_empty(data() / "blobs"));
   const std::string answer =
       talk(connected(), "GET /api/v1/jobs HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
-                            "\r\nAuthorization: Bearer " + first_line(data() / "admin-token") + "\r\n\r\n");
+                            "\r\nConnection: close\r\nAuthorization: Bearer " +
+                            first_line(data() / "admin-token") + "\r\n\r\n");
   EXPECT_NE(answer.find("{\"jobs\":[],\"next\":null}"), std::string::npos) << answer;
   EXPECT_EQ(stop(SIGTERM), 0);
 }
