@@ -4,8 +4,8 @@
 // (places.hpp), and the work of any one route, which gets a share of the threads and has the others wait in line. Another
 // thread ends what takes too long.
 //
-// No HTTP library stands here: of cpp-httplib, Debian's, only the writing of heads was ever usable. It gives each connection a
-// thread, and takes what a refused body leaves behind for the next request.
+// No HTTP library: Debian's cpp-httplib gives each connection a thread and reads the rest of a refused body as the next
+// request.
 #include "server/http/server.hpp"
 
 #include <netdb.h>
