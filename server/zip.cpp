@@ -1,5 +1,5 @@
-// PKWARE, .ZIP File Format Specification (APPNOTE.TXT) 6.3: 4.3.7 local headers, 4.3.12 the central directory, 4.3.14 and
-// 4.3.15 its zip64 records, 4.3.16 its end.
+// PKWARE, .ZIP File Format Specification (APPNOTE.TXT) 6.3: 4.3.7 local headers, 4.3.12 the central
+// directory, 4.3.14 and 4.3.15 its zip64 records, 4.3.16 its end.
 #include "server/zip.hpp"
 
 #include <zlib.h>

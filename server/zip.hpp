@@ -1,6 +1,7 @@
-// All artifacts of a job in one zip file, the same bytes for the same artifacts. It is never on the disk: the artifacts are
-// stored in it as they are, so its length, and what stands at each place of it, is known beforehand, and it is made while it
-// is sent. What that needs in advance is the CRC-32 of each artifact, which is remembered.
+// All artifacts of a job in one zip file, the same bytes for the same artifacts. It is never on the disk: the
+// artifacts are stored in it as they are, so its length, and what stands at each place of it, is known
+// beforehand, and it is made while it is sent. What that needs in advance is the CRC-32 of each artifact,
+// which is remembered.
 #pragma once
 
 #include <functional>
@@ -25,8 +26,8 @@ class Zip : public http::Source {
   };
   using Open = std::function<Result<File>(const Blob&)>;
 
-  // `open` gives the bytes of an entry when its turn comes. With its zip64 records where a place or the length needs more
-  // than 32 bits; an entry has less than 4 GiB.
+  // `open` gives the bytes of an entry when its turn comes. With its zip64 records where a place or the
+  // length needs more than 32 bits; an entry has less than 4 GiB.
   Zip(std::vector<Entry> entries, Open open);
 
   std::uint64_t bytes() const { return pieces_.back().end; }
@@ -51,8 +52,8 @@ class Zip : public http::Source {
 // The CRC-32 of blobs by their hashes, computed once by this process. From any thread.
 class Checksums {
  public:
-  // In the order of the job's artifacts. Reads those that are not known yet, one caller at a time. Errors: those of the
-  // store.
+  // In the order of the job's artifacts. Reads those that are not known yet, one caller at a time. Errors:
+  // those of the store.
   Result<std::vector<std::uint32_t>> of(Store& store, const Job& job);
 
  private:

@@ -1,5 +1,5 @@
-// One accepted connection and the request that it is at. Its socket never blocks; only the body of a large upload and the
-// pieces of a stream are waited for, within the limits.
+// One accepted connection and the request that it is at. Its socket never blocks; only the body of a large
+// upload and the pieces of a stream are waited for, within the limits.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,8 @@ namespace vacuform::http {
 
 class Connection : public Body {
  public:
-  // Takes the socket, which must not block, and closes it. `stopping` set makes every wait end within half a second.
+  // Takes the socket, which must not block, and closes it. `stopping` set makes every wait end within half a
+  // second.
   Connection(int socket, const Limits& limits, UploadRoom& room, const std::atomic<bool>& stopping);
   ~Connection() override;
   Connection(const Connection&) = delete;
@@ -41,8 +42,8 @@ class Connection : public Body {
   Result<std::size_t> read(std::span<char> into) override;
   // Tells a client that waits for it to send the body.
   void send_continue();
-  // Why the body could not be read to its end, if it is the client that came too slowly (408) or the server that has no room
-  // (503).
+  // Why the body could not be read to its end, if it is the client that came too slowly (408) or the server
+  // that has no room (503).
   const std::optional<Refusal>& trouble() const { return trouble_; }
   Refusal too_slow() const;
   Refusal broken_off() const;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t longest_request_line = 4096;
 
-// Those that the server acts on and that carry one value. Two of them, and a proxy may act on one and the server on the
-// other. Lists (Accept, If-Match, Connection) may come in several lines.
+// Those that the server acts on and that carry one value. Two of them, and a proxy may act on one and the
+// server on the other. Lists (Accept, If-Match, Connection) may come in several lines.
 constexpr std::array<std::string_view, 22> single_headers{"Authorization",
                                                           "Content-Digest",
                                                           "Content-Encoding",

@@ -1,5 +1,5 @@
-// The head of a request (RFC 9112): what it asks for, read strictly. Whatever two readers could understand in two ways is
-// refused, so that a proxy in front and this server never disagree about where a request ends.
+// The head of a request (RFC 9112): what it asks for, read strictly. Whatever two readers could understand in
+// two ways is refused, so that a proxy in front and this server never disagree about where a request ends.
 #pragma once
 
 #include <chrono>
@@ -29,11 +29,11 @@ struct Head {
   bool keep_alive = false;        // HTTP/1.1 without Connection: close
 };
 
-// Reads a head without its last empty line; every line ends with CR LF. The refusal says what is wrong: 400, 411 (no
-// Content-Length), 414, 417, 431, 501.
+// Reads a head without its last empty line; every line ends with CR LF. The refusal says what is wrong: 400,
+// 411 (no Content-Length), 414, 417, 431, 501.
 //
-// The target may be a path or in absolute form, whose authority must be the one of Host. A header that only makes sense
-// once (Host, Authorization, Range and the like) may occur once.
+// The target may be a path or in absolute form, whose authority must be the one of Host. A header that only
+// makes sense once (Host, Authorization, Range and the like) may occur once.
 tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limits);
 
 // "a%20b" -> "a b". A '%' without two hexadecimal digits stays as it is.

@@ -69,8 +69,8 @@ Outgoing::Sent Outgoing::send_source(int socket, std::size_t& budget) {
   return Sent::all;
 }
 
-// Hashes what was not seen before of a piece that perhaps is sent again in part; false when the last one shows that the body
-// is not the one that it should be.
+// Hashes what was not seen before of a piece that perhaps is sent again in part; false when the last one
+// shows that the body is not the one that it should be.
 bool Outgoing::right(std::uint64_t offset, std::string_view piece) {
   if (!hash_ || offset + piece.size() <= hashed_) return true;
   hash_->add(piece.substr(static_cast<std::size_t>(hashed_ - offset)));

@@ -1,5 +1,5 @@
-// An answer on its way to a client that may take it slowly: as much as the socket takes at once, and the rest later. Nothing
-// here waits.
+// An answer on its way to a client that may take it slowly: as much as the socket takes at once, and the rest
+// later. Nothing here waits.
 #pragma once
 
 #include <memory>

@@ -1,8 +1,8 @@
-// Threads share one epoll. A thread takes one event, gives that connection as much of its turn as needs no waiting, and arms
-// it again (EPOLLONESHOT), so a client that is slow to send or to take costs memory and no thread. Only what a route must
-// wait for keeps a thread, and each kind of that has its bound: large bodies (upload_room.hpp), streams and waiters
-// (places.hpp), and the work of any one route, which gets a share of the threads and has the others wait in line. Another
-// thread ends what takes too long.
+// Threads share one epoll. A thread takes one event, gives that connection as much of its turn as needs no
+// waiting, and arms it again (EPOLLONESHOT), so a client that is slow to send or to take costs memory and no
+// thread. Only what a route must wait for keeps a thread, and each kind of that has its bound: large bodies
+// (upload_room.hpp), streams and waiters (places.hpp), and the work of any one route, which gets a share of
+// the threads and has the others wait in line. Another thread ends what takes too long.
 //
 // No HTTP library: Debian's cpp-httplib gives each connection a thread and reads the rest of a refused body as the next
 // request.
@@ -144,8 +144,8 @@ class Server::Loop {
       if (listener_ < 0) continue;
       const int yes = 1;
       ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-      // Both are inherited by the connections. Without the bound the kernel would take megabytes for a client that does not
-      // read, and count them as read.
+      // Both are inherited by the connections. Without the bound the kernel would take megabytes for a client
+      // that does not read, and count them as read.
       ::setsockopt(listener_, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
       ::setsockopt(listener_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
       if (::bind(listener_, address->ai_addr, address->ai_addrlen) == 0 && ::listen(listener_, 512) == 0)
@@ -525,7 +525,8 @@ class Server::Loop {
 
   // Sends what it can; the rest follows as the client takes it.
   void give(Client& client, Response response) {
-    // What came before its answer was sent is no request of somebody who waits for answers: perhaps it was smuggled in.
+    // What came before its answer was sent is no request of somebody who waits for answers: perhaps it was
+    // smuggled in.
     client.keep =
         client.keep && !ending_ && client.connection.body_arrived() && !client.connection.more_arrived();
     std::string text = response_head(client.request, response, client.keep);
@@ -650,8 +651,9 @@ class Server::Loop {
     }
   }
 
-  // Closes the connections that deserve it most: first those that nothing is asked on, then those that have long been sending
-  // a request, then those that take their answers slowest. A twentieth of all, so that the search is seldom.
+  // Closes the connections that deserve it most: first those that nothing is asked on, then those that have
+  // long been sending a request, then those that take their answers slowest. A twentieth of all, so that the
+  // search is seldom.
   bool make_room(std::optional<Client::State> only = std::nullopt) {
     struct Candidate {
       int order;

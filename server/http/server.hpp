@@ -1,18 +1,20 @@
 // The listener: accepts, reads, routes, answers.
 //
-// Every request passes, in this order: the head (head.hpp), the checks of origin.hpp, the router with its limit on the body,
-// the route's admission, the body, the route. A body up to 72 KiB is in memory before the route runs; a longer one is read by
-// the route as it comes, and a body whose Content-Digest was sent is checked meanwhile (digest.hpp). Peer addresses are not
-// looked at.
+// Every request passes, in this order: the head (head.hpp), the checks of origin.hpp, the router with its
+// limit on the body, the route's admission, the body, the route. A body up to 72 KiB is in memory before the
+// route runs; a longer one is read by the route as it comes, and a body whose Content-Digest was sent is
+// checked meanwhile (digest.hpp). Peer addresses are not looked at.
 //
-// A connection serves one request after another (HTTP/1.1 keep-alive). It is closed after an answer when its request was
-// refused for its form, when its body was not read to the end, and when bytes behind the request came before the answer was
-// sent: pipelined requests are not served, and what a request carries along is never read as the next one.
+// A connection serves one request after another (HTTP/1.1 keep-alive). It is closed after an answer when its
+// request was refused for its form, when its body was not read to the end, and when bytes behind the request
+// came before the answer was sent: pipelined requests are not served, and what a request carries along is
+// never read as the next one.
 //
-// Clients that are slow cost no thread, but for large bodies and for responses that stream or wait (message.hpp), which have
-// bounds and threads of their own. A client must keep up with `limits`, or is closed; beyond `connections` the idle and the
-// slowest are closed to make room for new ones. When `streams` streams are under way the next one is refused with 503 and
-// Retry-After, when `streams_of_one` are one party's its next one with 429.
+// Clients that are slow cost no thread, but for large bodies and for responses that stream or wait
+// (message.hpp), which have bounds and threads of their own. A client must keep up with `limits`, or is
+// closed; beyond `connections` the idle and the slowest are closed to make room for new ones. When `streams`
+// streams are under way the next one is refused with 503 and Retry-After, when `streams_of_one` are one
+// party's its next one with 429.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
-// Room for large bodies. A route reads one in a thread of its own, which waits for its client, so only so many are read at a
-// time. When all room is taken, a new one gets that of the slowest, which ends.
+// Room for large bodies. A route reads one in a thread of its own, which waits for its client, so only so
+// many are read at a time. When all room is taken, a new one gets that of the slowest, which ends.
 #pragma once
 
 #include <atomic>
