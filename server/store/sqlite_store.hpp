@@ -46,7 +46,7 @@ class SqliteStore : public Store {
   Result<std::vector<std::pair<std::string, std::string>>> scans_of_jobs() override;
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
 
-  Result<Job> create(NewJob job, bool* repeated) override;
+  Result<Job> create(NewJob job, bool* repeated = nullptr) override;
   Result<std::int64_t> seconds_until_room(const std::string& owner) override;
   Result<Job> job(const std::string& id) override;
   Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter, Detail detail) override;

@@ -145,9 +145,9 @@ TEST_F(ServerAccess, ATokenEndsNoSessionOfAnother) {
     return "Cookie: " + set->substr(0, set->find(';')) + "\r\n";
   };
   const auto status = [&](const std::string& shown) { return ask("GET", "/api/v1/jobs", shown).status; };
-  const std::string other = cookie(access_->sign_in(admin_)), first = cookie(access_->sign_in(user_));
+  const std::string other = cookie(access_->sign_in(admin_, false)), first = cookie(access_->sign_in(user_, false));
   std::string last;
-  for (int i = 0; i < 1100; ++i) last = cookie(access_->sign_in(user_));
+  for (int i = 0; i < 1100; ++i) last = cookie(access_->sign_in(user_, false));
   EXPECT_EQ(status(other), 200);
   EXPECT_EQ(status(last), 200);
   EXPECT_EQ(status(first), 401);
