@@ -55,6 +55,8 @@ Result<Json> strict_json(std::string_view text, int deepest) {
     if (inspector.error()) return tl::make_unexpected(*inspector.error());
     return fail(Code::bad_usage, "not valid JSON, near byte " + std::to_string(error.byte), "",
                 "check quotes, commas and brackets");
+  } catch (const nlohmann::json::out_of_range&) {  // such as 1e999
+    return fail(Code::bad_usage, "the JSON holds a number that is too large", "", "give a smaller number");
   }
 }
 

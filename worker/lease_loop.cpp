@@ -153,7 +153,10 @@ class LeasedJob {
     if (report)
       for (const std::string& code : warning_codes(*report)) log_.say("warning " + code);
     VACUFORM_CHECK(persist([&] { return log_.send(client_, lease_, alive); }));
-    return persist([&] { return client_.complete(lease_); });
+    const auto completed = persist([&] { return client_.complete(lease_); });
+    if (!completed && completed.error().code == Code::conflict)  // artifacts are missing
+      return fail(Code::internal, completed.error().what, "", "report it with the job's id");
+    return completed;
   }
 
   // A file of the child's, now that it is dead.

@@ -79,7 +79,7 @@ class Ledger:
         # tenth of a worker that ran it.
         log = [line["text"] for line in api.log(job)]
         crashed, lost = log.count(BROKE_DOWN) == 1, sum(map(log.count, LOST)) == 9
-        assert problem["type"] == "/problems/internal" and (crashed or lost), (
+        assert problem["type"] == "/problems/internal" and (crashed or lost) or problem["type"] == "/problems/out-of-time" and crashed, (
             f"{job} failed for no fault of its own: {json.dumps(problem)}, {log}")
         return "lost ten times" if "workers were lost" in problem["what"] else "crashed twice"
 

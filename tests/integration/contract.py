@@ -184,7 +184,7 @@ class Contract:
                 raise Broken(f"{where}: taken without {p['name']}")
         for name in sent.keys() & self.special_headers - described.keys():
             raise Broken(f"{where}: takes {name}, which is not described there")
-        self.check_body(operation.get("requestBody"), sent, asked, where)
+        self.check_body(self.resolved(operation.get("requestBody")), sent, asked, where)
 
     def check_text(self, text, schema, where):
         """A parameter, which is a text on the wire, as what its schema wants."""

@@ -10,7 +10,7 @@ class Chaos(Case):
     def test_nothing_is_lost_and_nothing_done_twice(self):
         seed = 20181
         print(f"seed {seed}", flush=True)
-        figures = chaos.run(8, seed, 1.5, 1, self.folder)
+        figures = chaos.run(60, seed, 1, 1, self.folder)
         print(figures, flush=True)
         self.assertEqual(sum(figures[end] for end in ENDINGS), figures["accepted"])
         self.assertEqual(figures["lost ten times"], 0)

@@ -53,7 +53,7 @@ class Refusals(Case):
                 (self.run_with("--set", "print.dpi=71"), ["out of range: 71", "print.dpi", "72 to 1200"]),
                 (self.run_with("--set", "dpi=300"), ["group.key=value", "dpi=300"]),
                 (self.run_with("--settings", settings), ["unknown setting", "print.dip", "dpi, marks, margin_mm"]),
-                (self.run_with("--settings", broken), ["not a JSON object", "broken.json"]),
+                (self.run_with("--settings", broken), ["not valid JSON", "broken.json"]),
                 (self.run_with("--settings", self.folder / "none.json"), ["none.json"]),
                 (self.run_with(scan=RINGS), ["rings-19x40mm.svg"]),
                 (self.run_with(pattern=NEONATE), ["neonate-40w.stl"]),

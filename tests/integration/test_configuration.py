@@ -87,7 +87,7 @@ class Configuration:
         self.assertRegex(self.refused(file={self.number: self.largest + 1}), rf"{option}.*{self.largest + 1}.*{self.program}\.json")
         self.assertRegex(self.refused(file={self.number: 1.5}), rf"{option}.*1\.5.*{self.program}\.json")
         self.assertRegex(self.refused(file={self.number: [1]}), rf"neither a text, .*: {self.number}.*{self.program}\.json")
-        self.assertRegex(self.refused(file="{"), rf"not a JSON object.*{self.program}\.json")
+        self.assertRegex(self.refused(file="{"), rf"not valid JSON.*{self.program}\.json")
         variable = self.variable(self.number)
         self.assertRegex(self.refused(**{variable: "0"}), rf"{option}.*{variable}")
         self.assertIn(option, self.refused(option, 0))

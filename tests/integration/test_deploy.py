@@ -115,9 +115,7 @@ class Deploy(Case):
             self.assertNotEqual(done.returncode, 0, secret)
 
     def test_names_a_port_that_another_program_has(self):
-        with socket.socket() as taken:
-            taken.bind(("127.0.0.1", self.port))
-            taken.listen()
+        with socket.create_server(("127.0.0.1", self.port)):
             refused = self.start()
         self.assertEqual(refused.returncode, 1)
         self.assertIn(f"127.0.0.1:{self.port} is taken by another program", refused.stderr)

@@ -175,7 +175,7 @@ class AsRoot(Hostile):
         self.server.start()
         self.addCleanup(self.server.stop)
         (worker,) = wait_for(lambda: children(self.server.program.pid), "the worker")
-        wait_for(lambda: os.stat(f"/proc/{worker}/task").st_uid == 0 and
+        wait_for(lambda: os.stat(f"/proc/{worker}/mem").st_uid == 0 and  # nobody else may look into it
                  f"Uid:\t{NOBODY.pw_uid}\t" in pathlib.Path(f"/proc/{worker}/status").read_text(), "the worker's new user")
         self.assertEqual(data.stat().st_mode & 0o777, 0o700)
         self.assertEqual((data / "workers").stat().st_uid, NOBODY.pw_uid)

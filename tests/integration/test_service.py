@@ -243,7 +243,8 @@ class Scans(Case):
 
     # What the first attempt at default scan settings must end with: nothing, or these types of problem in turn.
     REFUSALS = {"bust-demosthenes.obj": ["ambiguous-units"],  # no unit makes it plausible
-                "corrupt-head.glb": ["corrupt-file"]}
+                "bust-gutenberg-ascii.stl": ["ambiguous-units", "unusable-scan"],  # nor this; then automatic trim keeps too little
+                 "corrupt-head.glb": ["corrupt-file"]}
 
     def follow(self, server, scan, settings):
         """Submits, does what each refusal says, and gives the last job with the slugs of the refusals."""

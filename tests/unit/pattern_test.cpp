@@ -417,6 +417,11 @@ TEST(Pattern, CountsTheWorkOfAnSvgBeforeItDraws) {
     return pattern ? std::string() : pattern.error().text();
   };
   EXPECT_EQ(refusal(copies_of_copies(3)), "");
+  std::string matrix = "1";
+  for (int i = 1; i < 441; ++i) matrix += " 1";
+  EXPECT_EQ(refusal("<filter id='f'><feConvolveMatrix order='21' kernelMatrix='" + matrix +
+                    "'/></filter><rect width='9' height='9'/>"),
+            "the SVG has a filter matrix of more than 800 bytes (x); remove the filter feConvolveMatrix, or give a picture");
   EXPECT_EQ(refusal(copies_of_copies(5)),
             "the SVG draws too many elements: 322223 where at most 100000 can be (x); make fewer copies with "
             "<use>, patterns, markers or dashes, or join shapes to paths");

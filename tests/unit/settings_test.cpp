@@ -100,6 +100,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"heat": {"black_c": 20}})", "heat.black_c", "a temperature each"},
         Refusal{"[1, 2]", "", "JSON object"}, Refusal{"{\"print\": {", "settings", "not valid JSON"},
         Refusal{"[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]", "settings", "nested"},
+        Refusal{R"({"print": {"dpi": 1e999}})", "settings", "too large"},
         Refusal{R"({"print": {"dpi": 72}, "print": {}})", "settings", "twice"}));
 
 TEST(Settings, SetReadsJsonAndBareWords) {

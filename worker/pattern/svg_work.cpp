@@ -22,6 +22,9 @@ constexpr double seconds_an_element = 2e-5, seconds_a_byte = 2e-7, seconds_a_cro
 constexpr double seconds_a_painted_pixel = 5e-10, seconds_an_outline_pixel = 1.6e-7;
 constexpr double most_seconds = 4;  // a drawing with colour may be drawn twice
 
+constexpr double seconds_a_letter = 5e-4;  // of a text of most_letters; its cost grows with the square
+constexpr double most_letters = 1000;      // of one text
+
 constexpr double most_elements = 1e5, most_crossings = 1.8e6;
 constexpr double most_matches = 2e7;    // of rules with elements
 constexpr double most_visits = 2e6;     // of this count itself
@@ -149,6 +152,9 @@ class Counter {
       return too_much("the SVG draws too many elements", std::max(work.elements, visits_), most_elements,
                       "make fewer copies with <use>, patterns, markers or dashes, or join shapes to paths",
                       file_name_);
+    if (!(longest_text_ <= most_letters))
+      return too_much("a text of the SVG is too long, in bytes", longest_text_, most_letters,
+                      "split the text, or convert it to paths", file_name_);
     if (!(work.crossings <= most_crossings) || segments_ > most_segments)
       return too_much("the SVG's outlines cross too often (estimated)", std::max(work.crossings, segments_),
                       most_crossings, "simplify the paths, or unite their overlaps", file_name_);
@@ -233,7 +239,9 @@ class Counter {
       const pugi::xml_node drawn = target(href(node));
       inside.add(referred(drawn, style, depth + 1), view_scale(drawn, node));
     } else if (name == "text") {
-      inside.work.text += 100 * text_below(node);  // for the glyphs' outlines
+      const double letters = text_below(node);
+      longest_text_ = std::max(longest_text_, letters);
+      inside.work.text += letters * seconds_a_letter / seconds_a_byte;
       inside.work.pages += 0.5;
     } else if (name == "image" || name == "foreignObject") {
       inside.work.pages += shaded_pages;
@@ -414,7 +422,7 @@ class Counter {
   const StyleSheets sheets_;
   std::map<std::string, pugi::xml_node> of_id_;
   std::map<std::pair<std::size_t, std::string>, Part> parts_;
-  double elements_ = 0, selectors_ = 0, visits_ = 0, segments_ = 0;
+  double elements_ = 0, selectors_ = 0, visits_ = 0, segments_ = 0, longest_text_ = 0;
   bool too_deep_ = false, effects_in_sheets_ = false, values_by_entities_ = false;
 };
 
