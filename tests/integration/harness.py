@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import pathlib
+import random
 import signal
 import socket
 import subprocess
@@ -29,10 +30,14 @@ DUE_ARTIFACTS = {"print.png", "print.svg", "print.pdf", "preview-pattern.png", "
                  "report.html"}
 
 
-def free_port():
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return s.getsockname()[1]
+def free_port(count=1):
+    """The first of `count` free ports in a row, below those from which the kernel takes the near ends of connections."""
+    while True:
+        first = random.randrange(10240, 32000)
+        with contextlib.suppress(OSError), contextlib.ExitStack() as held:
+            for port in range(first, first + count):
+                held.enter_context(socket.create_server(("127.0.0.1", port)))
+            return first
 
 
 def wait_for(condition, what, patience=PATIENCE, pause=0.05):

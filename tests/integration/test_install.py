@@ -152,7 +152,7 @@ class Install(Case):
         for name, data in ("head.stl", hostile.stl(hostile.dome_triangles())), ("coils.svg", hostile.GOOD_SVG):
             (self.here / name).write_bytes(data)
         (self.here / "small.json").write_text(json.dumps(SMALL))
-        port = free_port() & ~1
+        port = free_port(2)
         inside = self.here / "inside"
         script(inside, f"""
             set -euo pipefail
