@@ -51,7 +51,7 @@ TEST(Area, UnitesLargePolygons) {
   EXPECT_NEAR(square_mm(one), 90 * 50.2, 1e-3);
   EXPECT_EQ(many.size(), 50u);
   EXPECT_NEAR(square_mm(many), 90 * 50 * 1.2, 0.02);  // points within 0.0005 mm of a line are left out
-  double one_by_one = 0;  // these are small, so they are not cut into strips
+  double one_by_one = 0;                              // these are small, so they are not cut into strips
   for (const Ring& ring : apart) one_by_one += square_mm(union_of({ring}));
   EXPECT_NEAR(square_mm(many), one_by_one, 1e-3);
   // What each of the two halves shares with them.
