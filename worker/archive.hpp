@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -50,6 +51,11 @@ class ArchiveWriter {
   void put(const std::vector<T>& values) {
     put(std::uint64_t{values.size()});
     for (const T& value : values) put(value);
+  }
+  template <class T>
+  void put(const std::optional<T>& value) {
+    put(std::uint8_t{value.has_value()});
+    if (value) put(*value);
   }
   template <class T>
   requires std::is_class_v<T>
@@ -105,6 +111,13 @@ class ArchiveReader {
     const std::size_t n = count();
     values.clear();
     for (std::size_t i = 0; i < n && ok_; ++i) get(values.emplace_back());
+  }
+  template <class T>
+  void get(std::optional<T>& value) {
+    std::uint8_t is_there = 0;
+    get(is_there);
+    value.reset();
+    if (ok_ && is_there != 0) get(value.emplace());
   }
   template <class T>
   requires std::is_class_v<T>

@@ -1,15 +1,13 @@
 // Progress and cancellation, handed to every stage.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "api/error.hpp"
 #include "api/job.hpp"
+#include "worker/warning.hpp"
 
 namespace vacuform {
 
@@ -46,21 +44,6 @@ class Context {
     Listener listener;
   };
   std::shared_ptr<State> state_;
-};
-
-// Something the user must be told that is not an error: it goes into report.json and onto the page.
-// `code` is stable for machines ("undercut", "ink-off-chart"), `text` is one sentence for people.
-struct Warning {
-  std::string code;
-  std::string text;
-  // Where and how large, for marks in a preview; `marks` may hold several places of one warning, worst first, at most
-  // most_marks.
-  static constexpr std::size_t most_marks = 20;
-  struct Mark {
-    std::array<double, 3> place_mm;  // in the mold's frame
-    double size_mm = 0;              // across; 0: a point
-  };
-  std::vector<Mark> marks = {};
 };
 
 }  // namespace vacuform

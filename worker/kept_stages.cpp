@@ -20,8 +20,12 @@ void fields(A& a, Warning::Mark& m) {
   a(m.place_mm, m.size_mm);
 }
 template <class A>
+void fields(A& a, Warning::Figure& f) {
+  a(f.value, f.unit, f.limit);
+}
+template <class A>
 void fields(A& a, Warning& w) {
-  a(w.code, w.text, w.marks);
+  a(w.code, w.text, w.marks, w.figure, w.fix);
 }
 template <class A>
 void fields(A& a, Undercut& u) {

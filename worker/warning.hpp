@@ -1,0 +1,51 @@
+// What a person must know about a job that is not an error: it is in report.json, on the page and on the terminal.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vacuform {
+
+enum class Severity {
+  note,     // nothing to do: what was chosen, or what cannot be better
+  warning,  // look at the place before printing
+  serious   // do not print before this is settled
+};
+
+// One row for each code; docs/reference/warnings.md lists them all.
+struct WarningKind {
+  std::string_view code;  // stable, for machines: "undercut"
+  Severity severity;
+  std::string_view fix;  // what to do, where a warning has no fix of its own
+};
+std::span<const WarningKind> warning_kinds();            // sorted by code
+const WarningKind& warning_kind(std::string_view code);  // of any other code: a bug, which ends the program
+
+struct Warning {
+  std::string code;
+  std::string text;  // what is wrong, one sentence for people
+  // Where and how large, for marks in a preview; several places of one warning, worst first, at most most_marks.
+  static constexpr std::size_t most_marks = 20;
+  struct Mark {
+    std::array<double, 3> place_mm;  // in the mold's frame
+    double size_mm = 0;              // across; 0: a point
+  };
+  std::vector<Mark> marks = {};
+  // The number behind it, and the limit that it breaks.
+  struct Figure {
+    double value;
+    std::string unit;  // "mm", "%", or empty for a ratio
+    std::optional<double> limit = {};
+  };
+  std::optional<Figure> figure = {};
+  std::string fix = {};  // instead of its kind's
+
+  Severity severity() const { return warning_kind(code).severity; }
+  std::string what_to_do() const { return fix.empty() ? std::string(warning_kind(code).fix) : fix; }
+};
+
+}  // namespace vacuform
