@@ -86,6 +86,8 @@ struct FormingSettings {
   MembraneLaw law = MembraneLaw::neo_hookean;
   double edge_stiffness = 1;  // of the sheet at the clamp frame against its centre, by calibration
   bool sag = false;           // under its own weight while it is hot
+  // membrane: the frame descends no further between two searches for contact; none: two thirds of the grid's spacing
+  std::optional<double> step_mm;
   double thin_limit = 0.3;    // of the thickness before forming: below it, the maker is told
   double yield_kpa = 0;       // viscoplastic: stress below which the sheet is elastic
   Integrator integrator = Integrator::implicit_euler;  // mass_spring

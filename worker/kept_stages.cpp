@@ -55,9 +55,17 @@ void fields(A& a, FormingSummary& s) {
     s.mass_error, s.force_error, s.shear_modulus_kpa);
 }
 template <class A>
+void fields(A& a, Deviation& d) {
+  a(d.p99, d.max, d.place);
+}
+template <class A>
+void fields(A& a, SurfaceFit& f) {
+  a(f.penetration, f.gap);
+}
+template <class A>
 void fields(A& a, FormedSheet& s) {
   a(s.triangles, s.rest, s.formed, s.thickness, s.temperature, s.contact, s.contact_time, s.element_thickness,
-    s.element_slack, s.summary, s.vents, s.warnings);
+    s.element_slack, s.summary, s.fit, s.vents, s.warnings);
 }
 
 namespace {

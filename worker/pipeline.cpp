@@ -135,7 +135,8 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   const std::optional<Drawing> drawing = read_drawing(inputs.pattern, pattern, of_drawing);
   const Drawing* lines = drawing ? &*drawing : nullptr;
   const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement, of_drawing);
-  VACUFORM_TRY(placement, place(sheet, flattening, parts ? &parts->drawing() : lines, s, context, cut.edges));
+  const Drawing* const laid = parts ? &parts->drawing() : lines;
+  VACUFORM_TRY(placement, place(sheet, flattening, laid, s, context, cut.edges));
   VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, identity.label, context));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
@@ -156,10 +157,15 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   nlohmann::ordered_json whole = {
       {"vacuform", version}, {"label", identity.label}, {"sha256", identity.sha256}};
   whole.update(report(job));
-  if (inputs.sensitivity)
-    whole["sensitivity"] = sensitivity_json(
-        sheet, formed.variants,
-        printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv));
+  if (inputs.sensitivity) {
+    auto coils = printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv);
+    for (const PlacedElement& element :
+         placement.elements)  // what is laid one by one is not where the chart has it
+      for (PrintedCoil& coil : coils)
+        if (coil.id == laid->elements[static_cast<std::size_t>(element.element)].id)
+          coil.rest = element.centre_rest;
+    whole["sensitivity"] = sensitivity_json(sheet, formed.variants, coils);
+  }
   const auto add = [&](const char* name, const std::string& text) {
     files.push_back({name, {text.begin(), text.end()}});
   };

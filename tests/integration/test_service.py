@@ -278,7 +278,7 @@ class Scans(Case):
                     self.assertEqual([a["name"] for a in job["artifacts"]], ARTIFACTS)
                     report = curl(f"{server.api}/jobs/{job['id']}/artifacts/report.json").json
                     self.assertTrue(report["forming"]["converged"])
-                    self.assertLessEqual(report["forming"]["largest_gap_mm"], 0.2)
+                    self.assertLessEqual(report["forming"]["gap_mm"]["max"], 0.2)
                     for figure in "anisotropy", "area_ratio":
                         self.assertLess(report["figures"]["with"][figure]["mean"],
                                         report["figures"]["without"][figure]["mean"])

@@ -56,6 +56,33 @@ TEST(FormingFindings, APocketIsSaidWithPlaceAndArea) {
   EXPECT_NEAR(found[0].marks[0].size_mm, 2 * std::sqrt(128 / std::numbers::pi), 1e-9);
 }
 
+TEST(FormingFindings, AStretchBeyondTheLawIsSaid) {
+  FormedSheet sheet = sheet_on_mold();
+  for (int j = 0; j <= 20; ++j)  // a column of cells is stretched four times
+    for (int i = 11; i <= 20; ++i) sheet.formed[21 * j + i].x() += 12;
+  FindingLimits limits;
+  EXPECT_TRUE(forming_findings(sheet, {}, 1.0, limits).warnings.empty());
+  limits.stretch = 3;
+  const auto found = forming_findings(sheet, {}, 1.0, limits).warnings;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].code, "unstable-stretch");
+  EXPECT_NE(found[0].text.find("up to 4.0 times, over 1280 mm2 at x = 8 mm"), std::string::npos)
+      << found[0].text;
+  EXPECT_NEAR(found[0].figure->value, 4, 1e-9);
+  EXPECT_FALSE(torn_at(sheet));
+}
+
+TEST(FormingFindings, ASheetThatRanAwayIsTorn) {
+  FormedSheet sheet = sheet_on_mold();
+  sheet.formed[21 * 10 + 5].z() += 100;  // a vertex that its triangles cannot follow
+  const auto tear = torn_at(sheet);
+  ASSERT_TRUE(tear);
+  EXPECT_GT(tear->stretch, 25);
+  EXPECT_GT(tear->area_mm2, 500);
+  EXPECT_NEAR(tear->place.x(), -20, 4);
+  EXPECT_NEAR(tear->place.y(), 0, 4);
+}
+
 // The fillet between mold and platform is free too, and no pocket.
 TEST(FormingFindings, WhatReachesThePlatformIsNoPocket) {
   FormedSheet sheet = sheet_on_mold();

@@ -1,7 +1,8 @@
 vacuform_test(forming_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/sheet_grid_test.cpp ${CMAKE_CURRENT_LIST_DIR}/membrane_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/trapped_air_test.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/findings_test.cpp ${CMAKE_CURRENT_LIST_DIR}/forming_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/findings_test.cpp ${CMAKE_CURRENT_LIST_DIR}/forming_test.cpp ${CMAKE_CURRENT_LIST_DIR}/point_contact_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/surface_fit_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/projection_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mass_spring_test.cpp ${CMAKE_CURRENT_LIST_DIR}/exact_cases_test.cpp
   LINKS vacuform_forming)

@@ -162,6 +162,20 @@ TEST(Membrane, WhatFlowsKeepsAPowerOfItsStretch) {
   EXPECT_NEAR(patch.energy(x, 0, g), 0, 1e-12);
 }
 
+TEST(Membrane, FlowsToTheStressThatIsAskedFor) {
+  const std::vector<Eigen::Vector2d> rest{{0, 0}, {2, 0}, {0, 1}};
+  for (const double stretch : {1.2, 2.0, 2.5})
+    for (const double left : {0.9, 0.5, 0.1}) {
+      Membrane patch(rest, {{0, 1, 2}}, MembraneLaw::neo_hookean, {1.0});
+      Points x = Points::Zero(3, 3);
+      x(0, 1) = 2 * stretch, x(1, 2) = 1;
+      const double wanted = left * patch.equivalent_stress(x, 0);
+      patch.flow(x, 0, patch.kept_at_stress(x, 0, wanted));
+      EXPECT_NEAR(patch.equivalent_stress(x, 0), wanted, 1e-9) << stretch << ' ' << left;
+      EXPECT_EQ(patch.kept_at_stress(x, 0, 2 * wanted), 1);
+    }
+}
+
 // Reference of a clamped circular neo-Hookean membrane: at p a / (mu h0) = 1.1715 it rises to 0.5878 a, its pole is
 // thinned to 0.640 and its edge to 0.830 of h0; at 0.5278 to 0.3835, 0.826 and 0.906.
 class Inflation : public testing::TestWithParam<std::array<double, 4>> {};

@@ -21,6 +21,8 @@ class Obstacles {
   Obstacles(const TriangleMesh& mold, const MachineSettings& machine)
       : mold_(mold), rays_(mold), machine_(machine) {}
 
+  const TriangleMesh& mold() const { return mold_; }
+
   // The first place at which a point that moves straight from `from`, inside the window and not below the platform, to
   // `to` enters the mold or leaves the space between platform and wall.
   std::optional<Touch> first_touch(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;

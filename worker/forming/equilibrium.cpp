@@ -12,9 +12,14 @@
 namespace vacuform {
 
 Equilibrium::Equilibrium(const Membrane& membrane, const SheetGrid& grid)
-    : membrane_(membrane), grid_(grid), rest_area_(grid.rest.size(), 0), preconditioner_(membrane, grid) {
-  for (std::size_t k = 0; k < grid.triangles.size(); ++k)
-    for (int v : grid.triangles[k]) rest_area_[v] += membrane.rest_area(static_cast<int>(k)) / 3;
+    : membrane_(membrane), grid_(grid), preconditioner_(membrane, grid) {
+  weigh();
+}
+
+void Equilibrium::weigh() {
+  rest_area_.assign(grid_.rest.size(), 0);
+  for (std::size_t k = 0; k < grid_.triangles.size(); ++k)
+    for (int v : grid_.triangles[k]) rest_area_[v] += membrane_.rest_area(static_cast<int>(k)) / 3;
 }
 
 void Equilibrium::hold(const std::vector<char>& held, const Points& x, bool fresh) {

@@ -40,6 +40,9 @@ class Equilibrium {
   // changed in a way that the iterations since the last call do not tell.
   void hold(const std::vector<char>& held, const Points& x, bool fresh = false);
 
+  // To be called after the rest shape of triangles changed.
+  void weigh();
+
   // Moves the free vertices of x towards rest; looks at the cancellation at every iteration.
   Outcome solve(Points& x, const Pull& pull, const Limits& limits, const Context& context);
 

@@ -152,6 +152,49 @@ void find_webs(const FormedSheet& sheet, const std::vector<double>& area, double
                       marks_of(found)});
 }
 
+// The largest principal stretch of each triangle.
+std::vector<double> stretches(const FormedSheet& sheet) {
+  std::vector<double> out;
+  for (const Triangle& t : sheet.triangles) {
+    Eigen::Matrix2d flat;
+    flat << sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]];
+    Eigen::Matrix<double, 3, 2> solid;
+    solid << sheet.formed[t[1]] - sheet.formed[t[0]], sheet.formed[t[2]] - sheet.formed[t[0]];
+    const Eigen::Matrix<double, 3, 2> F = solid * flat.inverse();
+    const Eigen::Matrix2d C = F.transpose() * F;
+    const double half = 0.5 * (C(0, 0) - C(1, 1));
+    out.push_back(std::sqrt(0.5 * C.trace() + std::hypot(half, C(0, 1))));
+  }
+  return out;
+}
+
+void find_unstable(const FormedSheet& sheet, const std::vector<double>& area, const FindingLimits& limits,
+                   std::vector<Warning>& warnings) {
+  const std::vector<double> stretch = stretches(sheet);
+  auto found = pieces(sheet, area, [&](std::size_t k) { return stretch[k] > limits.stretch; });
+  std::erase_if(found, [&](const Piece& p) { return p.area < limits.stretch_mm2; });
+  if (found.empty()) return;
+  double most = 0;
+  for (const Piece& p : found)
+    for (const int k : p.triangles) most = std::max(most, stretch[static_cast<std::size_t>(k)]);
+  warnings.push_back(
+      {"unstable-stretch",
+       "The sheet stretches up to " + decimal(most, 1) + " times, " + over(found) + "; beyond " +
+           decimal(limits.stretch, 0) +
+           " times the neo-Hookean law hardens too little, and one place can take all the stretch",
+       marks_of(found), Warning::Figure{most, "", limits.stretch}});
+}
+
+void find_pierced(const SurfaceFit& fit, double limit_mm, std::vector<Warning>& warnings) {
+  const Deviation& d = fit.penetration;
+  if (d.max <= limit_mm) return;
+  warnings.push_back({"pierced",
+                      "The mold stands out of the simulated sheet by up to " + decimal(d.max, 1) +
+                          " mm, at " + at(d.place) + ": a part of it is too thin for the grid",
+                      {mark(d.place, 2 * d.max)},
+                      Warning::Figure{d.max, "mm", limit_mm}});
+}
+
 void find_thin(const FormedSheet& sheet, const std::vector<double>& area, double sheet_thickness_mm,
                double limit, std::vector<Warning>& warnings) {
   auto found = pieces(sheet, area,
@@ -184,9 +227,21 @@ Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, do
   const std::vector<double> area = formed_areas(sheet);
   find_not_reached(sheet, area, limits.pocket_mm2, findings.warnings);
   find_trapped_air(sheet, mold, sheet_thickness_mm, limits.trapped, findings);
+  find_unstable(sheet, area, limits, findings.warnings);
+  find_pierced(sheet.fit, limits.pierced_mm, findings.warnings);
   find_webs(sheet, area, limits.web_mm2, findings.warnings);
   find_thin(sheet, area, sheet_thickness_mm, limits.thickness_ratio, findings.warnings);
   return findings;
+}
+std::optional<Tear> torn_at(const FormedSheet& sheet) {
+  constexpr double torn_stretch = 20, torn_mm2 = 25;
+  const std::vector<double> stretch = stretches(sheet), area = formed_areas(sheet);
+  auto found = pieces(sheet, area, [&](std::size_t k) { return stretch[k] > torn_stretch; });
+  if (found.empty() || found.front().area < torn_mm2) return std::nullopt;
+  Tear tear{found.front().place, found.front().area, 0};
+  for (const int k : found.front().triangles)
+    tear.stretch = std::max(tear.stretch, stretch[static_cast<std::size_t>(k)]);
+  return tear;
 }
 
 }  // namespace vacuform

@@ -1,6 +1,9 @@
 // What a maker must be told about a formed sheet: where it does not reach the mold, where it shuts in air, where it
-// webs, where it is thin.
+// webs, where it is thin, where the mold comes through it.
 #pragma once
+
+#include <cmath>
+#include <optional>
 
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/trapped_air.hpp"
@@ -9,8 +12,11 @@ namespace vacuform {
 
 // Limits below which nothing is said.
 struct FindingLimits {
-  double pocket_mm2 = 25;  // of sheet that bridges a hollow of the mold
-  double web_mm2 = 25;     // of sheet that is compressed across its tension, in one piece
+  double pocket_mm2 = 25;     // of sheet that bridges a hollow of the mold
+  double web_mm2 = 25;        // of sheet that is compressed across its tension, in one piece
+  double pierced_mm = 0.5;    // that the mold stands out of the sheet
+  double stretch = HUGE_VAL;  // times: beyond it the law does not describe the plastic
+  double stretch_mm2 = 25;    // of sheet that is stretched further, in one piece
   double thickness_ratio = 0.3;
   PocketLimits trapped;
 };
@@ -26,5 +32,13 @@ struct Findings {
 };
 Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
                           const FindingLimits& limits = {});
+
+// Where the sheet is stretched more than twentyfold over more than 25 mm2: no plastic bears that, it is torn, or the
+// solution ran away. The largest such place.
+struct Tear {
+  Eigen::Vector3d place;
+  double area_mm2, stretch;
+};
+std::optional<Tear> torn_at(const FormedSheet& sheet);
 
 }  // namespace vacuform

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "worker/decimal.hpp"
 #include "worker/forming/findings.hpp"
 #include "worker/forming/process.hpp"
+#include "worker/forming/surface_fit.hpp"
 
 namespace vacuform {
 
@@ -27,7 +29,7 @@ Result<void> form_by_model(const Process& process, SheetState& state, const Cont
 FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&& state) {
   FormedSheet out;
   out.triangles = process.grid.triangles;
-  out.rest = process.grid.rest;
+  out.rest = std::move(state.rest);
   out.contact = std::move(state.contact);
   out.contact_time = std::move(state.time);
   out.temperature = process.celsius;
@@ -36,7 +38,7 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
   const std::size_t n = out.rest.size();
   for (std::size_t i = 0; i < n; ++i) out.formed.push_back(state.x.col(i));
 
-  const Membrane membrane(process.grid.rest, process.grid.triangles, process.forming.law, process.stiffness);
+  const Membrane membrane(out.rest, process.grid.triangles, process.forming.law, process.stiffness);
   std::vector<double> area(n, 0), volume(n, 0);
   double total_area = 0, total_volume = 0;
   for (std::size_t k = 0; k < out.triangles.size(); ++k) {
@@ -56,8 +58,11 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
   for (std::size_t i = 0; i < n; ++i)
     out.thickness.push_back(area[i] > 0 ? volume[i] / area[i] : process.sheet.thickness_mm);
   out.summary.mass_error = std::abs(total_volume / (total_area * process.sheet.thickness_mm) - 1);
+  out.fit = surface_fit(out.triangles, out.formed, out.contact, mold);
   FindingLimits limits;
   limits.thickness_ratio = process.forming.thin_limit;
+  const bool elastic = process.forming.model == FormingModel::membrane;
+  if (elastic && process.forming.law == MembraneLaw::neo_hookean) limits.stretch = 3;
   Findings findings = forming_findings(out, mold, process.sheet.thickness_mm, limits);
   out.warnings = std::move(findings.warnings);
   out.vents = std::move(findings.vents);
@@ -73,7 +78,18 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& sheet, const Mac
   const Process process(obstacles, mold.top.z(), sheet, machine, settings, temperature);
   SheetState state(process);
   VACUFORM_CHECK(form_by_model(process, state, context));
-  return finish(process, mold.mesh, std::move(state));
+  FormedSheet formed = finish(process, mold.mesh, std::move(state));
+  if (const auto tear = torn_at(formed))
+    return fail(
+        Code::no_equilibrium,
+        "the sheet tears: over " + decimal(tear->area_mm2, 0) + " mm2 it is stretched up to " +
+            decimal(tear->stretch, 0) + " times",
+        "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +
+            " mm, z = " + decimal(tear->place.z(), 0) + " mm on the mold",
+        settings.law == MembraneLaw::neo_hookean && settings.model == FormingModel::membrane
+            ? "set forming.law=mooney_rivlin, trim the mold higher (scan.trim_mm), or use a larger window"
+            : "trim the mold higher (scan.trim_mm), or use a larger window");
+  return formed;
 }
 
 }  // namespace vacuform

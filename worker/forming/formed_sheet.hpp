@@ -35,6 +35,16 @@ struct FormingSummary {
   double shear_modulus_kpa = 0;  // of the material at its forming temperature
 };
 
+// A distance over a surface, mm.
+struct Deviation {
+  double p99 = 0, max = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of the largest
+};
+struct SurfaceFit {
+  Deviation penetration;  // of the mold through the sheet
+  Deviation gap;          // between the mold and what touches it
+};
+
 // The sheet's triangulation; arrays over vertices have one entry a vertex, over triangles one a triangle.
 // Triangles are counter-clockwise seen from above (from the side that faces the ceiling).
 struct FormedSheet {
@@ -49,6 +59,7 @@ struct FormedSheet {
   std::vector<std::uint8_t>
       element_slack;  // 1 where the sheet is compressed across its tension, or folds onto itself
   FormingSummary summary;
+  SurfaceFit fit;
   std::vector<Vent> vents;  // where air is trapped
   std::vector<Warning> warnings;
 };

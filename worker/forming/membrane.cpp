@@ -88,17 +88,23 @@ Membrane::Membrane(const std::vector<Eigen::Vector2d>& rest, const std::vector<T
       law_(law),
       c1_(coefficients(law).c1),
       c2_(coefficients(law).c2) {
-  for (const Triangle& t : triangles_) {
-    Eigen::Matrix2d D;
-    D << rest[t[1]] - rest[t[0]], rest[t[2]] - rest[t[0]];
-    const Eigen::Matrix2d inverse = D.inverse();
-    Eigen::Matrix<double, 2, 3> g;
-    g.col(1) = inverse.row(0).transpose();
-    g.col(2) = inverse.row(1).transpose();
-    g.col(0) = -g.col(1) - g.col(2);
-    shape_.push_back(g);
-    area_.push_back(0.5 * D.determinant());
-  }
+  shape_.resize(triangles_.size());
+  area_.resize(triangles_.size());
+  for (int k = 0; k < static_cast<int>(triangles_.size()); ++k) reshape(k, rest);
+}
+
+void Membrane::reshape(int triangle, const std::vector<Eigen::Vector2d>& rest) {
+  const Triangle& t = triangles_[triangle];
+  Eigen::Matrix2d D;
+  D << rest[t[1]] - rest[t[0]], rest[t[2]] - rest[t[0]];
+  const Eigen::Matrix2d inverse = D.inverse();
+  Eigen::Matrix<double, 2, 3> g;
+  g.col(1) = inverse.row(0).transpose();
+  g.col(2) = inverse.row(1).transpose();
+  g.col(0) = -g.col(1) - g.col(2);
+  if (!flowed_.empty()) g = flowed_[triangle] * g;
+  shape_[triangle] = g;
+  area_[triangle] = 0.5 * D.determinant();
 }
 
 Eigen::Matrix<double, 3, 2> Membrane::deformation(const Points& x, int triangle) const {
@@ -230,14 +236,36 @@ void Membrane::flow(const Points& x, int triangle, double kept) {
   const Eigen::Vector3d u = along_principal(q, std::pow(q.l1, kept - 1), std::pow(q.l2, kept - 1));
   Eigen::Matrix2d taken;
   taken << u[0], u[1], u[1], u[2];
+  if (flowed_.empty()) flowed_.assign(triangles_.size(), Eigen::Matrix2d::Identity());
   shape_[triangle] = taken * shape_[triangle];
+  flowed_[triangle] = taken * flowed_[triangle];
 }
+
+namespace {
+
+double von_mises(MembraneLaw law, double l1, double l2) {
+  const Density d = density(law, l1, l2);
+  const double s1 = l1 * d.W1, s2 = l2 * d.W2;
+  return std::sqrt(s1 * s1 - s1 * s2 + s2 * s2);
+}
+
+}  // namespace
 
 double Membrane::equivalent_stress(const Points& x, int triangle) const {
   const Principal q = principal(deformation(x, triangle));
-  const Density d = density(law_, q.l1, q.l2);
-  const double s1 = q.l1 * d.W1, s2 = q.l2 * d.W2;
-  return stiffness_[triangle] * std::sqrt(s1 * s1 - s1 * s2 + s2 * s2);
+  return stiffness_[triangle] * von_mises(law_, q.l1, q.l2);
+}
+
+double Membrane::kept_at_stress(const Points& x, int triangle, double stress) const {
+  const Principal q = principal(deformation(x, triangle));
+  const double wanted = stress / stiffness_[triangle];
+  if (von_mises(law_, q.l1, q.l2) <= wanted) return 1;
+  double low = 0, high = 1;  // the stress grows with the power
+  for (int i = 0; i < 40; ++i) {
+    const double middle = (low + high) / 2;
+    (von_mises(law_, std::pow(q.l1, middle), std::pow(q.l2, middle)) > wanted ? high : low) = middle;
+  }
+  return low;
 }
 
 double Membrane::area_stretch(const Points& x, int triangle) const {

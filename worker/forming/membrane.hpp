@@ -49,11 +49,16 @@ class Membrane {
   const Eigen::Matrix<double, 2, 3>& shape_gradient(int triangle) const { return shape_[triangle]; }
   double rest_area(int triangle) const { return area_[triangle]; }
 
+  // Gives a triangle other corners on the flat sheet; what has flowed stays.
+  void reshape(int triangle, const std::vector<Eigen::Vector2d>& rest);
+
   // Lets a triangle flow: its rest shape follows its shape at x until only the power `kept` (0: nothing, 1: all) of its
   // principal stretches is left. Its volume stays that of the flat sheet.
   void flow(const Points& x, int triangle, double kept);
   // The equivalent stress (von Mises) in a triangle over its shear modulus.
   double equivalent_stress(const Points& x, int triangle) const;
+  // The power of its principal stretches at which a triangle has that equivalent stress: 1 where it has no more.
+  double kept_at_stress(const Points& x, int triangle, double stress) const;
 
   // Formed area over rest area, and whether the triangle is wrinkled: stretched, and half a per cent narrower than that
   // tension alone would make it.
@@ -66,6 +71,8 @@ class Membrane {
   std::vector<Triangle> triangles_;
   std::vector<Eigen::Matrix<double, 2, 3>> shape_;
   std::vector<double> area_;
+  std::vector<Eigen::Matrix2d>
+      flowed_;  // of each triangle: its shape gradients over those of the flat sheet; or empty
   std::vector<double> stiffness_;
   MembraneLaw law_;
   double c1_, c2_;  // coefficients of the law

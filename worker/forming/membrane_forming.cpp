@@ -23,6 +23,7 @@
 #include "worker/forming/equilibrium.hpp"
 #include "worker/forming/interpolation.hpp"
 #include "worker/forming/material.hpp"
+#include "worker/forming/point_contact.hpp"
 #include "worker/forming/process.hpp"
 
 namespace vacuform {
@@ -41,9 +42,9 @@ struct Draped {
 class Descent {
  public:
   // `guide` is a coarser sheet through the same descent, or null. `begin` and `end` are the progress of forming at the
-  // beginning and the end of the descent.
-  Descent(const Process& process, SheetState& state, const Draped* guide, double begin, double end,
-          const Context& context)
+  // beginning and the end of the descent; the frame descends by at most step_mm at a time, or as the guide's did.
+  Descent(const Process& process, SheetState& state, const Draped* guide, double step_mm, double begin,
+          double end, const Context& context)
       : process_(process),
         machine_(process.machine),
         grid_(process.grid),
@@ -53,6 +54,7 @@ class Descent {
                   viscous_ ? process.viscosity : process.stiffness),
         equilibrium_(membrane_, grid_),
         context_(context),
+        step_mm_(step_mm),
         begin_(begin),
         end_(end),
         guide_(guide),
@@ -60,7 +62,8 @@ class Descent {
         x_(state.x),
         before_(state.x),
         spacing_(process.sheet.resolution_mm),
-        spread_(grid_) {
+        spread_(grid_),
+        points_(process) {
     now_.frame_mm = process.top_mm;
     if (guide) interpolation_.emplace(*guide->grid, grid_);
   }
@@ -112,7 +115,7 @@ class Descent {
     if (travel <= 0) return {};
     const double vacuum_start = machine_.vacuum_start_mm.value_or(-1);
     const int steps = guide_ ? static_cast<int>(guide_->rests.size()) - 1
-                             : std::max(10, static_cast<int>(std::ceil(travel / drape_step_mm)));
+                             : std::max(10, static_cast<int>(std::ceil(travel / step_mm_)));
     for (int k = 1; k <= steps; ++k) {
       VACUFORM_CHECK(context_.step(Stage::forming, begin_ + (end_ - begin_) * (k - 1) / steps));
       const double frame = k == steps ? machine_.drape_height_mm : start - travel * k / steps;
@@ -152,8 +155,9 @@ class Descent {
     equilibrium_.hold(state_.held, viscous_ ? y : x_, viscous_);
     // The first steps pull an all but flat sheet, which has next to no stiffness against its own plane: they need not
     // settle, what they leave is evened out by the steps that follow.
-    VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, {force, still_mm, stride(), unlimited, 60}));
+    VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, {force, drape_still_mm, stride(), unlimited, 60}));
     state_.follow(process_, y, now_.contact, to.contact);
+    meet_points(y, to);
     go_on(std::move(y), to);
     return {};
   }
@@ -176,7 +180,7 @@ class Descent {
           extrapolated(grown > 1.0001 ? std::min(2.0, std::log(next / now_.vacuum_s) / std::log(grown)) : 0);
       equilibrium_.hold(state_.held, y, flows_);
       const double force =
-          last ? final_force * p * cell : std::max(ramp_force * p * cell, 0.1 * drape_force * spacing_);
+          last ? final_force * p * cell : std::max(ramp_force * p * cell, 0.01 * drape_force * spacing_);
       VACUFORM_TRY(outcome, solve(y, to, dt,
                                   {force, last ? 0 : still_mm, stride(), std::max(6.0, 4 * spacing_), 300}));
       ++state_.summary.vacuum_steps;
@@ -196,7 +200,8 @@ class Descent {
         to = at_vacuum(outcome.ran_away ? std::max(now_.vacuum_s, first)
                                         : now_.vacuum_s + part * (next - now_.vacuum_s));
       }
-      const int touched = state_.follow(process_, y, now_.contact, to.contact, &*ceiling_);
+      const int touched =
+          state_.follow(process_, y, now_.contact, to.contact, &*ceiling_) + meet_points(y, to);
       grown = now_.vacuum_s > 0 ? to.vacuum_s / now_.vacuum_s : 1;
       const bool settled = part >= 1 && outcome.at_rest, resting = settled && touched == 0;
       if (flows_ ? (settled && last) || (resting && to.vacuum_s >= ramp && moved < still_mm)
@@ -274,6 +279,14 @@ class Descent {
     return y;
   }
 
+  // Lets the sharp places of the mold hold the sheet; returns how many triangles they change.
+  int meet_points(Points& y, const Load& to) {
+    const std::vector<int> changed = points_.follow(process_, state_, y, now_.contact, to.contact);
+    for (const int k : changed) membrane_.reshape(k, state_.rest);
+    if (!changed.empty()) equilibrium_.weigh();
+    return static_cast<int>(changed.size());
+  }
+
   void go_on(Points&& y, const Load& to) {
     before_ = std::move(x_);
     x_ = std::move(y);
@@ -291,7 +304,8 @@ class Descent {
         // A Maxwell element above its yield stress: the excess decays with the time viscosity / modulus.
         const double rate =
             process_.modulus_kpa * process_.stiffness[k] / (process_.viscosity_kpa_s * process_.viscosity[k]);
-        membrane_.flow(x_, k, (yield + (stress - yield) * std::exp(-rate * dt)) / stress);
+        const double left = yield + (stress - yield) * std::exp(-rate * dt);
+        membrane_.flow(x_, k, membrane_.kept_at_stress(x_, k, left));
       }
     }
   }
@@ -319,10 +333,10 @@ class Descent {
 
   // Out-of-balance forces, against the tension of a unit stretch while draping and against pressure times the
   // area of a cell on the ramp and at its end.
-  static constexpr double drape_force = 1e-3, ramp_force = 1e-2, final_force = 1e-4;
+  static constexpr double drape_force = 1e-2, ramp_force = 1e-2, final_force = 1e-4;
   static constexpr double still_mm =
       0.01;  // a sheet that moves less in an iteration is at rest, but at the end
-  static constexpr double drape_step_mm = 4;
+  static constexpr double drape_still_mm = 0.03;                    // the same while the frame descends
   static constexpr double most_growth = 1.3, least_growth = 1.003;  // of the time under vacuum, an advance
   static constexpr double hold_ramps =
       10;  // a sheet that flows is held under vacuum for so many times the ramp
@@ -335,7 +349,7 @@ class Descent {
   Membrane membrane_;
   Equilibrium equilibrium_;
   Context context_;
-  const double begin_, end_;
+  const double step_mm_, begin_, end_;
   const Draped* guide_;
   std::optional<Interpolation> interpolation_;
   std::optional<std::vector<Points>> rests_;  // for a finer sheet to follow
@@ -345,6 +359,7 @@ class Descent {
   double spacing_;
   Load now_;
   ContactSpread spread_;
+  PointContact points_;
   // The sheet as draped: the vacuum pulls it down from there, so no part of it ever comes through from below.
   std::optional<SheetAsObstacle> ceiling_;
 };
@@ -354,6 +369,9 @@ class Descent {
 Result<void> form_membrane(const Process& process, SheetState& state, const Context& context) {
   // Of the whole work up to the end of the descent.
   constexpr double coarse_share = 0.05, fine_share = 0.5;
+  // Two thirds of a grid spacing: then the error of the step is below that of the grid (bench_exact).
+  const double step_mm =
+      process.forming.step_mm.value_or(std::clamp(process.sheet.resolution_mm / 1.5, 0.25, 4.0));
   std::vector<std::unique_ptr<Process>> coarser;
   std::optional<Draped> guide;
   double done = 0;
@@ -362,13 +380,13 @@ Result<void> form_membrane(const Process& process, SheetState& state, const Cont
     if (spacing > coarsest_mm) continue;
     coarser.push_back(std::make_unique<Process>(process.on_grid(spacing)));
     SheetState draped(*coarser.back());
-    VACUFORM_TRY(
-        rests, Descent(*coarser.back(), draped, guide ? &*guide : nullptr, done, done + coarse_share, context)
-                   .drape());
+    VACUFORM_TRY(rests, Descent(*coarser.back(), draped, guide ? &*guide : nullptr, step_mm, done,
+                                done + coarse_share, context)
+                            .drape());
     if (rests.rests.size() > 1) guide.emplace(std::move(rests));
     done += coarse_share;
   }
-  return Descent(process, state, guide ? &*guide : nullptr, done, fine_share, context).run();
+  return Descent(process, state, guide ? &*guide : nullptr, step_mm, done, fine_share, context).run();
 }
 
 }  // namespace vacuform

@@ -45,7 +45,8 @@ Process Process::on_grid(double resolution_mm) const {
 }
 
 SheetState::SheetState(const Process& process)
-    : x(3, static_cast<Eigen::Index>(process.grid.rest.size())),
+    : rest(process.grid.rest),
+      x(3, static_cast<Eigen::Index>(process.grid.rest.size())),
       held(process.grid.clamped),
       contact(process.grid.rest.size(), Contact::free),
       time(process.grid.rest.size(), std::numeric_limits<double>::quiet_NaN()),

@@ -50,6 +50,8 @@ struct SheetState {
   int follow(const Process& process, Points& y, double from_time, double to_time,
              const SheetAsObstacle* ceiling = nullptr);
 
+  std::vector<Eigen::Vector2d>
+      rest;  // the grid's, but for vertices that were moved to sharp places of the mold
   Points x;
   std::vector<char> held;        // clamped, or stuck
   std::vector<Contact> contact;  // what it touches

@@ -6,7 +6,6 @@
 #include "worker/inspection/coil_json.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/json_numbers.hpp"
-#include "worker/inspection/mold_distance.hpp"
 #include "worker/inspection/segments_json.hpp"
 #include "worker/scan/findings_json.hpp"
 
@@ -15,16 +14,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json deviation_of(const Deviation& d) {
+  return {{"p99", rounded(d.p99, 4)}, {"max", rounded(d.max, 4)}, {"place_mm", array(d.place, 1)}};
+}
+
 Json forming_of(const Finished& job) {
   const FormedSheet& sheet = job.sheet;
   std::array<std::int64_t, 4> counts{};
-  double gap = 0;
-  const MoldDistance distance(job.mold.mesh);
-  for (std::size_t i = 0; i < sheet.contact.size(); ++i) {
-    ++counts[static_cast<std::size_t>(sheet.contact[i])];
-    if (sheet.contact[i] == Contact::mold) gap = std::max(gap, distance(sheet.formed[i]));
-    if (sheet.contact[i] == Contact::platform) gap = std::max(gap, std::abs(sheet.formed[i].z()));
-  }
+  for (const Contact contact : sheet.contact) ++counts[static_cast<std::size_t>(contact)];
   const FormingSummary& s = sheet.summary;
   const auto slack =
       std::count_if(sheet.element_slack.begin(), sheet.element_slack.end(), [](auto v) { return v != 0; });
@@ -32,7 +29,8 @@ Json forming_of(const Finished& job) {
           {"triangles", sheet.triangles.size()},
           {"vertices_by_contact",
            {{"free", counts[0]}, {"mold", counts[1]}, {"platform", counts[2]}, {"clamp", counts[3]}}},
-          {"largest_gap_mm", rounded(gap, 4)},
+          {"penetration_mm", deviation_of(sheet.fit.penetration)},
+          {"gap_mm", deviation_of(sheet.fit.gap)},
           {"drape_steps", s.drape_steps},
           {"vacuum_steps", s.vacuum_steps},
           {"iterations", s.iterations},

@@ -1,4 +1,4 @@
-#include "worker/inspection/mold_distance.hpp"
+#include "worker/scan/mold_distance.hpp"
 
 #if VACUFORM_EMBREE >= 4
 #include <embree4/rtcore.h>

@@ -1,0 +1,63 @@
+// What is measured between the formed sheet and the mold.
+#include <gtest/gtest.h>
+
+#include "tests/unit/shapes.hpp"
+#include "worker/forming/surface_fit.hpp"
+
+namespace vacuform {
+namespace {
+
+// A level square sheet of 100 x 100 mm in cells of 2 mm, at a height, all of it said to touch the mold.
+struct Level {
+  std::vector<Triangle> triangles;
+  std::vector<Eigen::Vector3d> formed;
+  std::vector<Contact> contact;
+
+  explicit Level(double height) {
+    constexpr int n = 50;
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) formed.emplace_back(2 * i - n, 2 * j - n, height);
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const int a = j * (n + 1) + i;
+        triangles.push_back({a, a + 1, a + n + 2});
+        triangles.push_back({a, a + n + 2, a + n + 1});
+      }
+    contact.assign(formed.size(), Contact::mold);
+  }
+  SurfaceFit on(const TriangleMesh& mold) const { return surface_fit(triangles, formed, contact, mold); }
+};
+
+TEST(SurfaceFit, MeasuresHowFarTheMoldStandsOut) {
+  const TriangleMesh dome = hemisphere(30).mesh;
+  const SurfaceFit fit = Level(22).on(dome);
+  EXPECT_NEAR(fit.penetration.max, 8, 1e-4);
+  EXPECT_NEAR(fit.penetration.place.z(), 30, 1e-9);
+  EXPECT_GT(fit.penetration.p99, 7);  // the cap's area goes evenly with its height
+}
+
+TEST(SurfaceFit, MeasuresHowFarTheSheetStaysOff) {
+  const TriangleMesh dome = hemisphere(30).mesh;
+  const SurfaceFit fit = Level(31).on(dome);
+  EXPECT_EQ(fit.penetration.max, 0);
+  const double corner = std::sqrt(2 * 50.0 * 50 + 31 * 31) - 30;  // from the sheet's corner to the dome
+  EXPECT_NEAR(fit.gap.max, corner, 1);
+  EXPECT_GT(fit.gap.max, fit.gap.p99);
+}
+
+TEST(SurfaceFit, SaysThatASheetOnTheMoldFits) {
+  TriangleMesh dome = hemisphere(30, 45, 90).mesh;  // the mold is its own sheet
+  std::vector<Contact> contact(dome.vertices.size(), Contact::mold);
+  const SurfaceFit fit = surface_fit(dome.triangles, dome.vertices, contact, dome);
+  EXPECT_LT(fit.penetration.max, 0.021);
+  EXPECT_LT(fit.gap.max, 1e-3);
+}
+
+TEST(SurfaceFit, DoesNotCountTheSheetThatTouchesNothing) {
+  Level level(31);
+  level.contact.assign(level.contact.size(), Contact::free);
+  EXPECT_EQ(level.on(hemisphere(30).mesh).gap.max, 0);
+}
+
+}  // namespace
+}  // namespace vacuform

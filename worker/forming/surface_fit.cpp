@@ -1,0 +1,127 @@
+#include "worker/forming/surface_fit.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/parallel.hpp"
+#include "worker/scan/mold_distance.hpp"
+#include "worker/scan/ray_caster.hpp"
+
+namespace vacuform {
+
+namespace {
+
+constexpr double sample_mm = 0.75;
+constexpr double beside_mm = 1;  // the mold that is further below the sheet has nothing to do with it
+constexpr int most_parts = 64;   // of a triangle's side
+
+constexpr double skin_mm = 0.02;  // below the mold's surface: a wall that the sheet lies on is not in its way
+
+struct Sample {
+  Eigen::Vector3d place, below;  // on the surface, and just under it
+  double area;
+  double depth = -1;  // -1: does not count
+};
+
+// The middles of the small triangles into which a triangle is cut.
+void add_samples(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                 std::vector<Sample>& samples) {
+  const double longest =
+      std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+  const int n = std::clamp(static_cast<int>(std::ceil(longest / sample_mm)), 1, most_parts);
+  const Eigen::Vector3d normal = (b - a).cross(c - a), skin = skin_mm * normal.stableNormalized();
+  const double area = normal.norm() / 2 / (n * n);
+  const auto add = [&](double u, double v) {
+    const Eigen::Vector3d place = a + u / n * (b - a) + v / n * (c - a);
+    samples.push_back({place, place - skin, area});
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      add(i + 1.0 / 3, j + 1.0 / 3);
+      if (i + j < n - 1) add(i + 2.0 / 3, j + 2.0 / 3);
+    }
+}
+
+TriangleMesh mesh_of(const std::vector<Triangle>& triangles, const std::vector<Eigen::Vector3d>& places) {
+  return {places, triangles};
+}
+
+// Whether a ray from the point straight up leaves the surface first: the point lies under the sheet, or in the mold.
+bool is_inside(const TriangleMesh& mesh, const RayCaster& rays, const Eigen::Vector3d& point, double height) {
+  const Eigen::Vector3d up(0, 0, height);
+  const auto hit = rays.first_hit(point, up);
+  if (!hit) return false;
+  const Triangle& t = mesh.triangles[hit->triangle];
+  const Eigen::Vector3d& a = mesh.vertices[t[0]];
+  return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).z() > 0;
+}
+
+Deviation deviation_of(std::vector<Sample>& samples) {
+  std::erase_if(samples, [](const Sample& s) { return s.depth < 0; });
+  Deviation out;
+  if (samples.empty()) return out;
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& a, const Sample& b) { return a.depth < b.depth; });
+  double whole = 0, sum = 0;
+  for (const Sample& s : samples) whole += s.area;
+  out.p99 = out.max = samples.back().depth;
+  out.place = samples.back().place;
+  for (const Sample& s : samples)
+    if ((sum += s.area) >= 0.99 * whole) {
+      out.p99 = s.depth;
+      break;
+    }
+  return out;
+}
+
+}  // namespace
+
+SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector<Eigen::Vector3d>& formed,
+                       const std::vector<Contact>& contact, const TriangleMesh& mold) {
+  const TriangleMesh sheet = mesh_of(triangles, formed);
+  const RayCaster to_sheet(sheet), to_mold(mold);
+  const MoldDistance from_sheet(sheet), from_mold(mold);
+  double height = 1;
+  for (const auto& p : formed) height = std::max(height, p.z() + 1);
+  for (const auto& p : mold.vertices) height = std::max(height, p.z() + 1);
+
+  std::vector<Sample> of_mold, of_sheet;
+  constexpr double platform_mm = 0.05;  // the mold's foot
+  for (const Triangle& t : mold.triangles) {
+    const auto &a = mold.vertices[t[0]], &b = mold.vertices[t[1]], &c = mold.vertices[t[2]];
+    if (std::max({a.z(), b.z(), c.z()}) > platform_mm) add_samples(a, b, c, of_mold);
+  }
+  std::vector<Eigen::Vector3d> normal(mold.vertices.size(), Eigen::Vector3d::Zero());
+  for (const Triangle& t : mold.triangles) {
+    const Eigen::Vector3d a = mold.vertices[t[0]];
+    const Eigen::Vector3d n = (mold.vertices[t[1]] - a).cross(mold.vertices[t[2]] - a).stableNormalized();
+    for (const int v : t) normal[v] += n;
+  }
+  for (std::size_t v = 0; v < normal.size(); ++v)
+    of_mold.push_back({mold.vertices[v], mold.vertices[v] - skin_mm * normal[v].stableNormalized(), 0});
+  in_parallel(0, static_cast<int>(of_mold.size()), [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      Sample& s = of_mold[k];
+      if (s.place.z() <= platform_mm) continue;
+      const bool inside = is_inside(sheet, to_sheet, s.below, height);
+      const double distance = from_sheet(s.place);
+      if (!inside)
+        s.depth = distance;
+      else if (distance < beside_mm)
+        s.depth = 0;
+    }
+  });
+  for (const Triangle& t : triangles)
+    if (contact[t[0]] == Contact::mold && contact[t[1]] == Contact::mold && contact[t[2]] == Contact::mold)
+      add_samples(formed[t[0]], formed[t[1]], formed[t[2]], of_sheet);
+  in_parallel(0, static_cast<int>(of_sheet.size()), [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      Sample& s = of_sheet[k];
+      s.depth = is_inside(mold, to_mold, s.place, height) ? 0 : from_mold(s.place);
+    }
+  });
+  return {deviation_of(of_mold), deviation_of(of_sheet)};
+}
+
+}  // namespace vacuform
