@@ -11,6 +11,8 @@ namespace vacuform {
 namespace {
 
 // How far a point may stand above the sheet, mm: more than a smooth mold does between the corners of a triangle.
+// What falls off by less of the grid spacing within half of one is smooth: the vertices meet it by themselves.
+constexpr double sharp = 0.1;
 double tolerance(const Process& p) { return 0.02 * p.sheet.resolution_mm; }
 
 using Corners = Eigen::Matrix3d;  // one a column
@@ -39,7 +41,7 @@ double flat_area(const std::vector<Eigen::Vector2d>& rest, const Triangle& t) {
 }  // namespace
 
 PointContact::PointContact(const Process& process)
-    : points_(process.obstacles.mold(), process.sheet.resolution_mm, tolerance(process) / 2),
+    : points_(process.obstacles.mold(), process.sheet.resolution_mm, sharp * process.sheet.resolution_mm),
       caught_(points_.size(), 0),
       taken_(process.grid.rest.size(), 0),
       start_(process.grid.rest.size() + 1, 0),
