@@ -190,7 +190,7 @@ void find_pierced(const SurfaceFit& fit, double limit_mm, std::vector<Warning>& 
   if (d.max <= limit_mm) return;
   warnings.push_back({"pierced",
                       "The mold stands out of the simulated sheet by up to " + decimal(d.max, 1) +
-                          " mm, at " + at(d.place) + ": a part of it is too thin for the grid",
+                          " mm, at " + at(d.place) + ": the grid is too coarse for it",
                       {mark(d.place, 2 * d.max)},
                       Warning::Figure{d.max, "mm", limit_mm}});
 }
