@@ -48,6 +48,8 @@ constexpr WarningKind kinds[] = {
     {"trace-stretched", Severity::warning,
      "Move the drawing, use an ink that stretches further, or widen the trace."},
     {"trapped-air", Severity::warning, "Drill the vents that report.json lists."},
+    {"trim-discards", Severity::warning,
+     "Turn the scan (scan.up), or accept undercuts by giving the trim (scan.trim_mm)."},
     {"undercut", Severity::warning, "Trim the mold above the undercut (scan.trim_mm), or turn the scan."},
     {"uneven-through", Severity::warning, "Heat the sheet longer with less power, or from both sides."},
     {"up-guessed", Severity::warning, "Set scan.up if the mold stands wrong."},

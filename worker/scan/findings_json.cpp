@@ -34,7 +34,8 @@ Json scan_json(const ScanFindings& f) {
           {"rebuilt", f.rebuilt},
           {"size_mm", array(f.size_mm, 100)},
           {"trim_mm", rounded(f.trim_mm, 100)},
-          {"trim_chosen", f.trim_chosen}};
+          {"trim_chosen", f.trim_chosen},
+          {"crumbs_dropped", f.crumbs_dropped}};
 }
 
 Json mold_json(const Mold& mold) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "worker/decimal.hpp"
+#include "worker/scan/placing.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/scan/undercuts.hpp"
 
@@ -174,7 +175,7 @@ Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, doubl
     if (degrees == 0) return Eigen::Matrix3d::Identity();
     return Eigen::AngleAxisd(degrees * radian, axis).toRotationMatrix();
   };
-  return about(yaw_deg, Eigen::Vector3d::UnitZ()) * about(pitch_deg, Eigen::Vector3d::UnitY()) *
+  return turn_about_z(yaw_deg * radian) * about(pitch_deg, Eigen::Vector3d::UnitY()) *
          about(roll_deg, Eigen::Vector3d::UnitX()) * turn;
 }
 
