@@ -30,9 +30,14 @@ constexpr WarningKind kinds[] = {
     {"ink-hangs-together", Severity::warning, "Give an SVG with one group, with an id, for each coil."},
     {"ink-not-compensated", Severity::note, "Leave out print.compensate_ink."},
     {"ink-off-chart", Severity::serious, "Move or scale the drawing (pattern.offset_mm, pattern.scale)."},
+    {"inside-out", Severity::serious,
+     "Compare left and right of mold.stl with the patient; then set scan.mirror=no, or scan.mirror=yes if "
+     "they are "
+     "swapped."},
     {"large-hole", Severity::warning, "Scan the place again, or check the mold there."},
     {"marks-left-out", Severity::warning, "Use a larger sheet, or another print.margin_mm."},
     {"not-reached", Severity::warning, "Drill a vent there, or raise machine.vacuum_kpa."},
+    {"outliers", Severity::warning, "Look at the mold there, or remove the named vertices from the scan."},
     {"pattern-as-picture", Severity::note, "Change the named part of the SVG to keep its lines exact."},
     {"pattern-coarse", Severity::warning, "Give the drawing with more pixels, or as an SVG."},
     {"pins-not-met", Severity::warning, "Move the pins closer to where the chart puts them, or remove some."},

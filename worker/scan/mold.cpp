@@ -7,6 +7,7 @@
 #include "worker/decimal.hpp"
 #include "worker/scan/closing.hpp"
 #include "worker/scan/cutting.hpp"
+#include "worker/scan/outliers.hpp"
 #include "worker/scan/placing.hpp"
 #include "worker/scan/rebuilding.hpp"
 #include "worker/scan/scan_file.hpp"
@@ -28,6 +29,8 @@ std::string mm(double value) { return decimal(value, 1) + " mm"; }
 
 void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
   for (auto& p : mesh.vertices) p = scale * (rotation * p);
+  if (rotation.determinant() < 0)
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
 // On z = 0, around x = y = 0: far from there a turn would round more.
@@ -63,11 +66,15 @@ Result<double> choose_scale(const ScanSettings& settings, const std::string& fil
     return millimetres(unit);
   }
   const double side = longest * millimetres(findings.unit);
-  if (side < 10 || side > 4000)
+  if (!usable_side(side)) {
+    const auto guess = guess_unit(longest, file_name);
     return fail(Code::unusable_scan,
                 "in " + std::string(name(findings.unit)) + " the scan's longest side is " +
                     (side < 10 ? "only " : "") + mm(side),
-                file_name, "give another scan.units, or auto");
+                file_name,
+                guess ? "give another unit, for example --set scan.units=" + std::string(name(*guess))
+                      : guess.error().mend);
+  }
   return millimetres(findings.unit);
 }
 
@@ -156,6 +163,21 @@ std::optional<Placed> cut_and_place(const TriangleMesh& mesh, double height, con
   return std::nullopt;
 }
 
+std::string outliers_text(const std::vector<Eigen::Vector3d>& places) {
+  const std::size_t shown = std::min<std::size_t>(places.size(), 3);
+  std::string text =
+      places.size() == 1
+          ? "A vertex lies far from the rest of the scan and was left out with its triangles:"
+          : std::to_string(places.size()) +
+                " vertices lie far from the rest of the scan and were left out with their triangles:";
+  for (std::size_t i = 0; i < shown; ++i) {
+    text += i == 0 ? " (" : ", (";
+    for (int k = 0; k < 3; ++k) text += (k == 0 ? "" : ", ") + short_decimal(places[i][k]);
+    text += ")";
+  }
+  return text + (shown < places.size() ? " and others" : "") + " in the file's coordinates";
+}
+
 }  // namespace
 
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,
@@ -174,6 +196,9 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   findings.triangles_read = static_cast<std::int64_t>(scan.mesh.triangles.size());
   VACUFORM_CHECK(progress.reach(0.1));
   weld(scan.mesh, weld_share * robust_size(scan.mesh));
+  const auto outliers = drop_outliers(scan.mesh);
+  findings.outliers_dropped = static_cast<int>(outliers.size());
+  if (!outliers.empty()) warn("outliers", outliers_text(outliers));
   VACUFORM_CHECK(progress.reach(0.15));
   VACUFORM_TRY(skin, outer_skin(scan.mesh, progress));
   scan.mesh = {};
@@ -188,17 +213,27 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   // Millimetres, upright, standing on z = 0.
   VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(), findings));
   turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
+  if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
+    warn("inside-out",
+         "The triangles of the scan face inwards: either only their order is reversed, as is assumed, or the "
+         "scan is a "
+         "mirror image, with left and right swapped");
+  findings.mirrored = settings.mirror == Mirror::yes;
   findings.up = settings.up;
   if (settings.up == UpAxis::automatic) {
-    VACUFORM_TRY(guess, guess_up(skin.mesh, scan.y_up, progress));
-    findings.up = guess.axis;
-    findings.up_guessed = true;
-    if (!guess.told)
+    VACUFORM_TRY(guess, guess_up(skin.mesh, progress));
+    findings.up = scan.y_up ? UpAxis::plus_y : guess.axis;
+    findings.up_guessed = !scan.y_up;
+    if (scan.y_up && guess.told && guess.axis != UpAxis::plus_y)
+      warn("up-guessed", "The up axis is +y, as its format says, but " + std::string(name(guess.axis)) +
+                             " looks right because " + guess.why + "; give scan.up if the mold stands wrong");
+    else if (!scan.y_up && !guess.told)
       warn("up-guessed", "The up axis was taken to be " + std::string(name(guess.axis)) + " because " +
                              guess.why + "; give scan.up if the mold stands wrong");
   }
-  const Eigen::Matrix3d upright =
-      upright_turn(findings.up, settings.roll_deg, settings.pitch_deg, settings.yaw_deg);
+  findings.front = settings.front == FrontSide::automatic ? FrontSide::plus_y : settings.front;
+  findings.front_assumed = settings.front == FrontSide::automatic;
+  const Eigen::Matrix3d upright = scan_turn(settings, findings.up);
   turn(skin.mesh, upright, 1);
   stand_on_floor(skin.mesh);
   findings.size_mm = bounds(skin.mesh).size();

@@ -41,6 +41,10 @@ struct ScanFindings {
   bool size_given = false;     // scaled to scan.size_mm; `unit` says nothing then
   UpAxis up = UpAxis::plus_z;  // as used
   bool up_guessed = false;
+  FrontSide front = FrontSide::plus_y;  // of the upright scan, turned to +y of the mold before the yaw
+  bool front_assumed = false;
+  bool mirrored = false;           // left and right swapped, as scan.mirror asked
+  int outliers_dropped = 0;        // vertices far from all others
   int components = 0;              // connected pieces in the file
   int components_dropped = 0;      // debris and inner skins
   bool turned_inside_out = false;  // the skin was inside out and has been turned
@@ -62,7 +66,7 @@ struct Mold {
 };
 
 // Makes the mold. Pure: the same bytes and settings give the same mold. Its coordinates are those of mold.stl, exactly.
-// Warnings: up-guessed, large-hole, rebuilt, trim-discards, undercut. A tenth of a second of work for 27,000 triangles, two for a million.
+// Warnings: outliers, inside-out, up-guessed, large-hole, rebuilt, trim-discards, undercut. A tenth of a second of work for 27,000 triangles, two for a million.
 // `file_name` only helps messages and, where the bytes do not tell, the format (its extension).
 // Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,

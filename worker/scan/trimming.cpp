@@ -52,8 +52,7 @@ Result<std::optional<OtherUp>> better_up(const TriangleMesh& closed, const ScanS
   for (const UpAxis axis :
        {UpAxis::plus_z, UpAxis::plus_y, UpAxis::minus_z, UpAxis::minus_y, UpAxis::plus_x, UpAxis::minus_x}) {
     if (axis == used) continue;
-    const Eigen::Matrix3d turn =
-        upright_turn(axis, settings.roll_deg, settings.pitch_deg, settings.yaw_deg) * from_file.transpose();
+    const Eigen::Matrix3d turn = scan_turn(settings, axis) * from_file.transpose();
     TriangleMesh turned = closed;
     for (auto& p : turned.vertices) p = turn * p;
     const Box box = bounds(turned);
