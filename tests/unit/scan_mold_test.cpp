@@ -78,6 +78,8 @@ TEST(Trim, AboveTheScanIsRefused) {
   EXPECT_EQ(mold.error().where, "scan.trim_mm");
   EXPECT_NE(mold.error().what.find("the scan is 100.0 mm high and trimming it at 150.0 mm leaves nothing"),
             std::string::npos);
+  EXPECT_NE(mold.error().mend.find("--set scan.trim_mm=50"), std::string::npos) << mold.error().mend;
+  EXPECT_TRUE(mold_of(sphere(50), upright(50.0)));
 }
 
 TEST(Trim, ThroughVerticesAndFlatFacesStaysWatertight) {
@@ -120,7 +122,13 @@ TEST(Undercuts, ThatLeaveACoinAreRefusedWithTheirHeight) {
   ASSERT_FALSE(mold);
   EXPECT_EQ(mold.error().code, Code::unusable_scan);
   EXPECT_EQ(mold.error().text().find("undercuts begin 39."), 0u) << mold.error().text();
+  EXPECT_NE(mold.error().mend.find("--set scan.up=-z"), std::string::npos) << mold.error().text();
   EXPECT_NE(mold.error().mend.find("--set scan.trim_mm=21"), std::string::npos) << mold.error().text();
+  // Both proposals make a mold.
+  auto turned = upright();
+  turned.up = UpAxis::minus_z;
+  EXPECT_TRUE(mold_of(mushroom(2), turned));
+  EXPECT_TRUE(mold_of(mushroom(2), upright(21.0)));
 }
 
 TEST(Trim, ThatDiscardsMostOfTheScanIsWarnedOf) {
@@ -486,6 +494,8 @@ TEST(Fit, KnowsTheDrawAndTheFrame) {
   EXPECT_EQ(tall.error().where, "scan.trim_mm");
   EXPECT_NE(tall.error().text().find("450.0 mm to draw, 30.0 mm more"), std::string::npos)
       << tall.error().text();
+  EXPECT_NE(tall.error().mend.find("--set scan.trim_mm=30"), std::string::npos) << tall.error().mend;
+  EXPECT_TRUE(check_fit(block(100, 100, 420), sheet, machine));
   machine.drape_height_mm = 60;
   const auto high = check_fit(block(100, 100, 50), sheet, machine);
   ASSERT_FALSE(high);
