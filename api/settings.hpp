@@ -16,6 +16,8 @@ namespace vacuform {
 
 enum class Unit { automatic, mm, cm, m, in };
 enum class UpAxis { automatic, plus_x, minus_x, plus_y, minus_y, plus_z, minus_z };
+enum class FrontSide { automatic, plus_x, minus_x, plus_y, minus_y };
+enum class Mirror { automatic, no, yes };
 enum class Material { petg, pc, abs, hips, pvc };
 enum class WindowShape { rectangle, circle };
 enum class HeatSource { uniform, heaters, measured };
@@ -32,7 +34,11 @@ struct ScanSettings {
   std::optional<double>
       size_mm;  // longest side of the whole scan, where nobody knows its unit; none: by units
   UpAxis up = UpAxis::automatic;
+  Mirror mirror =
+      Mirror::automatic;  // of the upright scan in x = 0; automatic: not, with a warning where it might be
   double roll_deg = 0, pitch_deg = 0, yaw_deg = 0;  // then turned about x, y, z, in this order
+  FrontSide front =
+      FrontSide::automatic;       // of the scan before its yaw: comes to +y; automatic: is taken to be there
   std::optional<double> trim_mm;  // height above the scan's lowest point; none: where undercuts begin
   double clearance_mm = 0;        // offset skin for padding or hair
 };
@@ -164,6 +170,7 @@ nlohmann::ordered_json settings_schema();
 
 std::string_view name(Unit);
 std::string_view name(UpAxis);
+std::string_view name(FrontSide);
 std::string_view name(Material);
 std::string_view name(InkedFace);
 std::string_view name(HeatSource);

@@ -13,6 +13,8 @@ namespace vacuform {
 // The names of each enumeration's values, in the order of the values.
 inline constexpr std::array<std::string_view, 5> unit_names{"auto", "mm", "cm", "m", "in"};
 inline constexpr std::array<std::string_view, 7> up_names{"auto", "+x", "-x", "+y", "-y", "+z", "-z"};
+inline constexpr std::array<std::string_view, 5> side_names{"auto", "+x", "-x", "+y", "-y"};
+inline constexpr std::array<std::string_view, 3> mirror_names{"auto", "no", "yes"};
 inline constexpr std::array<std::string_view, 5> material_names{"petg", "pc", "abs", "hips", "pvc"};
 inline constexpr std::array<std::string_view, 2> window_names{"rectangle", "circle"};
 inline constexpr std::array<std::string_view, 3> source_names{"uniform", "heaters", "measured"};
@@ -28,6 +30,8 @@ inline constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
 
 inline std::span<const std::string_view> names_of(Unit) { return unit_names; }
 inline std::span<const std::string_view> names_of(UpAxis) { return up_names; }
+inline std::span<const std::string_view> names_of(FrontSide) { return side_names; }
+inline std::span<const std::string_view> names_of(Mirror) { return mirror_names; }
 inline std::span<const std::string_view> names_of(Material) { return material_names; }
 inline std::span<const std::string_view> names_of(WindowShape) { return window_names; }
 inline std::span<const std::string_view> names_of(HeatSource) { return source_names; }
@@ -73,8 +77,14 @@ void describe(S& s, V& v) {
   v.field("size_mm", s.scan.size_mm, {10, 2000, "mm"},
           "Longest side of the whole scan, for models without a unit; auto goes by the unit");
   v.field("up", s.scan.up, "The axis of the scan that points to the ceiling of the machine");
+  v.field("mirror", s.scan.mirror,
+          "Whether the scan is a mirror image, left and right swapped; auto warns where its triangles face "
+          "inwards");
   v.field("roll_deg", s.scan.roll_deg, {-180, 180, "deg"}, "Turn about the x axis, after up");
   v.field("pitch_deg", s.scan.pitch_deg, {-180, 180, "deg"}, "Turn about the y axis, after the roll");
+  v.field("front", s.scan.front,
+          "The side of the upright scan that is the face; it is turned to +y, before the yaw. Auto takes it "
+          "to be +y");
   v.field("yaw_deg", s.scan.yaw_deg, {-180, 180, "deg"}, "Turn about the vertical axis, after the pitch");
   v.field("trim_mm", s.scan.trim_mm, {0, 2000, "mm"},
           "Height above the scan's lowest point at which it is cut; auto cuts where undercuts begin");

@@ -30,9 +30,14 @@ constexpr WarningKind kinds[] = {
     {"ink-hangs-together", Severity::warning, "Give an SVG with one group, with an id, for each coil."},
     {"ink-not-compensated", Severity::note, "Leave out print.compensate_ink."},
     {"ink-off-chart", Severity::serious, "Move or scale the drawing (pattern.offset_mm, pattern.scale)."},
+    {"inside-out", Severity::serious,
+     "Compare left and right of mold.stl with the patient; then set scan.mirror=no, or scan.mirror=yes if "
+     "they are "
+     "swapped."},
     {"large-hole", Severity::warning, "Scan the place again, or check the mold there."},
     {"marks-left-out", Severity::warning, "Use a larger sheet, or another print.margin_mm."},
     {"not-reached", Severity::warning, "Drill a vent there, or raise machine.vacuum_kpa."},
+    {"outliers", Severity::warning, "Look at the mold there, or remove the named vertices from the scan."},
     {"pattern-as-picture", Severity::note, "Change the named part of the SVG to keep its lines exact."},
     {"pattern-coarse", Severity::warning, "Give the drawing with more pixels, or as an SVG."},
     {"pierced", Severity::serious, "Use a finer sheet.resolution_mm, or remove the thin part from the scan."},
@@ -49,6 +54,8 @@ constexpr WarningKind kinds[] = {
     {"trace-stretched", Severity::warning,
      "Move the drawing, use an ink that stretches further, or widen the trace."},
     {"trapped-air", Severity::warning, "Drill the vents that report.json lists."},
+    {"trim-discards", Severity::warning,
+     "Turn the scan (scan.up), or accept undercuts by giving the trim (scan.trim_mm)."},
     {"undercut", Severity::warning, "Trim the mold above the undercut (scan.trim_mm), or turn the scan."},
     {"uneven-through", Severity::warning, "Heat the sheet longer with less power, or from both sides."},
     {"unstable-stretch", Severity::serious,

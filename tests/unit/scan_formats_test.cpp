@@ -171,6 +171,45 @@ FileBytes strips_glb() {
       binary);
 }
 
+// Two strips of a cube's sides and lids, with a restart between them, in one list or two.
+FileBytes strip_ply(const std::string& format, bool two_lists) {
+  const std::vector<int> sides{0, 4, 1, 5, 3, 7, 2, 6, 0, 4}, lids{0, 1, 2, 3, -1, 4, 6, 5, 7};
+  std::vector<std::vector<int>> lists{sides, lids};
+  if (!two_lists) {
+    lists[0].push_back(-1);
+    lists[0].insert(lists[0].end(), lids.begin(), lids.end());
+    lists.pop_back();
+  }
+  auto bytes =
+      text_bytes("ply\nformat " + format +
+                 " 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float "
+                 "z\nelement tristrips " +
+                 std::to_string(lists.size()) + "\nproperty list int int vertex_indices\nend_header\n");
+  const bool ascii = format == "ascii", big = format == "binary_big_endian";
+  const auto put_int = [&](int value) {
+    if (!ascii) return put(bytes, static_cast<std::uint32_t>(value), 4, big);
+    const auto word = text_bytes(std::to_string(value) + " ");
+    bytes.insert(bytes.end(), word.begin(), word.end());
+  };
+  for (int i = 0; i < 8; ++i)
+    for (int k = 0; k < 3; ++k) {
+      const int x = i >> k & 1 ? 100 : 0;
+      ascii ? put_int(x) : put_float(bytes, x, big);
+    }
+  for (const auto& list : lists) {
+    put_int(static_cast<int>(list.size()));
+    for (const int v : list) put_int(v);
+  }
+  return bytes;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Strips, CubeFormat,
+    testing::Values(CubeFile{"strips.ply", "PLY (ASCII)", strip_ply("ascii", false)},
+                    CubeFile{"lists.ply", "PLY (ASCII)", strip_ply("ascii", true)},
+                    CubeFile{"little.ply", "PLY (little-endian)", strip_ply("binary_little_endian", false)},
+                    CubeFile{"big.ply", "PLY (big-endian)", strip_ply("binary_big_endian", true)}));
+
 INSTANTIATE_TEST_SUITE_P(
     All, CubeFormat,
     testing::Values(CubeFile{"cube.stl", "STL (binary)", stl(cube(100))},
@@ -380,6 +419,10 @@ INSTANTIATE_TEST_SUITE_P(
             ply("element vertex 1\n" + xyz + "element face 1\nproperty list uchar int vertex_indices\n",
                 "0 0 0\n3 0 0 7\n"),
             Code::corrupt_file, "names vertex 7, but the PLY file has 1 vertices"},
+        Lie{"strip.ply",
+            ply("element vertex 1\n" + xyz + "element tristrips 1\nproperty list int int vertex_indices\n",
+                "0 0 0\n3 0 -2 0\n"),
+            Code::corrupt_file, "cannot be (strip.ply, tristrips 0)"},
         Lie{"below.ply",
             ply("element vertex 1\n" + xyz + "element face 1\nproperty list uchar int vertex_indices\n",
                 "0 0 0\n3 0 0 -1\n"),

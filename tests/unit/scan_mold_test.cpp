@@ -3,6 +3,7 @@
 
 #include "tests/unit/scan_shapes.hpp"
 #include "worker/scan/cutting.hpp"
+#include "worker/scan/placing.hpp"
 #include "worker/scan/scan_file.hpp"
 #include "worker/scan/undercuts.hpp"
 #include "worker/scan/welding.hpp"
@@ -37,24 +38,22 @@ void expect_sound(const Mold& mold) {
   const Box box = bounds(mold.mesh);
   EXPECT_GE(box.low.z(), 0);
   EXPECT_NEAR(box.low.z(), 0, 1e-3);
-  EXPECT_NEAR(box.centre().x(), 0, 1e-4);
-  EXPECT_NEAR(box.centre().y(), 0, 1e-4);
+  EXPECT_NEAR(enclosing_circle(mold.mesh).centre.norm(), 0, 1e-4);
   EXPECT_EQ(mold.top.z(), box.high.z());
 }
 // The sphere's volume above a plane h below its top.
 double cap_volume(double radius, double h) { return pi * h * h * (radius - h / 3); }
 
-TEST(Trim, OfASphereLeavesAMillimetreOfUndercut) {
+TEST(Trim, OfASphereLeavesASeventiethOfItsRadius) {
   for (const double radius : {50.0, 85.0}) {
     const auto mold = mold_of(sphere(radius, 96), upright());
     ASSERT_TRUE(mold) << mold.error().text();
     expect_sound(*mold);
     EXPECT_TRUE(mold->findings.trim_chosen);
-    // r - sqrt(r^2 - d^2) = 1 mm at d below the equator; half a cell of the grid more or less.
-    const double exact = radius - std::sqrt(2 * radius - 1), coarse = radius - std::sqrt(2.8 * radius),
-                 fine = radius - std::sqrt(1.2 * radius);
-    EXPECT_GT(mold->findings.trim_mm, coarse) << exact;
-    EXPECT_LT(mold->findings.trim_mm, fine) << exact;
+    // At d below the equator the undercut is r - sqrt(r^2 - d^2); half a cell of the grid, r / 500, more or less.
+    const auto cut = [&](double depth) { return radius - std::sqrt(2 * radius * depth - depth * depth); };
+    EXPECT_GT(mold->findings.trim_mm, cut(radius / 70 + radius / 500)) << cut(radius / 70);
+    EXPECT_LT(mold->findings.trim_mm, cut(radius / 70 - radius / 500)) << cut(radius / 70);
     EXPECT_TRUE(mold->undercuts.empty());
     EXPECT_NEAR(signed_volume(mold->mesh), cap_volume(radius, 2 * radius - mold->findings.trim_mm),
                 0.003 * cap_volume(radius, 2 * radius));
@@ -79,6 +78,8 @@ TEST(Trim, AboveTheScanIsRefused) {
   EXPECT_EQ(mold.error().where, "scan.trim_mm");
   EXPECT_NE(mold.error().what.find("the scan is 100.0 mm high and trimming it at 150.0 mm leaves nothing"),
             std::string::npos);
+  EXPECT_NE(mold.error().mend.find("--set scan.trim_mm=50"), std::string::npos) << mold.error().mend;
+  EXPECT_TRUE(mold_of(sphere(50), upright(50.0)));
 }
 
 TEST(Trim, ThroughVerticesAndFlatFacesStaysWatertight) {
@@ -117,11 +118,38 @@ TEST(Undercuts, OfAMushroomAreTrimmedAway) {
 }
 
 TEST(Undercuts, ThatLeaveACoinAreRefusedWithTheirHeight) {
-  const auto mold = mold_of(mushroom(12), upright());
+  const auto mold = mold_of(mushroom(2), upright());
   ASSERT_FALSE(mold);
   EXPECT_EQ(mold.error().code, Code::unusable_scan);
   EXPECT_EQ(mold.error().text().find("undercuts begin 39."), 0u) << mold.error().text();
-  EXPECT_NE(mold.error().mend.find("--set scan.trim_mm=26"), std::string::npos) << mold.error().text();
+  EXPECT_NE(mold.error().mend.find("--set scan.up=-z"), std::string::npos) << mold.error().text();
+  EXPECT_NE(mold.error().mend.find("--set scan.trim_mm=21"), std::string::npos) << mold.error().text();
+  // Both proposals make a mold.
+  auto turned = upright();
+  turned.up = UpAxis::minus_z;
+  EXPECT_TRUE(mold_of(mushroom(2), turned));
+  EXPECT_TRUE(mold_of(mushroom(2), upright(21.0)));
+}
+
+TEST(Trim, ThatDiscardsMostOfTheScanIsWarnedOf) {
+  for (const double scale : {1.0, 4.0}) {  // by share, not by height
+    const auto mold = mold_of(scaled(mushroom(12), scale), upright());
+    ASSERT_TRUE(mold) << mold.error().text();
+    ASSERT_TRUE(warns(*mold, "trim-discards"));
+    const Warning& warning = mold->warnings.front();
+    EXPECT_NE(warning.text.find("keeps 23 % of its height"), std::string::npos) << warning.text;
+    ASSERT_TRUE(warning.figure);
+    EXPECT_NEAR(warning.figure->value, 77, 0.5);
+    EXPECT_EQ(warning.figure->unit, "%");
+    EXPECT_NEAR(warning.figure->limit.value_or(0), 66.7, 0.1);
+    ASSERT_EQ(warning.marks.size(), 1u);
+    EXPECT_LE(std::hypot(warning.marks[0].place_mm[0], warning.marks[0].place_mm[1]), 40 * scale);
+    EXPECT_NE(warning.fix.find("scan.up=-z"), std::string::npos) << warning.fix;  // stands on its cap
+  }
+  const auto kept = mold_of(sphere(60), upright());
+  ASSERT_TRUE(kept);
+  EXPECT_FALSE(warns(*kept, "trim-discards"));
+  EXPECT_FALSE(warns(*mold_of(mushroom(12), upright(40.0)), "trim-discards"));  // as was asked
 }
 
 TEST(Undercuts, AreClusteredDeepestFirst) {
@@ -444,6 +472,20 @@ TEST(Fit, SaysWhatIsTooLargeByHowMuch) {
   EXPECT_TRUE(check_fit(block(180, 180, 50), sheet, machine));
 }
 
+TEST(Fit, TakesAMoldBesideTheMiddleByItsFartherSide) {
+  Mold aside = block(200, 100, 50);
+  for (auto& p : aside.mesh.vertices) p.x() += 35.04;
+  const auto wide = check_fit(aside, {}, {});
+  ASSERT_FALSE(wide);
+  EXPECT_NE(wide.error().what.find("200.0 mm wide, reaches 135.0 mm from the middle"), std::string::npos)
+      << wide.error().text();
+  EXPECT_NE(wide.error().mend.find("at least 284.1 mm"), std::string::npos) << wide.error().mend;
+  SheetSettings sheet;
+  MachineSettings machine;
+  sheet.width_mm = machine.window_width_mm = 284.1;  // as proposed
+  EXPECT_TRUE(check_fit(aside, sheet, machine));
+}
+
 TEST(Fit, KnowsTheDrawAndTheFrame) {
   const SheetSettings sheet;
   MachineSettings machine;
@@ -452,6 +494,8 @@ TEST(Fit, KnowsTheDrawAndTheFrame) {
   EXPECT_EQ(tall.error().where, "scan.trim_mm");
   EXPECT_NE(tall.error().text().find("450.0 mm to draw, 30.0 mm more"), std::string::npos)
       << tall.error().text();
+  EXPECT_NE(tall.error().mend.find("--set scan.trim_mm=30"), std::string::npos) << tall.error().mend;
+  EXPECT_TRUE(check_fit(block(100, 100, 420), sheet, machine));
   machine.drape_height_mm = 60;
   const auto high = check_fit(block(100, 100, 50), sheet, machine);
   ASSERT_FALSE(high);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/scan_shapes.hpp"
+#include "worker/scan/outliers.hpp"
 #include "worker/scan/shells.hpp"
 #include "worker/scan/upright.hpp"
 #include "worker/scan/welding.hpp"
@@ -79,6 +80,76 @@ TEST(Topology, WatertightMeansEveryEdgeTwiceInOppositeDirections) {
   doubled.triangles.insert(doubled.triangles.end(), doubled.triangles.begin(),
                            doubled.triangles.begin() + 12);
   EXPECT_FALSE(is_watertight(doubled));
+}
+
+TEST(Outliers, AreNamedAndDropped) {
+  const auto ball = sphere(100);
+  auto mesh = ball;
+  mesh.vertices[500] = {100, 50, 5000};
+  mesh.vertices[2500] = {0, -7000.5, 0};
+  const auto mold = mold_of(mesh);
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.outliers_dropped, 2);
+  EXPECT_EQ(mold->findings.unit, Unit::mm);
+  EXPECT_NEAR(mold->findings.size_mm.z(), 200, 1);
+  ASSERT_EQ(mold->warnings.front().code, "outliers");
+  EXPECT_NE(mold->warnings.front().text.find(": (0, -7000, 0), (100, 50, 5000) in"), std::string::npos)
+      << mold->warnings.front().text;
+  EXPECT_FALSE(warns(*mold_of(ball), "outliers"));
+  // A pole with a hundredth of the vertices or more is a part of the scan.
+  auto pole = joined(ball, shifted(scaled(sphere(1, 8), 10), 0, 0, 900));
+  EXPECT_TRUE(drop_outliers(pole).empty());
+}
+
+// Alike on no two sides.
+TriangleMesh crooked() {
+  return joined(joined(lathe({{0, -40}, {60, -40}, {75, 0}, {70, 40}, {50, 70}, {20, 85}, {0, 87}}, 64),
+                       box({60, -10, -40}, {90, 30, 0})),
+                box({-20, 60, -40}, {10, 80, -10}));
+}
+
+TEST(Mirror, AnInsideOutScanIsAskedAbout) {
+  auto settings = whole();
+  const auto right = mold_of(crooked(), settings), reversed = mold_of(turned_over(crooked()), settings);
+  ASSERT_TRUE(right && reversed);
+  EXPECT_FALSE(warns(*right, "inside-out"));
+  ASSERT_TRUE(warns(*reversed, "inside-out"));
+  EXPECT_NE(reversed->warnings.front().what_to_do().find("scan.mirror=yes"), std::string::npos);
+  EXPECT_EQ(reversed->warnings.front().severity(), Severity::serious);
+  EXPECT_NEAR((reversed->top - right->top).norm(), 0, 1e-4);
+
+  settings.mirror = Mirror::no;  // only its order was reversed
+  EXPECT_FALSE(warns(*mold_of(turned_over(crooked()), settings), "inside-out"));
+
+  settings.mirror = Mirror::yes;  // an export that mirrored the points alone
+  const auto mirrored = mold_of(moved(crooked(), Eigen::Affine3d(Eigen::Scaling(-1.0, 1.0, 1.0))), settings);
+  ASSERT_TRUE(mirrored);
+  EXPECT_FALSE(warns(*mirrored, "inside-out"));
+  EXPECT_TRUE(mirrored->findings.mirrored);
+  EXPECT_GT(signed_volume(mirrored->mesh), 0);
+  EXPECT_NEAR((bounds(mirrored->mesh).high - bounds(right->mesh).high).norm(), 0, 1e-3);
+  EXPECT_NEAR((bounds(mirrored->mesh).low - bounds(right->mesh).low).norm(), 0, 1e-3);
+}
+
+TEST(Front, TheNamedSideComesToTheFront) {
+  auto settings = whole();
+  const auto shape = joined(box({-20, -20, 0}, {20, 20, 50}), box({-5, 15, 0}, {5, 80, 20}));  // nose at +y
+  const auto assumed = mold_of(shape, settings);
+  ASSERT_TRUE(assumed);
+  EXPECT_TRUE(assumed->findings.front_assumed);
+  EXPECT_EQ(assumed->findings.front, FrontSide::plus_y);
+  const std::pair<FrontSide, double> sides[] = {
+      {FrontSide::plus_y, 0}, {FrontSide::minus_x, 90}, {FrontSide::minus_y, 180}, {FrontSide::plus_x, -90}};
+  for (const auto& [side, turned] : sides) {
+    settings.front = side;
+    const auto file =
+        moved(shape, Eigen::Affine3d(Eigen::AngleAxisd(turned * pi / 180, Eigen::Vector3d::UnitZ())));
+    const auto mold = mold_of(file, settings);
+    ASSERT_TRUE(mold) << mold.error().text();
+    EXPECT_EQ(mold->findings.front, side);
+    EXPECT_FALSE(mold->findings.front_assumed);
+    EXPECT_NEAR((bounds(mold->mesh).high - bounds(assumed->mesh).high).norm(), 0, 1e-3) << name(side);
+  }
 }
 
 TEST(Skin, InsideOutIsTurned) {
@@ -215,6 +286,35 @@ TEST(Units, NoPlausibleOneNamesAll) {
   }
 }
 
+// The setting that a refusal proposes, tried until there is a mold or a refusal for another reason.
+TEST(Units, TheProposalOfARefusalWorks) {
+  for (const double side : {1e-5, 1e-3, 0.013, 0.06, 1.0, 5.0, 10.0, 60.0, 450.0, 5000.0, 1e6})
+    for (const Unit given : {Unit::automatic, Unit::mm, Unit::m}) {
+      ScanSettings settings;
+      settings.units = given;
+      const auto mesh = scaled(sphere(0.5), side);
+      const auto refused = mold_of(mesh, settings);
+      if (refused) continue;
+      bool proposed = false;
+      const std::string& fix = refused.error().mend;
+      if (fix.find("--set scan.size_mm=200") != std::string::npos) {
+        ScanSettings sized;
+        sized.size_mm = 200;
+        EXPECT_TRUE(mold_of(mesh, sized)) << side << ": " << fix;
+        proposed = true;
+      }
+      for (const Unit unit : {Unit::mm, Unit::cm, Unit::m, Unit::in}) {
+        const std::string asked = "--set scan.units=" + std::string(name(unit));
+        if (!fix.ends_with(asked)) continue;
+        settings.units = unit;
+        const auto mold = mold_of(mesh, settings);
+        EXPECT_TRUE(mold) << side << ": " << fix << ": " << mold.error().text();
+        proposed = true;
+      }
+      EXPECT_TRUE(proposed) << side << ": " << fix;
+    }
+}
+
 TEST(Units, AGivenUnitWinsUnlessItIsAbsurd) {
   ScanSettings settings;
   settings.units = Unit::in;
@@ -265,6 +365,42 @@ TEST(Up, AnOpeningLiesOnThePlatform) {
     EXPECT_FALSE(warns(*mold, "up-guessed"));
     EXPECT_EQ(mold->findings.holes_capped, 1);
   }
+}
+
+TEST(Up, HolesAllOverAreNoOpening) {
+  const auto cut = lathe({{0, -40}, {60, -40}, {75, 0}, {70, 40}, {50, 70}, {20, 85}, {0, 87}}, 64);
+  for (const auto& [axis, direction] : axes) {
+    auto torn = fallen(cut, direction);
+    std::erase_if(torn.triangles,
+                  [&, i = 0u](const Triangle&) mutable { return i++ * 2654435761u % 100 < 30; });
+    const auto mold = mold_of(torn);
+    ASSERT_TRUE(mold) << mold.error().text();
+    EXPECT_EQ(mold->findings.up, axis) << name(axis);
+    EXPECT_TRUE(warns(*mold, "up-guessed")) << name(axis);
+  }
+}
+
+TEST(Up, OfGltfIsPlusY) {
+  const auto upright =
+      fallen(lathe({{0, -40}, {60, -40}, {75, 0}, {70, 40}, {50, 70}, {20, 85}, {0, 87}}, 24),
+             Eigen::Vector3d::UnitY());
+  const auto mold = make_mold(glb(upright), "scan.glb", {}, quiet);
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.up, UpAxis::plus_y);
+  EXPECT_FALSE(mold->findings.up_guessed);
+  EXPECT_FALSE(warns(*mold, "up-guessed"));
+  // A ball tells nothing; a head that lies on its side by its flat cut is doubted.
+  const auto ball = make_mold(glb(sphere(100, 12)), "scan.glb", {}, quiet);
+  ASSERT_TRUE(ball) << ball.error().text();
+  EXPECT_EQ(ball->findings.up, UpAxis::plus_y);
+  EXPECT_FALSE(warns(*ball, "up-guessed"));
+  const auto along_z = lathe({{0, -40}, {60, -40}, {75, 0}, {70, 40}, {50, 70}, {20, 85}, {0, 87}}, 24);
+  ScanSettings untrimmed;
+  untrimmed.trim_mm = 10;
+  const auto lying = make_mold(glb(along_z), "scan.glb", untrimmed, quiet);
+  ASSERT_TRUE(lying) << lying.error().text();
+  EXPECT_EQ(lying->findings.up, UpAxis::plus_y);
+  EXPECT_TRUE(warns(*lying, "up-guessed"));
 }
 
 TEST(Up, AFlatCutLiesOnThePlatform) {

@@ -45,11 +45,17 @@ void print_text(const ScanInspection& inspection) {
   line("unit", f.size_given ? "none, scaled to the size given"
                             : std::string(name(f.unit)) + (f.unit_guessed ? " (guessed)" : " (given)"));
   line("up", std::string(name(f.up)) + (f.up_guessed ? " (guessed)" : " (given)"));
+  line("front",
+       std::string(name(f.front)) + " of the upright scan" + (f.front_assumed ? " (assumed)" : " (given)"));
   line("size", box(scan["size_mm"]) + " upright");
   std::string pieces = count(f.components, "piece", "pieces");
   if (f.components_dropped > 0)
     pieces += ", " + std::to_string(f.components_dropped) + " dropped (debris or inside)";
   if (f.turned_inside_out) pieces += ", turned inside out";
+  if (f.mirrored) pieces += ", mirrored";
+  if (f.outliers_dropped > 0) pieces += ", " + count(f.outliers_dropped, "outlier", "outliers") + " dropped";
+  if (f.crumbs_dropped > 0)
+    pieces += ", " + count(f.crumbs_dropped, "crumb", "crumbs") + " dropped beside the trimmed mold";
   line("pieces", pieces);
   line("openings", count(f.holes_closed, "hole closed, ", "holes closed, ") + std::to_string(f.holes_capped) +
                        " walled in down to the platform" + (f.rebuilt ? ", the skin wrapped anew" : ""));
@@ -92,7 +98,9 @@ void add_inspect(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command =
       app.add_subcommand("inspect", "Say what is in a scan and what mold it makes, without forming anything");
-  command->add_option("scan,--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("SCAN");
+  command->add_option("scan,--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")
+      ->required()
+      ->type_name("SCAN");
   options->settings.add_to(*command);
   CLI::Option* json = command->add_flag("--json", options->json, "JSON on standard output");
   command

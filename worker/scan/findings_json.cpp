@@ -26,6 +26,10 @@ Json scan_json(const ScanFindings& f) {
           {"size_given", f.size_given},
           {"up", name(f.up)},
           {"up_guessed", f.up_guessed},
+          {"front", name(f.front)},
+          {"front_assumed", f.front_assumed},
+          {"mirrored", f.mirrored},
+          {"outliers_dropped", f.outliers_dropped},
           {"components", f.components},
           {"components_dropped", f.components_dropped},
           {"turned_inside_out", f.turned_inside_out},
@@ -34,7 +38,8 @@ Json scan_json(const ScanFindings& f) {
           {"rebuilt", f.rebuilt},
           {"size_mm", array(f.size_mm, 100)},
           {"trim_mm", rounded(f.trim_mm, 100)},
-          {"trim_chosen", f.trim_chosen}};
+          {"trim_chosen", f.trim_chosen},
+          {"crumbs_dropped", f.crumbs_dropped}};
 }
 
 Json mold_json(const Mold& mold) {

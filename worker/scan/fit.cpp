@@ -1,7 +1,6 @@
 // Whether a mold fits the sheet and the machine.
 //
-// Room: around the mold's bounding box (in a round window: around its vertices) the window leaves at least 5
-// mm and two sheet thicknesses, so that the sheet can turn down between mold and frame, and at least an
+// Room: around the mold, whose middle is the window's, the window leaves at least 5 mm and two sheet thicknesses, so that the sheet can turn down between mold and frame, and at least an
 // eleventh of the draw: the film in a gap g that goes down a wall of height H becomes g + H long, and below a
 // twelfth of its thickness it tears. Draw: at most 1.5 times the window's shorter side, beyond which no sheet
 // in that window holds enough plastic.
@@ -26,6 +25,9 @@ constexpr double deep_on_mold = 1;        // draw over the mold's shorter side
 constexpr double least_clamp_mm = 5;      // of sheet in the clamp, on each side
 
 std::string mm(double value) { return decimal(value, 1) + " mm"; }
+// Rounded so that what is proposed is enough.
+std::string mm_up(double value) { return mm(std::ceil(value * 10 - 1e-6) / 10); }
+std::string mm_down(double value) { return mm(std::floor(value * 10 + 1e-6) / 10); }
 std::string percent(double share) { return decimal(100 * share, 0) + " %"; }
 
 Eigen::Vector2d window_of(const MachineSettings& machine) {
@@ -108,13 +110,16 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
                 "the frame stops " + mm(machine.drape_height_mm) + " above the platform, " +
                     mm(machine.drape_height_mm - box.high.z()) +
                     " above the mold's top, and the sheet never meets the mold",
-                "machine.drape_height_mm", "give at most " + mm(box.high.z()));
+                "machine.drape_height_mm", "give at most " + mm_down(box.high.z()));
   const double shorter = std::min(width, height);
   if (draw > most_draw * shorter)
     return fail(Code::does_not_fit,
                 "the mold is " + mm(draw) + " to draw, " + mm(draw - most_draw * shorter) +
                     " more than a sheet in a window of " + mm(shorter) + " can give",
-                "scan.trim_mm", "trim the mold at least that much higher, or give a larger window and sheet");
+                "scan.trim_mm",
+                "trim the mold at least that much higher, for example --set scan.trim_mm=" +
+                    decimal(std::ceil(mold.findings.trim_mm + draw - most_draw * shorter), 0) +
+                    ", or give a larger window and sheet");
   const std::string advice =
       "; or trim the mold higher (scan.trim_mm), turn it (scan.yaw_deg), or scan a smaller part";
   if (circle) {
@@ -125,17 +130,21 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
                   "the mold reaches " + mm(radius) + " from the middle and with " + mm(room) +
                       " of room is " + mm(over) + " too wide for the round window of " + mm(width),
                   "machine.window_width_mm",
-                  "give a window and a sheet of at least " + mm(2 * (radius + room)) + advice);
+                  "give a window and a sheet of at least " + mm_up(2 * (radius + room)) + advice);
   } else {
-    const double over_x = box.size().x() + 2 * room - width, over_y = box.size().y() + 2 * room - height;
+    // The middle of the window is that of the circle around the mold, not always that of its width.
+    const Eigen::Vector2d reach = box.high.head<2>().cwiseMax(-box.low.head<2>());
+    const double over_x = 2 * (reach.x() + room) - width, over_y = 2 * (reach.y() + room) - height;
     if (over_x > 0 || over_y > 0) {
-      const bool x = over_x >= over_y;
+      const int k = over_x >= over_y ? 0 : 1;
+      const bool aside = 2 * reach[k] - box.size()[k] > 0.1;
       return fail(Code::does_not_fit,
-                  "the mold is " + mm(box.size()[x ? 0 : 1]) + (x ? " wide" : " deep") + " and with " +
-                      mm(room) + " of room on each side is " + mm(x ? over_x : over_y) +
-                      " too large for the window of " + mm(x ? width : height),
-                  x ? "machine.window_width_mm" : "machine.window_height_mm",
-                  "give a window and a sheet of at least " + mm(box.size()[x ? 0 : 1] + 2 * room) + advice);
+                  "the mold is " + mm(box.size()[k]) + (k == 0 ? " wide" : " deep") +
+                      (aside ? ", reaches " + mm(reach[k]) + " from the middle" : "") + " and with " +
+                      mm(room) + " of room on each side is " + mm(std::max(over_x, over_y)) +
+                      " too large for the window of " + mm(k == 0 ? width : height),
+                  k == 0 ? "machine.window_width_mm" : "machine.window_height_mm",
+                  "give a window and a sheet of at least " + mm_up(2 * (reach[k] + room)) + advice);
     }
   }
   return {};

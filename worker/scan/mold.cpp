@@ -7,10 +7,13 @@
 #include "worker/decimal.hpp"
 #include "worker/scan/closing.hpp"
 #include "worker/scan/cutting.hpp"
+#include "worker/scan/outliers.hpp"
+#include "worker/scan/placing.hpp"
 #include "worker/scan/rebuilding.hpp"
 #include "worker/scan/scan_file.hpp"
 #include "worker/scan/shells.hpp"
 #include "worker/scan/topology.hpp"
+#include "worker/scan/trimming.hpp"
 #include "worker/scan/undercuts.hpp"
 #include "worker/scan/upright.hpp"
 #include "worker/scan/welding.hpp"
@@ -20,32 +23,31 @@ namespace vacuform {
 namespace {
 
 constexpr double weld_share = 1e-6;   // of the scan's size: what the rounding of floats makes of one point
-constexpr double least_mold_mm = 20;  // height below which an automatic trim is refused
-constexpr double undercut_mm = 1;     // shallower ones are noise, or give way when the part is lifted off
-constexpr double undercut_mm2 = 20;   // seen from above: smaller ones do not set the trim
-constexpr double reported_mm = 1.5;   // shallower ones lie within the grid of what the trim allows
-constexpr double reported_mm2 = 4;    // smaller ones are a ray between two facets
+constexpr double crumb_share = 1e-3;  // of the volume of the largest piece
 
 std::string mm(double value) { return decimal(value, 1) + " mm"; }
 
-// Half a millimetre on heads; coarser where a scan is so large that the grid would pass 800 columns a side.
-double ray_spacing(const TriangleMesh& mesh) {
-  return std::max(0.5, bounds(mesh).size().head<2>().maxCoeff() / 800);
-}
-
 void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
   for (auto& p : mesh.vertices) p = scale * (rotation * p);
+  if (rotation.determinant() < 0)
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
-void stand_on_floor(TriangleMesh& mesh, double floor) {
-  for (auto& p : mesh.vertices) p.z() -= floor;
+// On z = 0, around x = y = 0: far from there a turn would round more.
+void stand_on_floor(TriangleMesh& mesh) {
+  const Box box = bounds(mesh);
+  const Eigen::Vector3d foot(box.centre().x(), box.centre().y(), box.low.z());
+  for (auto& p : mesh.vertices) p -= foot;
 }
 
+// Of vertices that rounding tells apart the one nearest the axis, so that the top does not jump when the scan is turned.
 Eigen::Vector3d top_of(const TriangleMesh& mesh) {
-  Eigen::Vector3d top = mesh.vertices.front();
+  constexpr double level_mm = 1e-4;
+  const double highest = bounds(mesh).high.z();
+  Eigen::Vector3d top(HUGE_VAL, HUGE_VAL, highest);
   for (const auto& p : mesh.vertices)
-    if (p.z() > top.z() || (p.z() == top.z() && p.head<2>().squaredNorm() < top.head<2>().squaredNorm()))
-      top = p;
+    if (p.z() >= highest - level_mm && p.head<2>().squaredNorm() < top.head<2>().squaredNorm())
+      top.head<2>() = p.head<2>();
   return top;
 }
 
@@ -64,27 +66,16 @@ Result<double> choose_scale(const ScanSettings& settings, const std::string& fil
     return millimetres(unit);
   }
   const double side = longest * millimetres(findings.unit);
-  if (side < 10 || side > 4000)
+  if (!usable_side(side)) {
+    const auto guess = guess_unit(longest, file_name);
     return fail(Code::unusable_scan,
                 "in " + std::string(name(findings.unit)) + " the scan's longest side is " +
                     (side < 10 ? "only " : "") + mm(side),
-                file_name, "give another scan.units, or auto");
-  return millimetres(findings.unit);
-}
-
-// Cuts at the height and puts the rest on the platform, in the middle, rounded to what mold.stl can hold so
-// that the mesh and the file are one surface. Where that is not watertight, a hair higher it may be.
-std::optional<TriangleMesh> cut_and_place(const TriangleMesh& mesh, double height) {
-  for (const double raise : {0.0, 0.01, 0.02, 0.05}) {
-    auto cut = cut_above(mesh, height + raise);
-    if (!cut || cut->triangles.empty()) continue;
-    const Eigen::Vector3d middle = bounds(*cut).centre();
-    for (auto& p : cut->vertices)
-      p = (p - Eigen::Vector3d(middle.x(), middle.y(), height + raise)).cast<float>().cast<double>();
-    weld(*cut, 0);
-    if (is_watertight(*cut)) return cut;
+                file_name,
+                guess ? "give another unit, for example --set scan.units=" + std::string(name(*guess))
+                      : guess.error().mend);
   }
-  return std::nullopt;
+  return millimetres(findings.unit);
 }
 
 // The closed mesh grown by the clearance. Where long thin triangles make that too dear, with wider facets. Heads and
@@ -118,41 +109,73 @@ Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mol
   return offset(closing.mesh, clearance_mm, progress);
 }
 
-// The height of the cut, given or chosen. Refuses one that leaves nothing, or next to nothing.
-Result<void> trim(const TriangleMesh& closed, const ScanSettings& settings, const std::string& file_name,
-                  ScanFindings& findings, const ScanProgress& progress) {
-  const double height = bounds(closed).high.z();
-  if (settings.trim_mm) {
-    findings.trim_mm = *settings.trim_mm;
-    if (findings.trim_mm > height - 1)
-      return fail(Code::unusable_scan,
-                  "the scan is " + mm(height) + " high and trimming it at " + mm(findings.trim_mm) +
-                      " leaves nothing",
-                  "scan.trim_mm", "give a smaller height");
-    return {};
+// Takes off pieces that the cut left standing beside the mold, below a thousandth of its volume: the tip of an ear, a
+// curl. They would move the middle. Returns how many.
+int drop_crumbs(TriangleMesh& cut) {
+  std::vector<int> piece_of;
+  const auto pieces = static_cast<std::size_t>(connected_pieces(cut, piece_of));
+  if (pieces < 2) return 0;
+  const Eigen::Vector3d centre = bounds(cut).centre();
+  std::vector<double> volume(pieces, 0);
+  for (std::size_t i = 0; i < cut.triangles.size(); ++i) {
+    const Eigen::Vector3d a = cut.vertices[static_cast<std::size_t>(cut.triangles[i][0])] - centre;
+    volume[static_cast<std::size_t>(piece_of[i])] += a.dot(area_vector(cut, cut.triangles[i])) / 3;
   }
-  VACUFORM_TRY(space, CoveredSpace::measure(closed, 0, ray_spacing(closed), progress));
-  findings.trim_mm = space.lowest_cut(undercut_mm, undercut_mm2);
-  findings.trim_chosen = true;
-  if (height - findings.trim_mm < least_mold_mm)
-    return fail(Code::unusable_scan,
-                "undercuts begin " + mm(findings.trim_mm) + " above the scan's lowest point, and only " +
-                    mm(height - findings.trim_mm) + " of its " + mm(height) + " would remain as a mold",
-                file_name,
-                "turn the scan (scan.up, scan.roll_deg), or accept undercuts by giving the trim, for example "
-                "--set scan.trim_mm=" +
-                    std::to_string(static_cast<int>(height / 2)));
-  return {};
+  for (double& v : volume) v = std::abs(v);
+  const double least = crumb_share * *std::max_element(volume.begin(), volume.end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cut.triangles.size(); ++i)
+    if (volume[static_cast<std::size_t>(piece_of[i])] >= least) cut.triangles[kept++] = cut.triangles[i];
+  cut.triangles.resize(kept);
+  drop_unused_vertices(cut);
+  return static_cast<int>(std::count_if(volume.begin(), volume.end(), [&](double v) { return v < least; }));
 }
 
-Result<void> report_undercuts(Mold& mold, const ScanProgress& progress) {
-  VACUFORM_TRY(space, CoveredSpace::measure(mold.mesh, 0, ray_spacing(mold.mesh), progress));
-  for (const auto& undercut : space.undercuts(0))
-    if (undercut.depth_mm > reported_mm && undercut.area_mm2 > reported_mm2)
-      mold.undercuts.push_back(undercut);
-  if (mold.undercuts.empty()) return {};
-  mold.warnings.push_back(undercut_warning(mold.undercuts));
-  return {};
+// Not inlined: GCC 12 leaves out the rounding of x and y where it vectorizes it.
+[[gnu::noinline]] double as_float(double x) { return static_cast<float>(x); }
+
+struct Placed {
+  TriangleMesh mesh;
+  int crumbs = 0;
+  Eigen::Vector2d middle;  // of the cut mesh, which came to x = y = 0
+};
+
+// Cuts at the height and puts the rest on the platform, turned by `turn` about the vertical axis, the middle of the
+// smallest circle around it at x = y = 0; rounded to what mold.stl can hold so that the mesh and the file are one
+// surface. Where that is not watertight, a hair higher it may be.
+std::optional<Placed> cut_and_place(const TriangleMesh& mesh, double height, const Eigen::Matrix3d& turn) {
+  for (const double raise : {0.0, 0.01, 0.02, 0.05}) {
+    auto cut = cut_above(mesh, height + raise);
+    if (!cut || cut->triangles.empty()) continue;
+    Placed placed;
+    placed.crumbs = drop_crumbs(*cut);
+    placed.middle = enclosing_circle(*cut).centre;
+    const Eigen::Vector3d origin(placed.middle.x(), placed.middle.y(), height + raise);
+    for (auto& p : cut->vertices) {
+      const Eigen::Vector3d turned = turn * (p - origin);
+      p = {as_float(turned.x()), as_float(turned.y()), as_float(turned.z())};
+    }
+    weld(*cut, 0);
+    if (!is_watertight(*cut)) continue;
+    placed.mesh = std::move(*cut);
+    return placed;
+  }
+  return std::nullopt;
+}
+
+std::string outliers_text(const std::vector<Eigen::Vector3d>& places) {
+  const std::size_t shown = std::min<std::size_t>(places.size(), 3);
+  std::string text =
+      places.size() == 1
+          ? "A vertex lies far from the rest of the scan and was left out with its triangles:"
+          : std::to_string(places.size()) +
+                " vertices lie far from the rest of the scan and were left out with their triangles:";
+  for (std::size_t i = 0; i < shown; ++i) {
+    text += i == 0 ? " (" : ", (";
+    for (int k = 0; k < 3; ++k) text += (k == 0 ? "" : ", ") + short_decimal(places[i][k]);
+    text += ")";
+  }
+  return text + (shown < places.size() ? " and others" : "") + " in the file's coordinates";
 }
 
 }  // namespace
@@ -173,6 +196,9 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   findings.triangles_read = static_cast<std::int64_t>(scan.mesh.triangles.size());
   VACUFORM_CHECK(progress.reach(0.1));
   weld(scan.mesh, weld_share * robust_size(scan.mesh));
+  const auto outliers = drop_outliers(scan.mesh);
+  findings.outliers_dropped = static_cast<int>(outliers.size());
+  if (!outliers.empty()) warn("outliers", outliers_text(outliers));
   VACUFORM_CHECK(progress.reach(0.15));
   VACUFORM_TRY(skin, outer_skin(scan.mesh, progress));
   scan.mesh = {};
@@ -187,31 +213,48 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   // Millimetres, upright, standing on z = 0.
   VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(), findings));
   turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
+  if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
+    warn("inside-out",
+         "The triangles of the scan face inwards: either only their order is reversed, as is assumed, or the "
+         "scan is a "
+         "mirror image, with left and right swapped");
+  findings.mirrored = settings.mirror == Mirror::yes;
   findings.up = settings.up;
   if (settings.up == UpAxis::automatic) {
-    VACUFORM_TRY(guess, guess_up(skin.mesh, scan.y_up, progress));
-    findings.up = guess.axis;
-    findings.up_guessed = true;
-    if (!guess.told)
+    VACUFORM_TRY(guess, guess_up(skin.mesh, progress));
+    findings.up = scan.y_up ? UpAxis::plus_y : guess.axis;
+    findings.up_guessed = !scan.y_up;
+    if (scan.y_up && guess.told && guess.axis != UpAxis::plus_y)
+      warn("up-guessed", "The up axis is +y, as its format says, but " + std::string(name(guess.axis)) +
+                             " looks right because " + guess.why + "; give scan.up if the mold stands wrong");
+    else if (!scan.y_up && !guess.told)
       warn("up-guessed", "The up axis was taken to be " + std::string(name(guess.axis)) + " because " +
                              guess.why + "; give scan.up if the mold stands wrong");
   }
-  turn(skin.mesh, upright_turn(findings.up, settings.roll_deg, settings.pitch_deg, settings.yaw_deg), 1);
-  stand_on_floor(skin.mesh, bounds(skin.mesh).low.z());
+  findings.front = settings.front == FrontSide::automatic ? FrontSide::plus_y : settings.front;
+  findings.front_assumed = settings.front == FrontSide::automatic;
+  const Eigen::Matrix3d upright = scan_turn(settings, findings.up);
+  turn(skin.mesh, upright, 1);
+  stand_on_floor(skin.mesh);
   findings.size_mm = bounds(skin.mesh).size();
-
   VACUFORM_CHECK(progress.reach(0.35));
 
+  // What follows is done along the principal axes, and turned back at the end: neither the rays nor a new skin depend on
+  // how the head is turned.
+  const Eigen::Matrix3d principal = principal_turn(skin.mesh);
+  turn(skin.mesh, principal, 1);
   VACUFORM_TRY(closed, close(skin, settings.clearance_mm, mold, progress));
   skin = {};
   VACUFORM_CHECK(progress.reach(0.6));
-  VACUFORM_CHECK(trim(closed, settings, file_name, findings, progress));
-  VACUFORM_CHECK(progress.reach(0.8));
-  auto placed = cut_and_place(closed, findings.trim_mm);
+  VACUFORM_TRY(trim, choose_trim(closed, settings, findings, principal * upright, file_name, progress));
+  findings.trim_mm = trim.height_mm;
+  findings.trim_chosen = !settings.trim_mm;
+  VACUFORM_CHECK(progress.reach(0.9));
+  auto placed = cut_and_place(closed, trim.height_mm, principal.transpose());
   if (!placed && !findings.rebuilt) {  // the surface crosses itself at the cut
     VACUFORM_TRY(rebuilt, rebuild(closed, progress));
     findings.rebuilt = true;
-    placed = cut_and_place(rebuilt, findings.trim_mm);
+    placed = cut_and_place(rebuilt, trim.height_mm, principal.transpose());
   }
   if (!placed)
     return fail(
@@ -221,10 +264,21 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
     warn("rebuilt",
          "The scan's surface could not be closed as it is and was wrapped anew, up to 0.2 mm outside of it");
 
-  mold.mesh = std::move(*placed);
+  mold.mesh = std::move(placed->mesh);
   mold.top = top_of(mold.mesh);
-  VACUFORM_CHECK(progress.reach(0.9));
-  VACUFORM_CHECK(report_undercuts(mold, progress));
+  findings.crumbs_dropped = placed->crumbs;
+  const auto in_mold = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    return principal.transpose() * (p - Eigen::Vector3d(placed->middle.x(), placed->middle.y(), 0));
+  };
+  if (trim.warning) {
+    for (auto& mark : trim.warning->marks)
+      Eigen::Map<Eigen::Vector3d>(mark.place_mm.data()) =
+          in_mold(Eigen::Vector3d(mark.place_mm[0], mark.place_mm[1], mark.place_mm[2]));
+    mold.warnings.push_back(std::move(*trim.warning));
+  }
+  for (Undercut& undercut : trim.undercuts) undercut.place = in_mold(undercut.place);
+  mold.undercuts = std::move(trim.undercuts);
+  if (!mold.undercuts.empty()) mold.warnings.push_back(undercut_warning(mold.undercuts));
   VACUFORM_CHECK(progress.reach(1));
   return mold;
 }

@@ -2,11 +2,15 @@
 //
 // A scan is read (STL, OBJ, PLY, OFF, GLB), welded, reduced to its outer skin, turned right side out, scaled to
 // millimetres, turned with its up axis to +Z, closed, offset by the clearance, trimmed, and placed on the platform:
-// z = 0 is the platform, the middle of the mold's bounding box lies at x = y = 0.
+// z = 0 is the platform, and the middle of the smallest circle around the mold, seen from above, lies at x = y = 0: the
+// mold fits the smallest round window, and stays where it is when it is turned.
 //
-// The automatic trim is the lowest cut above which no undercut is deeper than 1 mm (and larger than 20 mm2): on a sphere
-// of radius R that is sqrt(2 R) mm below the equator, on a noisy scan well below the first grain that overhangs. A trim
-// that would leave less than 20 mm is refused; a trim that was given is kept and its undercuts are reported.
+// The automatic trim is the lowest cut above which no undercut is deeper than R / 70 and larger than R^2 / 300, where R
+// is the radius of the smallest circle around the scan seen from above: 1.5 mm and 36 mm2 on an adult's head. On a sphere
+// that is 0.17 R below the equator, on a noisy scan well below the first grain that overhangs. It does not depend on how
+// the scan is turned about the vertical axis, mirrored or shifted, and grows with its size. Where it leaves less than a
+// third of the scan's height it is warned of, where less than a twentieth refused; a trim that was given is kept.
+// Undercuts half as deep again are reported when they are larger than R^2 / 2500.
 #pragma once
 
 #include <cstdint>
@@ -37,6 +41,10 @@ struct ScanFindings {
   bool size_given = false;     // scaled to scan.size_mm; `unit` says nothing then
   UpAxis up = UpAxis::plus_z;  // as used
   bool up_guessed = false;
+  FrontSide front = FrontSide::plus_y;  // of the upright scan, turned to +y of the mold before the yaw
+  bool front_assumed = false;
+  bool mirrored = false;           // left and right swapped, as scan.mirror asked
+  int outliers_dropped = 0;        // vertices far from all others
   int components = 0;              // connected pieces in the file
   int components_dropped = 0;      // debris and inner skins
   bool turned_inside_out = false;  // the skin was inside out and has been turned
@@ -46,18 +54,19 @@ struct ScanFindings {
   Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();  // of the whole scan, upright, before trimming
   double trim_mm = 0;        // height above the scan's lowest point at which it was cut
   bool trim_chosen = false;  // by Vacuform, where undercuts would begin
+  int crumbs_dropped = 0;  // pieces that the cut left beside the mold, each below a thousandth of its volume
 };
 
 struct Mold {
   TriangleMesh mesh;                // watertight, oriented outwards, z >= 0
   Eigen::Vector3d top;              // the highest point; of several, the one nearest the axis
-  std::vector<Undercut> undercuts;  // of the mold as trimmed, deeper than 1.5 mm, deepest first
+  std::vector<Undercut> undercuts;  // of the mold as trimmed, those reported, deepest first
   ScanFindings findings;
   std::vector<Warning> warnings;
 };
 
 // Makes the mold. Pure: the same bytes and settings give the same mold. Its coordinates are those of mold.stl, exactly.
-// Warnings: up-guessed, large-hole, rebuilt, undercut. A tenth of a second of work for 27,000 triangles, two for a million.
+// Warnings: outliers, inside-out, up-guessed, large-hole, rebuilt, trim-discards, undercut. A tenth of a second of work for 27,000 triangles, two for a million.
 // `file_name` only helps messages and, where the bytes do not tell, the format (its extension).
 // Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,

@@ -1,6 +1,6 @@
 // PLY: a text header that declares elements and their properties, then rows in ASCII or in either byte order.
-// Only x, y, z of `vertex` and the list vertex_indices (or vertex_index) of `face` matter; everything else is
-// stepped over by its declared size. Turk 1994, "The PLY polygon file format".
+// Only x, y, z of `vertex` and the list vertex_indices (or vertex_index) of `face` and of `tristrips` matter; everything
+// else is stepped over by its declared size. In a strip -1 begins the next one. Turk 1994, "The PLY polygon file format".
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -43,7 +43,7 @@ std::uint64_t size_of(Kind kind) {
   return 8;
 }
 
-enum class Use { none, x, y, z, corners };
+enum class Use { none, x, y, z, corners, strip };
 
 struct Property {
   Kind kind = Kind::f32;
@@ -171,8 +171,10 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
       const auto name = take_word(line);
       if (element.name == "vertex" && !property.list)
         property.use = name == "x" ? Use::x : name == "y" ? Use::y : name == "z" ? Use::z : Use::none;
-      if (element.name == "face" && property.list && (name == "vertex_indices" || name == "vertex_index"))
-        property.use = Use::corners;
+      if (property.list && (name == "vertex_indices" || name == "vertex_index"))
+        property.use = element.name == "face"        ? Use::corners
+                       : element.name == "tristrips" ? Use::strip
+                                                     : Use::none;
       if (element.properties.size() == 1024)
         return corrupt("a PLY element declares more than 1024 properties", at());
       element.properties.push_back(property);
@@ -181,6 +183,16 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
     }
   }
   return corrupt("the PLY header has no end_header", where);
+}
+
+// Every other triangle of a strip runs the other way. Those that name a vertex twice only join two parts of it.
+void add_strip(const std::vector<double>& corners, std::vector<Triangle>& triangles) {
+  for (std::size_t k = 2; k < corners.size(); ++k) {
+    const int a = static_cast<int>(corners[k - 2]), b = static_cast<int>(corners[k - 1]),
+              c = static_cast<int>(corners[k]);
+    if (a == b || b == c || a == c) continue;
+    triangles.push_back(k % 2 == 0 ? Triangle{a, b, c} : Triangle{b, a, c});
+  }
 }
 
 }  // namespace
@@ -239,7 +251,7 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
         if (!(value >= 0) || value != std::floor(value) || value > static_cast<double>(values.remaining()))
           return corrupt("a list of the PLY file is longer than the file", at());
         const auto length = static_cast<std::uint64_t>(value);
-        if (p.use != Use::corners) {
+        if (p.use == Use::none) {
           if (!values.skip(p.kind, length)) return ended();
           continue;
         }
@@ -247,14 +259,23 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
         for (std::uint64_t k = 0; k < length; ++k) {
           double index = 0;
           if (!values.read(p.kind, index)) return ended();
+          if (p.use == Use::strip && index == -1) {
+            add_strip(corners, triangles);
+            corners.clear();
+            continue;
+          }
           if (!(index >= 0) || index != std::floor(index) ||
               index >= static_cast<double>(scan_limits.vertices))
             return corrupt("a face of the PLY file names a vertex that cannot be", at());
           largest = std::max(largest, index);
           corners.push_back(index);
+          if (triangles.size() + corners.size() > scan_limits.triangles + 2)
+            return too_many_triangles(triangles.size() + corners.size() - 2, where);
         }
-        if (triangles.size() + corners.size() > scan_limits.triangles + 2)
-          return too_many_triangles(triangles.size() + corners.size() - 2, where);
+        if (p.use == Use::strip) {
+          add_strip(corners, triangles);
+          continue;
+        }
         for (std::size_t k = 2; k < corners.size(); ++k)
           triangles.push_back(
               {static_cast<int>(corners[0]), static_cast<int>(corners[k - 1]), static_cast<int>(corners[k])});

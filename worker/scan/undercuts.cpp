@@ -9,7 +9,6 @@
 
 namespace vacuform {
 namespace {
-constexpr double least_height_mm = 0.2;
 constexpr double most_layers = 50;        // crossed by a ray on average; heads have two or three
 constexpr double most_crossings = 2.5e6;  // some 3 s; a head's have a quarter of a million
 
@@ -48,9 +47,9 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
   space.ceiling_ = box.high.z();
   space.spacing_ = spacing;
   // A ring of empty columns around, so that every depth has an open column to be measured from.
-  space.origin_ = box.low.head<2>() - Eigen::Vector2d::Constant(1.5 * spacing);
-  space.nx_ = static_cast<int>(std::ceil(box.size().x() / spacing)) + 3;
-  space.ny_ = static_cast<int>(std::ceil(box.size().y() / spacing)) + 3;
+  space.nx_ = 2 * static_cast<int>(std::ceil(box.size().x() / (2 * spacing)) + 1);
+  space.ny_ = 2 * static_cast<int>(std::ceil(box.size().y() / (2 * spacing)) + 1);
+  space.origin_ = box.centre().head<2>() - spacing / 2 * Eigen::Vector2d(space.nx_, space.ny_);
   const int columns = space.nx_ * space.ny_;
   space.top_.assign(static_cast<std::size_t>(columns), -HUGE_VAL);
 
@@ -60,11 +59,11 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
   for (int column = 0; column < columns; ++column) {
     if (column % 16384 == 0) VACUFORM_CHECK(progress.tick());
     const Eigen::Vector2d xy = space.place(column);
-    double z = box.high.z() + 1, opened = 0;
+    double z = box.high.z() + spacing, opened = 0;
     int inside = 0, last = -1;  // inside of how many overlapping pieces
     bool met = false;
     while (z > floor) {
-      const double reach = z - floor + 1;
+      const double reach = z - floor + spacing;
       const auto hit =
           space.caster_->first_hit(space.back_ * Eigen::Vector3d(xy.x(), xy.y(), z), reach * down);
       if (!hit) break;
@@ -75,13 +74,13 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
       const double up = -down.dot(area_vector(mesh, mesh.triangles[static_cast<std::size_t>(hit->triangle)]));
       if (up > 0 && inside++ == 0) {
         if (!met) space.top_[static_cast<std::size_t>(column)] = at;
-        if (met && opened - at > least_height_mm) space.spans_.push_back({column, at, opened});
+        if (met && opened - at > space.least_height()) space.spans_.push_back({column, at, opened});
         met = true;
       } else if (up < 0 && inside > 0 && --inside == 0) {
         opened = at;
       }
     }
-    if (met && inside == 0 && opened - floor > least_height_mm)
+    if (met && inside == 0 && opened - floor > space.least_height())
       space.spans_.push_back({column, floor, opened});
   }
   space.build_pyramid();
@@ -145,7 +144,7 @@ std::vector<CoveredSpace::Span> CoveredSpace::above(double floor) const {
   std::vector<Span> spans;
   for (Span span : spans_) {
     span.low = std::max(span.low, floor);
-    if (span.high - span.low > least_height_mm) spans.push_back(span);
+    if (span.high - span.low > least_height()) spans.push_back(span);
   }
   return spans;
 }
@@ -215,7 +214,7 @@ std::vector<Undercut> CoveredSpace::undercuts(double floor) const {
     int last_column = -1;
     for (const int i : pocket) {
       const auto& span = spans[static_cast<std::size_t>(i)];
-      const double depth = depth_at(span.column, span.low + least_height_mm / 2, HUGE_VAL);
+      const double depth = depth_at(span.column, span.low + least_height() / 2, HUGE_VAL);
       if (depth > undercut.depth_mm) {
         const Eigen::Vector2d xy = place(span.column);
         undercut.place = {xy.x(), xy.y(), span.low};
@@ -239,7 +238,7 @@ bool CoveredSpace::has_undercut(double floor, double depth, double area) const {
     if (static_cast<double>(pocket.size()) * spacing_ * spacing_ <= area) continue;
     for (const int i : pocket) {
       const auto& span = spans[static_cast<std::size_t>(i)];
-      if (depth_at(span.column, span.low + least_height_mm / 2, depth) <= depth) continue;
+      if (depth_at(span.column, span.low + least_height() / 2, depth) <= depth) continue;
       if (reaches_air(spans, pocket)) return true;
       break;
     }
@@ -250,7 +249,7 @@ bool CoveredSpace::has_undercut(double floor, double depth, double area) const {
 double CoveredSpace::lowest_cut(double depth, double area) const {
   if (!has_undercut(floor_, depth, area)) return floor_;
   double low = floor_, high = ceiling_;  // a higher cut leaves less of every pocket
-  while (high - low > 0.1) {
+  while (high - low > 0.02 * spacing_) {
     const double middle = (low + high) / 2;
     (has_undercut(middle, depth, area) ? low : high) = middle;
   }

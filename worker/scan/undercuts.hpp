@@ -20,7 +20,8 @@ namespace vacuform {
 // The columns of a closed, outwards oriented mesh, seen along some axis.
 class CoveredSpace {
  public:
-  // Casts the rays, `spacing` mm apart, down onto the mesh as `turn` turns it, which stands on z = floor.
+  // Casts the rays, `spacing` mm apart, down onto the mesh as `turn` turns it, which stands on z = floor. The middle
+  // of its bounding box lies halfway between rays, so that a mirrored mesh is measured alike.
   // `caster` is of the same mesh, unturned: one serves every turn. Heights, places and planes are those of
   // the turned mesh. Cost: columns times surfaces crossed; where the rays would cross more than 2.5 million they are
   // cast wider apart. Errors: cancelled; unusable_scan where fifty layers lie above each other on average.
@@ -34,11 +35,11 @@ class CoveredSpace {
   }
 
   // The pockets above the plane z = floor, as if the mesh were cut there; deepest first (ties: larger area,
-  // then order on the grid). Spans lower than 0.2 mm are left out.
+  // then order on the grid). Spans lower than two fifths of the spacing are left out.
   std::vector<Undercut> undercuts(double floor) const;
 
   // The lowest plane above which no undercut is deeper than `depth` and larger than `area` (seen from above),
-  // to 0.1 mm; the floor given to measure() when there is none. On a sphere of radius R that is sqrt(2 R
+  // to a fiftieth of the spacing; the floor given to measure() when there is none. On a sphere of radius R that is sqrt(2 R
   // depth - depth^2) below the equator.
   double lowest_cut(double depth, double area) const;
 
@@ -53,6 +54,7 @@ class CoveredSpace {
     double low, high;
   };
   Eigen::Vector2d place(int column) const;
+  double least_height() const { return 0.4 * spacing_; }
   struct Search;
   void build_pyramid();
   void search(Search& s, std::size_t level, int x, int y) const;

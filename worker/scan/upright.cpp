@@ -6,8 +6,10 @@
 #include <numbers>
 
 #include "worker/decimal.hpp"
+#include "worker/scan/placing.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/scan/undercuts.hpp"
+#include "worker/scan/wrapping.hpp"
 
 namespace vacuform {
 namespace {
@@ -56,6 +58,8 @@ double millimetres(Unit unit) {
   return 1;
 }
 
+bool usable_side(double mm) { return mm >= 10 && mm <= 4000; }
+
 Result<Unit> guess_unit(double longest_side, const std::string& where) {
   std::vector<Unit> fitting;
   std::string all, candidates;
@@ -71,20 +75,51 @@ Result<Unit> guess_unit(double longest_side, const std::string& where) {
   const std::string what =
       fitting.empty() ? "the scan's unit cannot be told: in none is its longest side 80 to 400 mm: " + all
                       : "the scan's unit cannot be told: its longest side is plausible in " + candidates;
+  // What is proposed must be accepted.
   Unit nearest = units.front();  // to a head's 200 mm, as a ratio
   for (const Unit unit : units)
     if (std::abs(std::log(longest_side * millimetres(unit) / 200)) <
         std::abs(std::log(longest_side * millimetres(nearest) / 200)))
       nearest = unit;
-  return fail(Code::ambiguous_units, what, where,
-              fitting.empty()
-                  ? "say how large it is, for example --set scan.size_mm=200 for its longest side, or "
-                    "its unit, for example --set scan.units=" +
-                        std::string(name(nearest))
-                  : "say which, for example --set scan.units=" + std::string(name(fitting.front())));
+  std::string fix = "say which, for example --set scan.units=";
+  if (!fitting.empty()) {
+    fix += name(fitting.front());
+  } else {
+    fix = "say how large it is, for example --set scan.size_mm=200 for its longest side";
+    if (usable_side(longest_side * millimetres(nearest)))
+      fix += ", or its unit, for example --set scan.units=" + std::string(name(nearest));
+  }
+  return fail(Code::ambiguous_units, what, where, fix);
 }
 
-Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress& progress) {
+namespace {
+
+// What the borders of an open skin tell: the area vectors of the faces that are missing.
+struct Borders {
+  std::size_t count = 0, edges = 0;
+  Eigen::Vector3d largest = Eigen::Vector3d::Zero();
+};
+
+Borders borders_of(const TriangleMesh& skin) {
+  Borders borders;
+  for (const auto& loop : border_loops(skin)) {
+    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
+      return skin.vertices[static_cast<std::size_t>(loop[i])];
+    };
+    Eigen::Vector3d area = Eigen::Vector3d::Zero();
+    for (std::size_t i = 2; i < loop.size(); ++i) area += (at(i - 1) - at(0)).cross(at(i) - at(0)) / 2;
+    ++borders.count;
+    borders.edges += loop.size();
+    if (area.norm() > borders.largest.norm()) borders.largest = area;
+  }
+  return borders;
+}
+
+Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const ScanProgress& progress);
+
+}  // namespace
+
+Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double total = 0;
   for (const auto& t : skin.triangles) {
@@ -92,17 +127,39 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress
     sum += a;
     total += a.norm();
   }
+  const Borders borders = borders_of(skin);
   // An opening that spans an angle of t from a sphere's middle leaves sin^2(t) / 4 of the area: 1.5 % at 14
-  // degrees.
-  if (sum.norm() > 0.015 * total) {
+  // degrees. Its missing face points against the sum, which many holes leave by chance.
+  const bool told = sum.norm() > 0.015 * total && -borders.largest.dot(sum) > 0.8 * sum.squaredNorm();
+  const bool broken = borders.count > 20 && 10 * borders.edges > skin.triangles.size();
+  if (told) {
     UpGuess best;
     double most = 0;
     for (const UpAxis axis : axes)
       if (const double along = direction(axis).dot(sum); along > most) most = along, best.axis = axis;
-    best.told = true;
+    best.told = !broken;
     best.why = "the scan is open on the other side";
     return best;
   }
+  if (broken) {
+    WrapBudget budget{25'000'000 + 1000 * static_cast<std::int64_t>(skin.triangles.size())};
+    const double size = bounds(skin).size().norm();
+    auto wrapped = wrap(skin, 0.04 * size, 0.001 * size, progress, budget);
+    if (!wrapped && wrapped.error().code == Code::cancelled) return tl::make_unexpected(wrapped.error());
+    if (wrapped) {
+      double area = 0;
+      for (const auto& t : wrapped->triangles) area += area_vector(*wrapped, t).norm();
+      VACUFORM_TRY(guess, guess_of_closed(*wrapped, area, progress));
+      guess.told = false;
+      return guess;
+    }
+  }
+  return guess_of_closed(skin, total, progress);
+}
+
+namespace {
+
+Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const ScanProgress& progress) {
   const Box box = bounds(skin);
   UpGuess best;
   double most = 0.02 * total;
@@ -125,7 +182,7 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress
   }
   // Coarse rays do: what decides are tens of millimetres on a head, and as much in proportion on anything
   // larger.
-  const double size = std::max(1.0, box.size().norm() / 300);
+  const double size = box.size().norm() / 250;
   const auto caster = std::make_shared<RayCaster>(skin);
   double highest = 0;
   for (const UpAxis axis : axes) {
@@ -138,13 +195,37 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress
     const double left = (lowest + height - cut) * space.domed_share(cut, 10 * size) * (usual ? 1.2 : 1.0);
     if (left > highest) highest = left, best.axis = axis;
   }
-  if (highest >= 20) {
+  if (highest >= 0.1 * box.size().maxCoeff()) {
     best.why = "most of the scan can be formed from there";
     return best;
   }
-  best.axis = y_up ? UpAxis::plus_y : UpAxis::plus_z;
-  best.why = y_up ? "its format has +y up" : "nothing in the scan tells";
+  best.axis = UpAxis::plus_z;
+  best.why = "nothing in the scan tells";
   return best;
+}
+
+}  // namespace
+
+Eigen::Matrix3d scan_turn(const ScanSettings& settings, UpAxis up) {
+  Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity(), front = mirror;
+  if (settings.mirror == Mirror::yes) mirror(0, 0) = -1;
+  switch (settings.front) {
+    case FrontSide::plus_x:
+      front << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+      break;
+    case FrontSide::minus_x:
+      front << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+      break;
+    case FrontSide::minus_y:
+      front << -1, 0, 0, 0, -1, 0, 0, 0, 1;
+      break;
+    case FrontSide::plus_y:
+    case FrontSide::automatic:
+      break;
+  }
+  return upright_turn(UpAxis::plus_z, 0, 0, settings.yaw_deg) * front *
+         upright_turn(UpAxis::plus_z, settings.roll_deg, settings.pitch_deg, 0) * mirror *
+         upright_turn(up, 0, 0, 0);
 }
 
 Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, double yaw_deg) {
@@ -174,7 +255,7 @@ Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, doubl
     if (degrees == 0) return Eigen::Matrix3d::Identity();
     return Eigen::AngleAxisd(degrees * radian, axis).toRotationMatrix();
   };
-  return about(yaw_deg, Eigen::Vector3d::UnitZ()) * about(pitch_deg, Eigen::Vector3d::UnitY()) *
+  return turn_about_z(yaw_deg * radian) * about(pitch_deg, Eigen::Vector3d::UnitY()) *
          about(roll_deg, Eigen::Vector3d::UnitX()) * turn;
 }
 

@@ -11,8 +11,11 @@ namespace vacuform {
 
 double millimetres(Unit unit);  // in one unit
 
+// Whether a scan may be that large: 10 to 4000 mm.
+bool usable_side(double mm);
+
 // The unit in which the longest side measures 80 to 400 mm. Error: ambiguous_units when none does or more
-// than one, naming the candidates, the sizes that they would give and the setting.
+// than one, naming the candidates, the sizes that they would give and a setting that is accepted.
 Result<Unit> guess_unit(double longest_side, const std::string& where);
 
 struct UpGuess {
@@ -28,12 +31,16 @@ struct UpGuess {
 // times the
 //    share of it that is a dome (a skull, not a face), with an advantage of a fifth for +z and +y, which
 //    exporters use;
-// 4. where no axis leaves a mold, +z, or +y where the format says so.
-// The last two are guesses. Error: cancelled.
-Result<UpGuess> guess_up(const TriangleMesh& skin, bool y_up, const ScanProgress& progress);
+// 4. where no axis leaves a mold, +z.
+// The last two are guesses, and so is all that a broken skin tells. An opening only tells where one border is most of it: the holes of a broken skin point
+// anywhere, and what is guessed of such a skin is guessed of a wrap around it. Error: cancelled.
+Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress);
 
 // The turn that brings `up` to +z: about the single axis that needs the least turn. Then roll, pitch and yaw
 // about the fixed axes x, y and z, in this order.
 Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, double yaw_deg);
+
+// All that the settings do to a scan whose up axis is known: up, mirrored in x = 0, roll, pitch, the front to +y, yaw.
+Eigen::Matrix3d scan_turn(const ScanSettings& settings, UpAxis up);
 
 }  // namespace vacuform

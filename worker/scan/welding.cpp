@@ -120,21 +120,23 @@ void drop_repeated_triangles(std::vector<Triangle>& triangles) {
 
 }  // namespace
 
-double robust_size(const TriangleMesh& mesh) {
-  if (mesh.vertices.empty()) return 0;
-  Eigen::Vector3d size;
+Box middle_box(const TriangleMesh& mesh) {
+  Box box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  if (mesh.vertices.empty()) return box;
   std::vector<double> values(mesh.vertices.size());
   const auto low = static_cast<std::ptrdiff_t>(values.size() / 50);
   const auto high = static_cast<std::ptrdiff_t>(values.size()) - 1 - low;
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = mesh.vertices[i][axis];
     std::nth_element(values.begin(), values.begin() + low, values.end());
-    const double smallest = values[static_cast<std::size_t>(low)];
+    box.low[axis] = values[static_cast<std::size_t>(low)];
     std::nth_element(values.begin(), values.begin() + high, values.end());
-    size[axis] = values[static_cast<std::size_t>(high)] - smallest;
+    box.high[axis] = values[static_cast<std::size_t>(high)];
   }
-  return size.norm();
+  return box;
 }
+
+double robust_size(const TriangleMesh& mesh) { return middle_box(mesh).size().norm(); }
 
 void weld(TriangleMesh& mesh, double tolerance) {
   auto stands_for = join_equal(mesh.vertices);

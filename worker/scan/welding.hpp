@@ -1,9 +1,13 @@
 // Welding: vertices at the same place become one, and triangles that this leaves without area are dropped.
 #pragma once
 
+#include "worker/scan/topology.hpp"
 #include "worker/scan/triangle_mesh.hpp"
 
 namespace vacuform {
+
+// The box that holds the middle 96 % of the vertices along each axis; of a mesh without any: zeros.
+Box middle_box(const TriangleMesh& mesh);
 
 // The diagonal of the box that holds the middle 96 % of the vertices along each axis: the size of what
 // matters, deaf to stray points.

@@ -1,0 +1,26 @@
+// Where a mold stands and how it is turned while it is measured, both independent of how the scan was turned about the
+// vertical axis.
+#pragma once
+
+#include "worker/scan/triangle_mesh.hpp"
+
+namespace vacuform {
+
+struct Circle {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double radius = 0;
+};
+
+// The smallest circle that holds all vertices seen from above. Found to 1e-12 of its radius by adding the farthest point
+// to the at most three that carry the circle, as in Welzl 1991, "Smallest enclosing disks". O(n) a round, few rounds.
+Circle enclosing_circle(const TriangleMesh& mesh);
+
+// Leaves heights exactly as they are.
+Eigen::Matrix3d turn_about_z(double radians);
+
+// The turn about z that brings the horizontal principal axes of the surface to x (the longer one) and y. A turned scan is
+// brought to the same place, a mirrored one to the mirror image in x = 0 or y = 0. Of the two turns that do so the one
+// with more of the surface far out on the side of +x. Arbitrary, but repeatable, where both axes are equally long.
+Eigen::Matrix3d principal_turn(const TriangleMesh& mesh);
+
+}  // namespace vacuform

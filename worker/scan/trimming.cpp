@@ -1,0 +1,128 @@
+#include "worker/scan/trimming.hpp"
+
+#include <cctype>
+#include <cmath>
+#include <memory>
+
+#include "worker/decimal.hpp"
+#include "worker/scan/placing.hpp"
+#include "worker/scan/topology.hpp"
+#include "worker/scan/undercuts.hpp"
+#include "worker/scan/upright.hpp"
+
+namespace vacuform {
+namespace {
+
+// Of the radius of the smallest circle around the scan seen from above, so that a scan of twice the size is trimmed at
+// twice the height: what a part gives when it is lifted off grows with it.
+constexpr double spacing_share = 1.0 / 250;  // 200,000 rays on a head
+constexpr double depth_share = 1.0 / 70;     // shallower undercuts are noise, or give way
+constexpr double area_share = 1.0 / 300;     // of the radius squared: smaller ones do not set the trim
+constexpr double reported_depth_share =
+    1.5 / 70;  // shallower ones lie within the grid of what the trim allows
+constexpr double reported_area_share = 1.0 / 2500;  // smaller ones are a ray between two facets
+
+constexpr double least_kept = 0.05;     // of the height: less is refused
+constexpr double usual_kept = 1.0 / 3;  // heads with face and neck keep two fifths
+constexpr double wanted_kept = 0.4;     // another axis is proposed when it keeps this much
+
+std::string mm(double value) { return decimal(value, 1) + " mm"; }
+std::string percent(double share) { return decimal(100 * share, 0) + " %"; }
+
+struct Limits {
+  double spacing, depth, area, reported_depth, reported_area;
+};
+Limits limits_of(double radius) {
+  const double square = radius * radius;
+  return {spacing_share * radius, depth_share * radius, area_share * square, reported_depth_share * radius,
+          reported_area_share * square};
+}
+
+struct OtherUp {
+  UpAxis axis;
+  double kept;  // share of the height
+};
+
+// The axis from which most of the height is left, when that is enough to be worth a proposal.
+Result<std::optional<OtherUp>> better_up(const TriangleMesh& closed, const ScanSettings& settings,
+                                         UpAxis used, const Eigen::Matrix3d& from_file,
+                                         const ScanProgress& progress) {
+  std::optional<OtherUp> best;
+  const auto caster = std::make_shared<RayCaster>(closed);
+  for (const UpAxis axis :
+       {UpAxis::plus_z, UpAxis::plus_y, UpAxis::minus_z, UpAxis::minus_y, UpAxis::plus_x, UpAxis::minus_x}) {
+    if (axis == used) continue;
+    const Eigen::Matrix3d turn = scan_turn(settings, axis) * from_file.transpose();
+    TriangleMesh turned = closed;
+    for (auto& p : turned.vertices) p = turn * p;
+    const Box box = bounds(turned);
+    const Limits limits = limits_of(enclosing_circle(turned).radius);
+    VACUFORM_TRY(space, CoveredSpace::measure(closed, caster, turn, box.low.z(), limits.spacing, progress));
+    const double kept =
+        (box.high.z() - space.lowest_cut(limits.depth, limits.area)) / (box.high.z() - box.low.z());
+    if (kept >= wanted_kept && (!best || kept > best->kept)) best = OtherUp{axis, kept};
+  }
+  return best;
+}
+
+// A trim in the middle, in whole millimetres where that is fine enough: it always leaves a mold.
+std::string half_of(double height) { return decimal(height / 2, height < 20 ? 1 : 0); }
+
+}  // namespace
+
+Result<Trim> choose_trim(const TriangleMesh& closed, const ScanSettings& settings,
+                         const ScanFindings& findings, const Eigen::Matrix3d& from_file,
+                         const std::string& file_name, const ScanProgress& progress) {
+  const double height = bounds(closed).high.z();
+  if (settings.trim_mm && *settings.trim_mm > height - std::min(1.0, least_kept * height))
+    return fail(
+        Code::unusable_scan,
+        "the scan is " + mm(height) + " high and trimming it at " + mm(*settings.trim_mm) + " leaves nothing",
+        "scan.trim_mm", "give a smaller height, for example --set scan.trim_mm=" + half_of(height));
+  const Limits limits = limits_of(enclosing_circle(closed).radius);
+  VACUFORM_TRY(space, CoveredSpace::measure(closed, 0, limits.spacing, progress));
+  Trim trim;
+  trim.height_mm = settings.trim_mm ? *settings.trim_mm : space.lowest_cut(limits.depth, limits.area);
+  const double kept = (height - trim.height_mm) / height;
+  if (!settings.trim_mm && kept < usual_kept) {
+    std::optional<OtherUp> other;
+    if (findings.holes_capped == 0) {  // else the opening tells which way is up
+      VACUFORM_TRY(found, better_up(closed, settings, findings.up, from_file, progress));
+      other = found;
+    }
+    const std::string turn_it =
+        other ? "turn the scan, for example --set scan.up=" + std::string(name(other->axis)) + " keeps " +
+                    percent(other->kept) + " of its height, or "
+              : "";
+    const std::string cut_it =
+        "accept undercuts by giving the trim, for example --set scan.trim_mm=" + half_of(height);
+    if (kept < least_kept)
+      return fail(Code::unusable_scan,
+                  "undercuts begin " + mm(trim.height_mm) + " above the scan's lowest point, and only " +
+                      mm(height - trim.height_mm) + " of its " + mm(height) + " would remain as a mold",
+                  file_name, turn_it + cut_it);
+    const auto below = space.undercuts(std::max(0.0, trim.height_mm - limits.spacing));
+    const auto all = space.undercuts(0);
+    Warning warning{"trim-discards",
+                    "The automatic trim cuts " + mm(trim.height_mm) + " of the scan's " + mm(height) +
+                        " off and keeps " + percent(kept) + " of its height, because undercuts begin there" +
+                        (all.empty() ? "" : "; the deepest reaches " + mm(all.front().depth_mm))};
+    if (!below.empty()) {
+      const auto& u = below.front();
+      warning.marks.push_back({{u.place.x(), u.place.y(), 0}, u.depth_mm});
+    }
+    warning.figure = Warning::Figure{100 * (1 - kept), "%", 100 * (1 - usual_kept)};
+    std::string fix = turn_it + cut_it;
+    fix.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(fix.front())));
+    warning.fix = fix + ".";
+    trim.warning = std::move(warning);
+  }
+  for (Undercut u : space.undercuts(trim.height_mm)) {
+    if (u.depth_mm <= limits.reported_depth || u.area_mm2 <= limits.reported_area) continue;
+    u.place.z() = std::max(0.0, u.place.z() - trim.height_mm);
+    trim.undercuts.push_back(u);
+  }
+  return trim;
+}
+
+}  // namespace vacuform
