@@ -176,6 +176,7 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   EXPECT_EQ(r["pattern"]["size_mm"], (nlohmann::json{60.0, 50.0}));
   EXPECT_NEAR(r["pattern"]["ink_area_mm2"].get<double>(), 2 * M_PI * 20 * 3, 0.5);
   EXPECT_EQ(r["pattern"]["ink_printed"], 1.0);
+  EXPECT_EQ(r["pattern"]["ink_on_head"], 1.0);
   EXPECT_EQ(r["print"]["size_pixels"], (nlohmann::json{1182, 1182}));
   // The dome's own figures: on the meridian 1.197, around it falling to 0.844 at its foot.
   const auto& figures = r["figures"];
@@ -199,9 +200,13 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   EXPECT_NEAR(r["thickness"]["least_ratio"].get<double>(),
               *std::min_element(thickness.begin(), thickness.end()), 1e-4);
   EXPECT_EQ(r["warnings"].dump(),
-            R"([{"stage":"scan","code":"undercut","text":"There is an undercut.",)"
+            R"([{"stage":"scan","code":"undercut","severity":"warning","what":"There is an undercut.",)"
+            R"("place":"x = 1.0, y = 2.0, z = 3.0 mm","figure":null,)"
+            R"("fix":"Trim the mold above the undercut (scan.trim_mm), or turn the scan.",)"
             R"("marks":[{"place_mm":[1.0,2.0,3.0],"size_mm":5.0}]},)"
-            R"({"stage":"printing","code":"ink-off-chart","text":"5 % is lost.","marks":[]}])");
+            R"({"stage":"printing","code":"ink-off-chart","severity":"serious","what":"5 % is lost.",)"
+            R"("place":"the drawing","figure":null,)"
+            R"("fix":"Move or scale the drawing (pattern.offset_mm, pattern.scale).","marks":[]}])");
   EXPECT_EQ(r["vents"].dump(), R"([{"place_mm":[1.5,-2.0,40.0],"diameter_mm":1.0}])");
   std::size_t listed = 0;
   for (const auto& kind : artifact_kinds)
