@@ -21,7 +21,8 @@ class ServerApi : public ServerTest {
   }
   json show(const std::string& id) { return json::parse(ask("GET", "/api/v1/jobs/" + id).body); }
   json lease() {
-    return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test","protocol":2})").body);
+    return json::parse(
+        ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test","protocol":2})").body);
   }
   Answer worker(const std::string& method, const json& lease, const std::string& path,
                 const std::string& body = "{}") {
@@ -86,7 +87,7 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   job = show(id);
   EXPECT_EQ(job["state"], "succeeded");
   EXPECT_EQ(job["progress"], 1);
-  ASSERT_EQ(job["artifacts"].size(), 18u);
+  ASSERT_EQ(job["artifacts"].size(), 19u);
   EXPECT_EQ(job["artifacts"][0]["name"], "print.png");
   EXPECT_EQ(job["artifacts"][0]["bytes"], 200'000);
   const Answer zip = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip"),
@@ -116,10 +117,12 @@ TEST_F(ServerApi, TheRequestThatMadeAJobIsKnownToItsWorker) {
 }
 
 TEST_F(ServerApi, AWorkerOfAnotherProtocolGetsNoJob) {
-  const json made = json::parse(
-      ask("POST", "/api/v1/jobs", form_type,
-          part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n").body);
-  for (const char* body : {"{}", R"({"protocol":1})", R"({"protocol":3,"version":"9.9 <b>"})", R"({"protocol":"2"})"}) {
+  const json made =
+      json::parse(ask("POST", "/api/v1/jobs", form_type,
+                      part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n")
+                      .body);
+  for (const char* body :
+       {"{}", R"({"protocol":1})", R"({"protocol":3,"version":"9.9 <b>"})", R"({"protocol":"2"})"}) {
     const auto refused = ask("POST", "/api/v1/leases", worker_headers(), body);
     EXPECT_EQ(refused.status, 409) << body;
     EXPECT_EQ(json::parse(refused.body)["where"], "protocol");
@@ -129,7 +132,8 @@ TEST_F(ServerApi, AWorkerOfAnotherProtocolGetsNoJob) {
 }
 
 TEST_F(ServerApi, SaysItsLimitsAndWhatKeepsJobsIn) {
-  const std::string ask_for_job = R"({"worker":"w1","protocol":2,"sandbox":["seccomp","namespaces","magic"]})";
+  const std::string ask_for_job =
+      R"({"worker":"w1","protocol":2,"sandbox":["seccomp","namespaces","magic"]})";
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), ask_for_job).status, 204);
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"w2","protocol":2})").status, 204);
   for (const char* wrong : {R"({"worker":5})", R"({"sandbox":"seccomp"})", R"({"sandbox":[7]})"})

@@ -106,6 +106,7 @@ std::string report_html(const ReportJson& report, const std::vector<Artifact>& f
   out += key_figures_section(report);
   out += pictures("Drawing, print and part", files,
                   {"preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png"});
+  out += pictures("The print on the head", files, {"preview-views.png"});
   out += warnings_section(report);
   out += pictures("Segments", files, {"preview-segments.png"});
   out += segments_section(report);
