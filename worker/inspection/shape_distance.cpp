@@ -1,5 +1,6 @@
 #include "worker/inspection/shape_distance.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -36,8 +37,11 @@ Line evenly(const Line& line, int count) {
   return out;
 }
 
-Vector2d nearest(const Line& line, const Vector2d& p) {
-  Vector2d best = line.front();
+struct Nearest {
+  Vector2d point, along;  // `along` the line there
+};
+Nearest nearest(const Line& line, const Vector2d& p) {
+  Nearest best{line.front(), {1, 0}};
   double least = INFINITY;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const Vector2d& a = line[i];
@@ -45,14 +49,14 @@ Vector2d nearest(const Line& line, const Vector2d& p) {
     const double square = along.squaredNorm();
     const double f = square > 0 ? std::clamp((p - a).dot(along) / square, 0.0, 1.0) : 0;
     const Vector2d q = a + f * along;
-    if (const double d = (p - q).squaredNorm(); d < least) least = d, best = q;
+    if (const double d = (p - q).squaredNorm(); d < least) least = d, best = {q, along};
   }
   return best;
 }
 
 double farthest(const Line& from, const Line& to) {
   double most = 0;
-  for (const Vector2d& p : from) most = std::max(most, (nearest(to, p) - p).norm());
+  for (const Vector2d& p : from) most = std::max(most, (nearest(to, p).point - p).norm());
   return most;
 }
 
@@ -96,6 +100,27 @@ Line lambert(Line polar, double curvature) {
   return polar;
 }
 
+// One step of Gauss and Newton's method for the distances to the line, each along its own direction (Chen and Medioni
+// 1992). Of a circle no rotation is better than another: it is held by a small weight.
+Motion closer(const Line& points, const Line& line) {
+  const Vector2d centre = middle(points);
+  double radius = 0;
+  for (const Vector2d& p : points) radius += (p - centre).norm() / static_cast<double>(points.size());
+  Eigen::Matrix3d normal = Eigen::Vector3d(1e-4 * static_cast<double>(points.size()), 0, 0).asDiagonal();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Vector2d& p : points) {
+    const Nearest on = nearest(line, p);
+    const Vector2d off = p - on.point, across = Vector2d(-on.along.y(), on.along.x()).normalized();
+    const double distance = off.norm();
+    const Vector2d n = distance > 1e-9 ? Vector2d(off / distance) : across, arm = (p - centre) / radius;
+    const Eigen::Vector3d row(arm.x() * n.y() - arm.y() * n.x(), n.x(), n.y());
+    normal += row * row.transpose();
+    right -= distance * row;
+  }
+  const Eigen::Vector3d step = normal.completeOrthogonalDecomposition().solve(right);
+  return Motion(std::polar(1.0, step[0] / radius), centre, centre + step.tail<2>());
+}
+
 }  // namespace
 
 ShapeDistance shape_distance(const Line& made, const Line& drawn) {
@@ -110,13 +135,9 @@ ShapeDistance shape_distance(const Line& made, const Line& drawn) {
       best = shift, best_fit = f;
   const auto move = [&](const Motion& motion) { motion.move(few), motion.move(moved); };
   move(Motion(fit(few, wanted, best), middle(few), middle(wanted)));
-  for (int round = 0; round < rounds; ++round) {
-    Line targets;
-    for (const Vector2d& p : few) targets.push_back(nearest(drawn, p));
-    move(Motion(fit(few, targets, 0), middle(few), middle(targets)));
-  }
+  for (int round = 0; round < rounds; ++round) move(closer(few, drawn));
   ShapeDistance out;
-  for (const Vector2d& p : few) out.mean_mm += (nearest(drawn, p) - p).norm() / samples;
+  for (const Vector2d& p : few) out.mean_mm += (nearest(drawn, p).point - p).norm() / samples;
   out.largest_mm = std::max(farthest(moved, drawn), farthest(drawn, moved));
   return out;
 }
