@@ -438,8 +438,8 @@ TEST_P(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   const Job found = job(id);
   ASSERT_EQ(found.artifacts.size(), 19u);
   EXPECT_EQ(found.artifacts[0].name, "print.png");  // the order of api/job.hpp
-  EXPECT_EQ(found.artifacts[16].name, "report.json");
-  EXPECT_EQ(bytes_of(found.artifacts[16].blob), "second");
+  EXPECT_EQ(found.artifacts[17].name, "report.json");
+  EXPECT_EQ(bytes_of(found.artifacts[17].blob), "second");
   EXPECT_EQ(blobs().count(text_hash("first")), 0u);
 }
 
