@@ -309,8 +309,10 @@ Result<void> WorkerClient::upload(const Lease& lease, const std::string& artifac
   return {};
 }
 
-Result<void> WorkerClient::complete(const Lease& lease) {
-  VACUFORM_CHECK(call(lease, "POST", "/complete", "{}"));
+Result<void> WorkerClient::complete(const Lease& lease, std::optional<int> serious_warnings) {
+  json body = json::object();
+  if (serious_warnings) body["serious_warnings"] = *serious_warnings;
+  VACUFORM_CHECK(call(lease, "POST", "/complete", written(body)));
   return {};
 }
 

@@ -78,7 +78,8 @@ struct Lease {
   std::string settings;                // JSON text
   std::string request;                 // the id of the request that made the job, for the log; may be empty
   std::vector<LeasedInput> inputs;     // in the order of input_kinds, with all that the kind of job needs
-  std::string keep;  // a key for what may be kept for other jobs of the same owner and scan; empty: keep nothing
+  std::string
+      keep;  // a key for what may be kept for other jobs of the same owner and scan; empty: keep nothing
   // Whether this program understands all that the job needs. If not, only `job`, `token` and `request` are certain, and the
   // job is to be released.
   bool understood = true;
@@ -100,7 +101,7 @@ class WorkerClient {
   // The first `bytes` bytes of an open file.
   Result<void> upload(const Lease& lease, const std::string& artifact, int file, std::uint64_t bytes,
                       const Going& going);
-  Result<void> complete(const Lease& lease);
+  Result<void> complete(const Lease& lease, std::optional<int> serious_warnings = {});
   Result<void> fail(const Lease& lease, const Error& error, Retry retry);
   // Lines for the job's log, of which the first has this number within the attempt.
   Result<void> log(const Lease& lease, std::size_t first, const std::vector<std::string>& lines,

@@ -59,7 +59,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs that have something to show make it
 };
-inline constexpr std::array<ArtifactKind, 21> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 22> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -67,6 +67,8 @@ inline constexpr std::array<ArtifactKind, 21> artifact_kinds{{
     {"preview-print.png", "image/png", "The pre-distorted print on the flat sheet"},
     {"preview-without.png", "image/png", "Formed part with the plain pattern"},
     {"preview-with.png", "image/png", "Formed part with the pre-distorted print"},
+    {"preview-views.png", "image/png",
+     "The print on the head from the front, the back, both sides and above"},
     {"preview-anisotropy.png", "image/png", "Heat map: change of shape that the print makes good"},
     {"preview-area.png", "image/png", "Heat map: change of area that the print makes good"},
     {"preview-thickness.png", "image/png", "Heat map: thickness of the formed sheet"},

@@ -28,6 +28,7 @@ enum class FlatteningMethod { arap, symmetric_dirichlet, lscm, cgal_arap, bfs };
 enum class FlatteningWeights { uniform, ink, center, painted };
 enum class PatternPlacement { automatic, elements, chart, segments };
 enum class InkedFace { outer, inner };
+enum class Background { white, transparent };
 
 struct ScanSettings {
   Unit units = Unit::automatic;
@@ -133,8 +134,9 @@ struct CoilSettings {
 struct PrintSettings {
   int dpi = 300;
   bool marks = true;
-  double margin_mm = 3;         // free of marks along the sheet's edge
-  bool compensate_ink = false;  // more ink where the sheet stretches more; shades of gray only
+  double margin_mm = 3;                       // free of marks along the sheet's edge
+  bool compensate_ink = false;                // more ink where the sheet stretches more; shades of gray only
+  Background background = Background::white;  // of print.png where the drawing has colours
 };
 
 struct Settings {

@@ -27,6 +27,7 @@ inline constexpr std::array<std::string_view, 5> method_names{"arap", "symmetric
 inline constexpr std::array<std::string_view, 4> weights_names{"uniform", "ink", "center", "painted"};
 inline constexpr std::array<std::string_view, 4> placement_names{"auto", "elements", "chart", "segments"};
 inline constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
+inline constexpr std::array<std::string_view, 2> background_names{"white", "transparent"};
 
 inline std::span<const std::string_view> names_of(Unit) { return unit_names; }
 inline std::span<const std::string_view> names_of(UpAxis) { return up_names; }
@@ -42,6 +43,7 @@ inline std::span<const std::string_view> names_of(FlatteningMethod) { return met
 inline std::span<const std::string_view> names_of(FlatteningWeights) { return weights_names; }
 inline std::span<const std::string_view> names_of(PatternPlacement) { return placement_names; }
 inline std::span<const std::string_view> names_of(InkedFace) { return face_names; }
+inline std::span<const std::string_view> names_of(Background) { return background_names; }
 
 template <class E>
 std::string_view name_of(E value) {
@@ -199,6 +201,8 @@ void describe(S& s, V& v) {
   v.field("margin_mm", s.print.margin_mm, {0, 50, "mm"}, "Free of marks along the sheet's edge");
   v.field("compensate_ink", s.print.compensate_ink,
           "More ink where the sheet stretches more; pictures in shades of gray only");
+  v.field("background", s.print.background,
+          "What print.png has where there is no ink; a drawing in shades of gray is always on white");
 }
 
 }  // namespace vacuform

@@ -86,6 +86,7 @@ ordered_json job_json(const Job& job, Detail detail) {
   all["started"] = time_or_null(job.started);
   all["ended"] = time_or_null(job.ended);
   all["not_before"] = time_or_null(job.not_before);
+  all["serious_warnings"] = job.serious_warnings ? ordered_json(*job.serious_warnings) : ordered_json();
   all["problem"] = job.error ? problem_json(*job.error) : ordered_json();
   if (detail == Detail::brief) return all;
   all["settings"] = ordered_json::parse(job.settings);

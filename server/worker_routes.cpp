@@ -78,9 +78,8 @@ Result<Response> take_lease(Service& service, Request& request) {
   if (protocol == body.end() || *protocol != json(worker_protocol)) {
     // Only numbers and letters: the text is a stranger's.
     stated.resize(std::min<std::size_t>(stated.size(), 20));
-    std::erase_if(stated, [](char c) {
-      return c != '.' && c != '-' && (c < '0' || c > '9') && (c < 'a' || c > 'z');
-    });
+    std::erase_if(
+        stated, [](char c) { return c != '.' && c != '-' && (c < '0' || c > '9') && (c < 'a' || c > 'z'); });
     log_event("worker-refused", {{"worker", worker}, {"version", stated}});
     return fail(Code::conflict,
                 "this server (" + std::string(version) + ") speaks protocol " +
@@ -177,6 +176,23 @@ Response ended_as(const char* event, const Job& job) {
   return json_response({{"state", name(job.state)}});
 }
 
+// None where the worker does not say.
+Result<std::optional<int>> serious_warnings_of(const json& object) {
+  constexpr std::uint64_t most = 1000;
+  const auto it = object.find("serious_warnings");
+  if (it == object.end()) return std::optional<int>();
+  if (!it->is_number_unsigned() || it->get<std::uint64_t>() > most)
+    return wrong_type("serious_warnings", "a number from 0 to 1000");
+  return std::optional(it->get<int>());
+}
+
+Result<Response> complete_job(Service& service, Request& request) {
+  VACUFORM_TRY(body, read_object(request, largest_message));
+  VACUFORM_TRY(serious, serious_warnings_of(body));
+  VACUFORM_TRY(job, service.store.complete(key_of(request), serious));
+  return ended_as("job-completed", job);
+}
+
 Result<Response> fail_job(Service& service, Request& request) {
   VACUFORM_TRY(body, read_object(request, largest_message));
   VACUFORM_TRY(slug, text_of(body, "code"));
@@ -200,8 +216,9 @@ Result<Response> fail_job(Service& service, Request& request) {
 void add_worker_routes(http::Router& router, Service& service) {
   const auto add = [&](const char* method, const std::string& tail, auto route,
                        std::uint64_t most_body = http::small_body) {
-    add_guarded(router, service, Scope::work, method, "/api/v1/leases" + tail,
-                [route](Service& s, Request& request, const Caller&) { return route(s, request); }, most_body);
+    add_guarded(
+        router, service, Scope::work, method, "/api/v1/leases" + tail,
+        [route](Service& s, Request& request, const Caller&) { return route(s, request); }, most_body);
   };
   const auto add_end = [&](const std::string& tail, const char* event, auto change) {
     add("POST", "/{job}/" + tail, [event, change](Service& s, Request& request) -> Result<Response> {
@@ -215,7 +232,7 @@ void add_worker_routes(http::Router& router, Service& service) {
   add("POST", "/{job}/log", add_log);
   add("PUT", "/{job}/artifacts/{name}", put_artifact, largest_artifact);
   add("POST", "/{job}/fail", fail_job);
-  add_end("complete", "job-completed", &Store::complete);
+  add("POST", "/{job}/complete", complete_job);
   add_end("cancelled", "job-cancelled", &Store::cancelled);
   add_end("release", "job-released", &Store::release);
 }

@@ -10,6 +10,7 @@ namespace vacuform {
 namespace {
 
 constexpr std::size_t most_lines = 200, most_codes = 50, longest_code = 40;
+constexpr int most_serious = 1000;  // that the server takes
 constexpr std::uint64_t largest_report = 4 << 20;
 
 bool is_code(const std::string& text) {
@@ -38,20 +39,25 @@ Result<void> JobLog::send(WorkerClient& client, const Lease& lease, const Going&
   return {};
 }
 
-std::vector<std::string> warning_codes(const JobFile& report) {
+ReportedWarnings reported_warnings(const JobFile& report) {
   if (report.bytes > largest_report) return {};
   std::string text(report.bytes, '\0');
   const ssize_t size = ::pread(report.descriptor.number(), text.data(), text.size(), 0);
   const auto object = nlohmann::json::parse(
       text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(size, 0))), nullptr, false);
-  std::vector<std::string> codes;
-  if (!object.is_object() || !object.contains("warnings") || !object["warnings"].is_array()) return codes;
+  ReportedWarnings found;
+  if (!object.is_object() || !object.contains("warnings") || !object["warnings"].is_array()) return found;
+  found.serious = 0;
   for (const auto& warning : object["warnings"]) {
-    if (!warning.is_object() || !warning.contains("code") || !warning["code"].is_string()) continue;
-    if (const auto code = warning["code"].get<std::string>(); is_code(code) && codes.size() < most_codes)
-      codes.push_back(code);
+    if (!warning.is_object()) continue;
+    if (warning.value("severity", nlohmann::json()) == "serious" && *found.serious < most_serious)
+      ++*found.serious;
+    if (!warning.contains("code") || !warning["code"].is_string()) continue;
+    if (const auto code = warning["code"].get<std::string>();
+        is_code(code) && found.codes.size() < most_codes)
+      found.codes.push_back(code);
   }
-  return codes;
+  return found;
 }
 
 }  // namespace vacuform

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,11 @@ class JobLog {
   std::size_t sent_ = 0;
 };
 
-// The codes of the warnings in a report.json, which the child wrote and which may be anything; none when it is no report.
-std::vector<std::string> warning_codes(const JobFile& report);
+// The warnings in a report.json or findings.json, which the child wrote and which may be anything.
+struct ReportedWarnings {
+  std::vector<std::string> codes;  // those that look like codes, at most 50
+  std::optional<int> serious;      // how many of all; none when it is no report
+};
+ReportedWarnings reported_warnings(const JobFile& report);
 
 }  // namespace vacuform

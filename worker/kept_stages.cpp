@@ -25,7 +25,7 @@ void fields(A& a, Warning::Figure& f) {
 }
 template <class A>
 void fields(A& a, Warning& w) {
-  a(w.code, w.text, w.marks, w.figure, w.fix);
+  a(w.code, w.text, w.marks, w.figure, w.fix, w.place);
 }
 template <class A>
 void fields(A& a, Undercut& u) {

@@ -149,11 +149,11 @@ class LeasedJob {
         VACUFORM_CHECK(persist(
             [&] { return client_.upload(lease_, name, file->descriptor.number(), file->bytes, alive); }));
     }
-    VACUFORM_TRY(report, left("report.json"));
-    if (report)
-      for (const std::string& code : warning_codes(*report)) log_.say("warning " + code);
+    VACUFORM_TRY(report, left(lease_.kind == JobKind::print ? "report.json" : "findings.json"));
+    const ReportedWarnings warnings = report ? reported_warnings(*report) : ReportedWarnings{};
+    for (const std::string& code : warnings.codes) log_.say("warning " + code);
     VACUFORM_CHECK(persist([&] { return log_.send(client_, lease_, alive); }));
-    const auto completed = persist([&] { return client_.complete(lease_); });
+    const auto completed = persist([&] { return client_.complete(lease_, warnings.serious); });
     if (!completed && completed.error().code == Code::conflict)  // artifacts are missing
       return fail(Code::internal, completed.error().what, "", "report it with the job's id");
     return completed;

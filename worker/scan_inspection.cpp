@@ -7,6 +7,7 @@
 #include "worker/artifact_files.hpp"
 #include "worker/scan/findings_json.hpp"
 #include "worker/scan/plug.hpp"
+#include "worker/warning_json.hpp"
 
 namespace vacuform {
 
@@ -55,8 +56,7 @@ Json findings_json(const Inputs& inputs, const ScanInspection& inspection) {
                       {"where", misfit->where},
                       {"mend", misfit->mend}};
   for (const Warning& warning : inspection.mold.warnings)
-    all["warnings"].push_back(
-        {{"code", warning.code}, {"text", warning.text}, {"marks", marks_json(warning)}});
+    all["warnings"].push_back(warning_json(Stage::scan, warning));
   return all;
 }
 

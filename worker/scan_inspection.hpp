@@ -23,7 +23,7 @@ struct ScanInspection {
 // A mold that does not fit is no error. Errors: those of mold_of().
 Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context);
 
-// findings.json: scan and mold as in report.json, "fits" with its "problem", "warnings".
+// findings.json: scan and mold as in report.json, "fits" with its "problem", "warnings" (warning_json.hpp).
 nlohmann::ordered_json findings_json(const Inputs& inputs, const ScanInspection& inspection);
 
 // Writes the artifacts of an inspection: preview-findings.png, mold.stl and findings.json. Errors: cancelled, unreadable

@@ -15,6 +15,10 @@ enum class Severity {
   warning,  // look at the place before printing
   serious   // do not print before this is settled
 };
+constexpr std::string_view name(Severity severity) {
+  constexpr std::array<std::string_view, 3> names{"note", "warning", "serious"};
+  return names[static_cast<std::size_t>(severity)];
+}
 
 // One row for each code; docs/reference/warnings.md lists them all.
 struct WarningKind {
@@ -42,7 +46,8 @@ struct Warning {
     std::optional<double> limit = {};
   };
   std::optional<Figure> figure = {};
-  std::string fix = {};  // instead of its kind's
+  std::string fix = {};    // instead of its kind's
+  std::string place = {};  // in words: "coil-3 and coil-4"; where it is empty the marks say it
 
   Severity severity() const { return warning_kind(code).severity; }
   std::string what_to_do() const { return fix.empty() ? std::string(warning_kind(code).fix) : fix; }

@@ -154,7 +154,8 @@ std::string recent_html(const std::vector<Job>& recent) {
     html += "<tr><td><time datetime=\"" + time + "\">" + shown + "</time></td><td><a href=\"/jobs/" +
             escaped(job.id) + "\"><code>" + escaped(job.id) + "</code></a>" +
             (job.kind == JobKind::inspection ? ", inspection" : "") + "</td><td><span class=\"state " +
-            std::string(name(job.state)) + "\">" + std::string(name(job.state)) + "</span>";
+            std::string(name(job.state)) + "\">" + std::string(name(job.state)) + "</span>" +
+            serious_html(job);
     if (job.state == JobState::running)
       html += " " + std::to_string(static_cast<int>(100 * whole_progress(job))) + " %";
     html += "</td></tr>\n";

@@ -26,11 +26,23 @@ std::string progress_html(const Job& job) {
          escaped(job.id) + "/events\">" + std::to_string(percent) + " %</progress>\n";
 }
 
+// "6 of 19 coils and 41 % of the drawing's ink lie on the head."
+std::string on_head_html(const json& report) {
+  const json &coils = at(report, {"coils"}), &ink = at(report, {"pattern", "ink_on_head"});
+  if (!ink.is_number()) return "";
+  const std::string share = number(100 * ink.get<double>(), 1) + " % of the drawing's ink";
+  if (!coils.is_array() || coils.empty()) return "<p>" + share + " lies on the head.</p>\n";
+  const json& on_head = at(report, {"figures", "with", "coils", "on_head"});
+  return "<p>" + (on_head.is_number() ? number(on_head, 0) : std::string("0")) + " of " +
+         std::to_string(coils.size()) + " coils and " + share + " lie on the head.</p>\n";
+}
+
 std::string figures_html(const json& report) {
   const json& figures = at(report, {"figures"});
   if (!figures.is_object()) return "";
   std::string html =
-      "<h2>Figures</h2>\n<div class=\"wide\"><table>\n<caption>Distortion of the pattern on the formed part, "
+      "<h2>Figures</h2>\n" + on_head_html(report) +
+      "<div class=\"wide\"><table>\n<caption>Distortion of the pattern on the formed part, "
       "over the inked "
       "surface; "
       "1 is none</caption>\n<thead><tr><th scope=\"col\">Figure</th><th scope=\"col\">Print</th>"
@@ -70,14 +82,25 @@ std::string places_html(const json& marks) {
   return html + "</tbody>\n</table></div>\n</details>\n";
 }
 
+// The report was made by a sandboxed program: its words choose no class.
+bool is_severity(const std::string& text) { return text == "note" || text == "warning" || text == "serious"; }
+
 std::string warnings_html(const json& report) {
   const json& warnings = at(report, {"warnings"});
   if (!warnings.is_array() || warnings.empty()) return "";
   std::string html = "<h2>Warnings</h2>\n<ul class=\"warnings\">\n";
   for (const json& warning : warnings) {
-    const json& text = warning.is_object() ? at(warning, {"text"}) : warning;
-    if (text.is_string())
-      html += "<li>" + escaped(text.get<std::string>()) + places_html(at(warning, {"marks"})) + "</li>\n";
+    const json& what = at(warning, {"what"});
+    if (!what.is_string()) continue;
+    const auto text = [&](const char* key) {
+      const json& value = at(warning, {key});
+      return value.is_string() ? value.get<std::string>() : std::string();
+    };
+    const std::string severity = is_severity(text("severity")) ? text("severity") : "warning";
+    html += "<li class=\"" + severity + "\"><strong>" + severity + "</strong> " + escaped(text("what"));
+    if (!text("place").empty()) html += "<br>Where: " + escaped(text("place")) + ".";
+    if (!text("fix").empty()) html += "<br>Fix: " + escaped(text("fix"));
+    html += places_html(at(warning, {"marks"})) + "</li>\n";
   }
   return html + "</ul>\n";
 }
@@ -154,13 +177,21 @@ std::string log_html(const std::vector<LogLine>& log) {
 
 }  // namespace
 
+std::string serious_html(const Job& job) {
+  const int count = job.serious_warnings.value_or(0);
+  if (count == 0) return "";
+  return " <span class=\"state serious\">with " + std::to_string(count) + " serious warning" +
+         (count == 1 ? "" : "s") + "</span>";
+}
+
 Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log) {
   Page page;
   const std::string state(name(job.state));
   const std::string what = job.kind == JobKind::print ? "Job" : "Inspection";
-  page.title = what + " " + state;
+  page.title = what + " " + state + (job.serious_warnings.value_or(0) > 0 ? " with serious warnings" : "");
   page.signed_in = true;
-  page.main = "<h1>" + what + " <span class=\"state " + state + "\">" + state + "</span></h1>\n";
+  page.main = "<h1>" + what + " <span class=\"state " + state + "\">" + state + "</span>" +
+              serious_html(job) + "</h1>\n";
   if (!ended(job.state)) {
     page.refresh_seconds = 2;
     page.follows = true;

@@ -41,6 +41,7 @@ struct Job {
   std::optional<Millis> started, ended;     // start of the current attempt
   std::optional<Millis> not_before;         // a queued job rests until then after a fault
   std::optional<Error> error;               // why it failed
+  std::optional<int> serious_warnings;      // of its result, once it succeeded and where the worker said so
   std::string settings;                     // JSON text, complete
   std::vector<Input> inputs;                // those that it has, in the order of input_kinds
   std::string request;                      // the id of the request that made it; may be empty

@@ -137,6 +137,10 @@ CREATE INDEX job_by_state ON job(state, id, kind, created);
 CREATE INDEX job_by_owner_and_state ON job(owner, state, id, kind, created);
 ALTER TABLE token ADD COLUMN file TEXT;
 )sql",
+    // 9: jobs did not say how many of their warnings are serious
+    R"sql(
+ALTER TABLE job ADD COLUMN serious_warnings INTEGER;
+)sql",
 };
 
 }  // namespace

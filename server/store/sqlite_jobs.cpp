@@ -106,7 +106,8 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
   Query query(
       db_,
       "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
-      " error_where, error_mend, request, owner, priority, derived_from, not_before, version, kind, settings"
+      " error_where, error_mend, request, owner, priority, derived_from, not_before, version, kind, settings,"
+      " serious_warnings"
       " FROM job WHERE id=?",
       id);
   VACUFORM_TRY(found, query.row());
@@ -133,6 +134,7 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
   if (!query.null(15)) job.derived_from = query.text(15);
   if (!query.null(16)) job.not_before = query.integer(16);
   job.version = query.integer(17);
+  if (!query.null(20)) job.serious_warnings = static_cast<int>(query.integer(20));
   if (detail == Detail::brief) return job;
   job.settings = query.text(19);
   Query inputs(db_, "SELECT name, blob, bytes, extension FROM input WHERE job=?", id);

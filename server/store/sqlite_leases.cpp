@@ -173,7 +173,7 @@ Result<SqliteStore::Faults> SqliteStore::faults_of(const std::string& job) {
 }
 
 Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error,
-                                Retry retry) {
+                                Retry retry, std::optional<int> serious_warnings) {
   const Deletion deletion(*this);
   return write([&]() -> Result<Job> {
     VACUFORM_TRY(job, holder(key, true));
@@ -191,6 +191,9 @@ Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std:
       }
     }
     VACUFORM_CHECK(end(job, wanted, wanted == JobState::failed ? error : std::nullopt));
+    if (wanted == JobState::succeeded && serious_warnings)
+      VACUFORM_CHECK(
+          Query(db_, "UPDATE job SET serious_warnings=? WHERE id=?", *serious_warnings, job.id).run());
     return find(job.id);
   });
 }

@@ -86,7 +86,9 @@ class SqliteStore : public Store {
   Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) override;
   Result<void> log(const LeaseKey& key, int first, const std::vector<std::string>& lines) override;
   Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) override;
-  Result<Job> complete(const LeaseKey& key) override { return finish(key, JobState::succeeded); }
+  Result<Job> complete(const LeaseKey& key, std::optional<int> serious_warnings = {}) override {
+    return finish(key, JobState::succeeded, {}, Retry::never, serious_warnings);
+  }
   Result<Job> fail_job(const LeaseKey& key, const Error& error, Retry retry) override {
     return finish(key, JobState::failed, error, retry);
   }
@@ -144,7 +146,7 @@ class SqliteStore : public Store {
   Result<void> check_room(const std::string& owner);
   Result<std::optional<std::string>> next_queued();  // the id of the job whose turn it is
   Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error = {},
-                     Retry retry = Retry::never);
+                     Retry retry = Retry::never, std::optional<int> serious_warnings = {});
   Result<void> end(const Job& job, JobState state, const std::optional<Error>& error);
   Result<std::vector<StoredArtifact>> artifacts_of(const std::string& job);  // made so far, in no order
   Result<void> check_artifacts(const Job& job);  // errors: conflict, when some are missing

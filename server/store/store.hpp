@@ -169,7 +169,7 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   virtual Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) = 0;
   // Ends the attempt: done (cancelled when a cancel came first; conflict when artifacts are missing), failed (queued again as `retry` says and not too
   // often), cancelled, or given back unharmed. Gives the job as it then is.
-  virtual Result<Job> complete(const LeaseKey& key) = 0;
+  virtual Result<Job> complete(const LeaseKey& key, std::optional<int> serious_warnings = {}) = 0;
   virtual Result<Job> fail_job(const LeaseKey& key, const Error& error, Retry retry) = 0;
   virtual Result<Job> cancelled(const LeaseKey& key) = 0;
   virtual Result<Job> release(const LeaseKey& key) = 0;

@@ -25,7 +25,7 @@ PATIENCE = 240  # seconds that anything may take on a busy machine
 
 # The artifacts without which no print succeeds.
 DUE_ARTIFACTS = {"print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png",
-                 "preview-with.png", "preview-anisotropy.png", "preview-area.png", "preview-thickness.png",
+                 "preview-with.png", "preview-views.png", "preview-anisotropy.png", "preview-area.png", "preview-thickness.png",
                  "preview-findings.png", "formed.ply", "formed.obj", "formed.mtl", "uv-map.obj", "mold.stl", "report.json",
                  "report.html"}
 

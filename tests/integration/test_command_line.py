@@ -146,6 +146,31 @@ class Progress(Case):
         self.assertFalse(out.exists() and list(out.iterdir()))
 
 
+class Summary(Case):
+    COARSE = ("--set", "sheet.resolution_mm=6", "--set", "print.dpi=72")
+
+    def run_with(self, *words):
+        return vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", self.folder / "out", *self.COARSE, *words)
+
+    def test_as_json_and_strictly(self):
+        """Coils beside the head are a serious warning."""
+        done = self.run_with("--json", "--strict")
+        self.assertEqual((done.returncode, done.stderr), (3, ""))
+        summary, report = json.loads(done.stdout), json.loads((self.folder / "out" / "report.json").read_text())
+        self.assertEqual(summary["coils"], 19)
+        self.assertLess(summary["coils_on_head"], 19)
+        self.assertEqual(summary["warnings"], report["warnings"])
+        self.assertEqual(summary["serious_warnings"], sum(w["severity"] == "serious" for w in report["warnings"]))
+        self.assertGreater(summary["serious_warnings"], 0)
+        self.assertEqual(summary["files"], [a["name"] for a in report["artifacts"]])
+        self.assertEqual(self.run_with("--json").returncode, 0)
+
+    def test_quietly(self):
+        done = self.run_with("--quiet")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        self.assertEqual(self.run_with("--quiet", "--json").returncode, 2)
+
+
 class Inspect(Case):
     def test_every_scan_is_described_or_refused(self):
         for scan in sorted(SCANS.iterdir()):
@@ -176,8 +201,41 @@ class Neonate(Case):
             v = cls.ply.vertices
             cls.chart = [f for f in cls.ply.faces if not any(math.isnan(v["u"][i]) for i in f)]
 
-    def test_succeeds_silently(self):
-        self.assertEqual((self.done.returncode, self.done.stdout, self.done.stderr), (0, "", ""))
+    def test_says_what_was_made(self):
+        """Coils and ink on the head, the key figures before and after, the warnings and where the files are."""
+        self.assertEqual((self.done.returncode, self.done.stderr), (0, ""))
+        on_head, coils = self.report["figures"]["with"]["coils"]["on_head"], len(self.report["coils"])
+        share = 100 * self.report["pattern"]["ink_on_head"]
+        self.assertIn(f"{share:.1f} % of its ink lies on the head, with {on_head} of {coils} coils.", self.done.stdout)
+        self.assertRegex(self.done.stdout, r"Circles out of round, mean \(worst\) +\d+\.\d\d % \(\d+\.\d\d %\) +0\.\d\d % \(")
+        self.assertRegex(self.done.stdout, r"Areas inside coils off, mean")
+        self.assertRegex(self.done.stdout, r"Largest coupling \|k\| of neighbouring coils +0\.\d+ +0\.\d+")
+        for warning in self.report["warnings"]:
+            self.assertIn(f"  {warning['severity']}: {warning['what']} [{warning['code']}]\n    Where: {warning['place']}\n"
+                          f"    Fix: {warning['fix']}\n", self.done.stdout)
+        self.assertIn(f"Files: {self.out} ", self.done.stdout)
+
+    def test_ink_beside_the_head_is_not_said_to_lie_on_it(self):
+        on_head = self.report["figures"]["with"]["coils"]["on_head"]
+        self.assertLess(on_head, len(self.report["coils"]))
+        self.assertGreater(self.report["pattern"]["ink_printed"], 0.9)
+        # Rings of one width that lie wholly on the head give a lower bound, all others an upper one.
+        self.assertGreater(self.report["pattern"]["ink_on_head"], 0.9 * on_head / len(self.report["coils"]))
+        self.assertLess(self.report["pattern"]["ink_on_head"], 0.95)
+        self.assertIn("mark-mold-outline", (self.out / "print.svg").read_text())
+
+    def test_every_warning_has_severity_place_figure_and_fix(self):
+        for warning in self.report["warnings"]:
+            with self.subTest(warning["code"]):
+                self.assertEqual(list(warning), ["stage", "code", "severity", "what", "place", "figure", "fix", "marks"])
+                self.assertIn(warning["severity"], ("note", "warning", "serious"))
+                for key in "what", "place", "fix":
+                    self.assertTrue(warning[key])
+                self.assertTrue(warning["what"].endswith(".") and warning["fix"].endswith("."))
+        spacing = [w for w in self.report["warnings"] if w["code"] == "coils-spacing"]
+        if spacing:
+            self.assertAlmostEqual(spacing[0]["figure"]["value"], self.report["figures"]["with"]["coils"]["spacing_rms_mm"], places=3)
+        self.assertNotIn("coil-on-bumps", [w["code"] for w in self.report["warnings"]])
 
     def test_same_bytes_twice(self):
         self.assertEqual(self.again.returncode, 0, self.again.stderr)

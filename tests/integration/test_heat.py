@@ -121,7 +121,7 @@ class Heat(Case):
         self.assertAlmostEqual(heat["mean_c"], 140.5, delta=0.3)
         self.assertGreater(heat["most_c"], heat["least_c"] + 20)
         self.assertTrue(10 < heat["seconds"] < 120, heat)
-        codes = {w["code"]: w["text"] for w in plain["warnings"]}
+        codes = {w["code"]: w["what"] for w in plain["warnings"]}
         self.assertIn("too-cold", codes)
         self.assertRegex(codes["too-cold"], r"colder than PETG forms \(121 to 160 C\): \d+ C at x = -?\d+ mm, y = -?\d+ mm, z = ")
 

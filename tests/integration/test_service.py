@@ -18,7 +18,7 @@ README = pathlib.Path(__file__).resolve().parents[2] / "README.md"
 RINGS = PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
 FINE = {"sheet": {"resolution_mm": 1}}  # long enough to be interrupted
-ARTIFACTS = ["print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png",
+ARTIFACTS = ["print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png", "preview-views.png",
              "preview-anisotropy.png", "preview-area.png", "preview-thickness.png", "preview-findings.png", "formed.ply", "formed.obj",
              "formed.mtl", "uv-map.obj", "mold.stl", "report.json", "report.html"]
 

@@ -211,7 +211,7 @@ class Worker(Case):
         self.start("""echo "$@" > %s/words
             echo '{"stage":"scan","progress":1,"kept":true}'; echo '{"stage":"forming","progress":0.5}'
             echo '{"stage":"forming","progress":1}'
-            echo '{"warnings":[{"code":"thin","text":"x"},{"code":"A B"}]}' > $OUT/report.json""" % self.here,
+            echo '{"warnings":[{"code":"thin","what":"x","severity":"serious"},{"code":"A B"}]}' > $OUT/report.json""" % self.here,
                    keep=f"--keep {self.here / 'kept'}")
         self.the_call("/complete")
         own = self.here / "kept" / ("a" * 64)  # as the lease says: the scan's own digest is other owners' too

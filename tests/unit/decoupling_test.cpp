@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/unit/coils_shapes.hpp"
 #include "worker/coils/placement.hpp"
 
@@ -32,7 +34,8 @@ TEST(Decoupling, OnBumpsIsThatOfTheRealLayout) {
                                                17.5 * Vector2d(std::cos(2.1 * i), std::sin(2.1 * i)), 20));
   const auto p = place(x.sheet, x.flattening, &drawing, decoupled(), Context());
   ASSERT_TRUE(p);
-  ASSERT_EQ(p->warnings.front().code, "coil-on-bumps");
+  EXPECT_TRUE(
+      std::any_of(p->elements.begin(), p->elements.end(), [](const PlacedElement& e) { return !e.smooth; }));
   ASSERT_EQ(p->pairs.size(), 3u);
   EXPECT_GT(worst(*p, &PlacedPair::k_before), 0.02);
   EXPECT_LT(worst(*p, &PlacedPair::k), 0.003);

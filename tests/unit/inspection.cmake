@@ -7,7 +7,7 @@ vacuform_test(inspection_test
   LINKS vacuform_inspection PNG::PNG JPEG::JPEG ZLIB::ZLIB)
 
 vacuform_test(coil_figures_test
-  SOURCES ${CMAKE_CURRENT_LIST_DIR}/coil_figures_test.cpp
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/coil_figures_test.cpp ${CMAKE_CURRENT_LIST_DIR}/shape_distance_test.cpp
   LINKS vacuform_inspection)
 
 vacuform_test(report_html_test

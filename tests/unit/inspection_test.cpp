@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
@@ -176,6 +177,7 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   EXPECT_EQ(r["pattern"]["size_mm"], (nlohmann::json{60.0, 50.0}));
   EXPECT_NEAR(r["pattern"]["ink_area_mm2"].get<double>(), 2 * M_PI * 20 * 3, 0.5);
   EXPECT_EQ(r["pattern"]["ink_printed"], 1.0);
+  EXPECT_EQ(r["pattern"]["ink_on_head"], 1.0);
   EXPECT_EQ(r["print"]["size_pixels"], (nlohmann::json{1182, 1182}));
   // The dome's own figures: on the meridian 1.197, around it falling to 0.844 at its foot.
   const auto& figures = r["figures"];
@@ -199,9 +201,13 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   EXPECT_NEAR(r["thickness"]["least_ratio"].get<double>(),
               *std::min_element(thickness.begin(), thickness.end()), 1e-4);
   EXPECT_EQ(r["warnings"].dump(),
-            R"([{"stage":"scan","code":"undercut","text":"There is an undercut.",)"
+            R"([{"stage":"scan","code":"undercut","severity":"warning","what":"There is an undercut.",)"
+            R"("place":"x = 1.0, y = 2.0, z = 3.0 mm","figure":null,)"
+            R"("fix":"Trim the mold above the undercut (scan.trim_mm), or turn the scan.",)"
             R"("marks":[{"place_mm":[1.0,2.0,3.0],"size_mm":5.0}]},)"
-            R"({"stage":"printing","code":"ink-off-chart","text":"5 % is lost.","marks":[]}])");
+            R"({"stage":"printing","code":"ink-off-chart","severity":"serious","what":"5 % is lost.",)"
+            R"("place":"the drawing","figure":null,)"
+            R"("fix":"Move or scale the drawing (pattern.offset_mm, pattern.scale).","marks":[]}])");
   EXPECT_EQ(r["vents"].dump(), R"([{"place_mm":[1.5,-2.0,40.0],"diameter_mm":1.0}])");
   std::size_t listed = 0;
   for (const auto& kind : artifact_kinds)
@@ -231,6 +237,49 @@ TEST(Report, WritesWhatIsNotANumberAsNull) {
   const auto forming = report(job.finished())["forming"];
   EXPECT_TRUE(forming["residual"].is_null());
   EXPECT_TRUE(forming["force_error"].is_null());
+}
+
+// A tower of 30 mm on a platform, on a grid of 2 mm.
+TEST(View, ThePlatformHasNoShadowAndTheFootNoSteps) {
+  TriangleMesh mesh;
+  constexpr int n = 80;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const Vector2d p(2.0 * i - n, 2.0 * j - n);
+      mesh.vertices.emplace_back(p.x(), p.y(), p.norm() < 20 ? 30.0 : 0.0);
+    }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i;
+      mesh.triangles.push_back({a, a + 1, a + n + 2});
+      mesh.triangles.push_back({a, a + n + 2, a + n + 1});
+    }
+  View view(mesh, mesh.vertices, 300, 300, 0, 0);
+  view.look_from(View::Side::above, 300, 0, 0);
+  std::vector<std::pair<double, float>> platform;
+  std::mutex mutex;
+  ASSERT_TRUE(view.draw(
+      1,
+      [&](const Seen& seen, Rgb* colour) {
+        *colour = Rgb(0, 0, 0);
+        Vector3d place(0, 0, 0);
+        for (std::size_t k = 0; k < 3; ++k)
+          place += seen.weights[k] * mesh.vertices[static_cast<std::size_t>(
+                                         mesh.triangles[static_cast<std::size_t>(seen.triangle)][k])];
+        const std::lock_guard hold(mutex);
+        platform.emplace_back(place.head<2>().norm(), seen.light);
+      },
+      Context(), 0, 1));
+  float darkest = 10, brightest = 0;
+  for (const auto& [r, light] : platform)
+    if (r > 45 && r < 75) darkest = std::min(darkest, light), brightest = std::max(brightest, light);
+  EXPECT_GT(platform.size(), 10000u);
+  EXPECT_GT(darkest, 0.99f * brightest);
+  // Just beside the foot, all around, no band is much darker than its neighbours.
+  float low = 10, high = 0;
+  for (const auto& [r, light] : platform)
+    if (r > 30 && r < 32) low = std::min(low, light), high = std::max(high, light);
+  EXPECT_GT(low, 0.8f * high);
 }
 
 TEST(Artifacts, AreAllOfThemInOrder) {

@@ -86,14 +86,31 @@ TEST_F(KeptScansTest, WhatWasNotUsedForLongGoes) {
   EXPECT_TRUE(fs::exists(young));
 }
 
+TEST_F(KeptScansTest, SeriousWarningsOfAReportAreCounted) {
+  const auto serious = [&](const std::string& text) {
+    std::ofstream(folder / "report.json", std::ios::trunc) << text;
+    return reported_warnings(
+               {Descriptor(::open((folder / "report.json").c_str(), O_RDONLY | O_CLOEXEC)), text.size()})
+        .serious;
+  };
+  EXPECT_EQ(serious(R"({"warnings":[{"severity":"serious"},{"severity":"note"},{"severity":"serious"},3]})"),
+            2);
+  EXPECT_EQ(serious(R"({"warnings":[]})"), 0);
+  EXPECT_EQ(serious("[1]"), std::nullopt);
+  std::string many = R"({"warnings":[)";
+  for (int i = 0; i < 2000; ++i) many += R"({"severity":"serious"},)";
+  EXPECT_EQ(serious(many + "1]}"), 1000);
+}
+
 TEST_F(KeptScansTest, OnlyCodesOfAReportReachTheLog) {
   const auto codes = [&](const std::string& text) {
     std::ofstream(folder / "report.json", std::ios::trunc) << text;
-    return warning_codes(
-        {Descriptor(::open((folder / "report.json").c_str(), O_RDONLY | O_CLOEXEC)), text.size()});
+    return reported_warnings(
+               {Descriptor(::open((folder / "report.json").c_str(), O_RDONLY | O_CLOEXEC)), text.size()})
+        .codes;
   };
   EXPECT_EQ(
-      codes(R"({"warnings":[{"code":"undercut","text":"of Jane Roe"},{"code":"Jane Roe"},{"code":7},3]})"),
+      codes(R"({"warnings":[{"code":"undercut","what":"of Jane Roe"},{"code":"Jane Roe"},{"code":7},3]})"),
       std::vector<std::string>{"undercut"});
   EXPECT_TRUE(codes("").empty());
   EXPECT_TRUE(codes("[1]").empty());

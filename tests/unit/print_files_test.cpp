@@ -136,6 +136,7 @@ TEST(PrintFiles, LinesAndPixelsShowTheSame) {
 TEST(PrintFiles, ColoursAndOpacitiesAreKept) {
   Sample x = hand_made::flat(100, 10, 40);
   x.settings.print.marks = false;
+  x.settings.print.background = Background::transparent;
   const Made made =
       make(x, page("<rect x='-10' y='-10' width='20' height='20' fill='#c8640a' fill-opacity='0.5'/>"));
   const Decoded image = decode_png(made.print.png);

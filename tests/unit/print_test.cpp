@@ -208,12 +208,33 @@ TEST(Print, HasNoSeamsAndASmoothBorder) {
   EXPECT_GT(grays, 100);
 }
 
-TEST(Print, ColourIsKeptAndTheRestIsTransparent) {
+constexpr const char* orange =
+    "<rect x='-10' y='-10' width='20' height='20' fill='#c8640a' fill-opacity='0.5'/>";
+
+TEST(Print, ColourLiesOnWhite) {
+  const Sample x = hand_made::flat(100, 10);
+  const Print print = print_of(x, svg_pattern(orange, 40, x.settings));
+  const Decoded image = decode_png(print.png);
+  EXPECT_EQ(print.png[chunk(print.png, "IHDR") + 9], 2) << "RGB";
+  const int middle = image.width / 2;
+  EXPECT_NEAR(image.at(middle, middle, 0), 228, 1);
+  EXPECT_NEAR(image.at(middle, middle, 1), 178, 1);
+  EXPECT_NEAR(image.at(middle, middle, 2), 133, 1);
+  int white = 0, black = 0;
+  for (int j = 0; j < image.height; ++j)
+    for (int i = 0; i < image.width; ++i) {
+      white += image.at(i, j, 0) == 255 && image.at(i, j, 1) == 255 && image.at(i, j, 2) == 255;
+      black += image.at(i, j, 0) == 0;
+    }
+  EXPECT_GT(white, 0.9 * image.width * image.height);
+  EXPECT_LT(black, 0.04 * image.width * image.height);  // the marks
+}
+
+TEST(Print, ColourIsKeptAndTheRestIsTransparentWhereThatIsAskedFor) {
   Sample x = hand_made::flat(100, 10);
   x.settings.print.marks = false;
-  const Print print = print_of(
-      x, svg_pattern("<rect x='-10' y='-10' width='20' height='20' fill='#c8640a' fill-opacity='0.5'/>", 40,
-                     x.settings));
+  x.settings.print.background = Background::transparent;
+  const Print print = print_of(x, svg_pattern(orange, 40, x.settings));
   const Decoded image = decode_png(print.png);
   EXPECT_EQ(print.png[chunk(print.png, "IHDR") + 9], 6) << "RGBA";
   const int middle = image.width / 2;
@@ -245,6 +266,14 @@ TEST(Print, TellsHowMuchInkFallsOffTheChart) {
   EXPECT_EQ(none.error().text(),
             "none of the drawing's ink falls onto the formed part (pattern.offset_mm); move it nearer to "
             "the top of the mold, or give a smaller pattern.width_mm");
+}
+
+TEST(Print, DrawsTheMoldsOutlineAlsoWhereTheDrawingCrossesIt) {
+  const Sample x = hand_made::flat(200, 40, 60);
+  const Print print =
+      print_of(x, svg_pattern("<rect x='-60' y='-1' width='120' height='2'/>", 125, x.settings));
+  EXPECT_NE(print.svg.find("mark-mold-outline"), std::string::npos);
+  EXPECT_EQ(print.ink_on_head, print.ink_printed);  // a picture on the chart is printed nowhere else
 }
 
 TEST(Print, ReturnsToTheDrawingThroughTheFormedPart) {

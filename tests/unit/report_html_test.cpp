@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/unit/drawing_files.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/html.hpp"
 #include "worker/inspection/report_sections.hpp"
+#include "worker/inspection/summary.hpp"
 #include "worker/printing/png_writer.hpp"
 
 namespace vacuform {
@@ -79,12 +81,15 @@ TEST(ReportHtml, LeavesOutWhatIsNotThere) {
   report["label"] = "<script>alert(1)</script>";
   report["warnings"] = {{{"stage", "scan"},
                          {"code", "a<b"},
-                         {"text", "\"quoted\" & <i>"},
+                         {"severity", "<i>"},
+                         {"what", "\"quoted\" & <i>"},
+                         {"place", "<i>"},
+                         {"fix", "<i>"},
                          {"marks", {{{"place_mm", {1.0, 2.0, 3.0}}, {"size_mm", 4.0}}}}}};
   report["coils"] = {{{"id", "</td><svg onload='x'>"},
                       {"drawn_diameter_mm", 40.0},
                       {"with", nullptr},
-                      {"without", {{"on_head", true}, {"circularity", 0.12}}}}};
+                      {"without", {{"on_head", true}, {"circularity", 0.12}, {"shape_error", 0.12}}}}};
   report["settings"] = {{"print", {{"dpi", 600}, {"unknown", "<u>"}}}, {"pattern", {{"scale", 1.0}}}};
   const std::string page = report_html(report, {});
   EXPECT_EQ(page.find("<script"), std::string::npos);
@@ -128,6 +133,79 @@ TEST(ReportHtml, HoldsThePreviewsWithoutTheirTitles) {
   EXPECT_EQ(count(page, "<img alt=\"Formed part with the pre-distorted print\" src=\"data:image/png;base64,"),
             1u);
   EXPECT_EQ(count(page, "<img"), 1u);
+}
+
+ReportJson small_report() {
+  ReportJson report;
+  report["label"] = "3f9a12c4";
+  report["pattern"] = {{"size_mm", {200.0, 180.0}}, {"ink_printed", 1.0}, {"ink_on_head", 0.412}};
+  report["print"] = {{"inked_face", "outer"}, {"mirrored", false}};
+  report["coils"] = ReportJson::array();
+  for (int i = 0; i < 19; ++i) report["coils"].push_back({{"id", "coil-" + std::to_string(i)}});
+  report["figures"] = {
+      {"without", {{"coils", {{"on_head", 5}, {"mean_circularity", 0.083}, {"worst_circularity", 0.2}}}}},
+      {"with", {{"coils", {{"on_head", 6}, {"mean_circularity", 0.001}, {"worst_circularity", 0.002}}}}}};
+  report["warnings"] = {{{"stage", "scan"},
+                         {"code", "up-guessed"},
+                         {"severity", "warning"},
+                         {"what", "Up was guessed."},
+                         {"place", "the whole scan"},
+                         {"fix", "Set scan.up."}},
+                        {{"stage", "printing"},
+                         {"code", "coil-off-head"},
+                         {"severity", "serious"},
+                         {"what", "coil-3 lies off."},
+                         {"place", "coil-3"},
+                         {"fix", "Move it."}}};
+  report["artifacts"] = {{{"name", "print.svg"}, {"title", "The print"}}};
+  return report;
+}
+
+TEST(Summary, SaysHowManyCoilsLieOnTheHead) {
+  const std::string text = summary_text(small_report(), "out");
+  EXPECT_NE(text.find("41.2 % of its ink lies on the head, with 6 of 19 coils."), std::string::npos) << text;
+  EXPECT_NE(text.find("Files: out"), std::string::npos);
+  std::istringstream lines(text);
+  std::string figures;
+  while (std::getline(lines, figures) && !figures.starts_with("Circles out of round")) {
+  }
+  EXPECT_NE(figures.find("8.30 % (20.00 %)"), std::string::npos) << text;
+  EXPECT_TRUE(figures.ends_with("0.10 % (0.20 %)")) << text;
+}
+
+TEST(Summary, ListsSeriousWarningsFirstWithPlaceAndFix) {
+  const std::string text = summary_text(small_report(), "out");
+  EXPECT_NE(text.find("1 serious warning, 1 warning, 0 notes\n  serious: coil-3 lies off. [coil-off-head]\n"
+                      "    Where: coil-3\n    Fix: Move it.\n  warning: Up was guessed."),
+            std::string::npos)
+      << text;
+  ReportJson none = small_report();
+  none["warnings"] = ReportJson::array();
+  EXPECT_NE(summary_text(none, "out").find("No warnings."), std::string::npos);
+}
+
+TEST(Summary, HasTheSameAsJson) {
+  const ReportJson report = small_report(), summary = summary_json(report, "out");
+  EXPECT_EQ(summary["coils"], 19);
+  EXPECT_EQ(summary["coils_on_head"], 6);
+  EXPECT_EQ(summary["ink_on_head"], 0.412);
+  EXPECT_EQ(summary["serious_warnings"], 1);
+  EXPECT_EQ(summary["warnings"], report["warnings"]);
+  EXPECT_EQ(summary["files"], ReportJson::array({"print.svg"}));
+  ReportJson none = report;
+  none["figures"]["with"]["coils"] = nullptr;
+  EXPECT_EQ(summary_json(none, "out")["coils_on_head"], 0);
+  none["coils"] = ReportJson::array();
+  EXPECT_EQ(summary_json(none, "out")["coils_on_head"], nullptr);
+}
+
+TEST(ReportHtml, ShowsSeverityPlaceAndFixOfAWarning) {
+  const std::string page = report_html(small_report(), {});
+  EXPECT_NE(page.find("<li class=\"serious\"><b>serious</b> coil-3 lies off.<br><span class=\"soft\">Where: "
+                      "coil-3.</span> <b>Fix:</b> Move it. <code class=\"soft\">coil-off-head</code>"),
+            std::string::npos)
+      << page;
+  EXPECT_NE(page.find("6 of 19"), std::string::npos);
 }
 
 }  // namespace

@@ -21,7 +21,8 @@ class ServerApi : public ServerTest {
   }
   json show(const std::string& id) { return json::parse(ask("GET", "/api/v1/jobs/" + id).body); }
   json lease() {
-    return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test","protocol":2})").body);
+    return json::parse(
+        ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test","protocol":2})").body);
   }
   Answer worker(const std::string& method, const json& lease, const std::string& path,
                 const std::string& body = "{}") {
@@ -73,14 +74,20 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   EXPECT_TRUE(show(id)["artifacts"].empty());  // until it has succeeded
   EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id + "/artifacts/print.png").status, 404);
   EXPECT_EQ(ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip").status, 404);
-  EXPECT_EQ(json::parse(worker("POST", held, "/complete").body)["state"], "succeeded");
+  EXPECT_EQ(show(id)["serious_warnings"], nullptr);
+  for (const char* wrong :
+       {R"({"serious_warnings":-1})", R"({"serious_warnings":"2"})", R"({"serious_warnings":1001})"})
+    EXPECT_EQ(worker("POST", held, "/complete", wrong).status, 400) << wrong;
+  EXPECT_EQ(json::parse(worker("POST", held, "/complete", R"({"serious_warnings":2})").body)["state"],
+            "succeeded");
+  EXPECT_EQ(show(id)["serious_warnings"], 2);
   EXPECT_EQ(worker("POST", held, "/complete").status, 200);
   EXPECT_EQ(worker("PUT", held, "/artifacts/print.svg", "late").status, 409);
 
   job = show(id);
   EXPECT_EQ(job["state"], "succeeded");
   EXPECT_EQ(job["progress"], 1);
-  ASSERT_EQ(job["artifacts"].size(), 18u);
+  ASSERT_EQ(job["artifacts"].size(), 19u);
   EXPECT_EQ(job["artifacts"][0]["name"], "print.png");
   EXPECT_EQ(job["artifacts"][0]["bytes"], 200'000);
   const Answer zip = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip"),
@@ -110,10 +117,12 @@ TEST_F(ServerApi, TheRequestThatMadeAJobIsKnownToItsWorker) {
 }
 
 TEST_F(ServerApi, AWorkerOfAnotherProtocolGetsNoJob) {
-  const json made = json::parse(
-      ask("POST", "/api/v1/jobs", form_type,
-          part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n").body);
-  for (const char* body : {"{}", R"({"protocol":1})", R"({"protocol":3,"version":"9.9 <b>"})", R"({"protocol":"2"})"}) {
+  const json made =
+      json::parse(ask("POST", "/api/v1/jobs", form_type,
+                      part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n")
+                      .body);
+  for (const char* body :
+       {"{}", R"({"protocol":1})", R"({"protocol":3,"version":"9.9 <b>"})", R"({"protocol":"2"})"}) {
     const auto refused = ask("POST", "/api/v1/leases", worker_headers(), body);
     EXPECT_EQ(refused.status, 409) << body;
     EXPECT_EQ(json::parse(refused.body)["where"], "protocol");
@@ -123,7 +132,8 @@ TEST_F(ServerApi, AWorkerOfAnotherProtocolGetsNoJob) {
 }
 
 TEST_F(ServerApi, SaysItsLimitsAndWhatKeepsJobsIn) {
-  const std::string ask_for_job = R"({"worker":"w1","protocol":2,"sandbox":["seccomp","namespaces","magic"]})";
+  const std::string ask_for_job =
+      R"({"worker":"w1","protocol":2,"sandbox":["seccomp","namespaces","magic"]})";
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), ask_for_job).status, 204);
   EXPECT_EQ(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"w2","protocol":2})").status, 204);
   for (const char* wrong : {R"({"worker":5})", R"({"sandbox":"seccomp"})", R"({"sandbox":[7]})"})
@@ -506,9 +516,15 @@ TEST(Pages, AnHostileReportIsShownAsText) {
   job.state = JobState::succeeded;
   job.settings = "{}";
   const json marks = {{{"place_mm", {1.25, "<b>", 3}}, {"size_mm", 4.5}}, 7, {{"place_mm", {1}}}};
-  const json report = {
-      {"warnings", {{{"text", "<img src=x onerror=alert(1)>"}, {"marks", marks}}, 7, nullptr}},
-      {"figures", {{"with", {{"anisotropy", {{"mean", "</td>"}}}}}}}};
+  const json report = {{"warnings",
+                        {{{"what", "<img src=x onerror=alert(1)>"},
+                          {"severity", "<b>"},
+                          {"place", "<b>"},
+                          {"fix", "<b>"},
+                          {"marks", marks}},
+                         7,
+                         nullptr}},
+                       {"figures", {{"with", {{"anisotropy", {{"mean", "</td>"}}}}}}}};
   const std::string html = job_page(job, report).main;
   EXPECT_EQ(html.find("<img src=x"), std::string::npos);
   EXPECT_NE(html.find("&lt;img src=x onerror=alert(1)&gt;"), std::string::npos);
@@ -523,15 +539,49 @@ TEST(Pages, AWarningListsItsPlaces) {
   job.settings = "{}";
   const json mark = {{"place_mm", {1.26, -2.0, 30.0}}, {"size_mm", 4.5}};
   const json report = {{"warnings",
-                        {{{"text", "Thin."}, {"marks", json::array({mark})}},
-                         {{"text", "Guessed."}, {"marks", json::array()}}}}};
+                        {{{"what", "Thin."},
+                          {"severity", "serious"},
+                          {"place", "the top"},
+                          {"fix", "Use a thicker sheet."},
+                          {"marks", json::array({mark})}},
+                         {{"what", "Guessed."}, {"marks", json::array()}}}}};
   const std::string html = job_page(job, report).main;
-  EXPECT_NE(html.find("Thin.<details>"), std::string::npos);
+  EXPECT_NE(html.find("<li class=\"serious\"><strong>serious</strong> Thin.<br>Where: the top.<br>Fix: Use a "
+                      "thicker sheet.<details>"),
+            std::string::npos)
+      << html;
   EXPECT_NE(html.find("<th scope=\"row\">1</th><td class=\"number\">1.3</td><td class=\"number\">-2.0</td>"
                       "<td class=\"number\">30.0</td><td class=\"number\">4.5</td>"),
             std::string::npos)
       << html;
-  EXPECT_NE(html.find("<li>Guessed.</li>"), std::string::npos);
+  EXPECT_NE(html.find("<li class=\"warning\"><strong>warning</strong> Guessed.</li>"), std::string::npos);
+}
+
+TEST(Pages, SayHowManyCoilsAndHowMuchInkLieOnTheHead) {
+  Job job;
+  job.id = "x";
+  job.state = JobState::succeeded;
+  job.settings = "{}";
+  const json report = {{"pattern", {{"ink_on_head", 0.412}}},
+                       {"coils", json::array({1, 2, 3})},
+                       {"figures", {{"with", {{"coils", {{"on_head", 2}}}}}}}};
+  EXPECT_NE(job_page(job, report).main.find("2 of 3 coils and 41.2 % of the drawing's ink lie on the head."),
+            std::string::npos);
+}
+
+TEST(Pages, SayInTheStateThatThereAreSeriousWarnings) {
+  Job job;
+  job.id = "x";
+  job.state = JobState::succeeded;
+  job.settings = "{}";
+  job.serious_warnings = 2;
+  EXPECT_NE(job_page(job, json())
+                .main.find("succeeded</span> <span class=\"state serious\">with 2 serious "
+                           "warnings</span></h1>"),
+            std::string::npos);
+  EXPECT_NE(form_page({job}, {}).main.find("with 2 serious warnings"), std::string::npos);
+  job.serious_warnings = 0;
+  EXPECT_EQ(job_page(job, json()).main.find("serious"), std::string::npos);
 }
 
 }  // namespace

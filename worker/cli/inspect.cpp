@@ -9,6 +9,7 @@
 #include "worker/cli/settings_options.hpp"
 #include "worker/scan/findings_json.hpp"
 #include "worker/scan_inspection.hpp"
+#include "worker/warning_json.hpp"
 
 namespace vacuform::cli {
 
@@ -70,7 +71,12 @@ void print_text(const ScanInspection& inspection) {
                                         ", " + fixed(u.place.z(), 1) + ")");
   }
   line("fits", inspection.misfit ? "no: " + inspection.misfit->text() : "yes");
-  for (const auto& warning : mold.warnings) line("warning", warning.text);
+  for (const auto& warning : mold.warnings) {
+    const Json w = warning_json(Stage::scan, warning);
+    line(w["severity"].get<std::string>().c_str(), w["what"].get<std::string>());
+    line("", "Where: " + w["place"].get<std::string>());
+    line("", "Fix: " + w["fix"].get<std::string>());
+  }
 }
 
 Result<void> inspect(const InspectOptions& o, const Context& context, ProgressBar& bar) {

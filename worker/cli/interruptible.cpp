@@ -37,7 +37,7 @@ int run_interruptible(const std::function<Result<void>(const Context&, ProgressB
   running.emplace([&](Stage stage, double fraction) {
     if (progress == ProgressAs::json)
       say({{"stage", name(stage)}, {"progress", fraction}});
-    else
+    else if (progress == ProgressAs::bar)
       bar.show(stage, fraction);
   });
   struct sigaction action {};

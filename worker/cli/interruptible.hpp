@@ -11,7 +11,7 @@
 
 namespace vacuform::cli {
 
-enum class ProgressAs { bar, json };
+enum class ProgressAs { bar, json, none };
 // --progress bar|json. JSON lines are for the program that runs this one (worker/child.hpp).
 CLI::Option* add_progress_option(CLI::App& command, ProgressAs& into);
 

@@ -8,6 +8,7 @@
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/settings_options.hpp"
+#include "worker/inspection/summary.hpp"
 #include "worker/pipeline.hpp"
 
 namespace vacuform::cli {
@@ -17,7 +18,7 @@ namespace {
 struct RunOptions {
   std::string scan, pattern, temperature, weights, keep, out;
   ProgressAs progress = ProgressAs::bar;
-  bool sensitivity = false;
+  bool sensitivity = false, quiet = false, json = false, strict = false;
   SettingsOptions settings;
 };
 
@@ -51,10 +52,10 @@ Result<void> run(const RunOptions& o, const Context& context) {
   return run_pipeline(inputs, o.out, context);
 }
 
-// The table of report.json on the terminal.
-void print_sensitivity(const std::string& folder) {
-  std::ifstream in(std::filesystem::path(folder) / "report.json", std::ios::binary);
-  const auto report = nlohmann::json::parse(in, nullptr, false);
+constexpr int with_serious_warnings = 3;  // exit code of --strict
+
+// The table of the report on the terminal.
+void print_sensitivity(const nlohmann::ordered_json& report) {
   if (!report.contains("sensitivity")) return;
   std::printf("how far the coils' centres land off, mm      mean      max\n");
   for (const auto& change : report["sensitivity"]["changes"]) {
@@ -68,10 +69,19 @@ void print_sensitivity(const std::string& folder) {
 }
 
 int run_command(const RunOptions& o) {
+  const ProgressAs progress = o.quiet ? ProgressAs::none : o.progress;
   const int exit_code =
-      run_interruptible([&](const Context& context, ProgressBar&) { return run(o, context); }, o.progress);
-  if (exit_code == 0 && o.sensitivity && o.progress == ProgressAs::bar) print_sensitivity(o.out);
-  return exit_code;
+      run_interruptible([&](const Context& context, ProgressBar&) { return run(o, context); }, progress);
+  if (exit_code != 0) return exit_code;
+  std::ifstream in(std::filesystem::path(o.out) / "report.json", std::ios::binary);
+  const auto report = nlohmann::ordered_json::parse(in, nullptr, false);
+  if (o.json) {
+    std::printf("%s\n", summary_json(report, o.out).dump(2).c_str());
+  } else if (progress == ProgressAs::bar) {
+    std::fputs(summary_text(report, o.out).c_str(), stdout);
+    if (o.sensitivity) print_sensitivity(report);
+  }
+  return o.strict && serious_warnings(report) > 0 ? with_serious_warnings : 0;
 }
 
 }  // namespace
@@ -104,7 +114,14 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_flag(
       "--sensitivity", options->sensitivity,
       "Form seven times more, each with one thing changed, and tell how far the coils land off");
-  add_progress_option(*command, options->progress);
+  CLI::Option* progress = add_progress_option(*command, options->progress);
+  CLI::Option* json =
+      command->add_flag("--json", options->json, "Print the summary as one JSON object on standard output")
+          ->excludes(progress);
+  command->add_flag("--quiet", options->quiet, "Print neither progress nor summary")
+      ->excludes(progress)
+      ->excludes(json);
+  command->add_flag("--strict", options->strict, "Exit with 3 when the result has a serious warning");
   command->callback([options, &exit_code] { exit_code = run_command(*options); });
 }
 

@@ -65,8 +65,8 @@ void say_what_was_cut(const Segments& segments, const PatternSettings& settings,
     above.text = (count == 1 ? std::string("A segment stays") : std::to_string(count) + " segments stay") +
                  " above pattern.distortion_limit (" +
                  (std::isfinite(worst) ? "up to " + decimal(worst, 2) : std::string("folded over")) +
-                 "): the sheet is creased or too coarse there. Keep ink away, or give a finer "
-                 "sheet.resolution_mm.";
+                 "): the sheet is creased or too coarse there";
+    above.figure = Warning::Figure{worst, "", settings.distortion_limit};
     warnings.push_back(std::move(above));
   }
   if (!settings.seams.empty() && !segments.cuts_sufficed)
@@ -106,27 +106,25 @@ std::string names(const Drawing& drawing, const std::vector<int>& elements) {
 
 Warning about(const Drawing& drawing, const char* code, const std::vector<int>& elements,
               const std::string& one, const std::string& several) {
-  return {code, names(drawing, elements) + (elements.size() > 1 ? several : one)};
+  Warning warning{code, names(drawing, elements) + (elements.size() > 1 ? several : one)};
+  warning.place = names(drawing, elements);
+  warning.figure = Warning::Figure{static_cast<double>(elements.size()),
+                                   "of " + std::to_string(drawing.elements.size()) + " elements", 0.0};
+  return warning;
 }
 
 void say_what_was_found(const Drawing& drawing, const ElementLayout& layout,
                         const std::vector<ElementOnSurface>& laid, std::vector<Warning>& warnings) {
-  std::vector<int> off, bumpy;
-  for (std::size_t i = 0; i < laid.size(); ++i) {
+  std::vector<int> off;
+  for (std::size_t i = 0; i < laid.size(); ++i)
     if (!laid[i].on_head) off.push_back(layout.elements[i].element);
-    if (laid[i].on_head && !laid[i].patch.smooth) bumpy.push_back(layout.elements[i].element);
-  }
   if (!layout.left_out.empty())
     warnings.push_back(about(drawing, "coil-left-out", layout.left_out,
                              " lies off the formed part and is not printed.",
                              " lie off the formed part and are not printed."));
   if (!off.empty())
-    warnings.push_back(about(drawing, "coil-off-head", off, " does not lie wholly on the formed part.",
-                             " do not lie wholly on the formed part."));
-  if (!bumpy.empty())
-    warnings.push_back(about(drawing, "coil-on-bumps", bumpy,
-                             " lies on bumps where the surface has no smooth polar coordinates.",
-                             " lie on bumps where the surface has no smooth polar coordinates."));
+    warnings.push_back(about(drawing, "coil-off-head", off, " does not lie wholly on the mold.",
+                             " do not lie wholly on the mold."));
 }
 
 // Decoupling may lead an array away from where the user laid it.
@@ -138,11 +136,10 @@ void say_how_far(const Drawing& drawing, const ElementLayout& layout, const std:
   for (std::size_t i = 0; i < before.size(); ++i)
     if (const double mm = (layout.centres[i].moved - before[i].moved).norm(); mm > most) most = mm, worst = i;
   if (most > far_mm)
-    warnings.push_back(
-        {"coils-moved", "Decoupling moved the coils by up to " + decimal(most, 0) + " mm (" +
-                            drawing.elements[index(layout.elements[worst].element)].id +
-                            "): look whether they still cover what they shall see; another size or "
-                            "place of the array, or a larger coils.size_limit, moves them less."});
+    warnings.push_back({.code = "coils-moved",
+                        .text = "Decoupling moved the coils by up to " + decimal(most, 0) + " mm.",
+                        .figure = Warning::Figure{most, "mm", far_mm},
+                        .place = drawing.elements[index(layout.elements[worst].element)].id});
 }
 
 PlacedElement placed(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
@@ -155,6 +152,7 @@ PlacedElement placed(const InkedSurface& surface, const Drawing& drawing, const 
   out.turned_deg = laid.turn * 180 / M_PI;
   out.size = alignment.scale * element.size;
   out.on_head = laid.on_head;
+  out.smooth = laid.patch.smooth;
   out.patch = std::move(laid.patch.patch);
   for (Vector2d& uv : out.patch.uv) uv = drawing.elements[index(element.element)].centre + uv / out.size;
   return out;
@@ -184,33 +182,32 @@ Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing,
 
   double squares = 0;
   int counted = 0;
+  constexpr double coupled_k = 0.01;
   std::string coupled;
+  double most_coupled = 0;
   for (std::size_t i = 0; i < out.pairs.size(); ++i) {
     PlacedPair& pair = out.pairs[i];
     pair.mm = geodesic_mm(surface, layout, layout.pairs[i]);
     if (!laid[index(pair.a)].on_head || !laid[index(pair.b)].on_head) continue;
     squares += (pair.mm - pair.drawn_mm) * (pair.mm - pair.drawn_mm);
     ++counted;
-    if (settings.decouple && pair.k && std::abs(*pair.k) >= 0.01)
+    if (settings.decouple && pair.k && std::abs(*pair.k) >= coupled_k) {
+      most_coupled = std::max(most_coupled, std::abs(*pair.k));
       coupled +=
           (coupled.empty() ? "" : ", ") +
           names(drawing, {layout.elements[index(pair.a)].element, layout.elements[index(pair.b)].element}) +
           " (k = " + decimal(*pair.k, 3) + ")";
+    }
   }
   if (counted > 0) out.spacing_rms_mm = std::sqrt(squares / counted);
-  constexpr double far_off_mm = 2;
-  if (!settings.decouple && out.spacing_rms_mm > far_off_mm)
-    out.warnings.push_back(
-        {"coils-spacing", "Neighbours' distances differ from the drawing by " +
-                              decimal(out.spacing_rms_mm, 1) +
-                              " mm rms: the surface is too curved for the drawn ones to be met "
-                              "all at once, and this is the least squares of them."});
   say_what_was_found(drawing, layout, laid, out.warnings);
   if (!coupled.empty())
-    out.warnings.push_back({"coils-coupled",
-                            "The surface does not let these neighbours be decoupled within "
-                            "coils.size_limit: " +
-                                coupled + "."});
+    out.warnings.push_back({.code = "coils-coupled",
+                            .text = "The surface does not let these neighbours be decoupled within "
+                                    "coils.size_limit: " +
+                                    coupled,
+                            .figure = Warning::Figure{most_coupled, "", coupled_k},
+                            .place = coupled});
   for (std::size_t i = 0; i < laid.size(); ++i)
     out.elements.push_back(
         placed(surface, drawing, alignment, layout.elements[i], layout.centres[i], std::move(laid[i])));

@@ -22,6 +22,7 @@ struct PlacedElement {
   double turned_deg = 0;              // against the chart, counter-clockwise seen from outside
   double size = 1;                    // against the drawing: 1 but for decoupling and a pattern.scale
   bool on_head = true;                // all of it lies on the chart
+  bool smooth = true;                 // false: on bumps, where geodesics from the centre cross
   Patch patch;                        // reaches beyond the element's ink on every side, also off the chart
 };
 

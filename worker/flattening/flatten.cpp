@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "worker/decimal.hpp"
 #include "worker/flattening/embedding.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/flattening/held_points.hpp"
@@ -167,24 +168,52 @@ Result<FlatteningOutcome> flatten_weighted(Chart& chart, const FlatteningSetting
   return total;
 }
 
-void warn(Flattening& out, bool converged, double pins_missed_by) {
+// The triangles that the flattening turned over, the largest first.
+std::vector<Warning::Mark> flipped_marks(const Chart& chart) {
+  std::vector<std::pair<double, std::size_t>> flipped;  // less its size, and which
+  for (std::size_t k = 0; k < chart.triangles.size(); ++k) {
+    const Triangle& t = chart.triangles[k];
+    const Eigen::Vector2d a = chart.uv[t[1]] - chart.uv[t[0]], b = chart.uv[t[2]] - chart.uv[t[0]];
+    const double size = std::max((chart.inked[t[1]] - chart.inked[t[0]]).norm(),
+                                 (chart.inked[t[2]] - chart.inked[t[0]]).norm());
+    if (a.x() * b.y() - a.y() * b.x() <= 0) flipped.emplace_back(-size, k);
+  }
+  std::sort(flipped.begin(), flipped.end());
+  flipped.resize(std::min(flipped.size(), Warning::most_marks));
+  std::vector<Warning::Mark> marks;
+  for (const auto& [size, k] : flipped) {
+    const Triangle& t = chart.triangles[k];
+    const Eigen::Vector3d middle = (chart.inked[t[0]] + chart.inked[t[1]] + chart.inked[t[2]]) / 3;
+    marks.push_back({{middle.x(), middle.y(), middle.z()}, -size});
+  }
+  return marks;
+}
+
+void warn(Flattening& out, const Chart& chart, bool converged, double pins_missed_by) {
   if (!converged)
-    out.warnings.push_back({"flattening-not-converged", "The flattening stopped before it settled"});
+    out.warnings.push_back({.code = "flattening-not-converged",
+                            .text = "The flattening stopped before it settled",
+                            .figure = Warning::Figure{static_cast<double>(out.iterations), "iterations"}});
   if (out.flipped > 0)
-    out.warnings.push_back({"flattening-flipped", std::to_string(out.flipped) +
-                                                      " triangles of the chart are folded over; the print is "
-                                                      "wrong there"});
+    out.warnings.push_back({.code = "flattening-flipped",
+                            .text = std::to_string(out.flipped) + " of " +
+                                    std::to_string(chart.triangles.size()) +
+                                    " triangles of the chart are folded over; the print is wrong there",
+                            .marks = flipped_marks(chart),
+                            .figure = Warning::Figure{static_cast<double>(out.flipped), "triangles", 0.0}});
   if (out.crossings > 0)
     out.warnings.push_back(
-        {"flattening-overlaps",
-         "The chart covers places of the drawing twice; what is drawn there is printed twice"});
+        {.code = "flattening-overlaps",
+         .text = "The chart covers places of the drawing twice; what is drawn there is printed twice",
+         .figure = Warning::Figure{static_cast<double>(out.crossings), "crossings", 0.0},
+         .place = "the border of the chart"});
   constexpr double met_mm = 0.1;
   if (pins_missed_by > met_mm) {
-    const auto tenths = std::to_string(std::lround(10 * pins_missed_by));
     out.warnings.push_back(
-        {"pins-not-met", "A pin of the flattening is " +
-                             (tenths.size() > 1 ? tenths.substr(0, tenths.size() - 1) : "0") + "." +
-                             tenths.back() + " mm from its place"});
+        {.code = "pins-not-met",
+         .text = "A pin of the flattening is " + decimal(pins_missed_by, 1) + " mm from its place",
+         .figure = Warning::Figure{pins_missed_by, "mm", met_mm},
+         .place = "flattening.pins"});
   }
 }
 
@@ -217,9 +246,10 @@ Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const Fla
 
   const Spot spot = spot_below(sheet, out.triangles, mold.top);
   if (!spot.exact)
-    out.warnings.push_back({"top-off-chart",
-                            "The top of the mold is not covered by the chart; the pattern is centred "
-                            "on the nearest point that is"});
+    out.warnings.push_back({.code = "top-off-chart",
+                            .text = "The top of the mold is not covered by the chart; the pattern is centred "
+                                    "on the nearest point that is",
+                            .marks = {{{mold.top.x(), mold.top.y(), mold.top.z()}}}});
   const ChartPin top = pin_at(spot, out.triangles, {0, 0});
   VACUFORM_TRY(pins, find_pins(sheet, out.triangles, settings));
   const Place place(start, top, std::move(pins));
@@ -233,7 +263,7 @@ Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const Fla
   out.flipped = quality.flipped;
   out.crossings = border_crossings(chart);
   split(out, chart, settings.weight);
-  warn(out, outcome.converged, place.miss(chart));
+  warn(out, chart, outcome.converged, place.miss(chart));
 
   out.top_rest.setZero();
   for (int e = 0; e < 3; ++e) out.top_rest += spot.corners[e] * sheet.rest[sheet.triangles[spot.triangle][e]];

@@ -116,9 +116,8 @@ void find_not_reached(const FormedSheet& sheet, const std::vector<double>& area,
   std::erase_if(found, [&](const Piece& p) { return !p.alone || p.area < least_mm2; });
   if (found.empty()) return;
   warnings.push_back({"not-reached",
-                      "The sheet bridges a hollow of the mold without reaching it, " + over(found) +
-                          "; a vent there or a higher machine.vacuum_kpa helps",
-                      marks_of(found)});
+                      "The sheet bridges a hollow of the mold without reaching it, " + over(found),
+                      marks_of(found), Warning::Figure{found.front().area, "mm2", least_mm2}});
 }
 
 void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
@@ -138,6 +137,7 @@ void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double
           short_decimal(findings.vents.front().diameter_mm, 2) + " mm (vents in report.json)"};
   for (std::size_t i = 0; i < std::min(holes, Warning::most_marks); ++i)
     warning.marks.push_back(mark(findings.vents[i].place, findings.vents[i].diameter_mm));
+  warning.figure = Warning::Figure{largest.depth_mm, "mm"};
   findings.warnings.push_back(std::move(warning));
 }
 
@@ -146,10 +146,8 @@ void find_webs(const FormedSheet& sheet, const std::vector<double>& area, double
   auto found = pieces(sheet, area, [&](std::size_t k) { return sheet.element_slack[k] != 0; });
   std::erase_if(found, [&](const Piece& p) { return p.area < least_mm2; });
   if (found.empty()) return;
-  warnings.push_back({"webbing",
-                      "The sheet is compressed sideways and tends to fold, " + over(found) +
-                          "; a lower mold, or a window nearer to its outline, helps",
-                      marks_of(found)});
+  warnings.push_back({"webbing", "The sheet is compressed sideways and tends to fold, " + over(found),
+                      marks_of(found), Warning::Figure{found.front().area, "mm2", least_mm2}});
 }
 
 // The largest principal stretch of each triangle.
@@ -215,8 +213,8 @@ void find_thin(const FormedSheet& sheet, const std::vector<double>& area, double
        "The sheet thins to " + decimal(least, 2) + " mm, " + decimal(100 * least / sheet_thickness_mm, 0) +
            " % of its thickness, at " + at(found.front().place) +
            (found.size() == 1 ? "" : ", the thinnest of " + std::to_string(found.size()) + " places") +
-           " below " + decimal(100 * limit, 0) + " %; a thicker sheet or a lower mold helps",
-       marks_of(found)});
+           " below " + decimal(100 * limit, 0) + " %",
+       marks_of(found), Warning::Figure{100 * least / sheet_thickness_mm, "%", 100 * limit}});
 }
 
 }  // namespace

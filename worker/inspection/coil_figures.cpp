@@ -54,13 +54,15 @@ std::vector<Vector3d> conductor(const LoopFigures& loop) {
   return line;
 }
 
-CoilFigures figures_of(const LoopFigures& loop, const CoilLoops& coil) {
+CoilFigures figures_of(const LoopFigures& loop, const ShapeDistance& shape, const CoilLoops& coil) {
   CoilFigures out;
   out.on_head = loop.on_head;
   out.centre = loop.centre;
   out.diameter_mm = loop.diameter_mm;
   out.diameter_error = loop.diameter_mm / (coil.drawn_diameter_mm * coil.size) - 1;
   out.circularity = loop.circularity;
+  out.shape = shape;
+  out.shape_error = shape.largest_mm / (coil.drawn_diameter_mm * coil.size);
   out.area_mm2 = loop.area_mm2;
   out.area_error = loop.area_mm2 / (coil.drawn_area_mm2 * coil.size * coil.size) - 1;
   out.worst_stretch = loop.worst_stretch;
@@ -81,12 +83,16 @@ CoilSummary summary_of(const CoilTable& table, std::optional<CoilFigures> Coil::
   for (int i = 0; i < static_cast<int>(table.coils.size()); ++i) {
     if (!counts(i)) continue;
     const CoilFigures& f = *(table.coils[static_cast<std::size_t>(i)].*way);
+    const Coil& coil = table.coils[static_cast<std::size_t>(i)];
     ++out.coils;
-    take(f.circularity, out.mean_circularity, out.worst_circularity);
+    out.round += coil.round();
+    if (coil.round()) take(f.circularity, out.mean_circularity, out.worst_circularity);
+    take(f.shape_error, out.mean_shape_error, out.worst_shape_error);
     take(f.diameter_error, out.mean_diameter_error, out.worst_diameter_error);
     take(f.area_error, out.mean_area_error, out.worst_area_error);
   }
-  for (double* mean : {&out.mean_circularity, &out.mean_diameter_error, &out.mean_area_error})
+  out.mean_circularity /= std::max(1, out.round);
+  for (double* mean : {&out.mean_shape_error, &out.mean_diameter_error, &out.mean_area_error})
     *mean /= std::max(1, out.coils);
   double squares = 0;
   for (const CoilPair& pair : table.pairs) {
@@ -121,12 +127,14 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
     coil.drawn_diameter_mm = alignment.scale * flat.diameter_mm;
     coil.drawn_area_mm2 = alignment.scale * alignment.scale * flat.area_mm2;
     coil.drawn_circularity = flat.circularity;
+    for (const Vector2d& p : counter_clockwise(drawn->line)) coil.drawn.push_back(alignment.scale * p);
     coil.with = {printed_loop(print, element.id, *drawn), {0, 0}};
     coil.with.near = middle_of(coil.with.line);
     for (const PlacedElement& placed : placement.elements)
       if (placed.element == static_cast<int>(i)) {
         coil.size = placed.size / alignment.scale;
         coil.moved_mm = placed.moved_mm;
+        coil.smooth = placed.smooth;
         coil.with.near = placed.centre_rest;
       }
     coil.trace_mm = drawn->width_mm * alignment.scale;
@@ -179,14 +187,19 @@ Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flat
   // Two loops a coil, then two ways a pair, a few at once so that a cancel is heard.
   const int coils = static_cast<int>(loops.size()), all = 2 * (coils + static_cast<int>(pairs.size()));
   std::vector<std::optional<LoopFigures>> found(static_cast<std::size_t>(2 * coils));
+  std::vector<ShapeDistance> shapes(found.size());
   std::vector<double> distances(2 * pairs.size(), std::nan(""));
   const auto work = [&](int item) {
     const bool with = item % 2 == 0;
     if (item < 2 * coils) {
       const CoilLoops& coil = loops[static_cast<std::size_t>(item / 2)];
       const FlatLoop& loop = with ? coil.with : coil.without;
-      if (!loop.line.empty())
-        found[static_cast<std::size_t>(item)] = measure_loop(measured, loop.line, loop.near);
+      if (loop.line.empty()) return;
+      auto& figures = found[static_cast<std::size_t>(item)] = measure_loop(measured, loop.line, loop.near);
+      if (!figures) return;
+      std::vector<Vector2d> drawn = coil.drawn;
+      for (Vector2d& p : drawn) p *= with ? coil.size : 1;  // the plain drawing knows of no decoupling
+      shapes[static_cast<std::size_t>(item)] = shape_distance(figures->shape, drawn);
       return;
     }
     const auto pair = static_cast<std::size_t>(item / 2 - coils);
@@ -213,19 +226,14 @@ Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flat
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const CoilLoops& coil = loops[i];
     Coil& row = table.coils.emplace_back();
-    row = {coil.id,
-           coil.drawn_diameter_mm,
-           coil.drawn_area_mm2,
-           coil.drawn_circularity,
-           coil.size,
-           coil.moved_mm,
-           {},
+    row = {coil.id,   coil.drawn_diameter_mm, coil.drawn_area_mm2, coil.drawn_circularity,
+           coil.size, coil.moved_mm,          coil.smooth,         {},
            {}};
-    if (found[2 * i]) row.with = figures_of(*found[2 * i], coil);
+    if (found[2 * i]) row.with = figures_of(*found[2 * i], shapes[2 * i], coil);
     if (found[2 * i + 1]) {
       CoilLoops as_drawn = coil;  // the plain drawing knows of no decoupling
       as_drawn.size = 1;
-      row.without = figures_of(*found[2 * i + 1], as_drawn);
+      row.without = figures_of(*found[2 * i + 1], shapes[2 * i + 1], as_drawn);
     }
   }
   for (std::size_t i = 0; i < pairs.size(); ++i) {

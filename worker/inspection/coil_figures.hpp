@@ -10,6 +10,7 @@
 
 #include "worker/coils/alignment.hpp"
 #include "worker/flattening/flattening.hpp"
+#include "worker/inspection/shape_distance.hpp"
 #include "worker/printing/vector_print.hpp"
 
 namespace vacuform {
@@ -27,10 +28,12 @@ struct CoilLoops {
   Eigen::Vector2d drawn_centre{0, 0};  // mm, at pattern.scale
   double drawn_diameter_mm = 0;        // twice the mean radius from its least squares centre
   double drawn_area_mm2 = 0;
-  double drawn_circularity = 0;  // largest |r - mean r| / mean r: 0 of a circle
-  double size = 1;               // that decoupling gave it, against the drawing
-  double moved_mm = 0;           // by the placement, from where the chart puts it
-  double trace_mm = 0;           // width of the line once formed
+  double drawn_circularity = 0;        // largest |r - mean r| / mean r: 0 of a circle
+  std::vector<Eigen::Vector2d> drawn;  // the closed line itself, counter-clockwise
+  double size = 1;                     // that decoupling gave it, against the drawing
+  double moved_mm = 0;                 // by the placement, from where the chart puts it
+  double trace_mm = 0;                 // width of the line once formed
+  bool smooth = true;                  // see PlacedElement
   FlatLoop with, without;
 };
 
@@ -56,6 +59,8 @@ struct CoilFigures {
   double diameter_mm = 0;           // twice the mean geodesic radius
   double diameter_error = 0;        // against the drawn one, as a ratio less 1
   double circularity = 0;           // largest |r - mean r| / mean r, r the geodesic radius from its centre
+  ShapeDistance shape;              // of LoopFigures::shape from the drawn one
+  double shape_error = 0;           // shape.largest_mm as a share of the drawn diameter
   double area_mm2 = 0;              // enclosed, on the surface
   double area_error = 0;            // against the drawn one, as a ratio less 1
   double worst_stretch = 1;         // of the plastic along the trace, formed length / flat length
@@ -64,7 +69,11 @@ struct CoilFigures {
 struct Coil {
   std::string id;
   double drawn_diameter_mm = 0, drawn_area_mm2 = 0, drawn_circularity = 0, size = 1, moved_mm = 0;
+  bool smooth = true;
   std::optional<CoilFigures> with, without;  // nothing where it lies off the sheet, or is not printed whole
+
+  // Drawn as a circle: circularity says how well it came out. Other shapes are compared with themselves alone.
+  bool round() const { return drawn_circularity < 0.005; }
 };
 
 struct PairFigures {
@@ -82,7 +91,9 @@ struct CoilPair {
 // Over the coils, and the pairs of coils, that lie on the head.
 struct CoilSummary {
   int coils = 0, pairs = 0;
-  double mean_circularity = 0, worst_circularity = 0;
+  int round = 0;                                       // of the coils, those that are drawn as circles
+  double mean_circularity = 0, worst_circularity = 0;  // of these
+  double mean_shape_error = 0, worst_shape_error = 0;
   double mean_diameter_error = 0, worst_diameter_error = 0, mean_area_error = 0,
          worst_area_error = 0;                      // of |...|
   double spacing_rms_mm = 0, worst_spacing_mm = 0;  // of the distance less the drawn one

@@ -8,13 +8,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json figures_json(const std::optional<CoilFigures>& figures) {
+Json figures_json(const Coil& coil, const std::optional<CoilFigures>& figures) {
   if (!figures) return nullptr;
+  const bool round = coil.round();
   return {{"on_head", figures->on_head},
           {"centre_mm", array(figures->centre, 2)},
           {"diameter_mm", rounded(figures->diameter_mm)},
           {"diameter_error", rounded(figures->diameter_error, 5)},
-          {"circularity", rounded(figures->circularity, 5)},
+          {"circularity", round ? rounded(figures->circularity, 5) : Json(nullptr)},
+          {"shape_error", rounded(figures->shape_error, 5)},
+          {"shape_largest_mm", rounded(figures->shape.largest_mm, 3)},
+          {"shape_mean_mm", rounded(figures->shape.mean_mm, 3)},
           {"area_mm2", rounded(figures->area_mm2, 3)},
           {"area_error", rounded(figures->area_error, 5)},
           {"worst_stretch", rounded(figures->worst_stretch)},
@@ -39,8 +43,8 @@ Json coils_json(const CoilTable& table) {
                    {"drawn_circularity", rounded(coil.drawn_circularity, 5)},
                    {"size", rounded(coil.size, 5)},
                    {"moved_mm", rounded(coil.moved_mm, 3)},
-                   {"with", figures_json(coil.with)},
-                   {"without", figures_json(coil.without)}});
+                   {"with", figures_json(coil, coil.with)},
+                   {"without", figures_json(coil, coil.without)}});
   return out;
 }
 
@@ -63,8 +67,11 @@ Json summary_json(const CoilSummary& s) {
   const bool pairs = s.pairs > 0;
   const Json none = nullptr;
   return {{"on_head", s.coils},
-          {"mean_circularity", rounded(s.mean_circularity, 5)},
-          {"worst_circularity", rounded(s.worst_circularity, 5)},
+          {"round", s.round},
+          {"mean_circularity", s.round > 0 ? rounded(s.mean_circularity, 5) : none},
+          {"worst_circularity", s.round > 0 ? rounded(s.worst_circularity, 5) : none},
+          {"mean_shape_error", rounded(s.mean_shape_error, 5)},
+          {"worst_shape_error", rounded(s.worst_shape_error, 5)},
           {"mean_diameter_error", rounded(s.mean_diameter_error, 5)},
           {"worst_diameter_error", rounded(s.worst_diameter_error, 5)},
           {"mean_area_error", rounded(s.mean_area_error, 5)},

@@ -153,9 +153,9 @@ std::string legend() {
 std::string_view style() {
   return R"css(
 :root { color-scheme: light dark; --text: #1b1d21; --soft: #4b5059; --paper: #fff; --band: #f3f4f6; --rule: #c9cdd3;
-  --with: #0072b2; --without: #b34b00; --warn: #8a4500; }
+  --with: #0072b2; --without: #b34b00; --warn: #8a4500; --serious: #a3201f; }
 @media (prefers-color-scheme: dark) { :root { --text: #e8eaed; --soft: #b6bcc6; --paper: #16181c; --band: #22262c;
-  --rule: #474d57; --with: #56b4e9; --without: #f0a35e; --warn: #f3b26b; } }
+  --rule: #474d57; --with: #56b4e9; --without: #f0a35e; --warn: #f3b26b; --serious: #ff8b85; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 68rem; padding: 1.2rem; color: var(--text); background: var(--paper);
   font: 1rem/1.45 system-ui, "DejaVu Sans", sans-serif; }
@@ -182,11 +182,12 @@ figcaption { font-size: .9rem; padding-top: .25rem; }
 .legend svg { width: 22px; height: 12px; margin-left: .8rem; }
 svg .with { fill: var(--with); } svg .without { fill: none; stroke: var(--without); stroke-width: 1.6; }
 svg .grid { stroke: var(--rule); stroke-width: .6; } svg .axis { stroke: var(--text); stroke-width: 1; }
-.warnings > li { margin-bottom: .5rem; } .warnings b { color: var(--warn); }
+.warnings > li { margin-bottom: .6rem; } .warnings b:first-child { color: var(--warn); text-transform: capitalize; }
+.warnings .serious b:first-child { color: var(--serious); } .warnings .note b:first-child { color: var(--soft); }
 @page { size: A4; margin: 14mm; }
 @media print {
   :root { color-scheme: light; --text: #000; --soft: #333; --paper: #fff; --band: #eee; --rule: #999; --with: #0072b2;
-    --without: #b34b00; --warn: #7a3c00; }
+    --without: #b34b00; --warn: #7a3c00; --serious: #8a1010; }
   body { max-width: none; padding: 0; font-size: 9.5pt; } figcaption, caption { font-size: 8.5pt; }
   .pictures { grid-template-columns: 1fr 1fr; gap: 4mm; } .charts { grid-template-columns: 1fr 1fr; gap: 4mm; }
   th.number { min-width: 0; } table { font-size: 8.2pt; } th, td { padding-right: 2mm; }

@@ -35,6 +35,7 @@ struct Measured {
     Distortion with, without;
   };
   std::optional<Elements> elements = {};
+  std::vector<Warning> warnings = {};  // of coils and traces
 };
 // Errors: cancelled.
 Result<Measured> measure(const FormedSheet& sheet, const Flattening& flattening, const Drawing& drawing,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/coils/exact_geodesics.hpp"
+#include "worker/inspection/shape_distance.hpp"
 
 namespace vacuform {
 
@@ -135,6 +136,25 @@ double straight_length(const MeasuredSheet& sheet, const Vector2d& a, const Vect
   return 1.01 * length + 0.1;  // the pieces cut corners
 }
 
+// The line by directions and distances along the surface, from a `centre` in the plane of the source's triangle.
+std::optional<std::vector<Vector2d>> polar(const MeasuredSheet& sheet, const Geodesics& geodesics,
+                                           const SheetPoint& source, const std::vector<Vector2d>& line,
+                                           const Vector3d& centre) {
+  const Triangle& t = sheet.sheet().triangles[static_cast<std::size_t>(source.triangle)];
+  const auto at = [&](std::size_t k) { return sheet.inked()[static_cast<std::size_t>(t[k])]; };
+  const Vector3d u = (at(1) - at(0)).normalized();
+  const Vector3d v = (at(1) - at(0)).cross(at(2) - at(0)).cross(u).normalized();
+  std::vector<Vector2d> out;
+  for (const Vector2d& p : line) {
+    const auto end = sheet.find(p);
+    const auto path = end ? geodesics.to(*end) : std::nullopt;
+    if (!path) return std::nullopt;
+    const Vector3d way = path->length * path->start - centre;
+    out.emplace_back(way.dot(u), way.dot(v));
+  }
+  return out;
+}
+
 double worst_stretch(const std::vector<Vector2d>& line, const std::vector<Vector3d>& at) {
   const std::size_t n = line.size();
   double worst = 0;
@@ -213,9 +233,14 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     out.circularity = centring.circularity();
     out.centre = sheet.place(*source) + move;
     reach += move.norm();
-    if (move.norm() < settled_mm) break;
+    if (move.norm() >= settled_mm) continue;
+    const auto shape = polar(sheet, geodesics, *source, line, move);
+    if (!shape) return std::nullopt;
+    out.shape = *shape;
+    break;
   }
   out.area_mm2 = enclosed_area(sheet, line);
+  out.shape = true_to_area(std::move(out.shape), out.area_mm2);
   out.worst_stretch = worst_stretch(line, out.outline);
   return out;
 }

@@ -47,6 +47,8 @@ struct LoopFigures {
   double area_mm2 = 0;                   // enclosed, on the surface
   double worst_stretch = 1;              // formed length / flat length of the worst millimetre
   std::vector<Eigen::Vector3d> outline;  // on the inked surface, mm, closed
+  // In the plane: directions and distances from its centre along the surface, mm, made true to area (shape_distance.hpp).
+  std::vector<Eigen::Vector2d> shape;
 };
 
 // `line` is a closed polyline in sheet coordinates, the last point joined to the first; `near` a point near its centre.

@@ -1,3 +1,4 @@
+#include "worker/inspection/coil_warnings.hpp"
 #include "worker/inspection/inspection.hpp"
 
 namespace vacuform {
@@ -22,8 +23,11 @@ Result<Measured> measure(const FormedSheet& sheet, const Flattening& flattening,
   const std::vector<CoilLoops> loops = coil_loops(drawing, placement, print, flattening, alignment);
   VACUFORM_TRY(coils,
                measure_coils(sheet, flattening, loops, neighbours(loops, placement, drawing), context));
-  return Measured{std::move(coils), measure_traces(sheet, flattening, print, settings.stretch_limit),
-                  distortion_of_elements(placement, alignment.scale)};
+  Measured measured{std::move(coils), measure_traces(sheet, flattening, print, settings.stretch_limit),
+                    distortion_of_elements(placement, alignment.scale)};
+  measured.warnings = coil_warnings(measured.coils, settings.decouple);
+  for (const Warning& warning : measured.traces.warnings) measured.warnings.push_back(warning);
+  return measured;
 }
 
 }  // namespace vacuform

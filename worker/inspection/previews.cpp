@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "worker/decimal.hpp"
+#include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/flat_previews.hpp"
@@ -82,11 +83,29 @@ std::string figures_of(const Distortion& d) {
 }
 // Of the coils where there are any on the head, else of the chart.
 std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const Distortion& chart) {
-  if (!job.measured || (job.measured->coils.*way).coils == 0) return figures_of(chart);
+  if (!job.measured || job.measured->coils.coils.empty()) return figures_of(chart);
   const CoilSummary& c = job.measured->coils.*way;
-  return std::to_string(c.coils) + (c.coils == 1 ? " coil" : " coils") + " on the head: out of round by " +
-         decimal(100 * c.mean_circularity, 1) + " % in the mean, " + decimal(100 * c.worst_circularity, 1) +
-         " % at worst     area off by " + decimal(100 * c.mean_area_error, 1) + " % in the mean";
+  const std::size_t all = job.measured->coils.coils.size();
+  const std::string counted = std::to_string(c.coils) + " of " + std::to_string(all) +
+                              (all == 1 ? " coil" : " coils") + " on the head";
+  if (c.coils == 0) return counted;
+  const bool round = c.round == c.coils;
+  return counted + (round ? ": out of round by " : ": off their drawn shape by ") +
+         decimal(100 * (round ? c.mean_circularity : c.mean_shape_error), 2) + " % on average, " +
+         decimal(100 * (round ? c.worst_circularity : c.worst_shape_error), 2) +
+         " % at worst     area off by " + decimal(100 * c.mean_area_error, 2) + " % on average";
+}
+std::string ink_note(const Print& print) {
+  constexpr double all = 0.9995;
+  const auto percent = [](double share) { return decimal(100 * share, 1) + " %"; };
+  if (print.ink_printed < all)
+    return percent(1 - print.ink_printed) +
+           " of the drawing's ink lies off the formed part and is not printed; " +
+           percent(print.ink_on_head) + " lies on the head.";
+  if (print.ink_on_head < all)
+    return "All of the drawing's ink is printed; " + percent(print.ink_on_head) +
+           " of it lies on the head, the rest beside it.";
+  return "All of the drawing's ink lies on the head.";
 }
 std::string figures_of(const Statistics& s) {
   return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) +
@@ -164,6 +183,44 @@ std::string figures_of(const Placement& placement) {
          decimal(jump, 1) + " mm";
 }
 
+// The print on the head from five sides, each in a tile of its own; the last tile says what they show.
+Result<Picture> views(const Finished& job, const Distortion& after, View& view, const Inked& with,
+                      const Context& context) {
+  constexpr int columns = 2, width = preview_side / columns, height = 400, label = 34;
+  constexpr std::pair<View::Side, const char*> sides[] = {{View::Side::straight_front, "Front"},
+                                                          {View::Side::straight_back, "Back"},
+                                                          {View::Side::left, "Left (-x)"},
+                                                          {View::Side::right, "Right (+x)"},
+                                                          {View::Side::above, "Above, front below"}};
+  constexpr int rows = (static_cast<int>(std::size(sides)) + columns - 1) / columns;
+  Picture whole{preview_side, caption_top + rows * height + caption_bottom, {}};
+  whole.pixels.assign(static_cast<std::size_t>(whole.width) * static_cast<std::size_t>(whole.height),
+                      0xffffffffu);
+  for (std::size_t i = 0; i < std::size(sides); ++i) {
+    view.look_from(sides[i].first, width, height, label, 0);
+    VACUFORM_TRY(pictures, view.draw(
+                               1, [&](const Seen& seen, Rgb* colour) { *colour = with(seen); }, context,
+                               0.7 + 0.01 * static_cast<double>(i), 0.71 + 0.01 * static_cast<double>(i)));
+    const int left = static_cast<int>(i) % columns * width,
+              top = caption_top + static_cast<int>(i) / columns * height;
+    for (int y = label; y < height; ++y)
+      std::copy_n(pictures.front().pixels.begin() + static_cast<std::ptrdiff_t>(y) * width, width,
+                  whole.pixels.begin() + static_cast<std::ptrdiff_t>(top + y) * whole.width + left);
+  }
+  write({"The print on the head from all sides",
+         figures_of(job, &CoilTable::with, after),
+         {},
+         ink_note(job.print)},
+        whole);
+  Canvas canvas(whole);
+  for (std::size_t i = 0; i < std::size(sides); ++i)
+    canvas.text(sides[i].second, static_cast<double>(static_cast<int>(i) % columns * width) + 14,
+                caption_top + static_cast<double>(static_cast<int>(i) / columns * height) + 23, 18, true, 0,
+                0.2f);
+  view.look_from(View::Side::front, preview_side, preview_side, caption_top, caption_bottom);
+  return whole;
+}
+
 }  // namespace
 
 Result<std::vector<Artifact>> previews(const Finished& job, const Context& context) {
@@ -209,24 +266,22 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
 
   double least = INFINITY;
   for (const double h : job.sheet.element_thickness) least = std::min(least, h);
-  const std::string lost = job.print.ink_printed < 0.9995
-                               ? decimal(100 * (1 - job.print.ink_printed), 1) +
-                                     " % of the drawing's ink lies off the formed part and is not printed."
-                               : "All of the drawing's ink lies on the formed part.";
+  const std::string lost = ink_note(job.print);
   const Caption captions[] = {
       {"The plain pattern, printed as drawn, then formed",
        figures_of(job, &CoilTable::without, before),
        {},
        "Its centre lies where the top of the mold comes to lie, as for the pre-distorted print."},
       {"The pre-distorted print, formed", figures_of(job, &CoilTable::with, after), {}, lost},
-      {"Change of shape that the print makes good", figures_of(before.anisotropy), anisotropy.scale, ""},
-      {"Change of area that the print makes good", figures_of(before.area_ratio), area.scale, ""},
+      {"Shape distortion, corrected by the print", figures_of(before.anisotropy), anisotropy.scale, ""},
+      {"Area distortion, corrected by the print", figures_of(before.area_ratio), area.scale, ""},
       {"Thickness of the formed sheet",
        "from " + decimal(job.settings.sheet.thickness_mm, 2) + " mm; thinnest element " + decimal(least, 3) +
            " mm",
        thickness.scale, ""}};
   const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png",
                          "preview-area.png", "preview-thickness.png"};
+  VACUFORM_TRY(around, views(job, after, view, with, context));
   std::vector<Artifact> files;
   files.push_back({"preview-pattern.png", png_of(pattern_preview(job, preview_side))});
   files.push_back({"preview-print.png", png_of(print_preview(job, print, preview_side))});
@@ -234,6 +289,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
     VACUFORM_CHECK(context.step(Stage::inspection, 0.7 + 0.04 * static_cast<double>(i)));
     write(captions[i], pictures[i]);
     files.push_back({names[i], png_of(pictures[i])});
+    if (i == 1) files.push_back({"preview-views.png", png_of(around)});
   }
   if (uneven) {
     write({"Temperature of the sheet when it met the mold", figures_of(job.heat), temperature.scale, ""},
@@ -248,8 +304,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   std::vector<Warning> warnings = job.mold.warnings;
   warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
   if (job.measured)
-    warnings.insert(warnings.end(), job.measured->traces.warnings.begin(),
-                    job.measured->traces.warnings.end());
+    warnings.insert(warnings.end(), job.measured->warnings.begin(), job.measured->warnings.end());
   VACUFORM_TRY(findings, findings_preview(warnings, view, std::move(pictures[5]), context));
   files.push_back({"preview-findings.png", png_of(findings)});
   return files;

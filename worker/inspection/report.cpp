@@ -8,6 +8,7 @@
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/inspection/segments_json.hpp"
 #include "worker/scan/findings_json.hpp"
+#include "worker/warning_json.hpp"
 
 namespace vacuform {
 namespace {
@@ -118,7 +119,8 @@ Json pattern_of(const Finished& job) {
           {"size_pixels", {job.pattern.size_pixels().x(), job.pattern.size_pixels().y()}},
           {"grayscale", job.pattern.grayscale()},
           {"ink_area_mm2", rounded(job.print.ink_area_mm2, 2)},
-          {"ink_printed", rounded(job.print.ink_printed, 5)}};
+          {"ink_printed", rounded(job.print.ink_printed, 5)},
+          {"ink_on_head", rounded(job.print.ink_on_head, 5)}};
 }
 
 Json print_of(const Finished& job) {
@@ -215,15 +217,13 @@ Json report(const Finished& job) {
   out["histograms"] = histograms_of(job);
   Json warnings = Json::array();
   const auto add = [&](Stage stage, const std::vector<Warning>& of_stage) {
-    for (const auto& w : of_stage)
-      warnings.push_back(
-          {{"stage", name(stage)}, {"code", w.code}, {"text", w.text}, {"marks", marks_json(w)}});
+    for (const auto& w : of_stage) warnings.push_back(warning_json(stage, w));
   };
   add(Stage::scan, job.mold.warnings);
   add(Stage::forming, job.sheet.warnings);
   add(Stage::flattening, job.flattening.warnings);
   add(Stage::printing, job.print.warnings);
-  if (job.measured) add(Stage::inspection, job.measured->traces.warnings);
+  if (job.measured) add(Stage::inspection, job.measured->warnings);
   out["warnings"] = std::move(warnings);
   out["vents"] = vents_of(job.sheet);
   Json files = Json::array();

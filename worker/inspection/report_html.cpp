@@ -75,9 +75,12 @@ std::string reading() {
          "to lie. <b>Printed with Vacuform</b> is this job's print.</li>\n"
          "<li><b>Diameter</b>: twice the mean distance of a coil from its centre along the surface. <b>Out "
          "of round</b>: "
-         "the largest departure from that mean, as a share of it. The centre is the point from which the "
-         "distances vary "
-         "least.</li>\n"
+         "the largest departure from that mean, as a share of it, for loops that are drawn as circles. The "
+         "centre is "
+         "the point from which the distances vary least.</li>\n"
+         "<li><b>Off its shape</b>: the largest distance between a loop and its own drawn shape, whatever "
+         "that is, after "
+         "the rotation and shift that fit best, in mm and as a share of its diameter.</li>\n"
          "<li><b>Coupling k</b>: mutual inductance over the geometric mean of the self inductances, of the "
          "lines in "
          "space. Neighbours that do not couple have 0.</li>\n"
@@ -103,6 +106,7 @@ std::string report_html(const ReportJson& report, const std::vector<Artifact>& f
   out += key_figures_section(report);
   out += pictures("Drawing, print and part", files,
                   {"preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png"});
+  out += pictures("The print on the head", files, {"preview-views.png"});
   out += warnings_section(report);
   out += pictures("Segments", files, {"preview-segments.png"});
   out += segments_section(report);

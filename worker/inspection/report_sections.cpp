@@ -40,7 +40,9 @@ Rows coil_rows(const ReportJson& coils) {
          coil_cell(coil, "without", "diameter_error", 1, true),
          coil_cell(coil, "with", "diameter_error", 2, true),
          percent_text(at(coil, {"without", "circularity"}), 1),
-         percent_text(at(coil, {"with", "circularity"})), coil_cell(coil, "without", "area_error", 1, true),
+         percent_text(at(coil, {"with", "circularity"})),
+         number_text(at(coil, {"with", "shape_largest_mm"}), 2),
+         percent_text(at(coil, {"with", "shape_error"})), coil_cell(coil, "without", "area_error", 1, true),
          coil_cell(coil, "with", "area_error", 2, true), number_text(at(coil, {"with", "worst_stretch"}), 2),
          number_text(at(coil, {"with", "inductance_nh"}), 1)});
   }
@@ -107,8 +109,8 @@ std::string text_of(const ReportJson& value) {
   return value.dump();
 }
 
-std::string key_figures_section(const ReportJson& report) {
-  Rows rows;
+std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
+  std::vector<std::array<std::string, 3>> rows;
   const ReportJson &without = at(report, {"figures", "without"}), &with = at(report, {"figures", "with"});
   const auto both = [&](const std::string& title, auto&& text) {
     const std::string a = text(without), b = text(with);
@@ -119,7 +121,15 @@ std::string key_figures_section(const ReportJson& report) {
       return pair_text(percent_text(at(way, {"coils", mean})), percent_text(at(way, {"coils", worst})));
     };
   };
-  both("Coils out of round, mean (worst)", percents("mean_circularity", "worst_circularity"));
+  const ReportJson& coils = at(report, {"coils"});
+  const std::string all = " of " + std::to_string(coils.is_array() ? coils.size() : 0);
+  both("Coils wholly on the head", [&](const ReportJson& way) {
+    if (!coils.is_array() || coils.empty()) return none;
+    const std::string on_head = number_text(at(way, {"coils", "on_head"}), 0);
+    return (on_head == none ? "0" : on_head) + all;
+  });
+  both("Circles out of round, mean (worst)", percents("mean_circularity", "worst_circularity"));
+  both("Coils off their drawn shape, mean (worst)", percents("mean_shape_error", "worst_shape_error"));
   both("Coil diameters off, mean (worst)", percents("mean_diameter_error", "worst_diameter_error"));
   both("Areas inside coils off, mean (worst)", percents("mean_area_error", "worst_area_error"));
   both("Distances of neighbouring coils off, RMS (worst)", [](const ReportJson& way) {
@@ -128,11 +138,6 @@ std::string key_figures_section(const ReportJson& report) {
   });
   both("Largest coupling |k| of neighbouring coils", [](const ReportJson& way) {
     return number_text(at(way, {"coils", "worst_k"}), 3);
-  });
-  const std::string all = std::to_string(at(report, {"coils"}).size());
-  both("Coils wholly on the head", [&](const ReportJson& way) {
-    const std::string on_head = number_text(at(way, {"coils", "on_head"}), 0);
-    return on_head == none ? none : on_head + " of " + all;
   });
   for (const auto& [key, title] :
        {std::pair{"anisotropy", "Shape: longer one way than the other, mean (95 % below)"},
@@ -144,11 +149,18 @@ std::string key_figures_section(const ReportJson& report) {
         const ReportJson& of = *region == 0 ? at(way, {name}) : at(way, {region, name});
         return pair_text(number_text(at(of, {"mean"}), 3, "×"), number_text(at(of, {"p95"}), 3, "×"));
       });
+  return rows;
+}
+
+std::string key_figures_section(const ReportJson& report) {
+  Rows rows;
+  for (const auto& row : key_figures(report)) rows.emplace_back(row.begin(), row.end());
   std::vector<std::pair<std::string, std::string>> facts;
   const auto fact = [&](const char* title, const std::string& text) {
     if (text != none) facts.emplace_back(title, text);
   };
-  fact("Ink of the drawing that found a place", percent_text(at(report, {"pattern", "ink_printed"}), 1));
+  fact("Ink of the drawing that is printed", percent_text(at(report, {"pattern", "ink_printed"}), 1));
+  fact("Ink of the drawing that lies on the head", percent_text(at(report, {"pattern", "ink_on_head"}), 1));
   fact("Longest stretch along a printed line",
        signed_percent_text(at(report, {"ink", "worst_stretch"}).is_number()
                                ? ReportJson(at(report, {"ink", "worst_stretch"}).get<double>() - 1)
@@ -169,8 +181,12 @@ std::string warnings_section(const ReportJson& report) {
   if (warnings.empty()) return "<h2>Warnings</h2>\n<p>None.</p>\n";
   std::string out = "<h2>Warnings</h2>\n<ul class=\"warnings\">\n";
   for (const auto& warning : warnings) {
-    out += "<li><b>" + escaped(text_of(at(warning, {"code"}))) +
-           "</b>: " + escaped(text_of(at(warning, {"text"})));
+    const std::string severity = text_of(at(warning, {"severity"}));
+    out += "<li class=\"" + escaped(severity) + "\"><b>" + escaped(severity) + "</b> " +
+           escaped(text_of(at(warning, {"what"}))) +
+           "<br><span class=\"soft\">Where: " + escaped(text_of(at(warning, {"place"}))) +
+           ".</span> <b>Fix:</b> " + escaped(text_of(at(warning, {"fix"}))) + " <code class=\"soft\">" +
+           escaped(text_of(at(warning, {"code"}))) + "</code>";
     const ReportJson& marks = at(warning, {"marks"});
     if (marks.is_array() && !marks.empty()) {
       out += "<br><span class=\"soft\">Places (x, y, z) in mm on the part, and how large:";
@@ -221,7 +237,7 @@ std::string coils_section(const ReportJson& report) {
   const ReportJson &coils = at(report, {"coils"}), &pairs = at(report, {"pairs"});
   if (!coils.is_array() || coils.empty()) return "";
   std::string out = "<h2>Coils</h2>\n" + html::legend() + "<div class=\"charts\">" +
-                    bars_of(coils, "circularity", "Out of round, by coil", false) +
+                    bars_of(coils, "shape_error", "Off its drawn shape, of its diameter, by coil", false) +
                     bars_of(coils, "diameter_error", "Diameter off, by coil", true) + "</div>\n" +
                     html::table("Coils, each from its own centre along the surface. Plain: printed as drawn",
                                 {{"Coil"},
@@ -232,6 +248,8 @@ std::string coils_section(const ReportJson& report) {
                                  {"Ø off", true},
                                  {"Out of round, plain", true},
                                  {"Out of round", true},
+                                 {"Off its shape, mm", true},
+                                 {"Off its shape", true},
                                  {"Area off, plain", true},
                                  {"Area off", true},
                                  {"Stretch ×", true},

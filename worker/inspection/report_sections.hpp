@@ -2,9 +2,11 @@
 // Internal to worker/inspection.
 #pragma once
 
+#include <array>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace vacuform {
 
@@ -18,6 +20,9 @@ std::string number_text(const ReportJson& value, int places, const std::string& 
 std::string percent_text(const ReportJson& value, int places = 2);         // of a ratio
 std::string signed_percent_text(const ReportJson& value, int places = 2);  // with its sign
 std::string text_of(const ReportJson& value);                              // of any value, as people read it
+
+// What it is, printed as drawn, printed with Vacuform; for people. What the report does not have is left out.
+std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report);
 
 std::string key_figures_section(const ReportJson& report);
 std::string warnings_section(const ReportJson& report);

@@ -99,8 +99,9 @@ Warning warning_of(const TraceFigures& figures) {
                  " % that the ink is said to bear (coils.stretch_limit), over " +
                  decimal(figures.stretched_mm, 0) + " of " + decimal(figures.length_mm, 0) +
                  " mm; the worst, " + (worst.empty() ? "a line between elements" : worst) + ", by " +
-                 percent(figures.stretched.front().worst_stretch) +
-                 ": use a more formable ink, or move them to where the sheet stretches less.";
+                 percent(figures.stretched.front().worst_stretch) + ".";
+  warning.figure =
+      Warning::Figure{100 * (figures.stretched.front().worst_stretch - 1), "%", 100 * figures.limit};
   return warning;
 }
 

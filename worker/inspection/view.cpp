@@ -10,7 +10,8 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double from_the_front = -28 * M_PI / 180, elevation = 52 * M_PI / 180;
+constexpr double from_the_front = -28 * M_PI / 180, slanted = 52 * M_PI / 180;
+constexpr double straight = 18 * M_PI / 180;   // so that the foot is seen
 constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspective
 const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
 
@@ -24,6 +25,41 @@ std::vector<Vector3d> vertex_normals(const TriangleMesh& mesh) {
     for (const int v : t) normals[static_cast<std::size_t>(v)] += normal;
   }
   for (auto& n : normals) n = n.squaredNorm() > 0 ? n.normalized() : Vector3d(0, 0, 1);
+  return normals;
+}
+
+// The foot: where the sheet turns from the wall to the platform, the grid makes steps that are no shape of the part.
+constexpr double platform_mm = 0.3, foot_mm = 8;
+constexpr int foot_rounds = 6, sky_rounds = 3;
+
+double lowest(const TriangleMesh& mesh) {
+  double low = INFINITY;
+  for (const Vector3d& p : mesh.vertices) low = std::min(low, p.z());
+  return low;
+}
+
+// The mean of each value and its neighbours', over and over; `part` says for which vertices.
+template <class Value, class Part>
+void smooth(const TriangleMesh& mesh, std::vector<Value>& values, int rounds, Part&& part) {
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<Value> sum = values;
+    std::vector<float> count(values.size(), 1);
+    for (const Triangle& t : mesh.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto v = static_cast<std::size_t>(t[k]);
+        for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3})
+          sum[v] += values[static_cast<std::size_t>(t[other])], ++count[v];
+      }
+    for (std::size_t v = 0; v < values.size(); ++v)
+      if (part(v)) values[v] = sum[v] / count[v];
+  }
+}
+
+std::vector<Vector3d> shading_normals(const TriangleMesh& mesh) {
+  std::vector<Vector3d> normals = vertex_normals(mesh);
+  const double low = lowest(mesh);
+  smooth(mesh, normals, foot_rounds, [&](std::size_t v) { return mesh.vertices[v].z() < low + foot_mm; });
+  for (Vector3d& n : normals) n = n.squaredNorm() > 0 ? n.normalized() : Vector3d(0, 0, 1);
   return normals;
 }
 
@@ -71,8 +107,9 @@ View::View(TriangleMesh mesh, std::vector<Vector3d> shown, int width, int height
       top_(top),
       bottom_(bottom),
       azimuth_(from_the_front),
+      elevation_(slanted),
       rays_(mesh_),
-      normals_(vertex_normals(mesh_)) {
+      normals_(shading_normals(mesh_)) {
   if (shown_.empty()) shown_.push_back(Vector3d::Zero());
   frame();
 }
@@ -81,16 +118,42 @@ View::View(const FormedSheet& sheet, int width, int height, int top, int bottom)
     : View({sheet.formed, sheet.triangles}, drawn_part(sheet), width, height, top, bottom) {}
 
 void View::look_from(Side side, int height, int top, int bottom) {
-  height_ = height, top_ = top, bottom_ = bottom;
-  azimuth_ = from_the_front + (side == Side::behind ? M_PI : 0);
+  look_from(side, width_, height, top, bottom);
+}
+
+void View::look_from(Side side, int width, int height, int top, int bottom) {
+  width_ = width, height_ = height, top_ = top, bottom_ = bottom;
+  elevation_ = straight;
+  switch (side) {
+    case Side::front:
+    case Side::behind:
+      azimuth_ = from_the_front + (side == Side::behind ? M_PI : 0);
+      elevation_ = slanted;
+      break;
+    case Side::straight_front:
+      azimuth_ = 0;
+      break;
+    case Side::straight_back:
+      azimuth_ = M_PI;
+      break;
+    case Side::left:
+      azimuth_ = -M_PI / 2;
+      break;
+    case Side::right:
+      azimuth_ = M_PI / 2;
+      break;
+    case Side::above:
+      azimuth_ = 0, elevation_ = M_PI / 2;
+      break;
+  }
   frame();
 }
 
 // Moves the eye until what is to be shown just fills the picture.
 void View::frame() {
-  back_ = {std::sin(azimuth_) * std::cos(elevation), -std::cos(azimuth_) * std::cos(elevation),
-           std::sin(elevation)};
-  right_ = Vector3d(0, 0, 1).cross(back_).normalized();
+  back_ = {std::sin(azimuth_) * std::cos(elevation_), -std::cos(azimuth_) * std::cos(elevation_),
+           std::sin(elevation_)};
+  right_ = {std::cos(azimuth_), std::sin(azimuth_), 0};
   up_ = back_.cross(right_);
   tangent_ = std::tan(half_view);
   const double room_x = 0.88 * tangent_;
@@ -144,6 +207,12 @@ Result<void> View::light(const Context& context, double from, double to) {
       }
     });
   }
+  // No shadow on the platform; towards it, it fades.
+  const double low = lowest(mesh_);
+  for (std::size_t v = 0; v < open_.size(); ++v)
+    if (mesh_.vertices[v].z() < low + platform_mm) open_[v] = 1;
+  smooth(mesh_, open_, sky_rounds, [](std::size_t) { return true; });
+  smooth(mesh_, open_, foot_rounds, [&](std::size_t v) { return mesh_.vertices[v].z() < low + foot_mm; });
   return {};
 }
 

@@ -38,9 +38,12 @@ class View {
   View(TriangleMesh mesh, std::vector<Eigen::Vector3d> shown, int width, int height, int top, int bottom);
   View(const FormedSheet& sheet, int width, int height, int top, int bottom);
 
-  // The next pictures and spots are those from this side, at the same width.
-  enum class Side { front, behind };
+  // The next pictures and spots are those from this side, at the same width. Front and behind are a little from the side and
+  // from above; the others look straight at the head.
+  enum class Side { front, behind, straight_front, straight_back, left, right, above };
   void look_from(Side side, int height, int top, int bottom);
+  // The same in a picture of another width.
+  void look_from(Side side, int width, int height, int top, int bottom);
 
   // Draws `count` pictures with one set of rays, 2 x 2 a pixel: shade gives the colour of a sample in each.
   // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
@@ -64,7 +67,7 @@ class View {
   TriangleMesh mesh_;
   std::vector<Eigen::Vector3d> shown_;
   int width_, height_, top_, bottom_;
-  double azimuth_;
+  double azimuth_, elevation_;
   RayCaster rays_;
   std::vector<Eigen::Vector3d> normals_;
   std::vector<float> open_;  // per vertex: the part of the sky that it sees

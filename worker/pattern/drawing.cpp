@@ -71,7 +71,10 @@ class Reader {
     if (!refused()) return std::move(drawing_);
     warnings.push_back({"pattern-as-picture",
                         std::string("The drawing is printed as a picture and not as lines, for it holds ") +
-                            refusal_.what() + "; " + refusal_.mend() + " to keep its lines exact."});
+                            refusal_.what() + ".",
+                        {},
+                        {},
+                        "To keep its lines exact, " + refusal_.mend() + "."});
     return std::nullopt;
   }
 

@@ -267,8 +267,7 @@ std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement 
     warnings.push_back(
         {"ink-hangs-together",
          "Loops of the picture touch or overlap, and are not circles that could be told apart: what "
-         "hangs together is laid as one. For coils give an SVG with a group for each, with an id, so "
-         "that each is laid by itself."});
+         "hangs together is laid as one."});
   if (placement == PatternPlacement::elements && !elements.empty()) return parts;
   if (elements.size() < 2 || elements.size() > 128) return std::nullopt;
   for (const Element& element : elements) {

@@ -231,10 +231,12 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
   const double has_dpi = 25.4 / picture->texel_mm().maxCoeff();
   // A print that is finer than its drawing loses nothing until the pixels can be seen.
   if (has_dpi < (picture->format == "SVG" ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
-    picture->warnings.push_back({"pattern-coarse", "The drawing has " + decimal(has_dpi, 0) +
-                                                       " pixels an inch where the print could show " +
-                                                       decimal(wanted_dpi, 0) +
-                                                       ": its edges will look soft."});
+    picture->warnings.push_back({"pattern-coarse",
+                                 "The drawing has " + decimal(has_dpi, 0) +
+                                     " pixels an inch where the print could show " + decimal(wanted_dpi, 0) +
+                                     ": its edges will look soft.",
+                                 {},
+                                 Warning::Figure{has_dpi, "1/in", wanted_dpi}});
   return Pattern(std::move(picture));
 }
 

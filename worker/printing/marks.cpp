@@ -118,12 +118,6 @@ Mark t_arrow(double x) {
   return mark;
 }
 
-Mark mold_outline(const std::vector<std::vector<Vector2d>>& rings) {
-  Mark mark{.name = "mold-outline", .lines = {}, .circles = {}, .texts = {}};
-  for (const auto& ring : rings) mark.lines.push_back({.points = ring, .closed = true, .dashed = true});
-  return mark;
-}
-
 Eigen::AlignedBox2d box_of(const Mark& mark) {
   Eigen::AlignedBox2d box;
   for (const auto& line : mark.lines)
@@ -174,8 +168,7 @@ std::string coordinates(double x, double y) { return decimal(x, 3) + "," + decim
 }  // namespace
 
 Marks lay_out_marks(const Settings& settings, const std::string& label,
-                    const std::vector<Eigen::AlignedBox2d>& taken,
-                    const std::vector<std::vector<Vector2d>>& outline) {
+                    const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline) {
   const auto& sheet = settings.sheet;
   const auto& machine = settings.machine;
   const double margin = settings.print.margin_mm;
@@ -183,7 +176,10 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
   Marks laid;
   if (half.minCoeff() < 20) {
     laid.warnings.push_back(
-        {"marks-left-out", "print.margin_mm leaves no room for marks on this sheet; none are printed."});
+        {.code = "marks-left-out",
+         .text = "print.margin_mm leaves no room for marks on this sheet; none are printed.",
+         .figure = Warning::Figure{margin, "mm"},
+         .place = "the sheet's edge"});
     return laid;
   }
   std::vector<Mark> all;
@@ -261,7 +257,8 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
     else
       left_out += (left_out.empty() ? "" : ", ") + mark.name;
   }
-  if (Mark mold = mold_outline(outline); !mold.lines.empty()) {
+  Mark mold{.name = "mold-outline", .lines = std::move(outline), .circles = {}, .texts = {}};
+  if (!mold.lines.empty()) {
     const Eigen::AlignedBox2d box = box_of(mold);
     if ((box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).array() < half.array()).all())
       laid.marks.push_back(std::move(mold));
@@ -269,10 +266,12 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
       left_out += (left_out.empty() ? "" : ", ") + mold.name;
   }
   if (!left_out.empty())
-    laid.warnings.push_back({"marks-left-out",
-                             "The pattern's region reaches the sheet's edge; the marks that would lie on "
-                             "it are not printed: " +
-                                 left_out + "."});
+    laid.warnings.push_back(
+        {.code = "marks-left-out",
+         .text = "The pattern's region reaches the sheet's edge; the marks that would lie "
+                 "on it are not printed: " +
+                 left_out + ".",
+         .place = "the sheet's edge"});
   return laid;
 }
 

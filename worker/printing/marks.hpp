@@ -47,12 +47,11 @@ struct Marks {
 // (the boxes of the chart's triangles, print coordinates) is left out with a warning: marks never lie on the
 // pattern. `label` must be printable ASCII.
 //
-// `outline`: where the plastic leaves the mold, closed lines in print coordinates, drawn dashed: the formed part is cut or
+// `outline`: where the plastic leaves the mold, lines in print coordinates clear of the ink: the formed part is cut or
 // checked along it. Every sheet is laid with its extrusion direction along +t, as the arrow says, so that what it does of
 // its own repeats from sheet to sheet.
 Marks lay_out_marks(const Settings& settings, const std::string& label,
-                    const std::vector<Eigen::AlignedBox2d>& taken,
-                    const std::vector<std::vector<Eigen::Vector2d>>& outline = {});
+                    const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline = {});
 
 // How much of each pixel the marks cover, 0 to 255, in `rows` rows of `width` pixels of `pixel_mm`; the pixel
 // grid's first row is `first_row` of `height`. The grid is centred on the sheet's centre.

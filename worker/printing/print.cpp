@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <utility>
 
@@ -10,7 +9,9 @@
 #include "worker/pattern/curve.hpp"
 #include "worker/printing/ink_compensation.hpp"
 #include "worker/printing/ink_on_chart.hpp"
+#include "worker/printing/laid_ink.hpp"
 #include "worker/printing/marks.hpp"
+#include "worker/printing/mold_outline.hpp"
 #include "worker/printing/patch_map.hpp"
 #include "worker/printing/png_writer.hpp"
 #include "worker/printing/print_pdf.hpp"
@@ -101,9 +102,11 @@ Result<void> check_ink(Print& print) {
                 "pattern.offset_mm",
                 "move it nearer to the top of the mold, or give a smaller pattern.width_mm");
   if (print.ink_printed < 0.9995)
-    print.warnings.push_back(
-        {"ink-off-chart", decimal(100 * (1 - print.ink_printed), 1) +
-                              " % of the drawing's ink lies off the formed part and is not printed."});
+    print.warnings.push_back({"ink-off-chart",
+                              decimal(100 * (1 - print.ink_printed), 1) +
+                                  " % of the drawing's ink lies off the formed part and is not printed.",
+                              {},
+                              Warning::Figure{100 * (1 - print.ink_printed), "%", 0.0}});
   return {};
 }
 
@@ -129,63 +132,18 @@ std::vector<Eigen::AlignedBox2d> taken_by(const Patch& chart, const Print& print
   return taken;
 }
 
-// Where points lie, on squares of a given side.
-class Squares {
- public:
-  explicit Squares(double side) : side_(side) {}
-  void add(const Vector2d& p) { points_[square(p, 0, 0)].push_back(p); }
-  // Whether one lies nearer than a side.
-  bool any_near(const Vector2d& p) const {
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy) {
-        const auto at = points_.find(square(p, dx, dy));
-        if (at == points_.end()) continue;
-        for (const Vector2d& q : at->second)
-          if ((p - q).squaredNorm() < side_ * side_) return true;
-      }
-    return false;
-  }
-
- private:
-  std::pair<long, long> square(const Vector2d& p, int dx, int dy) const {
-    return {std::lround(p.x() / side_) + dx, std::lround(p.y() / side_) + dy};
-  }
-  const double side_;
-  std::map<std::pair<long, long>, std::vector<Vector2d>> points_;
-};
-
-// Whether something was painted nearer than `clear_mm` to a point of the border.
-bool painted_near(const Print& print, const Patch& chart, const std::vector<std::vector<int>>& border,
-                  double clear_mm) {
-  Squares squares(clear_mm);
-  for (const auto& vertices : border)
-    for (const int v : vertices) squares.add(chart.rest[static_cast<std::size_t>(v)]);
-  for (const PrintedElement& element : print.vectors->elements)
-    for (const PaintedArea& area : element.areas)
-      for (const Curve& curve : area.outlines)
-        for (const CurvePoint& p : flatten(curve, {.tolerance_mm = 0.1, .turn = 0.5, .longest_mm = 2}))
-          if (squares.any_near(p.at)) return true;
-  return false;
-}
-
-// Where the plastic leaves the mold, print coordinates; nothing where ink comes within 2 mm of it.
-std::vector<std::vector<Vector2d>> mold_outline(const Patch& chart, const Pattern& pattern,
-                                                const Print& print) {
-  constexpr double clear_mm = 2;
-  const auto border = border_of(chart);
-  if (print.vectors && painted_near(print, chart, border, clear_mm)) return {};
+// Where the plastic leaves the mold, print coordinates.
+std::vector<Line> outline_of_mold(const Patch& chart, double grid_mm, const LaidInk& ink, bool mirrored) {
   std::vector<std::vector<Vector2d>> rings;
-  for (const auto& vertices : border) {
+  for (const auto& vertices : border_of(chart)) {
     rings.emplace_back();
-    for (const int v : vertices) {
-      const Vector2d st = chart.rest[static_cast<std::size_t>(v)];
-      if (!print.vectors &&
-          pattern.sample(chart.uv[static_cast<std::size_t>(v)], 2 * clear_mm).coverage() > 0.01)
-        return {};
-      rings.back().emplace_back(print.mirrored ? -st.x() : st.x(), st.y());
-    }
+    for (const int v : vertices) rings.back().push_back(chart.rest[static_cast<std::size_t>(v)]);
   }
-  return rings;
+  std::vector<Line> lines = mold_outline(rings, grid_mm, ink);
+  for (Line& line : lines)
+    for (Vector2d& p : line.points)
+      if (mirrored) p.x() = -p.x();
+  return lines;
 }
 
 // The files of a picture's part of the print, made beside the whole. PDF wants colour and opacity apart.
@@ -245,15 +203,39 @@ bool compensate(std::vector<RasterLayer>& layers, const Pattern& pattern) {
   return true;
 }
 
+LaidInk laid_ink(const Print& print, const Placement& placement, const InkParts* parts,
+                 const Pattern& pattern, const SheetSettings& sheet) {
+  const LaidInk::Grid grid(sheet.width_mm, sheet.height_mm);
+  if (print.vectors)
+    return LaidInk(VectorRaster(*print.vectors, grid.width, grid.height, grid.pixel_mm, false), grid, 4);
+  Print size;
+  size.width = grid.width, size.height = grid.height, size.pixel_mm = grid.pixel_mm;
+  return LaidInk(
+      SheetRaster(layers_of(placement), parts, size, pattern, static_cast<int>(25.4 / grid.pixel_mm)), grid,
+      pattern.grayscale() ? 1 : 4);
+}
+
+// Lays a row of straight RGBA on white, as RGB.
+void on_white(const std::vector<std::uint8_t>& rgba, std::vector<std::uint8_t>& rgb) {
+  rgb.clear();
+  for (std::size_t i = 0; i < rgba.size(); i += 4)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = rgba[i + 3];
+      rgb.push_back(static_cast<std::uint8_t>((rgba[i + k] * a + 255 * (255 - a) + 127) / 255));
+    }
+}
+
 // Draws the rows, and makes the files of them.
 Result<void> draw(const RowSource& source, const Marks& marks, const Settings& settings, int channels,
                   const std::string& label, double from, const Context& context, Print& print) {
   const PixelBox box = source.box();
-  PngWriter whole(print.width, print.height, channels, settings.print.dpi);
+  const bool opaque = channels == 4 && settings.print.background == Background::white;
+  PngWriter whole(print.width, print.height, opaque ? 3 : channels, settings.print.dpi);
   std::optional<PictureFiles> files;
   if (!print.vectors) files.emplace(box, channels, settings.print.dpi);
   const int band = source.band_rows();
-  std::vector<std::uint8_t> row(static_cast<std::size_t>(print.width) * static_cast<std::size_t>(channels));
+  std::vector<std::uint8_t> row(static_cast<std::size_t>(print.width) * static_cast<std::size_t>(channels)),
+      rgb;
   for (int top = 0; top < print.height; top += band) {
     VACUFORM_CHECK(context.step(Stage::printing, from + (1 - from) * top / print.height));
     const int bottom = std::min(top + band, print.height);
@@ -267,7 +249,8 @@ Result<void> draw(const RowSource& source, const Marks& marks, const Settings& s
       if (files) files->row(y, row.data());
       if (print.mirrored) reverse(row, channels);
       if (!marked.empty()) lay_over(marked.data() + at, print.width, channels, row.data());
-      whole.row(row.data());
+      if (opaque) on_white(row, rgb);
+      whole.row(opaque ? rgb.data() : row.data());
     }
   }
   print.png = whole.finish();
@@ -311,6 +294,8 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
 
   const std::optional<InkParts> parts =
       drawing || placement.elements.empty() ? std::optional<InkParts>() : InkParts(pattern);
+  const LaidInk ink = laid_ink(print, placement, parts ? &*parts : nullptr, pattern, settings.sheet);
+  print.ink_on_head = print.ink_printed * ink.share_on(sheet, flattening);
   std::vector<RasterLayer> layers = drawing ? std::vector<RasterLayer>() : layers_of(placement);
   if (settings.print.compensate_ink && !compensate(layers, pattern))
     print.warnings.push_back(
@@ -320,7 +305,7 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
   if (settings.print.marks) {
     const Patch region = whole_region(sheet, flattening, print);
     marks = lay_out_marks(settings, printable(label), taken_by(region, print),
-                          mold_outline(region, pattern, print));
+                          outline_of_mold(region, settings.sheet.resolution_mm, ink, print.mirrored));
     print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
   }
 

@@ -30,7 +30,7 @@ struct Print {
   // Of each of the placement's seams: how far its two sides lie apart on the flat sheet, at most, mm.
   std::vector<double> seam_gap_mm;
   // The whole sheet, exact dpi in pHYs, mirrored when the inner face is inked. A grayscale drawing gives
-  // 8-bit gray on white, another 8-bit RGBA on transparent. With marks where settings.print.marks asks for
+  // 8-bit gray on white, another 8-bit RGB on white, or RGBA where settings.print.background is transparent. With marks where settings.print.marks asks for
   // them.
   std::vector<std::uint8_t> png;
   int width = 0, height = 0;  // pixels
@@ -45,6 +45,7 @@ struct Print {
   bool mirrored = false;
   double ink_area_mm2 = 0;  // of the drawing
   double ink_printed = 0;   // the fraction of it that lies on the chart or on its element's patch, in [0, 1]
+  double ink_on_head = 0;   // the fraction of it that lies on the chart, and so on the mold, once formed
   // "ink-off-chart" (with the loss), "marks-left-out", "ink-not-compensated", and the pattern's own
   std::vector<Warning> warnings;
 

@@ -57,12 +57,4 @@ Json mold_json(const Mold& mold) {
           {"undercuts", undercuts}};
 }
 
-Json marks_json(const Warning& warning) {
-  Json marks = Json::array();
-  for (const Warning::Mark& mark : warning.marks)
-    marks.push_back({{"place_mm", array({mark.place_mm[0], mark.place_mm[1], mark.place_mm[2]}, 10)},
-                     {"size_mm", rounded(mark.size_mm, 10)}});
-  return marks;
-}
-
 }  // namespace vacuform

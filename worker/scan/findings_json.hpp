@@ -10,7 +10,5 @@ namespace vacuform {
 nlohmann::ordered_json scan_json(const ScanFindings& findings);
 // Size, top and the twenty deepest undercuts (deepest first: the rest is small beside them). Lengths in mm.
 nlohmann::ordered_json mold_json(const Mold& mold);
-// Places and sizes of a warning's marks, mm, to a tenth.
-nlohmann::ordered_json marks_json(const Warning& warning);
 
 }  // namespace vacuform

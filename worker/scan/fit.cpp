@@ -58,9 +58,10 @@ void find_close_window(const Mold& mold, const MachineSettings& machine, double 
   warnings.push_back({"window-close",
                       "The window is close to the mold: at x = " + mm(where->x()) + ", y = " +
                           mm(where->y()) + " the " + mm(gap) + " of sheet between them have " + mm(draw) +
-                          " to go down and thin to about " + percent(least) + " of their thickness; " +
-                          mm(wanted) + " between mold and window would do (machine.window_width_mm)",
-                      {{{where->x(), where->y(), where->z()}, gap}}});
+                          " to go down and thin to about " + percent(least) + " of their thickness",
+                      {{{where->x(), where->y(), where->z()}, gap}},
+                      Warning::Figure{gap, "mm", wanted},
+                      "Leave " + mm(wanted) + " between mold and window (machine.window_width_mm)."});
 }
 
 void find_deep_draw(const Mold& mold, const MachineSettings& machine, std::vector<Warning>& warnings) {
@@ -68,13 +69,14 @@ void find_deep_draw(const Mold& mold, const MachineSettings& machine, std::vecto
   const double in_window = draw / window_of(machine).minCoeff();
   const double on_mold = draw / bounds(mold.mesh).size().head<2>().minCoeff();
   if (in_window <= deep_in_window && on_mold <= deep_on_mold) return;
-  warnings.push_back({"deep-draw",
-                      "The draw of " + mm(draw) + " is " + percent(in_window) +
-                          " of the window's shorter side and " + percent(on_mold) + " of the mold's; above " +
-                          percent(deep_in_window) + " or " + percent(deep_on_mold) +
-                          " the sheet thins much and tends to web: trim the mold higher (scan.trim_mm)" +
-                          (in_window > deep_in_window ? " or give a larger window" : ""),
-                      {{{mold.top.x(), mold.top.y(), mold.top.z()}, draw}}});
+  warnings.push_back(
+      {"deep-draw",
+       "The draw of " + mm(draw) + " is " + percent(in_window) + " of the window's shorter side and " +
+           percent(on_mold) + " of the mold's; above " + percent(deep_in_window) + " or " +
+           percent(deep_on_mold) + " the sheet thins much and tends to web",
+       {{{mold.top.x(), mold.top.y(), mold.top.z()}, draw}},
+       Warning::Figure{100 * in_window, "%", 100 * deep_in_window},
+       in_window > deep_in_window ? "Trim the mold higher (scan.trim_mm), or use a larger window." : ""});
 }
 
 void find_narrow_clamp(const SheetSettings& sheet, const MachineSettings& machine,
@@ -85,9 +87,9 @@ void find_narrow_clamp(const SheetSettings& sheet, const MachineSettings& machin
   const bool x = clamp.x() <= clamp.y();
   warnings.push_back({"clamp-narrow",
                       "Only " + mm(clamp.minCoeff()) + " of the sheet lie in the clamp on " +
-                          (x ? "the left and the right" : "the front and the back") +
-                          ", and it may slip; give a larger sheet or a smaller window",
-                      {{{x ? edge.x() : 0, x ? 0 : edge.y(), machine.drape_height_mm}, clamp.minCoeff()}}});
+                          (x ? "the left and the right" : "the front and the back") + ", and it may slip",
+                      {{{x ? edge.x() : 0, x ? 0 : edge.y(), machine.drape_height_mm}, clamp.minCoeff()}},
+                      Warning::Figure{clamp.minCoeff(), "mm", least_clamp_mm}});
 }
 
 }  // namespace

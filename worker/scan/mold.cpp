@@ -103,8 +103,11 @@ Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mol
   mold.findings.holes_closed = closing.holes_closed;
   mold.findings.holes_capped = closing.holes_capped;
   if (closing.largest_filled_mm > 20)
-    mold.warnings.push_back({"large-hole", "A hole " + mm(closing.largest_filled_mm) +
-                                               " across was filled; the mold is a guess there"});
+    mold.warnings.push_back(
+        {"large-hole",
+         "A hole " + mm(closing.largest_filled_mm) + " across was filled; the mold is a guess there",
+         {},
+         Warning::Figure{closing.largest_filled_mm, "mm"}});
   if (clearance_mm == 0) return std::move(closing.mesh);
   return offset(closing.mesh, clearance_mm, progress);
 }

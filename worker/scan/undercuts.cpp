@@ -285,6 +285,7 @@ Warning undercut_warning(const std::vector<Undercut>& undercuts) {
                              " undercuts that the sheet cannot reach or that lock the part; the deepest") +
                       " reaches " + mm(worst.depth_mm) + " under what overhangs it at x = " +
                       mm(worst.place.x()) + ", y = " + mm(worst.place.y()) + ", z = " + mm(worst.place.z())};
+  warning.figure = Warning::Figure{worst.depth_mm, "mm"};
   for (std::size_t i = 0; i < std::min(undercuts.size(), Warning::most_marks); ++i) {
     const Undercut& u = undercuts[i];
     warning.marks.push_back({{u.place.x(), u.place.y(), u.place.z()}, u.depth_mm});

@@ -29,11 +29,11 @@ Result<SheetTemperature> by_source(const SheetSettings& sheet, const MachineSett
       out.summary.seconds = heated.seconds;
       out.summary.through_thickness = heated.through_thickness;
       if (heated.through_thickness > much_through_thickness)
-        out.warnings.push_back(
-            {"uneven-through",
-             "Through its thickness the sheet differs by up to " + decimal(heated.through_thickness, 0) +
-                 " degrees when it meets the mold; heat it longer with less power, or from both "
-                 "sides"});
+        out.warnings.push_back({"uneven-through",
+                                "Through its thickness the sheet differs by up to " +
+                                    decimal(heated.through_thickness, 0) + " degrees when it meets the mold",
+                                {},
+                                Warning::Figure{heated.through_thickness, "C", much_through_thickness}});
       return out;
     }
     case HeatSource::measured: {
@@ -112,6 +112,10 @@ std::vector<Warning> temperature_findings(const FormedSheet& sheet, Material mat
                   " C): " + decimal(sheet.temperature[worst], 0) + " C at x = " + decimal(p.x(), 0) +
                   " mm, y = " + decimal(p.y(), 0) + " mm, z = " + decimal(p.z(), 0) + " mm, outside over " +
                   (share < 1 ? std::string("less than 1") : decimal(share, 0)) + " % of it; " + consequence};
+    warning.figure =
+        Warning::Figure{sheet.temperature[worst], "C",
+                        sheet.temperature[worst] < profile.coldest_celsius ? profile.coldest_celsius
+                                                                           : profile.hottest_celsius};
     constexpr double apart_mm = 40;
     for (const int v : out) {
       const Eigen::Vector3d& q = sheet.formed[static_cast<std::size_t>(v)];
