@@ -35,8 +35,8 @@ CodeMeaning meaning(Code code) {
       return {"bad-settings", "A setting is unknown or out of range", 422, 2};
     case Code::unusable_pattern:
       return {"unusable-pattern", "The pattern cannot be printed", 422, 2};
-    case Code::no_equilibrium:
-      return {"no-equilibrium", "Forming did not come to rest", 422, 2};
+    case Code::forming_failed:
+      return {"forming-failed", "The sheet cannot be formed like this", 422, 2};
     case Code::unusable_surface:
       return {"unusable-surface", "No pattern can be laid on the formed sheet", 422, 2};
     case Code::cancelled:

@@ -20,7 +20,7 @@ enum class Code {
   does_not_fit,        // the mold does not fit the sheet, the window or the draw
   bad_settings,        // a setting is unknown, of the wrong type or out of range
   unusable_pattern,    // the pattern was read, but there is nothing in it to print
-  no_equilibrium,      // forming did not come to rest
+  forming_failed,      // the sheet does not come to rest, or tears
   unusable_surface,    // the formed sheet holds no region that a pattern can be laid on
   cancelled,           // the caller cancelled
   out_of_time,         // a limit on seconds or memory ended the work

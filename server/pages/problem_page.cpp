@@ -56,10 +56,9 @@ Explanation explanation(Code code) {
     case Code::unusable_pattern:
       return {"The pattern was read, but there is nothing in it to print, or its size is unknown.",
               "See that it is not empty, and set pattern.width_mm."};
-    case Code::no_equilibrium:
-      return {
-          "The simulated sheet did not come to rest.",
-          "Use a coarser sheet.resolution_mm or less machine.vacuum_kpa, and report the scan that does it."};
+    case Code::forming_failed:
+      return {"The simulated sheet does not come to rest, or it tears.",
+              "Trim the mold higher (scan.trim_mm), use a larger window, or set forming.law=mooney_rivlin."};
     case Code::unusable_surface:
       return {"The formed sheet holds no region that a pattern can be laid on.",
               "Lower scan.trim_mm, or see that the scan stands upright."};

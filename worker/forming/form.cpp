@@ -81,7 +81,7 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& sheet, const Mac
   FormedSheet formed = finish(process, mold.mesh, std::move(state));
   if (const auto tear = torn_at(formed))
     return fail(
-        Code::no_equilibrium,
+        Code::forming_failed,
         "the sheet tears: over " + decimal(tear->area_mm2, 0) + " mm2 it is stretched up to " +
             decimal(tear->stretch, 0) + " times",
         "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +

@@ -65,7 +65,7 @@ struct FormedSheet {
 };
 
 // Forms the sheet, from the temperature it has when it meets the mold. Pure and deterministic.
-// Errors: no_equilibrium, cancelled.
+// Errors: forming_failed, cancelled.
 Result<FormedSheet> form(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine,
                          const FormingSettings& settings, const TemperatureField& temperature,
                          const Context& context);

@@ -154,13 +154,13 @@ class Forming {
 
   tl::unexpected<Error> blew_up(const Settling::Outcome& outcome) const {
     return fail(
-        Code::no_equilibrium,
+        Code::forming_failed,
         std::string("the net of springs blows up with time steps of ") + decimal(outcome.step_ms, 3) + " ms",
         "forming.time_step_ms", "give a shorter one or auto, or set forming.integrator to implicit_euler");
   }
   static tl::unexpected<Error> no_rest() {
     return fail(
-        Code::no_equilibrium, "the net of springs did not come to rest", "forming",
+        Code::forming_failed, "the net of springs did not come to rest", "forming",
         "try another sheet.resolution_mm, a lower machine.vacuum_kpa, or forming.time_step_ms = auto");
   }
 

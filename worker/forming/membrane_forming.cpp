@@ -216,7 +216,7 @@ class Descent {
       growth = std::clamp(std::pow(growth, part < 1 ? 1.1 * part : 1.5), least_growth, most_growth);
       next = growth * now_.vacuum_s;
     }
-    return fail(Code::no_equilibrium, "the sheet did not come to rest under the vacuum", "forming",
+    return fail(Code::forming_failed, "the sheet did not come to rest under the vacuum", "forming",
                 "try another sheet.resolution_mm, or a lower machine.vacuum_kpa");
   }
 

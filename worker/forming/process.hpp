@@ -60,7 +60,7 @@ struct SheetState {
   FormingSummary summary;        // all but mass_error and shear_modulus_kpa
 };
 
-// The models. Each brings the sheet from flat to formed. Errors: no_equilibrium, cancelled.
+// The models. Each brings the sheet from flat to formed. Errors: forming_failed, cancelled.
 Result<void> form_membrane(const Process& process, SheetState& state,
                            const Context& context);  // and viscoplastic
 Result<void> form_mass_spring(const Process& process, SheetState& state, const Context& context);

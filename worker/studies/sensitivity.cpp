@@ -113,7 +113,7 @@ Result<std::vector<Variant>> form_variants(const Mold& mold, const Settings& set
                       portion.context());
     if (sheet)
       out.back().sheet = std::move(*sheet);
-    else if (sheet.error().code != Code::no_equilibrium)
+    else if (sheet.error().code != Code::forming_failed)
       return tl::make_unexpected(sheet.error());
   }
   return out;
