@@ -63,6 +63,9 @@ class Studies(Case):
         found = report.pop("sensitivity")
         self.assertEqual(plain, report, "the study adds to the report and changes nothing else")
         self.assertEqual(found["coils"], ["left", "right"])
+        for centre, coil in zip(found["centres_mm"], report["coils"]):
+            self.assertEqual(coil["with"]["on_head"], True)
+            self.assertLess(math.dist(centre, coil["with"]["centre_mm"]), 1.2, "where the coil is laid, on the mold's face")
         changes = {c["id"]: c for c in found["changes"]}
         self.assertEqual(set(changes), {"window", "drape-height", "edge-stiffness", "edge-temperature", "law", "modulus", "resolution"})
         for change in changes.values():

@@ -145,8 +145,13 @@ std::vector<PrintedCoil> printed_coils(const std::vector<CoilCentre>& centres, c
 Json sensitivity_json(const FormedSheet& nominal, const std::vector<Variant>& variants,
                       const std::vector<PrintedCoil>& coils) {
   const SheetMap nominal_map(nominal);
-  Json names = Json::array(), rows = Json::array();
-  for (const PrintedCoil& coil : coils) names.push_back(coil.id);
+  Json names = Json::array(), centres = Json::array(), rows = Json::array();
+  for (const PrintedCoil& coil : coils) {
+    names.push_back(coil.id);
+    const auto centre = coil.rest ? nominal_map(*coil.rest) : std::nullopt;
+    centres.push_back(centre ? Json{rounded(centre->x()), rounded(centre->y()), rounded(centre->z())}
+                             : Json());
+  }
   for (const Variant& variant : variants) {
     Json row = {{"id", variant.id}, {"text", variant.text}, {"mean_mm", nullptr}, {"max_mm", nullptr}};
     Json each = Json::array();
@@ -169,7 +174,7 @@ Json sensitivity_json(const FormedSheet& nominal, const std::vector<Variant>& va
     row["coils_mm"] = std::move(each);
     rows.push_back(std::move(row));
   }
-  return {{"coils", std::move(names)}, {"changes", std::move(rows)}};
+  return {{"coils", std::move(names)}, {"centres_mm", std::move(centres)}, {"changes", std::move(rows)}};
 }
 
 }  // namespace vacuform

@@ -40,7 +40,7 @@ std::vector<PrintedCoil> printed_coils(const std::vector<CoilCentre>& centres, c
                                        const std::vector<std::array<Eigen::Vector2d, 3>>& pattern_uv);
 
 // The table for report.json: per change the distances, in mm, between where each coil's centre lands and where it lands
-// nominally; mean, largest, and one by one in the order of `coils` (null off the chart or off the sheet).
+// nominally (`centres_mm`, on the mold); mean, largest, and one by one in the order of `coils` (null off the chart or off the sheet).
 nlohmann::ordered_json sensitivity_json(const FormedSheet& nominal, const std::vector<Variant>& variants,
                                         const std::vector<PrintedCoil>& coils);
 
