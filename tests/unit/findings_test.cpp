@@ -47,7 +47,7 @@ TEST(FormingFindings, APocketIsSaidWithPlaceAndArea) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].code, "not-reached");
   // The triangles with a free corner: nine cells without two corner triangles, 9 x 16 - 2 x 8 mm2.
-  EXPECT_NE(found[0].text.find("over 128 mm2 at x = 23 mm, y = -19 mm, z = 30 mm;"), std::string::npos)
+  EXPECT_NE(found[0].text.find("over 128 mm2 at x = 23 mm, y = -19 mm, z = 30 mm"), std::string::npos)
       << found[0].text;
   ASSERT_EQ(found[0].marks.size(), 1u);
   // Its middle is (22, -18); the triangle there that comes first has its centre two thirds of a millimetre off.

@@ -173,7 +173,7 @@ FileBytes strips_glb() {
 
 // Two strips of a cube's sides and lids, with a restart between them, in one list or two.
 FileBytes strip_ply(const std::string& format, bool two_lists) {
-  const std::vector<int> sides{0, 4, 1, 5, 3, 7, 2, 6, 0, 4}, lids{0, 1, 2, 3, -1, 4, 6, 5, 7};
+  const std::vector<int> sides{4, 0, 5, 1, 7, 3, 6, 2, 4, 0}, lids{0, 2, 1, 3, -1, 4, 5, 6, 7};
   std::vector<std::vector<int>> lists{sides, lids};
   if (!two_lists) {
     lists[0].push_back(-1);

@@ -60,6 +60,7 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
   out.summary.mass_error = std::abs(total_volume / (total_area * process.sheet.thickness_mm) - 1);
   out.fit = surface_fit(out.triangles, out.formed, out.contact, mold);
   FindingLimits limits;
+  limits.pierced_mm = std::max(0.5, 0.2 * process.sheet.resolution_mm);
   limits.thickness_ratio = process.forming.thin_limit;
   const bool elastic = process.forming.model == FormingModel::membrane;
   if (elastic && process.forming.law == MembraneLaw::neo_hookean) limits.stretch = 3;
