@@ -12,7 +12,7 @@ namespace {
 
 // How far a point may stand above the sheet, mm: more than a smooth mold does between the corners of a triangle.
 // What falls off by less of the grid spacing within half of one is smooth: the vertices meet it by themselves.
-constexpr double sharp = 0.1;
+constexpr double sharp = 0.3;
 double tolerance(const Process& p) { return 0.02 * p.sheet.resolution_mm; }
 
 using Corners = Eigen::Matrix3d;  // one a column

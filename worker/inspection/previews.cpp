@@ -286,7 +286,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   files.push_back({"preview-pattern.png", png_of(pattern_preview(job, preview_side))});
   files.push_back({"preview-print.png", png_of(print_preview(job, print, preview_side))});
   for (std::size_t i = 0; i < 5; ++i) {
-    VACUFORM_CHECK(context.step(Stage::inspection, 0.7 + 0.04 * static_cast<double>(i)));
+    VACUFORM_CHECK(context.step(Stage::inspection, 0.76 + 0.02 * static_cast<double>(i)));
     write(captions[i], pictures[i]);
     files.push_back({names[i], png_of(pictures[i])});
     if (i == 1) files.push_back({"preview-views.png", png_of(around)});

@@ -1,5 +1,6 @@
 #include "worker/scan/outliers.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "worker/scan/topology.hpp"
@@ -23,7 +24,20 @@ std::vector<Eigen::Vector3d> drop_outliers(TriangleMesh& mesh) {
     return far[static_cast<std::size_t>(t[0])] || far[static_cast<std::size_t>(t[1])] ||
            far[static_cast<std::size_t>(t[2])];
   };
-  if (std::all_of(mesh.triangles.begin(), mesh.triangles.end(), stray)) return {};
+  // Where most of the surface is far away, it is the scan, and what is in the middle is dust.
+  double away_mm2 = 0, near_mm2 = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const auto corner = [&](int k) -> const Eigen::Vector3d& {
+      return mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+    };
+    const double mm2 = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 2;
+    const auto is_far = [&](int v) { return far[static_cast<std::size_t>(v)] != 0; };
+    if (std::all_of(t.begin(), t.end(), is_far))
+      away_mm2 += mm2;
+    else if (!stray(t))
+      near_mm2 += mm2;
+  }
+  if (away_mm2 >= near_mm2) return {};
   std::erase_if(mesh.triangles, stray);
   drop_unused_vertices(mesh);
   std::stable_sort(places.begin(), places.end(),

@@ -22,6 +22,7 @@ constexpr double reported_depth_share =
     1.5 / 70;  // shallower ones lie within the grid of what the trim allows
 constexpr double reported_area_share = 1.0 / 2500;  // smaller ones are a ray between two facets
 
+constexpr double flat = 0.01;           // height over the radius from above: less is no body
 constexpr double least_kept = 0.05;     // of the height: less is refused
 constexpr double usual_kept = 1.0 / 3;  // heads with face and neck keep two fifths
 constexpr double wanted_kept = 0.4;     // another axis is proposed when it keeps this much
@@ -79,7 +80,13 @@ Result<Trim> choose_trim(const TriangleMesh& closed, const ScanSettings& setting
         Code::unusable_scan,
         "the scan is " + mm(height) + " high and trimming it at " + mm(*settings.trim_mm) + " leaves nothing",
         "scan.trim_mm", "give a smaller height, for example --set scan.trim_mm=" + half_of(height));
-  const Limits limits = limits_of(enclosing_circle(closed).radius);
+  const double radius = enclosing_circle(closed).radius;
+  if (height < flat * radius)
+    return fail(
+        Code::unusable_scan,
+        "the scan is flat: only " + mm(height) + " would remain as a mold, " + mm(2 * radius) + " across",
+        file_name, "give a scan of a body, or turn it (scan.up)");
+  const Limits limits = limits_of(radius);
   VACUFORM_TRY(space, CoveredSpace::measure(closed, 0, limits.spacing, progress));
   Trim trim;
   trim.height_mm = settings.trim_mm ? *settings.trim_mm : space.lowest_cut(limits.depth, limits.area);
