@@ -263,7 +263,7 @@ class Neonate(Case):
         self.assertLessEqual(worst, 0.2)
         for p, c in touching:
             self.assertLessEqual(abs(p[2]) if c == 2 else near(p), 0.2)
-        self.assertLessEqual(self.report["forming"]["gap_mm"]["max"], 0.2)
+        self.assertLessEqual(self.report["forming"]["vertex_gap_mm"], 0.2)
 
     def test_plastic_is_conserved(self):
         v, initial = self.ply.vertices, self.report["settings"]["sheet"]["thickness_mm"]

@@ -278,6 +278,7 @@ class Scans(Case):
                     self.assertEqual([a["name"] for a in job["artifacts"]], ARTIFACTS)
                     report = curl(f"{server.api}/jobs/{job['id']}/artifacts/report.json").json
                     self.assertTrue(report["forming"]["converged"])
+                    self.assertLessEqual(report["forming"]["vertex_gap_mm"], 0.2)
                     fit = report["forming"]  # over triangles of 5 mm: a head is met, a figurine is not, and that is said
                     if any(word in str(scan) for word in ("adult", "child", "neonate")):
                         self.assertLessEqual(fit["gap_mm"]["p99"], 0.2)

@@ -15,9 +15,9 @@
 #include "tests/unit/hand_made_sheets.hpp"
 #include "worker/inspection/callouts.hpp"
 #include "worker/inspection/caption.hpp"
-#include "worker/scan/mold_distance.hpp"
 #include "worker/inspection/previews.hpp"
 #include "worker/inspection/view.hpp"
+#include "worker/scan/mold_distance.hpp"
 
 namespace vacuform {
 namespace {
@@ -217,6 +217,21 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
     }
   EXPECT_EQ(listed, r["artifacts"].size());
   EXPECT_EQ(r["heat"]["source"], "uniform");
+}
+
+TEST(Report, MeasuresHowFarFormedVerticesLieFromTheMold) {
+  Job job = small_dome();
+  // The vertices lie on the sphere, the mold's facets of 2 degrees inside it: at most R (1 - cos 2.24) =
+  // 0.046 mm apart.
+  const auto forming = report(job.finished())["forming"];
+  EXPECT_GT(forming["vertex_gap_mm"], 0.001);
+  EXPECT_LT(forming["vertex_gap_mm"], 0.046);
+  // One vertex off by half a millimetre is found.
+  const auto top = std::min_element(job.sample.sheet.rest.begin(), job.sample.sheet.rest.end(),
+                                    [](const auto& a, const auto& b) { return a.norm() < b.norm(); }) -
+                   job.sample.sheet.rest.begin();
+  job.sample.sheet.formed[static_cast<std::size_t>(top)].z() += 0.5;
+  EXPECT_NEAR(report(job.finished())["forming"]["vertex_gap_mm"].get<double>(), 0.5, 0.001);
 }
 
 TEST(Report, SaysHowTheSheetLiesOnTheMold) {

@@ -10,9 +10,10 @@ namespace vacuform {
 
 namespace {
 
-// How far a point may stand above the sheet, mm: more than a smooth mold does between the corners of a triangle.
-// What falls off by less of the grid spacing within half of one is smooth: the vertices meet it by themselves.
+// The share of a grid spacing by which the mold falls off a sharp edge within half a spacing. What is smoother is met by
+// the vertices alone.
 constexpr double sharp = 0.3;
+// How far a point may stand above the sheet, mm: more than a smooth mold does between the corners of a triangle.
 double tolerance(const Process& p) { return 0.02 * p.sheet.resolution_mm; }
 
 using Corners = Eigen::Matrix3d;  // one a column

@@ -8,6 +8,7 @@
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/inspection/segments_json.hpp"
 #include "worker/scan/findings_json.hpp"
+#include "worker/scan/mold_distance.hpp"
 #include "worker/warning_json.hpp"
 
 namespace vacuform {
@@ -22,7 +23,13 @@ Json deviation_of(const Deviation& d) {
 Json forming_of(const Finished& job) {
   const FormedSheet& sheet = job.sheet;
   std::array<std::int64_t, 4> counts{};
-  for (const Contact contact : sheet.contact) ++counts[static_cast<std::size_t>(contact)];
+  double gap = 0;  // at the vertices: what the solver left, where the surfaces differ by the grid as well
+  const MoldDistance distance(job.mold.mesh);
+  for (std::size_t i = 0; i < sheet.contact.size(); ++i) {
+    ++counts[static_cast<std::size_t>(sheet.contact[i])];
+    if (sheet.contact[i] == Contact::mold) gap = std::max(gap, distance(sheet.formed[i]));
+    if (sheet.contact[i] == Contact::platform) gap = std::max(gap, std::abs(sheet.formed[i].z()));
+  }
   const FormingSummary& s = sheet.summary;
   const auto slack =
       std::count_if(sheet.element_slack.begin(), sheet.element_slack.end(), [](auto v) { return v != 0; });
@@ -32,6 +39,7 @@ Json forming_of(const Finished& job) {
            {{"free", counts[0]}, {"mold", counts[1]}, {"platform", counts[2]}, {"clamp", counts[3]}}},
           {"penetration_mm", deviation_of(sheet.fit.penetration)},
           {"gap_mm", deviation_of(sheet.fit.gap)},
+          {"vertex_gap_mm", rounded(gap, 4)},
           {"drape_steps", s.drape_steps},
           {"vacuum_steps", s.vacuum_steps},
           {"iterations", s.iterations},
