@@ -33,7 +33,8 @@ struct Head {
 };
 Head newborn() {
   Head head;
-  head.settings.sheet.resolution_mm = 2;
+  head.settings.sheet.resolution_mm = 3;
+  head.settings.scan.trim_mm = 48.4;  // the rings lie where the overlap was first measured
   head.settings.print.marks = false;
   const auto mold =
       make_mold(real("scans/neonate-40w.stl"), "neonate-40w.stl", head.settings.scan, Context());
@@ -54,7 +55,7 @@ struct Sample {
   double mm2;
 };
 std::vector<Sample> samples_of(const Head& head, int t) {
-  constexpr int cells = 8;  // along a side of a triangle: samples 0.3 mm apart
+  constexpr int cells = 8;  // along a triangle's side: samples 0.4 mm apart
   const Triangle& c = head.sheet.triangles[static_cast<std::size_t>(t)];
   const auto at = [&](std::size_t k) { return head.flattening.inked[static_cast<std::size_t>(c[k])]; };
   const double mm2 = (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2 / (cells * cells);
