@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "worker/coils/drawn_loop.hpp"
+#include "worker/pattern/even_points.hpp"
 
 namespace vacuform {
 
@@ -16,26 +17,6 @@ using Eigen::Vector2d;
 using Line = std::vector<Vector2d>;
 using Complex = std::complex<double>;
 constexpr int samples = 180, rounds = 10;
-
-// `count` points at even distances along the line.
-Line evenly(const Line& line, int count) {
-  double length = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) length += (line[(i + 1) % line.size()] - line[i]).norm();
-  Line out;
-  double passed = 0;
-  std::size_t i = 0;
-  for (int k = 0; k < count; ++k) {
-    const double wanted = length * k / count;
-    double piece = (line[(i + 1) % line.size()] - line[i]).norm();
-    while (i + 1 < line.size() && passed + piece <= wanted) {
-      passed += piece, ++i;
-      piece = (line[(i + 1) % line.size()] - line[i]).norm();
-    }
-    const double f = piece > 0 ? (wanted - passed) / piece : 0;
-    out.push_back(line[i] + f * (line[(i + 1) % line.size()] - line[i]));
-  }
-  return out;
-}
 
 struct Nearest {
   Vector2d point, along;  // `along` the line there
@@ -125,8 +106,8 @@ Motion closer(const Line& points, const Line& line) {
 
 ShapeDistance shape_distance(const Line& made, const Line& drawn) {
   if (made.size() < 3 || drawn.size() < 3) return {INFINITY, INFINITY};
-  Line moved = made, few = evenly(made, samples);
-  const Line wanted = evenly(drawn, samples);
+  Line moved = made, few = even_points(made, samples);
+  const Line wanted = even_points(drawn, samples);
   // Where along the drawn line the other one begins.
   std::size_t best = 0;
   Complex best_fit = 0;

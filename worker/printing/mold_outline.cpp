@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/pattern/even_points.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -17,21 +19,7 @@ constexpr double smoothed_cells =
 Ring evenly(const Ring& ring) {
   double length = 0;
   for (std::size_t i = 0; i < ring.size(); ++i) length += (ring[(i + 1) % ring.size()] - ring[i]).norm();
-  const int count = std::max(8, static_cast<int>(std::lround(length / point_mm)));
-  Ring out;
-  double passed = 0;
-  std::size_t i = 0;
-  for (int k = 0; k < count; ++k) {
-    const double wanted = length * k / count;
-    double piece = (ring[(i + 1) % ring.size()] - ring[i]).norm();
-    while (i + 1 < ring.size() && passed + piece <= wanted) {
-      passed += piece, ++i;
-      piece = (ring[(i + 1) % ring.size()] - ring[i]).norm();
-    }
-    out.push_back(ring[i] +
-                  (piece > 0 ? (wanted - passed) / piece : 0) * (ring[(i + 1) % ring.size()] - ring[i]));
-  }
-  return out;
+  return even_points(ring, std::max(8, static_cast<int>(std::lround(length / point_mm))));
 }
 
 Ring blurred(const Ring& ring, double deviation) {
