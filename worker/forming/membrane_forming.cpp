@@ -149,15 +149,17 @@ class Descent {
     for (std::size_t i = 0; i < grid_.clamped.size(); ++i)
       if (grid_.clamped[i] || (first && !state_.held[i])) y(2, i) += to.frame_mm - now_.frame_mm;
     const double load = std::max(pressure(to, to.seconds - now_.seconds), weight(to.seconds - now_.seconds));
-    const double force = load > 0 ? std::min(drape_force * spacing_, ramp_force * load * spacing_ * spacing_)
-                                  : drape_force * spacing_;
+    const double tension = drape_force * spacing_ * viscous_share(to.frame_mm - now_.frame_mm);
+    const double force = load > 0 ? std::min(tension, ramp_force * load * spacing_ * spacing_) : tension;
     // The stiffness is taken where the sheet last rested: in the guess it is still kinked at the frame.
     equilibrium_.hold(state_.held, viscous_ ? y : x_, viscous_);
     // The first steps pull an all but flat sheet, which has next to no stiffness against its own plane: they need not
     // settle, what they leave is evened out by the steps that follow.
-    VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, {force, drape_still_mm, stride(), unlimited, 60}));
-    state_.follow(process_, y, now_.contact, to.contact);
-    meet_points(y, to);
+    const double still = drape_still_mm * viscous_share(to.frame_mm - now_.frame_mm);
+    const Equilibrium::Limits limits{force, still, stride(), unlimited, viscous_ ? 300 : 60};
+    VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, limits));
+    VACUFORM_TRY(touched, touch(y, to, limits));
+    static_cast<void>(touched);
     go_on(std::move(y), to);
     return {};
   }
@@ -200,8 +202,7 @@ class Descent {
         to = at_vacuum(outcome.ran_away ? std::max(now_.vacuum_s, first)
                                         : now_.vacuum_s + part * (next - now_.vacuum_s));
       }
-      const int touched =
-          state_.follow(process_, y, now_.contact, to.contact, &*ceiling_) + meet_points(y, to);
+      VACUFORM_TRY(touched, touch(y, to, {force, last ? 0 : still_mm, stride(), std::max(6.0, 4 * spacing_), 300}));
       grown = now_.vacuum_s > 0 ? to.vacuum_s / now_.vacuum_s : 1;
       const bool settled = part >= 1 && outcome.at_rest, resting = settled && touched == 0;
       if (flows_ ? (settled && last) || (resting && to.vacuum_s >= ramp && moved < still_mm)
@@ -249,6 +250,11 @@ class Descent {
                         machine_.vacuum_kpa;
     return std::min(1.0, part) * machine_.vacuum_seconds;
   }
+  // A viscous sheet bears the strain of one step only and keeps whatever error it ends with: it is held to a share of what
+  // an elastic one is, the step's strain of a film as long as a quarter of the window.
+  double viscous_share(double step_mm) const {
+    return viscous_ ? std::min(1.0, std::abs(step_mm) / (0.25 * machine_.window_width_mm)) : 1;
+  }
   double stride() const { return std::max(2.0, 1.5 * spacing_); }
   // A sheet that yields must not relax by much within one step.
   double longest_step() const {
@@ -277,6 +283,21 @@ class Descent {
     for (std::size_t i = 0; i < state_.held.size(); ++i)
       if (!state_.held[i]) y.col(i) += interpolation_->at(moved, i);
     return y;
+  }
+
+  // Holds what touches on the way from x_ to y; returns how much does. A sheet that flows would keep the kinks that this
+  // leaves beside it: so it comes to rest again before it flows.
+  Result<int> touch(Points& y, const Load& to, const Equilibrium::Limits& limits) {
+    int touched = 0;
+    for (int round = 0;; ++round) {
+      const int now = state_.follow(process_, y, now_.contact, to.contact, ceiling_ ? &*ceiling_ : nullptr) +
+                      meet_points(y, to);
+      touched += now;
+      constexpr int most_rounds = 4;
+      if (!flows_ || now == 0 || round == most_rounds) return touched;
+      equilibrium_.hold(state_.held, y, true);
+      VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, limits));
+    }
   }
 
   // Lets the sharp places of the mold hold the sheet; returns how many triangles they change.
