@@ -59,8 +59,12 @@ void fields(A& a, Deviation& d) {
   a(d.p99, d.max, d.place);
 }
 template <class A>
+void fields(A& a, Pierced& p) {
+  a(p.place, p.depth_mm, p.size_mm);
+}
+template <class A>
 void fields(A& a, SurfaceFit& f) {
-  a(f.penetration, f.gap);
+  a(f.penetration, f.gap, f.pierced);
 }
 template <class A>
 void fields(A& a, FormedSheet& s) {

@@ -117,14 +117,14 @@ Case cone_under_a_ring() {
             machine.window_width_mm = 3 * R;
             static constexpr std::pair<double, double> table[] = {{.1, .10281}, {.2, .20517}, {.3, .30714},
                                                                   {.5, .52211}, {.7, .74642}, {.9, .97145}};
-            return errors_of(cone(R, 720), sheet, machine, forming, Contact::mold,
-                             [&](const Rest& flat, const Place& p) -> std::optional<double> {
-                               const double radius = p.head<2>().norm();
-                               for (const auto& [r, rest] : table)  // near a value of the table its ratio holds
-                                 if (std::abs(radius / R - r) < 0.004)
-                                   return std::abs(flat.norm() - rest / r * radius);
-                               return std::nullopt;
-                             });
+            return errors_of(
+                cone(R, 720), sheet, machine, forming, Contact::mold,
+                [&](const Rest& flat, const Place& p) -> std::optional<double> {
+                  const double radius = p.head<2>().norm();
+                  for (const auto& [r, rest] : table)  // near a value of the table its ratio holds
+                    if (std::abs(radius / R - r) < 0.004) return std::abs(flat.norm() - rest / r * radius);
+                  return std::nullopt;
+                });
           }};
 }
 
@@ -178,8 +178,8 @@ Case groove_of(double degrees) {
                              [&](const Rest& rest, const Place& p) -> std::optional<double> {
                                const double share = (half - std::abs(p.x())) / half;
                                if (std::abs(p.y()) > half || share < 0.02 || share > 0.9) return std::nullopt;
-                               const double wall =
-                                   length * std::cos(angle) * (1 - std::pow(1 - share, std::tan(angle) / angle));
+                               const double wall = length * std::cos(angle) *
+                                                   (1 - std::pow(1 - share, std::tan(angle) / angle));
                                return std::abs(std::abs(rest.x()) - (half - wall));
                              });
           }};
@@ -257,7 +257,8 @@ Case inflated_circle() {
               film[0] = {0, 0, 0, stretch};
               film[1] = {stretch * a0, 0, p / (2 * d.W1 / stretch) * stretch * a0, stretch};
               film[1].z = film[1].r * film[1].slope / 2;
-              for (int k = 1; k < rings; ++k) film[k + 1] = exact::march(law, p, film[k], k * a0, (k + 1) * a0, 4);
+              for (int k = 1; k < rings; ++k)
+                film[k + 1] = exact::march(law, p, film[k], k * a0, (k + 1) * a0, 4);
               return film[rings].r;
             };
             double low = 0.5 / R, high = 1.85 / R;  // 1.6436 / R; the more pressure, the narrower
@@ -280,7 +281,8 @@ Case inflated_circle() {
                                const double w = at - k;
                                const double r = (1 - w) * film[k].r + w * film[k + 1].r,
                                             z = (1 - w) * film[k].z + w * film[k + 1].z;
-                               return std::hypot(p.head<2>().norm() - r, p.z() - (height - film[rings].z + z));
+                               return std::hypot(p.head<2>().norm() - r,
+                                                 p.z() - (height - film[rings].z + z));
                              });
           }};
 }
@@ -293,7 +295,9 @@ Case viscous(Case c) {
           }};
 }
 
-double step_of(const FormingSettings& forming, double grid_mm) { return forming.step_mm.value_or(grid_mm / 1.5); }
+double step_of(const FormingSettings& forming, double grid_mm) {
+  return forming.step_mm.value_or(grid_mm / 1.5);
+}
 
 // The viscous hemisphere against itself with a step of an eighth: how far apart a vertex lands.
 Case viscous_hemisphere() {

@@ -25,7 +25,7 @@ struct Level {
       }
     contact.assign(formed.size(), Contact::mold);
   }
-  SurfaceFit on(const TriangleMesh& mold) const { return surface_fit(triangles, formed, contact, mold); }
+  SurfaceFit on(const TriangleMesh& mold) const { return surface_fit(triangles, formed, contact, mold, 0.5); }
 };
 
 TEST(SurfaceFit, MeasuresHowFarTheMoldStandsOut) {
@@ -34,6 +34,24 @@ TEST(SurfaceFit, MeasuresHowFarTheMoldStandsOut) {
   EXPECT_NEAR(fit.penetration.max, 8, 1e-4);
   EXPECT_NEAR(fit.penetration.place.z(), 30, 1e-9);
   EXPECT_GT(fit.penetration.p99, 7);  // the cap's area goes evenly with its height
+}
+
+TEST(SurfaceFit, NamesEveryPlaceWhereTheMoldStandsOut) {
+  TriangleMesh domes;
+  for (const auto& [x, scale] : {std::pair{-25.0, 1.0}, {25.0, 1.05}}) {
+    const TriangleMesh dome = hemisphere(20).mesh;
+    const int first = static_cast<int>(domes.vertices.size());
+    for (const auto& p : dome.vertices) domes.vertices.push_back(scale * p + Eigen::Vector3d(x, 0, 0));
+    for (const auto& t : dome.triangles)
+      domes.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  const SurfaceFit fit = Level(18).on(domes);
+  ASSERT_EQ(fit.pierced.size(), 2u);
+  EXPECT_NEAR(fit.pierced[0].depth_mm, 3, 1e-4);
+  EXPECT_NEAR(fit.pierced[0].place.x(), 25, 1e-6);
+  EXPECT_NEAR(fit.pierced[1].depth_mm, 2, 1e-4);
+  // Across: 2 mm below the top of a sphere of 20 mm, less what stands out by half a millimetre and less.
+  EXPECT_NEAR(fit.pierced[1].size_mm, 2 * std::sqrt(20.0 * 20 - 18.5 * 18.5), 1);
 }
 
 TEST(SurfaceFit, MeasuresHowFarTheSheetStaysOff) {
@@ -48,7 +66,7 @@ TEST(SurfaceFit, MeasuresHowFarTheSheetStaysOff) {
 TEST(SurfaceFit, SaysThatASheetOnTheMoldFits) {
   TriangleMesh dome = hemisphere(30, 45, 90).mesh;  // the mold is its own sheet
   std::vector<Contact> contact(dome.vertices.size(), Contact::mold);
-  const SurfaceFit fit = surface_fit(dome.triangles, dome.vertices, contact, dome);
+  const SurfaceFit fit = surface_fit(dome.triangles, dome.vertices, contact, dome, 0.5);
   EXPECT_LT(fit.penetration.max, 0.021);
   EXPECT_LT(fit.gap.max, 1e-3);
 }

@@ -184,13 +184,19 @@ void find_unstable(const FormedSheet& sheet, const std::vector<double>& area, co
 }
 
 void find_pierced(const SurfaceFit& fit, double limit_mm, std::vector<Warning>& warnings) {
-  const Deviation& d = fit.penetration;
-  if (d.max <= limit_mm) return;
-  warnings.push_back({"pierced",
-                      "The mold stands out of the simulated sheet by up to " + decimal(d.max, 1) +
-                          " mm, at " + at(d.place) + ": the grid is too coarse for it",
-                      {mark(d.place, 2 * d.max)},
-                      Warning::Figure{d.max, "mm", limit_mm}});
+  if (fit.pierced.empty()) return;
+  const Pierced& worst = fit.pierced.front();
+  std::vector<Warning::Mark> marks;
+  for (std::size_t i = 0; i < std::min(fit.pierced.size(), Warning::most_marks); ++i)
+    marks.push_back(mark(fit.pierced[i].place, fit.pierced[i].size_mm));
+  warnings.push_back(
+      {"pierced",
+       "The mold stands out of the simulated sheet by up to " + decimal(worst.depth_mm, 1) + " mm, at " +
+           at(worst.place) +
+           (fit.pierced.size() == 1 ? ""
+                                    : ", the furthest of " + std::to_string(fit.pierced.size()) + " places") +
+           ": the grid is too coarse for it",
+       std::move(marks), Warning::Figure{worst.depth_mm, "mm", limit_mm}});
 }
 
 void find_thin(const FormedSheet& sheet, const std::vector<double>& area, double sheet_thickness_mm,

@@ -202,7 +202,8 @@ class Descent {
         to = at_vacuum(outcome.ran_away ? std::max(now_.vacuum_s, first)
                                         : now_.vacuum_s + part * (next - now_.vacuum_s));
       }
-      VACUFORM_TRY(touched, touch(y, to, {force, last ? 0 : still_mm, stride(), std::max(6.0, 4 * spacing_), 300}));
+      VACUFORM_TRY(touched,
+                   touch(y, to, {force, last ? 0 : still_mm, stride(), std::max(6.0, 4 * spacing_), 300}));
       grown = now_.vacuum_s > 0 ? to.vacuum_s / now_.vacuum_s : 1;
       const bool settled = part >= 1 && outcome.at_rest, resting = settled && touched == 0;
       if (flows_ ? (settled && last) || (resting && to.vacuum_s >= ramp && moved < still_mm)

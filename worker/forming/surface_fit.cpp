@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "worker/parallel.hpp"
 #include "worker/scan/mold_distance.hpp"
@@ -75,10 +77,45 @@ Deviation deviation_of(std::vector<Sample>& samples) {
   return out;
 }
 
+// The parts that samples deeper than the limit make up, deepest first.
+std::vector<Pierced> pierced_parts(const std::vector<Sample>& samples, double limit_mm) {
+  constexpr double cell_mm = 3;
+  using Cell = std::array<int, 3>;
+  std::map<Cell, std::vector<const Sample*>> cells;
+  for (const Sample& s : samples) {
+    const Eigen::Vector3i c = (s.place / cell_mm).array().floor().cast<int>();
+    if (s.depth > limit_mm) cells[{c.x(), c.y(), c.z()}].push_back(&s);
+  }
+  std::vector<Pierced> parts;
+  while (!cells.empty()) {
+    std::vector<Cell> open{cells.begin()->first};
+    std::vector<const Sample*> all;
+    while (!open.empty()) {
+      const Cell c = open.back();
+      open.pop_back();
+      const auto found = cells.find(c);
+      if (found == cells.end()) continue;
+      all.insert(all.end(), found->second.begin(), found->second.end());
+      cells.erase(found);
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+          for (int z = -1; z <= 1; ++z) open.push_back({c[0] + x, c[1] + y, c[2] + z});
+    }
+    const Sample& deepest = **std::max_element(
+        all.begin(), all.end(), [](const Sample* a, const Sample* b) { return a->depth < b->depth; });
+    double reach = deepest.depth;
+    for (const Sample* s : all) reach = std::max(reach, (s->place - deepest.place).norm());
+    parts.push_back({deepest.place, deepest.depth, 2 * reach});
+  }
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Pierced& a, const Pierced& b) { return a.depth_mm > b.depth_mm; });
+  return parts;
+}
+
 }  // namespace
 
 SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector<Eigen::Vector3d>& formed,
-                       const std::vector<Contact>& contact, const TriangleMesh& mold) {
+                       const std::vector<Contact>& contact, const TriangleMesh& mold, double pierced_mm) {
   const TriangleMesh sheet = mesh_of(triangles, formed);
   const RayCaster to_sheet(sheet), to_mold(mold);
   const MoldDistance from_sheet(sheet), from_mold(mold);
@@ -121,7 +158,8 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
       s.depth = is_inside(mold, to_mold, s.place, height) ? 0 : from_mold(s.place);
     }
   });
-  return {deviation_of(of_mold), deviation_of(of_sheet)};
+  std::vector<Pierced> pierced = pierced_parts(of_mold, pierced_mm);
+  return {deviation_of(of_mold), deviation_of(of_sheet), std::move(pierced)};
 }
 
 }  // namespace vacuform
