@@ -83,7 +83,9 @@ class Studies(Case):
 
     def test_calibrate_recovers_what_the_part_was_formed_with(self):
         self.form("real", "--set", "machine.drape_height_mm=9", "--set", "machine.window_width_mm=166",
-                  "--set", "forming.edge_stiffness=1.4", "--set", "sheet.resolution_mm=7.9")
+                  "--set", "forming.edge_stiffness=1.4", "--set", "sheet.resolution_mm=3")
+        truth = {"machine.drape_height_mm": 9, "machine.window_width_mm": 166, "machine.window_height_mm": 170,
+                 "forming.edge_stiffness": 1.4}
         v = meshes.Ply((self.folder / "real/formed.ply").read_bytes()).vertices
         noise = random.Random(5)
         turn = math.radians(30)  # the measuring machine's own frame
@@ -93,14 +95,25 @@ class Studies(Case):
                 x, y, z = (c + noise.gauss(0, 0.2) for c in (x, y, z))
                 rows.append([s, t, x * math.cos(turn) - y * math.sin(turn) + 500, x * math.sin(turn) + y * math.cos(turn), z - 70])
         profile = self.folder / "profile.json"
-        done = vacuform("calibrate", *self.given, "--measured", self.measure("grid.csv", rows), "--out", profile)
+        # formed.ply has the face that touches the mold.
+        done = vacuform("calibrate", *self.given, "--set", "sheet.resolution_mm=5", "--set", "pattern.inked_face=inner", "--json",
+                        "--measured", self.measure("grid.csv", rows), "--out", profile)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
+        done_json = json.loads(done.stdout)
         found = json.loads(profile.read_text())
         self.assertAlmostEqual(found["machine"]["drape_height_mm"], 9, delta=1)
         self.assertAlmostEqual(found["machine"]["window_width_mm"], 166, delta=2)
         self.assertAlmostEqual(found["machine"]["window_height_mm"], 170, delta=2)
         self.assertAlmostEqual(found["forming"]["edge_stiffness"], 1.4, delta=0.15)
         says = found["calibration"]
+        self.assertEqual(says["formings"], done_json["calibration"]["formings"])
+        for name, real in truth.items():
+            p = says["parameters"][name]
+            self.assertLessEqual(p["interval_95"][0], real, name)
+            self.assertGreaterEqual(p["interval_95"][1], real, name)
+            self.assertLessEqual(p["standard_error"], p["standard_error_by_points_alone"] or math.inf)
+        self.assertEqual(says["parameters"]["machine.window_width_mm"]["prior"]["standard_deviation"], 5)
+        self.assertEqual(len(says["correlation"]["matrix"]), 4)
         self.assertLess(says["residual_mm"]["mean"], 0.5)
         self.assertLess(says["residual_mm"]["mean"], says["residual_before_mm"]["mean"] / 2)
         self.assertIn("machine.drape_height_mm", done.stdout)
@@ -108,6 +121,16 @@ class Studies(Case):
         self.form("calibrated", "--settings", profile)
         used = json.loads((self.folder / "calibrated/report.json").read_text())["settings"]
         self.assertEqual(used["machine"]["drape_height_mm"], found["machine"]["drape_height_mm"])
+
+    def test_a_bad_prior_is_one_message(self):
+        rows = [[10 * i, 3 * i * i % 50, 0, 0, 0] for i in range(8)] + [[0, 40, 0, 0, 0], [5, -40, 0, 0, 0]]
+        for prior, word in [("machine.vacuum_kpa=1", "machine.vacuum_kpa"), ("machine.window_width_mm", "--prior"),
+                            ("machine.window_width_mm=-1", "must be positive")]:
+            done = vacuform("calibrate", *self.given, "--measured", self.measure("few.csv", rows), "--prior", prior, "--out",
+                            self.folder / "no.json")
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn(word, done.stderr)
+        self.assertFalse((self.folder / "no.json").exists())
 
     def test_a_bad_table_is_one_message_with_its_line(self):
         for rows, words in [([[1, 2, 3, 4]], ["line 2", "none for z"]), ([[1, 2, 3, 4, "x"]], ["line 2", '"x"']),

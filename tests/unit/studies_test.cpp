@@ -6,7 +6,8 @@
 
 #include "tests/unit/shapes.hpp"
 #include "worker/forming/sheet_map.hpp"
-#include "worker/studies/calibration.hpp"
+#include "worker/studies/convergence.hpp"
+#include "worker/studies/measured_grid.hpp"
 #include "worker/portion.hpp"
 #include "worker/studies/registration.hpp"
 #include "worker/studies/sensitivity.hpp"
@@ -113,65 +114,6 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"s,t,x,y,z\n1,1,0,0,0\n2,2,0,0,0\n3,3,0,0,0\n4,4,0,0,0\n5,5,0,0,0\n6,6,0,0,0\n7,7,0,0,"
                 "0\n8,8,0,0,0\n9,9,0,0,0\n10,10,0,0,0\n",
                 "one line of the sheet", "grid.csv"}));
-
-// A machine that is not as it was said: 8 mm higher, 6 mm narrower, 4 mm less deep, half as stiff again at the frame.
-// Its part is measured with 0.2 mm of noise, in a frame of its own, and some points are plainly wrong.
-TEST(Calibration, RecoversASimulatedMachine) {
-  const Prepared prepared{hemisphere(60, 45, 90), TemperatureField(140)};
-  Settings given, real;
-  given.sheet.width_mm = given.sheet.height_mm = 220;
-  given.sheet.resolution_mm = 10;
-  given.machine.window_width_mm = given.machine.window_height_mm = 200;
-  real = given;
-  real.machine.drape_height_mm = 8;
-  real.machine.window_width_mm = 194, real.machine.window_height_mm = 196;
-  real.forming.edge_stiffness = 1.5;
-  const auto part =
-      form(prepared.mold, real.sheet, real.machine, real.forming, prepared.temperature, Context{});
-  ASSERT_TRUE(part) << part.error().text();
-  const SheetMap map(*part);
-  const Eigen::Isometry3d frame =
-      Eigen::Translation3d(40, -300, 120) * Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, -2, 3).normalized());
-  std::mt19937 random(11);
-  std::normal_distribution<double> noise(0, 0.2);
-  std::vector<MeasuredPoint3> points;
-  for (double s = -90; s <= 90; s += 10)
-    for (double t = -90; t <= 90; t += 10) {
-      Eigen::Vector3d place = *map({s, t});
-      for (int k = 0; k < 3; ++k) place[k] += noise(random);
-      if (points.size() % 50 == 7) place += Eigen::Vector3d(6, -3, 4);
-      points.push_back({{s, t}, frame * place});
-    }
-
-  const auto found = calibrate(prepared, given, points, {}, Context{});
-  ASSERT_TRUE(found) << found.error().text();
-  EXPECT_TRUE(found->converged);
-  EXPECT_GT(found->before.mean, 1);
-  EXPECT_LT(found->after.mean, 0.55);  // noise of 0.2 mm in each direction is 0.32 mm; wild points add theirs
-  EXPECT_EQ(found->after.count, points.size());
-  EXPECT_GE(found->outliers, 7);
-  ASSERT_EQ(found->parameters.size(), 4u);
-  const double wanted[] = {8, 194, 196, 1.5}, within[] = {0.5, 0.7, 0.7, 0.1};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const FittedParameter& p = found->parameters[k];
-    EXPECT_NEAR(p.value, wanted[k], within[k]) << p.key;
-    EXPECT_GT(p.standard_error, 0) << p.key;
-    EXPECT_LT(p.standard_error, within[k]) << p.key;
-    EXPECT_FALSE(p.at_bound) << p.key;
-  }
-  EXPECT_LT((found->motion * frame).translation().norm(), 0.5);
-
-  const auto written =
-      nlohmann::json::parse(R"({"machine": {"window_width_mm": 200, "vacuum_kpa": 60}, "print": {}})");
-  const auto profile = profile_json(*found, written);
-  EXPECT_EQ(profile["machine"]["vacuum_kpa"].get<double>(), 60);
-  EXPECT_NEAR(profile["machine"]["window_width_mm"].get<double>(), 194, 0.7);
-  EXPECT_FALSE(profile.contains("print"));
-  EXPECT_EQ(profile["calibration"]["residual_mm"]["count"].get<std::size_t>(), points.size());
-  auto settings = nlohmann::json::parse(profile.dump());
-  settings.erase("calibration");
-  EXPECT_TRUE(settings_from_json(settings));
-}
 
 TEST(Convergence, ComparesTheSamePointsOfTheSheet) {
   const Prepared prepared{hemisphere(50), TemperatureField(140)};

@@ -1,12 +1,14 @@
 // vacuform calibrate: the machine's figures from a formed test grid that was measured.
-#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/study_options.hpp"
+#include "worker/decimal.hpp"
 #include "worker/pipeline.hpp"
+#include "worker/scan/text_cursor.hpp"
 #include "worker/studies/calibration.hpp"
 
 namespace vacuform::cli {
@@ -16,36 +18,35 @@ namespace {
 struct CalibrateOptions {
   StudyOptions study;
   std::string measured, out;
+  std::vector<std::string> priors;
+  bool json = false;
   CalibrationOptions calibration;
 };
 
-void print(const Calibration& c) {
-  for (const FittedParameter& p : c.parameters) {
-    std::printf("%-26s %9.3f", (p.group + "." + p.key).c_str(), p.value);
-    if (std::isfinite(p.standard_error))
-      std::printf(" +- %.3f", p.standard_error);
-    else
-      std::printf(" (the points do not tell)");
-    std::printf("%s\n", p.at_bound ? ", at the end of what was searched" : "");
+Result<void> read_priors(const std::vector<std::string>& texts, CalibrationOptions& options) {
+  for (const std::string& text : texts) {
+    const auto sign = text.find('=');
+    double error = 0;
+    if (sign == std::string::npos || !parse_number(text.substr(sign + 1), error))
+      return fail(Code::bad_settings, "not a standard deviation of a prior: " + text, "--prior",
+                  "write for example --prior machine.window_width_mm=1");
+    options.prior_errors[text.substr(0, sign)] = error;
   }
-  const auto line = [](const char* title, const DistanceStatistics& s) {
-    std::printf("%-26s mean %.3f, RMS %.3f, 95 %% %.3f, max %.3f mm over %zu points\n", title, s.mean, s.rms,
-                s.p95, s.max, s.count);
-  };
-  line("residual before", c.before);
-  line("residual", c.after);
-  if (c.outliers > 0) std::printf("%-26s %d\n", "points that hardly count", c.outliers);
+  return {};
 }
 
 Result<void> calibrate_machine(const CalibrateOptions& o, const Context& context, ProgressBar& bar) {
+  CalibrationOptions options = o.calibration;
+  VACUFORM_CHECK(read_priors(o.priors, options));
   VACUFORM_TRY(study, o.study.read());
   VACUFORM_TRY(csv, read_file(o.measured, 64u << 20));
   VACUFORM_TRY(points, read_measured_grid(csv, o.measured, study.settings.sheet));
   VACUFORM_TRY(prepared, o.study.prepare(study, context));
-  VACUFORM_TRY(calibration, calibrate(prepared, study.settings, points, o.calibration, context));
+  VACUFORM_TRY(calibration, calibrate(prepared, study.settings, points, options, context));
   bar.clear();
-  print(calibration);
-  return write_json(o.out, profile_json(calibration, study.written));
+  const auto profile = profile_json(calibration, study.written);
+  std::fputs((o.json ? profile.dump(2) + "\n" : text_of(calibration)).c_str(), stdout);
+  return write_json(o.out, profile);
 }
 
 }  // namespace
@@ -61,6 +62,13 @@ void add_calibrate(CLI::App& app, int& exit_code) {
   command->add_flag(
       "--registered", options->calibration.registered,
       "The points are in the machine's frame: z up from the platform, x and y from the sheet's centre");
+  command
+      ->add_option(
+          "--prior", options->priors,
+          "Standard deviation of the prior about a setting as given, in mm; of forming.edge_stiffness that "
+          "of its logarithm. Without: drape height 10, window 5, edge stiffness 0.3")
+      ->type_name("SETTING=SD");
+  command->add_flag("--json", options->json, "Print the profile as JSON instead of a table");
   command->add_option("--out", options->out, "Machine profile to write, a file for --settings")
       ->required()
       ->type_name("FILE");

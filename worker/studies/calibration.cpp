@@ -1,74 +1,64 @@
 #include "worker/studies/calibration.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <optional>
 
+#include "worker/decimal.hpp"
 #include "worker/forming/formed_sheet.hpp"
-#include "worker/forming/sheet_map.hpp"
-#include "worker/scan/topology.hpp"
 #include "worker/portion.hpp"
-#include "worker/studies/registration.hpp"
+#include "worker/studies/bayesian_fit.hpp"
+#include "worker/studies/inked_places.hpp"
 
 namespace vacuform {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double huber = 1.5;  // times the noise: beyond, a distance counts linearly
-constexpr int coarse_rounds = 6, fine_rounds = 10;
+constexpr int most_rounds = 4;      // on each of the two grids
+constexpr double inside = 0.75;     // half widths: the minimum is well inside what the formings cover
 constexpr double least_cells = 40;  // across the window: a coarser grid leads astray
-constexpr double still = 0.02;      // of a parameter's step of differences: smaller changes end the search
-constexpr std::size_t least_points = 10;
+constexpr double finest_mm = 0.5;   // of any grid
+constexpr double least_known = 0.01, hardly_known = 4;  // information of the points over that of the prior
+constexpr double strong = 0.8;                          // a correlation that is named
+constexpr double large_share = 0.3;
 
-// One parameter: where it is in the settings, how far it may go, and the step of its differences.
+// One parameter: its setting, how far it may go, the half width of its design and its prior; the last four of its
+// logarithm where it is logarithmic.
 struct Parameter {
-  std::string group, key;
+  std::string name;
   double& (*in)(Settings&);
-  double low, high, step;
+  bool logarithmic;
+  double low, high, half_width, prior_error;
+
+  double coordinate(double value) const { return logarithmic ? std::log(value) : value; }
+  double value(double t) const { return logarithmic ? std::exp(t) : t; }
 };
 
 std::vector<Parameter> parameters_of(const Prepared& prepared, Settings settings) {
   std::vector<Parameter> out;
-  const auto opening = [&](const char* key, double& (*in)(Settings&), double sheet) {
+  const auto opening = [&](const char* name, double& (*in)(Settings&), double sheet) {
     const double given = in(settings);
-    out.push_back({"machine", key, in, 0.9 * given, std::min(1.1 * given, sheet), 6.0});
+    out.push_back({name, in, false, 0.9 * given, std::min(1.1 * given, sheet), 10, 5});
   };
-  out.push_back({"machine", "drape_height_mm",
-                 [](Settings& s) -> double& { return s.machine.drape_height_mm; }, 0,
-                 std::max(1.0, prepared.mold.top.z() - 1), 4.0});
+  out.push_back({"machine.drape_height_mm", [](Settings& s) -> double& { return s.machine.drape_height_mm; },
+                 false, 0, std::max(1.0, prepared.mold.top.z() - 1), 5, 10});
   const bool circle = settings.machine.window == WindowShape::circle;
   opening(
-      "window_width_mm", [](Settings& s) -> double& { return s.machine.window_width_mm; },
+      "machine.window_width_mm", [](Settings& s) -> double& { return s.machine.window_width_mm; },
       circle ? std::min(settings.sheet.width_mm, settings.sheet.height_mm) : settings.sheet.width_mm);
   if (!circle)
     opening(
-        "window_height_mm", [](Settings& s) -> double& { return s.machine.window_height_mm; },
+        "machine.window_height_mm", [](Settings& s) -> double& { return s.machine.window_height_mm; },
         settings.sheet.height_mm);
-  out.push_back({"forming", "edge_stiffness", [](Settings& s) -> double& { return s.forming.edge_stiffness; },
-                 0.2, 5, 0.2});
+  out.push_back({"forming.edge_stiffness", [](Settings& s) -> double& { return s.forming.edge_stiffness; },
+                 true, std::log(0.2), std::log(5), 0.2, 0.3});
   return out;
-}
-
-// Where a forming puts the measured points, and their distances from there.
-struct Fit {
-  std::vector<Eigen::Vector3d> measured, formed;
-  VectorXd distances;  // x, y, z of every point, mm
-  std::vector<double> lengths, weights;
-  double cost = HUGE_VAL;  // Huber's
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-};
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class Search {
@@ -77,255 +67,216 @@ class Search {
          const CalibrationOptions& options, const Context& context)
       : prepared_(prepared),
         settings_(settings),
-        points_(points),
-        options_(options),
         context_(context),
-        parameters_(parameters_of(prepared, settings)) {}
+        parameters_(parameters_of(prepared, settings)) {
+    problem_.registered = options.registered;
+    for (const MeasuredPoint3& point : points)
+      rest_.push_back(point.rest), problem_.measured.push_back(point.place);
+    const auto n = static_cast<Index>(parameters_.size());
+    for (VectorXd* v : {&problem_.low, &problem_.high, &problem_.half_width, &problem_.prior_mean,
+                        &problem_.prior_sd, &problem_.centre})
+      v->resize(n);
+    Settings given = settings;
+    for (Index k = 0; k < n; ++k) {
+      const Parameter& p = parameter(k);
+      problem_.low[k] = p.low, problem_.high[k] = p.high;
+      problem_.prior_mean[k] = std::clamp(p.coordinate(p.in(given)), p.low, p.high);
+      const auto other = options.prior_errors.find(p.name);
+      problem_.prior_sd[k] = other == options.prior_errors.end() ? p.prior_error : other->second;
+    }
+  }
+
+  Result<void> check_priors(const CalibrationOptions& options) const {
+    for (const auto& [name, error] : options.prior_errors) {
+      const bool known = std::any_of(parameters_.begin(), parameters_.end(),
+                                     [&, &wanted = name](const Parameter& p) { return p.name == wanted; });
+      std::string names;
+      for (const Parameter& p : parameters_) names += (names.empty() ? "" : ", ") + p.name;
+      if (!known) return fail(Code::bad_settings, "no such parameter to fit", name, "give one of " + names);
+      if (!(error > 0) || !std::isfinite(error))
+        return fail(Code::bad_settings, "the standard deviation of a prior must be positive", name,
+                    "give a number above 0");
+    }
+    return {};
+  }
 
   Result<Calibration> run() {
-    const auto n = static_cast<Eigen::Index>(parameters_.size());
-    VectorXd x(n);
-    Settings start = settings_;
-    for (Eigen::Index k = 0; k < n; ++k) x[k] = parameter(k).in(start);
-    const double asked = settings_.sheet.resolution_mm;
-
     Calibration out;
-    VACUFORM_TRY(given, fit_at(x, asked));
-    out.before = statistics_of(given.lengths);
+    const double asked = settings_.sheet.resolution_mm;
+    VACUFORM_TRY(before, distances(settings_));
+    out.before = statistics_of(before.lengths);
     const double coarse = std::min(2 * asked, settings_.machine.window_width_mm / least_cells);
-    const bool worth_it = coarse > 1.5 * asked;
-    if (worth_it) VACUFORM_CHECK(descend(x, coarse, coarse_rounds, 0.1, 0.05, 0.5, out));
-    VACUFORM_CHECK(descend(x, asked, fine_rounds, worth_it ? 1e-3 : 0.1, worth_it ? 0.5 : 0.05, 1, out));
+    VectorXd t = problem_.prior_mean;
+    if (coarse > 1.2 * asked) VACUFORM_CHECK(search(t, coarse, 1.5, 0.05, 0.25, out));
+    VACUFORM_CHECK(search(t, asked, 1, 0.25, 0.95, out));
 
-    out.after = statistics_of(best_.lengths);
-    out.motion = best_.motion;
+    out.settings = settings_at(t);
+    VACUFORM_TRY(after, distances(out.settings));
+    out.after = statistics_of(after.lengths);
     out.outliers = static_cast<int>(
-        std::count_if(best_.weights.begin(), best_.weights.end(), [](double w) { return w < 0.5; }));
-    out.settings = settings_at(x);
+        std::count_if(fit_.weights.begin(), fit_.weights.end(), [](double w) { return w < 0.5; }));
     out.formings = formings_;
-    report(x, out);
+    out.noise_mm = fit_.noise_mm, out.motion = fit_.motion;
+    report(out);
     return out;
   }
 
  private:
-  const Parameter& parameter(Eigen::Index k) const { return parameters_[static_cast<std::size_t>(k)]; }
+  const Parameter& parameter(Index k) const { return parameters_[static_cast<std::size_t>(k)]; }
 
-  Settings settings_at(const VectorXd& x) const {
+  Settings settings_at(const VectorXd& t) const {
     Settings s = settings_;
-    for (Eigen::Index k = 0; k < x.size(); ++k) parameter(k).in(s) = x[k];
+    for (Index k = 0; k < t.size(); ++k) parameter(k).in(s) = parameter(k).value(t[k]);
     return s;
   }
 
-  // The spacing at which the window holds as many cells as the given one does: a cell more or less would move the
-  // sheet by as much as a millimetre of window.
-  double even_resolution(const MachineSettings& machine, double resolution_mm) const {
-    const auto spacing = [&](double now, double given) {
-      return now / 2 / std::ceil(given / 2 / resolution_mm - 1e-9) * (1 + 1e-12);
-    };
-    const double across = spacing(machine.window_width_mm, settings_.machine.window_width_mm);
-    if (machine.window == WindowShape::circle) return across;
-    return std::max(across, spacing(machine.window_height_mm, settings_.machine.window_height_mm));
-  }
-
-  // What a forming with the parameters says.
-  Result<Fit> fit_at(const VectorXd& x, double resolution_mm) {
-    Settings s = settings_at(x);
-    s.sheet.resolution_mm = even_resolution(s.machine, resolution_mm);
+  Result<VectorXd> places(const Settings& s) {
     ++formings_;
     VACUFORM_CHECK(context_.step(Stage::forming, done_));
     const Portion portion(context_, Stage::forming, done_, done_);
     VACUFORM_TRY(
         sheet, form(prepared_.mold, s.sheet, s.machine, s.forming, prepared_.temperature, portion.context()));
-    const SheetMap map(sheet);
-    Fit fit;
-    for (const MeasuredPoint3& point : points_)
-      if (const auto there = map(point.rest))
-        fit.measured.push_back(point.place), fit.formed.push_back(*there);
-    if (fit.measured.size() < least_points)
-      return fail(Code::unusable_surface, "fewer than ten measured points lie on the sheet", "--measured",
+    VectorXd found = inked_places(sheet, s.pattern.inked_face, rest_);
+    if (!found.allFinite())
+      return fail(Code::unusable_surface, "a measured point lies off the sheet", "--measured",
                   "check sheet.width_mm and sheet.height_mm");
-    fit.weights.assign(fit.measured.size(), 1);
-    weigh(fit);
-    return fit;
+    return found;
   }
 
-  // The motion, the weights by the noise (where that is not known yet, by this fit's own), and the cost.
-  void weigh(Fit& fit) const {
-    const std::size_t n = fit.measured.size();
-    for (int round = 0; round < 10; ++round) {  // the motion and the weights hang on each other
-      if (!options_.registered) fit.motion = rigid_motion(fit.measured, fit.formed, fit.weights);
-      fit.lengths.clear();
-      for (std::size_t i = 0; i < n; ++i)
-        fit.lengths.push_back((fit.motion * fit.measured[i] - fit.formed[i]).norm());
-      const double beyond = huber * (noise_ > 0 ? noise_ : std::max(1e-6, median(fit.lengths)));
-      for (std::size_t i = 0; i < n; ++i)
-        fit.weights[i] = fit.lengths[i] <= beyond ? 1 : beyond / fit.lengths[i];
-    }
-    fit.distances.resize(3 * static_cast<Eigen::Index>(n));
-    fit.cost = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      fit.distances.segment<3>(3 * static_cast<Eigen::Index>(i)) =
-          fit.motion * fit.measured[i] - fit.formed[i];
-      // r^2 within, and with w = k / r beyond, 2 k r - k^2.
-      fit.cost += fit.weights[i] * (2 - fit.weights[i]) * fit.lengths[i] * fit.lengths[i];
-    }
+  Result<Laid> distances(const Settings& s) {
+    VACUFORM_TRY(formed, places(s));
+    return lay_points(problem_, formed);
   }
 
-  // Levenberg and Marquardt on one grid; moves x, and leaves best_, jacobian_ there.
-  Result<void> descend(VectorXd& x, double resolution_mm, int rounds, double damping, double from, double to,
-                       Calibration& out) {
-    const Eigen::Index n = x.size();
-    noise_ = 0;
-    done_ = from;
-    VACUFORM_TRY(first, fit_at(x, resolution_mm));
-    best_ = std::move(first);
+  // The spacing at which the window holds as many cells as it does at the design's centre: a cell more or less would
+  // move the sheet by as much as a millimetre of window.
+  double even_spacing(const MachineSettings& now, const MachineSettings& centre, double spacing_mm) const {
+    const auto even = [&](double is, double was) {
+      return is / 2 / std::ceil(was / 2 / spacing_mm - 1e-9) * (1 + 1e-12);
+    };
+    const double across = even(now.window_width_mm, centre.window_width_mm);
+    if (now.window == WindowShape::circle) return across;
+    return std::max(across, even(now.window_height_mm, centre.window_height_mm));
+  }
+
+  // Designs around the best values, until the minimum lies well inside one. Moves t; leaves fit_ and the last problem_.
+  Result<void> search(VectorXd& t, double spacing_mm, double width, double from, double to,
+                      Calibration& out) {
     out.converged = false;
-    for (int round = 0; round < rounds && !out.converged; ++round) {
-      noise_ = std::max(1e-6, median(best_.lengths));
-      weigh(best_);
-      done_ = from + (to - from) * round / rounds;
-      VACUFORM_CHECK(differentiate(x, resolution_mm));
-      ++out.iterations;
-      bool better = false;
-      for (int attempt = 0; attempt < 5 && !better; ++attempt) {
-        const VectorXd y = step(x, damping);
-        double furthest = 0;
-        for (Eigen::Index k = 0; k < n; ++k)
-          furthest = std::max(furthest, std::abs(y[k] - x[k]) / parameter(k).step);
-        if (furthest < still) {
-          out.converged = true;
-          break;
-        }
-        VACUFORM_TRY(there, fit_at(y, resolution_mm));
-        better = there.cost < best_.cost;
-        if (better) x = y, best_ = std::move(there);
-        damping = better ? damping / 10 : damping * 10;
+    for (int round = 0; round < most_rounds && !out.converged; ++round, ++out.rounds) {
+      for (Index k = 0; k < t.size(); ++k) {
+        const Parameter& p = parameter(k);
+        problem_.half_width[k] = std::min(width * p.half_width, (p.high - p.low) / 2);
+        problem_.centre[k] =
+            std::clamp(t[k], p.low + problem_.half_width[k], p.high - problem_.half_width[k]);
       }
-      // No step helps any more: what is left is the roughness of the grid.
-      if (!better) out.converged = true;
+      auto design = central_composite(static_cast<int>(t.size()));
+      const Settings centre = settings_at(problem_.centre);
+      MatrixXd outputs(static_cast<Index>(design.size()), 3 * static_cast<Index>(rest_.size()));
+      for (std::size_t i = 0; i < design.size(); ++i) {
+        done_ = from + (to - from) * (round + static_cast<double>(i) / static_cast<double>(design.size())) /
+                           most_rounds;
+        Settings s = settings_at(problem_.centre + problem_.half_width.cwiseProduct(design[i].u));
+        const double coarsest = std::max(1.3 * spacing_mm, centre.machine.window_width_mm / least_cells);
+        s.sheet.resolution_mm =
+            even_spacing(s.machine, centre.machine,
+                         std::clamp(design[i].spacing * spacing_mm, std::min(finest_mm, coarsest), coarsest));
+        design[i].spacing = s.sheet.resolution_mm / spacing_mm;
+        VACUFORM_TRY(formed, places(s));
+        outputs.row(static_cast<Index>(i)) = formed.transpose();
+      }
+      const ResponseSurface surface(design, outputs);
+      fit_ = bayesian_fit(problem_, surface);
+      t = fit_.t;
+      out.model_error_mm = std::sqrt(surface.errors().squaredNorm() / static_cast<double>(outputs.cols()));
+      out.converged = fit_.converged;
+      for (Index k = 0; k < t.size(); ++k) {
+        const double off = std::abs(t[k] - problem_.centre[k]) / problem_.half_width[k];
+        const bool at_end = problem_.centre[k] - problem_.half_width[k] <= parameter(k).low + 1e-9
+                                ? t[k] < problem_.centre[k]
+                                : problem_.centre[k] + problem_.half_width[k] >= parameter(k).high - 1e-9 &&
+                                      t[k] > problem_.centre[k];
+        if (off > inside && !at_end) out.converged = false;
+      }
     }
     done_ = to;
     return {};
   }
 
-  // Derivatives of the distances by each parameter, towards the inside of its bounds.
-  Result<void> differentiate(const VectorXd& x, double resolution_mm) {
-    jacobian_.resize(best_.distances.size(), x.size());
-    for (Eigen::Index k = 0; k < x.size(); ++k) {
-      VectorXd y = x;
-      y[k] += x[k] + parameter(k).step <= parameter(k).high ? parameter(k).step : -parameter(k).step;
-      VACUFORM_TRY(there, fit_at(y, resolution_mm));
-      jacobian_.col(k) = (there.distances - best_.distances) / (y[k] - x[k]);
-    }
-    return {};
-  }
-
-  MatrixXd weighted_normal() const {
-    MatrixXd weighted = jacobian_;
-    for (std::size_t i = 0; i < best_.weights.size(); ++i)
-      weighted.middleRows(3 * static_cast<Eigen::Index>(i), 3) *= best_.weights[i];
-    return jacobian_.transpose() * weighted;
-  }
-
-  // Parameters in units of their steps, so that the damping treats millimetres and ratios alike; those that a bound
-  // holds back stay there.
-  VectorXd step(const VectorXd& x, double damping) const {
-    const Eigen::Index n = x.size();
-    VectorXd weighted = best_.distances, scale(n);
-    for (std::size_t i = 0; i < best_.weights.size(); ++i)
-      weighted.segment<3>(3 * static_cast<Eigen::Index>(i)) *= best_.weights[i];
-    for (Eigen::Index k = 0; k < n; ++k) scale[k] = parameter(k).step;
-    MatrixXd A = scale.asDiagonal() * weighted_normal() * scale.asDiagonal();
-    VectorXd b = -(scale.asDiagonal() * (jacobian_.transpose() * weighted));
-    const double mean = A.trace() / static_cast<double>(n);
-    A.diagonal() += damping * (A.diagonal() + VectorXd::Constant(n, 1e-3 * mean));
-    VectorXd y = x;
-    std::vector<char> fixed(static_cast<std::size_t>(n), 0);
-    for (Eigen::Index round = 0; round < n; ++round) {
-      const VectorXd move = scale.asDiagonal() * A.ldlt().solve(b);
-      bool stopped = false;
-      for (Eigen::Index k = 0; k < n; ++k) {
-        if (fixed[static_cast<std::size_t>(k)]) continue;
-        y[k] = std::clamp(x[k] + move[k], parameter(k).low, parameter(k).high);
-        if (y[k] != x[k] || move[k] == 0) continue;
-        fixed[static_cast<std::size_t>(k)] = 1;  // it pushes against its bound: solved again without it
-        A.row(k).setZero(), A.col(k).setZero(), A(k, k) = 1, b[k] = 0;
-        stopped = true;
-      }
-      if (!stopped) break;
-    }
-    return y;
-  }
-
-  void report(const VectorXd& x, Calibration& out) const {
-    const double freedom = static_cast<double>(best_.distances.size()) - static_cast<double>(x.size()) -
-                           (options_.registered ? 0 : 6);
-    double sum = 0;
-    for (std::size_t i = 0; i < best_.weights.size(); ++i)
-      sum += best_.weights[i] * best_.lengths[i] * best_.lengths[i];
-    const double variance = sum / std::max(1.0, freedom);
-    const MatrixXd covariance =
-        weighted_normal().ldlt().solve(MatrixXd::Identity(x.size(), x.size())) * variance;
-    for (Eigen::Index k = 0; k < x.size(); ++k) {
+  void report(Calibration& out) const {
+    const Index n = fit_.t.size();
+    const auto scale = problem_.prior_sd.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale * fit_.information * scale);
+    const VectorXd known = eigen.eigenvalues().cwiseMax(0);
+    for (Index k = 0; k < n; ++k) {
       const Parameter& p = parameter(k);
-      const double error = covariance(k, k) > 0 ? std::sqrt(covariance(k, k)) : HUGE_VAL;
-      const bool at_bound = x[k] <= p.low || x[k] >= p.high;
-      out.parameters.push_back({p.group, p.key, x[k], error, at_bound});
+      const double unit = p.logarithmic ? p.value(fit_.t[k]) : 1, error = std::sqrt(fit_.covariance(k, k));
+      const double reach = interval_95(fit_.freedom[k]) * error;
+      double alone = 0;
+      for (Index e = 0; e < n; ++e) {
+        const double share = std::pow(eigen.eigenvectors()(k, e), 2);
+        alone += known[e] > 0 ? share / known[e] : share > 1e-12 ? HUGE_VAL : 0;
+      }
+      FittedParameter f;
+      f.name = p.name, f.logarithmic = p.logarithmic;
+      f.value = p.value(fit_.t[k]), f.standard_error = unit * error;
+      f.points_error = alone * least_known > 1 ? HUGE_VAL : unit * problem_.prior_sd[k] * std::sqrt(alone);
+      f.low95 = p.value(std::max(p.low, fit_.t[k] - reach)), f.high95 = p.value(fit_.t[k] + reach);
+      f.prior = p.value(problem_.prior_mean[k]), f.prior_error = problem_.prior_sd[k];
+      f.at_bound = fit_.t[k] <= p.low || fit_.t[k] >= p.high;
+      out.parameters.push_back(std::move(f));
     }
+    const VectorXd errors = fit_.covariance.diagonal().cwiseSqrt();
+    out.correlation =
+        errors.cwiseInverse().asDiagonal() * fit_.covariance * errors.cwiseInverse().asDiagonal();
+    for (Index e = 0; e < n && known[e] < hardly_known; ++e)
+      out.unresolved.push_back(unresolved(eigen.eigenvectors().col(e), known[e]));
+    for (Index i = 0; i < n; ++i)
+      for (Index k = i + 1; k < n; ++k)
+        if (const double c = out.correlation(i, k); std::abs(c) > strong)
+          out.trade_offs.push_back(parameter(i).name + " and " + parameter(k).name +
+                                   " trade off (correlation " + decimal(c, 2) +
+                                   "): the points hold their combination better than either");
+  }
+
+  Unresolved unresolved(const VectorXd& direction, double known) const {
+    Unresolved out;
+    out.points_to_prior = known > 0 ? 1 / std::sqrt(known) : HUGE_VAL;
+    std::vector<std::string> names;
+    for (Index k = 0; k < direction.size(); ++k) {
+      out.share.push_back(direction[k]);
+      if (std::abs(direction[k]) >= large_share) names.push_back(parameter(k).name);
+    }
+    std::string list;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
+    const std::string held = known < 1 ? "the prior holds it" : "the prior helps to hold it";
+    out.text = names.size() == 1
+                   ? "the points hardly tell " + list + ": " + held
+                   : list + " trade off: the points hold only their combination, and " +
+                         (known < 1 ? "the prior holds the rest" : "the prior helps to hold the rest");
+    return out;
   }
 
   const Prepared& prepared_;
   const Settings& settings_;
-  const std::vector<MeasuredPoint3>& points_;
-  const CalibrationOptions options_;
   const Context& context_;
   std::vector<Parameter> parameters_;
-  double noise_ = 0, done_ = 0;
+  std::vector<Eigen::Vector2d> rest_;
+  FitProblem problem_;
+  BayesianFit fit_;
+  double done_ = 0;
   int formings_ = 0;
-  Fit best_;
-  MatrixXd jacobian_;
 };
-
-Json finite(double value, int places) {
-  if (!std::isfinite(value)) return nullptr;
-  const double scale = std::pow(10.0, places);
-  return std::round(value * scale) / scale + 0.0;
-}
 
 }  // namespace
 
 Result<Calibration> calibrate(const Prepared& prepared, const Settings& settings,
                               const std::vector<MeasuredPoint3>& points, const CalibrationOptions& options,
                               const Context& context) {
-  return Search(prepared, settings, points, options, context).run();
-}
-
-Json profile_json(const Calibration& c, const nlohmann::json& given) {
-  Json out;
-  for (const char* group : {"machine", "forming"})
-    if (given.contains(group)) out[group] = given[group];
-  Json fitted = Json::object();
-  for (const FittedParameter& p : c.parameters) {
-    out[p.group][p.key] = finite(p.value, 3);
-    fitted[p.group + "." + p.key] = {{"value", finite(p.value, 3)},
-                                     {"standard_error", finite(p.standard_error, 3)},
-                                     {"at_bound", p.at_bound}};
-  }
-  Json motion = Json::array();
-  for (int row = 0; row < 4; ++row) {
-    Json line = Json::array();
-    for (int column = 0; column < 4; ++column) line.push_back(finite(c.motion.matrix()(row, column), 6));
-    motion.push_back(std::move(line));
-  }
-  out["calibration"] = {{"parameters", std::move(fitted)},
-                        {"residual_mm", json_of(c.after)},
-                        {"residual_before_mm", json_of(c.before)},
-                        {"outliers", c.outliers},
-                        {"converged", c.converged},
-                        {"iterations", c.iterations},
-                        {"formings", c.formings},
-                        {"measured_to_machine", std::move(motion)}};
-  return out;
+  Search search(prepared, settings, points, options, context);
+  VACUFORM_CHECK(search.check_priors(options));
+  return search.run();
 }
 
 }  // namespace vacuform
