@@ -134,7 +134,7 @@ def wrong_about(scan, report, mold, settings):
         wrong.append(f"{scan.crumbs} crumbs, {found['components_dropped']} pieces dropped")
     if found["up"] == scan.up:
         scale = scan_generator.UNITS[found["unit"]] / scan_generator.UNITS[scan.unit] if found["unit"] else \
-            float(given["scan.size_mm"]) / scan.longest_in_file
+            float(given["scan.size_mm"]) / scan.longest_side()
         wrong += wrong_shape(scan, found, mold, scale)
     return wrong
 

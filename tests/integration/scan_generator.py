@@ -12,6 +12,23 @@ AXES = {"+z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)), "-z": ((1, 0, 0), (0, -1, 0), (
         "+x": ((0, 0, -1), (0, 1, 0), (1, 0, 0)), "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0))}
 
 
+def longer_side_from_above(points):
+    """Of the rectangle of least area around the points, over turns by half a degree."""
+    corners = set()
+    for k in range(72):  # only points that are farthest in some direction matter
+        c, s = math.cos(math.pi * k / 36), math.sin(math.pi * k / 36)
+        corners.add(max(range(len(points)), key=lambda i: c * points[i][0] + s * points[i][1]))
+    least, longer = math.inf, 0.0
+    for k in range(180):
+        c, s = math.cos(math.pi * k / 360), math.sin(math.pi * k / 360)
+        along = [c * points[i][0] + s * points[i][1] for i in corners]
+        aside = [c * points[i][1] - s * points[i][0] for i in corners]
+        a, b = max(along) - min(along), max(aside) - min(aside)
+        if a * b < least:
+            least, longer = a * b, max(a, b)
+    return longer
+
+
 class Scan:
     """`data` in a file of the given `extension`, and the truth: `clean` is the undamaged body, upright and in mm."""
 
@@ -31,7 +48,6 @@ class Scan:
         self.size = math.dist(*self.box())
         self.noise = self.crumbs = self.outliers = self.holes = self.missing = 0
         self.reversed = self.mirrored = self.open_below = False
-        self.longest_in_file = 0.0  # mm, of the undamaged body along the file's axes
         self.extension, write = scan_files.FORMATS[self.format]
         self.data = write(self.in_file(self.damaged(chance), chance))
 
@@ -39,6 +55,11 @@ class Scan:
         """The corners of the box around what lies above a height."""
         points = [p for p in self.clean[0] if p[2] >= above]
         return [tuple(bound(p[k] for p in points) for k in range(3)) for bound in (min, max)]
+
+    def longest_side(self):
+        """In mm, of the undamaged body, however it is turned about the vertical axis."""
+        low, high = self.box()
+        return max(high[2] - low[2], longer_side_from_above(self.clean[0]))
 
     def damage(self):
         """What is wrong with the file, for people."""
@@ -105,8 +126,6 @@ class Scan:
         to = AXES[self.up]
         shift = [chance.uniform(-1, 1) * self.size for _ in range(3)]
         per_mm = 1 / UNITS[self.unit]
-        turned = [[sum(p[j] * to[j][k] for j in range(3)) for p in self.clean[0]] for k in range(3)]
-        self.longest_in_file = max(max(row) - min(row) for row in turned)
         used = sorted({v for t in triangles for v in t})
         number = {v: n for n, v in enumerate(used)}
         points = [tuple(per_mm * (sum(vertices[v][j] * to[j][k] for j in range(3)) + shift[k]) for k in range(3))

@@ -167,7 +167,7 @@ def bust(chance):
     wide = chance.uniform(95, 130)
     parts += [capsule((-wide, -12, 55), (wide, -12, 55), 48), ellipsoid((0, 0, 20), (wide + 20, 75, 90))]
     mesh = meshed(union(parts, 20), (-190, -130, 0), (190, 135, 345), 10.0)
-    return scaled(mesh, chance.uniform(0.3, 1.0))
+    return scaled(mesh, chance.uniform(0.3, 1.35))
 
 
 def figurine(chance):
@@ -179,7 +179,7 @@ def figurine(chance):
         parts.append(capsule((side * 9, 0, 68), (side * 13, 0, 3), thin + 2, thin + 1))
         parts.append(capsule((side * 13, 0, 105), (side * (13 + spread), 8, 105 + raise_), thin))
     mesh = meshed(union(parts, 5), (-68, -32, -3), (68, 32, 160), 2.8)
-    return scaled(mesh, chance.uniform(0.5, 1.5))
+    return scaled(mesh, chance.uniform(0.4, 1.5))
 
 
 def joined(bodies):

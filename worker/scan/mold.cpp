@@ -7,8 +7,10 @@
 #include "worker/decimal.hpp"
 #include "worker/scan/closing.hpp"
 #include "worker/scan/cutting.hpp"
+#include "worker/scan/mold_distance.hpp"
 #include "worker/scan/outliers.hpp"
 #include "worker/scan/placing.hpp"
+#include "worker/scan/ray_caster.hpp"
 #include "worker/scan/rebuilding.hpp"
 #include "worker/scan/scan_file.hpp"
 #include "worker/scan/shells.hpp"
@@ -23,7 +25,9 @@ namespace vacuform {
 namespace {
 
 constexpr double weld_share = 1e-6;   // of the scan's size: what the rounding of floats makes of one point
+constexpr double nominal_mm = 200;    // a head, while the unit is unknown
 constexpr double crumb_share = 1e-3;  // of the volume of the largest piece
+constexpr std::size_t most_crumbs_examined = 64;
 
 std::string mm(double value) { return decimal(value, 1) + " mm"; }
 
@@ -51,18 +55,22 @@ Eigen::Vector3d top_of(const TriangleMesh& mesh) {
   return top;
 }
 
-// Millimetres per unit of the file, whose longest side is given in its unit.
+// Millimetres per unit of the file, along whose axes the longest side is `longest` in its unit; that of the scan itself,
+// however it is turned, is `own_longest`.
 Result<double> choose_scale(const ScanSettings& settings, const std::string& file_name, double longest,
-                            ScanFindings& findings) {
+                            double own_longest, Mold& mold) {
+  ScanFindings& findings = mold.findings;
   if (settings.size_mm) {
     findings.size_given = true;
-    return *settings.size_mm / longest;
+    return *settings.size_mm / own_longest;
   }
   findings.unit = settings.units;
   if (settings.units == Unit::automatic) {
     VACUFORM_TRY(unit, guess_unit(longest, file_name));
     findings.unit = unit;
     findings.unit_guessed = true;
+    if (auto doubt = unit_doubt(longest, unit); !doubt.empty())
+      mold.warnings.push_back({"units-guessed", std::move(doubt)});
     return millimetres(unit);
   }
   const double side = longest * millimetres(findings.unit);
@@ -112,8 +120,20 @@ Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mol
   return offset(closing.mesh, clearance_mm, progress);
 }
 
+// Whether a corner of a closed piece lies in or on the others: then they are one body.
+bool touches(const TriangleMesh& piece, const TriangleMesh& others, const RayCaster& rays,
+             const MoldDistance& distance) {
+  constexpr double touching_mm = 0.01;
+  const Eigen::Vector3d up(0, 0, bounds(others).size().z() + bounds(piece).size().z() + 1);
+  return std::any_of(piece.vertices.begin(), piece.vertices.end(), [&](const Eigen::Vector3d& p) {
+    const auto hit = rays.first_hit(p, up);
+    return (hit && area_vector(others, others.triangles[static_cast<std::size_t>(hit->triangle)]).z() > 0) ||
+           distance(p) <= touching_mm;
+  });
+}
+
 // Takes off pieces that the cut left standing beside the mold, below a thousandth of its volume: the tip of an ear, a
-// curl. They would move the middle. Returns how many.
+// curl. They would move the middle. Small bodies that stand in or on others are kept. Returns how many.
 int drop_crumbs(TriangleMesh& cut) {
   std::vector<int> piece_of;
   const auto pieces = static_cast<std::size_t>(connected_pieces(cut, piece_of));
@@ -126,12 +146,30 @@ int drop_crumbs(TriangleMesh& cut) {
   }
   for (double& v : volume) v = std::abs(v);
   const double least = crumb_share * *std::max_element(volume.begin(), volume.end());
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < cut.triangles.size(); ++i)
-    if (volume[static_cast<std::size_t>(piece_of[i])] >= least) cut.triangles[kept++] = cut.triangles[i];
-  cut.triangles.resize(kept);
-  drop_unused_vertices(cut);
-  return static_cast<int>(std::count_if(volume.begin(), volume.end(), [&](double v) { return v < least; }));
+  std::vector<char> keep(pieces);
+  for (std::size_t i = 0; i < pieces; ++i) keep[i] = volume[i] >= least;
+  const auto only = [&](const auto& wanted) {
+    TriangleMesh part;
+    part.vertices = cut.vertices;
+    for (std::size_t i = 0; i < cut.triangles.size(); ++i)
+      if (wanted(static_cast<std::size_t>(piece_of[i]))) part.triangles.push_back(cut.triangles[i]);
+    drop_unused_vertices(part);
+    return part;
+  };
+  // A small piece may stand on another small one, so this is done in rounds.
+  for (int round = 0; round < 3 && std::count(keep.begin(), keep.end(), 0) > 0; ++round) {
+    const TriangleMesh others = only([&](std::size_t n) { return keep[n]; });
+    const RayCaster rays(others);
+    const MoldDistance distance(others);
+    const auto before = keep;
+    std::size_t examined = 0;
+    for (std::size_t n = 0; n < pieces && examined < most_crumbs_examined; ++n)
+      if (!before[n])
+        ++examined, keep[n] = touches(only([&](std::size_t k) { return k == n; }), others, rays, distance);
+    if (keep == before) break;
+  }
+  cut = only([&](std::size_t n) { return keep[n]; });
+  return static_cast<int>(std::count(keep.begin(), keep.end(), 0));
 }
 
 // Not inlined: GCC 12 leaves out the rounding of x and y where it vectorizes it.
@@ -213,18 +251,14 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
                 "export the scan again");
   VACUFORM_CHECK(progress.reach(0.3));
 
-  // Millimetres, upright, standing on z = 0.
-  VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(), findings));
-  turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
-  if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
-    warn("inside-out",
-         "The triangles of the scan face inwards: either only their order is reversed, as is assumed, or the "
-         "scan is a "
-         "mirror image, with left and right swapped");
+  // Upright, in millimetres, standing on z = 0. The up axis comes first: the longest side to which scan.size_mm scales is
+  // that of the upright scan and does not depend on how it is turned about the vertical axis.
   findings.mirrored = settings.mirror == Mirror::yes;
   findings.up = settings.up;
   if (settings.up == UpAxis::automatic) {
-    VACUFORM_TRY(guess, guess_up(skin.mesh, progress));
+    TriangleMesh sized = skin.mesh;  // the unit is not known yet
+    turn(sized, Eigen::Matrix3d::Identity(), nominal_mm / bounds(sized).size().maxCoeff());
+    VACUFORM_TRY(guess, guess_up(sized, progress));
     findings.up = scan.y_up ? UpAxis::plus_y : guess.axis;
     findings.up_guessed = !scan.y_up;
     if (scan.y_up && guess.told && guess.axis != UpAxis::plus_y)
@@ -234,9 +268,19 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
       warn("up-guessed", "The up axis was taken to be " + std::string(name(guess.axis)) + " because " +
                              guess.why + "; give scan.up if the mold stands wrong");
   }
+  if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
+    warn("inside-out",
+         "The triangles of the scan face inwards: either only their order is reversed, as is assumed, or the "
+         "scan is a mirror image, with left and right swapped");
+  TriangleMesh stood{skin.mesh.vertices, {}};
+  turn(stood, upright_turn(findings.up, 0, 0, 0), 1);
+  VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(),
+                                   longest_side(stood), mold));
+  stood = {};
   findings.front = settings.front == FrontSide::automatic ? FrontSide::plus_y : settings.front;
   findings.front_assumed = settings.front == FrontSide::automatic;
   const Eigen::Matrix3d upright = scan_turn(settings, findings.up);
+  turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
   turn(skin.mesh, upright, 1);
   stand_on_floor(skin.mesh);
   findings.size_mm = bounds(skin.mesh).size();
