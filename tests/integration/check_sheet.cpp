@@ -3,7 +3,7 @@
 //     check_sheet FOLDER
 //
 // FOLDER has formed.ply, mold.stl and report.json. Prints as JSON the places where the sheet is
-// - torn: its mesh has a crack or a hole, or it is stretched more than sixfold, or over more than five times its area;
+// - torn: its mesh has a crack or a hole, or more than a cell of the grid is stretched sixfold or to five times its area;
 // - folded: triangles have lost four fifths of their area, or lie upside down;
 // - penetrated: the mold stands out of the sheet, or the sheet reaches into the mold, by more than half a millimetre, or a
 //   fifth of a coarser grid spacing;
@@ -27,7 +27,8 @@ using Json = nlohmann::ordered_json;
 
 struct Flaw {
   Vector3d place;
-  double size;  // how bad: mm, or times
+  double size;             // how bad: mm, or times
+  double area = HUGE_VAL;  // of the sheet, mm2: places of less than a grid cell do not count
 };
 
 class Checker {
@@ -82,10 +83,13 @@ class Checker {
       }
       std::string by;
       std::size_t worst = members.front();
+      double area = 0;
       for (const std::size_t i : members) {
+        area += flaws[i].area;
         if (flaws[i].size > flaws[worst].size) worst = i;
         if (by.empty()) by = marked(flaws[i].place, codes);
       }
+      if (area < grid_ * grid_) continue;
       const Vector3d& p = flaws[worst].place;
       places_.push_back({{"kind", kind},
                          {"what", what},
@@ -167,8 +171,8 @@ class Checker {
       if (!(flat > 0)) continue;
       const double stretch = largest_stretch(t), grown = area / flat;
       most = std::max(most, stretch);
-      if (stretch > 20) run_away.push_back({middle, stretch});
-      if (stretch > 6 || grown > 5) drawn.push_back({middle, std::max(stretch, grown)});
+      if (stretch > 20) run_away.push_back({middle, stretch, area});
+      if (stretch > 6 || grown > 5) drawn.push_back({middle, std::max(stretch, grown), area});
       if (grown < 0.2) lost.push_back({middle, 1 / std::max(grown, 1e-9)});
       if (cross.z() < -0.3 * cross.norm() && area > 0.02 * grid_ * grid_) over.push_back({middle, area});
       for (const int v : sheet_.triangles[t])
