@@ -6,11 +6,10 @@
 
 #include "worker/decimal.hpp"
 #include "worker/scan/closing.hpp"
+#include "worker/scan/crumbs.hpp"
 #include "worker/scan/cutting.hpp"
-#include "worker/scan/mold_distance.hpp"
 #include "worker/scan/outliers.hpp"
 #include "worker/scan/placing.hpp"
-#include "worker/scan/ray_caster.hpp"
 #include "worker/scan/rebuilding.hpp"
 #include "worker/scan/scan_file.hpp"
 #include "worker/scan/shells.hpp"
@@ -26,8 +25,6 @@ namespace {
 
 constexpr double weld_share = 1e-6;   // of the scan's size: what the rounding of floats makes of one point
 constexpr double nominal_mm = 200;    // a head, while the unit is unknown
-constexpr double crumb_share = 1e-3;  // of the volume of the largest piece
-constexpr std::size_t most_crumbs_examined = 64;
 
 std::string mm(double value) { return decimal(value, 1) + " mm"; }
 
@@ -118,58 +115,6 @@ Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mol
          Warning::Figure{closing.largest_filled_mm, "mm"}});
   if (clearance_mm == 0) return std::move(closing.mesh);
   return offset(closing.mesh, clearance_mm, progress);
-}
-
-// Whether a corner of a closed piece lies in or on the others: then they are one body.
-bool touches(const TriangleMesh& piece, const TriangleMesh& others, const RayCaster& rays,
-             const MoldDistance& distance) {
-  constexpr double touching_mm = 0.01;
-  const Eigen::Vector3d up(0, 0, bounds(others).size().z() + bounds(piece).size().z() + 1);
-  return std::any_of(piece.vertices.begin(), piece.vertices.end(), [&](const Eigen::Vector3d& p) {
-    const auto hit = rays.first_hit(p, up);
-    return (hit && area_vector(others, others.triangles[static_cast<std::size_t>(hit->triangle)]).z() > 0) ||
-           distance(p) <= touching_mm;
-  });
-}
-
-// Takes off pieces that the cut left standing beside the mold, below a thousandth of its volume: the tip of an ear, a
-// curl. They would move the middle. Small bodies that stand in or on others are kept. Returns how many.
-int drop_crumbs(TriangleMesh& cut) {
-  std::vector<int> piece_of;
-  const auto pieces = static_cast<std::size_t>(connected_pieces(cut, piece_of));
-  if (pieces < 2) return 0;
-  const Eigen::Vector3d centre = bounds(cut).centre();
-  std::vector<double> volume(pieces, 0);
-  for (std::size_t i = 0; i < cut.triangles.size(); ++i) {
-    const Eigen::Vector3d a = cut.vertices[static_cast<std::size_t>(cut.triangles[i][0])] - centre;
-    volume[static_cast<std::size_t>(piece_of[i])] += a.dot(area_vector(cut, cut.triangles[i])) / 3;
-  }
-  for (double& v : volume) v = std::abs(v);
-  const double least = crumb_share * *std::max_element(volume.begin(), volume.end());
-  std::vector<char> keep(pieces);
-  for (std::size_t i = 0; i < pieces; ++i) keep[i] = volume[i] >= least;
-  const auto only = [&](const auto& wanted) {
-    TriangleMesh part;
-    part.vertices = cut.vertices;
-    for (std::size_t i = 0; i < cut.triangles.size(); ++i)
-      if (wanted(static_cast<std::size_t>(piece_of[i]))) part.triangles.push_back(cut.triangles[i]);
-    drop_unused_vertices(part);
-    return part;
-  };
-  // A small piece may stand on another small one, so this is done in rounds.
-  for (int round = 0; round < 3 && std::count(keep.begin(), keep.end(), 0) > 0; ++round) {
-    const TriangleMesh others = only([&](std::size_t n) { return keep[n]; });
-    const RayCaster rays(others);
-    const MoldDistance distance(others);
-    const auto before = keep;
-    std::size_t examined = 0;
-    for (std::size_t n = 0; n < pieces && examined < most_crumbs_examined; ++n)
-      if (!before[n])
-        ++examined, keep[n] = touches(only([&](std::size_t k) { return k == n; }), others, rays, distance);
-    if (keep == before) break;
-  }
-  cut = only([&](std::size_t n) { return keep[n]; });
-  return static_cast<int>(std::count(keep.begin(), keep.end(), 0));
 }
 
 // Not inlined: GCC 12 leaves out the rounding of x and y where it vectorizes it.
