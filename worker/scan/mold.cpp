@@ -23,8 +23,8 @@
 namespace vacuform {
 namespace {
 
-constexpr double weld_share = 1e-6;   // of the scan's size: what the rounding of floats makes of one point
-constexpr double nominal_mm = 200;    // a head, while the unit is unknown
+constexpr double weld_share = 1e-6;  // of the scan's size: what the rounding of floats makes of one point
+constexpr double nominal_mm = 200;   // a head, while the unit is unknown
 
 std::string mm(double value) { return decimal(value, 1) + " mm"; }
 
@@ -130,7 +130,7 @@ struct Placed {
 // smallest circle around it at x = y = 0; rounded to what mold.stl can hold so that the mesh and the file are one
 // surface. Where that is not watertight, a hair higher it may be.
 std::optional<Placed> cut_and_place(const TriangleMesh& mesh, double height, const Eigen::Matrix3d& turn) {
-  for (const double raise : {0.0, 0.01, 0.02, 0.05}) {
+  for (const double raise : {0.0, 0.01, 0.02, 0.05, 0.1, 0.2}) {
     auto cut = cut_above(mesh, height + raise);
     if (!cut || cut->triangles.empty()) continue;
     Placed placed;
@@ -248,10 +248,17 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
     findings.rebuilt = true;
     placed = cut_and_place(rebuilt, trim.height_mm, principal.transpose());
   }
-  if (!placed)
-    return fail(
-        Code::unusable_scan, "no watertight mold can be made of the scan", file_name,
-        "repair it in a mesh editor (close its holes, remove inner parts) or give another scan.trim_mm");
+  if (!placed) {
+    std::string fix =
+        "repair it in a mesh editor (close its holes, remove inner parts) or give another scan.trim_mm";
+    const double top = bounds(closed).high.z();
+    for (double height = std::ceil(trim.height_mm + 1); height < 0.9 * top; height += std::ceil(0.1 * top))
+      if (cut_and_place(closed, height, principal.transpose())) {
+        fix += ", for example --set scan.trim_mm=" + decimal(height, 0);
+        break;
+      }
+    return fail(Code::unusable_scan, "no watertight mold can be made of the scan", file_name, fix);
+  }
   if (findings.rebuilt)
     warn("rebuilt",
          "The scan's surface could not be closed as it is and was wrapped anew, up to 0.2 mm outside of it");
