@@ -31,7 +31,8 @@ constexpr WarningKind kinds[] = {
     {"ink-not-compensated", Severity::note, "Leave out print.compensate_ink."},
     {"ink-off-chart", Severity::serious, "Move or scale the drawing (pattern.offset_mm, pattern.scale)."},
     {"inside-out", Severity::serious,
-     "Compare left and right of mold.stl with the patient; then set scan.mirror=no, or scan.mirror=yes if they are "
+     "Compare left and right of mold.stl with the patient; then set scan.mirror=no, or scan.mirror=yes if "
+     "they are "
      "swapped."},
     {"large-hole", Severity::warning, "Scan the place again, or check the mold there."},
     {"marks-left-out", Severity::warning, "Use a larger sheet, or another print.margin_mm."},
@@ -58,6 +59,7 @@ constexpr WarningKind kinds[] = {
      "Turn the scan (scan.up), or accept undercuts by giving the trim (scan.trim_mm)."},
     {"undercut", Severity::warning, "Trim the mold above the undercut (scan.trim_mm), or turn the scan."},
     {"uneven-through", Severity::warning, "Heat the sheet longer with less power, or from both sides."},
+    {"units-guessed", Severity::warning, "Set scan.units if the size is wrong."},
     {"unstable-stretch", Severity::serious,
      "Set forming.law=mooney_rivlin, or trim the mold higher (scan.trim_mm)."},
     {"up-guessed", Severity::warning, "Set scan.up if the mold stands wrong."},

@@ -86,6 +86,39 @@ TEST(Invariance, TheMoldIsMirroredDoubledAndShiftedWithTheScan) {
   expect_moved(*mold, mold_of(shifted(head(), 31.7, -412.3, 97.1)), Eigen::Affine3d::Identity(), "shifted");
 }
 
+TEST(Invariance, AGivenSizeAndAGuessedUnitDoNotDependOnTheTurn) {
+  // Wider and deeper than high, so that the longest side lies flat.
+  auto flat = without(head(), [](const Vector3d& p) { return p.z() < 40; });
+  ScanSettings sized;
+  sized.size_mm = 180;
+  sized.up = UpAxis::plus_z;
+  const auto mold = make_mold(stl(flat), "scan.stl", sized, Context());
+  ASSERT_TRUE(mold) << mold.error().text();
+  for (const double yaw : {0.0, 13.0, 45.0, 60.0, 90.0}) {
+    const auto turned = moved(flat, Eigen::Affine3d(AngleAxisd(yaw * radian, Vector3d::UnitZ())));
+    const auto other = make_mold(stl(turned), "scan.stl", sized, Context());
+    ASSERT_TRUE(other) << other.error().text();
+    EXPECT_NEAR(other->top.z(), mold->top.z(), 0.02) << yaw;
+    EXPECT_NEAR(enclosing_circle(other->mesh).radius, enclosing_circle(mold->mesh).radius, 0.05) << yaw;
+    const auto guessed = make_mold(stl(turned), "scan.stl", {}, Context());
+    ASSERT_TRUE(guessed) << guessed.error().text();
+    EXPECT_EQ(guessed->findings.unit, Unit::mm) << yaw;
+    EXPECT_EQ(guessed->findings.up, UpAxis::plus_z) << yaw;
+  }
+}
+
+TEST(LongestSide, IsThatOfTheSmallestBoxSeenFromAbove) {
+  for (const double yaw : {0.0, 1.0, 30.0, 45.0, 77.7, 90.0, 180.0}) {
+    const Eigen::Affine3d turn(AngleAxisd(yaw * radian, Vector3d::UnitZ()));
+    EXPECT_NEAR(longest_side(moved(box({0, 0, 0}, {30, 20, 10}), turn)), 30, 1e-9) << yaw;
+    EXPECT_NEAR(longest_side(moved(box({5, 5, 0}, {25, 25, 10}), turn)), 20, 1e-9) << yaw;
+    EXPECT_NEAR(longest_side(moved(box({0, 0, 0}, {3, 2, 10}), turn)), 10, 1e-9) << yaw;
+    EXPECT_NEAR(longest_side(moved(head(), turn)), longest_side(head()), 0.01) << yaw;
+  }
+  EXPECT_EQ(longest_side({{{0, 0, 0}, {4, 0, 0}, {2, 0, 1}}, {{0, 1, 2}}}), 4);
+  EXPECT_EQ(longest_side({}), 0);
+}
+
 TEST(Invariance, ANewSkinTurnsWithTheScan) {
   ScanSettings settings;
   settings.up = UpAxis::plus_z;

@@ -472,6 +472,31 @@ TEST(Fit, SaysWhatIsTooLargeByHowMuch) {
   EXPECT_TRUE(check_fit(block(180, 180, 50), sheet, machine));
 }
 
+// The settings that a refusal proposes, taken over.
+TEST(Fit, TheProposalOfARefusalWorks) {
+  for (const WindowShape shape : {WindowShape::rectangle, WindowShape::circle})
+    for (const Mold& mold : {block(350, 120, 60), block(120, 350.3, 60), block(400, 410, 200)}) {
+      SheetSettings sheet;
+      MachineSettings machine;
+      machine.window = shape;
+      const auto refused = check_fit(mold, sheet, machine);
+      ASSERT_FALSE(refused);
+      const std::string& fix = refused.error().mend;
+      const auto take = [&](const std::string& name, double& value) {
+        if (const auto at = fix.find("--set " + name + "="); at != std::string::npos)
+          value = std::stod(fix.substr(at + 7 + name.size()));
+      };
+      take("machine.window_width_mm", machine.window_width_mm);
+      take("machine.window_height_mm", machine.window_height_mm);
+      take("sheet.width_mm", sheet.width_mm);
+      take("sheet.height_mm", sheet.height_mm);
+      const auto fits = check_fit(mold, sheet, machine);
+      EXPECT_TRUE(fits) << fix << ": " << fits.error().text();
+      EXPECT_EQ(sheet.width_mm - machine.window_width_mm, 20) << fix;
+    }
+  EXPECT_EQ(check_fit(block(1995, 10, 10), {}, {}).error().mend.find("--set"), std::string::npos);
+}
+
 TEST(Fit, TakesAMoldBesideTheMiddleByItsFartherSide) {
   Mold aside = block(200, 100, 50);
   for (auto& p : aside.mesh.vertices) p.x() += 35.04;

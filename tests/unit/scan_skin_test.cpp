@@ -223,6 +223,28 @@ TEST(Skin, TwoPartsSideBySideAreBothKept) {
   EXPECT_EQ(mold->undercuts.size(), 0u);
 }
 
+// The share of a cone's vertices that are inside does not matter: all but its tip are.
+TEST(Skin, SmallBodiesThatCrossTheMainOneAreKept) {
+  const auto block = box({-60, -60, 0}, {60, 60, 40});
+  const auto spike = lathe({{0, -2}, {3, -2}, {0, 6}}, 64), loose = shifted(cube(4), 100, 0, 60);
+  const auto mold = mold_of(joined(joined(block, shifted(spike, 20, 10, 40)), loose), whole());
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.components_dropped, 1);
+  EXPECT_EQ(mold->findings.crumbs_dropped, 0);
+  EXPECT_NEAR(mold->top.z(), 46, 1e-3);
+  EXPECT_NEAR(bounds(mold->mesh).size().x(), 120, 1e-3);
+}
+
+TEST(Skin, SmallBodiesThatStandOnTheMainOneAreNoCrumbs) {
+  const auto block = box({-60, -60, 0}, {60, 60, 40});
+  const auto fin =
+      box({-8, 5, 40}, {8, 6, 49});  // a twentieth of the block's diagonal and more, a tiny volume
+  const auto mold = mold_of(joined(block, fin), whole());
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_EQ(mold->findings.crumbs_dropped, 0);
+  EXPECT_NEAR(mold->top.z(), 49, 1e-3);
+}
+
 // A sphere and crumbs beside it.
 TriangleMesh in_pieces(int pieces) {
   auto mesh = sphere(100, 64);
@@ -274,6 +296,27 @@ TEST(Units, TwoPlausibleOnesAreNamedWithTheirSizes) {
             "the scan's unit cannot be told: its longest side is plausible in cm (100 mm), in (254 mm) "
             "(scan.stl); say which, for example --set "
             "scan.units=cm");
+}
+
+TEST(Units, AnotherPossibleOneIsWarnedOf) {
+  const auto doubted = mold_of(scaled(sphere(0.5), 19.7));  // 197 mm, or half a metre
+  ASSERT_TRUE(doubted) << doubted.error().text();
+  ASSERT_TRUE(warns(*doubted, "units-guessed"));
+  for (const auto& w : doubted->warnings) {
+    if (w.code != "units-guessed") continue;
+    EXPECT_EQ(w.text,
+              "The unit was taken to be cm, in which the longest side is 197 mm; it could be in (500 mm)");
+  }
+  for (const double side : {200.0, 0.2}) {
+    const auto sure = mold_of(scaled(sphere(0.5), side));
+    ASSERT_TRUE(sure) << sure.error().text();
+    EXPECT_FALSE(warns(*sure, "units-guessed")) << side;
+  }
+  ScanSettings settings;
+  settings.units = Unit::cm;
+  const auto given = mold_of(scaled(sphere(0.5), 19.7), settings);
+  ASSERT_TRUE(given) << given.error().text();
+  EXPECT_FALSE(warns(*given, "units-guessed"));
 }
 
 TEST(Units, NoPlausibleOneNamesAll) {
@@ -364,6 +407,26 @@ TEST(Up, AnOpeningLiesOnThePlatform) {
     EXPECT_TRUE(mold->findings.up_guessed);
     EXPECT_FALSE(warns(*mold, "up-guessed"));
     EXPECT_EQ(mold->findings.holes_capped, 1);
+  }
+}
+
+TEST(Up, AHoleIsNoFoot) {
+  // Open at a narrow top, flat below.
+  const auto bottle = lathe({{0, -40}, {60, -40}, {75, 0}, {70, 40}, {30, 60}, {18, 80}, {18, 100}}, 64);
+  for (const auto& [axis, direction] : axes) {
+    const auto mold = mold_of(fallen(bottle, direction));
+    ASSERT_TRUE(mold) << mold.error().text();
+    EXPECT_EQ(mold->findings.up, axis) << name(axis);
+  }
+}
+
+TEST(Up, SeveralFlatSidesAreWarnedOf) {
+  auto mesh = box({-50, -30, 0}, {50, 30, 90});  // wider sides than its foot, and a fin on top
+  mesh = joined(mesh, box({-2, -25, 89}, {2, 25, 110}));
+  for (const auto& [axis, direction] : axes) {
+    const auto mold = mold_of(fallen(mesh, direction));
+    ASSERT_TRUE(mold) << mold.error().text();
+    EXPECT_TRUE(warns(*mold, "up-guessed")) << name(axis);
   }
 }
 

@@ -30,6 +30,29 @@ std::string mm_up(double value) { return mm(std::ceil(value * 10 - 1e-6) / 10); 
 std::string mm_down(double value) { return mm(std::floor(value * 10 + 1e-6) / 10); }
 std::string percent(double share) { return decimal(100 * share, 0) + " %"; }
 
+// Settings that give a window this large, at the least, and a sheet with the same border in the clamp as now; empty where no
+// machine is that large.
+std::string settings_for(const Eigen::Vector2d& least, const SheetSettings& sheet,
+                         const MachineSettings& machine) {
+  constexpr double largest_mm = 2000;
+  const bool circle = machine.window == WindowShape::circle;
+  std::string text;
+  const auto set = [&](const char* name, double value) {
+    text += " --set " + std::string(name) + "=" + decimal(std::ceil(value), 0);
+    return value <= largest_mm;
+  };
+  bool possible = true;
+  if (least.x() > machine.window_width_mm) {
+    const double more = std::ceil(least.x()) - machine.window_width_mm;
+    possible = set("machine.window_width_mm", least.x()) && set("sheet.width_mm", sheet.width_mm + more);
+    if (circle) possible = possible && set("sheet.height_mm", sheet.height_mm + more);
+  }
+  if (!circle && least.y() > machine.window_height_mm)
+    possible = possible && set("machine.window_height_mm", least.y()) &&
+               set("sheet.height_mm", sheet.height_mm + std::ceil(least.y()) - machine.window_height_mm);
+  return possible ? ", for example" + text : "";
+}
+
 Eigen::Vector2d window_of(const MachineSettings& machine) {
   const bool circle = machine.window == WindowShape::circle;
   return {machine.window_width_mm, circle ? machine.window_width_mm : machine.window_height_mm};
@@ -112,7 +135,9 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
                 "the frame stops " + mm(machine.drape_height_mm) + " above the platform, " +
                     mm(machine.drape_height_mm - box.high.z()) +
                     " above the mold's top, and the sheet never meets the mold",
-                "machine.drape_height_mm", "give at most " + mm_down(box.high.z()));
+                "machine.drape_height_mm",
+                "give at most " + mm_down(box.high.z()) +
+                    ", for example --set machine.drape_height_mm=" + decimal(std::floor(box.high.z()), 0));
   const double shorter = std::min(width, height);
   if (draw > most_draw * shorter)
     return fail(Code::does_not_fit,
@@ -132,7 +157,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
                   "the mold reaches " + mm(radius) + " from the middle and with " + mm(room) +
                       " of room is " + mm(over) + " too wide for the round window of " + mm(width),
                   "machine.window_width_mm",
-                  "give a window and a sheet of at least " + mm_up(2 * (radius + room)) + advice);
+                  "give a window and a sheet of at least " + mm_up(2 * (radius + room)) +
+                      settings_for(Eigen::Vector2d::Constant(2 * (radius + room)), sheet, machine) + advice);
   } else {
     // The middle of the window is that of the circle around the mold, not always that of its width.
     const Eigen::Vector2d reach = box.high.head<2>().cwiseMax(-box.low.head<2>());
@@ -146,7 +172,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
                       mm(room) + " of room on each side is " + mm(std::max(over_x, over_y)) +
                       " too large for the window of " + mm(k == 0 ? width : height),
                   k == 0 ? "machine.window_width_mm" : "machine.window_height_mm",
-                  "give a window and a sheet of at least " + mm_up(2 * (reach[k] + room)) + advice);
+                  "give a window and a sheet of at least " + mm_up(2 * (reach[k] + room)) +
+                      settings_for(2 * (reach.array() + room), sheet, machine) + advice);
     }
   }
   return {};

@@ -6,6 +6,7 @@
 
 #include "worker/decimal.hpp"
 #include "worker/scan/closing.hpp"
+#include "worker/scan/crumbs.hpp"
 #include "worker/scan/cutting.hpp"
 #include "worker/scan/outliers.hpp"
 #include "worker/scan/placing.hpp"
@@ -22,8 +23,8 @@
 namespace vacuform {
 namespace {
 
-constexpr double weld_share = 1e-6;   // of the scan's size: what the rounding of floats makes of one point
-constexpr double crumb_share = 1e-3;  // of the volume of the largest piece
+constexpr double weld_share = 1e-6;  // of the scan's size: what the rounding of floats makes of one point
+constexpr double nominal_mm = 200;   // a head, while the unit is unknown
 
 std::string mm(double value) { return decimal(value, 1) + " mm"; }
 
@@ -51,18 +52,22 @@ Eigen::Vector3d top_of(const TriangleMesh& mesh) {
   return top;
 }
 
-// Millimetres per unit of the file, whose longest side is given in its unit.
+// Millimetres per unit of the file, along whose axes the longest side is `longest` in its unit; that of the scan itself,
+// however it is turned, is `own_longest`.
 Result<double> choose_scale(const ScanSettings& settings, const std::string& file_name, double longest,
-                            ScanFindings& findings) {
+                            double own_longest, Mold& mold) {
+  ScanFindings& findings = mold.findings;
   if (settings.size_mm) {
     findings.size_given = true;
-    return *settings.size_mm / longest;
+    return *settings.size_mm / own_longest;
   }
   findings.unit = settings.units;
   if (settings.units == Unit::automatic) {
     VACUFORM_TRY(unit, guess_unit(longest, file_name));
     findings.unit = unit;
     findings.unit_guessed = true;
+    if (auto doubt = unit_doubt(longest, unit); !doubt.empty())
+      mold.warnings.push_back({"units-guessed", std::move(doubt)});
     return millimetres(unit);
   }
   const double side = longest * millimetres(findings.unit);
@@ -112,28 +117,6 @@ Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mol
   return offset(closing.mesh, clearance_mm, progress);
 }
 
-// Takes off pieces that the cut left standing beside the mold, below a thousandth of its volume: the tip of an ear, a
-// curl. They would move the middle. Returns how many.
-int drop_crumbs(TriangleMesh& cut) {
-  std::vector<int> piece_of;
-  const auto pieces = static_cast<std::size_t>(connected_pieces(cut, piece_of));
-  if (pieces < 2) return 0;
-  const Eigen::Vector3d centre = bounds(cut).centre();
-  std::vector<double> volume(pieces, 0);
-  for (std::size_t i = 0; i < cut.triangles.size(); ++i) {
-    const Eigen::Vector3d a = cut.vertices[static_cast<std::size_t>(cut.triangles[i][0])] - centre;
-    volume[static_cast<std::size_t>(piece_of[i])] += a.dot(area_vector(cut, cut.triangles[i])) / 3;
-  }
-  for (double& v : volume) v = std::abs(v);
-  const double least = crumb_share * *std::max_element(volume.begin(), volume.end());
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < cut.triangles.size(); ++i)
-    if (volume[static_cast<std::size_t>(piece_of[i])] >= least) cut.triangles[kept++] = cut.triangles[i];
-  cut.triangles.resize(kept);
-  drop_unused_vertices(cut);
-  return static_cast<int>(std::count_if(volume.begin(), volume.end(), [&](double v) { return v < least; }));
-}
-
 // Not inlined: GCC 12 leaves out the rounding of x and y where it vectorizes it.
 [[gnu::noinline]] double as_float(double x) { return static_cast<float>(x); }
 
@@ -147,7 +130,7 @@ struct Placed {
 // smallest circle around it at x = y = 0; rounded to what mold.stl can hold so that the mesh and the file are one
 // surface. Where that is not watertight, a hair higher it may be.
 std::optional<Placed> cut_and_place(const TriangleMesh& mesh, double height, const Eigen::Matrix3d& turn) {
-  for (const double raise : {0.0, 0.01, 0.02, 0.05}) {
+  for (const double raise : {0.0, 0.01, 0.02, 0.05, 0.1, 0.2}) {
     auto cut = cut_above(mesh, height + raise);
     if (!cut || cut->triangles.empty()) continue;
     Placed placed;
@@ -213,18 +196,14 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
                 "export the scan again");
   VACUFORM_CHECK(progress.reach(0.3));
 
-  // Millimetres, upright, standing on z = 0.
-  VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(), findings));
-  turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
-  if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
-    warn("inside-out",
-         "The triangles of the scan face inwards: either only their order is reversed, as is assumed, or the "
-         "scan is a "
-         "mirror image, with left and right swapped");
+  // Upright, in millimetres, standing on z = 0. The up axis comes first: the longest side to which scan.size_mm scales is
+  // that of the upright scan and does not depend on how it is turned about the vertical axis.
   findings.mirrored = settings.mirror == Mirror::yes;
   findings.up = settings.up;
   if (settings.up == UpAxis::automatic) {
-    VACUFORM_TRY(guess, guess_up(skin.mesh, progress));
+    TriangleMesh sized = skin.mesh;  // the unit is not known yet
+    turn(sized, Eigen::Matrix3d::Identity(), nominal_mm / bounds(sized).size().maxCoeff());
+    VACUFORM_TRY(guess, guess_up(sized, progress));
     findings.up = scan.y_up ? UpAxis::plus_y : guess.axis;
     findings.up_guessed = !scan.y_up;
     if (scan.y_up && guess.told && guess.axis != UpAxis::plus_y)
@@ -234,9 +213,19 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
       warn("up-guessed", "The up axis was taken to be " + std::string(name(guess.axis)) + " because " +
                              guess.why + "; give scan.up if the mold stands wrong");
   }
+  if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
+    warn("inside-out",
+         "The triangles of the scan face inwards: either only their order is reversed, as is assumed, or the "
+         "scan is a mirror image, with left and right swapped");
+  TriangleMesh stood{skin.mesh.vertices, {}};
+  turn(stood, upright_turn(findings.up, 0, 0, 0), 1);
+  VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(),
+                                   longest_side(stood), mold));
+  stood = {};
   findings.front = settings.front == FrontSide::automatic ? FrontSide::plus_y : settings.front;
   findings.front_assumed = settings.front == FrontSide::automatic;
   const Eigen::Matrix3d upright = scan_turn(settings, findings.up);
+  turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
   turn(skin.mesh, upright, 1);
   stand_on_floor(skin.mesh);
   findings.size_mm = bounds(skin.mesh).size();
@@ -259,10 +248,17 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
     findings.rebuilt = true;
     placed = cut_and_place(rebuilt, trim.height_mm, principal.transpose());
   }
-  if (!placed)
-    return fail(
-        Code::unusable_scan, "no watertight mold can be made of the scan", file_name,
-        "repair it in a mesh editor (close its holes, remove inner parts) or give another scan.trim_mm");
+  if (!placed) {
+    std::string fix =
+        "repair it in a mesh editor (close its holes, remove inner parts) or give another scan.trim_mm";
+    const double top = bounds(closed).high.z();
+    for (double height = std::ceil(trim.height_mm + 1); height < 0.9 * top; height += std::ceil(0.1 * top))
+      if (cut_and_place(closed, height, principal.transpose())) {
+        fix += ", for example --set scan.trim_mm=" + decimal(height, 0);
+        break;
+      }
+    return fail(Code::unusable_scan, "no watertight mold can be made of the scan", file_name, fix);
+  }
   if (findings.rebuilt)
     warn("rebuilt",
          "The scan's surface could not be closed as it is and was wrapped anew, up to 0.2 mm outside of it");

@@ -15,6 +15,10 @@ struct Circle {
 // to the at most three that carry the circle, as in Welzl 1991, "Smallest enclosing disks". O(n) a round, few rounds.
 Circle enclosing_circle(const TriangleMesh& mesh);
 
+// The longest side of the upright box around the mesh that is as small as possible seen from above: the same however the
+// scan is turned about the vertical axis. By rotating calipers (Toussaint 1983). O(n log n).
+double longest_side(const TriangleMesh& upright);
+
 // Leaves heights exactly as they are.
 Eigen::Matrix3d turn_about_z(double radians);
 

@@ -12,9 +12,10 @@
 namespace vacuform {
 namespace {
 
-constexpr double debris_share = 0.05;     // of the main piece's diagonal
-constexpr double soup_size = 0.5;         // a main piece smaller than this share of everything and with
-constexpr double soup_area = 0.2;         // less than this share of the area is a scrap
+constexpr double debris_share = 0.05;  // of the main piece's diagonal
+constexpr double small_share = 0.5;  // of the same: larger ones that are inside but for a tip are inner skins
+constexpr double soup_size = 0.5;    // a main piece smaller than this share of everything and with
+constexpr double soup_area = 0.2;    // less than this share of the area is a scrap
 constexpr int most_pieces_examined = 64;  // the largest ones; real scans keep a handful
 
 struct Piece {
@@ -58,10 +59,40 @@ TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece
   return taken;
 }
 
-// Whether at least 95 % of up to 64 vertices see the main piece in at least 12 of 14 directions.
-bool enclosed(const TriangleMesh& piece, const RayCaster& main, double reach) {
+// The largest pieces, each as a mesh of its own.
+std::vector<TriangleMesh> largest_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of,
+                                         const std::vector<Piece>& pieces) {
+  std::vector<int> rank(pieces.size(), -1);
+  std::vector<TriangleMesh> largest(std::min<std::size_t>(pieces.size(), most_pieces_examined));
+  for (std::size_t i = 0; i < largest.size(); ++i)
+    rank[static_cast<std::size_t>(pieces[i].number)] = static_cast<int>(i);
+  std::vector<int> number(mesh.vertices.size(), -1);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const int k = rank[static_cast<std::size_t>(piece_of[i])];
+    if (k < 0) continue;
+    TriangleMesh& piece = largest[static_cast<std::size_t>(k)];
+    Triangle t = mesh.triangles[i];
+    for (int& v : t) {
+      int& n = number[static_cast<std::size_t>(v)];
+      if (n < 0) {
+        n = static_cast<int>(piece.vertices.size());
+        piece.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+      }
+      v = n;
+    }
+    piece.triangles.push_back(t);
+  }
+  return largest;
+}
+
+// Where a piece lies, by up to 64 of its vertices and the rays from each in 14 directions: a vertex is inside where at
+// least 12 meet the main piece, outside where at most 7 do.
+struct Place {
+  int samples = 0, inside = 0, outside = 0;
+};
+Place place_of(const TriangleMesh& piece, const RayCaster& main, double reach) {
   const std::size_t stride = std::max<std::size_t>(1, piece.vertices.size() / 64);
-  int samples = 0, inside = 0;
+  Place place;
   for (std::size_t i = 0; i < piece.vertices.size(); i += stride) {
     int hits = 0;
     for (int axis = 0; axis < 3; ++axis)
@@ -74,10 +105,22 @@ bool enclosed(const TriangleMesh& piece, const RayCaster& main, double reach) {
       const Eigen::Vector3d d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
       hits += main.first_hit(piece.vertices[i], d * reach).has_value();
     }
-    ++samples;
-    inside += hits >= 12;
+    ++place.samples;
+    place.inside += hits >= 12;
+    place.outside += hits <= 7;
   }
-  return inside * 20 >= samples * 19;
+  return place;
+}
+
+// Whether a piece other than the main one is part of the outside. A small closed body that stands with its foot in the main
+// piece is a fin, a spike or a nose of a model, however small.
+bool belongs(const TriangleMesh& piece, double share_of_diagonal, const RayCaster& main, double reach) {
+  const bool debris = share_of_diagonal < debris_share;
+  if (debris && !is_watertight(piece)) return false;
+  const Place place = place_of(piece, main, reach);
+  if (share_of_diagonal < small_share && place.inside > 0 && place.outside > 0 && is_watertight(piece))
+    return true;
+  return !debris && place.inside * 20 < place.samples * 19;
 }
 
 // Makes the directions of triangles agree over edges that exactly two share; then turns each such patch
@@ -185,16 +228,13 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progr
   } else {
     std::vector<char> keep(static_cast<std::size_t>(skin.components), 0);
     keep[static_cast<std::size_t>(pieces.front().number)] = 1;
-    const TriangleMesh main = take_pieces(mesh, piece_of, keep);
-    std::optional<RayCaster> caster;
-    for (std::size_t i = 1; i < pieces.size() && i < most_pieces_examined; ++i) {
-      if (pieces[i].diagonal < debris_share * pieces.front().diagonal) break;
+    const auto largest = largest_pieces(mesh, piece_of, pieces);
+    const RayCaster main(largest.front());
+    for (std::size_t i = 1; i < largest.size(); ++i) {
       VACUFORM_CHECK(progress.tick());
-      if (!caster) caster.emplace(main);
-      std::vector<char> one(static_cast<std::size_t>(skin.components), 0);
-      one[static_cast<std::size_t>(pieces[i].number)] = 1;
-      if (!enclosed(take_pieces(mesh, piece_of, one), *caster, 2 * pieces.front().diagonal))
-        keep[static_cast<std::size_t>(pieces[i].number)] = 1;
+      const double share = pieces[i].diagonal / pieces.front().diagonal;
+      keep[static_cast<std::size_t>(pieces[i].number)] =
+          belongs(largest[i], share, main, 2 * pieces.front().diagonal);
     }
     skin.components_dropped = static_cast<int>(std::count(keep.begin(), keep.end(), 0));
     skin.mesh = take_pieces(mesh, piece_of, keep);

@@ -11,13 +11,14 @@ namespace vacuform {
 struct OuterSkin {
   TriangleMesh mesh;
   int components = 0;          // in the mesh given
-  int components_dropped = 0;  // debris (below 5 % of the skin's size) and pieces enclosed by the skin
+  int components_dropped = 0;  // loose debris (below 5 % of the skin's size) and enclosed pieces
   bool turned_inside_out = false;
   bool soup = false;  // the pieces are scraps of a surface; none was dropped, and they must be wrapped
 };
 
 // Takes a welded mesh. The main piece is the one of largest diagonal; a piece is enclosed when nearly every
-// ray from nearly every of its points hits the main piece. Within each piece the triangles' directions are
+// ray from nearly every of its points hits the main piece. A small closed body that stands with a part of it in the main
+// piece is kept: models are often made of bodies that cross. Within each piece the triangles' directions are
 // made to agree over edges that two of them share, then the whole is turned outwards (by its volume; an open
 // piece is closed in thought towards the middle of its border). O(n log n). Errors: cancelled, too_large (more pieces than job_limits allow).
 Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progress);

@@ -1,6 +1,7 @@
 #include "worker/scan/upright.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -15,6 +16,11 @@ namespace vacuform {
 namespace {
 
 constexpr double shortest_mm = 80, longest_mm = 400;
+constexpr double possible_share =
+    2.54;  // beyond these sizes: a figurine or a large bust, taken in the wrong unit
+constexpr double least_opening = 0.12;  // of the box seen from below; a neck has a quarter
+constexpr double other_flat =
+    0.5;  // of the largest flat side: with another one this large, both may be the foot
 constexpr std::array units{Unit::mm, Unit::cm, Unit::m, Unit::in};
 
 std::string one_digit(double mm) { return decimal(mm, mm < 10 ? 1 : 0); }
@@ -92,6 +98,18 @@ Result<Unit> guess_unit(double longest_side, const std::string& where) {
   return fail(Code::ambiguous_units, what, where, fix);
 }
 
+std::string unit_doubt(double longest_side, Unit guessed) {
+  std::string others;
+  for (const Unit unit : units) {
+    const double mm = longest_side * millimetres(unit);
+    if (unit != guessed && mm >= shortest_mm / possible_share && mm <= longest_mm * possible_share)
+      others += (others.empty() ? "" : " or ") + std::string(name(unit)) + " (" + one_digit(mm) + " mm)";
+  }
+  if (others.empty()) return {};
+  return "The unit was taken to be " + std::string(name(guessed)) + ", in which the longest side is " +
+         one_digit(longest_side * millimetres(guessed)) + " mm; it could be " + others;
+}
+
 namespace {
 
 // What the borders of an open skin tell: the area vectors of the faces that are missing.
@@ -131,12 +149,18 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   // An opening that spans an angle of t from a sphere's middle leaves sin^2(t) / 4 of the area: 1.5 % at 14
   // degrees. Its missing face points against the sum, which many holes leave by chance.
   const bool told = sum.norm() > 0.015 * total && -borders.largest.dot(sum) > 0.8 * sum.squaredNorm();
+  // And it is most of what the body shows from below: the hole that an arm leaves is not.
+  const auto below = [&](UpAxis axis) {
+    const Eigen::Vector3d up = direction(axis), size = bounds(skin).size();
+    const double footprint = size.prod() / std::abs(up.dot(size));
+    return -up.dot(borders.largest) / footprint;
+  };
   const bool broken = borders.count > 20 && 10 * borders.edges > skin.triangles.size();
-  if (told) {
-    UpGuess best;
-    double most = 0;
-    for (const UpAxis axis : axes)
-      if (const double along = direction(axis).dot(sum); along > most) most = along, best.axis = axis;
+  UpGuess best;
+  double most = 0;
+  for (const UpAxis axis : axes)
+    if (const double along = direction(axis).dot(sum); along > most) most = along, best.axis = axis;
+  if (told && below(best.axis) > least_opening) {
     best.told = !broken;
     best.why = "the scan is open on the other side";
     return best;
@@ -162,21 +186,26 @@ namespace {
 Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const ScanProgress& progress) {
   const Box box = bounds(skin);
   UpGuess best;
-  double most = 0.02 * total;
-  for (const UpAxis axis : axes) {
-    const Eigen::Vector3d up = direction(axis);
+  std::array<double, axes.size()> flat{};
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    const Eigen::Vector3d up = direction(axes[k]);
     const double lowest = std::min(up.dot(box.low), up.dot(box.high)), band = 0.004 * box.size().norm();
-    double flat = 0;
     for (const auto& t : skin.triangles) {
       const Eigen::Vector3d a = area_vector(skin, t);
       if (-up.dot(a) < 0.99 * a.norm()) continue;
       bool low = true;
       for (const int v : t) low = low && up.dot(skin.vertices[static_cast<std::size_t>(v)]) < lowest + band;
-      if (low) flat += a.norm();
+      if (low) flat[k] += a.norm();
     }
-    if (flat > most) most = flat, best.axis = axis, best.told = true;
   }
-  if (best.told) {
+  const double flattest = *std::max_element(flat.begin(), flat.end());
+  const bool on_flat = flattest > 0.02 * total;
+  const auto may_be_foot = [&](std::size_t k) { return !on_flat || flat[k] > other_flat * flattest; };
+  std::size_t feet = 0;
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    if (on_flat && may_be_foot(k)) ++feet, best.axis = axes[k];
+  if (feet == 1) {
+    best.told = true;
     best.why = "the scan is cut flat on the other side";
     return best;
   }
@@ -185,7 +214,9 @@ Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const Sc
   const double size = box.size().norm() / 250;
   const auto caster = std::make_shared<RayCaster>(skin);
   double highest = 0;
-  for (const UpAxis axis : axes) {
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    if (!may_be_foot(k)) continue;
+    const UpAxis axis = axes[k];
     const Eigen::Vector3d up = direction(axis);
     const double lowest = std::min(up.dot(box.low), up.dot(box.high)), height = std::abs(up.dot(box.size()));
     VACUFORM_TRY(
@@ -196,7 +227,8 @@ Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const Sc
     if (left > highest) highest = left, best.axis = axis;
   }
   if (highest >= 0.1 * box.size().maxCoeff()) {
-    best.why = "most of the scan can be formed from there";
+    best.why = on_flat ? "of the scan's flat sides, most of it can be formed over that one"
+                       : "most of the scan can be formed from there";
     return best;
   }
   best.axis = UpAxis::plus_z;

@@ -18,19 +18,25 @@ bool usable_side(double mm);
 // than one, naming the candidates, the sizes that they would give and a setting that is accepted.
 Result<Unit> guess_unit(double longest_side, const std::string& where);
 
+// Where another unit would make the scan a little smaller or larger than guess_unit() takes for plausible, a figurine or a
+// large bust, one sentence for people; else empty.
+std::string unit_doubt(double longest_side, Unit guessed);
+
 struct UpGuess {
   UpAxis axis = UpAxis::plus_z;
   bool told = false;  // the shape told; otherwise the user must be asked to look
   std::string why;    // one clause for people
 };
 
-// Looks for the side on which a scan (in mm) stands, in this order:
-// 1. an opening: the missing face of an open skin (the sum of all area vectors points away from it);
-// 2. a flat cut: the side of the bounding box in whose plane most of the skin lies;
+// Looks for the side on which a scan, about 200 mm long, stands, in this order:
+// 1. an opening: the missing face of an open skin (the sum of all area vectors points away from it), where it covers at
+//    least an eighth of the box seen from below;
+// 2. a flat cut: the side of the bounding box in whose plane most of the skin lies, where no other has half as much;
 // 3. otherwise the axis from which most can be formed: the height of the mold that the automatic trim leaves,
 // times the
 //    share of it that is a dome (a skull, not a face), with an advantage of a fifth for +z and +y, which
 //    exporters use;
+//    Of a body with several flat sides only those are compared;
 // 4. where no axis leaves a mold, +z.
 // The last two are guesses, and so is all that a broken skin tells. An opening only tells where one border is most of it: the holes of a broken skin point
 // anywhere, and what is guessed of such a skin is guessed of a wrap around it. Error: cancelled.

@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+"""Runs `vacuform run` on made-up scans and holds every result against the truth and against a second program.
+
+    VACUFORM_BIN=build/release/bin tests/integration/generated_scans.py --count 200 [--seed S] [--first N] [--grid MM]
+
+A scan fails when the program crashes or takes too long, when a refusal's proposals do not lead to a mold within three
+steps, when check_sheet finds the sheet torn, folded, penetrated or off the mold at a place that no warning marks, or when
+the unit, the up axis, crumbs, outliers or a mirror image were silently taken wrong. Prints a row a scan and a total.
+"""
+import argparse
+import collections
+import concurrent.futures
+import json
+import math
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import meshes
+import scan_generator
+
+PATTERN = """<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" viewBox="0 0 30 30">
+<g id="a"><circle cx="9" cy="15" r="6" fill="none" stroke="#000" stroke-width="0.6"/></g>
+<g id="b"><circle cx="21" cy="15" r="6" fill="none" stroke="#000" stroke-width="0.6"/></g></svg>"""
+MOST_STEPS = 3  # refusals in a row, each with a further proposal
+
+
+def proposals(message):
+    """The alternatives that a message gives, each a list of settings."""
+    return [re.findall(r"--set (\S+=[^\s,;.]+(?:\.\d+)?)", run)
+            for run in re.findall(r"(?:--set \S+=[^\s,;]+(?: and | )?)+", message)]
+
+
+class Result:
+    """What became of one scan. `failures` is empty where everything is right."""
+
+    def __init__(self, scan):
+        self.scan, self.settings, self.refusals, self.exit_codes = scan, [], [], []
+        self.failures, self.codes, self.marked = [], [], []
+
+    @property
+    def ended(self):
+        return "succeeded" if self.exit_codes[-1:] == [0] else "refused" if self.exit_codes[-1:] == [2] else "broken"
+
+    def row(self):
+        s = self.scan
+        return (f"{s.name}  {s.kind:8} {s.unit:2} {s.up}  {s.format:14} exit {','.join(map(str, self.exit_codes)):5} "
+                f"{'RIGHT' if not self.failures else 'WRONG'}  [{s.damage()}] {' '.join(self.settings)}"
+                f" warnings: {' '.join(self.codes) or '-'}" + (f" marked: {' '.join(self.marked)}" if self.marked else "")
+                + "".join("\n    " + f for f in self.failures) + "".join("\n    refusal: " + r for r in self.refusals))
+
+
+class Runner:
+    def __init__(self, binaries, folder, grid, patience):
+        self.binaries, self.folder, self.grid, self.patience = pathlib.Path(binaries), pathlib.Path(folder), grid, patience
+        self.pattern = self.folder / "pattern.svg"
+        self.pattern.write_text(PATTERN)
+
+    def run(self, seed, number):
+        scan = scan_generator.Scan(seed, number)
+        result = Result(scan)
+        file, out = self.folder / f"{scan.name}.{scan.extension}", self.folder / scan.name
+        file.write_bytes(scan.data)
+        try:
+            if self.lead_to_success(result, file, out):
+                self.judge(result, out)
+        except subprocess.TimeoutExpired as late:
+            result.exit_codes.append(-1)
+            result.failures.append(f"not done after {late.timeout} s")
+        return result
+
+    def lead_to_success(self, result, file, out):
+        """Follows the first proposal of each refusal; whether that ends in success."""
+        while True:
+            words = [w for setting in result.settings for w in ("--set", setting)]
+            done = subprocess.run([self.binaries / "vacuform", "run", "--scan", file, "--pattern", self.pattern, "--out", out,
+                                   "--quiet", "--set", f"sheet.resolution_mm={self.grid}", "--set", "print.dpi=72", *words],
+                                  capture_output=True, text=True, timeout=self.patience)
+            result.exit_codes.append(done.returncode)
+            if done.returncode == 0:
+                return True
+            message = done.stderr.strip()
+            result.refusals.append(message.replace(str(self.folder) + "/", ""))
+            if done.returncode != 2:
+                result.failures.append(f"exit {done.returncode}: {message[-500:]}")
+                return False
+            offered = proposals(message)
+            if not offered:
+                result.failures.append("a refusal without a proposal")
+                return False
+            if set(offered[0]) <= set(result.settings):
+                result.failures.append("a refusal proposes what was done already")
+                return False
+            if len(result.refusals) > MOST_STEPS:
+                result.failures.append("the proposals do not lead to a mold")
+                return False
+            names = {setting.split("=")[0] for setting in offered[0]}
+            result.settings = [s for s in result.settings if s.split("=")[0] not in names] + offered[0]
+
+    def judge(self, result, out):
+        report = json.loads((out / "report.json").read_text())
+        result.codes = [w["code"] for w in report["warnings"]]
+        mold = meshes.read_stl((out / "mold.stl").read_bytes())
+        result.failures += wrong_about(result.scan, report, mold, result.settings)
+        done = subprocess.run([self.binaries / "check_sheet", out], capture_output=True, text=True, timeout=self.patience)
+        if done.returncode not in (0, 1):
+            result.failures.append(f"check_sheet: {done.stderr.strip() or done.returncode}")
+            return
+        for place in json.loads(done.stdout)["places"]:
+            if place["marked_by"]:
+                result.marked.append(place["kind"].replace(" ", "-"))
+                continue
+            at = ", ".join(f"{x:.1f}" for x in place["place_mm"])
+            result.failures.append(f"{place['kind']}: {place['what']}, {place['size']:.2f} at ({at}), {place['samples']} samples")
+
+
+def wrong_about(scan, report, mold, settings):
+    """What the report does not know of the scan, and does not warn of."""
+    found, codes = report["scan"], {w["code"] for w in report["warnings"]}
+    given = dict(setting.split("=") for setting in settings)
+    wrong = []
+    if found["unit_guessed"] and found["unit"] != scan.unit and "units-guessed" not in codes:
+        wrong.append(f"the unit is {scan.unit}, taken silently to be {found['unit']}")
+    if found["up"] != scan.up and "scan.up" not in given and "up-guessed" not in codes:
+        wrong.append(f"up is {scan.up}, taken silently to be {found['up']}")
+    if found["outliers_dropped"] != scan.outliers or ("outliers" in codes) != (scan.outliers > 0):
+        wrong.append(f"{scan.outliers} outliers, {found['outliers_dropped']} dropped")
+    if (scan.reversed or scan.mirrored) and "inside-out" not in codes:
+        wrong.append("the triangles face inwards, and no warning says so")
+    if not scan.missing and found["components_dropped"] < scan.crumbs:
+        wrong.append(f"{scan.crumbs} crumbs, {found['components_dropped']} pieces dropped")
+    if found["up"] == scan.up:
+        scale = scan_generator.UNITS[found["unit"]] / scan_generator.UNITS[scan.unit] if found["unit"] else \
+            float(given["scan.size_mm"]) / scan.longest_side()
+        wrong += wrong_shape(scan, found, mold, scale)
+    return wrong
+
+
+def wrong_shape(scan, found, mold, scale):
+    """Compares the mold with the part of the undamaged body above the cut."""
+    low, high = scan.box()
+    slack = (0.02 + (0.03 if scan.holes or scan.missing else 0)) * scan.size + 5 * scan.noise + 0.5 / scale
+    trim = found["trim_mm"] / scale
+    rows = []
+    for name, sign in ("most", 1), ("least", -1):
+        sides = [-math.inf, -math.inf]
+        if trim - sign * slack < high[2]:
+            below, above = scan.box(above=trim - sign * slack)
+            sides = sorted(above[k] - below[k] for k in (0, 1))
+        rows.append([scale * (s + sign * slack) for s in (*sides, high[2] - low[2] - trim)])
+    points = [p for t in mold for p in t]
+    size = [max(p[k] for p in points) - min(p[k] for p in points) for k in range(3)]
+    size = [*sorted(size[:2]), size[2]]
+    if found["crumbs_dropped"]:  # the cut left parts standing beside the mold
+        rows[1] = [-math.inf, -math.inf, rows[1][2]]
+    if all(least <= s <= most for most, least, s in zip(*rows, size)):
+        return []
+    text = " x ".join(f"{least:.0f}..{most:.0f}" for most, least in zip(*rows))
+    return [f"the mold is {' x '.join(f'{s:.0f}' for s in size)} mm, not {text}"]
+
+
+def run_all(runner, seed, numbers, workers=2, report=print):
+    """The results of all scans, in order; `report` is given each row."""
+    results = []
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        for result in pool.map(lambda number: runner.run(seed, number), numbers):
+            report(result.row())
+            results.append(result)
+    report(total(results))
+    return results
+
+
+def total(results):
+    ended = collections.Counter(r.ended for r in results)
+    led = [r for r in results if r.refusals]
+    return (f"{len(results)} scans: " + ", ".join(f"{n} {name}" for name, n in sorted(ended.items()))
+            + f"; {len(led)} refused at first, proposals worked for {sum(r.ended == 'succeeded' for r in led)}"
+            + f"; {sum(bool(r.marked) for r in results)} with places that a warning marks"
+            + f"; {sum(not r.failures for r in results)} right, {sum(bool(r.failures) for r in results)} wrong")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=10)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seed", default="scans")
+    parser.add_argument("--grid", type=float, default=3.0, help="sheet.resolution_mm")
+    parser.add_argument("--workers", type=int, choices=(1, 2), default=1)
+    parser.add_argument("--patience", type=float, default=300, help="seconds for each run")
+    parser.add_argument("--keep", help="a folder for scans and results")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(options.keep or temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        runner = Runner(os.environ["VACUFORM_BIN"], folder, options.grid, options.patience)
+        results = run_all(runner, options.seed, range(options.first, options.first + options.count), options.workers,
+                          lambda text: print(text, flush=True))
+    return 1 if any(r.failures for r in results) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
