@@ -192,7 +192,7 @@ std::vector<Vector2d> densified(const std::vector<Vector2d>& line, double step, 
 }
 
 std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::vector<Vector2d>& given,
-                                        const Vector2d& near) {
+                                        const Vector2d& near, CoilKeep keep) {
   const std::vector<Vector2d> line = densified(given, step_mm, true);
   if (line.size() < 3) return std::nullopt;
   LoopFigures out;
@@ -216,16 +216,28 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     reach = std::max(reach, straight_length(sheet, near, line[i]));
   if (!std::isfinite(reach)) return std::nullopt;
   Geodesics geodesics(sheet.path_mesh());
+  // Seen from a vertex of the sheet, a few places just within a tight reach are missed: then it is tried once more with a
+  // wide one.
+  bool wide = false;
+  const auto widen = [&] {
+    if (wide) return false;
+    wide = true;
+    reach *= 1.5;
+    return true;
+  };
   for (int round = 0; round < 12; ++round) {
     const auto source = sheet.find(out.centre_rest);
     if (!source) return std::nullopt;
     geodesics.begin_at(*source, reach);
     Eigen::MatrixXd ways(radii, 3);
-    for (int i = 0; i < radii; ++i) {
+    bool missed = false;
+    for (int i = 0; i < radii && !missed; ++i) {
       const auto path = geodesics.to(ends[static_cast<std::size_t>(i)]);
-      if (!path) return std::nullopt;
-      ways.row(i) = path->length * path->start;
+      missed = !path;
+      if (path) ways.row(i) = path->length * path->start;
     }
+    if (missed && widen()) continue;
+    if (missed) return std::nullopt;
     const Centring centring = centre_of(ways);
     const Vector3d move = centring.centre;
     out.centre_rest += in_rest(sheet, source->triangle, move);
@@ -235,12 +247,13 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     reach += move.norm();
     if (move.norm() >= settled_mm) continue;
     const auto shape = polar(sheet, geodesics, *source, line, move);
+    if (!shape && widen()) continue;
     if (!shape) return std::nullopt;
     out.shape = *shape;
     break;
   }
   out.area_mm2 = enclosed_area(sheet, line);
-  out.shape = true_to_area(std::move(out.shape), out.area_mm2);
+  if (keep == CoilKeep::area) out.shape = true_to_area(std::move(out.shape), out.area_mm2);
   out.worst_stretch = worst_stretch(line, out.outline);
   return out;
 }
