@@ -216,28 +216,16 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     reach = std::max(reach, straight_length(sheet, near, line[i]));
   if (!std::isfinite(reach)) return std::nullopt;
   Geodesics geodesics(sheet.path_mesh());
-  // Seen from a vertex of the sheet, a few places just within a tight reach are missed: then it is tried once more with a
-  // wide one.
-  bool wide = false;
-  const auto widen = [&] {
-    if (wide) return false;
-    wide = true;
-    reach *= 1.5;
-    return true;
-  };
   for (int round = 0; round < 12; ++round) {
     const auto source = sheet.find(out.centre_rest);
     if (!source) return std::nullopt;
     geodesics.begin_at(*source, reach);
     Eigen::MatrixXd ways(radii, 3);
-    bool missed = false;
-    for (int i = 0; i < radii && !missed; ++i) {
+    for (int i = 0; i < radii; ++i) {
       const auto path = geodesics.to(ends[static_cast<std::size_t>(i)]);
-      missed = !path;
-      if (path) ways.row(i) = path->length * path->start;
+      if (!path) return std::nullopt;
+      ways.row(i) = path->length * path->start;
     }
-    if (missed && widen()) continue;
-    if (missed) return std::nullopt;
     const Centring centring = centre_of(ways);
     const Vector3d move = centring.centre;
     out.centre_rest += in_rest(sheet, source->triangle, move);
@@ -247,7 +235,6 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     reach += move.norm();
     if (move.norm() >= settled_mm) continue;
     const auto shape = polar(sheet, geodesics, *source, line, move);
-    if (!shape && widen()) continue;
     if (!shape) return std::nullopt;
     out.shape = *shape;
     break;
