@@ -47,6 +47,8 @@ CodeMeaning meaning(Code code) {
       return {"not-found", "There is no such thing here", 404, 2};
     case Code::conflict:
       return {"conflict", "What is there already does not allow this", 409, 2};
+    case Code::locked:
+      return {"locked", "Another request is writing to this", 423, 1};
     case Code::lease_lost:
       return {"lease-lost", "The lease is no longer held", 409, 1};
     case Code::unauthorized:

@@ -26,6 +26,7 @@ enum class Code {
   out_of_time,         // a limit on seconds or memory ended the work
   not_found,           // no such job, artifact or page
   conflict,            // the job is not in a state that allows this
+  locked,              // another request is writing to it; try again when that has ended
   lease_lost,          // the lease token is no longer the job's
   unauthorized,        // there is no token, or it is wrong, expired or revoked
   forbidden,           // the token is good, but not for this

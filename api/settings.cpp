@@ -253,6 +253,7 @@ std::string_view name(Unit value) { return name_of(value); }
 std::string_view name(UpAxis value) { return name_of(value); }
 std::string_view name(FrontSide value) { return name_of(value); }
 std::string_view name(Material value) { return name_of(value); }
+std::string_view name(CoilKeep value) { return name_of(value); }
 std::string_view name(InkedFace value) { return name_of(value); }
 std::string_view name(HeatSource value) { return name_of(value); }
 std::string_view name(FormingModel value) { return name_of(value); }

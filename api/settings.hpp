@@ -27,6 +27,7 @@ enum class Integrator { implicit_euler, verlet };
 enum class FlatteningMethod { arap, symmetric_dirichlet, lscm, cgal_arap, bfs };
 enum class FlatteningWeights { uniform, ink, center, painted };
 enum class PatternPlacement { automatic, elements, chart, segments };
+enum class CoilKeep { area, diameter };
 enum class InkedFace { outer, inner };
 enum class Background { white, transparent };
 
@@ -126,6 +127,8 @@ struct PatternSettings {
 };
 
 struct CoilSettings {
+  // What of a drawn coil is the same on the surface: worker/coils/polar_grid.hpp defines both.
+  CoilKeep keep = CoilKeep::area;
   bool decouple = false;       // moves and resizes loops until neighbours no longer couple
   double size_limit = 0.05;    // largest change of a loop's size by that
   double stretch_limit = 0.2;  // of a trace, at which its ink fails
@@ -174,6 +177,7 @@ std::string_view name(Unit);
 std::string_view name(UpAxis);
 std::string_view name(FrontSide);
 std::string_view name(Material);
+std::string_view name(CoilKeep);
 std::string_view name(InkedFace);
 std::string_view name(HeatSource);
 std::string_view name(FormingModel);

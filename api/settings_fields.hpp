@@ -26,6 +26,7 @@ inline constexpr std::array<std::string_view, 5> method_names{"arap", "symmetric
                                                               "cgal_arap", "bfs"};
 inline constexpr std::array<std::string_view, 4> weights_names{"uniform", "ink", "center", "painted"};
 inline constexpr std::array<std::string_view, 4> placement_names{"auto", "elements", "chart", "segments"};
+inline constexpr std::array<std::string_view, 2> keep_names{"area", "diameter"};
 inline constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
 inline constexpr std::array<std::string_view, 2> background_names{"white", "transparent"};
 
@@ -42,6 +43,7 @@ inline std::span<const std::string_view> names_of(Integrator) { return integrato
 inline std::span<const std::string_view> names_of(FlatteningMethod) { return method_names; }
 inline std::span<const std::string_view> names_of(FlatteningWeights) { return weights_names; }
 inline std::span<const std::string_view> names_of(PatternPlacement) { return placement_names; }
+inline std::span<const std::string_view> names_of(CoilKeep) { return keep_names; }
 inline std::span<const std::string_view> names_of(InkedFace) { return face_names; }
 inline std::span<const std::string_view> names_of(Background) { return background_names; }
 
@@ -191,6 +193,8 @@ void describe(S& s, V& v) {
           "Face of the sheet that carries the ink; the inner face touches the mold");
 
   v.group("coils", "Coils: loops that must not couple");
+  v.field("keep", s.coils.keep,
+          "What a coil keeps on the head: the area inside it, or its diameter along the surface");
   v.field("decouple", s.coils.decouple, "Move and resize loops until neighbours no longer couple");
   v.field("size_limit", s.coils.size_limit, {0, 0.5, "1"}, "Largest change of a loop's size by decoupling");
   v.field("stretch_limit", s.coils.stretch_limit, {0, 5, "1"}, "Stretch at which the ink of a trace fails");

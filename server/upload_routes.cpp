@@ -200,10 +200,7 @@ GuardedHandler speaking_tus(Result<Response> (*handler)(Service&, Request&, cons
     }
     if (!result) {
       const Error& error = result.error();
-      const bool sending = error.code == Code::conflict && error.what.starts_with("another request");
-      result = problem_response(error, error.code == Code::wrong_digest ? checksum_mismatch
-                                       : sending                        ? 423
-                                                                        : 0);
+      result = problem_response(error, error.code == Code::wrong_digest ? checksum_mismatch : 0);
     }
     result->set("Tus-Resumable", version);
     return result;

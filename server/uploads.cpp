@@ -16,7 +16,7 @@ constexpr std::uint64_t flush_every = 8 << 20;
 constexpr std::size_t most_writers = 16;
 
 tl::unexpected<Error> held(const std::string& id) {
-  return fail(Code::conflict, "another request is sending bytes of this upload", id,
+  return fail(Code::locked, "another request is sending bytes of this upload", id,
               "try again when it has ended");
 }
 

@@ -30,13 +30,13 @@ class Uploads {
   // Errors: too_large, bad_usage (no bytes), busy.
   Result<StoredUpload> begin(const std::string& owner, const InputKind& kind, const std::string& extension,
                              std::uint64_t length);
-  // How many bytes have come. Errors: conflict, while a request sends some.
+  // How many bytes have come. Errors: locked, while a request sends some.
   Result<std::uint64_t> offset(const StoredUpload& upload);
-  // The upload with its blob. Errors: conflict, unless all bytes have come.
+  // The upload with its blob. Errors: conflict, unless all bytes have come; locked.
   Result<StoredUpload> whole(const StoredUpload& upload);
   // Takes the body's bytes, which begin at `offset`, and gives the new offset; the upload is whole when that is its length.
-  // Of a body that must come `whole`, a part counts for nothing. Errors: conflict (another request sends bytes),
-  // bad_usage (offset is not where the upload is), too_large (more than announced), and those of the body.
+  // Of a body that must come `whole`, a part counts for nothing. Errors: locked (another request sends bytes),
+  // conflict (offset is not where the upload is), too_large (more than announced), and those of the body.
   Result<std::uint64_t> append(const StoredUpload& upload, std::uint64_t offset, http::Request& request,
                                bool whole);
   Result<void> remove(const std::string& id);

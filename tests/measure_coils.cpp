@@ -1,7 +1,7 @@
 // Measures coils by what a lab gets, and shares no code with what made it: reads formed.ply, print.svg and the drawing, and
 // prints as JSON how round, large, far apart and coupled the formed coils are.
 //
-//     measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing]
+//     measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing] [--couplings]
 //
 // With --spacing also whether the distances are at their least squares optimum: `spacing_gain` is the largest share by which
 // the sum of the squares of their errors falls when one centre alone is moved by half a millimetre, in eight directions.
@@ -546,7 +546,7 @@ double spacing_gain(const Sheet& sheet, const std::vector<Coil>& coils, const st
 }
 
 Json run(const std::string& ply, const std::string& print, const std::string& pattern, bool outer,
-         double scale, bool spacing) {
+         double scale, bool spacing, bool couplings) {
   const Sheet sheet(read_ply(ply, outer));
   const auto drawn = read_pattern(pattern, scale);
   const auto loops = read_print(print);
@@ -594,6 +594,14 @@ Json run(const std::string& ply, const std::string& print, const std::string& pa
       squares += (mm - apart) * (mm - apart);
       pairs.push_back({a, b, apart, mm});
     }
+  if (couplings) {
+    Json& all = out["couplings"] = Json::array();
+    for (std::size_t a = 0; a < coils.size(); ++a)
+      for (std::size_t b = a + 1; b < coils.size(); ++b)
+        all.push_back({{"coils", {coils[a].drawn.id, coils[b].drawn.id}},
+                       {"k", neumann(coils[a].line, coils[b].line, 0.1) /
+                                 std::sqrt(coils[a].inductance * coils[b].inductance)}});
+  }
   if (spacing) out["spacing_gain"] = spacing_gain(sheet, coils, pairs);
   const double n = std::max<double>(1, static_cast<double>(coils.size()));
   out["mean_circularity"] = circularity / n, out["worst_circularity"] = worst_circularity;
@@ -606,7 +614,7 @@ Json run(const std::string& ply, const std::string& print, const std::string& pa
 
 int main(int argc, char** argv) {
   std::vector<std::string> names;
-  bool outer = true, spacing = false;
+  bool outer = true, spacing = false, couplings = false;
   double scale = 1;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -614,17 +622,20 @@ int main(int argc, char** argv) {
       outer = false;
     else if (word == "--spacing")
       spacing = true;
+    else if (word == "--couplings")
+      couplings = true;
     else if (word == "--scale" && i + 1 < argc)
       scale = std::atof(argv[++i]);
     else
       names.push_back(word);
   }
   if (names.size() != 3) {
-    std::cerr << "usage: measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing]\n";
+    std::cerr << "usage: measure_coils FORMED.PLY PRINT.SVG PATTERN.SVG [--inner] [--scale X] [--spacing] "
+                 "[--couplings]\n";
     return 2;
   }
   try {
-    std::cout << run(names[0], names[1], names[2], outer, scale, spacing).dump(2) << "\n";
+    std::cout << run(names[0], names[1], names[2], outer, scale, spacing, couplings).dump(2) << "\n";
   } catch (const std::exception& fault) {
     std::cerr << "measure_coils: " << fault.what() << "\n";
     return 2;

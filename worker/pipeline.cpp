@@ -6,6 +6,7 @@
 #include "api/sha256.hpp"
 #include "api/version.hpp"
 #include "worker/artifact_files.hpp"
+#include "worker/coils/coupling_warning.hpp"
 #include "worker/coils/cut_lines.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
@@ -147,6 +148,9 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
     VACUFORM_TRY(figures, measure(sheet, flattening, *lines, placement, *print.vectors, alignment, s.coils,
                                   measuring.context()));
     measured = std::move(figures);
+  } else if (parts && s.coils.decouple) {  // a picture, whose coils are not measured
+    if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
+      print.warnings.push_back(std::move(*coupled));
   }
   const Finished job{s,           formed.mold, sheet,
                      flattening,  pattern,     print,

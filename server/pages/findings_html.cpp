@@ -38,14 +38,18 @@ std::string findings_html(const json& findings) {
   row("Unit",
       is_true(scan, "size_given") ? "none, scaled to the size given" : guessed("unit", "unit_guessed"));
   row("Up", guessed("up", "up_guessed"));
+  row("Face", guessed("front", "front_assumed") + (is_true(scan, "mirrored") ? ", mirrored" : ""));
   row("Size, upright", size_text(at(scan, {"size_mm"})));
   row("Pieces", count("components") + ", " + count("components_dropped") + " dropped as debris or inside");
   row("Openings", count("holes_closed") + " closed, " + count("holes_capped") +
                       " walled in down to the platform" +
-                      (is_true(scan, "rebuilt") ? ", the skin wrapped anew" : ""));
+                      (is_true(scan, "rebuilt") ? ", the skin replaced by a new one" : ""));
+  row("Left out", count("outliers_dropped") + " outliers, " + count("crumbs_dropped") +
+                      " crumbs that the trim left beside the mold");
   row("Trim above its lowest point", number(at(scan, {"trim_mm"}), 1) + " mm");
   row("Mold", size_text(at(findings, {"mold", "size_mm"})));
   row("Undercuts", number(at(findings, {"mold", "undercut_count"}), 0));
+  if (!at(findings, {"fits"}).is_boolean()) return html + "</dl>\n";  // a print: it did fit
   const json& misfit = at(findings, {"problem"});
   row("Fits the machine", is_true(findings, "fits")
                               ? "yes"

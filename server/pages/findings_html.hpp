@@ -8,8 +8,8 @@
 
 namespace vacuform {
 
-// findings.json as a list, with what was guessed: a wrong unit is easier seen here than on the formed sheet. Empty when it
-// is none.
+// What is in the scan as a list, from findings.json or report.json, with what was guessed and what was left out: a wrong
+// unit is easier seen here than on the formed sheet. Empty when neither is there.
 std::string findings_html(const nlohmann::json& findings);
 
 // A form that makes the print of an inspection that has succeeded, of its scan and with its settings; empty for any other job.

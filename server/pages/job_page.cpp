@@ -199,8 +199,9 @@ Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log)
   }
   if (job.error) page.main += problem_box(*job.error);
   if (job.kind == JobKind::inspection) page.main += findings_html(made);
-  page.main += warnings_html(made) + previews_html(job) + figures_html(made) + print_form_html(job) +
-               downloads_html(job) + facts_html(job) + log_html(log);
+  page.main += warnings_html(made) + previews_html(job) + figures_html(made);
+  if (job.kind == JobKind::print) page.main += findings_html(made);
+  page.main += print_form_html(job) + downloads_html(job) + facts_html(job) + log_html(log);
   page.main += "<div class=\"actions\">\n";
   if (job.state == JobState::queued || job.state == JobState::running)
     page.main += button_html(job, "cancel", "Cancel this job");

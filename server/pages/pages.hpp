@@ -19,8 +19,8 @@ Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profi
                const std::optional<Error>& error = std::nullopt,
                const std::map<std::string, std::string>& fields = {});
 
-// A job: progress while it runs, then previews, figures and downloads; after an inspection what is in the scan, and a form
-// that makes the print. `made` is report.json or findings.json, null when there is none; parts that it lacks are left out. `log` is the beginning of the job's log.
+// A job: progress while it runs, then previews, figures and downloads; what is in the scan, and after an inspection a
+// form that makes the print. `made` is report.json or findings.json, null when there is none; parts that it lacks are left out. `log` is the beginning of the job's log.
 Page job_page(const Job& job, const nlohmann::json& made, const std::vector<LogLine>& log = {});
 
 // Beside the state of a job, on its page and in lists: " with 2 serious warnings", or nothing.

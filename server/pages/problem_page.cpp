@@ -76,6 +76,9 @@ Explanation explanation(Code code) {
           "can be "
           "cancelled; an upload goes on where it stands; an Idempotency-Key is for one submission.",
           "Look first at the job or the upload, or take another key."};
+    case Code::locked:
+      return {"Another request is sending bytes of the same upload.",
+              "Wait until that request has ended, ask for the offset, and send the rest."};
     case Code::lease_lost:
       return {
           "A worker was too late with its sign of life, and the job was given to another.",

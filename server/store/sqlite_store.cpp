@@ -89,12 +89,10 @@ void SqliteStore::delete_trash() {
   }
   for (Trash& item : trash) {
     const auto deleted = item.file.empty() ? Result<void>() : Blobs::delete_aside(item.file);
-    if (!item.sha256.empty()) {
-      if (!deleted) log_event("file-not-deleted", {{"blob", item.sha256}, {"problem", deleted.error().what}});
-      if (options_.blob_gone && !holds(item.sha256).value_or(true)) options_.blob_gone(item.sha256);
-      item.sha256.clear();
-    }
     if (deleted) continue;
+    if (!item.sha256.empty())
+      log_event("file-not-deleted", {{"blob", item.sha256}, {"problem", deleted.error().what}});
+    item.sha256.clear();
     const std::lock_guard hold(trash_mutex_);
     trash_.push_back(std::move(item));  // the next call tries again
   }

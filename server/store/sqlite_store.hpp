@@ -38,10 +38,6 @@ class SqliteStore : public Store {
   Result<void> room_for(std::uint64_t bytes) override { return room_->check(Use::submission, bytes); }
   std::filesystem::path temporary_path() override { return blobs_.temporary_path(); }
   Result<File> open(const Blob& blob) override { return blobs_.read(blob.sha256); }
-  Result<bool> holds(const std::string& sha256) override {
-    const std::lock_guard hold(commits_.lock());
-    return named(sha256);
-  }
   Result<bool> names_scan(const std::string& owner, const std::string& sha256) override;
   Result<std::vector<std::pair<std::string, std::string>>> scans_of_jobs() override;
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
@@ -172,7 +168,7 @@ class SqliteStore : public Store {
 
   struct Trash {
     std::filesystem::path file;  // may be empty
-    std::string sha256;          // whose owner is still to be told; empty: it was
+    std::string sha256;          // for the log, once; empty: it is there
   };
   std::mutex trash_mutex_;
   std::vector<Trash> trash_;

@@ -140,8 +140,6 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // are no longer those that were kept, which is logged.
   virtual Result<File> open(const Blob& blob) = 0;
 
-  // Whether anything names the blob.
-  virtual Result<bool> holds(const std::string& sha256) = 0;
   // Whether a job of this owner has the scan.
   virtual Result<bool> names_scan(const std::string& owner, const std::string& sha256) = 0;
   // The owner and scan of every job, each pair once.
@@ -197,8 +195,6 @@ struct StoreOptions {
   int crashes = 2;         // of the job's own process
   Millis backoff = 2'000;  // the first rest of a job after a fault
   std::int64_t most_queued = 10'000, most_queued_by_owner = 1'000;
-  // Called, by any thread and without a lock, when nothing names a blob any more and it is deleted.
-  std::function<void(const std::string& sha256)> blob_gone = {};
   // Called once for every job that has ended, by any thread, under the store's lock: it must be quick.
   std::function<void(const Job& job)> job_ended = {};
   std::size_t most_waiters = 256;  // threads in wait_for_change()

@@ -44,13 +44,32 @@ class Page(HTMLParser):
 
 def checked(folder, pattern):
     """The figures of the independent checker."""
-    done = subprocess.run([BIN / "measure_coils", folder / "formed.ply", folder / "print.svg", pattern],
+    done = subprocess.run([BIN / "measure_coils", folder / "formed.ply", folder / "print.svg", pattern, "--couplings"],
                           capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
 
-class Coils(Case):
+class CoilCase(Case):
+    def check_couplings(self, report, measured):
+        """The matrix of every two coils is that of the checker, and the strongest pairs are named."""
+        ids, k = report["couplings"]["coils"], report["couplings"]["k"]
+        self.assertEqual(len(measured["couplings"]), len(ids) * (len(ids) - 1) // 2)
+        found = {}
+        for pair in measured["couplings"]:
+            a, b = (ids.index(name) for name in pair["coils"])
+            self.assertAlmostEqual(k[a][b], pair["k"], delta=0.003)
+            self.assertEqual(k[a][b], k[b][a])
+            found[frozenset(pair["coils"])] = k[a][b]
+        summary = report["figures"]["with"]["coils"]
+        strongest, neighbours = summary["strongest_pair"], summary["strongest_neighbours"]
+        self.assertEqual(abs(strongest["k"]), max(abs(value) for value in found.values()))
+        self.assertEqual(found[frozenset(strongest["coils"])], strongest["k"])
+        self.assertEqual(abs(neighbours["k"]), summary["worst_k"])
+        self.assertEqual(abs(neighbours["k"]), max(abs(p["with"]["k"]) for p in report["pairs"]))
+
+
+class Coils(CoilCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -92,6 +111,7 @@ class Coils(Case):
             self.assertAlmostEqual(said["drawn_distance_mm"], measured["drawn_distance_mm"], delta=0.001)
             self.assertAlmostEqual(said["with"]["distance_mm"] / measured["distance_mm"], 1, delta=0.001)
             self.assertAlmostEqual(said["with"]["k"], measured["k"], delta=0.003)
+        self.check_couplings(self.report, self.measured)
         summary = self.report["figures"]["with"]["coils"]
         for key in ("mean_circularity", "worst_circularity", "mean_area_error", "worst_area_error"):
             self.assertAlmostEqual(summary[key], self.measured[key], delta=0.001, msg=key)
@@ -141,12 +161,12 @@ class Coils(Case):
         self.assertIn(self.report["sha256"]["scan"], text)
 
 
-class Decoupled(Case):
+class Decoupled(CoilCase):
     GIVEN = ("--scan", SCANS / "neonate-40w.stl", "--set", "sheet.resolution_mm=4", "--set", "print.dpi=72")
 
     def run_decoupled(self, pattern, *words):
         out = self.folder / "out"
-        done = vacuform("run", *self.GIVEN, "--pattern", pattern, "--out", out, "--set", "coils.decouple=true", *words)
+        self.done = done = vacuform("run", *self.GIVEN, "--pattern", pattern, "--out", out, "--set", "coils.decouple=true", *words)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads((out / "report.json").read_text()), checked(out, pattern)
 
@@ -157,12 +177,49 @@ class Decoupled(Case):
         for coil in report["coils"]:
             self.assertLessEqual(abs(coil["size"] - 1), 0.05 + 1e-9)
             self.assertTrue(coil["with"]["on_head"])
+        # Neighbours are decoupled. Circles of the rim with one between them are not: they do not overlap.
+        self.check_couplings(report, measured)
+        summary = report["figures"]["with"]["coils"]
+        self.assertLess(abs(summary["strongest_neighbours"]["k"]), 0.005)
+        self.assertLess(summary["strongest_pair"]["k"], -0.01)
+        self.assertGreater(summary["strongest_pair"]["k"], -0.03)
+        self.assertNotIn(frozenset(summary["strongest_pair"]["coils"]), [frozenset(p["coils"]) for p in report["pairs"]])
+        self.assertNotIn("coils-coupled", [w["code"] for w in report["warnings"]])
+        text = " and ".join(summary["strongest_pair"]["coils"])
+        self.assertIn(f"Strongest of any two coils: {text}, k = {summary['strongest_pair']['k']:.4f}", self.done.stdout)
+        self.assertIn("they cannot be cancelled at the same time", self.done.stdout)
+
+    def test_neighbours_that_were_not_decoupled_are_a_warning(self):
+        out = self.folder / "coupled"
+        done = vacuform("run", *self.GIVEN, "--pattern", PATTERN, "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report = json.loads((out / "report.json").read_text())
+        strong = [p for p in report["pairs"] if abs(p["with"]["k"]) >= 0.01]
+        self.assertTrue(strong)
+        warning, = [w for w in report["warnings"] if w["code"] == "coils-coupled"]
+        self.assertTrue(warning["what"].startswith(f"{len(strong)} of {len(report['pairs'])} pairs of neighbours"), warning["what"])
+        self.assertEqual(len(warning["marks"]), len(strong))
+        self.assertIn("coils.decouple=true", warning["fix"])
+
+    def test_coils_that_keep_their_diameter(self):
+        out = self.folder / "diameter"
+        done = vacuform("run", *self.GIVEN, "--pattern", PATTERN, "--out", out, "--set", "coils.keep=diameter")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report, measured = json.loads((out / "report.json").read_text()), checked(out, PATTERN)
+        self.assertEqual(report["figures"]["with"]["coils"]["keep"], "diameter")
+        self.assertIn("coils.keep=diameter", (out / "report.html").read_text())
+        for coil in measured["coils"]:
+            self.assertAlmostEqual(coil["diameter_mm"], 40, delta=0.1)
+            self.assertLess(coil["area_error"], 0.005)
+        self.assertLess(sum(c["area_error"] for c in measured["coils"]) / 7, -0.002)
 
     def test_an_array_laid_out_from_the_scan_alone(self):
         pattern = self.folder / "array.svg"
         done = vacuform("layout", *self.GIVEN, "--count", "9", "--diameter_mm", "40", "--out", pattern)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("9 coils, 40.0 mm", done.stdout)
+        self.assertRegex(done.stdout, r"\nstrongest coupling of neighbours: coil-\d and coil-\d, k = -?0\.00\d+\n"
+                                      r"strongest coupling of any two coils: coil-\d and coil-\d, k = -0\.0[1-5]\d+\n\Z")
         report, measured = self.run_decoupled(pattern)
         self.assertEqual([c["id"] for c in report["coils"]], [f"coil-{i}" for i in range(1, 10)])
         self.assertTrue(all(c["with"]["on_head"] for c in report["coils"]))

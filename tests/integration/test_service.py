@@ -104,7 +104,8 @@ class Service(Case):
         done = vacuform("submit", "--server", self.server.url, "--scan", SCANS / "neonate-40w.stl", "--pattern", RINGS,
                         "--set", "sheet.resolution_mm=5", "--set", "print.dpi=100", "--wait", "--out", out)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertRegex(done.stdout, rf"\A{re.escape(self.server.api)}/jobs/\w+\n\Z")
+        self.assertRegex(done.stdout, rf"\A{re.escape(self.server.api)}/jobs/\w+\nPrint \w+, for the outer face")
+        self.assertTrue(done.stdout.endswith(f"Files: {out} (print.svg, print.pdf and print.png; begin with report.html)\n"), done.stdout)
         self.assertEqual({p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in out.iterdir()},
                          {a["name"]: a["sha256"] for a in self.finished()["artifacts"]})
         again = self.folder / "again"

@@ -88,6 +88,55 @@ class Submit(Case):
         self.assertEqual(done.stdout, f"{self.server.url}/api/v1/jobs/j1\n")
         self.assertEqual({p.name: p.read_bytes() for p in self.out.iterdir()}, {"print.png": PRINT, "report.json": b"{}"})
 
+    REPORT = {"label": "3f9a12c4", "print": {"inked_face": "outer", "mirrored": False},
+              "pattern": {"ink_on_head": 0.412}, "coils": [{"id": "coil-1"}],
+              "figures": {"with": {"coils": {"on_head": 0}}, "without": {}},
+              "warnings": [{"stage": "printing", "code": "coil-off-head", "severity": "serious", "what": "coil-1 lies off.",
+                            "place": "coil-1", "figure": None, "fix": "Move it.", "marks": []}],
+              "artifacts": [{"name": "report.json", "title": "The report"}]}
+
+    def succeeded(self, *words, report=REPORT):
+        """A job that has a report, fetched with these words more."""
+        body = json.dumps(report).encode()
+        self.server.jobs = [{"state": "succeeded", "artifacts": [artifact("print.png", PRINT), artifact("report.json", body)]}]
+        self.server.files = {"print.png": PRINT, "report.json": body}
+        self.server.seen.clear()
+        return vacuform("submit", "--server", self.server.url, "--job", "j1", "--wait", *words)
+
+    def test_the_summary_is_that_of_run(self):
+        done = self.succeeded("--out", self.out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        url, text = done.stdout.split("\n", 1)
+        self.assertEqual(url, f"{self.server.url}/api/v1/jobs/j1")
+        self.assertTrue(text.startswith("Print 3f9a12c4, for the outer face.\n41.2 % of its ink lies on the head, with 0 of 1 coils.\n"), text)
+        self.assertIn("1 serious warning, 0 warnings, 0 notes\n  serious: coil-1 lies off. [coil-off-head]\n", text)
+        self.assertIn(f"Files: {self.out} ", text)
+
+    def test_without_a_folder_only_the_report_is_fetched(self):
+        done = self.succeeded()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("1 serious warning", done.stdout)
+        self.assertIn(f"Files: {self.server.url}/api/v1/jobs/j1 ", done.stdout)
+        self.assertEqual(self.server.seen[-1], "/api/v1/jobs/j1/artifacts/report.json")
+        self.assertNotIn("/api/v1/jobs/j1/artifacts/print.png", self.server.seen)
+
+    def test_as_json_strictly_and_quietly(self):
+        done = self.succeeded("--json", "--strict")
+        self.assertEqual((done.returncode, done.stderr), (3, ""))
+        summary = json.loads(done.stdout)
+        self.assertEqual((summary["label"], summary["serious_warnings"], summary["files"]), ("3f9a12c4", 1, ["report.json"]))
+        done = self.succeeded("--quiet", "--strict")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (3, f"{self.server.url}/api/v1/jobs/j1\n", ""))
+        self.assertEqual(self.succeeded("--strict", report={**self.REPORT, "warnings": []}).returncode, 0)
+        self.assertEqual(self.succeeded("--quiet", "--json").returncode, 2)
+        self.assertEqual(vacuform("submit", "--server", self.server.url, "--job", "j1", "--strict").returncode, 2)
+
+    def test_a_report_that_makes_no_sense_is_no_summary(self):
+        for report in ([], 7, {}, {"figures": None, "warnings": 3, "coils": "x"},
+                       {"figures": {"with": {"coils": {"strongest_pair": {"coils": 3}, "strongest_neighbours": {}}}}}):
+            with self.subTest(report):
+                self.assertEqual(self.succeeded("--strict", report=report).returncode, 0)
+
     def test_names_that_are_no_artifacts_are_left_alone(self):
         done = self.submit({"state": "succeeded", "artifacts": [
             artifact(n, b"x") for n in ("../../evil", "/etc/passwd", "notes.txt", "", "print.png/..")] + [7, {}]},

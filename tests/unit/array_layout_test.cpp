@@ -20,11 +20,15 @@ ArrayWish wish(int count, std::optional<double> diameter_mm, ArrayRegion region 
 
 TEST(ArrayLayout, OfSevenOnASphereIsAFlowerThatLandsWhereItWasLaid) {
   const Sample x = hand_made::sphere(80, 260, 90, 110);
-  const auto array = lay_out_array(x.sheet, x.flattening, wish(7, 40), 0.05, Context());
+  const auto array = lay_out_array(x.sheet, x.flattening, wish(7, 40), CoilSettings(), Context());
   ASSERT_TRUE(array) << array.error().text();
   EXPECT_EQ(array->pairs, 12);
   EXPECT_EQ(array->off_head, 0);
-  EXPECT_LT(array->worst_k, 0.01);
+  ASSERT_TRUE(array->strongest_neighbours && array->strongest);
+  EXPECT_LT(std::abs(array->strongest_neighbours->k), 0.01);
+  // Loops of the rim with one between them couple twice as strongly as neighbours may.
+  EXPECT_LT(array->strongest->k, -0.01);
+  EXPECT_GT(array->strongest->k, -0.03);
   EXPECT_NEAR(array->spacing_mm, 30, 0.8);
   Settings settings;
   settings.coils.decouple = true;
@@ -36,12 +40,13 @@ TEST(ArrayLayout, OfSevenOnASphereIsAFlowerThatLandsWhereItWasLaid) {
 
 TEST(ArrayLayout, FitsTheFrontHalfAndRefusesWhatHasNoRoom) {
   const Sample x = hand_made::sphere(80, 260, 90, 110);
-  const auto array = lay_out_array(x.sheet, x.flattening, wish(5, {}, ArrayRegion::front), 0.05, Context());
+  const auto array =
+      lay_out_array(x.sheet, x.flattening, wish(5, {}, ArrayRegion::front), CoilSettings(), Context());
   ASSERT_TRUE(array) << array.error().text();
   EXPECT_EQ(array->centres.size(), 5u);
   for (const Vector3d& c : array->centres) EXPECT_GT(c.y(), 0);
   EXPECT_GT(array->diameter_mm, 40);
-  const auto refused = lay_out_array(x.sheet, x.flattening, wish(64, 80), 0.05, Context());
+  const auto refused = lay_out_array(x.sheet, x.flattening, wish(64, 80), CoilSettings(), Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::unusable_surface);
   EXPECT_NE(refused.error().mend.find("of this diameter fit"), std::string::npos);

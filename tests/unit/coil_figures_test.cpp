@@ -172,7 +172,7 @@ struct Coils {
   }
   CoilTable measure() {
     prepare();
-    return *measure_coils(sample.sheet, sample.flattening, loops, pairs, Context());
+    return *measure_coils(sample.sheet, sample.flattening, loops, pairs, {}, Context());
   }
 };
 
@@ -227,7 +227,23 @@ TEST(CoilFigures, CompareThePrintAndThePlainDrawingWithTheDrawing) {
   // mu0 a [ln(8 a / b) - 2], b a quarter of the strip's width; of coplanar loops 0.758 diameters apart, M is 0.
   EXPECT_NEAR(*left.with->inductance_nh, 0.4 * M_PI * 10 * (std::log(80 / 0.5) - 2), 0.5);
   EXPECT_NEAR(*pair.with->k, 0, 0.02);
-  EXPECT_NEAR(*table.with.worst_k, std::abs(*pair.with->k), 1e-12);
+  ASSERT_TRUE(table.with.strongest_neighbours && table.with.strongest);
+  EXPECT_EQ(table.with.strongest_neighbours->k, *pair.with->k);
+  EXPECT_EQ(table.with.strongest_neighbours->mm, pair.with->mm);
+  EXPECT_EQ(table.with.strongest->k, *pair.with->k);
+}
+
+// Four coils about a vertex each, where grid lines and diagonals meet.
+TEST(CoilFigures, AreFoundAboutAVertexOfTheSheet) {
+  const Sample x = hand_made::flat(160, 40);
+  const MeasuredSheet sheet(x.sheet, x.flattening);
+  for (const Vector2d& vertex : {Vector2d(0, 0), Vector2d(4, 0), Vector2d(-8, 12), Vector2d(20, -4)})
+    for (const double r : {10.0, 20.0, 33.0}) {
+      const auto loop = measure_loop(sheet, circle(vertex, r), vertex);
+      ASSERT_TRUE(loop) << vertex.transpose() << " radius " << r;
+      EXPECT_NEAR(loop->diameter_mm, 2 * r, 1e-3);
+      EXPECT_LT(loop->circularity, 1e-4);
+    }
 }
 
 // Whichever way round a loop is drawn, loops apart in a plane have a negative coupling and loops that overlap much a
@@ -284,7 +300,7 @@ TEST(CoilFigures, AreTheSameTwiceAndCanBeCancelled) {
   Context context;
   context.cancel();
   const auto cancelled =
-      measure_coils(coils.sample.sheet, coils.sample.flattening, coils.loops, coils.pairs, context);
+      measure_coils(coils.sample.sheet, coils.sample.flattening, coils.loops, coils.pairs, {}, context);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().code, Code::cancelled);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/unit/coils_shapes.hpp"
+#include "worker/coils/coupling_warning.hpp"
 #include "worker/coils/placement.hpp"
 
 namespace vacuform {
@@ -58,12 +59,12 @@ TEST(Decoupling, SaysWhichPairsTheSurfaceKeepsCoupled) {
   ASSERT_EQ(p->pairs.size(), 14u);
   EXPECT_GE(worst(*p, &PlacedPair::k), 0.01);
   EXPECT_LT(worst(*p, &PlacedPair::k), worst(*p, &PlacedPair::k_before));
-  ASSERT_FALSE(p->warnings.empty());
-  const Warning& coupled = p->warnings.back();
-  EXPECT_EQ(coupled.code, "coils-coupled");
+  const auto coupled = coupling_warning(coupled_neighbours(*p, drawing), true);
+  ASSERT_TRUE(coupled);
+  EXPECT_EQ(coupled->code, "coils-coupled");
   for (const PlacedPair& pair : p->pairs) {
     const auto id = [&](int i) { return drawing.elements[static_cast<std::size_t>(i)].id; };
-    const bool named = coupled.text.find(id(pair.a) + " and " + id(pair.b) + " (k = ") != std::string::npos;
+    const bool named = coupled->place.find(id(pair.a) + " and " + id(pair.b) + " (k = ") != std::string::npos;
     EXPECT_EQ(named, std::abs(*pair.k) >= 0.01) << id(pair.a) << ' ' << id(pair.b);
   }
 }

@@ -74,7 +74,8 @@ TEST(ElementPatch, OnASphereHasTrueAreasAndGeodesicRadii) {
   const Sample x = hand_made::sphere(radius, 240, 160);
   const InkedSurface surface(x.sheet, x.flattening);
   const SheetPoint centre = at(surface, {20, 10});
-  const auto patch = element_patch(surface, centre, surface.chart_axis(centre.triangle), 40, Context());
+  const auto patch =
+      element_patch(surface, centre, surface.chart_axis(centre.triangle), 40, CoilKeep::area, Context());
   ASSERT_TRUE(patch);
   EXPECT_TRUE(patch->smooth);
   const ElementMap map(*patch);
@@ -98,7 +99,8 @@ TEST(ElementPatch, OnABumpKeepsRadiiAndTurnsNothingOver) {
   }
   const InkedSurface surface(x.sheet, x.flattening);
   const SheetPoint centre = at(surface, {0.3, 0.2});
-  const auto patch = element_patch(surface, centre, surface.chart_axis(centre.triangle), 25, Context());
+  const auto patch =
+      element_patch(surface, centre, surface.chart_axis(centre.triangle), 25, CoilKeep::area, Context());
   ASSERT_TRUE(patch);
   EXPECT_FALSE(patch->smooth);
   for (const Triangle& t : patch->patch.triangles) {
@@ -206,7 +208,8 @@ TEST(ElementPatch, OnBumpsHasCirclesThatAreRoundByExactGeodesics) {
   const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
   const InkedSurface surface(x.sheet, x.flattening);
   const SheetPoint centre = at(surface, {3, 4});
-  const auto patch = element_patch(surface, centre, surface.chart_axis(centre.triangle), 18, Context());
+  const auto patch =
+      element_patch(surface, centre, surface.chart_axis(centre.triangle), 18, CoilKeep::area, Context());
   ASSERT_TRUE(patch);
   EXPECT_FALSE(patch->smooth);
   Geodesics geodesics(surface.path_mesh());

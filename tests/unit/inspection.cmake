@@ -8,6 +8,7 @@ vacuform_test(inspection_test
 
 vacuform_test(coil_figures_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/coil_figures_test.cpp ${CMAKE_CURRENT_LIST_DIR}/shape_distance_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/coil_couplings_test.cpp
   LINKS vacuform_inspection)
 
 vacuform_test(report_html_test

@@ -337,6 +337,9 @@ TEST(Print, AMarkThatWouldLieOnThePatternIsLeftOutAndNamed) {
   ASSERT_EQ(print.warnings.size(), 1u);
   EXPECT_EQ(print.warnings[0].code, "marks-left-out");
   EXPECT_NE(print.warnings[0].text.find("ruler"), std::string::npos);
+  ASSERT_TRUE(print.warnings[0].figure);
+  EXPECT_EQ(print.warnings[0].figure->value,
+            1.0 + static_cast<double>(std::count(print.warnings[0].text.begin(), print.warnings[0].text.end(), ',')));
 }
 
 TEST(Print, TheLegendIsWrappedOnANarrowSheet) {

@@ -93,8 +93,8 @@ TEST(Outliers, AreNamedAndDropped) {
   EXPECT_EQ(mold->findings.unit, Unit::mm);
   EXPECT_NEAR(mold->findings.size_mm.z(), 200, 1);
   ASSERT_EQ(mold->warnings.front().code, "outliers");
-  EXPECT_NE(mold->warnings.front().text.find(": (0, -7000, 0), (100, 50, 5000) in"), std::string::npos)
-      << mold->warnings.front().text;
+  EXPECT_EQ(mold->warnings.front().place, "(0, -7000, 0), (100, 50, 5000) in the file's coordinates");
+  EXPECT_EQ(mold->warnings.front().figure->value, 2);
   EXPECT_FALSE(warns(*mold_of(ball), "outliers"));
   // A pole with a hundredth of the vertices or more is a part of the scan.
   auto pole = joined(ball, shifted(scaled(sphere(1, 8), 10), 0, 0, 900));

@@ -569,6 +569,39 @@ TEST(Pages, SayHowManyCoilsAndHowMuchInkLieOnTheHead) {
             std::string::npos);
 }
 
+TEST(Pages, ListWhatWasLeftOutOfTheScan) {
+  Job job;
+  job.id = "x";
+  job.state = JobState::succeeded;
+  job.settings = "{}";
+  json made = {{"scan",
+                {{"format", "STL"},
+                 {"front", "+x"},
+                 {"front_assumed", false},
+                 {"mirrored", true},
+                 {"outliers_dropped", 2},
+                 {"crumbs_dropped", 3}}}};
+  const std::string left_out =
+      "<dt>Left out</dt><dd>2 outliers, 3 crumbs that the trim left beside the mold</dd>";
+  for (const JobKind kind : {JobKind::print, JobKind::inspection}) {
+    job.kind = kind;
+    const std::string html = job_page(job, made).main;
+    EXPECT_NE(html.find(left_out), std::string::npos) << html;
+    EXPECT_NE(html.find("<dt>Face</dt><dd>+x, mirrored</dd>"), std::string::npos) << html;
+    EXPECT_EQ(html.find("Fits the machine"), std::string::npos);
+  }
+  made["fits"] = true;
+  EXPECT_NE(job_page(job, made).main.find("<dt>Fits the machine</dt><dd>yes</dd>"), std::string::npos);
+}
+
+TEST(Pages, TheFormOffersFrontMirrorAndWhatACoilKeeps) {
+  const std::string html = form_page({}, {}).main;
+  for (const char* name : {"scan.front", "scan.mirror", "coils.keep"})
+    EXPECT_NE(html.find("<select id=\"f-" + std::string(name) + "\" name=\"" + name + "\""),
+              std::string::npos);
+  EXPECT_NE(html.find("<option>diameter</option>"), std::string::npos);
+}
+
 TEST(Pages, SayInTheStateThatThereAreSeriousWarnings) {
   Job job;
   job.id = "x";

@@ -145,7 +145,9 @@ TEST_F(ServerUpload, OneRequestAtATime) {
   send_all(socket, "PATCH " + place + " HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + piece +
                        "Upload-Offset: 0\r\nContent-Length: 100000\r\n\r\nabc");
   while (offset(place) != "") std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  EXPECT_EQ(send(place, 0, "x").status, 423);
+  const auto second = send(place, 0, "x");
+  EXPECT_EQ(second.status, 423);
+  EXPECT_EQ(json::parse(second.body)["type"], "/problems/locked");
   EXPECT_EQ(ask("HEAD", place, tus).status, 423);
   EXPECT_EQ(ask("DELETE", place, tus).status, 423);
   send_all(socket, std::string(99'997, 'd'));

@@ -20,6 +20,7 @@ TEST(Settings, WrittenSettingsReadBackTheSame) {
   s.machine.window = WindowShape::circle;
   s.pattern.offset_mm = {3, -4};
   s.pattern.inked_face = InkedFace::inner;
+  s.coils.keep = CoilKeep::diameter;
   s.print.dpi = 1200;
   const auto text = to_json(s).dump();
   const auto back = settings_from_text(text);
@@ -72,6 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"print": 300})", "print", "JSON object"},
         Refusal{R"({"scan": {"trim_mm": "automatic"}})", "scan.trim_mm", "auto"},
         Refusal{R"({"scan": {"units": "furlong"}})", "scan.units", "auto, mm, cm, m, in"},
+        Refusal{R"({"coils": {"keep": "radius"}})", "coils.keep", "area, diameter"},
         Refusal{R"({"pattern": {"offset_mm": [1]}})", "pattern.offset_mm", "[u, v]"},
         Refusal{R"({"pattern": {"offset_mm": [1, 1e9]}})", "pattern.offset_mm", "out of range"},
         Refusal{R"({"scan": {"units": "cm", "size_mm": 200}})", "scan.size_mm", "give one of them"},

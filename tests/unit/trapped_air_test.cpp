@@ -66,7 +66,10 @@ TEST(TrappedAir, TwoEyeSocketsHaveAVentEach) {
   for (const Warning& w : sheet.warnings)
     if (w.code == "trapped-air") {
       EXPECT_EQ(w.marks.size(), 2u);
-      EXPECT_NE(w.text.find("the largest of 2 places; drill 2 vents of 1 mm"), std::string::npos) << w.text;
+      EXPECT_TRUE(w.text.ends_with("the largest of 2 places")) << w.text;
+      EXPECT_TRUE(w.what_to_do().starts_with("Drill 2 vents of 1 mm: ")) << w.what_to_do();
+      ASSERT_TRUE(w.figure && w.figure->limit);
+      EXPECT_GT(w.figure->value, *w.figure->limit);
     }
 }
 

@@ -31,9 +31,16 @@ Result<ArrayWish> wish_of(const LayoutOptions& o) {
   const char* end = o.diameter.data() + o.diameter.size();
   const auto read = std::from_chars(o.diameter.data(), end, mm);
   if (read.ec != std::errc() || read.ptr != end || !(mm >= 10 && mm <= 300))
-    return fail(Code::bad_usage, "the diameter is none", "--diameter_mm", "give 10 to 300, or fitted");
+    return fail(Code::bad_usage, "the diameter is not a number from 10 to 300", "--diameter_mm", "give 10 to 300, or fitted");
   wish.diameter_mm = mm;
   return wish;
+}
+
+void print_coupling(const char* of_what, const std::optional<StrongestPair>& pair, const Array& array) {
+  if (!pair) return;
+  const auto id = [&](int i) { return array.drawing.elements[static_cast<std::size_t>(i)].id; };
+  std::printf("strongest coupling of %s: %s and %s, k = %.4f\n", of_what, id(pair->a).c_str(),
+              id(pair->b).c_str(), pair->k);
 }
 
 Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar& bar) {
@@ -43,7 +50,7 @@ Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar
   VACUFORM_TRY(prepared, o.study.prepare(study, context));
   VACUFORM_TRY(sheet, form(prepared.mold, s.sheet, s.machine, s.forming, prepared.temperature, context));
   VACUFORM_TRY(flattening, flatten(sheet, prepared.mold, s.flattening, s.pattern.inked_face, context));
-  VACUFORM_TRY(array, lay_out_array(sheet, flattening, wish, s.coils.size_limit, context));
+  VACUFORM_TRY(array, lay_out_array(sheet, flattening, wish, s.coils, context));
   const std::string what = std::to_string(o.count) + " coils, " + decimal(array.diameter_mm, 1) +
                            " mm, centres " + decimal(array.spacing_mm, 2) + " mm apart";
   std::ofstream out(o.out, std::ios::binary | std::ios::trunc);
@@ -53,8 +60,10 @@ Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar
     return fail(Code::unreadable, "the file cannot be written", o.out,
                 "check the folder's permissions and the free space");
   bar.clear();
-  std::printf("%s on the head, spacing %.2f mm rms over %d pairs, worst coupling %.4f\n", what.c_str(),
-              array.spacing_rms_mm, array.pairs, array.worst_k);
+  std::printf("%s on the head, spacing %.2f mm rms over %d pairs\n", what.c_str(), array.spacing_rms_mm,
+              array.pairs);
+  print_coupling("neighbours", array.strongest_neighbours, array);
+  print_coupling("any two coils", array.strongest, array);
   if (array.off_head > 0) std::printf("%d of them do not lie wholly on the formed part\n", array.off_head);
   return {};
 }

@@ -1,14 +1,14 @@
 // vacuform run: the whole pipeline, without a server.
 #include <cstdio>
-#include <fstream>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "api/names.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
+#include "worker/cli/outcome.hpp"
 #include "worker/cli/settings_options.hpp"
-#include "worker/inspection/summary.hpp"
 #include "worker/pipeline.hpp"
 
 namespace vacuform::cli {
@@ -18,7 +18,8 @@ namespace {
 struct RunOptions {
   std::string scan, pattern, temperature, weights, keep, out;
   ProgressAs progress = ProgressAs::bar;
-  bool sensitivity = false, quiet = false, json = false, strict = false;
+  bool sensitivity = false;
+  OutcomeOptions outcome;
   SettingsOptions settings;
 };
 
@@ -52,8 +53,6 @@ Result<void> run(const RunOptions& o, const Context& context) {
   return run_pipeline(inputs, o.out, context);
 }
 
-constexpr int with_serious_warnings = 3;  // exit code of --strict
-
 // The table of the report on the terminal.
 void print_sensitivity(const nlohmann::ordered_json& report) {
   if (!report.contains("sensitivity")) return;
@@ -69,19 +68,14 @@ void print_sensitivity(const nlohmann::ordered_json& report) {
 }
 
 int run_command(const RunOptions& o) {
-  const ProgressAs progress = o.quiet ? ProgressAs::none : o.progress;
+  const ProgressAs progress = o.outcome.quiet ? ProgressAs::none : o.progress;
   const int exit_code =
       run_interruptible([&](const Context& context, ProgressBar&) { return run(o, context); }, progress);
   if (exit_code != 0) return exit_code;
-  std::ifstream in(std::filesystem::path(o.out) / "report.json", std::ios::binary);
-  const auto report = nlohmann::ordered_json::parse(in, nullptr, false);
-  if (o.json) {
-    std::printf("%s\n", summary_json(report, o.out).dump(2).c_str());
-  } else if (progress == ProgressAs::bar) {
-    std::fputs(summary_text(report, o.out).c_str(), stdout);
-    if (o.sensitivity) print_sensitivity(report);
-  }
-  return o.strict && serious_warnings(report) > 0 ? with_serious_warnings : 0;
+  const auto report = read_report(std::filesystem::path(o.out) / "report.json");
+  if (progress != ProgressAs::json) tell(o.outcome, report, o.out);
+  if (o.sensitivity && progress == ProgressAs::bar && !o.outcome.json) print_sensitivity(report);
+  return exit_code_of(o.outcome, report);
 }
 
 }  // namespace
@@ -115,13 +109,9 @@ void add_run(CLI::App& app, int& exit_code) {
       "--sensitivity", options->sensitivity,
       "Form seven times more, each with one thing changed, and tell how far the coils land off");
   CLI::Option* progress = add_progress_option(*command, options->progress);
-  CLI::Option* json =
-      command->add_flag("--json", options->json, "Print the summary as one JSON object on standard output")
-          ->excludes(progress);
-  command->add_flag("--quiet", options->quiet, "Print neither progress nor summary")
-      ->excludes(progress)
-      ->excludes(json);
-  command->add_flag("--strict", options->strict, "Exit with 3 when the result has a serious warning");
+  const auto added = options->outcome.add_to(*command);
+  added.json->excludes(progress);
+  added.quiet->excludes(progress);
   command->callback([options, &exit_code] { exit_code = run_command(*options); });
 }
 

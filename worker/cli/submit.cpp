@@ -5,6 +5,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,6 +14,7 @@
 #include "api/client.hpp"
 #include "api/token.hpp"
 #include "worker/cli/commands.hpp"
+#include "worker/cli/outcome.hpp"
 #include "worker/cli/progress_bar.hpp"
 #include "worker/cli/settings_options.hpp"
 
@@ -30,6 +33,7 @@ struct SubmitOptions {
   std::string server = "http://127.0.0.1:8080", job, from, out, token_file;
   std::array<std::string, input_kinds.size()> files;  // in the order of input_kinds
   SettingsOptions settings;
+  OutcomeOptions outcome;
   bool wait = false;
 };
 
@@ -81,6 +85,37 @@ Result<void> download_all(Client& client, const RemoteJob& job, const std::strin
   return {};
 }
 
+// The report of a print, or what an inspection found; null where the job has neither.
+const RemoteArtifact* report_of(const RemoteJob& job) {
+  for (const char* name : {"report.json", "findings.json"})
+    for (const RemoteArtifact& artifact : job.artifacts)
+      if (artifact.name == name) return &artifact;
+  return nullptr;
+}
+
+// Only this artifact, by way of a temporary folder.
+Result<nlohmann::ordered_json> fetch(Client& client, const RemoteJob& job, const RemoteArtifact& artifact) {
+  std::string folder = (std::filesystem::temp_directory_path() / "vacuform-XXXXXX").string();
+  if (!::mkdtemp(folder.data()))
+    return fail(Code::unreadable, "a temporary folder cannot be made", folder, "check TMPDIR");
+  const auto downloaded = client.download(job.id, artifact, folder, going);
+  auto report = read_report(std::filesystem::path(folder) / artifact.name);
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  VACUFORM_CHECK(downloaded);
+  return report;
+}
+
+// Fetches what is asked for, and gives the report.
+Result<nlohmann::ordered_json> collect(Client& client, const RemoteJob& job, const std::string& out,
+                                       ProgressBar& bar) {
+  const RemoteArtifact* report = report_of(job);
+  if (!out.empty()) VACUFORM_CHECK(download_all(client, job, out, bar));
+  if (!report) return nlohmann::ordered_json();
+  if (out.empty()) return fetch(client, job, *report);
+  return read_report(std::filesystem::path(out) / report->name);
+}
+
 int submit(const SubmitOptions& o) {
   const auto token = find_token(o.token_file);
   if (!token) return refuse(token.error());
@@ -96,7 +131,10 @@ int submit(const SubmitOptions& o) {
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
 
-  ProgressBar bar(o.wait ? ProgressBar::Otherwise::line_a_stage : ProgressBar::Otherwise::silent);
+  const auto otherwise =
+      o.wait && !o.outcome.json ? ProgressBar::Otherwise::line_a_stage : ProgressBar::Otherwise::silent;
+  ProgressBar bar =
+      o.outcome.quiet ? ProgressBar(ProgressBar::Otherwise::silent, false) : ProgressBar(otherwise);
   std::string id = o.job;
   if (id.empty()) {
     const auto created = create(*client, o, bar);
@@ -107,8 +145,10 @@ int submit(const SubmitOptions& o) {
     if (!created) return refuse(created.error());
     id = created->id;
   }
-  std::printf("%s\n", client->job_url(id).c_str());
-  std::fflush(stdout);
+  if (!o.outcome.json) {  // that is one JSON object and nothing else
+    std::printf("%s\n", client->job_url(id).c_str());
+    std::fflush(stdout);
+  }
   if (!o.wait) return 0;
 
   // What to do about whatever ends the waiting but not the job.
@@ -128,13 +168,14 @@ int submit(const SubmitOptions& o) {
   if (job->state == JobState::cancelled) return refuse({Code::cancelled, "the job was cancelled", id, ""});
   if (job->state == JobState::failed)
     return refuse(job->problem.value_or(Error{Code::internal, "the job failed without saying why", id, ""}));
-  if (o.out.empty()) return 0;
-  const auto downloaded = download_all(*client, *job, o.out, bar);
+  const auto report = collect(*client, *job, o.out, bar);
   bar.clear();
   if (!going())
     return refuse({Code::cancelled, "interrupted while downloading", "",
                    "the artifacts are at " + client->job_url(id)});
-  return downloaded ? 0 : refuse(downloaded.error());
+  if (!report) return refuse(report.error());
+  tell(o.outcome, *report, o.out.empty() ? client->job_url(id) : o.out);
+  return exit_code_of(o.outcome, *report);
 }
 
 }  // namespace
@@ -167,6 +208,9 @@ void add_submit(CLI::App& app, int& exit_code) {
         ->excludes(job);
   auto* wait = command->add_flag("--wait", options->wait, "Wait until the job has ended");
   command->add_option("--out", options->out, "Folder for the artifacts")->type_name("DIR")->needs(wait);
+  const auto added = options->outcome.add_to(*command);
+  added.json->needs(wait);
+  added.strict->needs(wait);
   command->callback([options, &exit_code] { exit_code = submit(*options); });
 }
 

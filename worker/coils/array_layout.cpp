@@ -315,18 +315,32 @@ struct Trial {
   std::vector<ElementOnSurface> laid;
 };
 
-double worst_coupling(const Trial& trial) {
-  double worst = 0;
+std::optional<StrongestPair> strongest_neighbours(const Trial& trial) {
+  std::optional<StrongestPair> out;
   for (const Neighbours& n : trial.layout.pairs)
-    if (const auto k = coupling(trial.laid[index(n.a)], trial.laid[index(n.b)]))
-      worst = std::max(worst, std::abs(*k));
-  return worst;
+    if (const auto k = coupling(trial.laid[index(n.a)], trial.laid[index(n.b)]);
+        k && (!out || std::abs(*k) > std::abs(out->k)))
+      out = StrongestPair{n.a, n.b, *k};
+  return out;
+}
+
+double worst_coupling(const Trial& trial) {
+  const auto strongest = strongest_neighbours(trial);
+  return strongest ? std::abs(strongest->k) : 0;
+}
+
+Result<std::optional<StrongestPair>> strongest_of_all(const Trial& trial, const Context& context) {
+  std::vector<InductiveLoop> loops;
+  for (const ElementOnSurface& e : trial.laid) loops.push_back({e.loop, e.self_nh});
+  VACUFORM_TRY(matrix, coupling_matrix(loops, Stage::printing, 0, context));
+  return strongest_pair(matrix, [](int) { return true; });
 }
 
 // Spread and decoupled.
 Result<Trial> try_out(const InkedSurface& surface, const Flattening& flattening, const Chartland& land,
-                      const ArrayWish& wish, double size_limit, bool settle, const Context& context) {
+                      const ArrayWish& wish, const CoilSettings& coils, bool settle, const Context& context) {
   VACUFORM_TRY(layout, spread(surface, flattening, land, wish, 0, settle, context));
+  layout.keep = coils.keep;
   VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
   constexpr double farther_mm = 2.5;
   constexpr int most_tries = 4;  // at equal distances some reach farther out than their cells
@@ -334,12 +348,13 @@ Result<Trial> try_out(const InkedSurface& surface, const Flattening& flattening,
     auto next = spread(surface, flattening, land, wish, again * farther_mm, settle, context);
     if (!next && next.error().code != Code::cancelled) break;  // no room for that
     VACUFORM_CHECK(next);
+    next->keep = coils.keep;
     VACUFORM_TRY(next_laid, lay_on_surface(surface, *next, context));
     if (off_head(next_laid) >= off_head(laid)) continue;
     layout = std::move(*next);
     laid = std::move(next_laid);
   }
-  VACUFORM_CHECK(decouple(surface, layout, laid, size_limit, context));
+  VACUFORM_CHECK(decouple(surface, layout, laid, coils.size_limit, context));
   return Trial{std::move(layout), std::move(laid)};
 }
 
@@ -371,15 +386,15 @@ Result<Drawing> picture_that_lands(const InkedSurface& surface, const ElementLay
 }  // namespace
 
 Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flattening, const ArrayWish& wish,
-                            double size_limit, const Context& context) {
+                            const CoilSettings& coils, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   const InkedSurface surface(sheet, flattening);
   const Chartland land = survey(surface, flattening);
   // A given size is laid as the lattice is; a fitted one as the region asks. What cannot be decoupled is tried the other way.
-  VACUFORM_TRY(best, try_out(surface, flattening, land, wish, size_limit, !wish.diameter_mm, context));
+  VACUFORM_TRY(best, try_out(surface, flattening, land, wish, coils, !wish.diameter_mm, context));
   constexpr double required_k = 0.01;
   if (worst_coupling(best) >= required_k) {
-    auto other = try_out(surface, flattening, land, wish, size_limit, wish.diameter_mm.has_value(), context);
+    auto other = try_out(surface, flattening, land, wish, coils, wish.diameter_mm.has_value(), context);
     if (!other && other.error().code == Code::cancelled) return tl::make_unexpected(other.error());
     if (other && worst_coupling(*other) < worst_coupling(best)) best = std::move(*other);
   }
@@ -389,7 +404,9 @@ Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flatteni
   out.diameter_mm = 2 * layout.elements.front().outline.radius_mm;
   out.pairs = static_cast<int>(layout.pairs.size());
   out.off_head = off_head(laid);
-  out.worst_k = worst_coupling(best);
+  out.strongest_neighbours = strongest_neighbours(best);
+  VACUFORM_TRY(strongest, strongest_of_all(best, context));
+  out.strongest = strongest;
   std::vector<double> mm;
   for (const Neighbours& n : layout.pairs) {
     mm.push_back(distance(surface, layout, n));

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "worker/coils/coupling_matrix.hpp"
 #include "worker/coils/placement.hpp"
 
 namespace vacuform {
@@ -26,17 +27,20 @@ struct Array {
   double diameter_mm = 0;                // of the loops before decoupling changed their sizes
   double spacing_mm = 0;                 // mean geodesic distance of neighbours
   double spacing_rms_mm = 0;             // of what differs from the mean
-  double worst_k = 0;
+  // The strongest pair of neighbours and of all loops, as indices into drawing.elements; nothing where the loops run off the
+  // sheet.
+  std::optional<StrongestPair> strongest_neighbours, strongest;
   int pairs = 0, off_head = 0;
 };
 
 // Loops of equal size: of a given diameter a piece of a hexagonal lattice about the middle of the region, fitted ones the
 // centres of a centroidal Voronoi tessellation of it (hexagons where it is flat, pentagons where the curvature needs
 // them); each way is tried where the other cannot be decoupled. Then moved to equal geodesic distances and decoupled with
-// sizes within `size_limit`; worst_k says how well that went. Deterministic. Errors: unusable_surface (they do
+// sizes within coils.size_limit; strongest_neighbours says how well that went. Of `coils` decouple and stretch_limit do not
+// matter. Deterministic. Errors: unusable_surface (they do
 // not fit), cancelled.
 Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flattening, const ArrayWish& wish,
-                            double size_limit, const Context& context);
+                            const CoilSettings& coils, const Context& context);
 
 // The drawing as an SVG in millimetres, a group a coil.
 std::string svg_of_rings(const Drawing& drawing, const std::string& title);

@@ -163,11 +163,11 @@ int turned_over(const BentMesh& mesh, const std::vector<Vector2d>& uv, double in
 }  // namespace
 
 Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& centre, const Vector3d& axis,
-                                 double ink_mm, const Context& context) {
+                                 double ink_mm, CoilKeep keep, const Context& context) {
   constexpr double step_mm = 0.5, margin_mm = 3, near_mm = 10;
   constexpr std::array<double, 4> shares{0, 0.2, 0.5, 1};  // of the local flattening in the radius
   const double reach = 1.15 * ink_mm + margin_mm;
-  const PolarGrid grid(surface, centre, axis, std::min(near_mm, ink_mm));
+  const PolarGrid grid(surface, centre, axis, std::min(near_mm, ink_mm), keep);
   VACUFORM_TRY(near, flattened(surface, centre, reach, context));
   const double turn = turn_of(near, grid);
   // Off the chart, on the folds at the foot of the mold, nothing is measured: the local flattening will do.
@@ -185,13 +185,16 @@ Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& 
       radius.push_back(share == 1 ? flattened_radius
                                   : (1 - share) * near.radius[i] + share * flattened_radius);
     }
-    const std::vector<double> flat = flat_radii(near, radius, step_mm);
+    const std::vector<double> flat =
+        keep == CoilKeep::area ? flat_radii(near, radius, step_mm) : std::vector<double>();
     std::vector<Vector2d> uv;
     for (std::size_t i = 0; i < radius.size(); ++i) {
       const Vector2d& d = near.flat[i];
       const double ring = radius[i] / step_mm, angle = std::atan2(d.y(), d.x()) - turn;
       double r = std::numeric_limits<double>::infinity();
-      if (std::isfinite(ring)) {
+      if (keep == CoilKeep::diameter) {
+        r = radius[i];
+      } else if (std::isfinite(ring)) {
         const std::size_t j = std::min(static_cast<std::size_t>(ring), flat.size() - 2);
         r = flat[j] + (ring - static_cast<double>(j)) * (flat[j + 1] - flat[j]);
       }

@@ -7,6 +7,7 @@ namespace vacuform {
 
 // As element_patch() says for bumps. Errors: cancelled.
 Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& centre,
-                                 const Eigen::Vector3d& axis, double ink_mm, const Context& context);
+                                 const Eigen::Vector3d& axis, double ink_mm, CoilKeep keep,
+                                 const Context& context);
 
 }  // namespace vacuform

@@ -210,7 +210,8 @@ class Decoupling {
     const LaidElement& e = layout_.elements[i];
     const double reach = 1.08 * (1 + limit_) * e.size * e.outline.reach_mm + 1;
     return PolarGrid(surface_, centre.point,
-                     turned(surface_, centre.point.triangle, centre.axis, laid_[i].turn), reach);
+                     turned(surface_, centre.point.triangle, centre.axis, laid_[i].turn), reach,
+                     layout_.keep);
   }
 
   // The change of every pair's k with the unknowns in their units, by differences; pairs' rows have six entries.

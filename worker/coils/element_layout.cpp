@@ -25,11 +25,11 @@ void go_beyond(const InkedSurface& surface, Centre& centre, const Vector2d& way)
 }
 
 Result<ElementOnSurface> lay(const InkedSurface& surface, const LaidElement& element, const Centre& centre,
-                             double turn, bool rough) {
+                             double turn, CoilKeep keep, bool rough) {
   // Which thread this is nobody knows: progress and cancellation are the caller's.
   VACUFORM_TRY(patch,
                element_patch(surface, centre.point, turned(surface, centre.point.triangle, centre.axis, turn),
-                             element.size * element.outline.reach_mm, Context(), rough));
+                             element.size * element.outline.reach_mm, keep, Context(), rough));
   ElementOnSurface laid;
   laid.turn = turn;
   laid.patch = std::move(patch);
@@ -81,7 +81,7 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface
     in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {
       for (int i = first; i < last; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        laid[k] = lay(surface, layout.elements[k], layout.centres[k], turn[k], rough);
+        laid[k] = lay(surface, layout.elements[k], layout.centres[k], turn[k], layout.keep, rough);
       }
     });
   }

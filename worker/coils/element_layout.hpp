@@ -22,6 +22,7 @@ struct ElementLayout {
   std::vector<Centre> centres;  // of the same elements
   std::vector<Neighbours> pairs;
   std::vector<int> left_out;  // elements of the drawing that are nowhere near the chart
+  CoilKeep keep = CoilKeep::area;
 };
 
 // The elements with an id where the chart puts their centres. A centre beyond the chart goes on straight from the chart's

@@ -17,8 +17,10 @@ using Eigen::Vector3d;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double rounding_mm = 1e-9, rounding_angle = 1e-9;
-// A source on an edge or a vertex begins this share of the triangle beside it: every triangle around is then seen.
-constexpr double beside = 1e-9;
+// A source on an edge or a vertex begins this share of the triangle beside it: every triangle around is then seen. The
+// shares differ, so that no straight line through the vertices of an even grid passes through the source: rounding would
+// decide there on which side it lies, and a sector could be lost.
+const Vector3d beside = 1e-8 * Vector3d(1, 0.6180339887, 0.3247179572);
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 std::size_t index(int i) { return static_cast<std::size_t>(i); }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace vacuform {
 
@@ -88,10 +89,13 @@ double neumann(const Segment& a, const Segment& b, double gap) {
 }  // namespace
 
 double mutual_inductance_nh(Loop a, Loop b, double gap_mm) {
+  std::vector<Segment> of_b;
+  of_b.reserve(b.size());
+  for (std::size_t j = 0; j < b.size(); ++j) of_b.push_back(segment(b, j));
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Segment s = segment(a, i);
-    for (std::size_t j = 0; j < b.size(); ++j) sum += neumann(s, segment(b, j), gap_mm);
+    for (const Segment& t : of_b) sum += neumann(s, t, gap_mm);
   }
   return mu0_over_4pi * sum;
 }

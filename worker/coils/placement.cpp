@@ -70,11 +70,12 @@ void say_what_was_cut(const Segments& segments, const PatternSettings& settings,
     warnings.push_back(std::move(above));
   }
   if (!settings.seams.empty() && !segments.cuts_sufficed)
-    warnings.push_back({"seams-not-enough",
-                        "The cuts of pattern.seams alone leave segments above pattern.distortion_limit, or "
-                        "lying over themselves; it was "
-                        "cut further, into " +
-                            std::to_string(segments.parts.size()) + " segments."});
+    warnings.push_back(
+        {.code = "seams-not-enough",
+         .text = "The cuts of pattern.seams alone leave segments above pattern.distortion_limit, or "
+                 "lying over themselves, and more cuts were made",
+         .figure = Warning::Figure{static_cast<double>(segments.parts.size()), "segments"},
+         .place = "pattern.seams"});
 }
 
 Result<void> place_segments(Whole&& whole, const Alignment& alignment, const PatternSettings& settings,
@@ -165,6 +166,7 @@ double geodesic_mm(const InkedSurface& surface, const ElementLayout& layout, con
 Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
                             const CoilSettings& settings, const Context& context, Placement& out) {
   ElementLayout layout = lay_by_chart(surface, drawing, alignment);
+  layout.keep = settings.keep;
   for (const Neighbours& n : layout.pairs)
     out.pairs.push_back({n.a, n.b, n.drawn_mm, geodesic_mm(surface, layout, n), 0, {}, {}});
   VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
@@ -182,32 +184,15 @@ Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing,
 
   double squares = 0;
   int counted = 0;
-  constexpr double coupled_k = 0.01;
-  std::string coupled;
-  double most_coupled = 0;
   for (std::size_t i = 0; i < out.pairs.size(); ++i) {
     PlacedPair& pair = out.pairs[i];
     pair.mm = geodesic_mm(surface, layout, layout.pairs[i]);
     if (!laid[index(pair.a)].on_head || !laid[index(pair.b)].on_head) continue;
     squares += (pair.mm - pair.drawn_mm) * (pair.mm - pair.drawn_mm);
     ++counted;
-    if (settings.decouple && pair.k && std::abs(*pair.k) >= coupled_k) {
-      most_coupled = std::max(most_coupled, std::abs(*pair.k));
-      coupled +=
-          (coupled.empty() ? "" : ", ") +
-          names(drawing, {layout.elements[index(pair.a)].element, layout.elements[index(pair.b)].element}) +
-          " (k = " + decimal(*pair.k, 3) + ")";
-    }
   }
   if (counted > 0) out.spacing_rms_mm = std::sqrt(squares / counted);
   say_what_was_found(drawing, layout, laid, out.warnings);
-  if (!coupled.empty())
-    out.warnings.push_back({.code = "coils-coupled",
-                            .text = "The surface does not let these neighbours be decoupled within "
-                                    "coils.size_limit: " +
-                                    coupled,
-                            .figure = Warning::Figure{most_coupled, "", coupled_k},
-                            .place = coupled});
   for (std::size_t i = 0; i < laid.size(); ++i)
     out.elements.push_back(
         placed(surface, drawing, alignment, layout.elements[i], layout.centres[i], std::move(laid[i])));

@@ -22,7 +22,7 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 }  // namespace
 
 PolarGrid::PolarGrid(const InkedSurface& surface, const SheetPoint& centre, const Vector3d& axis,
-                     double reach_mm, int directions)
+                     double reach_mm, CoilKeep keep, int directions)
     : directions_(directions),
       rings_(std::max(2, static_cast<int>(std::ceil(reach_mm)))),
       spacing_(reach_mm / rings_),
@@ -40,9 +40,13 @@ PolarGrid::PolarGrid(const InkedSurface& surface, const SheetPoint& centre, cons
       put(ring, walk.at());
     }
   }
-  measure();
+  if (keep == CoilKeep::area)
+    measure();
+  else
+    for (int ring = 0; ring <= rings_; ++ring) flat_.push_back(spacing_ * ring);
 }
 
+// The radii of the plane's circles.
 void PolarGrid::measure() {
   const double step = 2 * M_PI / directions_, polygon = step / std::sin(step);
   double within = 0, share = 1;  // of the plane's area

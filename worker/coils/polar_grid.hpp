@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "api/settings.hpp"
 #include "worker/coils/geodesic.hpp"
 
 namespace vacuform {
@@ -17,11 +18,15 @@ class PolarGrid {
   // Out to `reach_mm` along the surface. Direction 0 is `axis`, in the plane of the centre's triangle; the others follow
   // counter-clockwise as seen from outside. `directions` at least 8. A hundredth of a second for 40 mm.
   PolarGrid(const InkedSurface& surface, const SheetPoint& centre, const Eigen::Vector3d& axis,
-            double reach_mm, int directions = 96);
+            double reach_mm, CoilKeep keep, int directions = 96);
 
-  // *Flat polar coordinates* keep the direction and turn the geodesic radius into that of the plane's circle of the same
-  // area: what is drawn in them has its drawn area around the centre, and its drawn directions from it. Where geodesics
-  // end at the border of the sheet, the other directions stand for the missing ones.
+  // *Flat polar coordinates* keep the direction from the centre. What else they keep is the setting coils.keep:
+  // - area: the geodesic radius becomes that of the plane's circle of the same area, so what is drawn in them has its drawn
+  //   area around the centre. On a sphere of R = 85 mm a circle of 80 mm comes out 80.76 mm across. Where geodesics end
+  //   at the border of the sheet, the other directions stand for the missing ones.
+  // - diameter: the geodesic radius stays, so every straight line through the centre has its drawn length along the surface,
+  //   in all directions: a circle has its drawn geodesic diameter, other shapes their drawn lengths across through the
+  //   centre. On the same sphere a circle of 80 mm is 80.00 mm across and encloses 1.9 % less than in the drawing.
   double flat_radius(double geodesic_mm) const;
   double geodesic_radius(double flat_mm) const;
 

@@ -245,11 +245,16 @@ Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const Fla
   auto [chart, vertices, start] = chart_of(sheet, out.triangles, out.inked);
 
   const Spot spot = spot_below(sheet, out.triangles, mold.top);
-  if (!spot.exact)
+  if (!spot.exact) {
+    Eigen::Vector3d nearest = Eigen::Vector3d::Zero();
+    for (int e = 0; e < 3; ++e)
+      nearest += spot.corners[e] * sheet.formed[sheet.triangles[spot.triangle][e]];
     out.warnings.push_back({.code = "top-off-chart",
                             .text = "The top of the mold is not covered by the chart; the pattern is centred "
                                     "on the nearest point that is",
-                            .marks = {{{mold.top.x(), mold.top.y(), mold.top.z()}}}});
+                            .marks = {{{mold.top.x(), mold.top.y(), mold.top.z()}}},
+                            .figure = Warning::Figure{(nearest - mold.top).norm(), "mm", 0.0}});
+  }
   const ChartPin top = pin_at(spot, out.triangles, {0, 0});
   VACUFORM_TRY(pins, find_pins(sheet, out.triangles, settings));
   const Place place(start, top, std::move(pins));

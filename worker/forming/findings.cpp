@@ -132,12 +132,13 @@ void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double
       "The sheet closes over a hollow of the mold before it reaches its bottom and shuts in air, " +
           decimal(largest.depth_mm, 1) + " mm deep over " + decimal(largest.area_mm2, 0) + " mm2 at " +
           at(findings.vents.front().place) +
-          (pockets.size() == 1 ? "" : ", the largest of " + std::to_string(pockets.size()) + " places") +
-          "; drill " + (holes == 1 ? "a vent" : std::to_string(holes) + " vents") + " of " +
-          short_decimal(findings.vents.front().diameter_mm, 2) + " mm (vents in report.json)"};
+          (pockets.size() == 1 ? "" : ", the largest of " + std::to_string(pockets.size()) + " places")};
+  warning.fix = "Drill " + (holes == 1 ? "a vent" : std::to_string(holes) + " vents") + " of " +
+                short_decimal(findings.vents.front().diameter_mm, 2) +
+                " mm: they are listed under vents in report.json and marked in preview-findings.png.";
   for (std::size_t i = 0; i < std::min(holes, Warning::most_marks); ++i)
     warning.marks.push_back(mark(findings.vents[i].place, findings.vents[i].diameter_mm));
-  warning.figure = Warning::Figure{largest.depth_mm, "mm"};
+  warning.figure = Warning::Figure{largest.depth_mm, "mm", limits.depth_mm};
   findings.warnings.push_back(std::move(warning));
 }
 

@@ -70,6 +70,17 @@ CoilFigures figures_of(const LoopFigures& loop, const ShapeDistance& shape, cons
   return out;
 }
 
+// All pairs of coils that have figures one way.
+Result<CouplingMatrix> couplings(const CoilTable& table, const std::vector<std::optional<LoopFigures>>& found,
+                                 std::optional<CoilFigures> Coil::*way, std::size_t offset,
+                                 const Context& context) {
+  std::vector<InductiveLoop> loops(table.coils.size());
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    if (const auto& figures = table.coils[i].*way; figures && figures->inductance_nh)
+      loops[i] = {conductor(*found[2 * i + offset]), *figures->inductance_nh};
+  return coupling_matrix(loops, Stage::inspection, 1, context);
+}
+
 CoilSummary summary_of(const CoilTable& table, std::optional<CoilFigures> Coil::*way,
                        std::optional<PairFigures> CoilPair::*pair_way) {
   CoilSummary out;
@@ -101,7 +112,8 @@ CoilSummary summary_of(const CoilTable& table, std::optional<CoilFigures> Coil::
     ++out.pairs;
     squares += (f.mm - pair.drawn_mm) * (f.mm - pair.drawn_mm);
     out.worst_spacing_mm = std::max(out.worst_spacing_mm, std::abs(f.mm - pair.drawn_mm));
-    if (f.k) out.worst_k = std::max(out.worst_k.value_or(0), std::abs(*f.k));
+    if (f.k && (!out.strongest_neighbours || std::abs(*f.k) > std::abs(out.strongest_neighbours->k)))
+      out.strongest_neighbours = CoupledPair{pair.a, pair.b, f.mm, *f.k};
   }
   out.spacing_rms_mm = std::sqrt(squares / std::max(1, out.pairs));
   return out;
@@ -182,7 +194,7 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
 
 Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flattening,
                                 const std::vector<CoilLoops>& loops, const std::vector<NeighbourLoops>& pairs,
-                                const Context& context) {
+                                std::optional<CoilKeep> keep, const Context& context) {
   const MeasuredSheet measured(sheet, flattening);
   // Two loops a coil, then two ways a pair, a few at once so that a cancel is heard.
   const int coils = static_cast<int>(loops.size()), all = 2 * (coils + static_cast<int>(pairs.size()));
@@ -195,7 +207,8 @@ Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flat
       const CoilLoops& coil = loops[static_cast<std::size_t>(item / 2)];
       const FlatLoop& loop = with ? coil.with : coil.without;
       if (loop.line.empty()) return;
-      auto& figures = found[static_cast<std::size_t>(item)] = measure_loop(measured, loop.line, loop.near);
+      auto& figures = found[static_cast<std::size_t>(item)] =
+          measure_loop(measured, loop.line, loop.near, keep.value_or(CoilKeep::area));
       if (!figures) return;
       std::vector<Vector2d> drawn = coil.drawn;
       for (Vector2d& p : drawn) p *= with ? coil.size : 1;  // the plain drawing knows of no decoupling
@@ -223,6 +236,7 @@ Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flat
   }
 
   CoilTable table;
+  table.keep = keep;
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const CoilLoops& coil = loops[i];
     Coil& row = table.coils.emplace_back();
@@ -236,6 +250,11 @@ Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flat
       row.without = figures_of(*found[2 * i + 1], shapes[2 * i + 1], as_drawn);
     }
   }
+  if (coils <= most_coupled_coils) {
+    VACUFORM_TRY(with, couplings(table, found, &Coil::with, 0, context));
+    VACUFORM_TRY(without, couplings(table, found, &Coil::without, 1, context));
+    table.k_with = std::move(with), table.k_without = std::move(without);
+  }
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto a = static_cast<std::size_t>(pairs[i].a), b = static_cast<std::size_t>(pairs[i].b);
     CoilPair& row = table.pairs.emplace_back();
@@ -248,13 +267,29 @@ Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flat
       if (!std::isfinite(mm)) continue;
       const LoopFigures &one = *found[2 * a + way], &other = *found[2 * b + way];
       PairFigures figures{mm, (one.diameter_mm + other.diameter_mm) / 2 - mm, {}};
+      const CouplingMatrix& k = way == 0 ? table.k_with : table.k_without;
       if (loops[a].trace_mm > 0 && loops[b].trace_mm > 0)
-        figures.k = coupling(conductor(one), loops[a].trace_mm, conductor(other), loops[b].trace_mm);
+        figures.k = k.count() > 0
+                        ? k(pairs[i].a, pairs[i].b)
+                        : coupling(conductor(one), loops[a].trace_mm, conductor(other), loops[b].trace_mm);
       (way == 0 ? row.with : row.without) = figures;
     }
   }
   table.with = summary_of(table, &Coil::with, &CoilPair::with);
   table.without = summary_of(table, &Coil::without, &CoilPair::without);
+  for (const std::size_t way : {0, 1}) {
+    const auto on_head = [&](int i) {
+      const auto& figures =
+          table.coils[static_cast<std::size_t>(i)].*(way == 0 ? &Coil::with : &Coil::without);
+      return figures && figures->on_head;
+    };
+    const auto strongest = strongest_pair(way == 0 ? table.k_with : table.k_without, on_head);
+    if (!strongest) continue;
+    const auto centre = [&](int i) { return found[2 * static_cast<std::size_t>(i) + way]->centre_rest; };
+    (way == 0 ? table.with : table.without).strongest =
+        CoupledPair{strongest->a, strongest->b,
+                    geodesic_distance(measured, centre(strongest->a), centre(strongest->b)), strongest->k};
+  }
   return table;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "worker/coils/alignment.hpp"
+#include "worker/coils/coupling_matrix.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/inspection/shape_distance.hpp"
 #include "worker/printing/vector_print.hpp"
@@ -88,6 +89,13 @@ struct CoilPair {
   std::optional<PairFigures> with, without;
 };
 
+// Two coils on the head, and how they couple.
+struct CoupledPair {
+  int a = 0, b = 0;  // indices into coils, a < b
+  double mm = 0;     // geodesic distance of the centres
+  double k = 0;      // with its sign
+};
+
 // Over the coils, and the pairs of coils, that lie on the head.
 struct CoilSummary {
   int coils = 0, pairs = 0;
@@ -97,18 +105,27 @@ struct CoilSummary {
   double mean_diameter_error = 0, worst_diameter_error = 0, mean_area_error = 0,
          worst_area_error = 0;                      // of |...|
   double spacing_rms_mm = 0, worst_spacing_mm = 0;  // of the distance less the drawn one
-  std::optional<double> worst_k;                    // of |k|
+  std::optional<CoupledPair> strongest_neighbours;  // of `pairs`, by |k|
+  std::optional<CoupledPair> strongest;             // of all pairs of coils, neighbours or not, by |k|
 };
+
+// Above this many coils only neighbours are coupled: CoilTable::k_with is empty.
+inline constexpr int most_coupled_coils = 256;
 
 struct CoilTable {
   std::vector<Coil> coils;
   std::vector<CoilPair> pairs;
   CoilSummary with, without;
+  // Of all coils, by their index; NaN of coils that lack figures or an inductance.
+  CouplingMatrix k_with, k_without;
+  // What the coils keep as drawn, and what shape_error therefore compares: their shape at the drawn area, or at the drawn
+  // distances from their centre along the surface. Nothing: laid on charts, which keep neither; compared by area.
+  std::optional<CoilKeep> keep;
 };
 
 // Geodesics are exact on the triangles of the sheet (exact_geodesics.hpp). Deterministic, whatever the number of threads.
 // Errors: cancelled.
 Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flattening,
                                 const std::vector<CoilLoops>& loops, const std::vector<NeighbourLoops>& pairs,
-                                const Context& context);
+                                std::optional<CoilKeep> keep, const Context& context);
 }  // namespace vacuform

@@ -32,6 +32,17 @@ Json figures_json(const std::optional<PairFigures>& figures) {
           {"k", rounded(figures->k, 5)}};
 }
 
+const std::string& id(const CoilTable& table, int coil) {
+  return table.coils[static_cast<std::size_t>(coil)].id;
+}
+
+Json pair_json(const CoilTable& table, const std::optional<CoupledPair>& pair) {
+  if (!pair) return nullptr;
+  return {{"coils", {id(table, pair->a), id(table, pair->b)}},
+          {"distance_mm", rounded(pair->mm)},
+          {"k", rounded(pair->k, 5)}};
+}
+
 }  // namespace
 
 Json coils_json(const CoilTable& table) {
@@ -51,9 +62,7 @@ Json coils_json(const CoilTable& table) {
 Json pairs_json(const CoilTable& table) {
   Json out = Json::array();
   for (const CoilPair& pair : table.pairs)
-    out.push_back({{"coils",
-                    {table.coils[static_cast<std::size_t>(pair.a)].id,
-                     table.coils[static_cast<std::size_t>(pair.b)].id}},
+    out.push_back({{"coils", {id(table, pair.a), id(table, pair.b)}},
                    {"drawn_distance_mm", rounded(pair.drawn_mm)},
                    {"drawn_overlap_mm", rounded(pair.drawn_overlap_mm)},
                    {"k_before_decoupling", rounded(pair.k_before, 5)},
@@ -62,7 +71,8 @@ Json pairs_json(const CoilTable& table) {
   return out;
 }
 
-Json summary_json(const CoilSummary& s) {
+Json summary_json(const CoilTable& table, CoilSummary CoilTable::*way) {
+  const CoilSummary& s = table.*way;
   if (s.coils == 0) return nullptr;
   const bool pairs = s.pairs > 0;
   const Json none = nullptr;
@@ -79,7 +89,26 @@ Json summary_json(const CoilSummary& s) {
           {"pairs", s.pairs},
           {"spacing_rms_mm", pairs ? rounded(s.spacing_rms_mm) : none},
           {"worst_spacing_mm", pairs ? rounded(s.worst_spacing_mm) : none},
-          {"worst_k", rounded(s.worst_k, 5)}};
+          {"worst_k", s.strongest_neighbours ? rounded(std::abs(s.strongest_neighbours->k), 5) : none},
+          {"strongest_neighbours", pair_json(table, s.strongest_neighbours)},
+          {"strongest_pair", pair_json(table, s.strongest)},
+          {"keep", table.keep ? Json(name(*table.keep)) : none}};
+}
+
+Json couplings_json(const CoilTable& table) {
+  std::vector<int> on_head;
+  for (int i = 0; i < table.k_with.count(); ++i)
+    if (const auto& with = table.coils[static_cast<std::size_t>(i)].with; with && with->on_head)
+      on_head.push_back(i);
+  if (on_head.size() < 2) return nullptr;
+  Json ids = Json::array(), rows = Json::array();
+  for (const int a : on_head) {
+    ids.push_back(id(table, a));
+    Json row = Json::array();
+    for (const int b : on_head) row.push_back(rounded(table.k_with(a, b), 5));
+    rows.push_back(std::move(row));
+  }
+  return {{"coils", std::move(ids)}, {"k", std::move(rows)}};
 }
 
 Json traces_json(const TraceFigures& figures) {

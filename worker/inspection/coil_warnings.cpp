@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "worker/coils/coupling_warning.hpp"
 #include "worker/decimal.hpp"
 
 namespace vacuform {
@@ -64,6 +65,15 @@ std::vector<Warning> coil_warnings(const CoilTable& table, bool decoupled) {
                  " mm: the surface is too curved to meet all drawn distances at once",
          .figure = Warning::Figure{table.with.spacing_rms_mm, "mm", most_spacing_mm},
          .place = std::to_string(table.with.pairs) + " pairs of neighbours on the head"});
+
+  std::vector<CoupledNeighbours> pairs;
+  for (const CoilPair& pair : table.pairs) {
+    const Coil &a = table.coils[static_cast<std::size_t>(pair.a)],
+               &b = table.coils[static_cast<std::size_t>(pair.b)];
+    if (a.with && a.with->on_head && b.with && b.with->on_head && pair.with && pair.with->k)
+      pairs.push_back({a.id, b.id, *pair.with->k, pair.with->mm, (a.with->centre + b.with->centre) / 2});
+  }
+  if (auto warning = coupling_warning(pairs, decoupled)) warnings.push_back(std::move(*warning));
   return warnings;
 }
 

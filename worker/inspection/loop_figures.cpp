@@ -192,7 +192,7 @@ std::vector<Vector2d> densified(const std::vector<Vector2d>& line, double step, 
 }
 
 std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::vector<Vector2d>& given,
-                                        const Vector2d& near) {
+                                        const Vector2d& near, CoilKeep keep) {
   const std::vector<Vector2d> line = densified(given, step_mm, true);
   if (line.size() < 3) return std::nullopt;
   LoopFigures out;
@@ -240,7 +240,7 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     break;
   }
   out.area_mm2 = enclosed_area(sheet, line);
-  out.shape = true_to_area(std::move(out.shape), out.area_mm2);
+  if (keep == CoilKeep::area) out.shape = true_to_area(std::move(out.shape), out.area_mm2);
   out.worst_stretch = worst_stretch(line, out.outline);
   return out;
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "api/settings.hpp"
 #include "worker/coils/path_mesh.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/sheet_map.hpp"
@@ -47,15 +48,17 @@ struct LoopFigures {
   double area_mm2 = 0;                   // enclosed, on the surface
   double worst_stretch = 1;              // formed length / flat length of the worst millimetre
   std::vector<Eigen::Vector3d> outline;  // on the inked surface, mm, closed
-  // In the plane: directions and distances from its centre along the surface, mm, made true to area (shape_distance.hpp).
+  // In the plane: directions and distances from its centre along the surface, mm, as they are or made true to area
+  // (shape_distance.hpp).
   std::vector<Eigen::Vector2d> shape;
 };
 
 // `line` is a closed polyline in sheet coordinates, the last point joined to the first; `near` a point near its centre.
+// Its shape is what it keeps of the drawing (coils.keep): true to area, or with its distances from the centre as they are.
 // Nothing when a part of it is off the sheet, or its centre cannot be joined to it. Exact on the triangles of the sheet
 // for lengths and areas; the centre to 0.01 mm. Deterministic.
 std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::vector<Eigen::Vector2d>& line,
-                                        const Eigen::Vector2d& near);
+                                        const Eigen::Vector2d& near, CoilKeep keep = CoilKeep::area);
 
 // The same figures of a loop in the plane: circularity and diameter from its least squares centre.
 struct PlaneLoopFigures {

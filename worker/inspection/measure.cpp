@@ -21,8 +21,9 @@ Result<Measured> measure(const FormedSheet& sheet, const Flattening& flattening,
                          const Placement& placement, const VectorPrint& print, const Alignment& alignment,
                          const CoilSettings& settings, const Context& context) {
   const std::vector<CoilLoops> loops = coil_loops(drawing, placement, print, flattening, alignment);
+  const auto keep = placement.elements.empty() ? std::nullopt : std::optional(settings.keep);
   VACUFORM_TRY(coils,
-               measure_coils(sheet, flattening, loops, neighbours(loops, placement, drawing), context));
+               measure_coils(sheet, flattening, loops, neighbours(loops, placement, drawing), keep, context));
   Measured measured{std::move(coils), measure_traces(sheet, flattening, print, settings.stretch_limit),
                     distortion_of_elements(placement, alignment.scale)};
   measured.warnings = coil_warnings(measured.coils, settings.decouple);

@@ -9,6 +9,7 @@
 #include "worker/decimal.hpp"
 #include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
+#include "worker/inspection/caption_words.hpp"
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/flat_previews.hpp"
 #include "worker/inspection/picture_png.hpp"
@@ -81,32 +82,12 @@ std::string figures_of(const Distortion& d) {
          decimal(d.anisotropy.p95, 3) + "     area ratio: mean " + decimal(d.area_ratio.mean, 3) +
          ", 95 % below " + decimal(d.area_ratio.p95, 3);
 }
-// Of the coils where there are any on the head, else of the chart.
+// Of the coils where there are any, else of the chart.
 std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const Distortion& chart) {
   if (!job.measured || job.measured->coils.coils.empty()) return figures_of(chart);
-  const CoilSummary& c = job.measured->coils.*way;
-  const std::size_t all = job.measured->coils.coils.size();
-  const std::string counted = std::to_string(c.coils) + " of " + std::to_string(all) +
-                              (all == 1 ? " coil" : " coils") + " on the head";
-  if (c.coils == 0) return counted;
-  const bool round = c.round == c.coils;
-  return counted + (round ? ": out of round by " : ": off their drawn shape by ") +
-         decimal(100 * (round ? c.mean_circularity : c.mean_shape_error), 2) + " % on average, " +
-         decimal(100 * (round ? c.worst_circularity : c.worst_shape_error), 2) +
-         " % at worst     area off by " + decimal(100 * c.mean_area_error, 2) + " % on average";
+  return coils_caption(job.measured->coils, way);
 }
-std::string ink_note(const Print& print) {
-  constexpr double all = 0.9995;
-  const auto percent = [](double share) { return decimal(100 * share, 1) + " %"; };
-  if (print.ink_printed < all)
-    return percent(1 - print.ink_printed) +
-           " of the drawing's ink lies off the formed part and is not printed; " +
-           percent(print.ink_on_head) + " lies on the head.";
-  if (print.ink_on_head < all)
-    return "All of the drawing's ink is printed; " + percent(print.ink_on_head) +
-           " of it lies on the head, the rest beside it.";
-  return "All of the drawing's ink lies on the head.";
-}
+std::string ink_note(const Print& print) { return ink_caption(print.ink_printed, print.ink_on_head); }
 std::string figures_of(const Statistics& s) {
   return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) +
          ", 99 % below " + decimal(s.p99, 3) + ", largest " + decimal(s.max, 2);

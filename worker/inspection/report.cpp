@@ -211,14 +211,15 @@ Json report(const Finished& job) {
     }
   if (job.measured) {
     const Measured& measured = *job.measured;
-    out["figures"]["without"]["coils"] = summary_json(measured.coils.without);
-    out["figures"]["with"]["coils"] = summary_json(measured.coils.with);
+    out["figures"]["without"]["coils"] = summary_json(measured.coils, &CoilTable::without);
+    out["figures"]["with"]["coils"] = summary_json(measured.coils, &CoilTable::with);
     if (measured.elements) {
       out["figures"]["without"]["elements"] = distortion_of(measured.elements->without);
       out["figures"]["with"]["elements"] = distortion_of(measured.elements->with);
     }
     out["coils"] = coils_json(measured.coils);
     out["pairs"] = pairs_json(measured.coils);
+    out["couplings"] = couplings_json(measured.coils);
     out["ink"] = traces_json(measured.traces);
   }
   if (in_segments(job)) out["segments"] = segments_json(*job.placement, job.print);

@@ -24,55 +24,6 @@ std::string place_text(const ReportJson& place) {
   return out + ")";
 }
 
-std::string coil_cell(const ReportJson& coil, const char* way, const char* key, int places, bool percent) {
-  const ReportJson& value = at(coil, {way, key});
-  return percent ? signed_percent_text(value, places) : number_text(value, places);
-}
-
-Rows coil_rows(const ReportJson& coils) {
-  Rows rows;
-  for (const auto& coil : coils) {
-    const ReportJson& on_head = at(coil, {"with", "on_head"});
-    rows.push_back(
-        {text_of(at(coil, {"id"})),
-         on_head.is_boolean() ? (on_head.get<bool>() ? "yes" : "in part") : "not whole",
-         number_text(at(coil, {"drawn_diameter_mm"}), 2), coil_cell(coil, "with", "diameter_mm", 2, false),
-         coil_cell(coil, "without", "diameter_error", 1, true),
-         coil_cell(coil, "with", "diameter_error", 2, true),
-         percent_text(at(coil, {"without", "circularity"}), 1),
-         percent_text(at(coil, {"with", "circularity"})),
-         number_text(at(coil, {"with", "shape_largest_mm"}), 2),
-         percent_text(at(coil, {"with", "shape_error"})), coil_cell(coil, "without", "area_error", 1, true),
-         coil_cell(coil, "with", "area_error", 2, true), number_text(at(coil, {"with", "worst_stretch"}), 2),
-         number_text(at(coil, {"with", "inductance_nh"}), 1)});
-  }
-  return rows;
-}
-
-Rows pair_rows(const ReportJson& pairs) {
-  Rows rows;
-  for (const auto& pair : pairs)
-    rows.push_back({text_of(pair["coils"][0]) + " – " + text_of(pair["coils"][1]),
-                    number_text(at(pair, {"drawn_distance_mm"}), 2),
-                    number_text(at(pair, {"without", "distance_mm"}), 2),
-                    number_text(at(pair, {"with", "distance_mm"}), 2),
-                    number_text(at(pair, {"drawn_overlap_mm"}), 2),
-                    number_text(at(pair, {"with", "overlap_mm"}), 2),
-                    number_text(at(pair, {"without", "k"}), 3), number_text(at(pair, {"with", "k"}), 4)});
-  return rows;
-}
-
-std::optional<double> percent_of(const ReportJson& value) {
-  return value.is_number() ? std::optional(100 * value.get<double>()) : std::nullopt;
-}
-std::string bars_of(const ReportJson& coils, const char* key, const std::string& title, bool signed_values) {
-  html::Bars bars{title, "per cent", signed_values, {}};
-  for (const auto& coil : coils)
-    bars.rows.push_back({text_of(at(coil, {"id"})), percent_of(at(coil, {"with", key})),
-                         percent_of(at(coil, {"without", key}))});
-  return html::bars(bars);
-}
-
 std::vector<double> numbers(const ReportJson& list) {
   std::vector<double> out;
   for (const auto& value : list) out.push_back(value.is_number() ? value.get<double>() : 0);
@@ -138,6 +89,10 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
   });
   both("Largest coupling |k| of neighbouring coils", [](const ReportJson& way) {
     return number_text(at(way, {"coils", "worst_k"}), 3);
+  });
+  both("Largest coupling |k| of any two coils", [](const ReportJson& way) {
+    const ReportJson& k = at(way, {"coils", "strongest_pair", "k"});
+    return k.is_number() ? decimal(std::abs(k.get<double>()), 3) : none;
   });
   for (const auto& [key, title] :
        {std::pair{"anisotropy", "Shape: longer one way than the other, mean (95 % below)"},
@@ -230,42 +185,6 @@ std::string segments_section(const ReportJson& report) {
          {"Apart on the print, mm", true},
          {"Place, mm", true}},
         rows);
-  return out;
-}
-
-std::string coils_section(const ReportJson& report) {
-  const ReportJson &coils = at(report, {"coils"}), &pairs = at(report, {"pairs"});
-  if (!coils.is_array() || coils.empty()) return "";
-  std::string out = "<h2>Coils</h2>\n" + html::legend() + "<div class=\"charts\">" +
-                    bars_of(coils, "shape_error", "Off its drawn shape, of its diameter, by coil", false) +
-                    bars_of(coils, "diameter_error", "Diameter off, by coil", true) + "</div>\n" +
-                    html::table("Coils, each from its own centre along the surface. Plain: printed as drawn",
-                                {{"Coil"},
-                                 {"On the head"},
-                                 {"Drawn Ø, mm", true},
-                                 {"Formed Ø, mm", true},
-                                 {"Ø off, plain", true},
-                                 {"Ø off", true},
-                                 {"Out of round, plain", true},
-                                 {"Out of round", true},
-                                 {"Off its shape, mm", true},
-                                 {"Off its shape", true},
-                                 {"Area off, plain", true},
-                                 {"Area off", true},
-                                 {"Stretch ×", true},
-                                 {"L, nH", true}},
-                                coil_rows(coils));
-  if (pairs.is_array() && !pairs.empty())
-    out += html::table("Neighbours: distances of the centres along the surface, overlap and coupling k",
-                       {{"Coils"},
-                        {"Drawn, mm", true},
-                        {"Formed, plain", true},
-                        {"Formed, mm", true},
-                        {"Overlap drawn", true},
-                        {"Overlap formed", true},
-                        {"k, plain", true},
-                        {"k", true}},
-                       pair_rows(pairs));
   return out;
 }
 

@@ -24,6 +24,12 @@ std::string text_of(const ReportJson& value);                              // of
 // What it is, printed as drawn, printed with Vacuform; for people. What the report does not have is left out.
 std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report);
 
+// One or two sentences of the strongest coupling: of neighbours, and of any two coils, by name with k and distance. Empty
+// where nothing couples.
+std::string coupling_text(const ReportJson& report);
+// Why the strongest pair stays coupled where that is no pair of neighbours; else empty.
+std::string what_geometry_allows(const ReportJson& report);
+
 std::string key_figures_section(const ReportJson& report);
 std::string warnings_section(const ReportJson& report);
 std::string segments_section(const ReportJson& report);

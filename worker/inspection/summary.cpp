@@ -1,6 +1,7 @@
 #include "worker/inspection/summary.hpp"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "worker/inspection/report_sections.hpp"
@@ -96,7 +97,13 @@ std::string summary_text(const ReportJson& report, const std::string& out) {
   text += ".\n\n";
   std::vector<std::array<std::string, 3>> rows{{"", "as drawn", "with Vacuform"}};
   for (auto& row : key_figures(report)) rows.push_back(std::move(row));
-  text += table(rows) + "\n" + warnings_text(report) + "\n";
+  text += table(rows) + "\n";
+  if (const std::string coupling = coupling_text(report); !coupling.empty()) {
+    text += coupling + "\n";
+    if (const std::string why = what_geometry_allows(report); !why.empty()) text += why + "\n";
+    text += "\n";
+  }
+  text += warnings_text(report) + "\n";
   return text + "Files: " + out + " (print.svg, print.pdf and print.png; begin with report.html)\n";
 }
 

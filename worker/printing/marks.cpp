@@ -177,7 +177,7 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
   if (half.minCoeff() < 20) {
     laid.warnings.push_back(
         {.code = "marks-left-out",
-         .text = "print.margin_mm leaves no room for marks on this sheet; none are printed.",
+         .text = "print.margin_mm leaves no room for marks on this sheet, so there are no marks on it",
          .figure = Warning::Figure{margin, "mm"},
          .place = "the sheet's edge"});
     return laid;
@@ -229,6 +229,7 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
   all.push_back(std::move(legend));
 
   std::string left_out;
+  int count_left_out = 0;
   for (auto& mark : all) {
     // The frame and the window run around the chart; they touch it only where one of their lines does.
     std::vector<Eigen::AlignedBox2d> boxes;
@@ -255,7 +256,7 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
     if (!touches)
       laid.marks.push_back(std::move(mark));
     else
-      left_out += (left_out.empty() ? "" : ", ") + mark.name;
+      left_out += (left_out.empty() ? "" : ", ") + mark.name, ++count_left_out;
   }
   Mark mold{.name = "mold-outline", .lines = std::move(outline), .circles = {}, .texts = {}};
   if (!mold.lines.empty()) {
@@ -263,14 +264,15 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
     if ((box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).array() < half.array()).all())
       laid.marks.push_back(std::move(mold));
     else
-      left_out += (left_out.empty() ? "" : ", ") + mold.name;
+      left_out += (left_out.empty() ? "" : ", ") + mold.name, ++count_left_out;
   }
   if (!left_out.empty())
     laid.warnings.push_back(
         {.code = "marks-left-out",
          .text = "The pattern's region reaches the sheet's edge; the marks that would lie "
                  "on it are not printed: " +
-                 left_out + ".",
+                 left_out,
+         .figure = Warning::Figure{static_cast<double>(count_left_out), "marks", 0.0},
          .place = "the sheet's edge"});
   return laid;
 }

@@ -299,8 +299,9 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
   std::vector<RasterLayer> layers = drawing ? std::vector<RasterLayer>() : layers_of(placement);
   if (settings.print.compensate_ink && !compensate(layers, pattern))
     print.warnings.push_back(
-        {"ink-not-compensated",
-         "print.compensate_ink has nothing to act on: the drawing has no shades of gray."});
+        {.code = "ink-not-compensated",
+         .text = "print.compensate_ink has nothing to act on: the drawing has no shades of gray",
+         .place = "print.compensate_ink"});
   Marks marks;
   if (settings.print.marks) {
     const Patch region = whole_region(sheet, flattening, print);

@@ -107,12 +107,13 @@ Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mol
   }
   mold.findings.holes_closed = closing.holes_closed;
   mold.findings.holes_capped = closing.holes_capped;
-  if (closing.largest_filled_mm > 20)
+  constexpr double large_hole_mm = 20;
+  if (closing.largest_filled_mm > large_hole_mm)
     mold.warnings.push_back(
         {"large-hole",
          "A hole " + mm(closing.largest_filled_mm) + " across was filled; the mold is a guess there",
          {},
-         Warning::Figure{closing.largest_filled_mm, "mm"}});
+         Warning::Figure{closing.largest_filled_mm, "mm", large_hole_mm}});
   if (clearance_mm == 0) return std::move(closing.mesh);
   return offset(closing.mesh, clearance_mm, progress);
 }
@@ -149,19 +150,21 @@ std::optional<Placed> cut_and_place(const TriangleMesh& mesh, double height, con
   return std::nullopt;
 }
 
-std::string outliers_text(const std::vector<Eigen::Vector3d>& places) {
+Warning outliers_warning(const std::vector<Eigen::Vector3d>& places) {
   const std::size_t shown = std::min<std::size_t>(places.size(), 3);
-  std::string text =
-      places.size() == 1
-          ? "A vertex lies far from the rest of the scan and was left out with its triangles:"
-          : std::to_string(places.size()) +
-                " vertices lie far from the rest of the scan and were left out with their triangles:";
+  Warning warning{"outliers", places.size() == 1
+                                  ? "A vertex lies far from the rest of the scan and was left out with its triangles"
+                                  : std::to_string(places.size()) +
+                                        " vertices lie far from the rest of the scan and were left out with their "
+                                        "triangles"};
   for (std::size_t i = 0; i < shown; ++i) {
-    text += i == 0 ? " (" : ", (";
-    for (int k = 0; k < 3; ++k) text += (k == 0 ? "" : ", ") + short_decimal(places[i][k]);
-    text += ")";
+    warning.place += i == 0 ? "(" : ", (";
+    for (int k = 0; k < 3; ++k) warning.place += (k == 0 ? "" : ", ") + short_decimal(places[i][k]);
+    warning.place += ")";
   }
-  return text + (shown < places.size() ? " and others" : "") + " in the file's coordinates";
+  warning.place += std::string(shown < places.size() ? " and others" : "") + " in the file's coordinates";
+  warning.figure = Warning::Figure{static_cast<double>(places.size()), "vertices", 0.0};
+  return warning;
 }
 
 }  // namespace
@@ -184,7 +187,7 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   weld(scan.mesh, weld_share * robust_size(scan.mesh));
   const auto outliers = drop_outliers(scan.mesh);
   findings.outliers_dropped = static_cast<int>(outliers.size());
-  if (!outliers.empty()) warn("outliers", outliers_text(outliers));
+  if (!outliers.empty()) mold.warnings.push_back(outliers_warning(outliers));
   VACUFORM_CHECK(progress.reach(0.15));
   VACUFORM_TRY(skin, outer_skin(scan.mesh, progress));
   scan.mesh = {};
@@ -208,10 +211,10 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
     findings.up_guessed = !scan.y_up;
     if (scan.y_up && guess.told && guess.axis != UpAxis::plus_y)
       warn("up-guessed", "The up axis is +y, as its format says, but " + std::string(name(guess.axis)) +
-                             " looks right because " + guess.why + "; give scan.up if the mold stands wrong");
+                             " looks right because " + guess.why);
     else if (!scan.y_up && !guess.told)
       warn("up-guessed", "The up axis was taken to be " + std::string(name(guess.axis)) + " because " +
-                             guess.why + "; give scan.up if the mold stands wrong");
+                             guess.why);
   }
   if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
     warn("inside-out",
@@ -260,8 +263,11 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
     return fail(Code::unusable_scan, "no watertight mold can be made of the scan", file_name, fix);
   }
   if (findings.rebuilt)
-    warn("rebuilt",
-         "The scan's surface could not be closed as it is and was wrapped anew, up to 0.2 mm outside of it");
+    mold.warnings.push_back({"rebuilt",
+                             "The scan's surface could not be closed as it is and was replaced by a new one, up to 0.2 mm "
+                             "outside of it",
+                             {},
+                             Warning::Figure{0.2, "mm"}});
 
   mold.mesh = std::move(placed->mesh);
   mold.top = top_of(mold.mesh);

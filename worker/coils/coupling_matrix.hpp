@@ -1,0 +1,60 @@
+// The coupling of every loop of an array with every other, not of neighbours alone.
+//
+// Overlap nulls neighbours only. What overlap leaves is in the far pairs: of coplanar circles at critical overlap
+// (1.516 radii apart) the pairs beside a neighbour (2.626 radii apart) couple by about -0.02, and no overlap can null them:
+// they do not touch.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "worker/context.hpp"
+
+namespace vacuform {
+
+// A closed polyline in space, mm, the last point joined to the first, and its own inductance (inductance.hpp).
+// Without points, or where the inductance is not above zero, the loop couples with nothing.
+struct InductiveLoop {
+  std::vector<Eigen::Vector3d> line;
+  double self_nh = 0;
+};
+
+// Symmetric; k = M / sqrt(L1 L2), 1 of a loop with itself. NaN where one of the two couples with nothing.
+class CouplingMatrix {
+ public:
+  explicit CouplingMatrix(int count = 0);
+  int count() const { return count_; }
+  double operator()(int a, int b) const { return k_[index(a, b)]; }
+  void set(int a, int b, double k) { k_[index(a, b)] = k_[index(b, a)] = k; }
+
+ private:
+  std::size_t index(int a, int b) const {
+    return static_cast<std::size_t>(a) * static_cast<std::size_t>(count_) + static_cast<std::size_t>(b);
+  }
+  int count_;
+  std::vector<double> k_;
+};
+
+// Loops whose middles are farther apart than this many times the larger one's reach (the distance from its middle to its
+// farthest point) count as magnetic dipoles.
+inline constexpr double dipole_distance = 10;
+
+// Neumann's integral for near pairs. Far ones (dipole_distance) are dipoles, M = mu0 / (4 pi) [3 (A.r)(B.r) / r^5 - A.B / r^3]
+// with the loops' vector areas A and B, which is off by less than 3e-5 in k. With two cores 64 loops of 120 points on a head
+// take a second, 256 of them seven. `fraction` is the progress that the stage reports meanwhile. Deterministic, whatever
+// the number of threads. Errors: cancelled.
+Result<CouplingMatrix> coupling_matrix(const std::vector<InductiveLoop>& loops, Stage stage, double fraction,
+                                       const Context& context);
+
+// The strongest of some pairs of an array.
+struct StrongestPair {
+  int a = 0, b = 0;  // a < b
+  double k = 0;      // with its sign
+};
+// The pair of the largest |k| among the loops that `counts` admits, the first of equals; nothing without such a pair.
+std::optional<StrongestPair> strongest_pair(const CouplingMatrix& matrix,
+                                            const std::function<bool(int)>& counts);
+
+}  // namespace vacuform

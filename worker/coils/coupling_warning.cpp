@@ -1,0 +1,54 @@
+#include "worker/coils/coupling_warning.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/decimal.hpp"
+
+namespace vacuform {
+
+std::vector<CoupledNeighbours> coupled_neighbours(const Placement& placement, const Drawing& drawing) {
+  std::vector<CoupledNeighbours> out;
+  for (const PlacedPair& pair : placement.pairs) {
+    const auto element = [&](int i) -> const PlacedElement& {
+      return placement.elements[static_cast<std::size_t>(i)];
+    };
+    const PlacedElement &a = element(pair.a), &b = element(pair.b);
+    const auto id = [&](const PlacedElement& e) {
+      return drawing.elements[static_cast<std::size_t>(e.element)].id;
+    };
+    if (pair.k && a.on_head && b.on_head)
+      out.push_back({id(a), id(b), *pair.k, pair.mm, (a.centre + b.centre) / 2});
+  }
+  return out;
+}
+
+std::optional<Warning> coupling_warning(const std::vector<CoupledNeighbours>& pairs, bool decoupled) {
+  constexpr double most_k = 0.01;
+  std::vector<CoupledNeighbours> strong;
+  std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(strong),
+               [](const CoupledNeighbours& p) { return std::abs(p.k) >= most_k; });
+  if (strong.empty()) return std::nullopt;
+  std::stable_sort(strong.begin(), strong.end(), [](const CoupledNeighbours& p, const CoupledNeighbours& q) {
+    return std::abs(p.k) > std::abs(q.k);
+  });
+  const CoupledNeighbours& worst = strong.front();
+  Warning warning{"coils-coupled", std::to_string(strong.size()) + " of " + std::to_string(pairs.size()) +
+                                       " pairs of neighbours on the head couple by " + decimal(most_k, 2) +
+                                       " or more"};
+  if (decoupled) warning.text += ": the surface does not let them be decoupled within coils.size_limit";
+  warning.text += "; the strongest, " + worst.a + " and " + worst.b + ", by k = " + decimal(worst.k, 3);
+  if (!decoupled)
+    warning.fix = "Set coils.decouple=true, or draw these coils closer together or farther apart.";
+  warning.figure = Warning::Figure{std::abs(worst.k), "", most_k};
+  for (std::size_t i = 0; i < std::min(strong.size(), Warning::most_marks); ++i) {
+    warning.place +=
+        (i > 0 ? ", " : "") + strong[i].a + " and " + strong[i].b + " (k = " + decimal(strong[i].k, 3) + ")";
+    warning.marks.push_back({{strong[i].place.x(), strong[i].place.y(), strong[i].place.z()}, strong[i].mm});
+  }
+  if (strong.size() > Warning::most_marks)
+    warning.place += " and " + std::to_string(strong.size() - Warning::most_marks) + " more pairs";
+  return warning;
+}
+
+}  // namespace vacuform
