@@ -59,12 +59,12 @@ void fields(A& a, Deviation& d) {
   a(d.p99, d.max, d.place);
 }
 template <class A>
-void fields(A& a, Pierced& p) {
-  a(p.place, p.depth_mm, p.size_mm);
+void fields(A& a, Misfit& m) {
+  a(m.place, m.distance_mm, m.size_mm);
 }
 template <class A>
 void fields(A& a, SurfaceFit& f) {
-  a(f.penetration, f.gap, f.pierced);
+  a(f.penetration, f.gap, f.pierced, f.bridged);
 }
 template <class A>
 void fields(A& a, FormedSheet& s) {

@@ -25,7 +25,7 @@ struct Level {
       }
     contact.assign(formed.size(), Contact::mold);
   }
-  SurfaceFit on(const TriangleMesh& mold) const { return surface_fit(triangles, formed, contact, mold, 0.5); }
+  SurfaceFit on(const TriangleMesh& mold) const { return surface_fit(triangles, formed, contact, mold); }
 };
 
 TEST(SurfaceFit, MeasuresHowFarTheMoldStandsOut) {
@@ -47,9 +47,9 @@ TEST(SurfaceFit, NamesEveryPlaceWhereTheMoldStandsOut) {
   }
   const SurfaceFit fit = Level(18).on(domes);
   ASSERT_EQ(fit.pierced.size(), 2u);
-  EXPECT_NEAR(fit.pierced[0].depth_mm, 3, 1e-4);
+  EXPECT_NEAR(fit.pierced[0].distance_mm, 3, 1e-4);
   EXPECT_NEAR(fit.pierced[0].place.x(), 25, 1e-6);
-  EXPECT_NEAR(fit.pierced[1].depth_mm, 2, 1e-4);
+  EXPECT_NEAR(fit.pierced[1].distance_mm, 2, 1e-4);
   // Across: 2 mm below the top of a sphere of 20 mm, less what stands out by half a millimetre and less.
   EXPECT_NEAR(fit.pierced[1].size_mm, 2 * std::sqrt(20.0 * 20 - 18.5 * 18.5), 1);
 }
@@ -63,10 +63,37 @@ TEST(SurfaceFit, MeasuresHowFarTheSheetStaysOff) {
   EXPECT_GT(fit.gap.max, fit.gap.p99);
 }
 
+// Its corners touch the mold, its middle lies 3 mm above a hollow.
+TEST(SurfaceFit, NamesTheHollowsThatTheSheetBridges) {
+  TriangleMesh block;
+  block.vertices = {{-50, -50, 20}, {50, -50, 20}, {50, 50, 20}, {-50, 50, 20}, {0, 0, 17}};
+  block.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  const SurfaceFit fit = Level(20).on(block);
+  ASSERT_EQ(fit.bridged.size(), 1u);
+  EXPECT_NEAR(fit.bridged[0].distance_mm, 3 * 50 / std::hypot(50, 3), 0.05);
+  EXPECT_LT(fit.bridged[0].place.head<2>().norm(), 1);
+  EXPECT_TRUE(fit.pierced.empty());
+}
+
+// One vertex of the sheet lies 6 mm deep in the mold: the mold above it is near the walls of this narrow dent.
+TEST(SurfaceFit, CountsHowDeepTheSheetLiesInTheMold) {
+  TriangleMesh block;
+  block.vertices = {{-45, -45, 0},  {45, -45, 0},  {45, 45, 0},  {-45, 45, 0},
+                    {-45, -45, 20}, {45, -45, 20}, {45, 45, 20}, {-45, 45, 20}};
+  block.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}, {0, 1, 5}, {0, 5, 4},
+                     {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+  Level level(20);
+  level.formed[51 * 25 + 25].z() = 14;
+  const SurfaceFit fit = level.on(block);
+  EXPECT_GT(fit.penetration.max, 3);
+  ASSERT_EQ(fit.pierced.size(), 1u);
+  EXPECT_LT((fit.pierced[0].place - Eigen::Vector3d(0, 0, 14)).norm(), 2.5);
+}
+
 TEST(SurfaceFit, SaysThatASheetOnTheMoldFits) {
   TriangleMesh dome = hemisphere(30, 45, 90).mesh;  // the mold is its own sheet
   std::vector<Contact> contact(dome.vertices.size(), Contact::mold);
-  const SurfaceFit fit = surface_fit(dome.triangles, dome.vertices, contact, dome, 0.5);
+  const SurfaceFit fit = surface_fit(dome.triangles, dome.vertices, contact, dome);
   EXPECT_LT(fit.penetration.max, 0.021);
   EXPECT_LT(fit.gap.max, 1e-3);
 }

@@ -103,7 +103,7 @@ std::vector<Warning::Mark> marks_of(const std::vector<Piece>& worst_first) {
   return marks;
 }
 
-void find_not_reached(const FormedSheet& sheet, const std::vector<double>& area, double least_mm2,
+void find_not_reached(const FormedSheet& sheet, const std::vector<double>& area, const FindingLimits& limits,
                       std::vector<Warning>& warnings) {
   const auto is_free = [&](int v) { return sheet.contact[v] == Contact::free; };
   auto found = pieces(
@@ -113,11 +113,25 @@ void find_not_reached(const FormedSheet& sheet, const std::vector<double>& area,
       },
       is_free,
       [&](int v) { return sheet.contact[v] == Contact::platform || sheet.contact[v] == Contact::clamp; });
-  std::erase_if(found, [&](const Piece& p) { return !p.alone || p.area < least_mm2; });
-  if (found.empty()) return;
-  warnings.push_back({"not-reached",
-                      "The sheet bridges a hollow of the mold without reaching it, " + over(found),
-                      marks_of(found), Warning::Figure{found.front().area, "mm2", least_mm2}});
+  std::erase_if(found, [&](const Piece& p) { return !p.alone || p.area < limits.pocket_mm2; });
+  const std::vector<Misfit>& bridged = sheet.fit.bridged;
+  if (found.empty() && bridged.empty()) return;
+  std::vector<Warning::Mark> marks = marks_of(found);
+  for (std::size_t i = 0; i < bridged.size() && marks.size() < Warning::most_marks; ++i)
+    marks.push_back(mark(bridged[i].place, bridged[i].size_mm));
+  const auto off = [&] {
+    return decimal(bridged.front().distance_mm, 1) + " mm off, at " + at(bridged.front().place);
+  };
+  if (found.empty())
+    warnings.push_back({"not-reached", "Between places that touch the mold the sheet stays up to " + off(),
+                        std::move(marks),
+                        Warning::Figure{bridged.front().distance_mm, "mm", limits.bridged_mm}});
+  else
+    warnings.push_back(
+        {"not-reached",
+         "The sheet bridges a hollow of the mold without reaching it, " + over(found) +
+             (bridged.empty() ? "" : "; between places that touch the mold it stays up to " + off()),
+         std::move(marks), Warning::Figure{found.front().area, "mm2", limits.pocket_mm2}});
 }
 
 void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
@@ -186,18 +200,18 @@ void find_unstable(const FormedSheet& sheet, const std::vector<double>& area, co
 
 void find_pierced(const SurfaceFit& fit, double limit_mm, std::vector<Warning>& warnings) {
   if (fit.pierced.empty()) return;
-  const Pierced& worst = fit.pierced.front();
+  const Misfit& worst = fit.pierced.front();
   std::vector<Warning::Mark> marks;
   for (std::size_t i = 0; i < std::min(fit.pierced.size(), Warning::most_marks); ++i)
     marks.push_back(mark(fit.pierced[i].place, fit.pierced[i].size_mm));
   warnings.push_back(
       {"pierced",
-       "The mold stands out of the simulated sheet by up to " + decimal(worst.depth_mm, 1) + " mm, at " +
+       "The mold stands out of the simulated sheet by up to " + decimal(worst.distance_mm, 1) + " mm, at " +
            at(worst.place) +
            (fit.pierced.size() == 1 ? ""
                                     : ", the furthest of " + std::to_string(fit.pierced.size()) + " places") +
            ": the grid is too coarse for it",
-       std::move(marks), Warning::Figure{worst.depth_mm, "mm", limit_mm}});
+       std::move(marks), Warning::Figure{worst.distance_mm, "mm", limit_mm}});
 }
 
 void find_thin(const FormedSheet& sheet, const std::vector<double>& area, double sheet_thickness_mm,
@@ -230,7 +244,7 @@ Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, do
                           const FindingLimits& limits) {
   Findings findings;
   const std::vector<double> area = formed_areas(sheet);
-  find_not_reached(sheet, area, limits.pocket_mm2, findings.warnings);
+  find_not_reached(sheet, area, limits, findings.warnings);
   find_trapped_air(sheet, mold, sheet_thickness_mm, limits.trapped, findings);
   find_unstable(sheet, area, limits, findings.warnings);
   find_pierced(sheet.fit, limits.pierced_mm, findings.warnings);

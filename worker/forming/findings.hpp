@@ -15,6 +15,7 @@ struct FindingLimits {
   double pocket_mm2 = 25;     // of sheet that bridges a hollow of the mold
   double web_mm2 = 25;        // of sheet that is compressed across its tension, in one piece
   double pierced_mm = 0.5;    // that the mold stands out of the sheet
+  double bridged_mm = 0.5;    // that the sheet stays off between vertices that touch
   double stretch = HUGE_VAL;  // times: beyond it the law does not describe the plastic
   double stretch_mm2 = 25;    // of sheet that is stretched further, in one piece
   double thickness_ratio = 0.3;
@@ -22,7 +23,8 @@ struct FindingLimits {
 };
 
 // One warning a kind, with the number of places and the worst in its text and up to twenty marks, worst first:
-// "not-reached", pieces of free sheet bordered by the mold alone (size: across a disk of their area); "trapped-air", with
+// "not-reached", pieces of free sheet bordered by the mold alone (size: across a disk of their area), then what stays off
+// between vertices that touch; "trapped-air", with
 // the vents as marks (size: the drill), and in `vents` all of them; "webbing", pieces of slack triangles; "thin", pieces
 // of triangles below the limit, each at its thinnest. Places lie on the sheet, in the mold's frame, mm; areas are of the
 // formed sheet.

@@ -58,10 +58,12 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
   for (std::size_t i = 0; i < n; ++i)
     out.thickness.push_back(area[i] > 0 ? volume[i] / area[i] : process.sheet.thickness_mm);
   out.summary.mass_error = std::abs(total_volume / (total_area * process.sheet.thickness_mm) - 1);
-  const double pierced_mm = std::max(0.5, 0.2 * process.sheet.resolution_mm);
-  out.fit = surface_fit(out.triangles, out.formed, out.contact, mold, pierced_mm);
+  const FitLimits fit{std::max(0.5, 0.2 * process.sheet.resolution_mm),
+                      std::max(0.5, 0.5 * process.sheet.resolution_mm)};
+  out.fit = surface_fit(out.triangles, out.formed, out.contact, mold, fit);
   FindingLimits limits;
-  limits.pierced_mm = pierced_mm;
+  limits.pierced_mm = fit.pierced_mm;
+  limits.bridged_mm = fit.bridged_mm;
   limits.thickness_ratio = process.forming.thin_limit;
   const bool elastic = process.forming.model == FormingModel::membrane;
   if (elastic && process.forming.law == MembraneLaw::neo_hookean) limits.stretch = 3;

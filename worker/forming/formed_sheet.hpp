@@ -40,15 +40,15 @@ struct Deviation {
   double p99 = 0, max = 0;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of the largest
 };
-// A part of the mold that stands out of the sheet.
-struct Pierced {
-  Eigen::Vector3d place;             // where it stands out furthest
-  double depth_mm = 0, size_mm = 0;  // there; twice its reach from there
+// A part of a surface that is too far off the other.
+struct Misfit {
+  Eigen::Vector3d place;                // where it is furthest
+  double distance_mm = 0, size_mm = 0;  // there; twice its reach from there
 };
 struct SurfaceFit {
-  Deviation penetration;         // of the mold through the sheet
-  Deviation gap;                 // between the mold and what touches it
-  std::vector<Pierced> pierced;  // deepest first
+  Deviation penetration;                 // of the mold through the sheet
+  Deviation gap;                         // between the mold and what touches it
+  std::vector<Misfit> pierced, bridged;  // beyond a limit, worst first
 };
 
 // The sheet's triangulation; arrays over vertices have one entry a vertex, over triangles one a triangle.

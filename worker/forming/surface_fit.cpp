@@ -78,7 +78,7 @@ Deviation deviation_of(std::vector<Sample>& samples) {
 }
 
 // The parts that samples deeper than the limit make up, deepest first.
-std::vector<Pierced> pierced_parts(const std::vector<Sample>& samples, double limit_mm) {
+std::vector<Misfit> parts_beyond(const std::vector<Sample>& samples, double limit_mm) {
   constexpr double cell_mm = 3;
   using Cell = std::array<int, 3>;
   std::map<Cell, std::vector<const Sample*>> cells;
@@ -86,7 +86,7 @@ std::vector<Pierced> pierced_parts(const std::vector<Sample>& samples, double li
     const Eigen::Vector3i c = (s.place / cell_mm).array().floor().cast<int>();
     if (s.depth > limit_mm) cells[{c.x(), c.y(), c.z()}].push_back(&s);
   }
-  std::vector<Pierced> parts;
+  std::vector<Misfit> parts;
   while (!cells.empty()) {
     std::vector<Cell> open{cells.begin()->first};
     std::vector<const Sample*> all;
@@ -108,14 +108,15 @@ std::vector<Pierced> pierced_parts(const std::vector<Sample>& samples, double li
     parts.push_back({deepest.place, deepest.depth, 2 * reach});
   }
   std::stable_sort(parts.begin(), parts.end(),
-                   [](const Pierced& a, const Pierced& b) { return a.depth_mm > b.depth_mm; });
+                   [](const Misfit& a, const Misfit& b) { return a.distance_mm > b.distance_mm; });
   return parts;
 }
 
 }  // namespace
 
 SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector<Eigen::Vector3d>& formed,
-                       const std::vector<Contact>& contact, const TriangleMesh& mold, double pierced_mm) {
+                       const std::vector<Contact>& contact, const TriangleMesh& mold,
+                       const FitLimits& limits) {
   const TriangleMesh sheet = mesh_of(triangles, formed);
   const RayCaster to_sheet(sheet), to_mold(mold);
   const MoldDistance from_sheet(sheet), from_mold(mold);
@@ -152,14 +153,25 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
   for (const Triangle& t : triangles)
     if (contact[t[0]] == Contact::mold && contact[t[1]] == Contact::mold && contact[t[2]] == Contact::mold)
       add_samples(formed[t[0]], formed[t[1]], formed[t[2]], of_sheet);
+  std::vector<Sample> sunk = of_sheet;  // the same places: how deep they lie in the mold
   in_parallel(0, static_cast<int>(of_sheet.size()), [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
-      Sample& s = of_sheet[k];
-      s.depth = is_inside(mold, to_mold, s.place, height) ? 0 : from_mold(s.place);
+      const bool inside = is_inside(mold, to_mold, of_sheet[k].place, height);
+      const double distance = from_mold(of_sheet[k].place);
+      of_sheet[k].depth = inside ? 0 : distance;
+      sunk[k].depth = inside ? distance : 0;
     }
   });
-  std::vector<Pierced> pierced = pierced_parts(of_mold, pierced_mm);
-  return {deviation_of(of_mold), deviation_of(of_sheet), std::move(pierced)};
+  SurfaceFit fit;
+  const Deviation deepest = deviation_of(sunk);
+  sunk.insert(sunk.end(), of_mold.begin(), of_mold.end());
+  fit.pierced = parts_beyond(sunk, limits.pierced_mm);
+  fit.bridged = parts_beyond(of_sheet, limits.bridged_mm);
+  fit.penetration = deviation_of(of_mold);
+  if (deepest.max > fit.penetration.max)
+    fit.penetration.max = deepest.max, fit.penetration.place = deepest.place;
+  fit.gap = deviation_of(of_sheet);
+  return fit;
 }
 
 }  // namespace vacuform
