@@ -150,16 +150,22 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
         s.depth = 0;
     }
   });
-  for (const Triangle& t : triangles)
-    if (contact[t[0]] == Contact::mold && contact[t[1]] == Contact::mold && contact[t[2]] == Contact::mold)
-      add_samples(formed[t[0]], formed[t[1]], formed[t[2]], of_sheet);
-  std::vector<Sample> sunk = of_sheet;  // the same places: how deep they lie in the mold
-  in_parallel(0, static_cast<int>(of_sheet.size()), [&](int begin, int end) {
+  // The sheet, where a corner touches the mold: how deep it lies in the mold, and how far off where all three touch.
+  std::vector<Sample> sunk;
+  std::vector<char> touches;
+  for (const Triangle& t : triangles) {
+    const auto corners =
+        std::count_if(t.begin(), t.end(), [&](int v) { return contact[v] == Contact::mold; });
+    if (corners > 0) add_samples(formed[t[0]], formed[t[1]], formed[t[2]], sunk);
+    touches.resize(sunk.size(), corners == 3);
+  }
+  of_sheet = sunk;
+  in_parallel(0, static_cast<int>(sunk.size()), [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
-      const bool inside = is_inside(mold, to_mold, of_sheet[k].place, height);
-      const double distance = from_mold(of_sheet[k].place);
-      of_sheet[k].depth = inside ? 0 : distance;
-      sunk[k].depth = inside ? distance : 0;
+      const bool inside = is_inside(mold, to_mold, sunk[k].place, height);
+      const double distance = from_mold(sunk[k].place);
+      sunk[k].depth = inside && sunk[k].place.z() > platform_mm ? distance : 0;
+      if (touches[k]) of_sheet[k].depth = inside ? 0 : distance;
     }
   });
   SurfaceFit fit;
