@@ -236,7 +236,8 @@ TEST(Report, MeasuresHowFarFormedVerticesLieFromTheMold) {
 
 TEST(Report, SaysHowTheSheetLiesOnTheMold) {
   Job job = small_dome();
-  job.sample.sheet.fit = {.penetration = {0.01, 1.25, {1, 2, 30}}, .gap = {0.02, 0.5, {4, 5, 6}}};
+  job.sample.sheet.fit.penetration = {0.01, 1.25, {1, 2, 30}};
+  job.sample.sheet.fit.gap = {0.02, 0.5, {4, 5, 6}};
   const auto forming = report(job.finished())["forming"];
   EXPECT_EQ(forming["penetration_mm"].dump(), R"({"p99":0.01,"max":1.25,"place_mm":[1.0,2.0,30.0]})");
   EXPECT_EQ(forming["gap_mm"].dump(), R"({"p99":0.02,"max":0.5,"place_mm":[4.0,5.0,6.0]})");
