@@ -93,7 +93,7 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& sheet, const Mac
         "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +
             " mm, z = " + decimal(tear->place.z(), 0) + " mm on the mold",
         settings.law == MembraneLaw::neo_hookean && settings.model == FormingModel::membrane
-            ? "set forming.law=mooney_rivlin, trim the mold higher (scan.trim_mm), or use a larger window"
+            ? "give --set forming.law=mooney_rivlin, trim the mold higher (scan.trim_mm), or use a larger window"
             : "trim the mold higher (scan.trim_mm), or use a larger window");
   return formed;
 }
