@@ -25,7 +25,7 @@ struct Look {
   bool extent = true;    // its size lies along the sheet, and a ring shows it
   std::size_t most = 6;  // marks that are drawn
 };
-constexpr std::array<Look, 12> looks{{
+constexpr std::array<Look, 13> looks{{
     {"undercut", "undercuts", Shape::arrow, {213, 94, 0}, false},
     {"trapped-air", "vents to drill", Shape::disk, {86, 180, 233}, true, false, 20},
     {"not-reached", "not reached", Shape::square, {0, 114, 178}, false},
@@ -37,6 +37,7 @@ constexpr std::array<Look, 12> looks{{
     {"too-cold", "too cold", Shape::bar, {20, 50, 120}, false},
     {"too-hot", "too hot", Shape::octagon, {150, 15, 35}, false},
     {"trace-stretched", "stretched traces", Shape::hexagon, {0, 0, 0}, false},
+    {"coils-coupled", "coupled coils", Shape::bar, {90, 60, 140}, false},
     {"", "", Shape::house, {60, 60, 60}, false},  // any other code
 }};
 int look_of(const Warning& warning) {
@@ -161,6 +162,7 @@ void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, doub
     const std::size_t count = warning.marks.size();
     draw_badge(canvas, look, {x, y}, std::to_string(count));
     std::string words(look.words.empty() ? std::string_view(warning.code) : look.words);
+    std::replace(words.begin(), words.end(), '-', ' ');
     if (count > look.most) words += ", " + std::to_string(look.most) + " shown";
     canvas.text(words, x + 42, y + 10, 27, false, 0, 0.13f);
   }

@@ -177,7 +177,7 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
   if (half.minCoeff() < 20) {
     laid.warnings.push_back(
         {.code = "marks-left-out",
-         .text = "print.margin_mm leaves no room for marks on this sheet, so there are no marks on it",
+         .text = "print.margin_mm leaves no room for marks on this sheet; none are printed.",
          .figure = Warning::Figure{margin, "mm"},
          .place = "the sheet's edge"});
     return laid;
