@@ -31,7 +31,8 @@ Result<ArrayWish> wish_of(const LayoutOptions& o) {
   const char* end = o.diameter.data() + o.diameter.size();
   const auto read = std::from_chars(o.diameter.data(), end, mm);
   if (read.ec != std::errc() || read.ptr != end || !(mm >= 10 && mm <= 300))
-    return fail(Code::bad_usage, "the diameter is not a number from 10 to 300", "--diameter_mm", "give 10 to 300, or fitted");
+    return fail(Code::bad_usage, "the diameter is not a number from 10 to 300", "--diameter_mm",
+                "give 10 to 300, or fitted");
   wish.diameter_mm = mm;
   return wish;
 }

@@ -125,7 +125,7 @@ void find_not_reached(const FormedSheet& sheet, const std::vector<double>& area,
   if (found.empty())
     warnings.push_back({"not-reached", "Between places that touch the mold the sheet stays up to " + off(),
                         std::move(marks),
-                        Warning::Figure{bridged.front().distance_mm, "mm", limits.bridged_mm}});
+                        Warning::Figure{bridged.front().distance_mm, "mm", limits.fit.bridged_mm}});
   else
     warnings.push_back(
         {"not-reached",
@@ -247,7 +247,7 @@ Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, do
   find_not_reached(sheet, area, limits, findings.warnings);
   find_trapped_air(sheet, mold, sheet_thickness_mm, limits.trapped, findings);
   find_unstable(sheet, area, limits, findings.warnings);
-  find_pierced(sheet.fit, limits.pierced_mm, findings.warnings);
+  find_pierced(sheet.fit, limits.fit.pierced_mm, findings.warnings);
   find_webs(sheet, area, limits.web_mm2, findings.warnings);
   find_thin(sheet, area, sheet_thickness_mm, limits.thickness_ratio, findings.warnings);
   return findings;

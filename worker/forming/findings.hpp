@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/forming/surface_fit.hpp"
 #include "worker/forming/trapped_air.hpp"
 
 namespace vacuform {
@@ -14,8 +15,7 @@ namespace vacuform {
 struct FindingLimits {
   double pocket_mm2 = 25;     // of sheet that bridges a hollow of the mold
   double web_mm2 = 25;        // of sheet that is compressed across its tension, in one piece
-  double pierced_mm = 0.5;    // that the mold stands out of the sheet
-  double bridged_mm = 0.5;    // that the sheet stays off between vertices that touch
+  FitLimits fit;              // that the mold stands out of the sheet, or that the sheet stays off
   double stretch = HUGE_VAL;  // times: beyond it the law does not describe the plastic
   double stretch_mm2 = 25;    // of sheet that is stretched further, in one piece
   double thickness_ratio = 0.3;

@@ -58,12 +58,10 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
   for (std::size_t i = 0; i < n; ++i)
     out.thickness.push_back(area[i] > 0 ? volume[i] / area[i] : process.sheet.thickness_mm);
   out.summary.mass_error = std::abs(total_volume / (total_area * process.sheet.thickness_mm) - 1);
-  const FitLimits fit{std::max(0.5, 0.2 * process.sheet.resolution_mm),
-                      std::max(0.5, 0.5 * process.sheet.resolution_mm)};
-  out.fit = surface_fit(out.triangles, out.formed, out.contact, mold, fit);
   FindingLimits limits;
-  limits.pierced_mm = fit.pierced_mm;
-  limits.bridged_mm = fit.bridged_mm;
+  limits.fit = {std::max(0.5, 0.2 * process.sheet.resolution_mm),
+                std::max(0.5, 0.5 * process.sheet.resolution_mm)};
+  out.fit = surface_fit(out.triangles, out.formed, out.contact, mold, limits.fit);
   limits.thickness_ratio = process.forming.thin_limit;
   const bool elastic = process.forming.model == FormingModel::membrane;
   if (elastic && process.forming.law == MembraneLaw::neo_hookean) limits.stretch = 3;
@@ -86,15 +84,15 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& sheet, const Mac
   // Who sets the limit of thinness to nothing studies an ideal sheet, which never tears.
   const auto tear = settings.thin_limit > 0 ? torn_at(formed) : std::nullopt;
   if (tear)
-    return fail(
-        Code::forming_failed,
-        "the sheet tears: over " + decimal(tear->area_mm2, 0) + " mm2 it is stretched up to " +
-            decimal(tear->stretch, 0) + " times",
-        "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +
-            " mm, z = " + decimal(tear->place.z(), 0) + " mm on the mold",
-        settings.law == MembraneLaw::neo_hookean && settings.model == FormingModel::membrane
-            ? "give --set forming.law=mooney_rivlin, trim the mold higher (scan.trim_mm), or use a larger window"
-            : "trim the mold higher (scan.trim_mm), or use a larger window");
+    return fail(Code::forming_failed,
+                "the sheet tears: over " + decimal(tear->area_mm2, 0) + " mm2 it is stretched up to " +
+                    decimal(tear->stretch, 0) + " times",
+                "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +
+                    " mm, z = " + decimal(tear->place.z(), 0) + " mm on the mold",
+                settings.law == MembraneLaw::neo_hookean && settings.model == FormingModel::membrane
+                    ? "give --set forming.law=mooney_rivlin, trim the mold higher (scan.trim_mm), or use a "
+                      "larger window"
+                    : "trim the mold higher (scan.trim_mm), or use a larger window");
   return formed;
 }
 

@@ -158,8 +158,7 @@ class Descent {
     const double still = drape_still_mm * viscous_share(to.frame_mm - now_.frame_mm);
     const Equilibrium::Limits limits{force, still, stride(), unlimited, viscous_ ? 300 : 60};
     VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, limits));
-    VACUFORM_TRY(touched, touch(y, to, limits));
-    static_cast<void>(touched);
+    VACUFORM_CHECK(touch(y, to, limits));
     go_on(std::move(y), to);
     return {};
   }

@@ -50,14 +50,6 @@ int drop_crumbs(TriangleMesh& cut) {
   const double least = crumb_share * *std::max_element(volume.begin(), volume.end());
   std::vector<char> keep(pieces);
   for (std::size_t i = 0; i < pieces; ++i) keep[i] = volume[i] >= least;
-  const auto kept = [&] {
-    TriangleMesh part;
-    part.vertices = cut.vertices;
-    for (std::size_t i = 0; i < cut.triangles.size(); ++i)
-      if (keep[static_cast<std::size_t>(piece_of[i])]) part.triangles.push_back(cut.triangles[i]);
-    drop_unused_vertices(part);
-    return part;
-  };
 
   // The corners of the first small pieces; the others are crumbs.
   std::vector<int> slot(pieces, -1);
@@ -72,7 +64,7 @@ int drop_crumbs(TriangleMesh& cut) {
                                                   cut.triangles[i].begin(), cut.triangles[i].end());
   const double height = bounds(cut).size().z() + 1;
   for (int round = 0; round < most_rounds; ++round) {
-    const TriangleMesh others = kept();
+    const TriangleMesh others = take_pieces(cut, piece_of, keep);
     const Inside inside(others, height);
     bool more = false;
     for (std::size_t k = 0; k < number.size(); ++k) {
@@ -83,7 +75,7 @@ int drop_crumbs(TriangleMesh& cut) {
     }
     if (!more) break;
   }
-  cut = kept();
+  cut = take_pieces(cut, piece_of, keep);
   return static_cast<int>(std::count(keep.begin(), keep.end(), 0));
 }
 

@@ -1,9 +1,15 @@
 #include "worker/scan/placing.hpp"
 
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/convex_hull_2.h>
+#include <CGAL/min_quadrilateral_2.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <vector>
 
 #include "worker/scan/topology.hpp"
 
@@ -46,56 +52,19 @@ Circle around_few(Points& points, double slack) {
   return best;
 }
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-// Counter-clockwise, without points on straight edges (Andrew 1979).
-Points convex_hull(Points points) {
-  std::sort(points.begin(), points.end(), [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() < 3) return points;
-  Points hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t first = hull.size();
-    for (const auto& p : points) {
-      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0)
-        hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
-
 }  // namespace
 
 double longest_side(const TriangleMesh& upright) {
+  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   const Box box = bounds(upright);
-  Points points;
-  for (const auto& p : upright.vertices) points.push_back(p.head<2>());
-  const Points hull = convex_hull(std::move(points));
+  std::vector<Kernel::Point_2> points, hull, rectangle;
+  for (const auto& p : upright.vertices) points.emplace_back(p.x(), p.y());
+  CGAL::convex_hull_2(points.begin(), points.end(), std::back_inserter(hull));
   if (hull.size() < 3) return box.size().maxCoeff();
-  const auto at = [&](std::size_t i) -> const Eigen::Vector2d& { return hull[i % hull.size()]; };
-  double least = HUGE_VAL, longest = 0;
-  // The farthest corners along an edge, to its left and against it; they only go forward as the edge does.
-  std::size_t ahead = 1, left = 1, behind = 1;
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Eigen::Vector2d along = (at(i + 1) - at(i)).normalized(), aside(-along.y(), along.x());
-    const auto advance = [&](std::size_t& k, const Eigen::Vector2d& way) {
-      while (k < i + hull.size() && way.dot(at(k + 1) - at(k)) > 0) ++k;
-    };
-    ahead = std::max(ahead, i + 1);
-    advance(ahead, along);
-    left = std::max(left, ahead);
-    advance(left, aside);
-    behind = std::max(behind, left);
-    advance(behind, -along);
-    const double length = along.dot(at(ahead) - at(behind)), width = aside.dot(at(left) - at(i));
-    if (length * width < least) least = length * width, longest = std::max(length, width);
-  }
-  return std::max(longest, box.size().z());
+  CGAL::min_rectangle_2(hull.begin(), hull.end(), std::back_inserter(rectangle));
+  const double side = CGAL::squared_distance(rectangle[0], rectangle[1]),
+               other = CGAL::squared_distance(rectangle[1], rectangle[2]);
+  return std::max(std::sqrt(std::max(side, other)), box.size().z());
 }
 
 Circle enclosing_circle(const TriangleMesh& mesh) {

@@ -49,16 +49,6 @@ std::vector<Piece> measure_pieces(const TriangleMesh& mesh, const std::vector<in
   return pieces;
 }
 
-TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of,
-                         const std::vector<char>& keep) {
-  TriangleMesh taken;
-  taken.vertices = mesh.vertices;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    if (keep[static_cast<std::size_t>(piece_of[i])]) taken.triangles.push_back(mesh.triangles[i]);
-  drop_unused_vertices(taken);
-  return taken;
-}
-
 // The largest pieces, each as a mesh of its own.
 std::vector<TriangleMesh> largest_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of,
                                          const std::vector<Piece>& pieces) {

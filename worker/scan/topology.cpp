@@ -134,6 +134,16 @@ void drop_unused_vertices(TriangleMesh& mesh) {
     for (int& v : t) v = number[static_cast<std::size_t>(v)];
 }
 
+TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of_triangle,
+                         const std::vector<char>& keep) {
+  TriangleMesh taken;
+  taken.vertices = mesh.vertices;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    if (keep[static_cast<std::size_t>(piece_of_triangle[i])]) taken.triangles.push_back(mesh.triangles[i]);
+  drop_unused_vertices(taken);
+  return taken;
+}
+
 Box bounds(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   Box box{mesh.vertices.front(), mesh.vertices.front()};

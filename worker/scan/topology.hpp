@@ -33,6 +33,10 @@ int connected_pieces(const TriangleMesh& mesh, std::vector<int>& piece_of_triang
 // Removes vertices that no triangle names; keeps the order of the others.
 void drop_unused_vertices(TriangleMesh& mesh);
 
+// The triangles of the pieces to keep (one entry a piece), with their vertices.
+TriangleMesh take_pieces(const TriangleMesh& mesh, const std::vector<int>& piece_of_triangle,
+                         const std::vector<char>& keep);
+
 struct Box {
   Eigen::Vector3d low, high;
   Eigen::Vector3d size() const { return high - low; }
