@@ -68,6 +68,17 @@ Errors errors_of(const Mold& mold, const SheetSettings& sheet, const MachineSett
   return out;
 }
 
+// A sheet 10 mm wider than the round window that it is clamped in.
+std::pair<SheetSettings, MachineSettings> clamped_circle(double window_mm, double grid_mm) {
+  SheetSettings sheet;
+  sheet.resolution_mm = grid_mm;
+  sheet.width_mm = sheet.height_mm = window_mm + 10;
+  MachineSettings machine;
+  machine.window = WindowShape::circle;
+  machine.window_width_mm = window_mm;
+  return {sheet, machine};
+}
+
 struct Case {
   std::string name;
   std::function<Errors(double grid_mm, const FormingSettings& forming)> run;
@@ -77,12 +88,7 @@ Case hemisphere_under(double ring) {
   constexpr double R = 75;
   return {"hemisphere " + std::to_string(ring).substr(0, 3),
           [ring](double grid_mm, const FormingSettings& forming) {
-            SheetSettings sheet;
-            sheet.resolution_mm = grid_mm;
-            sheet.width_mm = sheet.height_mm = 2 * ring * R + 10;
-            MachineSettings machine;
-            machine.window = WindowShape::circle;
-            machine.window_width_mm = 2 * ring * R;
+            auto [sheet, machine] = clamped_circle(2 * ring * R, grid_mm);
             const auto landed = exact::male_hemisphere(MembraneLaw::neo_hookean, ring, 81 * degree);
             return errors_of(hemisphere(R, 180, 360), sheet, machine, forming, Contact::mold,
                              [&](const Rest& rest, const Place& p) -> std::optional<double> {
@@ -109,12 +115,7 @@ Mold cone(double R, int sectors) {
 Case cone_under_a_ring() {
   constexpr double R = 75;
   return {"cone 45", [](double grid_mm, const FormingSettings& forming) {
-            SheetSettings sheet;
-            sheet.resolution_mm = grid_mm;
-            sheet.width_mm = sheet.height_mm = 3 * R + 10;
-            MachineSettings machine;
-            machine.window = WindowShape::circle;
-            machine.window_width_mm = 3 * R;
+            auto [sheet, machine] = clamped_circle(3 * R, grid_mm);
             static constexpr std::pair<double, double> table[] = {{.1, .10281}, {.2, .20517}, {.3, .30714},
                                                                   {.5, .52211}, {.7, .74642}, {.9, .97145}};
             return errors_of(
@@ -266,12 +267,7 @@ Case inflated_circle() {
               const double middle = (low + high) / 2;
               (march_to_rim(middle) > R ? low : high) = middle;
             }
-            SheetSettings sheet;
-            sheet.resolution_mm = grid_mm;
-            sheet.width_mm = sheet.height_mm = 2 * R + 12;
-            MachineSettings machine;
-            machine.window = WindowShape::circle;
-            machine.window_width_mm = 2 * R;
+            auto [sheet, machine] = clamped_circle(2 * R, grid_mm);
             machine.drape_height_mm = height;
             machine.vacuum_kpa = low * shear_modulus_kpa(sheet.material, forming_c) * sheet.thickness_mm;
             return errors_of(tube(R + 2, R + 5, height, 360), sheet, machine, forming, Contact::free,
@@ -303,12 +299,7 @@ double step_of(const FormingSettings& forming, double grid_mm) {
 Case viscous_hemisphere() {
   return {"viscous in steps", [](double grid_mm, const FormingSettings& forming) {
             constexpr double R = 75, ring = 1.5;
-            SheetSettings sheet;
-            sheet.resolution_mm = grid_mm;
-            sheet.width_mm = sheet.height_mm = 2 * ring * R + 10;
-            MachineSettings machine;
-            machine.window = WindowShape::circle;
-            machine.window_width_mm = 2 * ring * R;
+            auto [sheet, machine] = clamped_circle(2 * ring * R, grid_mm);
             FormingSettings flowing = forming, fine = forming;
             flowing.model = fine.model = FormingModel::viscoplastic;
             flowing.step_mm = step_of(forming, grid_mm);

@@ -148,8 +148,7 @@ std::string what_geometry_allows(const ReportJson& report) {
     return "";
   return "Overlap cancels the coupling of neighbours only. Two circles with another one between them do not "
          "overlap, so they cannot be cancelled at the same time: in a flat hexagon they keep k of about "
-         "-0.02, "
-         "and up to -0.05 where they nearly touch. Low-impedance preamplifiers reduce what is left.";
+         "-0.02, and up to -0.05 where they nearly touch. Low-impedance preamplifiers reduce what is left.";
 }
 
 std::string coils_section(const ReportJson& report) {
