@@ -348,15 +348,19 @@ int main(int argc, char** argv) {
       forming.step_mm = step;
       forming.thin_limit = 0;  // an ideal sheet: around the grooves' block it would tear
       Errors before;
+      double grid_before = 0;
       for (const double grid : grids) {
         const Errors e = c.run(grid, forming);
-        std::printf(
-            "%-19s %7.2f %7s %8.4f %8.4f %8.4f %6s %6d %6d %8.2f\n", c.name.c_str(), grid,
-            step ? std::to_string(*step).substr(0, 4).c_str() : "auto", e.mean, e.p99, e.most,
-            before.mean > 0 ? std::to_string(std::log2(before.mean / e.mean)).substr(0, 5).c_str() : "",
-            e.steps, e.iterations, e.seconds);
+        std::printf("%-19s %7.2f %7s %8.4f %8.4f %8.4f %6s %6d %6d %8.2f\n", c.name.c_str(), grid,
+                    step ? std::to_string(*step).substr(0, 4).c_str() : "auto", e.mean, e.p99, e.most,
+                    before.mean > 0
+                        ? std::to_string(std::log(before.mean / e.mean) / std::log(grid_before / grid))
+                              .substr(0, 5)
+                              .c_str()
+                        : "",
+                    e.steps, e.iterations, e.seconds);
         std::fflush(stdout);
-        before = e;
+        before = e, grid_before = grid;
       }
     }
   }
