@@ -1,4 +1,4 @@
-// The words for what keeps a job's process from everything but its job; worker/sandbox.hpp says what each is.
+// The words for what keeps a job's process from everything but its job; worker/agent/sandbox.hpp says what each is.
 #pragma once
 
 #include <array>

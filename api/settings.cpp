@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "api/base/strict_json.hpp"
 #include "api/job_limits.hpp"
 #include "api/settings_fields.hpp"
-#include "api/strict_json.hpp"
 
 namespace vacuform {
 

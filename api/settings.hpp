@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 
 namespace vacuform {
 
@@ -96,8 +96,8 @@ struct FormingSettings {
   bool sag = false;           // under its own weight while it is hot
   // membrane: the frame descends no further between two searches for contact; none: two thirds of the grid's spacing
   std::optional<double> step_mm;
-  double thin_limit = 0.3;    // of the thickness before forming: below it, the maker is told
-  double yield_kpa = 0;       // viscoplastic: stress below which the sheet is elastic
+  double thin_limit = 0.3;  // of the thickness before forming: below it, the maker is told
+  double yield_kpa = 0;     // viscoplastic: stress below which the sheet is elastic
   Integrator integrator = Integrator::implicit_euler;  // mass_spring
   std::optional<double> time_step_ms;                  // mass_spring; none: chosen for the integrator
 };
@@ -120,14 +120,14 @@ struct PatternSettings {
   // Rows u, v, x, y, z: points of the drawing and of the mold that shall meet. One moves the drawing; a second turns it
   // too; three and more do both by least squares. offset_mm and rotate_deg then come on top.
   std::vector<std::array<double, 5>> points;
-  double distortion_limit = 1.1;  // segments: of each, as worker/coils/segments.hpp defines it
+  double distortion_limit = 1.1;  // segments: of each, as worker/placement/segments.hpp defines it
   // segments: rows x, y, z, x, y, z, each a cut from a point of the mold to another; rows that share points continue
   std::vector<std::array<double, 6>> seams;
   InkedFace inked_face = InkedFace::outer;
 };
 
 struct CoilSettings {
-  // What of a drawn coil is the same on the surface: worker/coils/polar_grid.hpp defines both.
+  // What of a drawn coil is the same on the surface: worker/surface/polar_grid.hpp defines both.
   CoilKeep keep = CoilKeep::area;
   bool decouple = false;       // moves and resizes loops until neighbours no longer couple
   double size_limit = 0.05;    // largest change of a loop's size by that

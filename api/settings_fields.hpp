@@ -152,9 +152,10 @@ void describe(S& s, V& v) {
   v.field("edge_stiffness", s.forming.edge_stiffness, {0.1, 10, "1"},
           "Stiffness of the sheet at the clamp frame against its centre, as calibrated");
   v.field("sag", s.forming.sag, "The hot sheet sags under its own weight");
-  v.field("step_mm", s.forming.step_mm, {0.1, 20, "mm"},
-          "The frame descends no further between two searches for contact (membrane); auto is two thirds of the "
-          "grid spacing");
+  v.field(
+      "step_mm", s.forming.step_mm, {0.1, 20, "mm"},
+      "The frame descends no further between two searches for contact (membrane); auto is two thirds of the "
+      "grid spacing");
   v.field("thin_limit", s.forming.thin_limit, {0, 1, "1"},
           "Share of its thickness below which a thin place is a warning");
   v.field("yield_kpa", s.forming.yield_kpa, {0, 1000, "kPa"},

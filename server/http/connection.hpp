@@ -65,9 +65,9 @@ class Connection : public Body {
   const Limits& limits_;
   UploadRoom& room_;
   const std::atomic<bool>& stopping_;
-  std::string in_;              // received and not yet used
-  std::size_t searched_ = 0;    // of it, for the end of a head
-  std::uint64_t length_ = 0;    // of the body
+  std::string in_;            // received and not yet used
+  std::size_t searched_ = 0;  // of it, for the end of a head
+  std::uint64_t length_ = 0;  // of the body
   std::uint64_t body_read_ = 0;
   bool continue_due_ = false;
   std::optional<Refusal> trouble_;

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 
-#include "api/sha256.hpp"
+#include "api/base/sha256.hpp"
 
 namespace vacuform::http {
 

@@ -15,13 +15,14 @@ struct Limits {
   std::size_t head_lines = 100;
   std::chrono::milliseconds head_time{10'000};  // from the first byte of a head to its end
   std::chrono::milliseconds idle_time{75'000};  // between two requests; nginx closes after 60 s of its own
-  std::chrono::milliseconds wait{30'000};       // for a small body; and the window in which slowest_body is measured
-  std::uint64_t slowest_body = 4 * 1024;        // bytes a second that a client must send or take in each window
+  std::chrono::milliseconds wait{
+      30'000};  // for a small body; and the window in which slowest_body is measured
+  std::uint64_t slowest_body = 4 * 1024;  // bytes a second that a client must send or take in each window
 };
 
 struct Head {
-  std::string method;  // as it was sent: HEAD is HEAD
-  std::string path;    // percent-decoded, without the query
+  std::string method;                             // as it was sent: HEAD is HEAD
+  std::string path;                               // percent-decoded, without the query
   std::multimap<std::string, std::string> query;  // as sent
   std::vector<Header> headers;
   std::uint64_t content_length = 0;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "api/sha256.hpp"
+#include "api/base/sha256.hpp"
 #include "server/http/digest.hpp"
 #include "server/http/range.hpp"
 

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "api/error.hpp"
-#include "server/file.hpp"
+#include "api/base/error.hpp"
+#include "api/base/file.hpp"
 
 namespace vacuform::http {
 
@@ -30,8 +30,8 @@ class Body {
 };
 
 struct Request {
-  std::string method;  // GET also for HEAD
-  std::string path;    // percent-decoded
+  std::string method;                             // GET also for HEAD
+  std::string path;                               // percent-decoded
   std::multimap<std::string, std::string> query;  // as sent
   std::vector<Header> headers;
   std::map<std::string, std::string> captures;  // of the route's pattern

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t longest_head = 8192;
 constexpr int most_parts = 128;
-constexpr std::uint64_t most_outside = 8192;  // bytes before the first part and behind the last, which are not used
+constexpr std::uint64_t most_outside =
+    8192;  // bytes before the first part and behind the last, which are not used
 
 tl::unexpected<Error> malformed(std::string what) {
   return fail(Code::bad_usage, std::move(what), "request body",

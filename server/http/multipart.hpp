@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 #include "server/http/message.hpp"
 
 namespace vacuform::http {

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <nlohmann/json.hpp>
 
-#include "api/log.hpp"
+#include "api/base/log.hpp"
 
 namespace vacuform::http {
 

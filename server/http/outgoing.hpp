@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "api/sha256.hpp"
+#include "api/base/sha256.hpp"
 #include "server/http/message.hpp"
 
 namespace vacuform::http {
@@ -25,8 +25,8 @@ class Outgoing {
   };
   Sent send(int socket);
 
-  std::uint64_t bytes() const { return sent_; }                        // sent so far
-  std::size_t memory() const { return text_.capacity(); }              // held until all is sent
+  std::uint64_t bytes() const { return sent_; }            // sent so far
+  std::size_t memory() const { return text_.capacity(); }  // held until all is sent
 
  private:
   Sent send_source(int socket, std::size_t& budget);

@@ -1,7 +1,7 @@
 #include "server/http/request_id.hpp"
 
-#include "api/log.hpp"
-#include "server/secrets.hpp"
+#include "api/base/log.hpp"
+#include "api/base/secrets.hpp"
 
 namespace vacuform::http {
 

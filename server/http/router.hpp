@@ -14,7 +14,8 @@ using Handler = std::function<Result<Response>(Request&)>;
 // Says from the head alone whether the request may go on: before a byte of its body is waited for.
 using Admission = std::function<Result<void>(const Request&)>;
 
-inline constexpr std::uint64_t small_body = 72 << 10;  // a body up to this is held in memory until it is whole
+inline constexpr std::uint64_t small_body = 72
+                                            << 10;  // a body up to this is held in memory until it is whole
 
 struct Route {
   std::string method, pattern;

@@ -31,7 +31,8 @@
 #include <utility>
 #include <vector>
 
-#include "api/log.hpp"
+#include "api/base/log.hpp"
+#include "api/problem.hpp"
 #include "server/http/connection.hpp"
 #include "server/http/digest.hpp"
 #include "server/http/origin.hpp"

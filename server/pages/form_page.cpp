@@ -3,10 +3,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "api/base/secrets.hpp"
+#include "api/problem.hpp"
 #include "api/settings.hpp"
-#include "server/job_json.hpp"
+#include "server/jobs/job_json.hpp"
 #include "server/pages/pages.hpp"
-#include "server/secrets.hpp"
 
 namespace vacuform {
 

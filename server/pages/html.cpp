@@ -2,7 +2,8 @@
 
 #include <cstdio>
 
-#include "server/problem.hpp"
+#include "api/problem.hpp"
+#include "server/http/problem.hpp"
 
 namespace vacuform {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdio>
 
-#include "server/job_json.hpp"
+#include "server/jobs/job_json.hpp"
 #include "server/pages/findings_html.hpp"
 #include "server/pages/pages.hpp"
 

@@ -1,4 +1,5 @@
 // What each problem type means to a person: the page behind every "type" of the API's problems.
+#include "api/problem.hpp"
 #include "server/pages/pages.hpp"
 
 namespace vacuform {

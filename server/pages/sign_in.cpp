@@ -1,8 +1,9 @@
 // Signing in and out, without scripts: the token in a form once, a cookie after that.
-#include "api/log.hpp"
+#include "api/base/log.hpp"
+#include "api/problem.hpp"
 #include "server/http/multipart.hpp"
 #include "server/pages/pages.hpp"
-#include "server/service.hpp"
+#include "server/routes/service.hpp"
 
 namespace vacuform {
 

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <vector>
 
-#include "api/log.hpp"
+#include "api/base/log.hpp"
 
 namespace vacuform {
 

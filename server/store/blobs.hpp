@@ -17,9 +17,9 @@
 #include <string>
 #include <string_view>
 
-#include "api/sha256.hpp"
-#include "server/file.hpp"
-#include "server/secrets.hpp"
+#include "api/base/file.hpp"
+#include "api/base/secrets.hpp"
+#include "api/base/sha256.hpp"
 #include "server/store/disk_room.hpp"
 
 namespace vacuform {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "api/log.hpp"
+#include "api/base/log.hpp"
 
 namespace vacuform {
 

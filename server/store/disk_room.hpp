@@ -13,7 +13,7 @@
 #include <mutex>
 #include <optional>
 
-#include "server/file.hpp"
+#include "api/base/file.hpp"
 
 namespace vacuform {
 

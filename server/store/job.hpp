@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "api/clock.hpp"
-#include "api/error.hpp"
+#include "api/base/clock.hpp"
+#include "api/base/error.hpp"
 #include "api/job.hpp"
 #include "server/store/blobs.hpp"
 

@@ -1,6 +1,6 @@
 #include "server/store/job_id.hpp"
 
-#include "server/secrets.hpp"
+#include "api/base/secrets.hpp"
 
 namespace vacuform {
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "api/clock.hpp"
+#include "api/base/clock.hpp"
 
 namespace vacuform {
 

@@ -1,4 +1,4 @@
-// A file that arrives in pieces over many connections, without the names in it (api/names.hpp), and that survives a crash
+// A file that arrives in pieces over many connections, without the names in it (api/redaction/names.hpp), and that survives a crash
 // between them: what flush() has flushed is there again after kill -9 or a power cut.
 //
 // Two files stand under one name. NAME.part has the bytes as they will be kept, names blanked. NAME.state says how many
@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/names.hpp"
+#include "api/redaction/names.hpp"
 #include "server/store/blobs.hpp"
 
 namespace vacuform {

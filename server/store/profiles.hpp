@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "api/clock.hpp"
-#include "api/error.hpp"
+#include "api/base/clock.hpp"
+#include "api/base/error.hpp"
 
 namespace vacuform {
 

@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;

@@ -2,6 +2,7 @@
 #include <functional>
 #include <limits>
 
+#include "api/problem.hpp"
 #include "server/store/job_id.hpp"
 #include "server/store/sqlite_store.hpp"
 

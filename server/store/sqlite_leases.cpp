@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "server/secrets.hpp"
+#include "api/base/secrets.hpp"
+#include "api/problem.hpp"
 #include "server/store/sqlite_store.hpp"
 
 namespace vacuform {

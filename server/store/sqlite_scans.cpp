@@ -95,7 +95,8 @@ Result<void> SqliteStore::remove_scan(const std::string& id) {
 
 Result<bool> SqliteStore::names_scan(const std::string& owner, const std::string& sha256) {
   const std::lock_guard hold(commits_.lock());
-  Query query(db_, "SELECT 1 FROM input JOIN job ON job.id=input.job WHERE blob=? AND owner=? LIMIT 1", sha256, owner);
+  Query query(db_, "SELECT 1 FROM input JOIN job ON job.id=input.job WHERE blob=? AND owner=? LIMIT 1",
+              sha256, owner);
   return query.row();
 }
 

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/log.hpp"
+#include "api/base/log.hpp"
 #include "server/store/schema.hpp"
 
 namespace vacuform {

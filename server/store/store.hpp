@@ -36,13 +36,13 @@
 #include <string>
 #include <vector>
 
-#include "api/clock.hpp"
-#include "api/error.hpp"
-#include "api/retry.hpp"
-#include "server/scopes.hpp"
+#include "api/base/clock.hpp"
+#include "api/base/error.hpp"
+#include "api/client/retry.hpp"
 #include "server/store/job.hpp"
 #include "server/store/profiles.hpp"
 #include "server/store/scans.hpp"
+#include "server/store/scopes.hpp"
 #include "server/store/uploads.hpp"
 
 namespace vacuform {

@@ -23,8 +23,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/unit/axisymmetric.hpp"
-#include "tests/unit/shapes.hpp"
+#include "tests/unit/fixtures/shapes.hpp"
+#include "tests/unit/worker/forming/axisymmetric.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/material.hpp"
 

@@ -19,8 +19,8 @@
 #include <string_view>
 #include <vector>
 
-#include "worker/coils/alignment.hpp"
 #include "worker/flattening/methods.hpp"
+#include "worker/placement/alignment.hpp"
 #include "worker/printing/print.hpp"
 
 namespace {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/secrets.hpp"
+#include "api/base/secrets.hpp"
 #include "server/store/store.hpp"
 
 namespace {

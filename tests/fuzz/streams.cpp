@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "api/names.hpp"
+#include "api/redaction/names.hpp"
 #include "server/http/connection.hpp"
 #include "server/http/multipart.hpp"
 #include "server/http/range.hpp"

@@ -41,7 +41,8 @@ class Checker {
     grid_ = settings.at("sheet").at("resolution_mm");
     thickness_ = settings.at("sheet").at("thickness_mm");
     wall_mm_ = settings.at("machine").at("drape_height_mm");
-    limit_ = 1.1 * std::max(0.5, 0.2 * grid_);  // a tenth above the program's: both take samples, at other places
+    limit_ =
+        1.1 * std::max(0.5, 0.2 * grid_);  // a tenth above the program's: both take samples, at other places
   }
 
   int run() {

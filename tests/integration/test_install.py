@@ -44,7 +44,7 @@ class Units(Case):
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_the_worker_can_still_confine_its_jobs(self):
-        """worker/sandbox.cpp: namespaces for users, processes, network and IPC; Landlock, which this systemd's groups of calls may lack; seccomp."""
+        """worker/agent/sandbox.cpp: namespaces for users, processes, network and IPC; Landlock, which this systemd's groups of calls may lack; seccomp."""
         text = (DEPLOY / "units" / UNITS[1]).read_text()
         self.assertIn("\nRestrictNamespaces=user pid net ipc\n", text)
         calls = re.search(r"^SystemCallFilter=@system-service (.*)$", text, re.M)[1].split()

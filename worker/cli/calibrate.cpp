@@ -3,11 +3,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "api/base/decimal.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/study_options.hpp"
-#include "worker/decimal.hpp"
-#include "worker/pipeline.hpp"
+#include "worker/pipeline/pipeline.hpp"
 #include "worker/scan/text_cursor.hpp"
 #include "worker/studies/calibration.hpp"
 

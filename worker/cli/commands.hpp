@@ -1,10 +1,10 @@
 // The commands of `vacuform`, one source file each. A command writes its errors to stderr as one line
-// "vacuform: what (where); mend" and sets the exit code of api/error.hpp.
+// "vacuform: what (where); mend" and sets the exit code of api/base/error.hpp.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 
 namespace vacuform::cli {
 

@@ -3,10 +3,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "api/base/decimal.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/study_options.hpp"
-#include "worker/decimal.hpp"
 #include "worker/studies/convergence.hpp"
 
 namespace vacuform::cli {

@@ -3,13 +3,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "api/names.hpp"
+#include "api/redaction/names.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/settings_options.hpp"
+#include "worker/pipeline/scan_inspection.hpp"
 #include "worker/scan/findings_json.hpp"
-#include "worker/scan_inspection.hpp"
-#include "worker/warning_json.hpp"
+#include "worker/stage/warning_json.hpp"
 
 namespace vacuform::cli {
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "api/problem.hpp"
 #include "worker/cli/commands.hpp"
 
 namespace vacuform::cli {

@@ -6,13 +6,13 @@
 #include <string>
 
 #include "worker/cli/progress_bar.hpp"
-#include "worker/context.hpp"
-#include "worker/kept_stages.hpp"
+#include "worker/pipeline/kept_stages.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform::cli {
 
 enum class ProgressAs { bar, json, none };
-// --progress bar|json. JSON lines are for the program that runs this one (worker/child.hpp).
+// --progress bar|json. JSON lines are for the program that runs this one (worker/agent/child.hpp).
 CLI::Option* add_progress_option(CLI::App& command, ProgressAs& into);
 
 // Runs `work` with a context whose progress is shown and that SIGINT and SIGTERM cancel; memory that runs

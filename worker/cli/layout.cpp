@@ -4,11 +4,11 @@
 #include <fstream>
 #include <memory>
 
+#include "api/base/decimal.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/study_options.hpp"
 #include "worker/coils/array_layout.hpp"
-#include "worker/decimal.hpp"
 
 namespace vacuform::cli {
 

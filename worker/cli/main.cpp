@@ -5,6 +5,7 @@
 #include <new>
 #include <string>
 
+#include "api/problem.hpp"
 #include "api/version.hpp"
 #include "worker/cli/commands.hpp"
 

@@ -4,12 +4,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "api/names.hpp"
+#include "api/redaction/names.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/outcome.hpp"
 #include "worker/cli/settings_options.hpp"
-#include "worker/pipeline.hpp"
+#include "worker/pipeline/pipeline.hpp"
 
 namespace vacuform::cli {
 

@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "worker/pipeline.hpp"
+#include "worker/pipeline/pipeline.hpp"
 
 namespace vacuform::cli {
 

@@ -11,8 +11,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "api/client.hpp"
-#include "api/token.hpp"
+#include "api/client/client.hpp"
+#include "api/client/token.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/outcome.hpp"
 #include "worker/cli/progress_bar.hpp"

@@ -6,11 +6,11 @@
 #include <limits>
 #include <numeric>
 
+#include "api/base/decimal.hpp"
 #include "worker/coils/decoupling.hpp"
-#include "worker/coils/element_layout.hpp"
 #include "worker/coils/flat_picture.hpp"
-#include "worker/coils/voronoi.hpp"
-#include "worker/decimal.hpp"
+#include "worker/placement/element_layout.hpp"
+#include "worker/surface/voronoi.hpp"
 
 namespace vacuform {
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "worker/coils/coupling_matrix.hpp"
-#include "worker/coils/placement.hpp"
+#include "worker/placement/placement.hpp"
 
 namespace vacuform {
 

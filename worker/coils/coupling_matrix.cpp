@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "worker/coils/inductance.hpp"
-#include "worker/parallel.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "worker/context.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

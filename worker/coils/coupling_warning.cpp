@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 
 namespace vacuform {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "worker/coils/inductance.hpp"
-#include "worker/parallel.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

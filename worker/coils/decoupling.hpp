@@ -1,7 +1,7 @@
 // Loops moved and resized until neighbours no longer couple on the real surface.
 #pragma once
 
-#include "worker/coils/element_layout.hpp"
+#include "worker/placement/element_layout.hpp"
 
 namespace vacuform {
 

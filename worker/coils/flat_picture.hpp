@@ -1,7 +1,7 @@
 // The plane's best picture of an array on a curved surface.
 #pragma once
 
-#include "worker/coils/spacing.hpp"
+#include "worker/placement/spacing.hpp"
 
 namespace vacuform {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

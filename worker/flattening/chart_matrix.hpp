@@ -5,7 +5,7 @@
 #include <array>
 
 #include "worker/flattening/chart.hpp"
-#include "worker/forming/sparse_cholesky.hpp"
+#include "worker/numerics/sparse_cholesky.hpp"
 
 namespace vacuform {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "worker/flattening/chart_matrix.hpp"
-#include "worker/flattening/supernodal_cholesky.hpp"
+#include "worker/numerics/supernodal_cholesky.hpp"
 
 namespace vacuform {
 

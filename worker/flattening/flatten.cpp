@@ -6,13 +6,13 @@
 #include <limits>
 #include <stdexcept>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/flattening/embedding.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/flattening/held_points.hpp"
 #include "worker/flattening/methods.hpp"
 #include "worker/flattening/region.hpp"
-#include "worker/portion.hpp"
+#include "worker/stage/portion.hpp"
 
 namespace vacuform {
 
@@ -247,8 +247,7 @@ Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const Fla
   const Spot spot = spot_below(sheet, out.triangles, mold.top);
   if (!spot.exact) {
     Eigen::Vector3d nearest = Eigen::Vector3d::Zero();
-    for (int e = 0; e < 3; ++e)
-      nearest += spot.corners[e] * sheet.formed[sheet.triangles[spot.triangle][e]];
+    for (int e = 0; e < 3; ++e) nearest += spot.corners[e] * sheet.formed[sheet.triangles[spot.triangle][e]];
     out.warnings.push_back({.code = "top-off-chart",
                             .text = "The top of the mold is not covered by the chart; the pattern is centred "
                                     "on the nearest point that is",

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/context.hpp"
 #include "worker/flattening/weights.hpp"
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

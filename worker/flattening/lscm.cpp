@@ -3,7 +3,7 @@
 
 #include "worker/flattening/held_points.hpp"
 #include "worker/flattening/methods.hpp"
-#include "worker/flattening/supernodal_cholesky.hpp"
+#include "worker/numerics/supernodal_cholesky.hpp"
 
 namespace vacuform {
 

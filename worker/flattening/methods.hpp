@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "worker/context.hpp"
 #include "worker/flattening/chart.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

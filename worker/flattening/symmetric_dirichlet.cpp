@@ -10,9 +10,9 @@
 #include "worker/flattening/held_points.hpp"
 #include "worker/flattening/methods.hpp"
 #include "worker/flattening/outside.hpp"
-#include "worker/flattening/supernodal_cholesky.hpp"
 #include "worker/flattening/symmetric_dirichlet_energy.hpp"
-#include "worker/portion.hpp"
+#include "worker/numerics/supernodal_cholesky.hpp"
+#include "worker/stage/portion.hpp"
 
 namespace vacuform {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "worker/parallel.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "worker/context.hpp"
 #include "worker/forming/membrane.hpp"
 #include "worker/forming/preconditioner.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 
 namespace vacuform {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/forming/findings.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/forming/surface_fit.hpp"

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/context.hpp"
 #include "worker/forming/heat/temperature_field.hpp"
 #include "worker/scan/mold.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

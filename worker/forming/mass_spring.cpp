@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/forming/material.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/forming/settling.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

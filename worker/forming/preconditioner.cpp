@@ -5,7 +5,7 @@
 #include <array>
 #include <stdexcept>
 
-#include "worker/parallel.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

@@ -14,7 +14,7 @@
 
 #include "worker/forming/membrane.hpp"
 #include "worker/forming/sheet_grid.hpp"
-#include "worker/forming/sparse_cholesky.hpp"
+#include "worker/numerics/sparse_cholesky.hpp"
 
 namespace vacuform {
 

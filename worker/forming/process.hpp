@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "worker/context.hpp"
 #include "worker/forming/contact.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/heat/temperature_field.hpp"
 #include "worker/forming/membrane.hpp"
 #include "worker/forming/sheet_grid.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

@@ -14,8 +14,8 @@
 #pragma once
 
 #include "api/settings.hpp"
-#include "worker/context.hpp"
 #include "worker/forming/spring_net.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

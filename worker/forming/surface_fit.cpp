@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "worker/parallel.hpp"
 #include "worker/scan/mold_distance.hpp"
 #include "worker/scan/ray_caster.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "worker/forming/formed_sheet.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

@@ -253,8 +253,8 @@ void write_findings(const std::vector<Warning>& warnings, Picture& picture, cons
   Canvas canvas(picture);
   canvas.band(0, caption_top, caption_top - 1);
   canvas.text("What to look at before forming", 40, 50, 27, true, 0, 0.13f);
-  canvas.text("the worst is 1; a ring is as large as its place, dashed where it is hidden", 40, 84, 21,
-              false, 0, 0.32f);
+  canvas.text("the worst is 1; a ring is as large as its place, dashed where it is hidden", 40, 84, 21, false,
+              0, 0.32f);
   if (behind) {
     canvas.band(front, front + behind_top, front);
     canvas.text("From behind", 40, front + 38, 27, true, 0, 0.13f);

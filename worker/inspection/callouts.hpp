@@ -8,8 +8,8 @@
 
 #include <vector>
 
-#include "worker/context.hpp"
 #include "worker/inspection/view.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/inspection/canvas.hpp"
 
 namespace vacuform {

@@ -1,6 +1,6 @@
 #include "worker/inspection/caption_words.hpp"
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 
 namespace vacuform {
 

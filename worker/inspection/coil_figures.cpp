@@ -4,10 +4,10 @@
 #include <cmath>
 #include <map>
 
-#include "worker/coils/drawn_loop.hpp"
 #include "worker/coils/inductance.hpp"
 #include "worker/inspection/loop_figures.hpp"
-#include "worker/parallel.hpp"
+#include "worker/pattern/drawn_loop.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

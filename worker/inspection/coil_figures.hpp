@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "worker/coils/alignment.hpp"
 #include "worker/coils/coupling_matrix.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/inspection/shape_distance.hpp"
+#include "worker/placement/alignment.hpp"
 #include "worker/printing/vector_print.hpp"
 
 namespace vacuform {

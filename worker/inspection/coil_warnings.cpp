@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "api/base/decimal.hpp"
 #include "worker/coils/coupling_warning.hpp"
-#include "worker/decimal.hpp"
 
 namespace vacuform {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "worker/inspection/coil_figures.hpp"
-#include "worker/warning.hpp"
+#include "worker/stage/warning.hpp"
 
 namespace vacuform {
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "worker/inspection/report_html.hpp"
-#include "worker/png_reader.hpp"
-#include "worker/printing/png_writer.hpp"
+#include "worker/png/png_reader.hpp"
+#include "worker/png/png_writer.hpp"
 
 namespace vacuform {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
-#include "worker/parallel.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "worker/markup.hpp"
+#include "api/base/markup.hpp"
 
 namespace vacuform::html {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/coils/exact_geodesics.hpp"
 #include "worker/inspection/shape_distance.hpp"
+#include "worker/surface/exact_geodesics.hpp"
 
 namespace vacuform {
 

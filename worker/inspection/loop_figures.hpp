@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/coils/path_mesh.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/sheet_map.hpp"
+#include "worker/surface/path_mesh.hpp"
 
 namespace vacuform {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <string>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 
 namespace vacuform {
 namespace {

@@ -1,7 +1,7 @@
 // What tells on the mold how the print lies on it. Internal to worker/inspection.
 #pragma once
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

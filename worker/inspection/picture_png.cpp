@@ -1,6 +1,6 @@
 #include "worker/inspection/picture_png.hpp"
 
-#include "worker/printing/png_writer.hpp"
+#include "worker/png/png_writer.hpp"
 
 namespace vacuform {
 

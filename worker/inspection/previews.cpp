@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/caption_words.hpp"

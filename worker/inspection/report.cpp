@@ -9,7 +9,7 @@
 #include "worker/inspection/segments_json.hpp"
 #include "worker/scan/findings_json.hpp"
 #include "worker/scan/mold_distance.hpp"
-#include "worker/warning_json.hpp"
+#include "worker/stage/warning_json.hpp"
 
 namespace vacuform {
 namespace {

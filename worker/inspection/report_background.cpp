@@ -75,7 +75,8 @@ std::string process_section(const ReportJson& report) {
   fact(forming, "Came to rest", converged.is_boolean() ? (converged.get<bool>() ? "yes" : "no") : "–");
   fact(forming, "Force out of balance, of a node's pressure", text_of(at(f, {"residual"})));
   fact(forming, "Farthest from the mold where it touches", number_text(at(f, {"gap_mm", "max"}), 3, "mm"));
-  fact(forming, "Farthest that the mold stands out of it", number_text(at(f, {"penetration_mm", "max"}), 3, "mm"));
+  fact(forming, "Farthest that the mold stands out of it",
+       number_text(at(f, {"penetration_mm", "max"}), 3, "mm"));
   fact(forming, "Plastic lost or gained", text_of(at(f, {"mass_error"})));
   fact(forming, "Force of the supports against the pressure's", text_of(at(f, {"force_error"})));
   fact(forming, "Pressure reached", number_text(at(f, {"pressure_kpa"}), 1, "kPa"));

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/inspection/html.hpp"
 #include "worker/inspection/report_sections.hpp"
 

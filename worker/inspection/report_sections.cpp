@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/inspection/html.hpp"
 
 namespace vacuform {

@@ -6,7 +6,7 @@
 #include <complex>
 #include <utility>
 
-#include "worker/coils/drawn_loop.hpp"
+#include "worker/pattern/drawn_loop.hpp"
 #include "worker/pattern/even_points.hpp"
 
 namespace vacuform {

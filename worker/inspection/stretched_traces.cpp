@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/inspection/loop_figures.hpp"
 #include "worker/pattern/curve.hpp"
 

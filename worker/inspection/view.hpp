@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "worker/context.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/scan/ray_caster.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

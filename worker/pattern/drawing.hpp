@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "worker/context.hpp"
 #include "worker/pattern/pattern.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/pattern/raster.hpp"
 
 namespace vacuform {

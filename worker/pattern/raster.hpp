@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 #include "api/job_limits.hpp"
 #include "worker/pattern/svg_work.hpp"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "worker/pattern/raster.hpp"
-#include "worker/png_reader.hpp"
+#include "worker/png/png_reader.hpp"
 
 namespace vacuform {
 namespace {

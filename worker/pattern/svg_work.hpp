@@ -4,7 +4,7 @@
 #include <pugixml.hpp>
 #include <string>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 
 namespace vacuform {
 

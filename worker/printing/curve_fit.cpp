@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 using Cubic = std::array<Vector2d, 4>;
 
-constexpr double reach_mm = 0.3;  // of the differences that tangents are taken from
+constexpr double reach_mm = 0.3;             // of the differences that tangents are taken from
 constexpr std::size_t most_points = 20'000;  // that one curve is tried on
 
 Vector2d at(const Cubic& c, double t) {

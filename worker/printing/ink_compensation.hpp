@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "worker/coils/patch.hpp"
 #include "worker/pattern/pattern.hpp"
+#include "worker/placement/patch.hpp"
 
 namespace vacuform {
 

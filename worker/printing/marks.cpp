@@ -7,8 +7,8 @@
 #include <memory>
 #include <new>
 
-#include "worker/decimal.hpp"
-#include "worker/markup.hpp"
+#include "api/base/decimal.hpp"
+#include "api/base/markup.hpp"
 
 namespace vacuform {
 namespace {

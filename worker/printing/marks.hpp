@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/context.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "worker/coils/patch.hpp"
 #include "worker/pattern/area.hpp"
+#include "worker/placement/patch.hpp"
 
 namespace vacuform {
 

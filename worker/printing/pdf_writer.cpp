@@ -4,7 +4,7 @@
 
 #include <new>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 
 namespace vacuform {
 

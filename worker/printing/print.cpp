@@ -5,15 +5,15 @@
 #include <memory>
 #include <utility>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/pattern/curve.hpp"
+#include "worker/png/png_writer.hpp"
 #include "worker/printing/ink_compensation.hpp"
 #include "worker/printing/ink_on_chart.hpp"
 #include "worker/printing/laid_ink.hpp"
 #include "worker/printing/marks.hpp"
 #include "worker/printing/mold_outline.hpp"
 #include "worker/printing/patch_map.hpp"
-#include "worker/printing/png_writer.hpp"
 #include "worker/printing/print_pdf.hpp"
 #include "worker/printing/print_svg.hpp"
 #include "worker/printing/seam_gap.hpp"

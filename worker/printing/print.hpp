@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/coils/placement.hpp"
-#include "worker/context.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/pattern/pattern.hpp"
+#include "worker/placement/placement.hpp"
 #include "worker/printing/vector_print.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <memory>
 
-#include "worker/decimal.hpp"
-#include "worker/markup.hpp"
+#include "api/base/decimal.hpp"
+#include "api/base/markup.hpp"
 
 namespace vacuform {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "worker/coils/placement.hpp"
+#include "worker/placement/placement.hpp"
 
 namespace vacuform {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/parallel.hpp"
 #include "worker/printing/scan_lines.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

@@ -6,13 +6,13 @@
 #include <map>
 #include <memory>
 
-#include "worker/coils/drawn_loop.hpp"
-#include "worker/parallel.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
+#include "worker/pattern/drawn_loop.hpp"
 #include "worker/printing/curve_fit.hpp"
 #include "worker/printing/patch_map.hpp"
 #include "worker/printing/tied_line.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

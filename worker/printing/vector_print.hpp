@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "worker/coils/placement.hpp"
+#include "worker/placement/placement.hpp"
 
 namespace vacuform {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

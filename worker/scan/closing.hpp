@@ -1,7 +1,7 @@
 // Closing a skin: scraps around broken edges removed, holes filled, the opening over the platform walled in.
 #pragma once
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

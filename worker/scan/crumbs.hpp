@@ -1,7 +1,7 @@
 // Crumbs: what the cut leaves standing beside a mold.
 #pragma once
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

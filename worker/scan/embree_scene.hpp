@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 struct RTCDeviceTy;
 struct RTCSceneTy;

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/scan/topology.hpp"
 

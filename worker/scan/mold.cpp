@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/scan/closing.hpp"
 #include "worker/scan/crumbs.hpp"
 #include "worker/scan/cutting.hpp"
@@ -152,11 +152,12 @@ std::optional<Placed> cut_and_place(const TriangleMesh& mesh, double height, con
 
 Warning outliers_warning(const std::vector<Eigen::Vector3d>& places) {
   const std::size_t shown = std::min<std::size_t>(places.size(), 3);
-  Warning warning{"outliers", places.size() == 1
-                                  ? "A vertex lies far from the rest of the scan and was left out with its triangles"
-                                  : std::to_string(places.size()) +
-                                        " vertices lie far from the rest of the scan and were left out with their "
-                                        "triangles"};
+  Warning warning{"outliers",
+                  places.size() == 1
+                      ? "A vertex lies far from the rest of the scan and was left out with its triangles"
+                      : std::to_string(places.size()) +
+                            " vertices lie far from the rest of the scan and were left out with their "
+                            "triangles"};
   for (std::size_t i = 0; i < shown; ++i) {
     warning.place += i == 0 ? "(" : ", (";
     for (int k = 0; k < 3; ++k) warning.place += (k == 0 ? "" : ", ") + short_decimal(places[i][k]);
@@ -213,8 +214,8 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
       warn("up-guessed", "The up axis is +y, as its format says, but " + std::string(name(guess.axis)) +
                              " looks right because " + guess.why);
     else if (!scan.y_up && !guess.told)
-      warn("up-guessed", "The up axis was taken to be " + std::string(name(guess.axis)) + " because " +
-                             guess.why);
+      warn("up-guessed",
+           "The up axis was taken to be " + std::string(name(guess.axis)) + " because " + guess.why);
   }
   if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
     warn("inside-out",
@@ -263,11 +264,12 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
     return fail(Code::unusable_scan, "no watertight mold can be made of the scan", file_name, fix);
   }
   if (findings.rebuilt)
-    mold.warnings.push_back({"rebuilt",
-                             "The scan's surface could not be closed as it is and was replaced by a new one, up to 0.2 mm "
-                             "outside of it",
-                             {},
-                             Warning::Figure{0.2, "mm"}});
+    mold.warnings.push_back(
+        {"rebuilt",
+         "The scan's surface could not be closed as it is and was replaced by a new one, up to 0.2 mm "
+         "outside of it",
+         {},
+         Warning::Figure{0.2, "mm"}});
 
   mold.mesh = std::move(placed->mesh);
   mold.top = top_of(mold.mesh);

@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/context.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/stage/context.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

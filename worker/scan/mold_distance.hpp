@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

@@ -2,7 +2,7 @@
 // vertical axis.
 #pragma once
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

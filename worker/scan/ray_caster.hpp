@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

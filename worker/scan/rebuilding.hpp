@@ -3,7 +3,7 @@
 #pragma once
 
 #include "worker/scan/scan_progress.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

@@ -9,10 +9,10 @@
 #include <span>
 #include <string>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 #include "api/job_limits.hpp"
 #include "worker/scan/scan_progress.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

@@ -2,7 +2,7 @@
 // ticks.
 #pragma once
 
-#include "worker/context.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/scan/placing.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/scan/undercuts.hpp"

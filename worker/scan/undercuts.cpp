@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/scan/topology.hpp"
 
 namespace vacuform {

@@ -13,7 +13,7 @@
 #include "worker/scan/mold.hpp"
 #include "worker/scan/ray_caster.hpp"
 #include "worker/scan/scan_progress.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

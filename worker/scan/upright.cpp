@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/scan/placing.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/scan/undercuts.hpp"

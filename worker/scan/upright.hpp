@@ -5,7 +5,7 @@
 
 #include "api/settings.hpp"
 #include "worker/scan/scan_progress.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

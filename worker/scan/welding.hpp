@@ -2,7 +2,7 @@
 #pragma once
 
 #include "worker/scan/topology.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

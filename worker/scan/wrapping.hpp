@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 #include "worker/scan/scan_progress.hpp"
-#include "worker/scan/triangle_mesh.hpp"
+#include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
 

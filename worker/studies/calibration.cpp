@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/forming/formed_sheet.hpp"
-#include "worker/portion.hpp"
+#include "worker/stage/portion.hpp"
 #include "worker/studies/bayesian_fit.hpp"
 #include "worker/studies/inked_places.hpp"
 

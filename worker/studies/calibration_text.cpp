@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/studies/calibration.hpp"
 
 namespace vacuform {

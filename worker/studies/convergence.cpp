@@ -9,7 +9,7 @@
 
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/sheet_map.hpp"
-#include "worker/portion.hpp"
+#include "worker/stage/portion.hpp"
 
 namespace vacuform {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/scan/text_cursor.hpp"
 
 namespace vacuform {

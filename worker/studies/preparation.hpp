@@ -6,10 +6,10 @@
 #include <string>
 
 #include "api/settings.hpp"
-#include "worker/context.hpp"
 #include "worker/forming/heat/measured_field.hpp"
 #include "worker/forming/heat/temperature_field.hpp"
 #include "worker/scan/mold.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

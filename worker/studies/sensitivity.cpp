@@ -4,10 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/forming/sheet_map.hpp"
-#include "worker/portion.hpp"
+#include "worker/stage/portion.hpp"
 
 namespace vacuform {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "worker/png_reader.hpp"
+#include "worker/png/png_reader.hpp"
 
 namespace vacuform {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "api/error.hpp"
+#include "api/base/error.hpp"
 
 namespace vacuform {
 

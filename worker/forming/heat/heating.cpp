@@ -4,12 +4,12 @@
 #include <cmath>
 #include <vector>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/forming/heat/irradiance.hpp"
 #include "worker/forming/heat/slab.hpp"
 #include "worker/forming/heat/window.hpp"
 #include "worker/forming/material.hpp"
-#include "worker/parallel.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

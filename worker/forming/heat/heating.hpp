@@ -3,8 +3,8 @@
 #pragma once
 
 #include "api/settings.hpp"
-#include "worker/context.hpp"
 #include "worker/forming/heat/temperature_field.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

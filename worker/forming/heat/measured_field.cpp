@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/forming/heat/gray_png.hpp"
 #include "worker/forming/heat/scattered.hpp"
 #include "worker/scan/text_cursor.hpp"

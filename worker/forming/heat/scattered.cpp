@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "worker/parallel.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "worker/decimal.hpp"
+#include "api/base/decimal.hpp"
 #include "worker/forming/heat/heating.hpp"
 #include "worker/forming/heat/window.hpp"
 #include "worker/forming/material.hpp"

@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "api/settings.hpp"
-#include "worker/context.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/heat/measured_field.hpp"
 #include "worker/forming/heat/temperature_field.hpp"
+#include "worker/stage/context.hpp"
 
 namespace vacuform {
 

@@ -1,0 +1,14 @@
+#include "api/base/error.hpp"
+
+namespace vacuform {
+
+std::string Error::text() const {
+  std::string line = what;
+  if (!where.empty()) line += " (" + where + ")";
+  if (!mend.empty()) line += "; " + mend;
+  for (char& c : line)
+    if (c == '\n' || c == '\r') c = ' ';
+  return line;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,57 @@
+// Files as the server needs them: an owned descriptor, whole writes, and writes that are on the disk when
+// they return. Every file and folder is private to the user that runs the server (0600, 0700).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "api/base/error.hpp"
+
+namespace vacuform {
+
+class File {
+ public:
+  File() = default;
+  explicit File(int descriptor) : descriptor_(descriptor) {}
+  File(File&& other) noexcept : descriptor_(other.descriptor_) { other.descriptor_ = -1; }
+  File& operator=(File&& other) noexcept;
+  ~File();
+
+  // Makes a new file for writing and reading; refuses one that exists. Errors: disk_full, unavailable (no
+  // permission).
+  static Result<File> create(const std::filesystem::path& path);
+  // Opens a file for reading. Errors: not_found, unreadable.
+  static Result<File> open(const std::filesystem::path& path);
+
+  bool is_open() const { return descriptor_ >= 0; }
+  int descriptor() const { return descriptor_; }
+  // All bytes or an error (disk_full, unavailable).
+  Result<void> write(std::string_view bytes);
+  // Bytes from `offset` on, at most the span's size; 0 only at the end of the file. Safe from many threads.
+  Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const;
+  Result<std::uint64_t> size() const;
+  // Returns when the bytes are on the disk.
+  Result<void> sync();
+  // Makes the file look changed, so that whoever trusts its bytes by its times looks at them again.
+  void doubt() const;
+
+ private:
+  int descriptor_ = -1;
+};
+
+// Makes a folder and those above it. Errors: disk_full, unavailable.
+Result<void> make_directory(const std::filesystem::path& path);
+// Returns when the names in the folder are on the disk: after a rename, so that the name survives a power
+// cut.
+Result<void> sync_directory(const std::filesystem::path& path);
+
+// A whole small file. Errors: not_found, unreadable, too_large.
+Result<std::string> read_text_file(const std::filesystem::path& path, std::uint64_t limit);
+// Writes beside the place, flushes, renames: readers see the old text or the new one, never half. An error leaves no file
+// beside the place.
+Result<void> write_text_file(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace vacuform

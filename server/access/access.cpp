@@ -1,0 +1,149 @@
+#include "server/access/access.hpp"
+
+#include <strings.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "api/base/log.hpp"
+#include "api/base/secrets.hpp"
+#include "server/access/tokens.hpp"
+
+namespace vacuform {
+
+namespace {
+
+// Behind TLS the cookie is for TLS and for this host alone, and the prefix makes the browser see to that: no plain page and no
+// other host beneath the same domain can set one (draft-ietf-httpbis-rfc6265bis, 4.1.3.2).
+std::string_view cookie_name(bool by_tls) { return by_tls ? "__Host-vacuform-session" : "vacuform-session"; }
+
+std::string set_cookie(bool by_tls, const std::string& value, Millis seconds) {
+  return std::string(cookie_name(by_tls)) + "=" + value + "; Path=/; HttpOnly; SameSite=Strict" +
+         (by_tls ? "; Secure" : "") + "; Max-Age=" + std::to_string(seconds);
+}
+
+constexpr Millis session_seconds = 12 * 3600;
+constexpr std::size_t most_sessions = 1000, most_sessions_of_token = 50;
+constexpr double most_patience = 20;
+
+// The value of our cookie among those of the request.
+std::string_view cookie_of(const http::Request& request) {
+  std::string_view all = request.header("Cookie");
+  while (!all.empty()) {
+    const std::size_t end = all.find(';');
+    std::string_view pair = all.substr(0, end);
+    all.remove_prefix(end == std::string_view::npos ? all.size() : end + 1);
+    while (pair.starts_with(' ')) pair.remove_prefix(1);
+    const std::size_t equals = pair.find('=');
+    if (equals != std::string_view::npos && pair.substr(0, equals) == cookie_name(request.by_front))
+      return pair.substr(equals + 1);
+  }
+  return {};
+}
+
+Error no_token() {
+  return {Code::unauthorized, "there is no token", "Authorization",
+          "send Authorization: Bearer and a token, or sign in at /sign-in; whoever runs the service makes "
+          "tokens with "
+          "vacuform-server token create"};
+}
+
+}  // namespace
+
+std::optional<std::string> Caller::only() const {
+  if (scopes.has(Scope::admin)) return std::nullopt;
+  return owner;
+}
+
+Result<Caller> Access::check(const http::Request& request, Scope wanted) {
+  auto token = token_of(request);
+  if (!token) return tl::make_unexpected(std::move(token.error()));
+  if (!token->scopes.allow(wanted))
+    return fail(Code::forbidden, "the token has not the scope " + std::string(name(wanted)), token->id,
+                "use a token that has it");
+  return Caller{token->id, token->owner, token->scopes};
+}
+
+Result<Token> Access::token_of(const http::Request& request) {
+  constexpr std::string_view scheme = "Bearer ";
+  const std::string_view shown = request.header("Authorization");
+  if (shown.size() >= scheme.size() && strncasecmp(shown.data(), scheme.data(), scheme.size()) == 0) {
+    auto token = usable_token(store_, shown.substr(scheme.size()), clock_);
+    if (!token) return tl::make_unexpected(refused(std::move(token.error())));
+    return token;
+  }
+  if (!shown.empty() || cookie_of(request).empty()) return tl::make_unexpected(no_token());
+  return token_of_session(request);
+}
+
+Result<Token> Access::token_of_session(const http::Request& request) {
+  if (request.method != "GET" && request.header("Origin").empty())
+    return fail(Code::bad_usage, "a request by cookie that changes something has no Origin", "Origin",
+                "use the pages of this server, or a token in Authorization");
+  std::string id;
+  {
+    const std::lock_guard hold(mutex_);
+    const auto session = sessions_.find(text_hash(cookie_of(request)));
+    if (session != sessions_.end() && clock_() < session->second.ends) id = session->second.token;
+  }
+  const auto token = id.empty() ? fail(Code::not_found, "") : store_.token(id);
+  if (token && usable(*token, clock_())) return token;
+  if (!token && token.error().code != Code::not_found) return token;
+  return fail(Code::unauthorized, "the session has ended", "Cookie", "sign in again at /sign-in");
+}
+
+// What is said to a wrong token: at first that it is wrong, and when there are too many, to wait.
+Error Access::refused(Error error) {
+  if (error.code != Code::unauthorized) return error;
+  const std::lock_guard hold(mutex_);
+  const Millis now = clock_();
+  patience_ = std::min(most_patience,
+                       patience_ + static_cast<double>(std::max<Millis>(0, now - patience_at_)) / 1000);
+  patience_at_ = now;
+  if (patience_ < 1)
+    return {Code::too_many_attempts, "there were too many wrong tokens", "token", "try again in a minute"};
+  patience_ -= 1;
+  log_event("token-refused", {{"why", error.what}});
+  return error;
+}
+
+Result<std::string> Access::sign_in(std::string_view text, bool by_tls) {
+  const auto token = usable_token(store_, text, clock_);
+  if (!token) return tl::make_unexpected(refused(token.error()));
+  const std::string value = random_hex(32);
+  const Millis now = clock_();
+  const std::lock_guard hold(mutex_);
+  std::erase_if(sessions_, [&](const auto& entry) { return entry.second.ends <= now; });
+  make_room_for_session(token->id);
+  sessions_[text_hash(value)] = {token->id, now + session_seconds * 1000};
+  log_event("signed-in", {{"token", token->id}});
+  return set_cookie(by_tls, value, session_seconds);
+}
+
+// A token loses its oldest session when it has too many. When all tokens together have too many, the one with the most
+// loses its oldest, so that no token ends the sessions of the others.
+void Access::make_room_for_session(const std::string& token) {
+  std::map<std::string, std::size_t> counts;
+  for (const auto& [cookie, session] : sessions_) ++counts[session.token];
+  std::string loser;
+  if (counts[token] >= most_sessions_of_token)
+    loser = token;
+  else if (sessions_.size() >= most_sessions)
+    loser = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+              return a.second < b.second;
+            })->first;
+  if (loser.empty()) return;
+  auto oldest = sessions_.end();
+  for (auto it = sessions_.begin(); it != sessions_.end(); ++it)
+    if (it->second.token == loser && (oldest == sessions_.end() || it->second.ends < oldest->second.ends))
+      oldest = it;
+  sessions_.erase(oldest);
+}
+
+std::string Access::sign_out(const http::Request& request) {
+  const std::lock_guard hold(mutex_);
+  sessions_.erase(text_hash(cookie_of(request)));
+  return set_cookie(request.by_front, "", 0);
+}
+
+}  // namespace vacuform

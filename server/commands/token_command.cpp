@@ -1,0 +1,125 @@
+#include "server/commands/token_command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "api/base/secrets.hpp"
+#include "server/access/token_json.hpp"
+#include "server/commands/ask_server.hpp"
+
+namespace vacuform {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+// Does `with_store` where no server runs, and asks the server otherwise. Errors: not_found, when there is no store.
+template <class WithStore>
+Result<ordered_json> do_or_ask(const std::filesystem::path& data, const WithStore& with_store,
+                               const std::string& method, const std::string& tail,
+                               const std::string& body = {}, bool may_begin = false) {
+  if (!may_begin && !has_store(data)) return no_store(data);
+  if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
+  const auto store = open_store(data);
+  if (store) return with_store(**store);
+  if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
+  return ask_server(data, method, "/api/v1/tokens" + tail, body);
+}
+
+}  // namespace
+
+void TokenCommand::add_to(CLI::App& app) {
+  token_ = app.add_subcommand("token", "Make, list and revoke tokens");
+  token_->require_subcommand(1);
+  create_ = token_->add_subcommand("create", "Make a token; it is shown once");
+  list_ = token_->add_subcommand("list", "List the tokens, without their secrets");
+  revoke_ = token_->add_subcommand("revoke", "End a token for good, at once");
+  for (CLI::App* command : {create_, list_, revoke_})
+    command->add_option("--data", data_, "Folder of the jobs (default: as the server's settings say)")
+        ->type_name("DIR");
+  create_->add_option("--owner", owner_, "Whose jobs it makes and sees: a place or a purpose, as station-3")
+      ->required();
+  create_->add_option("--scopes", scopes_, "Some of submit, read, work, admin, with commas")
+      ->required()
+      ->type_name("LIST");
+  create_->add_option("--days", days_, "Days after which it expires (default: never)")
+      ->check(CLI::Range(0.0001, 3650.0));
+  create_->add_option("--out", out_, "File that receives it, in place of standard output")->type_name("FILE");
+  revoke_->add_option("id", id_, "The id, as list shows it")->required();
+}
+
+bool TokenCommand::asked() const { return token_->parsed(); }
+
+Result<void> TokenCommand::run(const std::filesystem::path& configured_data) {
+  data_named_ = !data_.empty();
+  if (!data_named_) data_ = configured_data;
+  if (create_->parsed()) return create();
+  if (list_->parsed()) return list();
+  return revoke();
+}
+
+Result<void> TokenCommand::create() const {
+  const auto scopes = Scopes::from(scopes_);
+  if (!scopes)
+    return fail(Code::bad_usage, "not a list of scopes: " + scopes_, "--scopes",
+                "give for example submit,read");
+  ordered_json wanted = {{"owner", owner_}, {"scopes", ordered_json::array()}};
+  for (std::size_t i = 0; i < scope_names.size(); ++i)
+    if (scopes->has(static_cast<Scope>(i))) wanted["scopes"].push_back(scope_names[i]);
+  if (days_ > 0) wanted["days"] = days_;
+  const auto here = [&](Store& store) -> Result<ordered_json> {
+    VACUFORM_TRY(asked_for, new_token_from(wanted, wall_clock()));
+    VACUFORM_TRY(made, make_token(store, asked_for));
+    ordered_json answer = token_json(made.token);
+    answer["token"] = made.text;
+    return answer;
+  };
+  // The first token is made before the first start: in the configured folder, or in an empty one.
+  std::error_code error;
+  const bool may_begin = !data_named_ || std::filesystem::is_empty(data_, error);
+  VACUFORM_TRY(made, do_or_ask(data_, here, "POST", "", wanted.dump(), may_begin && !error));
+  const std::string text = made.value("token", "") + "\n";
+  if (!out_.empty()) return write_text_file(out_, text);
+  std::fputs(text.c_str(), stdout);
+  return {};
+}
+
+Result<void> TokenCommand::list() const {
+  const auto here = [](Store& store) -> Result<ordered_json> {
+    VACUFORM_TRY(tokens, store.tokens());
+    ordered_json all = ordered_json::array();
+    for (const Token& token : tokens) all.push_back(token_json(token));
+    return ordered_json{{"tokens", all}};
+  };
+  VACUFORM_TRY(answer, do_or_ask(data_, here, "GET", ""));
+  for (const auto& token : answer.value("tokens", ordered_json::array())) {
+    std::string scopes;
+    for (const auto& scope : token.at("scopes"))
+      scopes += (scopes.empty() ? "" : ",") + scope.get<std::string>();
+    const auto text = [&](const char* key) {
+      return token.at(key).is_string() ? token.at(key).get<std::string>() : std::string("-");
+    };
+    const auto parsed = Scopes::from(scopes);
+    const bool mixed = parsed && mixes_work(*parsed) && text("revoked") == "-";
+    std::printf("%s  owner %s  scopes %s  created %s  expires %s  revoked %s%s\n", text("id").c_str(),
+                text("owner").c_str(), scopes.c_str(), text("created").c_str(), text("expires").c_str(),
+                text("revoked").c_str(),
+                mixed ? "  (work beside other scopes: make two tokens, revoke this one)" : "");
+  }
+  return {};
+}
+
+Result<void> TokenCommand::revoke() const {
+  const auto here = [&](Store& store) -> Result<ordered_json> {
+    VACUFORM_CHECK(store.revoke_token(id_));
+    return ordered_json::object();
+  };
+  if (id_.find_first_not_of("0123456789abcdef") != std::string::npos)
+    return fail(Code::bad_usage, "not the id of a token: " + id_, "id",
+                "take it from vacuform-server token list");
+  VACUFORM_CHECK(do_or_ask(data_, here, "DELETE", "/" + id_));
+  return {};
+}
+
+}  // namespace vacuform

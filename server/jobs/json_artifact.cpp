@@ -1,0 +1,34 @@
+#include "server/jobs/json_artifact.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace vacuform {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::uint64_t largest = 4 << 20;
+constexpr int deepest = 16;
+
+}  // namespace
+
+ordered_json json_artifact(Store& store, const Job& job, std::string_view name) {
+  for (const auto& artifact : job.artifacts) {
+    if (artifact.name != name || artifact.blob.bytes > largest) continue;
+    const auto file = store.open(artifact.blob);
+    std::string text(artifact.blob.bytes, '\0');
+    if (!file || file->read_at(0, text).value_or(0) != text.size()) return nullptr;
+    bool shallow = true;
+    auto value = ordered_json::parse(
+        text,
+        [&](int depth, ordered_json::parse_event_t, ordered_json&) {
+          return shallow = shallow && depth <= deepest;
+        },
+        false);
+    return shallow && value.is_object() ? value : ordered_json();
+  }
+  return nullptr;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,252 @@
+#include "server/jobs/submission.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "api/base/log.hpp"
+#include "api/settings.hpp"
+#include "server/jobs/formats.hpp"
+#include "server/jobs/submission_form.hpp"
+
+namespace vacuform {
+
+namespace {
+
+constexpr std::uint64_t part_heads = 1 << 20;  // of a form
+
+bool has(const NewJob& job, std::string_view name) {
+  return std::any_of(job.inputs.begin(), job.inputs.end(),
+                     [&](const NewInput& input) { return input.name == name; });
+}
+
+// Files that every job of this kind needs must be there, and not empty.
+Result<void> check_files(const NewJob& job) {
+  for (const InputKind& kind : input_kinds)
+    if (needs(job.kind, kind) && !has(job, kind.name))
+      return fail(Code::bad_usage, "there is no " + std::string(kind.name) + ", or it is empty",
+                  std::string(kind.name), "choose a file: " + std::string(kind.extensions));
+  return {};
+}
+
+// A file that the settings can do without turns their default into its use; what asks for a file needs it.
+template <class Choice>
+Result<void> match(bool given, const std::string& part, Choice& setting, Choice by_default, Choice of_file,
+                   const std::string& key, const std::string& value) {
+  if (given && setting == by_default) setting = of_file;
+  if (given == (setting == of_file)) return {};
+  return fail(Code::bad_settings,
+              given ? "a file is given as " + part + ", but the settings do not use it"
+                    : "the settings ask for a file that is not given: " + part,
+              key, "send the file as the part " + part + " together with " + key + " " + value);
+}
+
+Result<void> match_files(const NewJob& job, Settings& settings) {
+  VACUFORM_CHECK(match(has(job, "temperature"), "temperature", settings.heat.source, HeatSource::uniform,
+                       HeatSource::measured, "heat.source", "measured"));
+  return match(has(job, "weights"), "weights", settings.flattening.weights, FlatteningWeights::uniform,
+               FlatteningWeights::painted, "flattening.weights", "painted");
+}
+
+// `base` is known to be settings.
+Result<Settings> merged_settings(const std::string& base, const std::string& text,
+                                 const std::map<std::string, std::string>& fields) {
+  nlohmann::json object = nlohmann::json::parse(base);
+  if (text.find_first_not_of(" \t\r\n") != std::string::npos) {
+    VACUFORM_TRY(given, settings_json(text));
+    const auto alone = settings_from_json(given);
+    if (!alone && (base == "{}" || !given.is_object())) return alone;
+    for (const auto& [group, values] : given.items()) {
+      if (!values.is_object() || !object[group].is_object())
+        object[group] = values;
+      else
+        for (const auto& [key, value] : values.items()) object[group][key] = value;
+    }
+  }
+  for (const auto& [name, value] : fields) {
+    const std::size_t begin = value.find_first_not_of(" \t\r\n");
+    if (begin == std::string::npos || !SubmissionForm::is_setting(name)) continue;
+    std::string given = value.substr(begin, value.find_last_not_of(" \t\r\n") + 1 - begin);
+    if (given.find(',') != std::string::npos && given.front() != '[' && given.front() != '{')
+      given = "[" + given + "]";  // "3, 4" is a pair
+    VACUFORM_CHECK(set_in_json(object, name + "=" + given));
+  }
+  return settings_from_json(object);
+}
+
+// The Idempotency-Key of a request; empty when it has none.
+Result<std::string> client_key_of(const http::Request& request) {
+  std::string key(request.header("Idempotency-Key"));
+  const bool visible = std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c <= '~'; });
+  if (!key.empty() && (key.size() < 8 || key.size() > 128 || !visible))
+    return fail(Code::bad_usage, "the key has not 8 to 128 visible ASCII characters", "Idempotency-Key",
+                "send for example a random UUID");
+  return key;
+}
+
+// The key of a page's form, which every submission of that page carries: submitted twice, the same files and settings
+// make one job, and others a job of their own.
+std::string key_of_form(const std::string& page, NewJob& job) {
+  std::string text = page + "\n" + std::string(name(job.kind)) + "\n" + job.settings + "\n" +
+                     job.derived_from.value_or("") + "\n";
+  for (NewInput& input : job.inputs) {
+    auto* upload = std::get_if<Upload>(&input.file);
+    text += input.name + " " + (upload ? upload->digest() : std::get<Blob>(input.file)).sha256 + "\n";
+  }
+  return text_hash(text);
+}
+
+// The file that a field names by an id.
+Result<NewInput> shared_input(Service& service, const Caller& caller, const std::string& field,
+                              const std::string& id) {
+  if (field == "scan_id") {
+    VACUFORM_TRY(scan, scan_for(service, id, caller));
+    return NewInput{"scan", scan.blob, scan.extension};
+  }
+  VACUFORM_TRY(begun, upload_for(service, id, caller));
+  VACUFORM_TRY(upload, service.uploads.whole(begun));
+  if (field != upload.input + "_upload")
+    return fail(Code::bad_usage, "the upload is a " + upload.input, field,
+                "name it in the field " + upload.input + "_upload");
+  return NewInput{upload.input, *upload.blob, upload.extension};
+}
+
+Result<void> add_inputs(Service& service, const Caller& caller, SubmissionForm& form, NewJob& job) {
+  for (auto& [name, file] : form.files)
+    if (file.given()) job.add(std::string(name), std::move(*file.upload), std::move(file.extension));
+  for (const auto& [field, id] : form.fields()) {
+    if (!SubmissionForm::is_file(field) || id.empty()) continue;
+    VACUFORM_TRY(input, shared_input(service, caller, field, id));
+    if (has(job, input.name))
+      return fail(Code::bad_usage, "there is more than one " + input.name, field, "send one");
+    job.inputs.push_back(std::move(input));
+  }
+  return {};
+}
+
+// The files of the job that this one comes from, in place of those that were not sent: of those that not every job needs
+// only what the settings still ask for.
+void share_inputs(const Job& from, const Settings& settings, NewJob& job) {
+  for (const Input& input : from.inputs) {
+    const bool asked = input.name == "temperature" ? settings.heat.source == HeatSource::measured
+                       : input.name == "weights"   ? settings.flattening.weights == FlatteningWeights::painted
+                                                   : true;
+    if (asked && !has(job, input.name)) job.add(input.name, input.blob, input.extension);
+  }
+}
+
+Result<JobKind> kind_of(const SubmissionForm& form) {
+  const std::string text = form.field("kind");
+  if (text.empty()) return JobKind::print;
+  if (const auto kind = job_kind_from(text)) return *kind;
+  return fail(Code::bad_usage, "there is no such kind of job: " + text.substr(0, 64), "kind",
+              "send print or inspection");
+}
+
+Result<int> priority_of(const SubmissionForm& form, const Caller& caller) {
+  const std::string text = form.field("priority");
+  int priority = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), priority);
+  if (text.empty()) return 0;
+  if (error != std::errc() || end != text.data() + text.size() || priority < lowest_priority ||
+      priority > highest_priority)
+    return fail(Code::bad_usage, "not a priority: " + text.substr(0, 64), "priority",
+                "give a number from -10 to 10");
+  if (priority > 0 && !caller.scopes.has(Scope::admin))
+    return fail(Code::forbidden, "only an administrator raises a job above the others", "priority",
+                "give 0 or less");
+  return priority;
+}
+
+// The settings to begin with.
+Result<std::string> base_of(Service& service, const SubmissionForm& form, const std::optional<Job>& from) {
+  const std::string named = form.field("profile");
+  if (from && !named.empty())
+    return fail(Code::bad_usage, "both another job and a profile are given to begin with", "profile",
+                "give one of them");
+  if (from) return from->settings;
+  if (named.empty()) return std::string("{}");
+  VACUFORM_TRY(profile, service.store.find_profile(named));
+  return profile.settings;
+}
+
+Result<std::optional<Job>> origin_of(Service& service, const SubmissionForm& form, const Caller& caller) {
+  const std::string id = form.field("from");
+  if (id.empty()) return std::optional<Job>();
+  VACUFORM_TRY(job, service.store.job(id));
+  if (!caller.sees(job)) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
+  return std::optional<Job>(std::move(job));
+}
+
+}  // namespace
+
+std::uint64_t largest_form() {
+  std::uint64_t most = part_heads + largest_settings;
+  for (const InputKind& kind : input_kinds) most += kind.most_bytes;
+  return most;
+}
+
+std::uint64_t largest_form(std::string_view input) { return part_heads + input_kind(input)->most_bytes; }
+
+Result<NewJob> read_submission(Service& service, http::Request& request, const Caller& caller,
+                               std::map<std::string, std::string>& fields) {
+  VACUFORM_CHECK(service.store.room_for(request.content_length));  // before its bytes
+  VACUFORM_TRY(client_key, client_key_of(request));
+  SubmissionForm form(service.store, fields);
+  VACUFORM_CHECK(form.read(request));
+  NewJob job;
+  VACUFORM_TRY(kind, kind_of(form));
+  job.kind = kind;
+  VACUFORM_CHECK(add_inputs(service, caller, form, job));
+  VACUFORM_TRY(from, origin_of(service, form, caller));
+  VACUFORM_TRY(base, base_of(service, form, from));
+  VACUFORM_TRY(settings, merged_settings(base, form.settings, fields));
+  if (from) {
+    share_inputs(*from, settings, job);
+    job.derived_from = from->id;
+  }
+  VACUFORM_CHECK(check_files(job));
+  VACUFORM_TRY(priority, priority_of(form, caller));
+  job.priority = priority;
+  VACUFORM_CHECK(match_files(job, settings));
+  job.settings = to_json(settings).dump();
+  job.request = request.id;
+  job.owner = caller.owner;
+  const std::string page = form.field("idempotency_key");
+  job.client_key = client_key.empty() && !page.empty() ? key_of_form(page, job) : std::move(client_key);
+  return job;
+}
+
+Result<Job> create_job(Service& service, NewJob submission, const Caller& caller) {
+  bool repeated = false;
+  auto job = service.store.create(std::move(submission), &repeated);
+  if (job) log_event(repeated ? "job-repeated" : "job-created", {{"job", job->id}, {"token", caller.token}});
+  return job;
+}
+
+Result<nlohmann::ordered_json> plan_of(NewJob& job, Store& store) {
+  nlohmann::ordered_json inputs = nlohmann::ordered_json::object();
+  for (const InputKind& kind : input_kinds)
+    for (NewInput& input : job.inputs) {
+      if (input.name != kind.name) continue;
+      auto* upload = std::get_if<Upload>(&input.file);
+      const Blob blob = upload ? upload->digest() : std::get<Blob>(input.file);
+      File opened;
+      if (!upload) {
+        VACUFORM_TRY(file, store.open(blob));
+        opened = std::move(file);
+      }
+      std::string head(format_head, '\0');
+      VACUFORM_TRY(n, (upload ? upload->file() : opened).read_at(0, head));
+      head.resize(n);
+      VACUFORM_TRY(format, format_of(input.name, head, blob.bytes, input.extension));
+      inputs[input.name] = {
+          {"bytes", blob.bytes}, {"sha256", blob.sha256}, {"extension", input.extension}, {"format", format}};
+    }
+  return nlohmann::ordered_json{{"kind", name(job.kind)},
+                                {"settings", nlohmann::ordered_json::parse(job.settings)},
+                                {"inputs", std::move(inputs)}};
+}
+
+}  // namespace vacuform

@@ -1,0 +1,61 @@
+// What a submission says, before it is known whether it makes a job: a multipart form, or a JSON object where no file is sent.
+#pragma once
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "api/redaction/names.hpp"
+#include "server/http/message.hpp"
+#include "server/http/multipart.hpp"
+#include "server/store/store.hpp"
+
+namespace vacuform {
+
+inline constexpr std::uint64_t largest_settings = 64ull << 10;  // all texts of a form together
+
+class SubmissionForm : public http::PartSink {
+ public:
+  struct UploadedFile {
+    std::optional<Upload> upload;
+    std::optional<NameFilter> names;  // on the way there
+    std::string extension;
+
+    bool given() const { return upload && upload->bytes() > 0; }
+  };
+
+  // Texts but the JSON of `settings` go to `fields` by their names, also those of a form that is refused.
+  SubmissionForm(Store& store, std::map<std::string, std::string>& fields) : store_(store), fields_(fields) {}
+
+  // Streams the files into the store, without the names in them. Errors: too_large, bad_usage (an unknown or doubled
+  // part), those of the body.
+  Result<void> read(http::Request& request);
+
+  std::map<std::string_view, UploadedFile> files;  // by the names of input_kinds
+  std::string settings;                            // JSON text; perhaps empty
+
+  const std::map<std::string, std::string>& fields() const { return fields_; }
+  // What the field says; empty where there is none.
+  std::string field(const std::string& name) const;
+  // Whether a field is a setting, group.key, and whether it names a file by an id.
+  static bool is_setting(const std::string& field) { return field.find('.') != std::string::npos; }
+  static bool is_file(const std::string& field);
+
+ private:
+  Result<void> begin(const std::string& name, const std::string& file_name) override;
+  Result<void> data(std::string_view bytes) override;
+  Result<void> end() override;
+  Result<void> take(const nlohmann::json& object);
+
+  Store& store_;
+  std::map<std::string, std::string>& fields_;
+  bool has_settings_ = false;
+  std::string part_;
+  const InputKind* kind_ = nullptr;  // of the current part, if it is a file
+  UploadedFile* file_ = nullptr;     // where it goes
+  std::string* text_ = nullptr;
+  std::uint64_t text_bytes_ = 0;
+};
+
+}  // namespace vacuform

@@ -1,0 +1,195 @@
+#include "server/jobs/uploads.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "api/base/log.hpp"
+
+namespace vacuform {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uint64_t flush_every = 8 << 20;
+constexpr std::size_t most_writers = 16;
+
+tl::unexpected<Error> held(const std::string& id) {
+  return fail(Code::locked, "another request is sending bytes of this upload", id,
+              "try again when it has ended");
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Uploads>> Uploads::open(Store& store, fs::path folder, Clock clock) {
+  VACUFORM_CHECK(make_directory(folder));
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const auto upload = store.find_upload(entry.path().stem().string());
+    const bool unknown =
+        !upload && (upload.error().code == Code::not_found || upload.error().code == Code::gone);
+    if (!unknown && PartialFile::is_one(entry.path())) continue;
+    if (const auto deleted = Blobs::delete_aside(entry.path()); !deleted)
+      log_event("file-not-deleted", {{"folder", "uploads"}, {"problem", deleted.error().what}});
+  }
+  return std::unique_ptr<Uploads>(new Uploads(store, std::move(folder), std::move(clock)));
+}
+
+Result<StoredUpload> Uploads::begin(const std::string& owner, const InputKind& kind,
+                                    const std::string& extension, std::uint64_t length) {
+  if (length > kind.most_bytes)
+    return fail(
+        Code::too_large,
+        "the " + std::string(kind.name) + " is larger than " + std::to_string(kind.most_bytes >> 20) + " MiB",
+        "Upload-Length", "send a smaller file");
+  if (length == 0) return fail(Code::bad_usage, "the upload has no bytes", "Upload-Length", "choose a file");
+  const Millis now = clock_();
+  StoredUpload upload{random_hex(16), owner, std::string(kind.name), extension,
+                      length,         now,   now + upload_lifetime,  std::nullopt};
+  VACUFORM_CHECK(store_.add_upload(upload));
+  return upload;
+}
+
+// The writer of an upload; those that nobody uses go, the longest unused first.
+std::shared_ptr<Uploads::Writer> Uploads::writer_of(const std::string& id) {
+  const std::lock_guard hold(mutex_);
+  auto& writer = writers_[id];
+  if (!writer) writer = std::make_shared<Writer>();
+  writer->used = ++uses_;
+  const auto found = writer;
+  while (writers_.size() > most_writers) {
+    auto oldest = writers_.end();
+    for (auto it = writers_.begin(); it != writers_.end(); ++it)
+      if (it->second.use_count() == 1 &&
+          (oldest == writers_.end() || it->second->used < oldest->second->used))
+        oldest = it;
+    if (oldest == writers_.end()) break;
+    writers_.erase(oldest);
+  }
+  return found;
+}
+
+Result<std::uint64_t> Uploads::offset(const StoredUpload& upload) {
+  if (upload.blob) return upload.length;
+  const auto writer = writer_of(upload.id);
+  const std::unique_lock writing(writer->busy, std::try_to_lock);
+  if (!writing) return held(upload.id);
+  VACUFORM_TRY(flushed, PartialFile::flushed(name_of(upload.id)));
+  if (flushed == upload.length) VACUFORM_CHECK(finish_after_crash(upload, *writer));
+  return flushed;
+}
+
+Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t offset,
+                                      http::Request& request, bool whole) {
+  const auto writer = writer_of(upload.id);
+  const std::unique_lock writing(writer->busy, std::try_to_lock);
+  if (!writing) return held(upload.id);
+  VACUFORM_TRY(now, store_.find_upload(upload.id));  // it may have been finished or removed meanwhile
+  if (now.blob)
+    return offset == now.length && request.content_length == 0
+               ? Result<std::uint64_t>(now.length)
+               : fail(Code::conflict, "the upload is whole already", upload.id, "use it");
+  if (!writer->file) {
+    VACUFORM_TRY(opened, PartialFile::open(name_of(upload.id), upload.extension));
+    writer->file.emplace(std::move(opened));
+  }
+  PartialFile& file = *writer->file;
+  if (offset != file.bytes())
+    return fail(Code::conflict,
+                "the upload is at " + std::to_string(file.bytes()) + " and not at " + std::to_string(offset),
+                "Upload-Offset", "ask for the offset (HEAD) and go on there");
+  if (request.content_length > upload.length - offset)
+    return fail(Code::too_large, "there are more bytes than the upload's length", "Upload-Length",
+                "begin an upload of the right length");
+  VACUFORM_CHECK(store_.room_for(request.content_length));
+  const auto received = receive(file, upload.length, request, whole);
+  if (!received && !file.is_flushed()) {  // only flushed bytes count
+    file.drop_unflushed();
+    writer->file.reset();
+  }
+  if (!received) return tl::make_unexpected(received.error());
+  const std::uint64_t bytes = file.bytes();
+  if (bytes < upload.length) return bytes;
+  const auto finished = finish(upload, file);
+  writer->file.reset();
+  if (!finished) return tl::make_unexpected(finished.error());
+  return bytes;
+}
+
+Result<void> Uploads::receive(PartialFile& file, std::uint64_t length, http::Request& request, bool whole) {
+  std::vector<char> piece(64 * 1024);
+  std::uint64_t flushed = file.bytes();
+  for (;;) {
+    const auto n = request.body->read(piece);
+    if (!n || *n == 0) {
+      if (n || !whole) VACUFORM_CHECK(file.flush());
+      if (!n) return tl::make_unexpected(n.error());
+      return {};
+    }
+    if (*n > length - file.bytes())
+      return fail(Code::too_large, "there are more bytes than the upload's length");
+    VACUFORM_CHECK(store_.room_for(*n));
+    VACUFORM_CHECK(file.take({piece.data(), *n}));
+    if (whole || file.bytes() - flushed < flush_every) continue;
+    VACUFORM_CHECK(file.flush());
+    flushed = file.bytes();
+  }
+}
+
+Result<void> Uploads::finish(const StoredUpload& upload, PartialFile& file) {
+  VACUFORM_TRY(whole, file.finish(store_.temporary_path()));
+  VACUFORM_CHECK(store_.finish_upload(upload.id, std::move(whole)));
+  discard(upload.id);
+  return {};
+}
+
+// The server may have been killed between the last byte and the row.
+Result<void> Uploads::finish_after_crash(const StoredUpload& upload, Writer& writer) {
+  VACUFORM_TRY(now, store_.find_upload(upload.id));
+  if (now.blob) return {};
+  VACUFORM_TRY(file, PartialFile::open(name_of(upload.id), upload.extension));
+  writer.file.reset();
+  return finish(upload, file);
+}
+
+Result<StoredUpload> Uploads::whole(const StoredUpload& upload) {
+  VACUFORM_TRY(bytes, offset(upload));
+  if (bytes < upload.length)
+    return fail(Code::conflict,
+                "the upload is not whole: " + std::to_string(bytes) + " of " + std::to_string(upload.length) +
+                    " bytes have come",
+                upload.id, "send the rest first");
+  return store_.find_upload(upload.id);
+}
+
+Result<void> Uploads::remove(const std::string& id) {
+  const auto writer = writer_of(id);
+  const std::unique_lock writing(writer->busy, std::try_to_lock);
+  if (!writing) return held(id);
+  VACUFORM_CHECK(store_.remove_upload(id));
+  writer->file.reset();
+  discard(id);
+  return {};
+}
+
+void Uploads::discard(const std::string& id) {
+  const auto removed = PartialFile::remove(name_of(id));
+  const std::lock_guard hold(mutex_);
+  if (removed)
+    undeleted_.erase(id);
+  else if (undeleted_.insert(id).second)
+    log_event("file-not-deleted", {{"upload", id}, {"problem", removed.error().what}});
+}
+
+Result<void> Uploads::collect() {
+  VACUFORM_TRY(ids, store_.expire_uploads());
+  {
+    const std::lock_guard hold(mutex_);
+    ids.insert(ids.end(), undeleted_.begin(), undeleted_.end());
+  }
+  for (const std::string& id : ids) discard(id);
+  return {};
+}
+
+}  // namespace vacuform

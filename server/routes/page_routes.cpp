@@ -1,0 +1,84 @@
+#include <nlohmann/json.hpp>
+
+#include "api/base/log.hpp"
+#include "server/http/problem.hpp"
+#include "server/jobs/json_artifact.hpp"
+#include "server/jobs/submission.hpp"
+#include "server/pages/pages.hpp"
+#include "server/routes/service.hpp"
+
+namespace vacuform {
+
+using http::Request;
+using http::Response;
+
+namespace {
+
+constexpr int longest_shown_log = 200;  // lines
+
+std::vector<Job> recent_jobs(Store& store, const Caller& caller) {
+  auto page = store.list(10, "", {.owner = caller.only()}, Detail::brief);
+  return page ? std::move(page->jobs) : std::vector<Job>();
+}
+
+// The form with what it offers.
+Response form(Service& service, const Caller& caller, const std::optional<Error>& error = std::nullopt,
+              const std::map<std::string, std::string>& fields = {}) {
+  auto profiles = service.store.list_profiles(100, "");
+  return html_response(form_page(recent_jobs(service.store, caller),
+                                 profiles ? std::move(profiles->profiles) : std::vector<Profile>(), error,
+                                 fields));
+}
+
+Result<Response> submit(Service& service, Request& request, const Caller& caller) {
+  std::map<std::string, std::string> fields;
+  auto submission = read_submission(service, request, caller, fields);
+  if (!submission) return form(service, caller, submission.error(), fields);
+  auto job = create_job(service, std::move(*submission), caller);
+  if (!job) return form(service, caller, job.error(), fields);
+  return see_other("/jobs/" + job->id);
+}
+
+Result<Response> show_form(Service& service, const Request&, const Caller& caller) {
+  return form(service, caller);
+}
+
+Result<Response> show_job(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(log, service.store.log_after(job.id, 0, longest_shown_log));
+  const auto made =
+      json_artifact(service.store, job, job.kind == JobKind::print ? "report.json" : "findings.json");
+  return html_response(job_page(job, made, log));
+}
+
+Result<Response> cancel(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(seen, job_for(service, request, caller));
+  VACUFORM_TRY(job, service.store.cancel(seen.id));
+  log_event("job-cancel-asked", {{"job", job.id}, {"state", name(job.state)}, {"token", caller.token}});
+  return see_other("/jobs/" + job.id);
+}
+
+Result<Response> remove(Service& service, const Request& request, const Caller& caller) {
+  VACUFORM_TRY(seen, job_for(service, request, caller));
+  VACUFORM_CHECK(service.store.remove(seen.id));
+  log_event("job-deleted", {{"job", seen.id}, {"token", caller.token}});
+  return see_other("/");
+}
+
+}  // namespace
+
+void add_page_routes(http::Router& router, Service& service) {
+  const auto add = [&](Scope scope, const char* method, const char* pattern, const GuardedHandler& handler,
+                       std::uint64_t most_body = http::small_body) {
+    add_guarded(router, service, scope, method, pattern, handler, most_body);
+  };
+  add(Scope::read, "GET", "/", show_form);
+  add(Scope::read, "GET", "/jobs",
+      [](Service&, Request&, const Caller&) -> Result<Response> { return see_other("/"); });
+  add(Scope::submit, "POST", "/jobs", submit, largest_form());
+  add(Scope::read, "GET", "/jobs/{id}", show_job);
+  add(Scope::submit, "POST", "/jobs/{id}/cancel", cancel);
+  add(Scope::submit, "POST", "/jobs/{id}/delete", remove);
+}
+
+}  // namespace vacuform

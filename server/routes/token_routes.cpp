@@ -1,0 +1,53 @@
+// Tokens through the API, for callers with the scope admin.
+#include <nlohmann/json.hpp>
+
+#include "api/base/log.hpp"
+#include "server/access/token_json.hpp"
+#include "server/http/problem.hpp"
+#include "server/routes/service.hpp"
+
+namespace vacuform {
+
+using http::Request;
+using http::Response;
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::uint64_t largest_message = 4 << 10;
+
+Result<Response> create_token(Service& service, Request& request, const Caller& caller) {
+  VACUFORM_TRY(body, read_object(request, largest_message));
+  VACUFORM_TRY(wanted, new_token_from(body, wall_clock()));
+  VACUFORM_TRY(made, make_token(service.store, wanted));
+  log_event("token-created",
+            {{"token", made.token.id}, {"scopes", made.token.scopes.text()}, {"by", caller.token}});
+  ordered_json answer = token_json(made.token);
+  answer["token"] = made.text;
+  return json_response(answer, 201);
+}
+
+Result<Response> list_tokens(Service& service, Request&, const Caller&) {
+  VACUFORM_TRY(tokens, service.store.tokens());
+  ordered_json list = ordered_json::array();
+  for (const Token& token : tokens) list.push_back(token_json(token));
+  return json_response({{"tokens", list}});
+}
+
+Result<Response> revoke_token(Service& service, Request& request, const Caller& caller) {
+  VACUFORM_CHECK(service.store.revoke_token(request.at("id")));
+  log_event("token-revoked", {{"token", request.at("id")}, {"by", caller.token}});
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+}  // namespace
+
+void add_token_routes(http::Router& router, Service& service) {
+  add_guarded(router, service, Scope::admin, "POST", "/api/v1/tokens", create_token);
+  add_guarded(router, service, Scope::admin, "GET", "/api/v1/tokens", list_tokens);
+  add_guarded(router, service, Scope::admin, "DELETE", "/api/v1/tokens/{id}", revoke_token);
+}
+
+}  // namespace vacuform

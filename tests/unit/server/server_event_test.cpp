@@ -1,0 +1,155 @@
+// A job as it changes: entity tags, waiting, server-sent events that go on where they broke off.
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "server_fixture.hpp"
+
+namespace vacuform {
+namespace {
+
+using nlohmann::json;
+
+class ServerEvent : public ServerTest {
+ protected:
+  void SetUp() override {
+    ServerTest::SetUp();
+    id_ = json::parse(submit().body)["id"];
+    path_ = "/api/v1/jobs/" + id_;
+  }
+  json lease() {
+    return json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body);
+  }
+  Answer worker(const json& lease, const std::string& tail, const std::string& body = "{}") {
+    return ask("POST", "/api/v1/leases/" + id_ + tail, worker_headers(lease["lease"].get<std::string>()),
+               body);
+  }
+  struct Event {
+    std::string name, id;
+    json data;
+  };
+  static std::vector<Event> events(const std::string& body) {
+    std::vector<Event> all;
+    for (std::size_t at = 0, end; (end = body.find("\n\n", at)) != std::string::npos; at = end + 2) {
+      const std::string text = body.substr(at, end - at);
+      const auto field = [&](const std::string& name) {
+        const auto begin = ("\n" + text).find("\n" + name + ": ");
+        const auto from = begin + name.size() + 2;
+        return begin == std::string::npos ? "" : text.substr(from, text.find('\n', from) - from);
+      };
+      if (text.starts_with(":")) continue;
+      all.push_back({field("event"), field("id"), json::parse(field("data"))});
+    }
+    return all;
+  }
+  int following(const std::string& last = "") {
+    const int socket = connected();
+    send_all(socket, "GET " + path_ + "/events HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) +
+                         (last.empty() ? "" : "Last-Event-ID: " + last + "\r\n") + "\r\n");
+    return socket;
+  }
+
+  std::string id_, path_;
+};
+
+TEST_F(ServerEvent, AnEntityTagNamesTheStateOfAJob) {
+  const Answer first = ask("GET", path_);
+  const std::string tag = first.header("ETag"), known = "If-None-Match: " + tag + "\r\n";
+  EXPECT_FALSE(tag.empty());
+  EXPECT_EQ(ask("GET", path_, known).status, 304);
+  EXPECT_EQ(ask("GET", path_, known).header("ETag"), tag);
+  EXPECT_EQ(ask("GET", path_ + "?wait=1", known).status, 304);  // nothing happens
+  lease();
+  EXPECT_EQ(ask("GET", path_ + "?wait=60", known).status, 200);  // it has happened already
+  EXPECT_NE(ask("GET", path_).header("ETag"), tag);
+  EXPECT_EQ(ask("GET", path_ + "?wait=61", known).status, 400);
+}
+
+TEST_F(ServerEvent, AnEntityTagThatMustMatchIsLookedAt) {
+  const std::string tag = ask("GET", path_).header("ETag");
+  for (const std::string& good : {tag, std::string("*"), "\"0\", " + tag})
+    EXPECT_EQ(ask("GET", path_, "If-Match: " + good + "\r\n").status, 200) << good;
+  for (const std::string& bad : {std::string("\"0\""), "W/" + tag})
+    for (const auto& [method, path] :
+         {std::pair{"GET", path_}, {"POST", path_ + "/cancel"}, {"DELETE", path_}})
+      EXPECT_EQ(ask(method, path, "If-Match: " + bad + "\r\n").status, 412) << method << bad;
+  EXPECT_EQ(ask("POST", path_ + "/cancel", "If-Match: " + tag + "\r\n").status, 200);
+}
+
+// The store may be older than what a client has heard: a copy that was put in its place.
+TEST_F(ServerEvent, WhatWasHeardOfALaterStoreCountsForNothing) {
+  ask("POST", path_ + "/cancel");
+  for (const char* last : {"999.0", "9223372036854775807.9223372036854775807"}) {
+    const Answer answer = parsed(receive_all(following(last)));
+    EXPECT_EQ(answer.status, 200) << last;
+    EXPECT_EQ(events(answer.body).back().data["state"], "cancelled");
+  }
+}
+
+TEST_F(ServerEvent, AWaitEndsWithTheChange) {
+  const std::string tag = ask("GET", path_).header("ETag");
+  Answer answer;
+  std::thread waiting([&] { answer = ask("GET", path_ + "?wait=60", "If-None-Match: " + tag + "\r\n"); });
+  while (server_->streams() != 1) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ask("POST", path_ + "/cancel");
+  waiting.join();
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(json::parse(answer.body)["state"], "cancelled");
+  // Of a job that has ended nobody waits for more.
+  const std::string last = "If-None-Match: " + answer.header("ETag") + "\r\n";
+  EXPECT_EQ(ask("GET", path_ + "?wait=60", last).status, 304);
+}
+
+TEST_F(ServerEvent, AStreamTellsEverythingOnceAndEndsWithTheJob) {
+  const int socket = following();
+  const json held = lease();
+  worker(held, "/heartbeat", R"({"stage":"forming","progress":0.5})");
+  put_artifacts({held["job"], held["lease"]});
+  worker(held, "/complete");
+  const Answer answer = parsed(receive_all(socket));
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.header("Content-Type"), "text/event-stream");
+  const auto all = events(answer.body);
+  ASSERT_FALSE(all.empty());
+  EXPECT_EQ(all.back().name, "job");
+  EXPECT_EQ(all.back().data["state"], "succeeded");
+  std::int64_t line = 0;
+  std::size_t lines = 0;
+  for (const Event& event : all)
+    if (event.name == "log") {
+      EXPECT_EQ(event.data["number"].get<std::int64_t>(), ++line);
+      ++lines;
+    }
+  const json log = json::parse(ask("GET", path_ + "/log").body);
+  EXPECT_EQ(lines, log["lines"].size());
+  EXPECT_GT(lines, 0u);
+
+  // From every place that a client may have reached, the rest and nothing else.
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+    const auto rest = events(parsed(receive_all(following(all[i].id))).body);
+    std::size_t heard = 0;
+    for (std::size_t k = i + 1; k < all.size(); ++k) heard += all[k].name == "log";
+    std::size_t told = 0;
+    for (const Event& event : rest) told += event.name == "log";
+    EXPECT_EQ(told, heard) << i;
+    ASSERT_FALSE(rest.empty());
+    EXPECT_EQ(rest.back().id, all.back().id);
+  }
+  EXPECT_EQ(parsed(receive_all(following(all.back().id))).status, 204);
+  EXPECT_EQ(events(parsed(receive_all(following("nonsense"))).body).size(), lines + 1);
+}
+
+TEST_F(ServerEvent, AStreamEndsWhenTheJobIsDeleted) {
+  ask("POST", path_ + "/cancel");
+  const Answer gone = ask("DELETE", path_);
+  EXPECT_EQ(gone.status, 204);
+  EXPECT_EQ(ask("GET", path_ + "/events").status, 404);
+}
+
+TEST_F(ServerEvent, StreamsAreTheOwnersAlone) {
+  const std::string other = bearer(token("station-2", {Scope::read}));
+  EXPECT_EQ(ask("GET", path_ + "/events", other).status, 404);
+  EXPECT_EQ(ask("GET", path_ + "?wait=1", other).status, 404);
+}
+
+}  // namespace
+}  // namespace vacuform

@@ -1,0 +1,391 @@
+// What a hostile or broken client can send to a real server, byte by byte.
+#include <atomic>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "server_fixture.hpp"
+
+namespace vacuform {
+namespace {
+
+using nlohmann::json;
+
+class ServerLimits : public ServerTest {
+ protected:
+  // Every refusal is a complete problem.
+  void expect_problem(const Answer& answer, int status, const std::string& what) {
+    EXPECT_EQ(answer.status, status) << answer.body;
+    EXPECT_EQ(answer.header("Content-Type"), "application/problem+json");
+    const json problem = json::parse(answer.body, nullptr, false);
+    ASSERT_TRUE(problem.is_object()) << answer.body;
+    EXPECT_EQ(problem["status"], status);
+    EXPECT_EQ(problem["what"], what);
+    EXPECT_TRUE(problem["type"].get<std::string>().starts_with("/problems/"));
+    EXPECT_FALSE(problem["mend"].get<std::string>().empty());
+  }
+  int jobs() { return static_cast<int>(store_->list(100, "")->jobs.size()); }
+};
+
+TEST_F(ServerLimits, ChunkedBodiesAreRefused) {
+  expect_problem(ask("POST", "/api/v1/jobs", std::string("Transfer-Encoding: chunked\r\n") + form_type), 411,
+                 "a body without Content-Length is not accepted");
+  expect_problem(raw("POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() +
+                     "\r\nTransfer-Encoding: chunked\r\nContent-Length: 5\r\n\r\n0\r\n\r\n"),
+                 411, "a body without Content-Length is not accepted");
+  expect_problem(ask("POST", "/api/v1/jobs", "Content-Encoding: gzip\r\n", "x"), 501,
+                 "an encoded body is not accepted");
+}
+
+TEST_F(ServerLimits, HeadsAreBoundedInBytesAndLines) {
+  expect_problem(ask("GET", "/healthz", "X: " + std::string(10 << 20, 'x') + "\r\n"), 431,
+                 "the head of the request is longer than 32768 bytes");
+  std::string lines;
+  for (int i = 0; i < 200; ++i) lines += "A: b\r\n";
+  expect_problem(ask("GET", "/healthz", lines), 431, "the request has more than 100 header lines");
+  expect_problem(raw("GET /" + std::string(5000, 'x') + " HTTP/1.1\r\nHost: localhost\r\n\r\n"), 414,
+                 "the address is too long");
+}
+
+TEST_F(ServerLimits, MalformedHeadsAreRefused) {
+  expect_problem(ask("GET", "/healthz", "no colon\r\n"), 400, "a header line is malformed");
+  expect_problem(ask("GET", "/healthz", "Spaced : x\r\n"), 400, "a header line is malformed");
+  expect_problem(ask("GET", "/healthz", std::string("X: a\0b\r\n", 8)), 400, "a header line is malformed");
+  expect_problem(ask("GET", "/healthz", " folded: x\r\n"), 400, "a header line is malformed");
+  expect_problem(ask("GET", "/healthz", "Content-Length: -1\r\n"), 400,
+                 "Content-Length is not one whole number");
+  expect_problem(ask("GET", "/healthz", "Content-Length: 1\r\nContent-Length: 2\r\n"), 400,
+                 "Content-Length is not one whole number");
+  expect_problem(ask("GET", "/healthz", "Content-Length: 99999999999999999999\r\n"), 400,
+                 "Content-Length is not one whole number");
+  expect_problem(raw("GET /healthz HTTP/1.1\r\n\r\n"), 400, "there is no Host");
+  expect_problem(ask("GET", "/healthz", "Host: localhost\r\n"), 400, "there is more than one Host");
+  expect_problem(raw("complete nonsense\r\n\r\n"), 400, "there is no Host");
+  expect_problem(raw("complete nonsense\r\nHost: localhost\r\n\r\n"), 400, "the request line is malformed");
+}
+
+TEST_F(ServerLimits, ASlowHeadIsEnded) {
+  const int socket = connected();
+  send_all(socket, "GET /healthz HTTP/1.1\r\n");
+  expect_problem(parsed(receive_all(socket)), 408, "the head of the request took too long");
+}
+
+TEST_F(ServerLimits, ASlowBodyIsEndedAndLeavesNothing) {
+  const int socket = connected();
+  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
+                       "Content-Length: 1000\r\n\r\n" + part("scan", "a.stl", "half"));
+  expect_problem(parsed(receive_all(socket)), 408, "the body of the request came too slowly");
+  EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
+}
+
+// One that is too long for memory is read by its route, and a form on a page answers with a page of its own.
+TEST_F(ServerLimits, ASlowLargeBodyIsEndedAndLeavesNothing) {
+  for (const char* path : {"/api/v1/jobs", "/jobs", "/api/v1/scans"}) {
+    const int socket = connected();
+    send_all(socket, std::string("POST ") + path + " HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) +
+                         form_type + "Content-Length: 1000000\r\n\r\n" + part("scan", "a.stl", "half"));
+    expect_problem(parsed(receive_all(socket)), 408, "the body of the request came too slowly");
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
+}
+
+TEST_F(ServerLimits, ABodyThatTricklesIsEnded) {
+  for (const int length : {5000, 1000000}) {
+    const int socket = connected();
+    send_all(socket, "POST /api/v1/scans HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
+                         "Content-Length: " + std::to_string(length) + "\r\n\r\n");
+    std::atomic<bool> over = false;
+    std::thread trickle([&] {
+      while (!over && send_all(socket, "-")) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    });
+    const Answer answer = parsed(receive_one(socket));
+    over = true;
+    trickle.join();
+    ::close(socket);
+    expect_problem(answer, 408, "the body of the request came too slowly");
+  }
+}
+
+// Who takes an answer byte by byte is closed, and costs no thread meanwhile.
+TEST_F(ServerLimits, AClientThatTakesItsAnswerTooSlowlyIsClosed) {
+  Blob blob;
+  {
+    auto upload = store_->upload();
+    ASSERT_TRUE(upload->write(std::string(8 << 20, 'x')));
+    blob = upload->digest();
+    ASSERT_TRUE(store_->add_scan("station-1", std::move(*upload), "stl"));
+  }
+  http::Router router;
+  router.add("GET", "/large", [&](http::Request& request) -> Result<http::Response> {
+    VACUFORM_TRY(file, store_->open(blob));
+    return http::file_response(request, std::move(file), "application/octet-stream", blob.sha256,
+                               blob.sha256);
+  });
+  http::ServerOptions options;
+  options.refuse = refuse;
+  options.threads = 2;
+  options.uploads = options.streams = 0;
+  options.limits.wait = std::chrono::milliseconds(500);
+  const auto server = http::Server::start(std::move(options), std::move(router));
+  ASSERT_TRUE(server);
+  std::vector<int> slow;
+  for (int i = 0; i < 20; ++i) {
+    slow.push_back(connected_to(**server));
+    send_all(slow.back(), "GET /large HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  }
+  const int other = connected_to(**server);
+  send_all(other, "GET /large HTTP/1.1\r\nHost: localhost\r\nRange: bytes=0-4\r\n\r\n");
+  EXPECT_EQ(parsed(receive_one(other)).body, "xxxxx");
+  ::close(other);
+  while ((*server)->connections() > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  for (const int socket : slow) EXPECT_LT(receive_all(socket).size(), 8u << 20);
+}
+
+TEST_F(ServerLimits, TheSlowestMakeRoomForNewClients) {
+  http::Router router;
+  router.add("GET", "/", [](http::Request&) -> Result<http::Response> {
+    return http::text_response("text/plain", "here");
+  });
+  http::ServerOptions options;
+  options.refuse = refuse;
+  options.threads = 2;
+  options.uploads = options.streams = 0;
+  options.connections = 20;
+  const auto server = http::Server::start(std::move(options), std::move(router));
+  ASSERT_TRUE(server);
+  std::vector<int> stalled;
+  for (int i = 0; i < 60; ++i) {
+    stalled.push_back(connected_to(**server));
+    send_all(stalled.back(), "GET / HT");
+  }
+  for (int i = 0; i < 30; ++i) {
+    const int socket = connected_to(**server);
+    send_all(socket, "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    EXPECT_EQ(parsed(receive_one(socket)).body, "here");
+    ::close(socket);
+    EXPECT_LE((*server)->connections(), 20);
+  }
+  for (const int socket : stalled) ::close(socket);
+}
+
+TEST_F(ServerLimits, ABodyThatBreaksOffMakesNoJob) {
+  const int socket = connected();
+  send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
+                       "Content-Length: 1000\r\n\r\n" + part("scan", "a.stl", "half"));
+  ::shutdown(socket, SHUT_WR);
+  EXPECT_EQ(parsed(receive_all(socket)).status, 400);
+  EXPECT_EQ(jobs(), 0);
+  EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
+}
+
+TEST_F(ServerLimits, AFormThatAnnouncesTooMuchIsRefusedBeforeItsBytes) {
+  expect_problem(raw("POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
+                     "Content-Length: 3000000000\r\n\r\n"),
+                 413, "the body is larger than 1409 MiB");
+}
+
+// By its Content-Length alone, on every route, whoever asks.
+TEST_F(ServerLimits, EveryRouteBoundsItsBodyBeforeItsBytes) {
+  const std::string lease = "/api/v1/leases/" + std::string(26, '0');
+  for (const auto& [line, most] : {std::pair<std::string, std::string>{"POST /sign-in", "4096 bytes"},
+                                   {"POST /sign-out", "4096 bytes"},
+                                   {"GET /healthz", "73728 bytes"},
+                                   {"POST /api/v1/scans", "1025 MiB"},
+                                   {"POST /jobs", "1409 MiB"},
+                                   {"POST /api/v1/tokens", "73728 bytes"},
+                                   {"PUT /api/v1/profiles/a", "73728 bytes"},
+                                   {"POST /api/v1/leases", "73728 bytes"},
+                                   {"PUT " + lease + "/artifacts/print.png", "2048 MiB"},
+                                   {"POST /api/v1/uploads", "1024 MiB"},
+                                   {"PATCH /api/v1/uploads/none", "1024 MiB"}})
+    expect_problem(raw(line + " HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 3000000000\r\n\r\n"), 413,
+                   "the body is larger than " + most);
+}
+
+TEST_F(ServerLimits, TheTokenIsCheckedBeforeTheBody) {
+  for (const char* length : {"100", "5000", "1000000000"})
+    for (const char* line : {"POST /api/v1/jobs", "POST /api/v1/scans", "POST /jobs"})
+      EXPECT_EQ(raw(std::string(line) + " HTTP/1.1\r\nHost: " + host() + "\r\n" + form_type +
+                    "Content-Length: " + length + "\r\n\r\n")
+                    .status,
+                401)
+          << line << " " << length;
+}
+
+TEST_F(ServerLimits, AHeaderWithOneValueMayNotBeRepeated) {
+  expect_problem(ask("GET", "/healthz", bearer(user_) + bearer(admin_)), 400,
+                 "there is more than one Authorization");
+  for (const char* name : {"Range", "Content-Type", "Cookie", "If-Range", "Idempotency-Key", "Origin"})
+    expect_problem(ask("GET", "/healthz", std::string(name) + ": a\r\n" + name + ": a\r\n"), 400,
+                   std::string("there is more than one ") + name);
+  EXPECT_EQ(ask("GET", "/healthz", "Accept: a/b\r\nAccept: text/html\r\n").status, 200);
+}
+
+TEST_F(ServerLimits, TheAddressMayBeInAbsoluteForm) {
+  const std::string rest = " HTTP/1.1\r\nHost: " + host() + "\r\n\r\n";
+  EXPECT_EQ(raw("GET http://" + host() + "/healthz" + rest).body, "{\"status\":\"ok\"}\n");
+  EXPECT_EQ(raw("GET HTTP://" + host() + "/problems/?a=b" + rest).status, 400);  // its query is read
+  EXPECT_EQ(raw("GET HTTP://" + host() + "/problems/" + rest).status, 200);
+  EXPECT_EQ(raw("GET http://" + host() + rest).status, 401);  // the start page
+  expect_problem(raw("GET http://example.org/healthz" + rest), 400,
+                 "the address and Host name two different hosts");
+}
+
+TEST_F(ServerLimits, SettingsAreBounded) {
+  expect_problem(submit(part("settings", "", std::string(70'000, ' '))), 413,
+                 "the settings are longer than 64 KiB");
+  expect_problem(submit(part("print.dpi", "", "300") + part("print.dpi", "", "300")), 400,
+                 "an unknown or doubled part of the form: print.dpi");
+  expect_problem(submit(part("virus", "x.exe", "MZ")), 400, "an unknown or doubled part of the form: virus");
+  expect_problem(submit(part("scan", "again.stl", "x")), 400, "there is more than one scan");
+  EXPECT_EQ(jobs(), 0);
+}
+
+// The bytes behind a refused or unread body must never become a request.
+TEST_F(ServerLimits, NothingBehindARequestIsReadAsAnother) {
+  const std::string second =
+      "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type;
+  const std::string body = part("scan", "a.stl", "x") + part("pattern", "p.svg", "x") + "--XX--\r\n";
+  const std::string smuggled = second + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+  for (const std::string& first :
+       {"GET /nowhere HTTP/1.1\r\nHost: " + host() +
+            "\r\nContent-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n",
+        "GET /healthz HTTP/1.1\r\nHost: " + host() + "\r\nConnection: keep-alive\r\n\r\n",
+        "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\nTransfer-Encoding: chunked\r\n\r\n",
+        "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 9000000000\r\n" +
+            bearer(user_) + form_type + "\r\n"}) {
+    const int socket = connected();
+    send_all(socket, first + smuggled);
+    ::shutdown(socket, SHUT_WR);
+    const std::string all = receive_all(socket);
+    EXPECT_EQ(all.find("HTTP/1.1", 8), std::string::npos) << all;  // one answer
+  }
+  EXPECT_EQ(jobs(), 0);
+}
+
+TEST_F(ServerLimits, AConnectionServesOneRequestAfterAnother) {
+  const int socket = connected();
+  const std::string get = "GET /healthz HTTP/1.1\r\nHost: " + host() + "\r\n";
+  const std::string post = "POST /nowhere HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 4\r\n\r\n";
+  for (int i = 0; i < 3; ++i) {
+    send_all(socket, get + "\r\n");
+    const Answer answer = parsed(receive_one(socket));
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_EQ(answer.header("Connection"), "");
+    send_all(socket, post + "GET ");  // the body is not the next request, read by the route or not
+    EXPECT_EQ(parsed(receive_one(socket)).status, 404);
+  }
+  send_all(socket, get + "Connection: close\r\n\r\n");
+  const Answer last = parsed(receive_all(socket));  // all, until it is closed
+  EXPECT_EQ(last.body, "{\"status\":\"ok\"}\n");
+  EXPECT_EQ(last.header("Connection"), "close");
+}
+
+// Whatever makes it doubtful where the next request begins closes the connection.
+TEST_F(ServerLimits, AConnectionIsClosedAfterARequestOfDoubtfulForm) {
+  const std::string host_line = "Host: " + host() + "\r\n";
+  for (const std::string& text :
+       {"GET /healthz HTTP/1.0\r\n" + host_line + "\r\n", "GET /healthz HTTP/1.1\r\n" + host_line + "\r\nG",
+        "GET /healthz HTTP/1.1\r\n" + host_line + "Spaced : x\r\n\r\n",
+        "POST /api/v1/jobs HTTP/1.1\r\n" + host_line + "Transfer-Encoding: chunked\r\n\r\n",
+        "POST /api/v1/jobs HTTP/1.1\r\n" + host_line + "Content-Length: 100000000\r\n\r\n"}) {
+    const int socket = connected();
+    send_all(socket, text);
+    const Answer answer = parsed(receive_all(socket));
+    EXPECT_NE(answer.status, 0) << text;
+    EXPECT_EQ(answer.header("Connection"), "close") << text;
+  }
+}
+
+TEST_F(ServerLimits, NamesThatPointHereAreNotBelieved) {
+  expect_problem(raw("GET /api/v1/jobs HTTP/1.1\r\nHost: rebound.example.org\r\n\r\n"), 421,
+                 "this server answers on loopback only");
+  expect_problem(ask("POST", "/api/v1/jobs", "Origin: http://example.org\r\n"), 403,
+                 "the request comes from a page of another origin");
+  EXPECT_EQ(ask("GET", "/healthz", "REMOTE_ADDR: 1.2.3.4\r\n").status, 200);
+}
+
+TEST_F(ServerLimits, PathsLeadNowhereElse) {
+  const json job = json::parse(submit().body);
+  const std::string base = "/api/v1/jobs/" + job["id"].get<std::string>() + "/artifacts/";
+  for (const char* name : {"..%2f..%2fworker-token", "%2e%2e/%2e%2e/jobs.sqlite", "../../../jobs.sqlite",
+                           "print.png%00", "print.png/", "%2fetc%2fpasswd", "report.json"})
+    EXPECT_EQ(ask("GET", base + name).status, 404) << name;
+  for (const char* name : {"..%2f..%2fevil", "evil.sh", "print.png%00.sh", "%2ftmp%2fevil"}) {
+    const int status = ask("PUT", "/api/v1/leases/" + job["id"].get<std::string>() + "/artifacts/" + name,
+                           worker_headers(std::string(64, 'b')), "x")
+                           .status;
+    EXPECT_TRUE(status == 400 || status == 404) << name << " " << status;
+  }
+}
+
+TEST_F(ServerLimits, AFaultKeepsItsTextToItself) {
+  const Answer answer = ask("GET", "/fault");
+  expect_problem(answer, 500, "the server met a fault of its own");
+  EXPECT_EQ((answer.head + answer.body).find("secret"), std::string::npos);
+}
+
+TEST_F(ServerLimits, MethodsThatAPathDoesNotKnow) {
+  const Answer answer = ask("DELETE", "/api/v1/jobs");
+  expect_problem(answer, 405, "this address does not answer to that method");
+  EXPECT_EQ(answer.header("Allow"), "POST, GET, HEAD");
+}
+
+// More large bodies than there is room for: the first ones hold it, the others are told so, and all else goes on.
+TEST_F(ServerLimits, StalledUploadsHoldOnlyTheirOwnRoom) {
+  http::ServerOptions options;
+  options.refuse = refuse;
+  options.threads = 2;
+  options.uploads = 4;
+  const auto server = http::Server::start(std::move(options), all_routes(*service_));
+  ASSERT_TRUE(server);
+  const std::string upload = "POST /api/v1/scans HTTP/1.1\r\nHost: localhost\r\n" + bearer(user_) +
+                             form_type + "Content-Length: 1000000\r\n";
+  std::vector<int> stalled;
+  for (int i = 0; i < 4; ++i) {
+    stalled.push_back(connected_to(**server));
+    send_all(stalled.back(), upload + "Expect: 100-continue\r\n\r\n");
+    char interim[100];
+    EXPECT_GT(::recv(stalled.back(), interim, sizeof interim, 0), 0);  // it has its room
+  }
+  const auto answer = [&](const std::string& text) {
+    const int socket = connected_to(**server);
+    send_all(socket, text);
+    const Answer got = parsed(receive_one(socket));
+    ::close(socket);
+    return got;
+  };
+  const Answer refused = answer(upload + "\r\n");
+  expect_problem(refused, 503, "too many large bodies arrive at this moment");
+  EXPECT_EQ(refused.header("Retry-After"), "5");
+  for (const char* path : {"/healthz", "/api/v1/jobs"})
+    EXPECT_EQ(answer(std::string("GET ") + path + " HTTP/1.1\r\nHost: localhost\r\n" + bearer(user_) + "\r\n")
+                  .status,
+              200);
+  // Later the slowest makes room for a new one.
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  const std::string body = part("scan", "a.stl", std::string(1000000, '-')).substr(0, 1000000);
+  EXPECT_EQ(answer(upload + "\r\n" + body).status, 400);  // read to its end, where the form is cut off
+  int ended = 0;
+  for (int i = 0; i < 500 && ended == 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    for (const int socket : stalled) {
+      char byte = 0;
+      if (::recv(socket, &byte, 1, MSG_DONTWAIT) == 1) ++ended;
+    }
+  }
+  EXPECT_EQ(ended, 1);
+  for (const int socket : stalled) ::close(socket);
+}
+
+TEST_F(ServerLimits, StalledConnectionsDoNotBlockOthers) {
+  std::vector<int> stalled;
+  for (int i = 0; i < 200; ++i) stalled.push_back(connected());  // more than there are threads
+  for (int i = 0; i < 128; ++i) send_all(stalled[static_cast<std::size_t>(i)], "GET / HTTP/1.1\r\n");
+  const auto begun = std::chrono::steady_clock::now();
+  EXPECT_EQ(ask("GET", "/healthz").status, 200);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3));
+  for (const int socket : stalled) ::close(socket);
+}
+
+}  // namespace
+}  // namespace vacuform

@@ -1,0 +1,145 @@
+// A submission that is only validated, and what the server takes files for by their first bytes.
+#include <nlohmann/json.hpp>
+
+#include "api/problem.hpp"
+#include "server/jobs/formats.hpp"
+#include "server_fixture.hpp"
+
+namespace vacuform {
+namespace {
+
+using nlohmann::json;
+
+std::string seems(const std::string& input, const std::string& bytes, const std::string& extension = "") {
+  const auto format = format_of(input, bytes, bytes.size(), extension);
+  return format ? std::string(*format) : std::string(meaning(format.error().code).slug);
+}
+
+TEST(Formats, OfScans) {
+  const std::string binary_stl =
+      std::string("solid by name only").append(62, ' ').append("\x01\0\0\0", 4).append(50, 'x');
+  EXPECT_EQ(seems("scan", binary_stl), "stl");
+  EXPECT_EQ(seems("scan", std::string(84, '\0')), "stl");  // no triangles, but true to its form
+  EXPECT_EQ(seems("scan", std::string(90, '\0')), "unsupported-format");
+  EXPECT_EQ(seems("scan", std::string(90, '\0'), "stl"),
+            "stl");  // perhaps a damaged one: the reader says more
+  EXPECT_EQ(seems("scan", "\n solid head\n facet"), "stl");
+  EXPECT_EQ(seems("scan", "glTF\x02"), "glb");
+  EXPECT_EQ(seems("scan", "ply\r\nformat ascii 1.0"), "ply");
+  EXPECT_EQ(seems("scan", "COFF\n3 1 0"), "off");
+  EXPECT_EQ(seems("scan", "# a comment\nv 1 2 3", "obj"), "obj");
+  EXPECT_EQ(seems("scan", "v 1 2 3"), "obj");
+  EXPECT_EQ(seems("scan", "once upon a time"), "unsupported-format");
+  EXPECT_EQ(seems("scan", std::string("\x89PNG\r\n\x1a\n").append(90, 'x'), "stl"), "unsupported-format");
+  EXPECT_EQ(seems("scan", std::string("PK\x03\x04").append(90, 'x'), "stl"), "unsupported-format");
+  EXPECT_EQ(seems("scan", std::string(128, '\0').append("DICM...."), "stl"), "unsupported-format");
+}
+
+TEST(Formats, OfDrawingsAndTemperatures) {
+  for (const char* input : {"pattern", "weights"}) {
+    EXPECT_EQ(seems(input, "\x89PNG\r\n\x1a\n...."), "png");
+    EXPECT_EQ(seems(input, "\xff\xd8\xff\xe0...."), "jpeg");
+    EXPECT_EQ(seems(input, "\xef\xbb\xbf \n<?xml version=\"1.0\"?><svg/>"), "svg");
+    EXPECT_EQ(seems(input, "<html>"), "unsupported-format");
+    EXPECT_EQ(seems(input, "\x1f\x8b\x08"), "unsupported-format");
+    EXPECT_EQ(seems(input, "GIF89a"), "unsupported-format");
+  }
+  EXPECT_EQ(seems("temperature", "140,141\n"), "csv");
+  EXPECT_EQ(seems("temperature", "\x89PNG\r\n\x1a\n...."), "png");
+  EXPECT_EQ(seems("temperature", "\xff\xd8\xff\xe0...."), "unsupported-format");
+}
+
+class ServerSubmission : public ServerTest {
+ protected:
+  Answer validate(const std::string& more = "") { return submit(more, "/api/v1/validate"); }
+  void expect_nothing_kept() {
+    EXPECT_TRUE(store_->list(1, "")->jobs.empty());
+    EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
+    EXPECT_TRUE(std::filesystem::is_empty(data_ / "blobs"));
+  }
+};
+
+TEST_F(ServerSubmission, ValidatedOnlyTellsWhatItWouldBeAndKeepsNothing) {
+  const Answer answer = validate(part("print.dpi", "", "200") + part("temperature", "t.csv", "140,141"));
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  EXPECT_EQ(answer.header("Location"), "");
+  const json plan = json::parse(answer.body);
+  EXPECT_EQ(plan["settings"]["print"]["dpi"], 200);
+  EXPECT_EQ(plan["settings"]["heat"]["source"], "measured");
+  EXPECT_EQ(
+      plan["inputs"],
+      (json{{"scan", {{"bytes", 5}, {"sha256", text_hash("solid")}, {"extension", "stl"}, {"format", "stl"}}},
+            {"pattern",
+             {{"bytes", 6}, {"sha256", text_hash("<svg/>")}, {"extension", "svg"}, {"format", "svg"}}},
+            {"temperature",
+             {{"bytes", 7}, {"sha256", text_hash("140,141")}, {"extension", "csv"}, {"format", "csv"}}}}));
+  expect_nothing_kept();
+}
+
+TEST_F(ServerSubmission, ValidatedOnlyRefusesWhatASubmissionWould) {
+  EXPECT_EQ(json::parse(validate(part("print.dpi", "", "9999")).body)["where"], "print.dpi");
+  EXPECT_EQ(validate(part("heat.source", "", "measured")).status, 422);
+  EXPECT_EQ(validate(part("virus", "x.exe", "MZ")).status, 400);
+  const Answer foreign =
+      ask("POST", "/api/v1/validate", form_type,
+          part("scan", "head.zip", "PK\x03\x04") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n");
+  EXPECT_EQ(foreign.status, 415);
+  EXPECT_EQ(json::parse(foreign.body)["what"], "the scan is a ZIP archive");
+  expect_nothing_kept();
+}
+
+TEST_F(ServerSubmission, AQueryThatTheRouteDoesNotTakeIsRefusedByName) {
+  for (const char* query : {"?validate-only=true", "?validate_only=true", "?limit=1"}) {
+    const Answer answer = submit("", std::string("/api/v1/jobs") + query);
+    EXPECT_EQ(answer.status, 400) << query;
+    EXPECT_EQ(json::parse(answer.body)["where"], "query");
+  }
+  expect_nothing_kept();
+  EXPECT_NE(ask("GET", "/api/v1/jobs?stat=failed").body.find("unknown query parameter: stat"),
+            std::string::npos);
+  EXPECT_EQ(ask("GET", "/api/v1/jobs?limit=1&limit=2").status, 400);
+  EXPECT_EQ(ask("GET", "/api/v1/jobs?limit=1").status, 200);
+  EXPECT_EQ(ask("GET", "/healthz?x=1").status, 400);
+}
+
+TEST_F(ServerSubmission, AFormThatIsSentTwiceCreatesOneJob) {
+  const auto key = [&] {
+    const std::string page = ask("GET", "/").body, field = "name=\"idempotency_key\" value=\"";
+    const std::size_t at = page.find(field);
+    return at == std::string::npos ? "" : page.substr(at + field.size(), 32);
+  };
+  const std::string first = key();
+  ASSERT_EQ(first.size(), 32u);
+  const auto send = [&](const std::string& page, const std::string& more = "") {
+    return submit(part("idempotency_key", "", page) + more, "/jobs").header("Location");
+  };
+  const std::string job = send(first);
+  EXPECT_TRUE(job.starts_with("/jobs/"));
+  EXPECT_EQ(send(first), job);                               // a second click
+  EXPECT_NE(send(first, part("print.dpi", "", "72")), job);  // back, changed, sent again
+  EXPECT_NE(send(key()), job);                               // the page loaded again
+  EXPECT_EQ(store_->list(10, "")->jobs.size(), 3u);
+}
+
+TEST_F(ServerSubmission, AJsonBodyIsReadStrictly) {
+  const auto problem_of = [&](const std::string& body) {
+    const Answer answer = ask("POST", "/api/v1/jobs", "", body);
+    EXPECT_EQ(answer.status / 100, 4) << body;
+    return json::parse(answer.body)["detail"].get<std::string>();
+  };
+  EXPECT_NE(problem_of(R"({"kind": "print", "kind": "inspection"})").find("\"kind\" twice"),
+            std::string::npos);
+  EXPECT_NE(problem_of(R"({"settings": {"print": {"dpi": 72, "dpi": 600}}})").find("\"dpi\" twice"),
+            std::string::npos);
+  EXPECT_NE(problem_of("{\"kind\": ").find("not valid JSON, near byte"), std::string::npos);
+  for (const char* body : {R"({"scan_upload": 5})", R"({"from": 5})", R"({"profile": 1})", R"({"kind": 0})"})
+    EXPECT_NE(problem_of(body).find("not a string"), std::string::npos) << body;
+  EXPECT_NE(problem_of(R"({"priority": "1"})").find("not a whole number"), std::string::npos);
+  EXPECT_NE(problem_of(R"({"settings": "{}"})").find("not an object"), std::string::npos);
+  EXPECT_NE(validate(part("settings", "", R"({"print": {"dpi": 72}, "print": {}})")).body.find("twice"),
+            std::string::npos);
+  expect_nothing_kept();
+}
+
+}  // namespace
+}  // namespace vacuform

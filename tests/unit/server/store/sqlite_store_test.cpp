@@ -1,0 +1,186 @@
+// What is the store's on SQLite alone: files that are not its own, and files of every version before.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "api/base/secrets.hpp"
+#include "server/store/schema.hpp"
+#include "server/store/sqlite_store.hpp"
+
+namespace vacuform {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SqliteStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(start_secrets());
+    data_ = fs::temp_directory_path() / ("vacuform-sqlite-" + random_hex(8));
+    fs::create_directories(data_);
+  }
+  void TearDown() override { fs::remove_all(data_); }
+
+  // A blob as the store leaves it; gives its hash.
+  std::string blob(const std::string& bytes) const {
+    const std::string hash = text_hash(bytes);
+    fs::create_directories(data_ / "blobs" / hash.substr(0, 2));
+    std::ofstream(data_ / "blobs" / hash.substr(0, 2) / hash) << bytes;
+    return hash;
+  }
+  // A store of an older version, with rows.
+  void old_store(std::int64_t version, const std::string& rows) const {
+    Database database;
+    ASSERT_TRUE(database.open((data_ / "jobs.sqlite").string()));
+    ASSERT_TRUE(bring_up_to_date(database, version));
+    const auto added = database.execute(rows);
+    ASSERT_TRUE(added) << added.error().text();
+  }
+  std::string bytes_of(Store& store, const Input& input) const {
+    const auto file = store.open(input.blob);
+    std::string text(input.blob.bytes, '\0');
+    return file && file->read_at(0, text).value_or(0) == text.size() ? text : "no file";
+  }
+
+  fs::path data_;
+};
+
+TEST_F(SqliteStoreTest, RefusesAStoreThatIsNotItsOwn) {
+  std::ofstream(data_ / "jobs.sqlite") << std::string(8192, 'x');
+  const auto store = open_store(data_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Code::corrupt_file);
+}
+
+// Jobs that ended every twenty seconds; two owners wait.
+TEST_F(SqliteStoreTest, TellsWhenThereWillBeRoom) {
+  Millis now = 1'000'000'000;
+  StoreOptions options;
+  options.clock = [&now] { return now; };
+  options.most_queued_by_owner = 2;
+  const auto store = std::move(*open_store(data_, options));
+  const auto submit = [&](const std::string& owner) {
+    NewJob job;
+    job.settings = "{}";
+    job.owner = owner;
+    return store->create(std::move(job));
+  };
+  EXPECT_EQ(*store->seconds_until_room("a"), 60);  // nothing has ended yet
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(submit("a"));
+    const auto lease = *store->lease("worker");
+    now += 20'000;
+    ASSERT_TRUE(store->fail_job({lease->job.id, lease->token}, {}, Retry::never));
+  }
+  EXPECT_EQ(*store->seconds_until_room("a"), 20);
+  for (const char* owner : {"a", "a", "b"}) ASSERT_TRUE(submit(owner));
+  EXPECT_EQ(submit("a").error().code, Code::busy);
+  EXPECT_EQ(*store->seconds_until_room("a"), 40);  // the owners take turns
+  EXPECT_EQ(*store->seconds_until_room("b"), 20);
+  now += 16 * 60'000;  // nobody works any more
+  EXPECT_EQ(*store->seconds_until_room("a"), 60);
+}
+
+TEST_F(SqliteStoreTest, RefusesAStoreOfANewerVersion) {
+  old_store(newest_schema, "PRAGMA user_version=" + std::to_string(newest_schema + 1));
+  const auto store = open_store(data_);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Code::corrupt_file);
+  EXPECT_NE(store.error().what.find("version " + std::to_string(newest_schema + 1)), std::string::npos);
+}
+
+// The first release's store: a scan and a pattern, no tokens, no owners.
+TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionOne) {
+  old_store(1,
+            "INSERT INTO job(id, state, created, settings, scan, scan_bytes, scan_extension, pattern,"
+            " pattern_bytes, pattern_extension) VALUES('0001', 'queued', 7, '{}', '" +
+                blob("old scan") + "', 8, 'stl', '" + blob("old pattern") + "', 11, 'svg')");
+  for (int opened = 1; opened <= 2; ++opened) {  // the second time of its own version
+    auto store = open_store(data_);
+    ASSERT_TRUE(store) << store.error().text();
+    const Job job = (*store)->job("0001").value();
+    ASSERT_EQ(job.inputs.size(), 2u);
+    EXPECT_EQ(bytes_of(**store, job.inputs[0]), "old scan");
+    EXPECT_EQ(bytes_of(**store, job.inputs[1]), "old pattern");
+    EXPECT_EQ(job.inputs[1].extension, "svg");
+    EXPECT_EQ(job.owner, "");
+  }
+}
+
+// Before inputs had a table of their own, a job had columns for three of them.
+TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionFour) {
+  const std::string columns =
+      "INSERT INTO job(id, state, created, settings, owner, scan, scan_bytes, scan_extension, pattern,"
+      " pattern_bytes, pattern_extension, temperature, temperature_bytes, temperature_extension) VALUES";
+  const std::string files =
+      std::string("'") + blob("a scan") + "', 6, 'stl', '" + blob("a pattern") + "', 9, 'svg', ";
+  old_store(4, columns + "('0001', 'succeeded', 7, '{}', 'station-1', " + files + "'" + blob("140") +
+                   "', 3, 'csv'), ('0002', 'queued', 8, '{}', 'station-2', " + files + "NULL, NULL, NULL)");
+  auto store = open_store(data_);
+  ASSERT_TRUE(store) << store.error().text();
+  const Job first = (*store)->job("0001").value(), second = (*store)->job("0002").value();
+  ASSERT_EQ(first.inputs.size(), 3u);
+  EXPECT_EQ(bytes_of(**store, first.inputs[2]), "140");
+  EXPECT_EQ(first.inputs[2].extension, "csv");
+  EXPECT_EQ(second.inputs.size(), 2u);
+  ASSERT_TRUE((*store)->remove("0001"));
+  EXPECT_EQ(bytes_of(**store, second.inputs[0]), "a scan");  // which both name
+  EXPECT_FALSE((*store)->open(first.inputs[2].blob));
+}
+
+// Before there were turns, nobody counted the jobs of an owner.
+TEST_F(SqliteStoreTest, TakesOverTheQueueOfAStoreOfVersionFive) {
+  old_store(5,
+            "INSERT INTO job(id, state, created, settings, owner) VALUES('0001', 'running', 7, '{}', 'a'),"
+            " ('0002', 'queued', 8, '{}', 'a'), ('0003', 'queued', 9, '{}', 'b'),"
+            " ('0004', 'succeeded', 9, '{}', 'b')");
+  StoreOptions small;
+  small.most_queued_by_owner = 1;
+  auto store = open_store(data_, small);
+  ASSERT_TRUE(store) << store.error().text();
+  NewJob more{"{}"};
+  more.owner = "a";
+  EXPECT_EQ((*store)->create(std::move(more)).error().code, Code::busy);
+  EXPECT_EQ((*store)->lease("worker").value()->job.id, "0003");  // a runs one
+  EXPECT_EQ((*store)->lease("worker").value()->job.id, "0002");
+  EXPECT_EQ((*store)->job("0004")->version, 1);
+  EXPECT_TRUE((*store)->log_after("0004", 0, 10)->empty());
+}
+
+// The work of a request does not grow with the queue: counted in steps of SQLite, since seconds differ from run to run.
+TEST_F(SqliteStoreTest, ALongQueueSlowsNothingDown) {
+  const std::string hash = blob("a scan");
+  const auto steps_with = [&](int first, int last) {
+    const std::string jobs =
+        std::string("BEGIN; WITH RECURSIVE n(i) AS (SELECT ") + std::to_string(first) +
+        " UNION ALL SELECT i+1 FROM n WHERE i<" + std::to_string(last) +
+        ") INSERT INTO job(id, state, created, settings, owner, priority)"
+        " SELECT printf('%026d', i), 'queued', i, '{}', 'station-' || (i % 7), -(i % 3) FROM n;"
+        "INSERT OR IGNORE INTO input SELECT id, 'scan', '" +
+        hash + "', 6, 'stl' FROM job; COMMIT";
+    old_store(newest_schema, jobs);
+    StoreOptions roomy;
+    roomy.most_queued = roomy.most_queued_by_owner = 100'000;
+    auto opened = open_store(data_, roomy);
+    EXPECT_TRUE(opened) << opened.error().text();
+    auto& store = dynamic_cast<SqliteStore&>(**opened);
+    const std::int64_t before = store.steps();
+    for (int i = 0; i < 20; ++i) {
+      NewJob job{"{}"};
+      job.owner = "station-3";
+      EXPECT_TRUE(store.create(std::move(job)));
+      const auto leased = store.lease("worker").value();
+      EXPECT_TRUE(store.fail_job({leased->job.id, leased->token}, {}, Retry::never));
+      const JobPage page = store.list(5, "", {.owner = "station-1"}, Detail::full).value();
+      EXPECT_EQ(page.jobs.size(), 5u);
+      EXPECT_TRUE(store.list(5, *page.next, {}, Detail::full));
+    }
+    return store.steps() - before;
+  };
+  const std::int64_t few = steps_with(1, 100), many = steps_with(101, 10'000);
+  EXPECT_LT(many, few + few / 4);
+}
+
+}  // namespace
+}  // namespace vacuform

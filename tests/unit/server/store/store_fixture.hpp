@@ -1,0 +1,120 @@
+// The promises of server/store/store.hpp, held against the interface alone: every store that store_test.cpp names at its end
+// must pass all of it, here and in store_*_test.cpp. A crash is played by copying the files under a running store and opening
+// the copy.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "api/base/secrets.hpp"
+#include "server/store/store.hpp"
+
+namespace vacuform {
+
+namespace fs = std::filesystem;
+
+// A store by its name and the way to open it; blobs lie in its folder whatever keeps the rows.
+struct Backend {
+  const char* name;
+  Result<std::unique_ptr<Store>> (*open)(const std::filesystem::path& data, StoreOptions options);
+};
+
+inline void PrintTo(const Backend& backend, std::ostream* out) { *out << backend.name; }
+
+class StoreTest : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(start_secrets());
+    folder_ = fs::temp_directory_path() / ("vacuform-store-" + random_hex(8));
+    reopen();
+  }
+  void TearDown() override {
+    store_.reset();
+    fs::remove_all(folder_);
+  }
+
+  fs::path data() const { return folder_ / "data"; }
+  void reopen() {
+    store_.reset();
+    auto store = GetParam().open(data(), options());
+    ASSERT_TRUE(store) << store.error().text();
+    store_ = std::move(*store);
+  }
+  StoreOptions options() {
+    StoreOptions options;
+    options.clock = [this] { return now_ + clock_set_; };
+    options.elapsed = [this] { return now_; };
+    options.kept_free = 1 << 20;
+    options.losses = 3;
+    options.backoff = 0;  // faults rest only where a test says so
+    return options;
+  }
+  // What the next start finds after the power went: the files as they are at this moment.
+  void crash() {
+    fs::copy(data(), folder_ / "after", fs::copy_options::recursive);
+    store_.reset();
+    fs::remove_all(data());
+    fs::rename(folder_ / "after", data());
+    reopen();
+  }
+
+  Upload upload(const std::string& bytes) {
+    auto upload = store_->upload();
+    EXPECT_TRUE(upload && upload->write(bytes));
+    return std::move(*upload);
+  }
+  NewJob submission(const std::string& scan = "a scan", const std::string& pattern = "a pattern",
+                    const std::string& key = "") {
+    NewJob job{"{}", key};
+    job.add("scan", upload(scan), "stl");
+    job.add("pattern", upload(pattern), "svg");
+    return job;
+  }
+  Job create(const std::string& scan = "a scan", const std::string& pattern = "a pattern") {
+    auto job = store_->create(submission(scan, pattern));
+    EXPECT_TRUE(job) << job.error().text();
+    return *job;
+  }
+  LeaseKey lease() {
+    auto lease = store_->lease("tester");
+    EXPECT_TRUE(lease && *lease);
+    return {(*lease)->job.id, (*lease)->token};
+  }
+  // Completes a job with all the artifacts that it must have; those that it has already stay.
+  Result<Job> complete(const LeaseKey& key, std::set<std::string> there = {}) {
+    const auto leased = store_->leased(key);
+    if (leased)
+      for (const ArtifactKind& kind : artifact_kinds)
+        if (due(leased->kind, kind) && there.count(std::string(kind.name)) == 0) {
+          EXPECT_TRUE(store_->put_artifact(key, std::string(kind.name), upload("an artifact")));
+        }
+    return store_->complete(key);
+  }
+  Job job(const std::string& id) { return store_->job(id).value(); }
+  std::set<std::string> blobs() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(data() / "blobs"))
+      if (entry.is_regular_file()) names.insert(entry.path().filename().string());
+    return names;
+  }
+  std::string bytes_of(const Blob& blob) {
+    auto file = store_->open(blob);
+    if (!file) return "no file";
+    std::string text(blob.bytes, '\0');
+    EXPECT_EQ(file->read_at(0, text).value(), blob.bytes);
+    return text;
+  }
+
+  fs::path folder_;
+  Millis now_ = 1'800'000'000'000;
+  Millis clock_set_ = 0;  // by how much the wall clock was set forward
+  std::unique_ptr<Store> store_;
+};
+
+}  // namespace vacuform

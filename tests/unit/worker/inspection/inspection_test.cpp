@@ -1,0 +1,576 @@
+#include "worker/inspection/inspection.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "tests/unit/fixtures/drawing_files.hpp"
+#include "tests/unit/fixtures/hand_made_sheets.hpp"
+#include "worker/inspection/callouts.hpp"
+#include "worker/inspection/caption.hpp"
+#include "worker/inspection/previews.hpp"
+#include "worker/inspection/view.hpp"
+#include "worker/scan/mold_distance.hpp"
+
+namespace vacuform {
+namespace {
+
+using namespace drawing_files;
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using hand_made::Sample;
+
+// A job with its pattern and print.
+struct Job {
+  explicit Job(Sample made,
+               const std::string& body = "<circle r='20' fill='none' stroke='#000' stroke-width='3'/>")
+      : sample(std::move(made)),
+        pattern(*Pattern::read(bytes_of("<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='50mm' "
+                                        "viewBox='-30 -25 60 50'>" +
+                                        body + "</svg>"),
+                               "drawing", sample.settings.pattern, sample.settings.print.dpi)),
+        print(*make_print(sample.sheet, sample.flattening, pattern, nullptr,
+                          *place(sample.sheet, sample.flattening, nullptr, sample.settings, Context()),
+                          sample.settings, "3f9a12c4", Context())) {}
+  Finished finished() const {
+    return {sample.settings, sample.mold, sample.sheet, sample.flattening, pattern, print};
+  }
+
+  Sample sample;
+  Pattern pattern;
+  Print print;
+};
+
+Job small_dome() {
+  Sample x = hand_made::dome(40);
+  x.settings.print.dpi = 100;
+  return Job(std::move(x));
+}
+
+const Bytes& file(const std::vector<Artifact>& files, const std::string& name) {
+  const auto found =
+      std::find_if(files.begin(), files.end(), [&](const Artifact& a) { return a.name == name; });
+  if (found == files.end()) throw std::runtime_error("no " + name);
+  return found->bytes;
+}
+
+TEST(SingularValues, AreThoseOfKnownMaps) {
+  const std::array<Vector2d, 3> from{Vector2d(1, 2), Vector2d(4, 2), Vector2d(2, 5)};
+  const auto mapped = [&](const Eigen::Matrix<double, 3, 2>& J) {
+    return std::array<Vector3d, 3>{J * from[0] + Vector3d(7, 8, 9), J * from[1] + Vector3d(7, 8, 9),
+                                   J * from[2] + Vector3d(7, 8, 9)};
+  };
+  Eigen::Matrix<double, 3, 2> J;
+  J << 3, 0, 0, 0.5, 0, 0;
+  SingularValues s = singular_values(from, mapped(J));
+  EXPECT_NEAR(s.largest, 3, 1e-12);
+  EXPECT_NEAR(s.smallest, 0.5, 1e-12);
+  J << 1, 0, 0, 1, 0, 0;
+  s = singular_values(from, mapped(J));
+  EXPECT_NEAR(s.largest, 1, 1e-7);
+  EXPECT_NEAR(s.largest / s.smallest, 1, 1e-7);
+
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 1000; ++i) {
+    for (int k = 0; k < 6; ++k) J(k % 3, k / 3) = normal(random);
+    const Vector2d expected = Eigen::JacobiSVD<Eigen::Matrix<double, 3, 2>>(J).singularValues();
+    s = singular_values(from, mapped(J));
+    EXPECT_NEAR(s.largest, expected[0], 1e-9);
+    EXPECT_NEAR(s.smallest, expected[1], 1e-9);
+  }
+}
+
+TEST(Distortion, OfAStretchIsThatStretch) {
+  Matrix2d stretch;
+  stretch << 2, 0.3, 0, 1.25;
+  const Sample x = hand_made::stretched(100, 10, stretch);
+  const Vector2d s = Eigen::JacobiSVD<Matrix2d>(stretch).singularValues();
+  const Distortion without =
+      distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, x.sheet.rest));
+  for (const double v :
+       {without.anisotropy.mean, without.anisotropy.p95, without.anisotropy.p99, without.anisotropy.max})
+    EXPECT_NEAR(v, s[0] / s[1], 1e-9);
+  for (const double v : {without.area_ratio.mean, without.area_ratio.max}) EXPECT_NEAR(v, 2.5, 1e-9);
+  const Distortion with =
+      distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, x.flattening.chart));
+  EXPECT_NEAR(with.anisotropy.max, 1, 1e-6);
+  EXPECT_NEAR(with.area_ratio.max, 1, 1e-9);
+  // A shrunken area counts like a grown one, and neither a turn nor a shift of the pattern counts at all.
+  std::vector<Vector2d> uv;
+  for (const auto& st : x.sheet.rest)
+    uv.push_back(2 * Vector2d(-(stretch * st).y(), (stretch * st).x()) + Vector2d(5, 9));
+  const Distortion shrunk = distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, uv));
+  EXPECT_NEAR(shrunk.area_ratio.mean, 4, 1e-9);
+  EXPECT_NEAR(shrunk.anisotropy.mean, 1, 1e-6);
+}
+
+TEST(Distortion, PercentilesAreByInkedArea) {
+  // A strip of 100 squares that stretch by 1.01, 1.02, ... along x: the area of each is its stretch.
+  FormedSheet sheet;
+  Flattening flattening;
+  double end = 0, total = 0;
+  std::vector<double> stretch;
+  for (int i = 0; i <= 100; ++i) {
+    for (const double t : {0.0, 1.0}) {
+      sheet.rest.emplace_back(i, t);
+      flattening.inked.emplace_back(end, t, 3);
+    }
+    if (i == 100) break;
+    stretch.push_back(1.01 + 0.01 * i);
+    end += stretch.back(), total += stretch.back();
+    const int a = 2 * i;
+    sheet.triangles.insert(sheet.triangles.end(), {Triangle{a, a + 2, a + 3}, Triangle{a, a + 3, a + 1}});
+    flattening.triangles.insert(flattening.triangles.end(), {a, a + 1});
+  }
+  const auto percentile = [&](double share) {
+    double below = 0;
+    for (const double v : stretch)
+      if ((below += v) >= share * total) return v;
+    return 0.0;
+  };
+  double mean = 0;
+  for (const double v : stretch) mean += v * v / total;
+  const Distortion d = distortion(sheet, flattening, corners_of(sheet, flattening, sheet.rest));
+  EXPECT_NEAR(d.anisotropy.mean, mean, 1e-9);
+  EXPECT_NEAR(d.anisotropy.p95, percentile(0.95), 1e-9);
+  EXPECT_NEAR(d.anisotropy.p99, percentile(0.99), 1e-9);
+  EXPECT_NEAR(d.anisotropy.max, 2.0, 1e-9);
+  EXPECT_NEAR(d.area_ratio.p95, percentile(0.95), 1e-9);
+  EXPECT_GT(d.anisotropy.p95, 1.95);  // unweighted it would be 1.95
+  const Distortion none = distortion(sheet, Flattening{}, CornersUv{});
+  EXPECT_EQ(none.anisotropy.max, 0);
+}
+
+TEST(MoldDistance, IsExactOnAnOctahedron) {
+  TriangleMesh mesh{{{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+                    {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}}};
+  for (auto& p : mesh.vertices) p = 50 * p + Vector3d(1000, 0, 0);
+  const MoldDistance distance(mesh);
+  EXPECT_NEAR(distance({1000, 0, 0}), 50 / std::sqrt(3), 1e-9);   // inside, to a face
+  EXPECT_NEAR(distance({1070, 0, 0}), 20, 1e-9);                  // to a corner
+  EXPECT_NEAR(distance({1040, 40, 0}), 30 / std::sqrt(2), 1e-9);  // to an edge
+  EXPECT_NEAR(distance({1050, 0, 0}), 0, 1e-12);
+  EXPECT_EQ(MoldDistance(TriangleMesh{})({0, 0, 0}), INFINITY);
+}
+
+TEST(Report, HoldsTheFiguresUnderStableKeys) {
+  Job job = small_dome();
+  job.sample.mold.warnings = {{"undercut", "There is an undercut.", {{{1, 2, 3.04}, 5}}}};
+  job.sample.sheet.vents = {{{1.5, -2, 40}, 1}};
+  job.print.warnings.push_back({"ink-off-chart", "5 % is lost."});
+  const nlohmann::ordered_json r = report(job.finished());
+  std::vector<std::string> groups;
+  for (const auto& [key, value] : r.items()) groups.push_back(key);
+  EXPECT_EQ(groups, (std::vector<std::string>{"settings", "scan", "mold", "heat", "forming", "thickness",
+                                              "flattening", "pattern", "print", "figures", "histograms",
+                                              "warnings", "vents", "artifacts"}));
+  EXPECT_EQ(r["pattern"]["format"], "SVG");
+  EXPECT_EQ(r["pattern"]["size_mm"], (nlohmann::json{60.0, 50.0}));
+  EXPECT_NEAR(r["pattern"]["ink_area_mm2"].get<double>(), 2 * M_PI * 20 * 3, 0.5);
+  EXPECT_EQ(r["pattern"]["ink_printed"], 1.0);
+  EXPECT_EQ(r["pattern"]["ink_on_head"], 1.0);
+  EXPECT_EQ(r["print"]["size_pixels"], (nlohmann::json{1182, 1182}));
+  // The dome's own figures: on the meridian 1.197, around it falling to 0.844 at its foot.
+  const auto& figures = r["figures"];
+  EXPECT_NEAR(figures["without"]["area_ratio"]["max"].get<double>(), 1.43, 0.01);
+  EXPECT_GT(figures["without"]["area_ratio"]["mean"].get<double>(),
+            figures["with"]["area_ratio"]["mean"].get<double>());
+  for (const char* side : {"with", "without"})
+    for (const char* figure : {"anisotropy", "area_ratio"})
+      for (const char* statistic : {"mean", "p95", "p99", "max"})
+        EXPECT_GE(figures[side][figure][statistic], 1.0);
+  for (const auto& [figure, way] : {std::pair{"anisotropy", "with"},
+                                    {"anisotropy", "without"},
+                                    {"area_ratio", "with"},
+                                    {"area_ratio", "without"},
+                                    {"thickness_ratio", "shares"}}) {
+    double sum = 0;
+    for (const double share : r["histograms"][figure][way]) sum += share;
+    EXPECT_NEAR(sum, 1, 0.002) << figure << " " << way;
+  }
+  const auto& thickness = job.sample.sheet.element_thickness;
+  EXPECT_NEAR(r["thickness"]["least_ratio"].get<double>(),
+              *std::min_element(thickness.begin(), thickness.end()), 1e-4);
+  EXPECT_EQ(r["warnings"].dump(),
+            R"([{"stage":"scan","code":"undercut","severity":"warning","what":"There is an undercut.",)"
+            R"("place":"x = 1.0, y = 2.0, z = 3.0 mm","figure":null,)"
+            R"("fix":"Trim the mold above the undercut (scan.trim_mm), or turn the scan.",)"
+            R"("marks":[{"place_mm":[1.0,2.0,3.0],"size_mm":5.0}]},)"
+            R"({"stage":"printing","code":"ink-off-chart","severity":"serious","what":"5 % is lost.",)"
+            R"("place":"the drawing","figure":null,)"
+            R"("fix":"Move or scale the drawing (pattern.offset_mm, pattern.scale).","marks":[]}])");
+  EXPECT_EQ(r["vents"].dump(), R"([{"place_mm":[1.5,-2.0,40.0],"diameter_mm":1.0}])");
+  std::size_t listed = 0;
+  for (const auto& kind : artifact_kinds)
+    if (kind.always) {
+      ASSERT_LT(listed, r["artifacts"].size());
+      EXPECT_EQ(r["artifacts"][listed++]["name"], kind.name);
+    }
+  EXPECT_EQ(listed, r["artifacts"].size());
+  EXPECT_EQ(r["heat"]["source"], "uniform");
+}
+
+TEST(Report, MeasuresHowFarFormedVerticesLieFromTheMold) {
+  Job job = small_dome();
+  // The vertices lie on the sphere, the mold's facets of 2 degrees inside it: at most R (1 - cos 2.24) =
+  // 0.046 mm apart.
+  const auto forming = report(job.finished())["forming"];
+  EXPECT_GT(forming["vertex_gap_mm"], 0.001);
+  EXPECT_LT(forming["vertex_gap_mm"], 0.046);
+  // One vertex off by half a millimetre is found.
+  const auto top = std::min_element(job.sample.sheet.rest.begin(), job.sample.sheet.rest.end(),
+                                    [](const auto& a, const auto& b) { return a.norm() < b.norm(); }) -
+                   job.sample.sheet.rest.begin();
+  job.sample.sheet.formed[static_cast<std::size_t>(top)].z() += 0.5;
+  EXPECT_NEAR(report(job.finished())["forming"]["vertex_gap_mm"].get<double>(), 0.5, 0.001);
+}
+
+TEST(Report, SaysHowTheSheetLiesOnTheMold) {
+  Job job = small_dome();
+  job.sample.sheet.fit.penetration = {0.01, 1.25, {1, 2, 30}};
+  job.sample.sheet.fit.gap = {0.02, 0.5, {4, 5, 6}};
+  const auto forming = report(job.finished())["forming"];
+  EXPECT_EQ(forming["penetration_mm"].dump(), R"({"p99":0.01,"max":1.25,"place_mm":[1.0,2.0,30.0]})");
+  EXPECT_EQ(forming["gap_mm"].dump(), R"({"p99":0.02,"max":0.5,"place_mm":[4.0,5.0,6.0]})");
+  int on_mold = 0;
+  for (const Contact c : job.sample.sheet.contact) on_mold += c == Contact::mold;
+  EXPECT_EQ(forming["vertices_by_contact"]["mold"], on_mold);
+}
+
+TEST(Report, WritesWhatIsNotANumberAsNull) {
+  Job job = small_dome();
+  job.sample.sheet.summary.residual = NAN;
+  job.sample.sheet.summary.force_error = INFINITY;
+  const auto forming = report(job.finished())["forming"];
+  EXPECT_TRUE(forming["residual"].is_null());
+  EXPECT_TRUE(forming["force_error"].is_null());
+}
+
+// A tower of 30 mm on a platform, on a grid of 2 mm.
+TEST(View, ThePlatformHasNoShadowAndTheFootNoSteps) {
+  TriangleMesh mesh;
+  constexpr int n = 80;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const Vector2d p(2.0 * i - n, 2.0 * j - n);
+      mesh.vertices.emplace_back(p.x(), p.y(), p.norm() < 20 ? 30.0 : 0.0);
+    }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i;
+      mesh.triangles.push_back({a, a + 1, a + n + 2});
+      mesh.triangles.push_back({a, a + n + 2, a + n + 1});
+    }
+  View view(mesh, mesh.vertices, 300, 300, 0, 0);
+  view.look_from(View::Side::above, 300, 0, 0);
+  std::vector<std::pair<double, float>> platform;
+  std::mutex mutex;
+  ASSERT_TRUE(view.draw(
+      1,
+      [&](const Seen& seen, Rgb* colour) {
+        *colour = Rgb(0, 0, 0);
+        Vector3d place(0, 0, 0);
+        for (std::size_t k = 0; k < 3; ++k)
+          place += seen.weights[k] * mesh.vertices[static_cast<std::size_t>(
+                                         mesh.triangles[static_cast<std::size_t>(seen.triangle)][k])];
+        const std::lock_guard hold(mutex);
+        platform.emplace_back(place.head<2>().norm(), seen.light);
+      },
+      Context(), 0, 1));
+  float darkest = 10, brightest = 0;
+  for (const auto& [r, light] : platform)
+    if (r > 45 && r < 75) darkest = std::min(darkest, light), brightest = std::max(brightest, light);
+  EXPECT_GT(platform.size(), 10000u);
+  EXPECT_GT(darkest, 0.99f * brightest);
+  // Just beside the foot, all around, no band is much darker than its neighbours.
+  float low = 10, high = 0;
+  for (const auto& [r, light] : platform)
+    if (r > 30 && r < 32) low = std::min(low, light), high = std::max(high, light);
+  EXPECT_GT(low, 0.8f * high);
+}
+
+TEST(Artifacts, AreAllOfThemInOrder) {
+  const Job job = small_dome();
+  const auto files = artifacts(job.finished(), Context());
+  ASSERT_TRUE(files);
+  std::vector<std::string> names, expected;
+  for (const auto& f : *files) {
+    names.push_back(f.name);
+    EXPECT_FALSE(f.bytes.empty()) << f.name;
+  }
+  for (const auto& kind : artifact_kinds)
+    if (kind.always && !kind.name.starts_with("report.")) expected.emplace_back(kind.name);
+  EXPECT_EQ(names, expected);
+  EXPECT_EQ(file(*files, "print.png"), job.print.png);
+}
+
+// An unevenly warm sheet and a drawing in segments: temperatures and segments are in the report, and previews show them.
+TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
+  Job job = small_dome();
+  for (std::size_t v = 0; v < job.sample.sheet.rest.size(); ++v)
+    job.sample.sheet.temperature[v] = 140 + 0.3 * job.sample.sheet.rest[v].x();
+  Finished finished = job.finished();
+  finished.heat = {HeatSource::heaters, 120, 140, 160, 31.25, 2.5};
+  job.sample.settings.pattern.placement = PatternPlacement::segments;
+  job.sample.settings.pattern.distortion_limit = 10;
+  const auto placement =
+      place(job.sample.sheet, job.sample.flattening, nullptr, job.sample.settings, Context());
+  ASSERT_TRUE(placement);
+  finished.placement = &*placement;
+  const auto files = artifacts(finished, Context());
+  ASSERT_TRUE(files);
+  const auto r = report(finished);
+  EXPECT_EQ(r["heat"].dump(), R"({"source":"heaters","least_c":120.0,"mean_c":140.0,"most_c":160.0,)"
+                              R"("seconds":31.25,"through_thickness_c":2.5})");
+  // The two reports are made of the whole; findings.json is an inspection's.
+  ASSERT_EQ(files->size() + 3, artifact_kinds.size());
+  ASSERT_EQ(r["artifacts"].size() + 1, artifact_kinds.size());
+  for (std::size_t i = 0; i < files->size(); ++i) EXPECT_EQ((*files)[i].name, artifact_kinds[i].name);
+  for (const char* name : {"preview-temperature.png", "preview-segments.png"})
+    EXPECT_EQ(decode_png(file(*files, name)).width, 1000);
+  EXPECT_EQ(r["segments"]["count"], 1);
+  EXPECT_NEAR(r["segments"]["segments"][0]["distortion"].get<double>(), placement->charts[0].distortion,
+              1e-4);
+}
+
+TEST(Artifacts, AreTheSameBytesTwice) {
+  const Job job = small_dome();
+  const auto a = artifacts(job.finished(), Context()), b = artifacts(job.finished(), Context());
+  ASSERT_TRUE(a && b);
+  for (std::size_t i = 0; i < a->size(); ++i) EXPECT_TRUE((*a)[i].bytes == (*b)[i].bytes) << (*a)[i].name;
+}
+
+TEST(Artifacts, CanBeCancelled) {
+  const Job job = small_dome();
+  Context context;
+  context.cancel();
+  const auto files = artifacts(job.finished(), context);
+  ASSERT_FALSE(files);
+  EXPECT_EQ(files.error().code, Code::cancelled);
+}
+
+TEST(Artifacts, ThePlyReadsBackExactly) {
+  const Job job = small_dome();
+  const auto files = artifacts(job.finished(), Context());
+  const Bytes ply = file(*files, "formed.ply");
+  const std::string text(ply.begin(), ply.end());
+  const auto body = text.find("end_header\n") + 11;
+  const FormedSheet& sheet = job.sample.sheet;
+  EXPECT_EQ(text.substr(0, body),
+            "ply\nformat binary_little_endian 1.0\ncomment Vacuform formed sheet, mm, degrees "
+            "Celsius\nelement vertex 1681\n"
+            "property float x\nproperty float y\nproperty float z\nproperty float s\nproperty float "
+            "t\nproperty float u\n"
+            "property float v\nproperty float thickness\nproperty float temperature\nproperty uchar contact\n"
+            "element face 3200\nproperty list uchar int vertex_indices\nend_header\n");
+  ASSERT_EQ(ply.size(), body + 37 * sheet.formed.size() + 13 * sheet.triangles.size());
+  const auto word = [&](std::size_t at) {
+    return std::uint32_t{ply[at]} | std::uint32_t{ply[at + 1]} << 8 | std::uint32_t{ply[at + 2]} << 16 |
+           std::uint32_t{ply[at + 3]} << 24;
+  };
+  std::vector<Vector2d> uv(sheet.formed.size(), Vector2d::Constant(NAN));
+  for (std::size_t i = 0; i < job.print.pattern_uv.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      uv[static_cast<std::size_t>(
+          sheet.triangles[static_cast<std::size_t>(job.sample.flattening.triangles[i])][k])] =
+          job.print.pattern_uv[i][k];
+  int off_chart = 0;
+  for (std::size_t i = 0; i < sheet.formed.size(); ++i) {
+    const std::size_t at = body + 37 * i;
+    const auto value = [&](std::size_t k) { return std::bit_cast<float>(word(at + 4 * k)); };
+    for (int k = 0; k < 3; ++k)
+      ASSERT_EQ(value(static_cast<std::size_t>(k)), static_cast<float>(sheet.formed[i][k]));
+    ASSERT_EQ(value(3), static_cast<float>(sheet.rest[i].x()));
+    ASSERT_EQ(value(4), static_cast<float>(sheet.rest[i].y()));
+    if (uv[i].allFinite()) {
+      ASSERT_EQ(value(6), static_cast<float>(uv[i].y()));
+    } else {
+      ASSERT_TRUE(std::isnan(value(5)) && std::isnan(value(6)));
+      ++off_chart;
+    }
+    ASSERT_EQ(value(7), static_cast<float>(sheet.thickness[i]));
+    ASSERT_EQ(value(8), 130.0f);
+    ASSERT_EQ(ply[at + 36], static_cast<std::uint8_t>(sheet.contact[i]));
+  }
+  EXPECT_GT(off_chart, 1000);
+  const std::size_t faces = body + 37 * sheet.formed.size();
+  for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
+    ASSERT_EQ(ply[faces + 13 * t], 3);
+    for (std::size_t k = 0; k < 3; ++k)
+      ASSERT_EQ(word(faces + 13 * t + 1 + 4 * k), static_cast<std::uint32_t>(sheet.triangles[t][k]));
+  }
+}
+
+// The lines of an OBJ that begin with `key`, as numbers ("f 1/1 2/2 3/3" gives 1 1 2 2 3 3).
+std::vector<std::vector<double>> lines(const Bytes& obj, const std::string& key) {
+  std::vector<std::vector<double>> out;
+  std::istringstream in(std::string(obj.begin(), obj.end()));
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with(key + " ")) continue;
+    std::replace(line.begin(), line.end(), '/', ' ');
+    std::istringstream numbers(line.substr(key.size()));
+    out.emplace_back(std::istream_iterator<double>(numbers), std::istream_iterator<double>());
+  }
+  return out;
+}
+
+TEST(Artifacts, TheTexturedObjShowsThePrintWhereItIs) {
+  for (const InkedFace face : {InkedFace::outer, InkedFace::inner}) {
+    Sample x = hand_made::flat(120, 24);
+    x.settings.print.marks = false;
+    x.settings.pattern.inked_face = face;
+    // One dot, 10 mm to the right of the middle and 5 mm to the back.
+    const Job job(std::move(x), "<circle cx='10' cy='-5' r='3'/>");
+    const auto files = artifacts(job.finished(), Context());
+    const Bytes obj = file(*files, "formed.obj");
+    const auto v = lines(obj, "v"), vt = lines(obj, "vt");
+    ASSERT_EQ(v.size(), job.sample.sheet.formed.size());
+    ASSERT_EQ(vt.size(), v.size());
+    EXPECT_EQ(lines(obj, "f").size(), job.sample.sheet.triangles.size());
+    const Decoded image = decode_png(job.print.png);
+    int inked = 0;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const int column = std::clamp(static_cast<int>(vt[i][0] * image.width), 0, image.width - 1);
+      const int row = std::clamp(static_cast<int>((1 - vt[i][1]) * image.height), 0, image.height - 1);
+      const bool under_dot = std::hypot(v[i][0] - 10, v[i][1] - 5) < 2.9;
+      EXPECT_EQ(image.at(column, row) < 128, under_dot);
+      inked += under_dot;
+    }
+    EXPECT_EQ(inked, 1);  // the vertex of the 5 mm grid at (10, 5)
+  }
+}
+
+TEST(Artifacts, TheUvMapHoldsTheChartAndNormalisedPatternCoordinates) {
+  const Job job = small_dome();
+  const auto files = artifacts(job.finished(), Context());
+  const Bytes obj = file(*files, "uv-map.obj");
+  const auto v = lines(obj, "v"), vt = lines(obj, "vt"), f = lines(obj, "f");
+  ASSERT_EQ(f.size(), job.sample.flattening.triangles.size());
+  ASSERT_EQ(v.size(), vt.size());
+  EXPECT_LT(v.size(), job.sample.sheet.formed.size());
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    const auto& t = job.sample.sheet.triangles[static_cast<std::size_t>(job.sample.flattening.triangles[i])];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = static_cast<std::size_t>(f[i][2 * k]) - 1;
+      ASSERT_EQ(f[i][2 * k], f[i][2 * k + 1]);
+      ASSERT_NEAR(v[at][2], job.sample.sheet.formed[static_cast<std::size_t>(t[k])].z(), 1e-4);
+      const Vector2d uv = job.print.pattern_uv[i][k];
+      ASSERT_NEAR(vt[at][0], uv.x() / 60 + 0.5, 1e-6);
+      ASSERT_NEAR(vt[at][1], uv.y() / 50 + 0.5, 1e-6);
+    }
+  }
+}
+
+TEST(Previews, ShowTheDrawingAndTheHeat) {
+  const Job job = small_dome();
+  const auto files = artifacts(job.finished(), Context());
+  const auto dark = [&](const std::string& name) {
+    const Decoded image = decode_png(file(*files, name));
+    EXPECT_EQ(image.width, 1000);
+    EXPECT_EQ(image.height, 1000);
+    int count = 0;
+    for (int y = caption_top; y < 1000 - caption_bottom; ++y)
+      for (int x = 0; x < 1000; ++x)
+        count += image.at(x, y, 0) < 60 && image.at(x, y, 1) < 60 && image.at(x, y, 2) < 60;
+    return count;
+  };
+  // Undistorted, the same ring comes out smaller: the dome stretches the plain one by a fifth.
+  const int plain = dark("preview-without.png"), corrected = dark("preview-with.png");
+  EXPECT_GT(corrected, 10'000);
+  EXPECT_GT(plain, 1.2 * corrected);
+  const Decoded area = decode_png(file(*files, "preview-area.png"));
+  int coloured = 0;
+  for (int y = caption_top; y < 1000 - caption_bottom; ++y)
+    for (int x = 0; x < 1000; ++x)
+      coloured +=
+          std::abs(area.at(x, y, 0) - area.at(x, y, 1)) + std::abs(area.at(x, y, 1) - area.at(x, y, 2)) > 40;
+  EXPECT_GT(coloured, 200'000);
+}
+
+// Marks stand at their places in the colour of their code, the legend grows by a row for two of them, and what only
+// shows from behind is shown from there.
+TEST(Previews, FindingsAreMarkedWhereTheyAre) {
+  Job job = small_dome();
+  const Warning web{"webbing", "", {{{0, 52, 30}, 10}}};
+  job.sample.sheet.warnings = {
+      {"not-reached", "", {{{0, 0, 60}, 20}, {{20, 0, 56}, 20}}}, web, {"thin", "", {{{0, -52, 30}, 10}}}};
+  const auto files = previews(job.finished(), Context());
+  ASSERT_TRUE(files);
+  const Decoded marked = decode_png(file(*files, "preview-findings.png"));
+  EXPECT_EQ(marked.width, 1000);
+  EXPECT_EQ(marked.height, 1000 - caption_bottom + behind_height + 44 + 2 * 70);
+  const View view(job.sample.sheet, 1000, 1000, caption_top, caption_bottom);
+  for (const auto& place : {Vector3d(0, 0, 60), Vector3d(20, 0, 56)}) {
+    const auto spot = view.spot(place);
+    ASSERT_TRUE(spot);
+    EXPECT_LT(spot->behind_mm, 1);  // the second lies half a millimetre inside of the dome
+    // Straight left of the place its ring of 20 mm is crossed, in the blue of Okabe and Ito; inside of it nothing is.
+    const auto blue = [&](double mm) {
+      int count = 0;
+      const int y = static_cast<int>(spot->y), x = static_cast<int>(spot->x - mm * spot->pixels_per_mm);
+      for (int dx = -3; dx <= 3; ++dx)
+        count +=
+            marked.at(x + dx, y, 0) == 0 && marked.at(x + dx, y, 1) == 114 && marked.at(x + dx, y, 2) == 178;
+      return count;
+    };
+    EXPECT_GT(blue(10), 0);
+    EXPECT_EQ(blue(5), 0);
+  }
+  EXPECT_GT(view.spot({0, 0, -30})->behind_mm, 30);
+  Callouts callouts({web});
+  EXPECT_FALSE(callouts.take_hidden(view).empty());
+  EXPECT_TRUE(callouts.empty());
+  // Just under the sheet at the back: deeper seen from the front.
+  Callouts under({{"webbing", "", {{{0, 40, 30}, 10}}}});
+  Callouts hidden = under.take_hidden(view);
+  ASSERT_FALSE(hidden.empty());
+  View turned(job.sample.sheet, 1000, 1000, caption_top, caption_bottom);
+  turned.look_from(View::Side::behind, 1000, caption_top, caption_bottom);
+  EXPECT_TRUE(hidden.take_no_better(turned).empty());
+  EXPECT_FALSE(hidden.take_no_better(view).empty());
+}
+
+TEST(Previews, WithoutFindingsSaySoInTheUsualSize) {
+  Picture picture{1000, 1000, std::vector<std::uint32_t>(1'000'000, 0xffffffffu)};
+  write_findings({{"up-guessed", "A warning without a place.", {}}}, picture, nullptr);
+  EXPECT_EQ(picture.height, 1000);
+  EXPECT_EQ(picture.pixels.size(), 1'000'000u);
+}
+
+TEST(Previews, ScalesEndAtRoundNumbers) {
+  const auto scale = [](double low, double high, bool fixed) {
+    const Scale s = round_scale(low, high, fixed, "");
+    return std::array<double, 3>{s.low, s.high, s.step};
+  };
+  const auto near = [](const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], 1e-9);
+  };
+  near(scale(1, 1.541, true), {1, 1.6, 0.1});
+  near(scale(1, 2.24, true), {1, 2.25, 0.25});
+  near(scale(0.578, 1, false), {0.5, 1, 0.1});
+  near(scale(1, 1, true), {1, 1.001, 0.0002});
+  const Rgb low = viridis(-1), high = viridis(2), none = viridis(NAN);
+  EXPECT_NEAR(low.x(), 68 / 255.0, 1e-6);
+  EXPECT_NEAR(high.x(), 253 / 255.0, 1e-6);
+  EXPECT_EQ(none, low);
+}
+
+TEST(Previews, ASheetWithoutAChartIsStillShown) {
+  Sample x = hand_made::flat(100, 4);
+  Job job(std::move(x));
+  job.sample.flattening.triangles.clear();
+  EXPECT_TRUE(artifacts(job.finished(), Context()));
+  EXPECT_EQ(report(job.finished())["thickness"]["chart_mean_ratio"], nullptr);
+}
+
+}  // namespace
+}  // namespace vacuform

@@ -1,0 +1,198 @@
+#include "worker/placement/placement.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/fixtures/coils_shapes.hpp"
+#include "worker/placement/alignment.hpp"
+
+namespace vacuform {
+namespace {
+
+TEST(Placement, OnTheChartTurnsMovesAndScales) {
+  FormedSheet sheet;
+  sheet.triangles = {{0, 1, 2}, {1, 3, 2}};
+  sheet.rest = {{0, 0}, {10, 0}, {0, 10}, {10, 10}};
+  Flattening flattening;
+  flattening.triangles = {1};
+  flattening.chart = {{NAN, NAN}, {12, 0}, {0, 12}, {12, 12}};
+  flattening.inked = {{0, 0, 5}, {10, 0, 5}, {0, 10, 5}, {10, 10, 5}};
+  Settings settings;
+  settings.pattern.offset_mm = {2, 0};
+  settings.pattern.rotate_deg = 90;
+  settings.pattern.scale = 2;
+  const auto placed = place(sheet, flattening, nullptr, settings, Context());
+  ASSERT_TRUE(placed);
+  ASSERT_EQ(placed->charts.size(), 1u);
+  const Patch& chart = placed->charts[0].patch;
+  ASSERT_EQ(chart.triangles.size(), 1u);
+  ASSERT_EQ(chart.uv.size(), 3u);
+  EXPECT_TRUE(chart.rest[0].isApprox(Eigen::Vector2d(10, 0)));
+  // The chart's (12, 0) is 10 mm to the right of the drawing's centre; the drawing was turned left and doubled.
+  EXPECT_LT((chart.uv[0] - Eigen::Vector2d(0, -5)).norm(), 1e-12);
+  EXPECT_TRUE(placed->elements.empty());
+}
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using hand_made::Sample;
+
+Result<Placement> placed(const Sample& x, const Drawing& drawing, const Settings& settings = {}) {
+  return place(x.sheet, x.flattening, &drawing, settings, Context());
+}
+
+TEST(Placement, NeighboursOnASphereHaveTheDrawnDistancesAsNearlyAsItLets) {
+  const Sample x = hand_made::sphere(85, 240, 120);
+  Drawing drawing = hand_made::seven_rings(20, 30.32);
+  const auto p = placed(x, drawing);
+  ASSERT_TRUE(p);
+  ASSERT_EQ(p->elements.size(), 7u);
+  EXPECT_EQ(p->pairs.size(), 12u);  // six spokes, six sides
+  // On the sphere six sides of 60 degrees do not close: spokes come out longer than sides.
+  EXPECT_GT(p->spacing_rms_mm, 0.05);
+  EXPECT_LT(p->spacing_rms_mm, 0.4);
+  for (const PlacedElement& e : p->elements) {
+    EXPECT_TRUE(e.on_head);
+    EXPECT_EQ(e.size, 1);
+    EXPECT_LT(e.moved_mm, 1);
+    EXPECT_LT(std::abs(e.turned_deg), 1);
+  }
+  EXPECT_LT((p->elements[0].centre - Vector3d(0, 0, 85)).norm(), 0.1);  // no drift
+  EXPECT_TRUE(p->warnings.empty());
+  for (const PlacedPair& pair : p->pairs) {
+    EXPECT_NEAR(pair.drawn_mm, 30.32, 1e-9);
+    ASSERT_TRUE(pair.k);
+    EXPECT_LT(std::abs(*pair.k), 0.02);
+    EXPECT_EQ(pair.k, pair.k_before);
+  }
+}
+
+TEST(Placement, MeetsTheDrawnDistancesOnlyAsNearlyAsTheSurfaceLets) {
+  const Sample x = hand_made::sphere(45, 180, 90);
+  const auto p = placed(x, hand_made::seven_rings(30, 45));
+  ASSERT_TRUE(p);
+  EXPECT_GT(p->spacing_rms_mm, 2);
+}
+
+TEST(Placement, DecouplesOnASphereWithinTheLimit) {
+  const Sample x = hand_made::sphere(70, 240, 120);
+  Settings settings;
+  settings.coils.decouple = true;
+  const auto p = placed(x, hand_made::seven_rings(20, 30.32), settings);
+  ASSERT_TRUE(p);
+  double before = 0;
+  for (const PlacedPair& pair : p->pairs) {
+    before = std::max(before, std::abs(*pair.k_before));
+    EXPECT_LT(std::abs(*pair.k), 0.002);
+  }
+  EXPECT_GT(before, 0.005);
+  for (const PlacedElement& e : p->elements) EXPECT_LE(std::abs(e.size - 1), 0.05 + 1e-12);
+  const auto again = placed(x, hand_made::seven_rings(20, 30.32), settings);
+  for (std::size_t i = 0; i < p->elements.size(); ++i)
+    EXPECT_EQ(p->elements[i].centre, again->elements[i].centre);
+}
+
+TEST(Placement, SaysWhichPairsCannotBeDecoupled) {
+  const Sample x = hand_made::flat(200, 80);
+  Drawing drawing;
+  drawing.elements = {hand_made::ring("a", {-12, 0}, 20), hand_made::ring("b", {12, 0}, 20),
+                      hand_made::ring("c", {0, 20}, 20)};
+  Settings settings;
+  settings.coils.decouple = true;
+  const auto free = placed(x, drawing, settings);
+  ASSERT_TRUE(free);
+  EXPECT_TRUE(free->warnings.empty());  // three coils can always be moved apart
+  EXPECT_GT(free->elements[0].moved_mm, 1);
+}
+
+TEST(Placement, TellsWhatLiesOffTheHeadAndLeavesOutWhatLiesBeyondIt) {
+  const Sample x = hand_made::sphere(85, 240, 120, 60);
+  Drawing drawing;
+  drawing.elements = {hand_made::ring("in", {0, 0}, 20), hand_made::ring("half", {55, 0}, 15),
+                      hand_made::ring("beyond", {0, 62}, 10), hand_made::ring("gone", {-90, 0}, 20)};
+  const auto p = placed(x, drawing);
+  ASSERT_TRUE(p);
+  ASSERT_EQ(p->elements.size(), 3u);
+  EXPECT_TRUE(p->elements[0].on_head);
+  EXPECT_FALSE(p->elements[1].on_head);
+  EXPECT_FALSE(p->elements[2].on_head);
+  EXPECT_NEAR(p->elements[2].centre_rest.y(), 62, 0.5);  // straight on from the chart's edge
+  ASSERT_EQ(p->warnings.size(), 2u);
+  EXPECT_EQ(p->warnings[0].code, "coil-left-out");
+  EXPECT_NE(p->warnings[0].text.find("gone"), std::string::npos);
+  EXPECT_EQ(p->warnings[1].code, "coil-off-head");
+  EXPECT_NE(p->warnings[1].text.find("half and beyond"), std::string::npos);
+}
+
+TEST(Placement, OnOneChartWhereAskedForOrWhereNothingHasAnId) {
+  const Sample x = hand_made::flat(100, 20);
+  Drawing drawing;
+  drawing.elements = {hand_made::ring("", {0, 0}, 20)};
+  EXPECT_TRUE(placed(x, drawing)->elements.empty());
+  Settings settings;
+  settings.pattern.placement = PatternPlacement::elements;
+  const auto refused = placed(x, drawing, settings);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::unusable_pattern);
+  drawing.elements[0].id = "a";
+  EXPECT_EQ(placed(x, drawing, settings)->elements.size(), 1u);
+  settings.pattern.placement = PatternPlacement::chart;
+  EXPECT_TRUE(placed(x, drawing, settings)->elements.empty());
+}
+
+Result<Alignment> aligned(const Sample& x, const PatternSettings& settings) {
+  return align(InkedSurface(x.sheet, x.flattening), settings);
+}
+
+TEST(Alignment, OfOnePointShiftsAndOfTwoTurns) {
+  const Sample x = hand_made::flat(100, 20);
+  PatternSettings s;
+  s.points = {{10, 0, 5, 7, 2}};
+  auto a = aligned(x, s);
+  ASSERT_TRUE(a);
+  EXPECT_LT((a->chart({10, 0}) - Vector2d(5, 7)).norm(), 1e-9);
+  EXPECT_EQ(a->turn_deg, 0);
+  // The offset shifts the meeting point, the turn leaves it.
+  s.offset_mm = {1, 2};
+  s.rotate_deg = 30;
+  a = aligned(x, s);
+  EXPECT_LT((a->chart({10, 0}) - Vector2d(6, 9)).norm(), 1e-9);
+  EXPECT_EQ(a->turn_deg, 30);
+
+  s = {};
+  s.scale = 2;
+  s.points = {{0, 0, 5, 5, 0}, {10, 0, 5, 20, 0}};
+  a = aligned(x, s);
+  EXPECT_LT((a->chart({0, 0}) - Vector2d(5, 5)).norm(), 1e-9);
+  EXPECT_NEAR(a->turn_deg, 90, 1e-9);
+  EXPECT_LT((a->chart({10, 0}) - Vector2d(5, 25)).norm(), 1e-9);  // its size is its own
+  EXPECT_LT((a->pattern(a->chart({3, -4})) - Vector2d(3, -4)).norm(), 1e-9);
+}
+
+TEST(Alignment, OfThreePointsIsRigidLeastSquares) {
+  const Sample x = hand_made::flat(100, 20);
+  PatternSettings s;
+  const Alignment exact{25, 1, {4, -6}};
+  for (const Vector2d& p : {Vector2d(10, 0), Vector2d(-12, 8), Vector2d(3, -15)}) {
+    const Vector2d q = exact.chart(p);
+    s.points.push_back({p.x(), p.y(), q.x(), q.y(), 0});
+  }
+  const auto a = aligned(x, s);
+  ASSERT_TRUE(a);
+  EXPECT_NEAR(a->turn_deg, 25, 1e-9);
+  EXPECT_LT((a->shift_mm - exact.shift_mm).norm(), 1e-9);
+}
+
+TEST(Alignment, RefusesPointsOffThePartAndPointsWithoutDirection) {
+  const Sample x = hand_made::flat(100, 20);
+  PatternSettings s;
+  s.points = {{0, 0, 0, 0, 0}, {10, 0, 80, 0, 0}};
+  auto a = aligned(x, s);
+  ASSERT_FALSE(a);
+  EXPECT_EQ(a.error().code, Code::bad_settings);
+  EXPECT_EQ(a.error().where, "pattern.points[1]");
+  s.points = {{0, 0, 0, 0, 0}, {0, 0, 10, 0, 0}};
+  EXPECT_EQ(aligned(x, s).error().where, "pattern.points");
+}
+
+}  // namespace
+}  // namespace vacuform

@@ -1,0 +1,78 @@
+#include "worker/agent/configuration.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+
+#include "api/client/http.hpp"
+#include "api/client/token.hpp"
+
+namespace vacuform {
+
+namespace {
+
+std::string default_name() {
+  char host[256] = "";
+  ::gethostname(host, sizeof host - 1);
+  return std::string(host) + "-" + std::to_string(::getpid());
+}
+
+}  // namespace
+
+void WorkerConfiguration::add_to(ConfigurationSources& sources) {
+  name = default_name();
+  work = std::filesystem::temp_directory_path() / ("vacuform-worker-" + std::to_string(::geteuid()));
+  sources.add("server", &server, "Address of the server, http://... or https://...")->type_name("URL");
+  sources
+      .add("token_file", &token_file,
+           "File that holds a token of the scope work (default: VACUFORM_TOKEN, or the file that "
+           "VACUFORM_TOKEN_FILE names)")
+      ->type_name("FILE");
+  sources.add("name", &name, "Name of this worker in the server's log");
+  sources.add("work", &work, "Folder for the jobs' private folders")->type_name("DIR");
+  sources.add("poll_seconds", &poll_seconds, "Pause between two questions for a job")
+      ->check(CLI::Range(0.05, 3600.0));
+  sources
+      .add("keep", &keep,
+           "Folder for what scan and forming made, so that another job of the same scan skips them; it holds "
+           "heads (default: kept in the folder of --work)")
+      ->type_name("DIR");
+  sources.add("keep_days", &keep_days, "Days after the last use for which a scan's stages are kept")
+      ->check(CLI::Range(1, 3650));
+  sources.add("no_keep", &no_keep, "Keep nothing of a job");
+  sources
+      .add("sandbox", &sandbox,
+           "required: stop unless the kernel gives Landlock and seccomp; best-effort: run jobs with the "
+           "measures that "
+           "it gives; off: run them with all rights of this user, to find faults, never for files of others")
+      ->check(CLI::IsMember({"required", "best-effort", "off"}));
+  sources
+      .add(
+          "user", &user,
+          "User to become, when started by root: jobs then cannot read what belongs to root or to the server")
+      ->type_name("NAME");
+}
+
+Result<LeaseLoop> WorkerConfiguration::loop() const {
+  if (server.empty())
+    return fail(Code::bad_usage, "there is no server", "--server", "give for example http://127.0.0.1:8080");
+  LeaseLoop loop;
+  loop.server = server;
+  loop.name = name;
+  loop.poll = std::chrono::milliseconds(static_cast<int>(poll_seconds * 1000));
+  loop.program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vacuform";
+  loop.program_file = Descriptor(::open(loop.program.c_str(), O_PATH | O_CLOEXEC));
+  if (!loop.program_file || ::access(loop.program.c_str(), X_OK) != 0)
+    return fail(Code::unreadable, "the program vacuform is not beside this one", loop.program.string(),
+                "install both in one folder");
+  VACUFORM_TRY(token, find_token(token_file.string()));
+  if (token.empty())
+    return fail(Code::bad_usage, "there is no token", "--token-file",
+                "give a file that holds a token of the scope work, or set VACUFORM_TOKEN_FILE");
+  loop.token = token;
+  VACUFORM_CHECK(Http::to(server, token));
+  return loop;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,289 @@
+#include "worker/agent/lease_loop.hpp"
+
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "api/base/log.hpp"
+#include "api/job_limits.hpp"
+#include "api/problem.hpp"
+#include "api/version.hpp"
+#include "worker/agent/heartbeat.hpp"
+#include "worker/agent/job_file.hpp"
+#include "worker/agent/work_folder.hpp"
+
+namespace vacuform {
+
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+// The server may be away, or has a fault that passes: the same call may be made again.
+bool passing(const Error& error) {
+  return error.code == Code::unavailable || error.code == Code::disk_full || error.code == Code::internal;
+}
+
+milliseconds longer(milliseconds pause) { return std::min(2 * pause, milliseconds(10000)); }
+
+constexpr std::chrono::hours tidy_every{1};  // of what is kept, besides after every job
+
+constexpr const char* out = "out";  // the folder of artifacts, in that of the job
+constexpr TreeLimits most_left;     // in a job's folder
+
+// How a leased job ended, for this worker.
+enum class Verdict { completed, failed, cancelled, released, lost };
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::completed:
+      return "completed";
+    case Verdict::failed:
+      return "failed";
+    case Verdict::cancelled:
+      return "cancelled";
+    case Verdict::released:
+      return "released";
+    case Verdict::lost:
+      return "lost";
+  }
+  return "";
+}
+
+// One leased job from its inputs to its artifacts.
+class LeasedJob {
+ public:
+  LeasedJob(const LeaseLoop& loop, WorkerClient& client, Heartbeat& heartbeat, const Lease& lease,
+            const WorkFolder& folder, const StopSignal& stop, JobLog& log)
+      : loop_(loop),
+        client_(client),
+        heartbeat_(heartbeat),
+        lease_(lease),
+        folder_(folder.path()),
+        home_(folder.descriptor()),
+        stop_(stop),
+        log_(log) {}
+
+  // Runs the job and tells the server how it ended.
+  Verdict run() {
+    const Result<void> worked = work();
+    if (worked) return Verdict::completed;
+    if (heartbeat_.lost() || worked.error().code == Code::lease_lost) return Verdict::lost;
+    if (heartbeat_.cancel_asked()) return told(Verdict::cancelled, [&] { return client_.cancelled(lease_); });
+    if (stop_.within(milliseconds(0))) {
+      // Once: if the server is away now, the lease runs out by itself.
+      const auto released = client_.release(lease_);
+      return released ? Verdict::released : Verdict::lost;
+    }
+    const Retry retry = retry_;
+    (void)log_.send(client_, lease_);
+    return told(Verdict::failed, [&] { return client_.fail(lease_, worked.error(), retry); });
+  }
+
+ private:
+  bool going() const {
+    return !heartbeat_.lost() && !heartbeat_.cancel_asked() && !stop_.within(milliseconds(0));
+  }
+
+  // Makes a call until it is answered, the lease is lost, or a lease's time has gone by.
+  template <class Call>
+  Result<void> persist(const Call& call) {
+    const auto until = std::chrono::steady_clock::now() + lease_.seconds;
+    for (milliseconds pause{200};; pause = longer(pause)) {
+      const Result<void> answer = call();
+      const bool again = !answer && passing(answer.error());
+      retry_ = again ? Retry::after_fault : Retry::never;
+      if (!again || heartbeat_.lost() || std::chrono::steady_clock::now() > until) return answer;
+      if (stop_.within(pause)) return answer;
+    }
+  }
+
+  template <class Call>
+  Verdict told(Verdict verdict, const Call& call) {
+    return persist(call) ? verdict : Verdict::lost;
+  }
+
+  Result<void> work() {
+    const fs::path settings = folder_ / "settings.json";
+    const auto alive = [this] { return going(); };
+    const bool inspection = lease_.kind == JobKind::inspection;
+    std::vector<std::string> command{loop_.program.string(),
+                                     inspection ? "inspect" : "run",
+                                     "--settings",
+                                     settings.filename().string(),
+                                     "--out",
+                                     out,
+                                     "--progress",
+                                     "json"};
+    for (const LeasedInput& input : lease_.inputs) {
+      const std::string file = input.name + (input.extension.empty() ? "" : "." + input.extension);
+      VACUFORM_CHECK(persist([&] { return client_.download_input(lease_, input, folder_ / file, alive); }));
+      command.insert(command.end(), {std::string("--") + input.name, file});
+    }
+    if (std::ofstream file(settings, std::ios::binary); !(file << lease_.settings << std::flush)) {
+      retry_ = Retry::after_fault;
+      return fail(Code::internal, "the worker has no room for the job", "", "try again later");
+    }
+    const fs::path kept = kept_folder();
+    // The child's own working directory is a folder in ours.
+    if (!kept.empty())
+      command.insert(command.end(), {"--keep", (kept.is_absolute() ? kept : ".." / kept).string()});
+    const auto end = run_child(
+        loop_.program_file.number(), command, folder_, loop_.limits, loop_.sandbox,
+        [this](const ChildProgress& at) { heard(at); }, [this] { return !going() || has_too_much(); }, kept);
+    if (loop_.kept) loop_.kept->make_room();
+    if (!end) {
+      retry_ = Retry::after_fault;
+      return tl::make_unexpected(end.error());
+    }
+    measured_ = {};
+    if (going() && has_too_much())
+      return fail(Code::out_of_time,
+                  "the job left more than " + std::to_string(most_left.entries) + " files or " +
+                      std::to_string(most_left.bytes >> 30) + " GiB in its folder",
+                  "", "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi");
+    VACUFORM_CHECK(judge(*end));
+    for (const ArtifactKind& kind : artifact_kinds) {
+      const std::string name(kind.name);
+      VACUFORM_TRY(file, left(name));
+      if (file)
+        VACUFORM_CHECK(persist(
+            [&] { return client_.upload(lease_, name, file->descriptor.number(), file->bytes, alive); }));
+    }
+    VACUFORM_TRY(report, left(lease_.kind == JobKind::print ? "report.json" : "findings.json"));
+    const ReportedWarnings warnings = report ? reported_warnings(*report) : ReportedWarnings{};
+    for (const std::string& code : warnings.codes) log_.say("warning " + code);
+    VACUFORM_CHECK(persist([&] { return log_.send(client_, lease_, alive); }));
+    const auto completed = persist([&] { return client_.complete(lease_, warnings.serious); });
+    if (!completed && completed.error().code == Code::conflict)  // artifacts are missing
+      return fail(Code::internal, completed.error().what, "", "report it with the job's id");
+    return completed;
+  }
+
+  // A file of the child's, now that it is dead.
+  Result<std::optional<JobFile>> left(const std::string& name) {
+    auto file = open_job_file(home_, out, name.c_str(), largest_artifact);
+    if (!file) {
+      retry_ = Retry::after_crash;
+      log_event("artifact-refused", {{"job", lease_.job}, {"artifact", name}, {"why", file.error().what}});
+    }
+    return file;
+  }
+
+  // No limit of the kernel's bounds the number of files or their sum: looked at once a second, in bounded time.
+  bool has_too_much() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - measured_ < std::chrono::seconds(1)) return too_much_;
+    measured_ = now;
+    too_much_ = too_much_ || !measure_tree(home_, most_left).within;
+    return too_much_;
+  }
+
+  // Where this owner's stages of this scan are kept; empty: nowhere. A job does without rather than fail for it.
+  fs::path kept_folder() const {
+    if (!loop_.kept || lease_.keep.empty()) return {};
+    return loop_.kept->of(lease_.keep).value_or(fs::path());
+  }
+
+  void heard(const ChildProgress& at) {
+    heartbeat_.at(at.stage, at.fraction);
+    if (at.kept) log_.say("stage " + std::string(name(at.stage)) + " kept");
+    if (!at.kept && at.stage != stage_) log_.say("stage " + std::string(name(at.stage)));
+    stage_ = at.stage;
+  }
+
+  // What the end of the child means for the job.
+  Result<void> judge(const ChildEnd& end) {
+    const bool refused = end.how == ChildEnd::How::exited && end.number == meaning(Code::bad_usage).exit_code;
+    if (end.how == ChildEnd::How::stopped) return fail(Code::cancelled, "cancelled");
+    if (end.how == ChildEnd::How::out_of_time) return tl::make_unexpected(*end.problem);
+    if (end.how == ChildEnd::How::exited && end.number == 0) return {};
+    if (refused && end.problem) return tl::make_unexpected(*end.problem);
+    constexpr int no_sandbox = 126;
+    retry_ = refused                                                        ? Retry::never
+             : end.how == ChildEnd::How::exited && end.number == no_sandbox ? Retry::after_fault
+                                                                            : Retry::after_crash;
+    constexpr std::size_t told = 2000;  // the operator reads this; what a scan can write into it is bounded
+    log_event(
+        "child-fault",
+        {{"job", lease_.job},
+         {"attempt", lease_.attempt},
+         {end.how == ChildEnd::How::signalled ? "signal" : "exit", end.number},
+         {"stderr", end.last_words.substr(end.last_words.size() - std::min(told, end.last_words.size()))}});
+    if (end.problem) return tl::make_unexpected(*end.problem);
+    if (end.how == ChildEnd::How::signalled && end.number == SIGKILL)
+      return fail(Code::out_of_time, "the job's process was killed, most likely because the memory ran out",
+                  "",
+                  "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi; an administrator "
+                  "can give the "
+                  "worker more memory");
+    return fail(Code::internal, "the pipeline broke down on this scan and pattern", "",
+                "try other settings; if it stays so, report it with the job's id");
+  }
+
+  const LeaseLoop& loop_;
+  WorkerClient& client_;
+  Heartbeat& heartbeat_;
+  const Lease& lease_;
+  const fs::path folder_;
+  const int home_;  // the same folder, open
+  const StopSignal& stop_;
+  JobLog& log_;
+  std::optional<Stage> stage_;  // of the child
+  std::chrono::steady_clock::time_point measured_{};
+  bool too_much_ = false;
+  Retry retry_ = Retry::never;
+};
+
+}  // namespace
+
+Result<void> LeaseLoop::run(const StopSignal& stop) const {
+  VACUFORM_TRY(client, WorkerClient::to(server, token));
+  log_event(
+      "worker-started",
+      {{"worker", name}, {"sandbox", sandbox.measures(true)}, {"sandbox_lacks", sandbox.measures(false)}});
+  milliseconds pause = poll;
+  auto tidied = std::chrono::steady_clock::now() - tidy_every;
+  while (!stop.within(milliseconds(0))) {
+    if (const auto now = std::chrono::steady_clock::now(); now - tidied >= tidy_every) {
+      if (kept) kept->make_room();
+      (void)sweep(work);  // what could not be deleted before
+      tidied = now;
+    }
+    const auto lease = client.lease(name, sandbox.measures(true));
+    if (!lease && !passing(lease.error())) return tl::make_unexpected(lease.error());
+    if (!lease || !*lease) {
+      if (!lease && pause == poll) log_event("server-away", {{"worker", name}, {"why", lease.error().what}});
+      pause = lease ? poll : longer(pause);
+      stop.within(pause);
+      continue;
+    }
+    pause = poll;
+    const Lease& held = **lease;
+    const LoggedRequest logged(held.request);
+    if (!held.understood) {
+      log_event("job-not-understood", {{"worker", name}, {"job", held.job}, {"version", version}});
+      VACUFORM_CHECK(client.release(held));
+      return fail(Code::bad_usage,
+                  "the server gave a job that this worker does not understand; it is given back", server,
+                  "install the worker of the server's version (this one is " + std::string(version) + ")");
+    }
+    log_event("job-leased", {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}});
+    const auto folder = WorkFolder::make(work);
+    if (!folder) {
+      VACUFORM_CHECK(client.release(held));
+      return tl::make_unexpected(folder.error());
+    }
+    VACUFORM_TRY(beating, WorkerClient::to(server, token));
+    JobLog job_log;
+    Heartbeat heartbeat(std::move(beating), held, job_log);
+    const Verdict verdict = LeasedJob(*this, client, heartbeat, held, *folder, stop, job_log).run();
+    log_event(
+        "job-left",
+        {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}, {"verdict", name_of(verdict)}});
+  }
+  log_event("worker-stopped", {{"worker", name}});
+  return {};
+}
+
+}  // namespace vacuform

@@ -1,0 +1,200 @@
+#include "worker/pipeline/pipeline.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "api/base/sha256.hpp"
+#include "api/version.hpp"
+#include "worker/coils/coupling_warning.hpp"
+#include "worker/flattening/flattening.hpp"
+#include "worker/forming/heat/sheet_temperature.hpp"
+#include "worker/inspection/inspection.hpp"
+#include "worker/inspection/report_html.hpp"
+#include "worker/pattern/drawing.hpp"
+#include "worker/pattern/ink_parts.hpp"
+#include "worker/pipeline/artifact_files.hpp"
+#include "worker/pipeline/scan_inspection.hpp"
+#include "worker/placement/cut_lines.hpp"
+#include "worker/stage/portion.hpp"
+#include "worker/studies/sensitivity.hpp"
+
+namespace vacuform {
+
+namespace {
+
+// What only shows when inputs and settings are seen together.
+Result<void> check_together(const Inputs& inputs) {
+  const Settings& s = inputs.settings;
+  if (!s.pattern.seams.empty() && s.pattern.placement != PatternPlacement::segments)
+    return fail(Code::bad_settings, "pattern.seams are given, but the drawing is not laid in segments",
+                "pattern.seams", "give pattern.placement=segments as well");
+  const bool painted = s.flattening.weights == FlatteningWeights::painted;
+  if (painted && !inputs.weights)
+    return fail(
+        Code::bad_settings, "the painted weights have no picture", "flattening.weights",
+        "give the picture with --weights FILE (the form field weights), or another flattening.weights");
+  if (!painted && inputs.weights)
+    return fail(Code::bad_settings, "a picture of weights is given, but nothing is weighted by it",
+                "flattening.weights", "give flattening.weights=painted as well, or leave the picture out");
+  return {};
+}
+
+Result<std::optional<Pattern>> weights_of(const Inputs& inputs, const Pattern& pattern) {
+  if (!inputs.weights) return std::optional<Pattern>();
+  PatternSettings as_the_pattern = inputs.settings.pattern;
+  as_the_pattern.width_mm = pattern.size_mm().x();
+  VACUFORM_TRY(picture, Pattern::read(inputs.weights->bytes, inputs.weights->name, as_the_pattern,
+                                      inputs.settings.print.dpi));
+  return std::optional(std::move(picture));
+}
+
+Result<FormedSheet> sheet_of(const Inputs& inputs, const nlohmann::ordered_json& made_from, const Mold& mold,
+                             const TemperatureField& temperature, const Context& context) {
+  if (auto kept = inputs.kept.sheet(made_from)) {
+    VACUFORM_CHECK(context.step(Stage::forming, 1));
+    return *std::move(kept);
+  }
+  const Settings& s = inputs.settings;
+  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, temperature, context));
+  inputs.kept.keep(made_from, sheet);
+  return sheet;
+}
+
+struct Formed {
+  Mold mold;
+  FormedSheet sheet;  // with the warnings of everything up to it
+  HeatSummary heat;
+  std::vector<Variant> variants;  // where the sensitivity is asked for
+};
+
+Result<Formed> form_head(const Inputs& inputs, const Context& context) {
+  const Settings& s = inputs.settings;
+  const nlohmann::ordered_json all = to_json(s);
+  VACUFORM_TRY(mold, mold_of(inputs, context));
+  VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
+  VACUFORM_TRY(warmth, sheet_temperature(s.sheet, s.machine, s.heat, inputs.temperature, context));
+  const double share = inputs.sensitivity ? 0.15 : 1;  // of the forming stage's work
+  const Portion nominal(context, Stage::forming, 0, share), changed(context, Stage::forming, share, 1);
+  const nlohmann::ordered_json of_sheet = {
+      {"mold", mold_made_from(inputs)},
+      {"settings", {all["sheet"], all["machine"], all["heat"], all["forming"]}},
+      {"temperature", inputs.temperature ? sha256_hex(inputs.temperature->bytes) : std::string()}};
+  VACUFORM_TRY(sheet, sheet_of(inputs, of_sheet, mold, warmth.field, nominal.context()));
+  std::vector<Variant> variants;
+  if (inputs.sensitivity) {
+    VACUFORM_TRY(formed, form_variants(mold, s, warmth.field, changed.context()));
+    variants = std::move(formed);
+  }
+  const auto of_fit = fit_findings(mold, s.sheet, s.machine, s.forming.thin_limit);
+  sheet.warnings.insert(sheet.warnings.begin(), of_fit.begin(), of_fit.end());
+  for (Warning& w : warmth.warnings) sheet.warnings.push_back(std::move(w));
+  for (Warning& w : temperature_findings(sheet, s.sheet.material)) sheet.warnings.push_back(std::move(w));
+  return Formed{std::move(mold), std::move(sheet), warmth.summary, std::move(variants)};
+}
+
+// The same inputs, settings and version make the same print: the digest of all of them is its name.
+struct Identity {
+  std::string label;
+  nlohmann::ordered_json sha256;
+};
+Identity identity_of(const Inputs& inputs) {
+  nlohmann::ordered_json whole = {{"scan", sha256_hex(inputs.scan)},
+                                  {"pattern", sha256_hex(inputs.pattern)},
+                                  {"settings", to_json(inputs.settings)},
+                                  {"version", version}};
+  if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
+  if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
+  Sha256 digest;
+  digest.add(whole.dump());
+  nlohmann::ordered_json of_files = {{"scan", whole["scan"]}, {"pattern", whole["pattern"]}};
+  for (const char* more : {"temperature", "weights"})
+    if (whole.contains(more)) of_files[more] = whole[more];
+  return {digest.hex().substr(0, 12), std::move(of_files)};
+}
+
+}  // namespace
+
+Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
+  const Settings& s = inputs.settings;
+  VACUFORM_CHECK(check_together(inputs));
+  VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
+  VACUFORM_TRY(weights, weights_of(inputs, pattern));
+  VACUFORM_TRY(formed, form_head(inputs, context));
+  const InkCoverage coverage = [&](const Eigen::Vector2d& chart, double blur_mm) {
+    return (weights ? *weights : pattern)
+        .sample(plain_alignment(s.pattern).pattern(chart), blur_mm / s.pattern.scale)
+        .coverage();
+  };
+  VACUFORM_TRY(flat,
+               flatten(formed.sheet, formed.mold, s.flattening, s.pattern.inked_face, context, coverage));
+  VACUFORM_TRY(cut, with_cut_lines(std::move(formed.sheet), std::move(flat), s.pattern.seams, context));
+  const FormedSheet& sheet = cut.sheet;
+  const Flattening& flattening = cut.flattening;
+  const Identity identity = identity_of(inputs);
+
+  std::vector<Warning> of_drawing;
+  const std::optional<Drawing> drawing = read_drawing(inputs.pattern, pattern, of_drawing);
+  const Drawing* lines = drawing ? &*drawing : nullptr;
+  const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement, of_drawing);
+  const Drawing* const laid = parts ? &parts->drawing() : lines;
+  VACUFORM_TRY(placement, place(sheet, flattening, laid, s, context, cut.edges));
+  VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, identity.label, context));
+  for (const auto* warnings : {&placement.warnings, &of_drawing})
+    print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
+  VACUFORM_TRY(alignment, align(InkedSurface(sheet, flattening), s.pattern));
+  std::optional<Measured> measured;
+  const Portion measuring(context, Stage::inspection, 0, 0.3), showing(context, Stage::inspection, 0.3, 1);
+  if (lines && print.vectors) {
+    VACUFORM_TRY(figures, measure(sheet, flattening, *lines, placement, *print.vectors, alignment, s.coils,
+                                  measuring.context()));
+    measured = std::move(figures);
+  } else if (parts && s.coils.decouple) {  // a picture, whose coils are not measured
+    if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
+      print.warnings.push_back(std::move(*coupled));
+  }
+  const Finished job{s,           formed.mold, sheet,
+                     flattening,  pattern,     print,
+                     formed.heat, alignment,   measured ? &*measured : nullptr,
+                     &placement};
+  VACUFORM_TRY(files, artifacts(job, showing.context()));
+
+  nlohmann::ordered_json whole = {
+      {"vacuform", version}, {"label", identity.label}, {"sha256", identity.sha256}};
+  whole.update(report(job));
+  if (inputs.sensitivity) {
+    auto coils = printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv);
+    for (const PlacedElement& element :
+         placement.elements)  // what is laid one by one is not where the chart has it
+      for (PrintedCoil& coil : coils)
+        if (coil.id == laid->elements[static_cast<std::size_t>(element.element)].id)
+          coil.rest = element.centre_rest;
+    whole["sensitivity"] = sensitivity_json(sheet, formed.variants, coils);
+  }
+  const auto add = [&](const char* name, const std::string& text) {
+    files.push_back({name, {text.begin(), text.end()}});
+  };
+  add("report.html", report_html(whole, files));
+  add("report.json", whole.dump(2) + "\n");
+  return write_artifacts(out, files);
+}
+
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status))
+    return fail(Code::unreadable, "there is no such file", path.string(), "check the name");
+  const std::uint64_t size =
+      std::filesystem::is_regular_file(status) ? std::filesystem::file_size(path, error) : 0;
+  if (!std::filesystem::is_regular_file(status) || error)
+    return fail(Code::unreadable, "not a readable file", path.string(), "give a regular file");
+  if (size > limit)
+    return fail(Code::too_large, "the file has " + std::to_string(size) + " bytes", path.string(),
+                "give one of at most " + std::to_string(limit) + " bytes");
+  std::vector<std::uint8_t> bytes(size);
+  std::ifstream in(path, std::ios::binary);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!in) return fail(Code::unreadable, "the file cannot be read", path.string(), "check its permissions");
+  return bytes;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,73 @@
+#include "worker/pipeline/scan_inspection.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "api/base/sha256.hpp"
+#include "api/problem.hpp"
+#include "api/version.hpp"
+#include "worker/pipeline/artifact_files.hpp"
+#include "worker/scan/findings_json.hpp"
+#include "worker/scan/plug.hpp"
+#include "worker/stage/warning_json.hpp"
+
+namespace vacuform {
+
+using Json = nlohmann::ordered_json;
+
+Json mold_made_from(const Inputs& inputs) {
+  return {{"scan", sha256_hex(inputs.scan)},
+          {"type", std::filesystem::path(inputs.scan_name).extension().string()},
+          {"settings", to_json(inputs.settings)["scan"]},
+          {"plug_height_mm", inputs.settings.machine.plug_height_mm}};
+}
+
+Result<Mold> mold_of(const Inputs& inputs, const Context& context) {
+  const Json made_from = mold_made_from(inputs);
+  if (auto kept = inputs.kept.mold(made_from)) {
+    VACUFORM_CHECK(context.step(Stage::scan, 1));
+    return *std::move(kept);
+  }
+  VACUFORM_TRY(cut, make_mold(inputs.scan, inputs.scan_name, inputs.settings.scan, context));
+  VACUFORM_TRY(mold, on_plug(std::move(cut), inputs.settings.machine.plug_height_mm));
+  inputs.kept.keep(made_from, mold);
+  return mold;
+}
+
+Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context) {
+  const Settings& s = inputs.settings;
+  VACUFORM_TRY(mold, mold_of(inputs, context));
+  const auto fit = check_fit(mold, s.sheet, s.machine);
+  if (!fit) return ScanInspection{std::move(mold), fit.error()};
+  for (Warning& w : fit_findings(mold, s.sheet, s.machine, s.forming.thin_limit))
+    mold.warnings.push_back(std::move(w));
+  return ScanInspection{std::move(mold), std::nullopt};
+}
+
+Json findings_json(const Inputs& inputs, const ScanInspection& inspection) {
+  Json all{{"vacuform", version},
+           {"sha256", {{"scan", sha256_hex(inputs.scan)}}},
+           {"scan", scan_json(inspection.mold.findings)},
+           {"mold", mold_json(inspection.mold)},
+           {"fits", !inspection.misfit},
+           {"problem", nullptr},
+           {"warnings", Json::array()}};
+  if (const auto& misfit = inspection.misfit)
+    all["problem"] = {{"code", meaning(misfit->code).slug},
+                      {"what", misfit->what},
+                      {"where", misfit->where},
+                      {"mend", misfit->mend}};
+  for (const Warning& warning : inspection.mold.warnings)
+    all["warnings"].push_back(warning_json(Stage::scan, warning));
+  return all;
+}
+
+Result<void> write_inspection(const Inputs& inputs, const ScanInspection& inspection,
+                              const std::filesystem::path& out, const Context& context) {
+  VACUFORM_TRY(files, inspection_artifacts(inspection.mold, context));
+  const std::string text =
+      findings_json(inputs, inspection).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  files.push_back({"findings.json", {text.begin(), text.end()}});
+  return write_artifacts(out, files);
+}
+
+}  // namespace vacuform

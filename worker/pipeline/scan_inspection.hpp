@@ -1,0 +1,34 @@
+// The scan stage of a job, which is the whole of an inspection: what is in the scan, what mold it makes, and whether that
+// goes onto the machine. Seconds, and nothing is formed.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "worker/pipeline/pipeline.hpp"
+#include "worker/scan/mold.hpp"
+
+namespace vacuform {
+
+// The mold on its plug, made or kept. Of the inputs only the scan is used. Errors: those of make_mold() and on_plug().
+Result<Mold> mold_of(const Inputs& inputs, const Context& context);
+// All that it depends on.
+nlohmann::ordered_json mold_made_from(const Inputs& inputs);
+
+struct ScanInspection {
+  Mold mold;                    // with the warnings of its fit
+  std::optional<Error> misfit;  // why it cannot be formed
+};
+// A mold that does not fit is no error. Errors: those of mold_of().
+Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context);
+
+// findings.json: scan and mold as in report.json, "fits" with its "problem", "warnings" (warning_json.hpp).
+nlohmann::ordered_json findings_json(const Inputs& inputs, const ScanInspection& inspection);
+
+// Writes the artifacts of an inspection: preview-findings.png, mold.stl and findings.json. Errors: cancelled, unreadable
+// (the folder).
+Result<void> write_inspection(const Inputs& inputs, const ScanInspection& inspection,
+                              const std::filesystem::path& out, const Context& context);
+
+}  // namespace vacuform

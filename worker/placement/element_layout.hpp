@@ -1,0 +1,61 @@
+// The elements of a drawing while they are being placed, and their loops in space.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "worker/placement/alignment.hpp"
+#include "worker/placement/element_patch.hpp"
+#include "worker/placement/outline.hpp"
+#include "worker/placement/spacing.hpp"
+
+namespace vacuform {
+
+struct LaidElement {
+  int element = 0;  // index into Drawing::elements
+  Outline outline;  // at the drawing's scale
+  double size = 1;  // of the element, on top of that scale
+};
+
+struct ElementLayout {
+  std::vector<LaidElement> elements;
+  std::vector<Centre> centres;  // of the same elements
+  std::vector<Neighbours> pairs;
+  std::vector<int> left_out;  // elements of the drawing that are nowhere near the chart
+  CoilKeep keep = CoilKeep::area;
+};
+
+// The elements with an id where the chart puts their centres. A centre beyond the chart goes on straight from the chart's
+// nearest point; beyond it by more than its element reaches, the element is left out.
+ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment);
+
+// An element once it lies on the surface.
+struct ElementOnSurface {
+  double turn = 0;  // of its centre's axis, radians (spacing.hpp)
+  ElementPatch patch;
+  bool on_head = true;                // all of its curves lie on the chart
+  std::vector<Eigen::Vector3d> loop;  // in space, mm; empty without a loop, or where it runs off the sheet
+  double self_nh = 0;                 // the loop's own inductance
+};
+
+// The elements of a layout where their centres are now; `rough` as in element_patch(). Errors: cancelled.
+Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
+                                                     const Context& context, bool rough = false);
+
+// M / sqrt(L1 L2); nothing unless both have a loop.
+std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b);
+
+// The element's loop in space by flat coordinates, mm; empty where a part of it lies beyond the map. PolarGrid and
+// ElementMap are such maps.
+template <class Map>
+std::vector<Eigen::Vector3d> loop_in_space(const Map& map, const LaidElement& element) {
+  std::vector<Eigen::Vector3d> out;
+  for (const Eigen::Vector2d& p : element.outline.loop) {
+    const auto place = map.place(element.size * p);
+    if (!place) return {};
+    out.push_back(*place);
+  }
+  return out;
+}
+
+}  // namespace vacuform

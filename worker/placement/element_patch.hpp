@@ -1,0 +1,42 @@
+// The surface around an element in flat coordinates of its own, mm: origin at its centre, direction 0 along the drawing's
+// u, and either the area within every radius around the centre or the radius itself as on the surface (polar_grid.hpp).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "worker/forming/sheet_map.hpp"
+#include "worker/placement/patch.hpp"
+#include "worker/surface/polar_grid.hpp"
+
+namespace vacuform {
+
+struct ElementPatch {
+  Patch patch;                 // uv: flat coordinates
+  std::vector<char> on_chart;  // per triangle
+  bool smooth = true;          // geodesics from the centre do not cross within the ink's reach
+};
+
+// Out to `ink_mm` (flat) and a margin. On a smooth surface the grid of geodesics itself, so that geodesic radii are the
+// drawn ones, but for the area where `keep` asks for that (PolarGrid). Where bumps make geodesics cross, the sheet's own triangles, with the
+// direction of a local flattening (as rigid as possible) and the radius of the shortest geodesic; where even that would
+// turn triangles over, as much of the local flattening's radius as it takes not to. With `rough` it is the grid in any
+// case, which is many times faster where geodesics cross. Errors: cancelled.
+Result<ElementPatch> element_patch(const InkedSurface& surface, const SheetPoint& centre,
+                                   const Eigen::Vector3d& axis, double ink_mm, CoilKeep keep,
+                                   const Context& context, bool rough = false);
+
+// Finds flat coordinates in a patch.
+class ElementMap {
+ public:
+  explicit ElementMap(const ElementPatch& patch);  // which must outlive it
+  // The place in space; nothing off the patch.
+  std::optional<Eigen::Vector3d> place(const Eigen::Vector2d& flat) const;
+  bool on_chart(const Eigen::Vector2d& flat) const;
+
+ private:
+  const ElementPatch* patch_;
+  PlaneLocator locator_;
+};
+
+}  // namespace vacuform

@@ -1,0 +1,226 @@
+#include "worker/placement/placement.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "api/base/decimal.hpp"
+#include "worker/coils/decoupling.hpp"
+#include "worker/placement/alignment.hpp"
+#include "worker/placement/element_layout.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// The region of interest with the sheet's own triangles.
+struct Whole {
+  Segment chart;
+  std::vector<int> local;  // of each vertex of the sheet; -1 off the chart
+};
+Whole whole_region(const FormedSheet& sheet, const Flattening& flattening, const Alignment& alignment) {
+  Whole out{{}, std::vector<int>(sheet.rest.size(), -1)};
+  Patch& patch = out.chart.patch;
+  std::vector<int>& local = out.local;
+  for (const int t : flattening.triangles) {
+    out.chart.triangles.push_back(static_cast<int>(out.chart.triangles.size()));
+    Triangle corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto v = index(sheet.triangles[index(t)][k]);
+      if (local[v] < 0) {
+        local[v] = static_cast<int>(patch.uv.size());
+        patch.uv.push_back(alignment.pattern(flattening.chart[v]));
+        patch.rest.push_back(sheet.rest[v]);
+        patch.inked.push_back(flattening.inked[v]);
+      }
+      corners[k] = local[v];
+    }
+    patch.triangles.push_back(corners);
+  }
+  out.chart.distortion = patch_distortion(patch, alignment.scale);
+  return out;
+}
+
+// What the user must know of the segments.
+void say_what_was_cut(const Segments& segments, const PatternSettings& settings,
+                      std::vector<Warning>& warnings) {
+  Warning above{"segment-distorted", "", {}};
+  double worst = 0;
+  std::size_t count = 0;
+  for (const Segment& s : segments.parts) {
+    if (s.distortion <= settings.distortion_limit) continue;
+    worst = std::max(worst, s.distortion), ++count;
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& p : s.patch.inked) box.extend(p);
+    const Vector3d middle = box.center();
+    if (above.marks.size() < Warning::most_marks)
+      above.marks.push_back({{middle.x(), middle.y(), middle.z()}, box.diagonal().norm()});
+  }
+  if (count > 0) {
+    above.text = (count == 1 ? std::string("A segment stays") : std::to_string(count) + " segments stay") +
+                 " above pattern.distortion_limit (" +
+                 (std::isfinite(worst) ? "up to " + decimal(worst, 2) : std::string("folded over")) +
+                 "): the sheet is creased or too coarse there";
+    above.figure = Warning::Figure{worst, "", settings.distortion_limit};
+    warnings.push_back(std::move(above));
+  }
+  if (!settings.seams.empty() && !segments.cuts_sufficed)
+    warnings.push_back(
+        {.code = "seams-not-enough",
+         .text = "The cuts of pattern.seams alone leave segments above pattern.distortion_limit, or "
+                 "lying over themselves, and more cuts were made",
+         .figure = Warning::Figure{static_cast<double>(segments.parts.size()), "segments"},
+         .place = "pattern.seams"});
+}
+
+Result<void> place_segments(Whole&& whole, const Alignment& alignment, const PatternSettings& settings,
+                            const std::vector<Edge>& cuts, const Context& context, Placement& out) {
+  std::vector<Edge> local;
+  for (const auto& [a, b] : cuts)
+    if (whole.local[index(a)] >= 0 && whole.local[index(b)] >= 0)
+      local.push_back(std::minmax(whole.local[index(a)], whole.local[index(b)]));
+  std::sort(local.begin(), local.end());
+  VACUFORM_TRY(segments, cut_into_segments(whole.chart.patch, alignment.scale, settings.distortion_limit,
+                                           local, context));
+  say_what_was_cut(segments, settings, out.warnings);
+  out.charts = std::move(segments.parts);
+  out.seams = std::move(segments.seams);
+  return {};
+}
+
+// "coil-1, coil-2 and 5 more"
+std::string names(const Drawing& drawing, const std::vector<int>& elements) {
+  constexpr std::size_t most = 8;
+  std::string out;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (i == most) return out + " and " + std::to_string(elements.size() - most) + " more";
+    if (i > 0) out += i + 1 == elements.size() ? " and " : ", ";
+    out += drawing.elements[index(elements[i])].id;
+  }
+  return out;
+}
+
+Warning about(const Drawing& drawing, const char* code, const std::vector<int>& elements,
+              const std::string& one, const std::string& several) {
+  Warning warning{code, names(drawing, elements) + (elements.size() > 1 ? several : one)};
+  warning.place = names(drawing, elements);
+  warning.figure = Warning::Figure{static_cast<double>(elements.size()),
+                                   "of " + std::to_string(drawing.elements.size()) + " elements", 0.0};
+  return warning;
+}
+
+void say_what_was_found(const Drawing& drawing, const ElementLayout& layout,
+                        const std::vector<ElementOnSurface>& laid, std::vector<Warning>& warnings) {
+  std::vector<int> off;
+  for (std::size_t i = 0; i < laid.size(); ++i)
+    if (!laid[i].on_head) off.push_back(layout.elements[i].element);
+  if (!layout.left_out.empty())
+    warnings.push_back(about(drawing, "coil-left-out", layout.left_out,
+                             " lies off the formed part and is not printed.",
+                             " lie off the formed part and are not printed."));
+  if (!off.empty())
+    warnings.push_back(about(drawing, "coil-off-head", off, " does not lie wholly on the mold.",
+                             " do not lie wholly on the mold."));
+}
+
+// Decoupling may lead an array away from where the user laid it.
+void say_how_far(const Drawing& drawing, const ElementLayout& layout, const std::vector<Centre>& before,
+                 std::vector<Warning>& warnings) {
+  constexpr double far_mm = 10;
+  std::size_t worst = 0;
+  double most = 0;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (const double mm = (layout.centres[i].moved - before[i].moved).norm(); mm > most) most = mm, worst = i;
+  if (most > far_mm)
+    warnings.push_back({.code = "coils-moved",
+                        .text = "Decoupling moved the coils by up to " + decimal(most, 0) + " mm.",
+                        .figure = Warning::Figure{most, "mm", far_mm},
+                        .place = drawing.elements[index(layout.elements[worst].element)].id});
+}
+
+PlacedElement placed(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
+                     const LaidElement& element, const Centre& centre, ElementOnSurface&& laid) {
+  PlacedElement out;
+  out.element = element.element;
+  out.centre = surface.place(centre.point);
+  out.centre_rest = surface.rest(centre.point);
+  out.moved_mm = centre.moved.norm();
+  out.turned_deg = laid.turn * 180 / M_PI;
+  out.size = alignment.scale * element.size;
+  out.on_head = laid.on_head;
+  out.smooth = laid.patch.smooth;
+  out.patch = std::move(laid.patch.patch);
+  for (Vector2d& uv : out.patch.uv) uv = drawing.elements[index(element.element)].centre + uv / out.size;
+  return out;
+}
+
+double geodesic_mm(const InkedSurface& surface, const ElementLayout& layout, const Neighbours& pair) {
+  return connect(surface, layout.centres[index(pair.a)].point, layout.centres[index(pair.b)].point).mm;
+}
+
+Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
+                            const CoilSettings& settings, const Context& context, Placement& out) {
+  ElementLayout layout = lay_by_chart(surface, drawing, alignment);
+  layout.keep = settings.keep;
+  for (const Neighbours& n : layout.pairs)
+    out.pairs.push_back({n.a, n.b, n.drawn_mm, geodesic_mm(surface, layout, n), 0, {}, {}});
+  VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
+  VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
+  const auto couplings = [&](std::optional<double> PlacedPair::*k) {
+    for (PlacedPair& p : out.pairs) p.*k = coupling(laid[index(p.a)], laid[index(p.b)]);
+  };
+  couplings(&PlacedPair::k_before);
+  if (settings.decouple) {
+    const std::vector<Centre> before = layout.centres;
+    VACUFORM_CHECK(decouple(surface, layout, laid, settings.size_limit, context));
+    say_how_far(drawing, layout, before, out.warnings);
+  }
+  couplings(&PlacedPair::k);
+
+  double squares = 0;
+  int counted = 0;
+  for (std::size_t i = 0; i < out.pairs.size(); ++i) {
+    PlacedPair& pair = out.pairs[i];
+    pair.mm = geodesic_mm(surface, layout, layout.pairs[i]);
+    if (!laid[index(pair.a)].on_head || !laid[index(pair.b)].on_head) continue;
+    squares += (pair.mm - pair.drawn_mm) * (pair.mm - pair.drawn_mm);
+    ++counted;
+  }
+  if (counted > 0) out.spacing_rms_mm = std::sqrt(squares / counted);
+  say_what_was_found(drawing, layout, laid, out.warnings);
+  for (std::size_t i = 0; i < laid.size(); ++i)
+    out.elements.push_back(
+        placed(surface, drawing, alignment, layout.elements[i], layout.centres[i], std::move(laid[i])));
+  return {};
+}
+
+}  // namespace
+
+Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, const Drawing* drawing,
+                        const Settings& settings, const Context& context, const std::vector<Edge>& cuts) {
+  VACUFORM_CHECK(context.step(Stage::printing, 0));
+  const InkedSurface surface(sheet, flattening);
+  VACUFORM_TRY(alignment, align(surface, settings.pattern));
+  Placement out;
+  Whole whole = whole_region(sheet, flattening, alignment);
+  if (settings.pattern.placement == PatternPlacement::segments) {
+    VACUFORM_CHECK(place_segments(std::move(whole), alignment, settings.pattern, cuts, context, out));
+    return out;
+  }
+  out.charts.push_back(std::move(whole.chart));
+  const bool elements = drawing && std::any_of(drawing->elements.begin(), drawing->elements.end(),
+                                               [](const Element& e) { return !e.id.empty(); });
+  if (settings.pattern.placement == PatternPlacement::elements && !elements)
+    return fail(Code::unusable_pattern, "the drawing has no elements", "pattern.placement",
+                "give an SVG whose coils are groups with an id, or pattern.placement=auto");
+  if (elements && settings.pattern.placement != PatternPlacement::chart)
+    VACUFORM_CHECK(place_elements(surface, *drawing, alignment, settings.coils, context, out));
+  return out;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,54 @@
+// Where each element of a drawing lies on the head: the centres on the inked surface, each element in its own
+// neighbourhood, and, where asked for, coils moved and resized until they no longer couple.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/flattening/flattening.hpp"
+#include "worker/pattern/drawing.hpp"
+#include "worker/placement/segments.hpp"
+
+namespace vacuform {
+
+// One element of the drawing on the surface.
+struct PlacedElement {
+  int element = 0;                    // index into Drawing::elements
+  Eigen::Vector3d centre{0, 0, 0};    // on the inked surface, mm
+  Eigen::Vector2d centre_rest{0, 0};  // sheet coordinates, mm
+  double moved_mm = 0;                // from where the chart puts the centre, along the surface
+  double turned_deg = 0;              // against the chart, counter-clockwise seen from outside
+  double size = 1;                    // against the drawing: 1 but for decoupling and a pattern.scale
+  bool on_head = true;                // all of it lies on the chart
+  bool smooth = true;                 // false: on bumps, where geodesics from the centre cross
+  Patch patch;                        // reaches beyond the element's ink on every side, also off the chart
+};
+
+// Two neighbours: loops that touch or overlap in the drawing, or lie next to each other.
+struct PlacedPair {
+  int a = 0, b = 0;  // indices into Placement::elements, a < b
+  double drawn_mm = 0, chart_mm = 0,
+         mm = 0;  // distance of the centres: in the drawing; geodesic as the chart puts them, and as placed
+  std::optional<double> k_before, k;  // coupling before and after decoupling; loops only
+};
+
+struct Placement {
+  // The region of interest, for what belongs to no element, or everything: one chart of the whole, or with placement
+  // segments several that cover it once. Numbers of triangles are those of Flattening::triangles.
+  std::vector<Segment> charts;
+  std::vector<Seam> seams;              // between the charts, and slits in them
+  std::vector<PlacedElement> elements;  // empty when the drawing is laid on one chart
+  std::vector<PlacedPair> pairs;
+  double spacing_rms_mm = 0;  // of mm - drawn_mm over the pairs whose coils are both on the head
+  std::vector<Warning> warnings;
+};
+
+// Lays the drawing by settings.pattern and settings.coils. Without a drawing of vectors, or with placement chart or
+// segments, only charts are there. `cuts`: edges of the sheet, ascending, along which segments are cut (with_cut_lines()).
+// Deterministic. Errors: cancelled, unusable_pattern (placement elements without elements).
+Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, const Drawing* drawing,
+                        const Settings& settings, const Context& context, const std::vector<Edge>& cuts = {});
+
+}  // namespace vacuform

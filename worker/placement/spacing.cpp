@@ -1,0 +1,155 @@
+#include "worker/placement/spacing.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// A direction in the plane of the centre's triangle as (along the axis, across it).
+Vector2d in_frame(const InkedSurface& surface, const Centre& c, const Vector3d& direction) {
+  return {direction.dot(c.axis), direction.dot(surface.normal(c.point.triangle).cross(c.axis))};
+}
+
+struct Measured {
+  std::vector<Connection> ways;
+  double squares = 0;  // of the distances' errors
+};
+
+Measured measure(const InkedSurface& surface, const std::vector<Centre>& centres,
+                 const std::vector<Neighbours>& pairs) {
+  Measured out;
+  for (const Neighbours& n : pairs) {
+    out.ways.push_back(connect(surface, centres[index(n.a)].point, centres[index(n.b)].point));
+    const double error = out.ways.back().mm - n.drawn_mm;
+    out.squares += error * error;
+  }
+  return out;
+}
+
+// Rows that hold the array's mean place and mean turn, as unit vectors over all moves.
+MatrixXd rigid_rows(const std::vector<Centre>& centres) {
+  const Eigen::Index n = static_cast<Eigen::Index>(centres.size());
+  MatrixXd rows = MatrixXd::Zero(3, 2 * n);
+  Vector2d middle = Vector2d::Zero();
+  for (const Centre& c : centres) middle += c.drawn / static_cast<double>(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vector2d arm = centres[static_cast<std::size_t>(i)].drawn - middle;
+    rows(0, 2 * i) = rows(1, 2 * i + 1) = 1;
+    rows(2, 2 * i) = -arm.y();
+    rows(2, 2 * i + 1) = arm.x();
+  }
+  for (Eigen::Index r = 0; r < 3; ++r)
+    if (const double norm = rows.row(r).norm(); norm > 0) rows.row(r) /= norm;
+  return rows;
+}
+
+}  // namespace
+
+void move(const InkedSurface& surface, Centre& centre, const Vector2d& by) {
+  const double way = by.norm();
+  if (way == 0) return;
+  const int t = centre.point.triangle;
+  const Vector3d direction = by.x() * centre.axis + by.y() * surface.normal(t).cross(centre.axis);
+  GeodesicWalk walk(surface, centre.point, direction);
+  const double back = angle_between(surface, t, direction, centre.axis);
+  const double walked = walk.advance(way);
+  centre.point = walk.at();
+  centre.axis = turned(surface, centre.point.triangle, walk.along(), back);
+  centre.moved += walked / way * by;
+}
+
+std::vector<Neighbours> neighbours(const std::vector<Centre>& centres) {
+  constexpr double reach = 1.25;
+  const auto ratio = [&](std::size_t i, std::size_t j) {
+    return (centres[i].drawn - centres[j].drawn).norm() / (centres[i].radius_mm + centres[j].radius_mm);
+  };
+  std::vector<double> nearest(centres.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    for (std::size_t j = 0; j < centres.size(); ++j)
+      if (i != j) nearest[i] = std::min(nearest[i], ratio(i, j));
+  std::vector<Neighbours> out;
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    for (std::size_t j = i + 1; j < centres.size(); ++j)
+      if (ratio(i, j) <= reach * std::min(1.0, std::max(nearest[i], nearest[j])))
+        out.push_back(
+            {static_cast<int>(i), static_cast<int>(j), (centres[i].drawn - centres[j].drawn).norm()});
+  return out;
+}
+
+Result<void> equalise(const InkedSurface& surface, std::vector<Centre>& centres,
+                      const std::vector<Neighbours>& pairs, const Context& context) {
+  if (pairs.empty()) return {};
+  constexpr int most_iterations = 40;
+  constexpr double held = 1e-2;  // weight that keeps what no pair holds; too weak to be seen in a distance
+  const Eigen::Index size = 2 * static_cast<Eigen::Index>(centres.size());
+  const MatrixXd rigid = rigid_rows(centres);
+  Measured now = measure(surface, centres, pairs);
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    VACUFORM_CHECK(context.step(Stage::printing, 0));
+    MatrixXd normal = held * held * MatrixXd::Identity(size, size) + rigid.transpose() * rigid;
+    VectorXd moved(size);
+    for (Eigen::Index i = 0; i < size / 2; ++i)
+      moved.segment<2>(2 * i) = centres[static_cast<std::size_t>(i)].moved;
+    VectorXd rhs = -(held * held * moved + rigid.transpose() * (rigid * moved));
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      const int a = pairs[p].a, b = pairs[p].b;
+      const Vector2d at_a = -in_frame(surface, centres[index(a)], now.ways[p].leaving),
+                     at_b = in_frame(surface, centres[index(b)], now.ways[p].arriving);
+      const double error = now.ways[p].mm - pairs[p].drawn_mm;
+      normal.block<2, 2>(2 * a, 2 * a) += at_a * at_a.transpose();
+      normal.block<2, 2>(2 * b, 2 * b) += at_b * at_b.transpose();
+      normal.block<2, 2>(2 * a, 2 * b) += at_a * at_b.transpose();
+      normal.block<2, 2>(2 * b, 2 * a) += at_b * at_a.transpose();
+      rhs.segment<2>(2 * a) -= error * at_a;
+      rhs.segment<2>(2 * b) -= error * at_b;
+    }
+    VectorXd step = normal.ldlt().solve(rhs);
+    constexpr double longest_mm = 10;
+    if (const double longest = step.cwiseAbs().maxCoeff(); longest > longest_mm) step *= longest_mm / longest;
+    std::vector<Centre> before = centres;
+    Measured next;
+    for (int halving = 0; halving < 8; ++halving, step *= 0.5) {
+      centres = before;
+      for (Eigen::Index i = 0; i < size / 2; ++i)
+        move(surface, centres[static_cast<std::size_t>(i)], step.segment<2>(2 * i));
+      next = measure(surface, centres, pairs);
+      if (next.squares <= now.squares * (1 + 1e-9) + 1e-9 * static_cast<double>(pairs.size())) break;
+    }
+    now = std::move(next);
+    if (step.cwiseAbs().maxCoeff() < 1e-3) break;
+  }
+  return {};
+}
+
+std::vector<double> turns(const InkedSurface& surface, const std::vector<Centre>& centres,
+                          const std::vector<Neighbours>& pairs) {
+  std::vector<Vector2d> sum(centres.size(), Vector2d::Zero());  // of unit vectors at the turns wanted
+  const auto add = [&](int from, int to, const Vector3d& direction) {
+    const Vector2d there = in_frame(surface, centres[index(from)], direction);
+    const Vector2d drawn = centres[index(to)].drawn - centres[index(from)].drawn;
+    const double turn = std::atan2(there.y(), there.x()) - std::atan2(drawn.y(), drawn.x());
+    sum[index(from)] += Vector2d(std::cos(turn), std::sin(turn));
+  };
+  for (const Neighbours& n : pairs) {
+    const Connection way = connect(surface, centres[index(n.a)].point, centres[index(n.b)].point);
+    add(n.a, n.b, way.leaving);
+    add(n.b, n.a, -way.arriving);
+  }
+  std::vector<double> out;
+  for (const Vector2d& s : sum) out.push_back(s.norm() > 1e-9 ? std::atan2(s.y(), s.x()) : 0);
+  return out;
+}
+
+}  // namespace vacuform

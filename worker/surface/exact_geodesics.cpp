@@ -1,0 +1,315 @@
+#include "worker/surface/exact_geodesics.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <vector>
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double rounding_mm = 1e-9, rounding_angle = 1e-9;
+// A source on an edge or a vertex begins this share of the triangle beside it: every triangle around is then seen. The
+// shares differ, so that no straight line through the vertices of an even grid passes through the source: rounding would
+// decide there on which side it lies, and a sector could be lost.
+const Vector3d beside = 1e-8 * Vector3d(1, 0.6180339887, 0.3247179572);
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Where straight lines begin: the source itself, or a vertex at which paths bend.
+struct Root {
+  double before = 0;        // mm from the source to here
+  Vector3d start{0, 0, 0};  // in which the path to here leaves the source
+};
+
+// What a root sees through one side of a triangle: everything between two rays. In the plane of the root, which is its
+// origin; the triangles on the way are unfolded into it.
+struct Window {
+  int side = 0;  // of the triangle that is entered
+  int root = 0;
+  Vector2d a, b;         // the side's ends, a on the left
+  Vector2d left, right;  // on the side, where the rays come through
+  int next = -1;         // of the windows on the same side
+};
+
+// Counter-clockwise from one direction to another.
+double angle_between(const Vector2d& from, const Vector2d& to) {
+  return std::atan2(cross(from, to), from.dot(to));
+}
+
+// The distance from the origin to the piece from p to q.
+double nearest(const Vector2d& p, const Vector2d& q) {
+  const Vector2d way = q - p;
+  const double square = way.squaredNorm();
+  const double f = square > 0 ? std::clamp(-p.dot(way) / square, 0.0, 1.0) : 0;
+  return (p + f * way).norm();
+}
+
+// Where the ray from the origin through `through` meets the piece from p to q.
+Vector2d met(const Vector2d& through, const Vector2d& p, const Vector2d& q) {
+  const double at_p = cross(through, p), at_q = cross(through, q);
+  const double f = at_p != at_q ? std::clamp(at_p / (at_p - at_q), 0.0, 1.0) : 0;
+  return p + f * (q - p);
+}
+
+}  // namespace
+
+struct Geodesics::State {
+  explicit State(const PathMesh& of)
+      : mesh(of), heads(index(3 * of.triangles()), -1), seen(heads.size()), known(index(of.vertices())) {}
+
+  const PathMesh& mesh;
+  double reach = 0;
+  int source_triangle = 0;
+  Vector3d source{0, 0, 0}, axis{0, 0, 0}, across{0, 0, 0};  // the source root's plane
+  std::vector<Root> roots;
+  std::vector<Window> windows;
+
+  std::vector<int> heads;  // per side: the last of its windows
+  // Per side: of the windows through it that see the corner opposite, the nearest, and where on the side it looks through
+  // (0 its beginning, 1 its end).
+  struct Seen {
+    double mm = infinite, through = 0;
+  };
+  std::vector<Seen> seen;
+  struct Known {
+    double mm = infinite;  // the shortest path to the vertex met so far
+    Vector3d start{0, 0, 0};
+    // From where it comes: in the triangle opposite the side `from`, so far from its side to the next corner, radians.
+    int from = -1;
+    double at = 0;
+  };
+  std::vector<Known> known;
+  std::vector<int> touched_sides, touched_vertices;
+
+  // Windows by number, vertices at which paths bend by -1 - number; the nearest first.
+  struct Next {
+    double mm;
+    int what;
+    bool operator>(const Next& other) const { return mm != other.mm ? mm > other.mm : what > other.what; }
+  };
+  std::priority_queue<Next, std::vector<Next>, std::greater<>> queue;
+
+  double known_mm(int vertex) const { return known[index(vertex)].mm; }
+
+  void clear() {
+    for (const int s : touched_sides) heads[index(s)] = -1, seen[index(s)] = {};
+    for (const int v : touched_vertices) known[index(v)] = {};
+    touched_sides.clear(), touched_vertices.clear(), roots.clear(), windows.clear();
+    queue = {};
+  }
+
+  Vector3d start_of(int root, const Vector2d& to) const {
+    if (root > 0) return roots[index(root)].start;
+    const double length = to.norm();
+    if (length == 0) return Vector3d::Zero();
+    return (to.x() * axis + to.y() * across) / length;
+  }
+
+  // The corner opposite the side `from`.
+  void reached(int from, double mm, const Vector3d& start, double at) {
+    const int vertex = mesh.corner(from / 3, from % 3);
+    Known& k = known[index(vertex)];
+    if (mm >= k.mm || mm > reach) return;
+    if (k.mm == infinite) touched_vertices.push_back(vertex);
+    k = {mm, start, from, at};
+    if (mesh.bends_at(vertex)) queue.push({mm, -1 - vertex});
+  }
+
+  // Whether a vertex offers a way as short to all of the piece between the rays: to the ray's end that is farther from it.
+  bool shorter_by(int vertex, const Vector2d& at, double before, const Vector2d& end) const {
+    return before + end.norm() > known_mm(vertex) + (end - at).norm() + rounding_mm;
+  }
+  bool useless(const Window& w) const {
+    const int t = w.side / 3, k = w.side % 3;
+    const double before = roots[index(w.root)].before;
+    return shorter_by(mesh.corner(t, k + 1), w.a, before, w.right) ||
+           shorter_by(mesh.corner(t, k + 2), w.b, before, w.left);
+  }
+
+  // Opens a window through the side `s` into the triangle beyond it.
+  void open(int s, int root, const Vector2d& a, const Vector2d& b, const Vector2d& left,
+            const Vector2d& right) {
+    const int beyond = mesh.side(s).beyond;
+    if (beyond < 0) return;
+    Window w{beyond, root, a, b, left, right, -1};
+    const double mm = roots[index(root)].before + nearest(left, right);
+    if (mm > reach || useless(w)) return;
+    int& head = heads[index(beyond)];
+    if (head < 0) touched_sides.push_back(beyond);
+    w.next = head;
+    head = static_cast<int>(windows.size());
+    windows.push_back(w);
+    queue.push({mm, head});
+  }
+
+  Vector2d apex(const Window& w) const {
+    const PathMesh::Side& side = mesh.side(w.side);
+    if (side.length == 0) return w.a;
+    const Vector2d along = (w.b - w.a) / side.length;
+    return w.a + side.foot * along + side.height * Vector2d(-along.y(), along.x());
+  }
+
+  // What the window sees through the two other sides of its triangle.
+  void pass(const Window& w) {
+    const int t = w.side / 3, k = w.side % 3;
+    const int to_left = 3 * t + (k + 2) % 3, to_right = 3 * t + (k + 1) % 3;
+    const double before = roots[index(w.root)].before;
+    const Vector2d c = apex(w);
+    bool goes_left = true, goes_right = true;
+    Vector2d left_end = c,
+             right_end = c;  // of the rays that go left, the last to the right, and the other way round
+    if (cross(w.right, c) <= 0) {
+      goes_right = false;
+      left_end = met(w.right, w.a, c);
+    } else if (cross(w.left, c) >= 0) {
+      goes_left = false;
+      right_end = met(w.left, c, w.b);
+    } else {
+      const double mm = before + c.norm();
+      // Of two windows that see the corner, the farther has use on that side alone on which it looks past the nearer.
+      const double at_a = cross(c, w.a), at_b = cross(c, w.b);
+      const double through = at_a / (at_a - at_b);
+      Seen& best = seen[index(w.side)];
+      if (mm < best.mm)
+        best = {mm, through};
+      else
+        (through < best.through ? goes_right : goes_left) = false;
+      reached(w.side, mm, start_of(w.root, c), angle_between(w.a - c, -c));
+    }
+    if (goes_left) {
+      const Vector2d left = met(w.left, w.a, c);
+      if (!shorter_by(mesh.corner(t, k + 2), w.b, before, left))
+        open(to_left, w.root, w.a, c, left, left_end);
+    }
+    if (goes_right) {
+      const Vector2d right = met(w.right, c, w.b);
+      if (!shorter_by(mesh.corner(t, k + 1), w.a, before, right))
+        open(to_right, w.root, c, w.b, right_end, right);
+    }
+  }
+
+  // Straight lines from a vertex, to where they leave half a turn or more on either side of the path that arrives.
+  void bend_at(int vertex) {
+    const Known from = known[index(vertex)];
+    const int root = static_cast<int>(roots.size());
+    roots.push_back({from.mm, from.start});
+    const double whole = mesh.turn(vertex);
+    double passed = mesh.angle(from.from) - from.at;  // from the path to the triangle
+    for (int s = mesh.next_around(from.from, true); s >= 0 && s != from.from; s = mesh.next_around(s, true)) {
+      const double angle = mesh.angle(s);
+      look(s, root, M_PI - passed, whole - M_PI - passed);
+      passed += angle;
+    }
+    if (std::isfinite(whole)) return;
+    passed = from.at;
+    for (int s = mesh.next_around(from.from, false); s >= 0 && s != from.from;
+         s = mesh.next_around(s, false)) {
+      const double angle = mesh.angle(s);
+      look(s, root, -infinite, angle - (M_PI - passed));
+      passed += angle;
+    }
+  }
+
+  // From a root at the corner opposite a side, at angles from the side to the next corner between two bounds.
+  void look(int s, int root, double first, double last) {
+    const PathMesh::Side& side = mesh.side(s);
+    const double angle = mesh.angle(s);
+    first -= rounding_angle, last += rounding_angle;
+    if (side.length == 0 || first > angle || last < 0 || first > last) return;
+    const int t = s / 3, k = s % 3;
+    // The corner is above the side: b, where the side begins, is on the right.
+    const Vector2d b(-side.foot, -side.height), a(side.length - side.foot, -side.height);
+    const auto through = [&](double by) { return met(Eigen::Rotation2Dd(by) * b, b, a); };
+    const Root& here = roots[index(root)];
+    if (first <= 0)
+      reached(3 * t + (k + 1) % 3, here.before + b.norm(), here.start, mesh.angle(3 * t + (k + 1) % 3));
+    if (last >= angle) reached(3 * t + (k + 2) % 3, here.before + a.norm(), here.start, 0);
+    open(s, root, a, b, last >= angle ? a : through(last), first <= 0 ? b : through(first));
+  }
+
+  void begin(const SheetPoint& at, double reach_mm) {
+    clear();
+    reach = reach_mm;
+    source_triangle = at.triangle;
+    Vector3d weights = at.weights.cwiseMax(beside);
+    weights /= weights.sum();
+    std::array<Vector3d, 3> corner;
+    source.setZero();
+    for (int k = 0; k < 3; ++k) {
+      corner[index(k)] = mesh.place(mesh.corner(at.triangle, k));
+      source += weights[k] * corner[index(k)];
+    }
+    axis = (corner[1] - corner[0]).normalized();
+    across = (corner[2] - corner[0] - (corner[2] - corner[0]).dot(axis) * axis).normalized();
+    roots.push_back({});
+    std::array<Vector2d, 3> flat;
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d d = corner[index(k)] - source;
+      flat[index(k)] = {d.dot(axis), d.dot(across)};
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Vector2d& c = flat[index(k)];
+      reached(3 * at.triangle + k, c.norm(), start_of(0, c), angle_between(flat[index((k + 1) % 3)] - c, -c));
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Vector2d &b = flat[index((k + 1) % 3)], &a = flat[index((k + 2) % 3)];
+      open(3 * at.triangle + k, 0, a, b, a, b);
+    }
+    while (!queue.empty()) {
+      const auto [mm, what] = queue.top();
+      queue.pop();
+      if (what < 0) {
+        if (mm <= known_mm(-1 - what)) bend_at(-1 - what);
+      } else {
+        const Window w = windows[index(what)];
+        if (!useless(w)) pass(w);
+      }
+    }
+  }
+};
+
+Geodesics::Geodesics(const PathMesh& mesh) : state_(std::make_unique<State>(mesh)) {}
+Geodesics::~Geodesics() = default;
+
+void Geodesics::begin_at(const SheetPoint& source, double reach_mm) { state_->begin(source, reach_mm); }
+
+std::optional<Geodesics::Path> Geodesics::to(const SheetPoint& target) const {
+  const State& s = *state_;
+  const int t = target.triangle;
+  Vector3d place = Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) place += target.weights[k] * s.mesh.place(s.mesh.corner(t, k));
+  Path best{infinite, Vector3d::Zero()};
+  const auto offer = [&](double mm, const auto& start) {
+    if (mm < best.length) best = {mm, start()};
+  };
+  if (t == s.source_triangle) {
+    const Vector3d way = place - s.source;
+    offer(way.norm(), [&] { return Vector3d(way.norm() > 0 ? Vector3d(way.normalized()) : way); });
+  }
+  for (int k = 0; k < 3; ++k) {
+    const int v = s.mesh.corner(t, k);
+    offer(s.known_mm(v) + (place - s.mesh.place(v)).norm(), [&] { return s.known[index(v)].start; });
+    for (int i = s.heads[index(3 * t + k)]; i >= 0; i = s.windows[index(i)].next) {
+      const Window& w = s.windows[index(i)];
+      const Vector2d at = target.weights[k] * s.apex(w) + target.weights[(k + 1) % 3] * w.a +
+                          target.weights[(k + 2) % 3] * w.b;
+      const double mm = at.norm(), room = rounding_angle * mm;
+      if (cross(w.right, at) < -room * w.right.norm() || cross(at, w.left) < -room * w.left.norm()) continue;
+      offer(s.roots[index(w.root)].before + mm, [&] { return s.start_of(w.root, at); });
+    }
+  }
+  if (!(best.length <= s.reach)) return std::nullopt;
+  return best;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,149 @@
+#include "worker/surface/geodesic.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vacuform {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double beside = 1e-9;          // least weight of a vertex that is passed
+constexpr int most_crossings = 100'000;  // of one advance: a way that goes round and round ends there
+
+// The directions of a straight line in space at its two ends.
+Connection straight(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b) {
+  const Vector3d way = surface.place(b) - surface.place(a);
+  const auto in_plane = [&](int t) {
+    const Vector3d d = way - way.dot(surface.normal(t)) * surface.normal(t);
+    return d.squaredNorm() > 0 ? Vector3d(d.normalized()) : surface.chart_axis(t);
+  };
+  return {way.norm(), in_plane(a.triangle), in_plane(b.triangle), false};
+}
+
+// Newton's steps in polar coordinates about a, with the plane's derivatives.
+Connection shoot(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b, Connection guess) {
+  constexpr int most_steps = 25;
+  const Vector3d goal = surface.place(b);
+  Connection best = guess;
+  double direction = 0, mm = guess.mm, least = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < most_steps; ++step) {
+    const Vector3d leaving = turned(surface, a.triangle, guess.leaving, direction);
+    GeodesicWalk walk(surface, a, leaving);
+    const double walked = walk.advance(mm);
+    const int t = walk.at().triangle;
+    const Vector3d off = goal - surface.place(walk.at());
+    const double ahead = off.dot(walk.along()), aside = off.dot(surface.normal(t).cross(walk.along()));
+    if (off.norm() < least) {
+      least = off.norm();
+      best.leaving = leaving;
+      best.mm = walked + ahead + aside * aside / (2 * std::max(walked, 1e-9));
+      // What the plane of the last triangle holds is as good as that of b's own, a step away at most.
+      Vector3d onward =
+          walk.along() - walk.along().dot(surface.normal(b.triangle)) * surface.normal(b.triangle);
+      best.arriving = onward.squaredNorm() > 0 ? onward.normalized() : surface.chart_axis(b.triangle);
+    }
+    if (off.norm() < 1e-7 || walk.ended()) break;
+    direction += std::clamp(aside / std::max(walked, 1e-3), -0.3, 0.3);
+    mm = std::max(walked + ahead, 0.3 * guess.mm);
+  }
+  best.found = least <= std::max(0.01 * best.mm, 1e-3);
+  return best;
+}
+
+}  // namespace
+
+GeodesicWalk::GeodesicWalk(const InkedSurface& surface, const SheetPoint& start, const Vector3d& along)
+    : surface_(&surface), at_(start), along_(along) {
+  at_.weights = at_.weights.cwiseMax(beside);
+  at_.weights /= at_.weights.sum();
+  along_ -= along_.dot(surface.normal(start.triangle)) * surface.normal(start.triangle);
+  along_.normalize();
+}
+
+double GeodesicWalk::advance(double mm) {
+  double walked = 0;
+  for (int crossings = 0; !ended_ && walked < mm; ++crossings) {
+    const int t = at_.triangle;
+    int out = -1;
+    double way = std::numeric_limits<double>::infinity();
+    Vector3d rate;
+    for (int k = 0; k < 3; ++k) {
+      rate[k] = surface_->gradient(t, k).dot(along_);
+      if (k == entered_ || rate[k] >= 0) continue;
+      if (const double s = at_.weights[k] / -rate[k]; s < way) way = s, out = k;
+    }
+    if (walked + way >= mm && out >= 0) {
+      at_.weights = (at_.weights + (mm - walked) * rate).cwiseMax(0);
+      at_.weights /= at_.weights.sum();
+      entered_ = -1;
+      return mm;
+    }
+    if (out < 0 || crossings == most_crossings) {  // a triangle without area
+      ended_ = true;
+      break;
+    }
+    at_.weights += way * rate;
+    walked += way;
+    cross(out);
+  }
+  return walked;
+}
+
+void GeodesicWalk::cross(int corner) {
+  const int t = at_.triangle, n = surface_->across(t, corner);
+  at_.weights[corner] = 0;
+  if (n < 0) {
+    ended_ = true;
+    return;
+  }
+  const Triangle &from = surface_->triangles()[static_cast<std::size_t>(t)],
+                 &to = surface_->triangles()[static_cast<std::size_t>(n)];
+  const auto at = [](const Triangle& triangle, int k) { return triangle[static_cast<std::size_t>(k)]; };
+  Vector3d weights = Vector3d::Zero();
+  int entry = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int v = at(to, k);
+    if (v == at(from, (corner + 1) % 3))
+      weights[k] = std::max(at_.weights[(corner + 1) % 3], beside);
+    else if (v == at(from, (corner + 2) % 3))
+      weights[k] = std::max(at_.weights[(corner + 2) % 3], beside);
+    else
+      entry = k;
+  }
+  const auto& place = surface_->inked();
+  const Vector3d edge = (place[static_cast<std::size_t>(at(from, (corner + 2) % 3))] -
+                         place[static_cast<std::size_t>(at(from, (corner + 1) % 3))])
+                            .normalized();
+  const Vector3d outward = -surface_->gradient(t, corner).normalized(),
+                 inward = surface_->gradient(n, entry).normalized();
+  along_ = (along_.dot(edge) * edge + along_.dot(outward) * inward).normalized();
+  at_ = {n, weights / weights.sum()};
+  entered_ = entry;
+}
+
+Vector3d turned(const InkedSurface& surface, int t, const Vector3d& direction, double radians) {
+  return std::cos(radians) * direction + std::sin(radians) * surface.normal(t).cross(direction);
+}
+
+double angle_between(const InkedSurface& surface, int t, const Vector3d& from, const Vector3d& to) {
+  return std::atan2(surface.normal(t).dot(from.cross(to)), from.dot(to));
+}
+
+Connection connect(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b) {
+  const Connection line = straight(surface, a, b);
+  if (line.mm < 1e-9) return {0, line.leaving, line.arriving, true};
+  Connection best = line;
+  for (const double aside : {0.0, 0.3, -0.3}) {
+    Connection guess = line;
+    guess.leaving = turned(surface, a.triangle, line.leaving, aside);
+    const Connection way = shoot(surface, a, b, guess);
+    if (way.found && (!best.found || way.mm < best.mm - 1e-6)) best = way;
+  }
+  return best;
+}
+
+}  // namespace vacuform

@@ -1,0 +1,48 @@
+// Straightest geodesics over the triangles of the inked surface (Polthier and Schmies, "Straightest geodesics on
+// polyhedral surfaces", 1998): straight within a triangle, and unfolded straight over an edge. Where nothing folds the
+// ways from a point together, they are the shortest ways too.
+#pragma once
+
+#include "worker/surface/inked_surface.hpp"
+
+namespace vacuform {
+
+// A walker on a geodesic. A way that meets a vertex to within a billionth of an edge passes beside it, on the side where
+// it is.
+class GeodesicWalk {
+ public:
+  // `along`: a direction in the plane of the point's triangle, of any length but zero.
+  GeodesicWalk(const InkedSurface& surface, const SheetPoint& start, const Eigen::Vector3d& along);
+
+  // Walks on, and gives the millimetres walked: fewer than asked for at the border of the sheet, where it stays.
+  double advance(double mm);
+
+  const SheetPoint& at() const { return at_; }
+  const Eigen::Vector3d& along() const { return along_; }  // unit, in the plane of at()'s triangle
+  bool ended() const { return ended_; }                    // at the border of the sheet
+
+ private:
+  void cross(int corner);  // over the edge opposite the corner
+  const InkedSurface* surface_;
+  SheetPoint at_;
+  Eigen::Vector3d along_;
+  int entered_ = -1;  // the corner opposite the edge that was crossed last, else -1
+  bool ended_ = false;
+};
+
+// `direction` in the plane of triangle t, turned counter-clockwise as seen from outside.
+Eigen::Vector3d turned(const InkedSurface& surface, int t, const Eigen::Vector3d& direction, double radians);
+// Angle from one direction in the plane of triangle t to another, counter-clockwise, in (-pi, pi].
+double angle_between(const InkedSurface& surface, int t, const Eigen::Vector3d& from,
+                     const Eigen::Vector3d& to);
+
+// The shortest geodesic from a to b, found by shooting from a at b from three sides. `found` is false where none came
+// within a hundredth of the distance: the rest then holds the straight line in space.
+struct Connection {
+  double mm = 0;
+  Eigen::Vector3d leaving{0, 0, 0}, arriving{0, 0, 0};  // unit directions at a and, onward, at b
+  bool found = false;
+};
+Connection connect(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b);
+
+}  // namespace vacuform

@@ -1,0 +1,71 @@
+// The inked surface around a point in polar coordinates: geodesics walked in all directions, with a stop every
+// millimetre or so (the exponential map). Distances from the centre are exact at every grid point.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "api/settings.hpp"
+#include "worker/surface/geodesic.hpp"
+
+namespace vacuform {
+
+struct ElementPatch;
+
+class PolarGrid {
+ public:
+  // Out to `reach_mm` along the surface. Direction 0 is `axis`, in the plane of the centre's triangle; the others follow
+  // counter-clockwise as seen from outside. `directions` at least 8. A hundredth of a second for 40 mm.
+  PolarGrid(const InkedSurface& surface, const SheetPoint& centre, const Eigen::Vector3d& axis,
+            double reach_mm, CoilKeep keep, int directions = 96);
+
+  // *Flat polar coordinates* keep the direction from the centre. What else they keep is the setting coils.keep:
+  // - area: the geodesic radius becomes that of the plane's circle of the same area, so what is drawn in them has its drawn
+  //   area around the centre. On a sphere of R = 85 mm a circle of 80 mm comes out 80.76 mm across. Where geodesics end
+  //   at the border of the sheet, the other directions stand for the missing ones.
+  // - diameter: the geodesic radius stays, so every straight line through the centre has its drawn length along the surface,
+  //   in all directions: a circle has its drawn geodesic diameter, other shapes their drawn lengths across through the
+  //   centre. On the same sphere a circle of 80 mm is 80.00 mm across and encloses 1.9 % less than in the drawing.
+  double flat_radius(double geodesic_mm) const;
+  double geodesic_radius(double flat_mm) const;
+
+  // The place of flat coordinates, linear in the grid's cells; beyond the reach or the border of the sheet nothing.
+  std::optional<Eigen::Vector3d> place(const Eigen::Vector2d& flat) const;
+  // Whether geodesics cross before `flat_mm`, so that places there have more than one direction.
+  bool folded(double flat_mm) const;
+
+  // The grid as triangles with `uv` = flat coordinates; on the chart is what has all its corners there.
+  ElementPatch patch() const;
+
+  // Where the geodesics come by, as direction (radians) and sheet coordinates.
+  struct Passing {
+    double direction;
+    Eigen::Vector2d rest;
+  };
+  std::vector<Passing> passing() const;
+
+ private:
+  struct Stop {
+    bool there = false, on_chart = false;
+    Eigen::Vector2d rest{0, 0};
+    Eigen::Vector3d inked{0, 0, 0};
+  };
+  // Ring 0 is the centre, once a direction.
+  const Stop& stop(int ring, int direction) const {
+    return stops_[static_cast<std::size_t>(ring * directions_ + (direction % directions_))];
+  }
+  struct Cell {
+    int ring, direction;
+    double outward, onward;  // within the cell, in [0, 1]
+  };
+  std::optional<Cell> cell(const Eigen::Vector2d& flat) const;
+  void measure();
+
+  int directions_, rings_;
+  double spacing_;
+  std::vector<Stop> stops_;
+  std::vector<double> flat_;  // flat radius of each ring
+};
+
+}  // namespace vacuform
