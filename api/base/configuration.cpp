@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/base/strict_json.hpp"
+#include "api/base/text.hpp"
 
 namespace vacuform {
 
@@ -19,11 +20,6 @@ namespace {
 std::string option_of(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
   return name.insert(0, "--");
-}
-
-std::string lowered(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 std::string raised(std::string text) {
@@ -124,7 +120,7 @@ Result<void> ConfigurationSources::read_environment() {
     const std::string text = *entry;
     const std::size_t equals = text.find('=');
     if (!text.starts_with(prefix_) || equals == std::string::npos) continue;
-    const std::string variable = text.substr(0, equals), name = lowered(variable.substr(prefix_.size()));
+    const std::string variable = text.substr(0, equals), name = lower(variable.substr(prefix_.size()));
     if (name == "config") continue;
     if (!has(name)) return tl::make_unexpected(unknown(name, variable));
     if (equals + 1 < text.size())

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "api/base/json_text.hpp"
 #include "api/base/log.hpp"
 #include "api/base/sha256.hpp"
 #include "api/problem.hpp"
@@ -31,10 +32,6 @@ Error not_vacuform(const std::string& what) {
 }
 
 // Fields of a JSON object that another machine wrote: absent or of the wrong type gives the fallback.
-std::string text_of(const json& object, const char* key) {
-  const auto it = object.find(key);
-  return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
-}
 double number_of(const json& object, const char* key, double fallback) {
   const auto it = object.find(key);
   return it != object.end() && it->is_number() ? it->get<double>() : fallback;

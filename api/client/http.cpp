@@ -1,4 +1,5 @@
 #include "api/client/http.hpp"
+#include "api/base/json_text.hpp"
 #include "api/problem.hpp"
 
 #include <arpa/inet.h>
@@ -246,19 +247,13 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
 Error error_of(const HttpResponse& response) {
   Error error;
   const auto problem = nlohmann::json::parse(response.body, nullptr, false);
-  const auto text = [&](const char* key) {
-    const auto it = problem.find(key);
-    return it != problem.end() && it->is_string() ? it->get<std::string>() : std::string();
-  };
-  if (problem.is_object()) {
-    constexpr std::string_view prefix = "/problems/";
-    const std::string type = text("type");
-    const auto code = type.rfind(prefix, 0) == 0 ? code_from(type.substr(prefix.size())) : std::nullopt;
-    if (code) {
-      error = {*code, text("what"), text("where"), text("mend")};
-      if (error.what.empty()) error.what = std::string(meaning(*code).title);
-      return error;
-    }
+  constexpr std::string_view prefix = "/problems/";
+  const std::string type = text_of(problem, "type");
+  const auto code = type.starts_with(prefix) ? code_from(type.substr(prefix.size())) : std::nullopt;
+  if (code) {
+    error = {*code, text_of(problem, "what"), text_of(problem, "where"), text_of(problem, "mend")};
+    if (error.what.empty()) error.what = std::string(meaning(*code).title);
+    return error;
   }
   switch (response.status) {
     case 404:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "api/base/text.hpp"
 #include "api/redaction/glb_names.hpp"
 #include "api/redaction/picture_names.hpp"
 #include "api/redaction/svg_names.hpp"
@@ -158,9 +159,7 @@ bool NameFilter::go_on(std::string_view text) {
 
 void blank_names(std::vector<std::uint8_t>& bytes, const std::string& file_name) {
   const std::size_t dot = file_name.rfind('.');
-  std::string extension = dot == std::string::npos ? "" : file_name.substr(dot + 1);
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  NameFilter filter(std::move(extension));
+  NameFilter filter(dot == std::string::npos ? "" : lower(file_name.substr(dot + 1)));
   constexpr std::size_t step = 64 << 10;
   std::size_t done = 0;
   const auto keep = [&](const std::string& ready) {

@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 
+#include "api/base/text.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
 #include "worker/pattern/svg_shape.hpp"

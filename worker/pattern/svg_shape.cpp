@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/base/text.hpp"
 #include "worker/pattern/svg_path.hpp"
 
 namespace vacuform {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "api/base/text.hpp"
 #include "worker/pattern/svg_values.hpp"
 
 namespace vacuform {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "api/base/text.hpp"
 #include "worker/pattern/colour_names.hpp"
 
 namespace vacuform {
@@ -18,13 +19,6 @@ using Eigen::Vector2d;
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
-std::string lower_case(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
 
 // Takes a number off the front of `text`.
 std::optional<double> take_number(std::string_view& text) {
@@ -178,12 +172,6 @@ bool NumberCursor::at_end() {
   return text_.empty();
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 std::optional<double> svg_length(std::string_view text, LengthOf of, const Vector2d& viewport) {
   text = trimmed(text);
   const auto value = take_number(text);
@@ -213,8 +201,8 @@ std::optional<double> svg_opacity(std::string_view text) {
 }
 
 std::optional<Colour> svg_colour(std::string_view given) {
-  const std::string lower = lower_case(trimmed(given));
-  const std::string_view text = lower;
+  const std::string value = lower(trimmed(given));
+  const std::string_view text = value;
   if (text.starts_with('#')) return hex_colour(text.substr(1));
   if (text == "transparent") return Colour{0, 0, 0, 0};
   if (const auto rgb = named_colour(text))

@@ -28,8 +28,6 @@ class NumberCursor {
   std::string_view text_;
 };
 
-std::string_view trimmed(std::string_view text);
-
 // What a percentage is taken of.
 enum class LengthOf { width, height, diagonal };
 

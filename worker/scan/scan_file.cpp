@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "api/base/text.hpp"
 #include "worker/scan/text_cursor.hpp"
 
 namespace vacuform {
@@ -19,9 +20,7 @@ std::string_view as_text(Bytes bytes, std::size_t limit) {
 std::string extension_of(const std::string& file_name) {
   const auto dot = file_name.rfind('.');
   if (dot == std::string::npos || file_name.find_first_of("/\\", dot) != std::string::npos) return {};
-  std::string extension = file_name.substr(dot + 1);
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
+  return lower(file_name.substr(dot + 1));
 }
 
 // Files that people take for scans, by their first bytes.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "api/base/decimal.hpp"
+#include "api/base/text.hpp"
 #include "worker/scan/text_cursor.hpp"
 
 namespace vacuform {
@@ -17,19 +18,13 @@ constexpr double largest_mm = 1e5;  // of a measured coordinate
 constexpr std::array<std::string_view, 5> column_names{"s", "t", "x", "y", "z"};
 constexpr std::string_view example =
     "begin the file with the line \"s,t,x,y,z\" and give five numbers a line, in mm";
-
-std::string_view trimmed(std::string_view text) {
-  const auto padding = [](char c) { return TextCursor::is_space(c) || c == '"'; };
-  while (!text.empty() && padding(text.front())) text.remove_prefix(1);
-  while (!text.empty() && padding(text.back())) text.remove_suffix(1);
-  return text;
-}
+constexpr std::string_view blanks = " \t\n\v\f\r\"";  // quotes around a cell count as blanks
 
 std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   std::vector<std::string_view> cells;
   for (;;) {
     const auto end = std::min(line.find(separator), line.size());
-    cells.push_back(trimmed(line.substr(0, end)));
+    cells.push_back(trimmed(line.substr(0, end), blanks));
     if (end == line.size()) return cells;
     line.remove_prefix(end + 1);
   }
@@ -87,7 +82,7 @@ Result<std::vector<MeasuredPoint3>> read_measured_grid(std::span<const std::uint
   std::array<int, 5> columns;
   char separator = 0;
   for (std::string_view line; text.next_line(line);) {
-    line = trimmed(line);
+    line = trimmed(line, blanks);
     if (line.empty() || line.front() == '#') continue;
     if (separator == 0) {
       const auto has = [&](char c) { return line.find(c) != std::string_view::npos; };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "api/base/decimal.hpp"
+#include "api/base/text.hpp"
 #include "worker/forming/heat/gray_png.hpp"
 #include "worker/forming/heat/scattered.hpp"
 #include "worker/scan/text_cursor.hpp"
@@ -16,12 +17,6 @@ namespace {
 constexpr std::uint64_t largest_file = 64u << 20;
 constexpr std::size_t most_values = 4'000'000, most_points = 200'000;
 constexpr double coldest = -50, hottest = 500;  // what a sheet of plastic can be
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && TextCursor::is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && TextCursor::is_space(text.back())) text.remove_suffix(1);
-  return text;
-}
 
 // A text of separated values, line by line.
 class Table {
