@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/numerics/box_minimum.hpp"
 #include "worker/studies/registration.hpp"
 
 namespace vacuform {
@@ -81,30 +82,6 @@ Knowledge knowledge(const FitProblem& p, const ResponseSurface& surface, const L
   return {a * solver.solve(a), a / variance, a * solver.solve(weighted.transpose() * residual)};
 }
 
-// The step that maximises the posterior within the bounds: what a bound holds back stays there.
-VectorXd bounded_step(const MatrixXd& information, const VectorXd& pull, const VectorXd& low,
-                      const VectorXd& high) {
-  MatrixXd a = information;
-  VectorXd b = pull, step = VectorXd::Zero(b.size());
-  std::vector<char> fixed(static_cast<std::size_t>(b.size()), 0);
-  for (Index round = 0; round <= b.size(); ++round) {
-    step = a.ldlt().solve(b);
-    Index worst = -1;
-    double over = 1e-12;
-    for (Index k = 0; k < b.size(); ++k) {
-      const double beyond = std::max(low[k] - step[k], step[k] - high[k]);
-      if (!fixed[static_cast<std::size_t>(k)] && beyond > over) over = beyond, worst = k;
-    }
-    if (worst < 0) break;
-    const double held = std::clamp(step[worst], low[worst], high[worst]);
-    fixed[static_cast<std::size_t>(worst)] = 1;
-    b -= a.col(worst) * held;
-    a.row(worst).setZero(), a.col(worst).setZero();
-    a(worst, worst) = 1, b[worst] = held;
-  }
-  return step.cwiseMax(low).cwiseMin(high);
-}
-
 }  // namespace
 
 Laid lay_points(const FitProblem& problem, const VectorXd& places) {
@@ -149,8 +126,8 @@ BayesianFit bayesian_fit(const FitProblem& p, const ResponseSurface& surface) {
     const Knowledge points = knowledge(p, surface, laid, residual, variance);
     const MatrixXd identity = MatrixXd::Identity(n, n), whole = points.information + identity;
     const VectorXd move =
-        bounded_step(whole, points.pull + (p.prior_mean - out.t).cwiseQuotient(p.prior_sd),
-                     (low - out.t).cwiseQuotient(p.prior_sd), (high - out.t).cwiseQuotient(p.prior_sd));
+        box_minimum(whole, points.pull + (p.prior_mean - out.t).cwiseQuotient(p.prior_sd),
+                    (low - out.t).cwiseQuotient(p.prior_sd), (high - out.t).cwiseQuotient(p.prior_sd));
     out.converged = move.cwiseAbs().maxCoeff() < still;
     if (move.dot(last) < 0) pace = std::max(0.05, pace / 2);
     last = move;
