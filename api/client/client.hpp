@@ -14,7 +14,7 @@
 
 #include "api/base/error.hpp"
 #include "api/client/http.hpp"
-#include "api/client/retry.hpp"
+#include "api/retry.hpp"
 #include "api/job.hpp"
 
 namespace vacuform {

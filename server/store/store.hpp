@@ -38,7 +38,7 @@
 
 #include "api/base/clock.hpp"
 #include "api/base/error.hpp"
-#include "api/client/retry.hpp"
+#include "api/retry.hpp"
 #include "server/store/job.hpp"
 #include "server/store/profiles.hpp"
 #include "server/store/scans.hpp"

@@ -7,7 +7,7 @@
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/study_options.hpp"
-#include "worker/pipeline/pipeline.hpp"
+#include "worker/pipeline/inputs.hpp"
 #include "worker/scan/text_cursor.hpp"
 #include "worker/studies/calibration.hpp"
 

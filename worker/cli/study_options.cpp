@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "worker/pipeline/pipeline.hpp"
+#include "worker/pipeline/inputs.hpp"
 
 namespace vacuform::cli {
 

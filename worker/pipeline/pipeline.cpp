@@ -1,6 +1,5 @@
 #include "worker/pipeline/pipeline.hpp"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "api/base/sha256.hpp"
@@ -8,6 +7,7 @@
 #include "worker/coils/coupling_warning.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
+#include "worker/forming/temperature_findings.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
 #include "worker/pattern/drawing.hpp"
@@ -176,25 +176,6 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   add("report.html", report_html(whole, files));
   add("report.json", whole.dump(2) + "\n");
   return write_artifacts(out, files);
-}
-
-Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status))
-    return fail(Code::unreadable, "there is no such file", path.string(), "check the name");
-  const std::uint64_t size =
-      std::filesystem::is_regular_file(status) ? std::filesystem::file_size(path, error) : 0;
-  if (!std::filesystem::is_regular_file(status) || error)
-    return fail(Code::unreadable, "not a readable file", path.string(), "give a regular file");
-  if (size > limit)
-    return fail(Code::too_large, "the file has " + std::to_string(size) + " bytes", path.string(),
-                "give one of at most " + std::to_string(limit) + " bytes");
-  std::vector<std::uint8_t> bytes(size);
-  std::ifstream in(path, std::ios::binary);
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!in) return fail(Code::unreadable, "the file cannot be read", path.string(), "check its permissions");
-  return bytes;
 }
 
 }  // namespace vacuform

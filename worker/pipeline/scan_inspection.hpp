@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "worker/pipeline/pipeline.hpp"
+#include "worker/pipeline/inputs.hpp"
 #include "worker/scan/mold.hpp"
 
 namespace vacuform {

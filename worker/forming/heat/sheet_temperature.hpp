@@ -2,9 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "api/settings.hpp"
-#include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/heat/measured_field.hpp"
 #include "worker/forming/heat/temperature_field.hpp"
 #include "worker/stage/context.hpp"
@@ -31,9 +31,5 @@ Result<SheetTemperature> sheet_temperature(const SheetSettings& sheet, const Mac
                                            const HeatSettings& heat,
                                            const std::optional<MeasuredFile>& measured,
                                            const Context& context);
-
-// What a maker must be told of the temperatures of a formed sheet: "too-cold" and "too-hot", with the worst places, where
-// the plastic is outside of its forming window. What the clamp frame holds is not looked at.
-std::vector<Warning> temperature_findings(const FormedSheet& sheet, Material material);
 
 }  // namespace vacuform

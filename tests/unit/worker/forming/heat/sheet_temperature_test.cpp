@@ -8,6 +8,7 @@
 #include "tests/unit/worker/forming/heat/heaters.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/forming/material.hpp"
+#include "worker/forming/temperature_findings.hpp"
 
 namespace vacuform {
 namespace {
