@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdlib>
 #include <mutex>
+#include <random>
 
 namespace vacuform {
 
@@ -36,6 +37,15 @@ std::string bytes_of(const fs::path& path) {
   return all;
 }
 
+std::map<std::string, std::string> names_in(const fs::path& folder, int descriptor) {
+  std::map<std::string, std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename();
+    names[name] = identity(descriptor, name.c_str(), 0);
+  }
+  return names;
+}
+
 void note(int descriptor) {
   const fs::path link = "/proc/self/fd/" + std::to_string(descriptor);
   struct stat status {};
@@ -44,12 +54,7 @@ void note(int descriptor) {
     disk.files[identity(descriptor, "", AT_EMPTY_PATH)] = std::make_shared<const std::string>(bytes_of(link));
     return;
   }
-  auto& names = disk.folders[fs::read_symlink(link)];
-  names.clear();
-  for (const auto& entry : fs::directory_iterator(link)) {
-    const std::string name = entry.path().filename();
-    names[name] = identity(descriptor, name.c_str(), 0);
-  }
+  disk.folders[fs::read_symlink(link)] = names_in(link, descriptor);
 }
 
 int flushed(int descriptor) {
@@ -79,6 +84,54 @@ void FlushedDisk::restore(const fs::path& folder, const fs::path& into) const {
       std::abort();
     ::close(out);
   }
+}
+
+FlushedDisk live_disk(const fs::path& folder) {
+  FlushedDisk live;
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  live.folders[folder] = names_in(folder, descriptor);
+  ::close(descriptor);
+  for (const auto& [name, whose] : live.folders[folder]) {
+    if (!fs::is_directory(folder / name)) {
+      live.files[whose] = std::make_shared<const std::string>(bytes_of(folder / name));
+      continue;
+    }
+    live.merge(live_disk(folder / name));
+  }
+  return live;
+}
+
+void FlushedDisk::merge(FlushedDisk&& other) {
+  files.merge(other.files);
+  folders.merge(other.folders);
+}
+
+FlushedDisk torn_disk(const FlushedDisk& flushed, const FlushedDisk& live, unsigned seed) {
+  constexpr std::size_t sector = 512;
+  std::mt19937 random(seed);
+  const auto chance = [&] { return random() % 2 == 0; };
+  FlushedDisk torn = flushed;
+  for (auto& [folder, names] : torn.folders) {
+    const auto now = live.folders.find(folder);
+    if (now == live.folders.end()) continue;
+    for (const auto& [name, whose] : now->second)
+      if (chance()) names[name] = whose;
+    std::erase_if(names, [&](const auto& one) { return !now->second.contains(one.first) && chance(); });
+  }
+  for (const auto& [whose, bytes] : live.files) {
+    const auto before = flushed.files.find(whose);
+    std::string mixed = before == flushed.files.end() ? std::string() : *before->second;
+    if (mixed == *bytes) continue;
+    for (std::size_t at = 0; at < bytes->size(); at += sector) {
+      if (!chance()) continue;
+      const std::string_view piece = std::string_view(*bytes).substr(at, sector);
+      if (mixed.size() < at + piece.size()) mixed.resize(at + piece.size(), '\0');
+      mixed.replace(at, piece.size(), piece);
+    }
+    if (mixed.size() > bytes->size() && chance()) mixed.resize(bytes->size());
+    torn.files[whose] = std::make_shared<const std::string>(std::move(mixed));
+  }
+  return torn;
 }
 
 FlushedDisk flushed_disk() {

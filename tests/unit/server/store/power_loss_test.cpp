@@ -21,7 +21,7 @@ using States = std::map<std::string, JobState>;  // of the jobs there are
 
 // What may be found after a loss of power at one moment.
 struct Moment {
-  FlushedDisk disk;
+  FlushedDisk disk, live;
   std::size_t answered;  // calls of the store
 };
 
@@ -32,7 +32,9 @@ class PowerLoss : public testing::Test {
     folder_ = fs::temp_directory_path() / ("vacuform-power-" + random_hex(8));
     fs::create_directories(folder_);
     folder_ = fs::canonical(folder_);
-    watch_flushes([this](const FlushedDisk& disk) { moments_.push_back({disk, answers_.size()}); });
+    watch_flushes([this](const FlushedDisk& disk) {
+      moments_.push_back({disk, live_disk(data()), answers_.size()});
+    });
     auto store = open_store(data(), options());
     ASSERT_TRUE(store) << store.error().text();
     store_ = std::move(*store);
@@ -61,7 +63,7 @@ class PowerLoss : public testing::Test {
   void answered(const States& states) {
     states_ = states;
     answers_.push_back(states);
-    moments_.push_back({flushed_disk(), answers_.size()});
+    moments_.push_back({flushed_disk(), live_disk(data()), answers_.size()});
   }
   void answered(const Job& job) {
     States states = states_;
@@ -85,10 +87,10 @@ class PowerLoss : public testing::Test {
   }
 
   // The states after a loss of power at that moment; each job's scan must be whole.
-  States found_after(const Moment& moment) {
+  States found_after(const FlushedDisk& disk) {
     const fs::path after = folder_ / "after";
     fs::remove_all(after);
-    moment.disk.restore(data(), after);
+    disk.restore(data(), after);
     States states;
     const auto store = open_store(after, options());
     EXPECT_TRUE(store) << store.error().text();
@@ -115,32 +117,49 @@ class PowerLoss : public testing::Test {
   std::vector<Moment> moments_;
 };
 
-TEST_F(PowerLoss, WhatWasAnsweredIsThereAfterALossAtEveryFlush) {
-  const Job first = created("first"), second = created("second"), third = created("third");
-  const LeaseKey one = leased();
-  for (const char* name : {"findings.json", "preview-findings.png", "mold.stl"})
-    ASSERT_TRUE(store_->put_artifact(one, name, upload("{}")));
-  answered(*store_->complete(one));
-  answered(*store_->cancel(second.id));
-  const LeaseKey three = leased();
-  answered(*store_->release(three));
-  States without = states_;
-  ASSERT_TRUE(store_->remove(second.id));
-  without.erase(second.id);
-  answered(without);
-  created("first");  // the same bytes as a file that is there
-  watch_flushes({});
-
-  ASSERT_GT(moments_.size(), 60u);  // ten answers, each with a flush or more, before and after it
-  States most;
-  for (std::size_t i = 0; i < moments_.size(); ++i) {
-    SCOPED_TRACE("moment " + std::to_string(i) + " of " + std::to_string(moments_.size()));
-    const std::size_t n = moments_[i].answered;
-    if (n == 0) continue;  // the store was not open yet
-    const States found = found_after(moments_[i]);
-    const bool as_before = found == answers_[n - 1], as_after = n < answers_.size() && found == answers_[n];
-    EXPECT_TRUE(as_before || as_after) << "after " << n << " answers: " << testing::PrintToString(found);
+class PowerLossWhileWorking : public PowerLoss {
+ protected:
+  void work() {
+    const Job first = created("first"), second = created("second"), third = created("third");
+    const LeaseKey one = leased();
+    for (const char* name : {"findings.json", "preview-findings.png", "mold.stl"})
+      ASSERT_TRUE(store_->put_artifact(one, name, upload("{}")));
+    answered(*store_->complete(one));
+    answered(*store_->cancel(second.id));
+    const LeaseKey three = leased();
+    answered(*store_->release(three));
+    States without = states_;
+    ASSERT_TRUE(store_->remove(second.id));
+    without.erase(second.id);
+    answered(without);
+    created("first");  // the same bytes as a file that is there
+    watch_flushes({});
+    ASSERT_GT(moments_.size(), 60u);  // ten answers, each with a flush or more, before and after it
   }
+
+  // `disk_at` gives what is on the disk after a loss at that moment.
+  template <class DiskAt>
+  void expect_what_was_answered(DiskAt&& disk_at) {
+    for (std::size_t i = 0; i < moments_.size(); ++i) {
+      SCOPED_TRACE("moment " + std::to_string(i) + " of " + std::to_string(moments_.size()));
+      const std::size_t n = moments_[i].answered;
+      if (n == 0) continue;  // the store was not open yet
+      const States found = found_after(disk_at(moments_[i]));
+      const bool as_before = found == answers_[n - 1], as_after = n < answers_.size() && found == answers_[n];
+      EXPECT_TRUE(as_before || as_after) << "after " << n << " answers: " << testing::PrintToString(found);
+    }
+  }
+};
+
+TEST_F(PowerLossWhileWorking, WhatWasAnsweredIsThereAfterALossAtEveryFlush) {
+  work();
+  expect_what_was_answered([](const Moment& moment) { return moment.disk; });
+}
+
+TEST_F(PowerLossWhileWorking, WhatWasAnsweredIsThereWhenUnflushedWritesAreTornAndReordered) {
+  work();
+  for (unsigned seed = 1; seed <= 5; ++seed)
+    expect_what_was_answered([&](const Moment& moment) { return torn_disk(moment.disk, moment.live, seed); });
 }
 
 TEST_F(PowerLoss, BytesThatAreThereCostNoFlush) {
@@ -160,6 +179,20 @@ TEST_F(PowerLoss, TheDiskForgetsWhatWasNotFlushed) {
   ASSERT_TRUE(sync_directory(data()));
   flushed_disk().restore(data(), folder_ / "named");
   EXPECT_EQ(fs::file_size(folder_ / "named" / "unflushed"), 0u);
+}
+
+// Nor may one that never tears.
+TEST_F(PowerLoss, TheDiskTearsWhatWasNotFlushed) {
+  const fs::path file = data() / "torn";
+  std::ofstream(file) << std::string(64 * 512, 'a');
+  const FlushedDisk before = live_disk(data());
+  std::ofstream(file, std::ios::in | std::ios::out) << std::string(64 * 512, 'b');
+  torn_disk(before, live_disk(data()), 1).restore(data(), folder_ / "torn");
+  std::ifstream in(folder_ / "torn" / "torn");
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  ASSERT_EQ(bytes.size(), 64u * 512);
+  EXPECT_NE(bytes.find(std::string(512, 'a')), std::string::npos);
+  EXPECT_NE(bytes.find(std::string(512, 'b')), std::string::npos);
 }
 
 }  // namespace
