@@ -3,6 +3,7 @@
 Run by ctest, which says where the programs are (VACUFORM_BIN) and the real scans (VACUFORM_SHARED_DATA).
 """
 import contextlib
+import fcntl
 import json
 import os
 import pathlib
@@ -30,14 +31,25 @@ DUE_ARTIFACTS = {"print.png", "print.svg", "print.pdf", "preview-pattern.png", "
                  "report.html"}
 
 
+PORTS = pathlib.Path(tempfile.gettempdir()) / "vacuform-test-ports"  # one locked file for each port that a test has
+held_ports = contextlib.ExitStack()
+
+
 def free_port(count=1):
-    """The first of `count` free ports in a row, below those from which the kernel takes the near ends of connections."""
-    while True:
+    """The first of `count` free ports in a row, which no other test gets as long as this process lives. They lie below those
+    from which the kernel takes the near ends of connections."""
+    with contextlib.suppress(FileExistsError):
+        PORTS.mkdir()
+        PORTS.chmod(0o1777)
+    for _ in range(1000):
         first = random.randrange(10240, 32000)
-        with contextlib.suppress(OSError), contextlib.ExitStack() as held:
+        with contextlib.suppress(OSError), contextlib.ExitStack() as locks, contextlib.ExitStack() as listeners:
             for port in range(first, first + count):
-                held.enter_context(socket.create_server(("127.0.0.1", port)))
+                fcntl.flock(locks.enter_context(open(PORTS / str(port), "w")), fcntl.LOCK_EX | fcntl.LOCK_NB)
+                listeners.enter_context(socket.create_server(("127.0.0.1", port)))
+            held_ports.enter_context(locks.pop_all())
             return first
+    raise AssertionError("no free port was found")
 
 
 def wait_for(condition, what, patience=PATIENCE, pause=0.05):

@@ -168,14 +168,25 @@ class Service(Case):
         again = curl("-X", "POST", f"{self.server.api}/jobs/{job}/cancel")
         self.assertEqual((again.status, again.json["state"]), (200, "cancelled"))
 
+    def files_kept(self, sha256):
+        return [p for p in self.server.data.rglob("*") if sha256 in p.name]
+
     def test_delete_takes_everything_away(self):
-        job = self.server.submit(SCANS / "corrupt-head.glb", RINGS, COARSE)
-        self.server.wait(job)
+        scan = self.folder / "of-this-test-alone.stl"
+        scan.write_bytes(hostile.stl(hostile.dome_triangles(1.03)))
+        job = self.server.submit(scan, RINGS, COARSE)
+        files = [f["sha256"] for f in (ended := self.server.wait(job))["artifacts"]] + [ended["inputs"]["scan"]["sha256"]]
+        self.assertEqual(ended["state"], "succeeded")
+        self.assertGreater(len(files), 19)
+        for sha256 in files:
+            self.assertEqual(len(self.files_kept(sha256)), 1)
         self.assertEqual(curl("-X", "DELETE", f"{self.server.api}/jobs/{job}").status, 204)
         for tail in "", "/artifacts", "/artifacts/report.json", "/artifacts.zip":
             answer = curl(f"{self.server.api}/jobs/{job}{tail}")
             self.assertEqual((answer.status, answer.json["type"]), (404, "/problems/not-found"))
         self.assertNotIn(job, [j["id"] for j in self.server.jobs()])
+        for sha256 in files:
+            self.assertEqual(self.files_kept(sha256), [])
 
     def test_running_job_is_not_deleted(self):
         job = self.server.submit(SCANS / "neonate-40w.stl", RINGS, FINE)
