@@ -114,7 +114,8 @@ class Blobs {
   Result<void> sweep(const std::function<bool(const std::string& sha256)>& wanted) const;
 
  private:
-  Blobs(std::filesystem::path data, std::chrono::milliseconds trust, std::shared_ptr<const DiskRoom> room)
+  Blobs(const std::filesystem::path& data, std::chrono::milliseconds trust,
+        std::shared_ptr<const DiskRoom> room)
       : blobs_(data / "blobs"),
         incoming_(data / "incoming"),
         room_(std::move(room)),

@@ -1,4 +1,5 @@
 #include "worker/agent/child.hpp"
+#include "api/base/json_text.hpp"
 #include "api/problem.hpp"
 
 #include <fcntl.h>
@@ -106,9 +107,9 @@ pid_t split(bool bare, unsigned long namespaces) {
   ::_exit(refused);
 }
 
-volatile pid_t program = 0;  // of the supervisor
+volatile pid_t supervised = 0;  // of the supervisor
 void end_program(int) {
-  if (program > 0) ::kill(program, SIGKILL);
+  if (supervised > 0) ::kill(supervised, SIGKILL);
 }
 
 // Kills the children of this process, and those that they leave to it, until none is left.
@@ -152,19 +153,19 @@ void end_descendants() {
                      ::prctl(PR_SET_PDEATHSIG, end_all) == 0 &&
                      ::poll(&worker, 1, 0) == 0;  // else the worker is dead already
   const pid_t self = ::getpid();
-  program = ready ? split(first, 0) : -1;
-  if (program < 0) ::_exit(refused);
-  if (program == 0) become(start, self);
+  supervised = ready ? split(first, 0) : -1;
+  if (supervised < 0) ::_exit(refused);
+  if (supervised == 0) become(start, self);
   ::dup2(start.ended, 0);
   ::close_range(1, ~0u, 0);
   ::sigprocmask(SIG_UNBLOCK, &until_it_runs, nullptr);
   int status = 0;
   for (;;) {
     const pid_t reaped = ::waitpid(-1, &status, 0);
-    if (reaped == program) break;
+    if (reaped == supervised) break;
     if (reaped < 0 && errno != EINTR) ::_exit(refused);
   }
-  program = 0;
+  supervised = 0;
   (void)!::write(0, &status, sizeof status);
   if (!first) end_descendants();
   ::_exit(0);
@@ -211,10 +212,7 @@ Error ran_out(const std::string& what) {
 ChildLine parse_child_line(std::string_view line) {
   const auto object = nlohmann::json::parse(line, nullptr, false);
   if (!object.is_object()) return {};
-  const auto text = [](const nlohmann::json& from, const char* key) {
-    const auto it = from.find(key);
-    return it != from.end() && it->is_string() ? cut(it->get<std::string>()) : std::string();
-  };
+  const auto text = [](const nlohmann::json& from, const char* key) { return cut(text_of(from, key)); };
   if (const auto problem = object.find("problem"); problem != object.end()) {
     if (!problem->is_object()) return {};
     const auto code = code_from(text(*problem, "code"));

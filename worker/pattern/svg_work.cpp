@@ -311,7 +311,7 @@ class Counter {
       for (const Vector2d& p : curve.points) box.extend(p);
       for (std::size_t i = 1; i < curve.points.size(); ++i)
         length += (curve.points[i] - curve.points[i - 1]).norm();
-      pieces += static_cast<double>(curve.points.size() / 3);
+      pieces += std::floor(static_cast<double>(curve.points.size()) / 3);
       turned += 1 + turns(curve);
     }
     segments_ += pieces;

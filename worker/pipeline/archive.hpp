@@ -117,7 +117,7 @@ class ArchiveReader {
     std::uint8_t is_there = 0;
     get(is_there);
     value.reset();
-    if (ok_ && is_there != 0) get(value.emplace());
+    if (ok_ && is_there != 0) get(value.emplace(T{}));
   }
   template <class T>
   requires std::is_class_v<T>
