@@ -20,8 +20,7 @@ endif()
 
 function(vacuform_rules target)
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror
-                                           -ffp-contract=off ${VACUFORM_MARCH})
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off ${VACUFORM_MARCH})
   target_link_libraries(${target} PUBLIC Threads::Threads)
 endfunction()
 
