@@ -14,8 +14,8 @@
 
 #include "api/base/error.hpp"
 #include "api/client/http.hpp"
-#include "api/retry.hpp"
 #include "api/job.hpp"
+#include "api/retry.hpp"
 
 namespace vacuform {
 
