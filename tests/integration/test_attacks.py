@@ -1,5 +1,6 @@
 """The known attacks on a service like this one, against the running program with two workers. None gets anywhere; the server's
 memory stays below 300 MiB, and /healthz answers within a second, all the time."""
+import contextlib
 import http.client
 import json
 import pathlib
@@ -74,19 +75,20 @@ class Attacks(Case):
     def talk(self, *pieces):
         """Sends the pieces as long as the server takes them, and gives all that it answers."""
         with self.connected() as connection:
-            try:
+            answer = []
+
+            def listen():
+                with contextlib.suppress(ConnectionError):
+                    while piece := connection.recv(65536):
+                        answer.append(piece)
+            listener = threading.Thread(target=listen)  # while it sends: a reset throws away what nobody has read
+            listener.start()
+            with contextlib.suppress(OSError):  # it had enough, and is gone
                 for piece in pieces:
                     connection.sendall(piece)
                 connection.shutdown(socket.SHUT_WR)
-            except OSError:  # it had enough, and is gone
-                pass
-            answer = b""
-            try:
-                while piece := connection.recv(65536):
-                    answer += piece
-            except ConnectionError:
-                pass
-            return answer
+            listener.join()
+            return b"".join(answer)
 
     def form(self, file_name=b"a.stl", scan=None):
         scan = hostile.stl(hostile.dome_triangles()) if scan is None else scan
@@ -107,13 +109,13 @@ class Attacks(Case):
         chunk = b"100000\r\n" + b"x" * 0x100000 + b"\r\n"
         answer = self.talk(self.head("POST /api/v1/jobs", "Content-Type: multipart/form-data; boundary=b", "Transfer-Encoding: chunked"),
                            *[chunk] * 200)
-        self.assertRegex(answer[:20], rb"^(HTTP/1.1 411 |$)")  # the answer is lost where the client goes on sending
+        self.assertRegex(answer[:20], rb"^HTTP/1.1 411 ")
         self.assertEqual(self.jobs(), before)
 
     def test_endless_heads_are_refused(self):
         for line in (b"X: " + b"a" * 10**6, b"X: a\r\n" * 10**5):
             answer = self.talk(self.head("GET /api/v1/jobs")[:-2], *[line] * 50)
-            self.assertRegex(answer[:20], rb"^(HTTP/1.1 431 |$)")
+            self.assertRegex(answer[:20], rb"^HTTP/1.1 431 ")
 
     def test_a_smuggled_request_is_no_request(self):
         before = self.jobs()

@@ -175,8 +175,9 @@ class Service(Case):
         scan = self.folder / "of-this-test-alone.stl"
         scan.write_bytes(hostile.stl(hostile.dome_triangles(1.03)))
         job = self.server.submit(scan, RINGS, COARSE)
-        files = [f["sha256"] for f in (ended := self.server.wait(job))["artifacts"]] + [ended["inputs"]["scan"]["sha256"]]
+        ended = self.server.wait(job)
         self.assertEqual(ended["state"], "succeeded")
+        files = [file["sha256"] for file in [*ended["artifacts"], ended["inputs"]["scan"]]]
         self.assertGreater(len(files), 19)
         for sha256 in files:
             self.assertEqual(len(self.files_kept(sha256)), 1)
