@@ -1,12 +1,11 @@
 #include "server/access/access.hpp"
 
-#include <strings.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "api/base/log.hpp"
 #include "api/base/secrets.hpp"
+#include "api/base/text.hpp"
 #include "server/access/tokens.hpp"
 
 namespace vacuform {
@@ -67,7 +66,7 @@ Result<Caller> Access::check(const http::Request& request, Scope wanted) {
 Result<Token> Access::token_of(const http::Request& request) {
   constexpr std::string_view scheme = "Bearer ";
   const std::string_view shown = request.header("Authorization");
-  if (shown.size() >= scheme.size() && strncasecmp(shown.data(), scheme.data(), scheme.size()) == 0) {
+  if (equal_ignoring_case(shown.substr(0, scheme.size()), scheme)) {
     auto token = usable_token(store_, shown.substr(scheme.size()), clock_);
     if (!token) return tl::make_unexpected(refused(std::move(token.error())));
     return token;

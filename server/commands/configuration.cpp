@@ -8,6 +8,7 @@
 #include <charconv>
 #include <string_view>
 
+#include "api/base/text.hpp"
 #include "server/http/origin.hpp"
 
 namespace vacuform {
@@ -16,15 +17,10 @@ namespace {
 
 constexpr std::string_view scheme = "https://";
 
-std::string lowered(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 }  // namespace
 
 std::string Configuration::front_host() const {
-  return front.empty() ? front : lowered(front.substr(scheme.size()));
+  return front.empty() ? front : lower(front.substr(scheme.size()));
 }
 
 Result<Address> listen_address(const std::string& text, const std::string& option, const std::string& front) {

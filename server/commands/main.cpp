@@ -22,7 +22,7 @@
 #include "server/http/problem.hpp"
 #include "server/http/server.hpp"
 #include "server/jobs/kept_folder.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/routes.hpp"
 #include "server/routes/status_routes.hpp"
 
 namespace vacuform {

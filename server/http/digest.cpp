@@ -2,12 +2,12 @@
 
 #include <openssl/evp.h>
 #include <sodium.h>
-#include <strings.h>
 
 #include <algorithm>
 #include <array>
 
 #include "api/base/sha256.hpp"
+#include "api/base/text.hpp"
 
 namespace vacuform::http {
 
@@ -15,12 +15,6 @@ namespace {
 
 constexpr std::size_t digest_bytes = 32;
 constexpr std::string_view field_key = "sha-256";
-constexpr std::string_view blanks = " \t";
-
-std::string_view trimmed(std::string_view text) {
-  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-  return text.substr(0, text.find_last_not_of(blanks) + 1);
-}
 
 std::string hexadecimal(std::span<const unsigned char> bytes) {
   std::string digits(2 * bytes.size() + 1, '\0');  // sodium ends it with a zero
@@ -111,9 +105,7 @@ std::string digest_field(const std::string& sha256) {
 Result<std::string> stated_digest(const Request& request, std::string_view field) {
   std::string stated;
   for (const Header& header : request.headers) {
-    if (header.name.size() != field.size() ||
-        strncasecmp(header.name.data(), field.data(), field.size()) != 0)
-      continue;
+    if (!equal_ignoring_case(header.name, field)) continue;
     std::string_view rest = header.value;
     while (!rest.empty()) {
       const std::size_t comma = rest.find(',');  // base 64 has none

@@ -1,10 +1,10 @@
 #include "server/http/head.hpp"
 
-#include <strings.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
+
+#include "api/base/text.hpp"
 
 namespace vacuform::http {
 
@@ -60,12 +60,6 @@ bool printable(std::string_view text) {
                      [](char c) { return static_cast<unsigned char>(c) >= 32 || c == '\t'; });
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
 // Takes the text up to the separator, and the separator.
 std::string_view take_until(std::string_view& text, char separator) {
   const std::size_t at = text.find(separator);
@@ -93,7 +87,8 @@ struct Target {
 };
 Target split_target(std::string_view target) {
   for (const std::string_view scheme : {"http://", "https://"}) {
-    if (target.size() < scheme.size() || !same_word(target.substr(0, scheme.size()), scheme)) continue;
+    if (target.size() < scheme.size() || !equal_ignoring_case(target.substr(0, scheme.size()), scheme))
+      continue;
     target.remove_prefix(scheme.size());
     const std::size_t end = std::min(target.find_first_of("/?"), target.size());
     return {target.substr(0, end), target.substr(end)};
@@ -130,25 +125,25 @@ tl::expected<RequestLine, Refusal> parse_request_line(std::string_view line) {
 
 // What a header means for the framing of the request.
 tl::expected<void, Refusal> take_framing(Head& head, std::string_view name, std::string_view value) {
-  if (same_word(name, "Transfer-Encoding"))
+  if (equal_ignoring_case(name, "Transfer-Encoding"))
     return refuse(411, "a body without Content-Length is not accepted",
                   "send Content-Length in place of chunks");
-  if (same_word(name, "Content-Encoding") && !same_word(value, "identity"))
+  if (equal_ignoring_case(name, "Content-Encoding") && !equal_ignoring_case(value, "identity"))
     return refuse(501, "an encoded body is not accepted", "send the body as it is, without Content-Encoding");
-  if (same_word(name, "Content-Length")) {
+  if (equal_ignoring_case(name, "Content-Length")) {
     const auto [stop, error] =
         std::from_chars(value.data(), value.data() + value.size(), head.content_length);
     if (value.empty() || error != std::errc() || stop != value.data() + value.size())
       return refuse(400, "Content-Length is not one whole number", "send the number of bytes of the body");
   }
-  if (same_word(name, "Expect")) {
-    if (!same_word(value, "100-continue"))
+  if (equal_ignoring_case(name, "Expect")) {
+    if (!equal_ignoring_case(value, "100-continue"))
       return refuse(417, "an unknown expectation", "send no Expect header");
     head.expects_continue = true;
   }
-  if (same_word(name, "Connection")) {
+  if (equal_ignoring_case(name, "Connection")) {
     while (!value.empty())
-      if (same_word(trimmed(take_until(value, ',')), "close")) head.keep_alive = false;
+      if (equal_ignoring_case(trimmed(take_until(value, ','), " \t"), "close")) head.keep_alive = false;
   }
   return {};
 }
@@ -162,14 +157,14 @@ tl::expected<void, Refusal> parse_headers(std::string_view text, const Limits& l
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos || !is_token(line.substr(0, colon)) || !printable(line))
       return refuse(400, "a header line is malformed", "send name: value");
-    const std::string_view name = line.substr(0, colon), value = trimmed(line.substr(colon + 1));
+    const std::string_view name = line.substr(0, colon), value = trimmed(line.substr(colon + 1), " \t");
     if (head.headers.size() >= limits.head_lines)
       return refuse(431, "the request has more than " + std::to_string(limits.head_lines) + " header lines",
                     "send fewer");
     for (std::size_t i = 0; i < single_headers.size(); ++i)
-      if (same_word(name, single_headers[i])) {
+      if (equal_ignoring_case(name, single_headers[i])) {
         if (seen[i]) {
-          if (same_word(name, "Content-Length"))
+          if (equal_ignoring_case(name, "Content-Length"))
             return refuse(400, "Content-Length is not one whole number",
                           "send the number of bytes of the body");
           return refuse(400, "there is more than one " + std::string(single_headers[i]), "send one");
@@ -184,15 +179,11 @@ tl::expected<void, Refusal> parse_headers(std::string_view text, const Limits& l
 
 std::string_view host_of(const Head& head) {
   for (const Header& header : head.headers)
-    if (same_word(header.name, "Host")) return header.value;
+    if (equal_ignoring_case(header.name, "Host")) return header.value;
   return {};
 }
 
 }  // namespace
-
-bool same_word(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
-}
 
 std::string percent_decoded(std::string_view text, bool plus_is_space) {
   std::string out;
@@ -225,7 +216,7 @@ tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limi
     return refuse(501, "there is no such method here", "send GET, HEAD, POST, PUT, PATCH, DELETE or OPTIONS");
   head.method = line->method;
   Target target = split_target(line->target);
-  if (target.authority.data() != nullptr && !same_word(target.authority, host))
+  if (target.authority.data() != nullptr && !equal_ignoring_case(target.authority, host))
     return refuse(400, "the address and Host name two different hosts", "send the same in both");
   head.path = percent_decoded(take_until(target.path, '?'));
   if (head.path.empty()) head.path = "/";  // "http://host" and "http://host?query"

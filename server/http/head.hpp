@@ -40,7 +40,4 @@ tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limi
 // "a%20b" -> "a b". A '%' without two hexadecimal digits stays as it is.
 std::string percent_decoded(std::string_view text, bool plus_is_space = false);
 
-// Compares names of headers, methods of a list and the like: ASCII letters of either case are equal.
-bool same_word(std::string_view a, std::string_view b);
-
 }  // namespace vacuform::http

@@ -1,11 +1,10 @@
 #include "server/http/message.hpp"
 
-#include <strings.h>
-
 #include <algorithm>
 #include <array>
 
 #include "api/base/sha256.hpp"
+#include "api/base/text.hpp"
 #include "server/http/digest.hpp"
 #include "server/http/range.hpp"
 
@@ -13,8 +12,7 @@ namespace vacuform::http {
 
 std::string_view Request::header(std::string_view name) const {
   for (const Header& header : headers)
-    if (header.name.size() == name.size() && strncasecmp(header.name.data(), name.data(), name.size()) == 0)
-      return header.value;
+    if (equal_ignoring_case(header.name, name)) return header.value;
   return {};
 }
 

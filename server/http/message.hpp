@@ -37,9 +37,10 @@ struct Request {
   std::map<std::string, std::string> captures;  // of the route's pattern
   std::string id;                               // for the log: the client's own, or a random one
   std::uint64_t content_length = 0;
-  bool head_only = false;  // a HEAD request, which `method` calls GET
-  bool by_front = false;   // it came through the TLS front, by the front's name
-  Body* body = nullptr;    // never null inside a route
+  bool head_only = false;        // a HEAD request, which `method` calls GET
+  bool by_front = false;         // it came through the TLS front, by the front's name
+  bool beyond_loopback = false;  // it arrived at another address than one of loopback
+  Body* body = nullptr;          // never null inside a route
 
   // The first header of that name, whatever its case; empty when there is none.
   std::string_view header(std::string_view name) const;

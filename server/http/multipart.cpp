@@ -1,9 +1,9 @@
 #include "server/http/multipart.hpp"
 
-#include <strings.h>
-
 #include <algorithm>
 #include <vector>
+
+#include "api/base/text.hpp"
 
 namespace vacuform::http {
 
@@ -17,16 +17,6 @@ constexpr std::uint64_t most_outside =
 tl::unexpected<Error> malformed(std::string what) {
   return fail(Code::bad_usage, std::move(what), "request body",
               "send the form as multipart/form-data (curl -F)");
-}
-
-bool same_word(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
 }
 
 // The value of a parameter after the first ';' of a header's value: token or quoted string.
@@ -51,7 +41,7 @@ bool parameter(std::string_view value, std::string_view wanted, std::string& out
       text = trimmed(value.substr(at, end - at));
       at = end;
     }
-    if (same_word(name, wanted)) {
+    if (equal_ignoring_case(name, wanted)) {
       out = std::move(text);
       return true;
     }
@@ -139,12 +129,13 @@ Result<void> MultipartParser::read_head(std::string_view head) {
     head.remove_prefix(std::min(end + 2, head.size()));
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos) return malformed("a line in the head of a part has no colon");
-    const std::string_view key = trimmed(line.substr(0, colon)), value = trimmed(line.substr(colon + 1));
-    if (same_word(key, "Content-Disposition")) {
+    const std::string_view key = trimmed(line.substr(0, colon)), value = trimmed(line.substr(colon + 1), " \t");
+    if (equal_ignoring_case(key, "Content-Disposition")) {
       parameter(value, "name", name);
       parameter(value, "filename", file_name);
-    } else if (same_word(key, "Content-Transfer-Encoding") && !same_word(value, "binary") &&
-               !same_word(value, "8bit") && !same_word(value, "7bit")) {
+    } else if (equal_ignoring_case(key, "Content-Transfer-Encoding") &&
+               !equal_ignoring_case(value, "binary") && !equal_ignoring_case(value, "8bit") &&
+               !equal_ignoring_case(value, "7bit")) {
       return malformed("a part has a transfer encoding");
     }
   }
@@ -155,7 +146,7 @@ Result<void> MultipartParser::read_head(std::string_view head) {
 Result<std::string> multipart_boundary(std::string_view content_type) {
   const std::string_view kind = trimmed(content_type.substr(0, content_type.find(';')));
   std::string boundary;
-  if (!same_word(kind, "multipart/form-data") || !parameter(content_type, "boundary", boundary) ||
+  if (!equal_ignoring_case(kind, "multipart/form-data") || !parameter(content_type, "boundary", boundary) ||
       boundary.empty() || boundary.size() > 70)
     return fail(Code::unsupported_format, "the body is not multipart/form-data with a boundary",
                 "Content-Type", "send the form as multipart/form-data (curl -F)");
@@ -176,14 +167,10 @@ Result<void> read_multipart(Request& request, PartSink& sink) {
 std::string safe_extension(std::string_view file_name) {
   const std::size_t dot = file_name.rfind('.');
   if (dot == std::string_view::npos) return {};
-  std::string extension;
-  for (const char c : file_name.substr(dot + 1)) {
-    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if (!((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) || extension.size() == 8)
-      return {};
-    extension += lower;
-  }
-  return extension;
+  const std::string extension = lower(file_name.substr(dot + 1));
+  const bool plain = std::all_of(extension.begin(), extension.end(),
+                                 [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); });
+  return plain && extension.size() <= 8 ? extension : std::string();
 }
 
 }  // namespace vacuform::http

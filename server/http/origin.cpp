@@ -1,9 +1,11 @@
 #include "server/http/origin.hpp"
 
 #include <arpa/inet.h>
-#include <strings.h>
+#include <sys/socket.h>
 
 #include <algorithm>
+
+#include "api/base/text.hpp"
 
 namespace vacuform::http {
 
@@ -25,18 +27,33 @@ bool is_loopback_host(std::string_view host) {
   in_addr four{};
   const std::string text(name);
   if (inet_pton(AF_INET, text.c_str(), &four) == 1) return (ntohl(four.s_addr) >> 24) == 127;
-  return strcasecmp(text.c_str(), "localhost") == 0 || text == "::1";
+  return equal_ignoring_case(name, "localhost") || text == "::1";
+}
+
+bool is_loopback_socket(int socket) {
+  sockaddr_storage address{};
+  socklen_t bytes = sizeof address;
+  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &bytes) != 0) return false;
+  if (address.ss_family == AF_INET)
+    return ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr) >> 24 == 127;
+  if (address.ss_family != AF_INET6) return false;
+  const in6_addr& six = reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
+  return IN6_IS_ADDR_LOOPBACK(&six) || (IN6_IS_ADDR_V4MAPPED(&six) && six.s6_addr[12] == 127);
 }
 
 bool through_front(const Request& request, std::string_view front_host) {
   const std::string_view host = request.header("Host");
-  return !front_host.empty() && host.size() == front_host.size() &&
-         strncasecmp(host.data(), front_host.data(), host.size()) == 0;
+  return !front_host.empty() && equal_ignoring_case(host, front_host);
 }
 
 std::optional<Refusal> check_origin(const Request& request, std::string_view front_host) {
   const std::string_view host = request.header("Host");
   const bool by_front = through_front(request, front_host);
+  if (request.beyond_loopback && !(by_front && request.header("X-Forwarded-Proto") == "https"))
+    return Refusal{421,
+                   {Code::bad_usage, "beyond loopback this server answers through its TLS front only", "Host",
+                    front_host.empty() ? "address it as 127.0.0.1 or localhost, on its own machine"
+                                       : "address it as https://" + std::string(front_host)}};
   if (!is_loopback_host(host) && !by_front)
     return Refusal{421,
                    {Code::bad_usage,

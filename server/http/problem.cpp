@@ -1,10 +1,9 @@
 #include "server/http/problem.hpp"
 
-#include <strings.h>
-
 #include <nlohmann/json.hpp>
 
 #include "api/base/strict_json.hpp"
+#include "api/base/text.hpp"
 #include "api/problem.hpp"
 
 namespace vacuform {
@@ -50,12 +49,9 @@ std::string dump(const ordered_json& json) {
 }
 
 Result<std::string> read_json_text(http::Request& request, std::uint64_t limit) {
-  constexpr std::string_view wanted = "application/json";
   const std::string_view stated = request.header("Content-Type");
   const std::string_view media = stated.substr(0, stated.find_first_of("; "));
-  const bool is_json =
-      media.size() == wanted.size() && ::strncasecmp(media.data(), wanted.data(), wanted.size()) == 0;
-  if (request.content_length > 0 && !is_json)
+  if (request.content_length > 0 && !equal_ignoring_case(media, "application/json"))
     return fail(Code::unsupported_format, "the body is not said to be JSON", "Content-Type",
                 "send Content-Type: application/json");
   return http::read_text(request, limit);

@@ -23,6 +23,7 @@ struct Route {
   std::uint64_t most_body = small_body;  // a longer body is refused by its Content-Length (413)
   Admission admission = nullptr;         // null: everybody may
   std::vector<std::string> query = {};   // the names of the parameters that it takes
+  std::string admits = {};               // whom, in words; for who lists the routes
 };
 
 class Router {

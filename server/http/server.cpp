@@ -32,6 +32,7 @@
 #include <vector>
 
 #include "api/base/log.hpp"
+#include "api/base/text.hpp"
 #include "api/problem.hpp"
 #include "server/http/connection.hpp"
 #include "server/http/digest.hpp"
@@ -329,6 +330,7 @@ class Server::Loop {
     request.content_length = head->content_length;
     request.body = &client.connection;
     request.by_front = through_front(request, options_.front_host);
+    request.beyond_loopback = !is_loopback_socket(client.connection.socket());
     if (auto refusal = inadmissible(client)) return answer(client, std::move(refusal));
     if (client.connection.body_arrived()) return handle(client);
     if (const auto admitted = admit(client); !admitted)
@@ -484,7 +486,8 @@ class Server::Loop {
   Response respond(Client& client) {
     Request& request = client.request;
     if (request.head_only)  // ranges are for GET (RFC 9110, 14.2)
-      std::erase_if(request.headers, [](const Header& header) { return same_word(header.name, "Range"); });
+      std::erase_if(request.headers,
+                    [](const Header& header) { return equal_ignoring_case(header.name, "Range"); });
     request.captures = std::move(client.match.captures);
     auto result = handled(*client.match.route, request);
     if (result) return std::move(*result);
@@ -519,7 +522,7 @@ class Server::Loop {
     const std::size_t own = response.headers.size();
     for (const Header& header : more)
       if (std::none_of(response.headers.begin(), response.headers.begin() + static_cast<std::ptrdiff_t>(own),
-                       [&](const Header& other) { return same_word(header.name, other.name); }))
+                       [&](const Header& other) { return equal_ignoring_case(header.name, other.name); }))
         response.headers.push_back(header);
     return response;
   }

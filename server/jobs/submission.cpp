@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "api/base/log.hpp"
+#include "api/base/text.hpp"
 #include "api/settings.hpp"
 #include "server/jobs/formats.hpp"
 #include "server/jobs/submission_form.hpp"
@@ -53,7 +54,7 @@ Result<void> match_files(const NewJob& job, Settings& settings) {
 Result<Settings> merged_settings(const std::string& base, const std::string& text,
                                  const std::map<std::string, std::string>& fields) {
   nlohmann::json object = nlohmann::json::parse(base);
-  if (text.find_first_not_of(" \t\r\n") != std::string::npos) {
+  if (!trimmed(text).empty()) {
     VACUFORM_TRY(given, settings_json(text));
     const auto alone = settings_from_json(given);
     if (!alone && (base == "{}" || !given.is_object())) return alone;
@@ -65,9 +66,8 @@ Result<Settings> merged_settings(const std::string& base, const std::string& tex
     }
   }
   for (const auto& [name, value] : fields) {
-    const std::size_t begin = value.find_first_not_of(" \t\r\n");
-    if (begin == std::string::npos || !SubmissionForm::is_setting(name)) continue;
-    std::string given = value.substr(begin, value.find_last_not_of(" \t\r\n") + 1 - begin);
+    std::string given(trimmed(value));
+    if (given.empty() || !SubmissionForm::is_setting(name)) continue;
     if (given.find(',') != std::string::npos && given.front() != '[' && given.front() != '{')
       given = "[" + given + "]";  // "3, 4" is a pair
     VACUFORM_CHECK(set_in_json(object, name + "=" + given));
@@ -174,8 +174,7 @@ Result<std::string> base_of(Service& service, const SubmissionForm& form, const 
 Result<std::optional<Job>> origin_of(Service& service, const SubmissionForm& form, const Caller& caller) {
   const std::string id = form.field("from");
   if (id.empty()) return std::optional<Job>();
-  VACUFORM_TRY(job, service.store.job(id));
-  if (!caller.sees(job)) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
+  VACUFORM_TRY(job, job_for(service, id, caller));
   return std::optional<Job>(std::move(job));
 }
 

@@ -10,7 +10,7 @@
 
 #include "api/job_limits.hpp"
 #include "server/http/message.hpp"
-#include "server/routes/service.hpp"
+#include "server/jobs/service.hpp"
 
 namespace vacuform {
 

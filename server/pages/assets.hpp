@@ -1,12 +1,17 @@
 // Files of the source tree that are built into the program (see embed.cmake).
 #pragma once
 
+#include <span>
 #include <string_view>
 
 namespace vacuform {
 
-std::string_view openapi_yaml();
-std::string_view style_css();
-std::string_view job_js();
+struct Asset {
+  std::string_view name, bytes;  // name: without folders
+};
+std::span<const Asset> assets();
+
+// The bytes of the file of that name. Throws std::logic_error where there is none.
+std::string_view asset(std::string_view name);
 
 }  // namespace vacuform

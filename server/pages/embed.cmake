@@ -1,11 +1,15 @@
-# cmake -DOUT=assets.cpp -DNAMES="openapi_yaml;style_css" -DFILES="a;b" -P embed.cmake
-# Writes functions that return the files' bytes, so that the program needs nothing beside itself.
-set(text "#include \"server/pages/assets.hpp\"\n\nnamespace vacuform {\n")
-foreach(name file IN ZIP_LISTS NAMES FILES)
+# cmake -DOUT=assets.cpp -DFILES="a;b" -P embed.cmake
+# Writes the table of the files' names and bytes, so that the program needs nothing beside itself.
+set(text "#include \"server/pages/assets.hpp\"\n\nnamespace vacuform {\n\nnamespace {\n")
+set(number 0)
+foreach(file IN LISTS FILES)
   file(READ ${file} hex HEX)
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
-  string(APPEND text "\nstd::string_view ${name}() {\n  static constexpr unsigned char bytes[] = {${bytes}0};\n"
-    "  return {reinterpret_cast<const char*>(bytes), sizeof bytes - 1};\n}\n")
+  string(APPEND text "constexpr unsigned char file_${number}[] = {${bytes}0};\n")
+  get_filename_component(name ${file} NAME)
+  string(APPEND table "    {\"${name}\", {reinterpret_cast<const char*>(file_${number}), sizeof file_${number} - 1}},\n")
+  math(EXPR number "${number} + 1")
 endforeach()
-string(APPEND text "\n}  // namespace vacuform\n")
+string(APPEND text "}  // namespace\n\nstd::span<const Asset> assets() {\n  static const Asset all[] = {\n${table}  };\n"
+  "  return all;\n}\n\n}  // namespace vacuform\n")
 file(WRITE ${OUT} "${text}")

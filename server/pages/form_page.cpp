@@ -8,6 +8,7 @@
 #include "api/settings.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/pages/pages.hpp"
+#include "server/pages/template.hpp"
 
 namespace vacuform {
 
@@ -41,19 +42,18 @@ std::string plain(const ordered_json& value) {
   return text;
 }
 
-// With nothing chosen the field says nothing, and a profile's value or the default holds.
-std::string choices(const std::vector<std::string>& values, const std::string& chosen,
-                    const std::string& nothing) {
-  std::string html = "<option value=\"\">" + escaped(nothing) + "</option>";
-  for (const auto& value : values)
-    html += "<option" + std::string(value == chosen ? " selected" : "") + ">" + escaped(value) + "</option>";
-  return html;
+// What a select offers. With nothing chosen the field says nothing, and a profile's value or the default holds.
+ordered_json choices(const std::vector<std::string>& values, const std::string& chosen,
+                     const std::string& nothing) {
+  ordered_json list = ordered_json::array();
+  for (const auto& value : values) list.push_back({{"value", value}, {"chosen", value == chosen}});
+  return {{"nothing", nothing}, {"choices", std::move(list)}};
 }
 
 // One setting: a label, the control that its schema asks for, and its description.
-std::string field_html(const std::string& name, const std::string& key, const ordered_json& schema,
-                       const std::map<std::string, std::string>& fields) {
-  const std::string id = "f-" + name, fallback = plain(schema.at("default"));
+ordered_json field_values(const std::string& name, const std::string& key, const ordered_json& schema,
+                          const std::map<std::string, std::string>& fields) {
+  const std::string fallback = plain(schema.at("default")), type = schema.value("type", "");
   const auto filled = fields.find(name);
   const std::string value = filled == fields.end() ? "" : filled->second;
   const ordered_json* innermost = schema.contains("oneOf") ? &schema["oneOf"][0] : &schema;
@@ -61,35 +61,25 @@ std::string field_html(const std::string& name, const std::string& key, const or
   const ordered_json& numeric = *innermost;
   std::string unit = numeric.value("x-unit", "");
   if (unit == "1") unit.clear();
-  const std::string common = " id=\"" + escaped(id) + "\" name=\"" + escaped(name) +
-                             "\" aria-describedby=\"" + escaped(id) + "-hint\"";
 
-  std::string control;
+  ordered_json select, input;
   if (schema.contains("enum")) {
-    control = "<select" + common + ">" +
-              choices(schema["enum"].get<std::vector<std::string>>(), value, "(" + fallback + ")") +
-              "</select>";
-  } else if (schema.value("type", "") == "boolean") {
-    control =
-        "<select" + common + ">" + choices({"true", "false"}, value, "(" + fallback + ")") + "</select>";
+    select = choices(schema["enum"].get<std::vector<std::string>>(), value, "(" + fallback + ")");
+  } else if (type == "boolean") {
+    select = choices({"true", "false"}, value, "(" + fallback + ")");
   } else {
-    const bool text = schema.value("type", "") == "array" || schema.value("type", "") == "object";
-    control =
-        "<input" + common + " placeholder=\"" + escaped(fallback) + "\" value=\"" + escaped(value) + "\"";
-    if (text)
-      control += " type=\"text\" inputmode=\"text\" autocomplete=\"off\"";
-    else
-      control += " type=\"number\" step=\"" +
-                 std::string(schema.value("type", "") == "integer" ? "1" : "any") + "\" min=\"" +
-                 plain(numeric.at("minimum")) + "\" max=\"" + plain(numeric.at("maximum")) + "\"";
-    control += ">";
+    ordered_json range;  // null: a text
+    if (type != "array" && type != "object")
+      range = {{"step", type == "integer" ? "1" : "any"},
+               {"least", plain(numeric.at("minimum"))},
+               {"most", plain(numeric.at("maximum"))}};
+    input = {{"default", fallback}, {"value", value}, {"range", std::move(range)}};
   }
-  std::string hint = escaped(schema.value("description", ""));
+  std::string hint = schema.value("description", "");
   if (numeric.contains("minimum"))
     hint += " (" + plain(numeric["minimum"]) + " to " + plain(numeric["maximum"]) + ")";
-  return "<div class=\"field\"><label for=\"" + escaped(id) + "\">" + escaped(label_of(key)) +
-         (unit.empty() ? "" : " <span class=\"unit\">" + escaped(unit) + "</span>") + "</label>" + control +
-         "<p class=\"hint\" id=\"" + escaped(id) + "-hint\">" + hint + "</p></div>\n";
+  return {{"name", name},     {"label", label_of(key)}, {"unit", unit},
+          {"select", select}, {"input", input},         {"hint", hint}};
 }
 
 // ".svg,.png" -> "SVG, PNG".
@@ -103,80 +93,65 @@ std::string formats(std::string_view extensions) {
   return text;
 }
 
-std::string file_html(const InputKind& kind) {
-  const std::string name(kind.name), id = "f-" + name;
-  return "<div class=\"field\"><label for=\"" + id + "\">" + escaped(kind.title) +
-         "</label><input type=\"file\"" + (kind.always ? " required" : "") + " id=\"" + id + "\" name=\"" +
-         name + "\" accept=\"" + escaped(kind.extensions) + "\" aria-describedby=\"" + id +
-         "-hint\"><p class=\"hint\" id=\"" + id + "-hint\">" + formats(kind.extensions) + "; at most " +
-         readable_bytes(kind.most_bytes) + "</p></div>\n";
+ordered_json files_values() {
+  ordered_json files = ordered_json::array();
+  for (const InputKind& kind : input_kinds)
+    files.push_back({{"name", kind.name},
+                     {"title", kind.title},
+                     {"required", kind.always},
+                     {"extensions", kind.extensions},
+                     {"formats", formats(kind.extensions)},
+                     {"size", readable_bytes(kind.most_bytes)}});
+  return files;
 }
 
-std::string files_html() {
-  std::string html;
-  for (const InputKind& kind : input_kinds) html += file_html(kind);
-  return html;
-}
-
-std::string settings_html(const std::map<std::string, std::string>& fields) {
+ordered_json groups_values(const std::map<std::string, std::string>& fields) {
   const ordered_json schema = settings_schema();
   const ordered_json& groups = schema.at("properties");
-  std::string html;
+  ordered_json list = ordered_json::array();
   const auto add = [&](const std::string& group) {
     const ordered_json& description = groups.at(group);
-    const ordered_json& properties = description.at("properties");
     const bool touched = std::any_of(fields.begin(), fields.end(), [&](const auto& field) {
       return field.first.starts_with(group + ".") && !field.second.empty();
     });
-    const bool open = group == "pattern" || touched;
-    html += std::string("<details") + (open ? " open" : "") + ">\n<summary>" +
-            escaped(description.value("title", group)) + "</summary>\n<fieldset>\n<legend>" +
-            escaped(description.value("title", group)) + "</legend>\n";
-    for (const auto& [key, field] : properties.items())
-      html += field_html(group + "." + key, key, field, fields);
-    html += "</fieldset>\n</details>\n";
+    ordered_json settings = ordered_json::array();
+    for (const auto& [key, field] : description.at("properties").items())
+      settings.push_back(field_values(group + "." + key, key, field, fields));
+    list.push_back({{"title", description.value("title", group)},
+                    {"open", group == "pattern" || touched},
+                    {"fields", std::move(settings)}});
   };
   for (const auto group : group_order)
     if (groups.contains(std::string(group))) add(std::string(group));
   for (const auto& [group, description] : groups.items())  // groups that the order above does not know yet
     if (std::find(group_order.begin(), group_order.end(), group) == group_order.end()) add(group);
-  return html;
+  return list;
 }
 
-std::string recent_html(const std::vector<Job>& recent) {
-  if (recent.empty()) return "<p>There are no jobs yet.</p>\n";
-  std::string html =
-      "<div class=\"wide\"><table>\n<thead><tr><th scope=\"col\">Created</th><th scope=\"col\">Job</th><th "
-      "scope=\"col\">State</th></tr>"
-      "</thead>\n<tbody>\n";
+ordered_json recent_values(const std::vector<Job>& recent) {
+  if (recent.empty()) return nullptr;
+  ordered_json jobs = ordered_json::array();
   for (const Job& job : recent) {
-    const std::string time = rfc3339(job.created),
-                      shown = time.substr(0, 10) + " " + time.substr(11, 5) + " UTC";
-    html += "<tr><td><time datetime=\"" + time + "\">" + shown + "</time></td><td><a href=\"/jobs/" +
-            escaped(job.id) + "\"><code>" + escaped(job.id) + "</code></a>" +
-            (job.kind == JobKind::inspection ? ", inspection" : "") + "</td><td><span class=\"state " +
-            std::string(name(job.state)) + "\">" + std::string(name(job.state)) + "</span>" +
-            serious_html(job);
-    if (job.state == JobState::running)
-      html += " " + std::to_string(static_cast<int>(100 * whole_progress(job))) + " %";
-    html += "</td></tr>\n";
+    const std::string time = rfc3339(job.created);
+    const bool running = job.state == JobState::running;
+    jobs.push_back({{"created", time},
+                    {"shown", time.substr(0, 10) + " " + time.substr(11, 5) + " UTC"},
+                    {"id", job.id},
+                    {"inspection", job.kind == JobKind::inspection},
+                    {"state", name(job.state)},
+                    {"serious", serious_text(job)},
+                    {"percent", running ? std::to_string(static_cast<int>(100 * whole_progress(job))) : ""}});
   }
-  return html + "</tbody>\n</table></div>\n";
+  return {{"jobs", std::move(jobs)}};
 }
 
-std::string profiles_html(const std::vector<Profile>& profiles,
-                          const std::map<std::string, std::string>& fields) {
-  if (profiles.empty()) return "";
+ordered_json profile_values(const std::vector<Profile>& profiles,
+                            const std::map<std::string, std::string>& fields) {
+  if (profiles.empty()) return nullptr;
   std::vector<std::string> names;
   for (const Profile& profile : profiles) names.push_back(profile.name);
   const auto chosen = fields.find("profile");
-  return "<div class=\"field\"><label for=\"f-profile\">Profile</label><select id=\"f-profile\" "
-         "name=\"profile\" "
-         "aria-describedby=\"f-profile-hint\">" +
-         choices(names, chosen == fields.end() ? "" : chosen->second, "(none)") +
-         "</select><p class=\"hint\" id=\"f-profile-hint\">A machine or a sheet, whose settings stand in for "
-         "the "
-         "defaults below</p></div>\n";
+  return choices(names, chosen == fields.end() ? "" : chosen->second, "(none)");
 }
 
 }  // namespace
@@ -187,27 +162,13 @@ Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profi
   page.title = error ? "The job was not accepted" : "New job";
   page.signed_in = true;
   page.status = error ? meaning(error->code).http_status : 200;
-  page.main = "<h1>" + page.title + "</h1>\n";
-  if (error)
-    page.main += problem_box(*error) +
-                 "<p>Nothing was started. Your settings are kept below; choose the files again.</p>\n";
-  page.main +=
-      "<form method=\"post\" action=\"/jobs\" enctype=\"multipart/form-data\">\n"
-      "<input type=\"hidden\" name=\"idempotency_key\" value=\"" +
-      random_hex(16) +
-      "\">\n<fieldset class=\"files\">\n"
-      "<legend>Files</legend>\n" +
-      files_html() +
-      "</fieldset>\n<h2>Settings</h2>\n<p>All have a default: an empty field keeps the value that it shows "
-      "in grey "
-      "or in brackets, unless a profile has another.</p>\n" +
-      profiles_html(profiles, fields) + settings_html(fields) +
-      "<p><button type=\"submit\">Start the job</button></p>\n"
-      "<p><button type=\"submit\" name=\"kind\" value=\"inspection\" formnovalidate>Inspect the scan "
-      "only</button> "
-      "<span class=\"hint\">In seconds: what is in it, and what mold it makes</span></p>\n"
-      "</form>\n<h2>Recent jobs</h2>\n" +
-      recent_html(recent);
+  page.main = rendered("form", {{"title", page.title},
+                                {"problem", problem_values(error)},
+                                {"key", random_hex(16)},
+                                {"files", files_values()},
+                                {"profile", profile_values(profiles, fields)},
+                                {"groups", groups_values(fields)},
+                                {"recent", recent_values(recent)}});
   return page;
 }
 

@@ -1,61 +1,24 @@
 #include "server/pages/html.hpp"
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "api/problem.hpp"
 #include "server/http/problem.hpp"
+#include "server/pages/template.hpp"
 
 namespace vacuform {
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  out.reserve(text.size());
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
+using nlohmann::ordered_json;
 
 http::Response html_response(const Page& page) {
-  std::string refresh = page.refresh_seconds > 0 ? "<meta http-equiv=\"refresh\" content=\"" +
-                                                       std::to_string(page.refresh_seconds) + "\">\n"
-                                                 : "";
-  if (page.follows)
-    refresh = "<noscript>" + refresh + "</noscript>\n<script src=\"/job.js\" defer></script>\n";
   const std::string text =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light dark\">\n" +
-      refresh + "<title>" + escaped(page.title) + " - Vacuform</title>\n" +
-      "<link rel=\"stylesheet\" href=\"/style.css\">\n<link rel=\"icon\" href=\"data:,\">\n</head>\n<body>\n"
-      "<a class=\"skip\" href=\"#main\">Skip to the content</a>\n"
-      "<header><a href=\"/\">Vacuform</a> <span>pre-distorted prints for vacuum-formed "
-      "sheets</span>" +
-      std::string(page.signed_in ? "<form method=\"post\" action=\"/sign-out\"><button type=\"submit\">Sign "
-                                   "out</button></form>"
-                                 : "") +
-      "</header>\n"
-      "<main id=\"main\">\n" +
-      page.main +
-      "</main>\n<footer><a href=\"/api/v1/openapi.yaml\">API</a> <a href=\"/problems/\">Problems "
-      "explained</a>"
-      "</footer>\n</body>\n</html>\n";
+      rendered("document",
+               {{"title", page.title},
+                {"main", page.main},
+                {"refresh", page.refresh_seconds > 0 ? std::to_string(page.refresh_seconds) : std::string()},
+                {"follows", page.follows},
+                {"signed_in", page.signed_in}});
   http::Response response = http::text_response("text/html; charset=utf-8", text, page.status);
   response.set(
       "Content-Security-Policy",
@@ -79,15 +42,14 @@ http::Response see_other(const std::string& place) {
   return response;
 }
 
-std::string problem_box(const Error& error) {
-  const CodeMeaning code = meaning(error.code);
-  std::string box =
-      "<section class=\"problem\" role=\"alert\" aria-labelledby=\"problem\">\n<h2 id=\"problem\">" +
-      escaped(code.title) + "</h2>\n<p>" + escaped(error.what) + "</p>\n";
-  if (!error.where.empty()) box += "<p><strong>Where:</strong> " + escaped(error.where) + "</p>\n";
-  if (!error.mend.empty()) box += "<p><strong>What to do:</strong> " + escaped(error.mend) + "</p>\n";
-  return box + "<p><a href=\"/problems/" + std::string(code.slug) +
-         "\">More about this problem</a></p>\n</section>\n";
+ordered_json problem_values(const std::optional<Error>& error) {
+  if (!error) return nullptr;
+  const CodeMeaning code = meaning(error->code);
+  return {{"title", code.title},
+          {"slug", code.slug},
+          {"what", error->what},
+          {"where", error->where},
+          {"mend", error->mend}};
 }
 
 std::string readable_bytes(std::uint64_t bytes) {

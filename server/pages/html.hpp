@@ -1,15 +1,13 @@
 // HTML for people: plain, complete without scripts, the same for keyboard, screen reader and phone.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
-#include <string_view>
 
 #include "server/http/message.hpp"
 
 namespace vacuform {
-
-// Text for an element or a quoted attribute: & < > " ' become references.
-std::string escaped(std::string_view text);
 
 struct Page {
   std::string title;  // plain text
@@ -26,8 +24,8 @@ http::Response html_response(const Page& page);
 // "See the result there": after a form.
 http::Response see_other(const std::string& place);
 
-// A problem as a box at the top of a page.
-std::string problem_box(const Error& error);
+// A problem as a template shows it in a box at the top of a page; null where there is none.
+nlohmann::ordered_json problem_values(const std::optional<Error>& error);
 
 // "3.4 MiB"
 std::string readable_bytes(std::uint64_t bytes);

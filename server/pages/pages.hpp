@@ -23,8 +23,8 @@ Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profi
 // form that makes the print. `made` is report.json or findings.json, null when there is none; parts that it lacks are left out. `log` is the beginning of the job's log.
 Page job_page(const Job& job, const nlohmann::json& made, const std::vector<LogLine>& log = {});
 
-// Beside the state of a job, on its page and in lists: " with 2 serious warnings", or nothing.
-std::string serious_html(const Job& job);
+// Beside the state of a job, on its page and in lists: "2 serious warnings", or nothing.
+std::string serious_text(const Job& job);
 
 // The form that takes a token; after a refusal `error` stands above it.
 Page sign_in_page(const std::optional<Error>& error = std::nullopt);
@@ -32,5 +32,8 @@ Page sign_in_page(const std::optional<Error>& error = std::nullopt);
 // What each problem means and what helps; an empty slug gives the list of all.
 Page problems_page();
 Page problem_page(Code code);
+
+// In place of a page that could not be shown.
+Page refused_page(const http::Refusal& refusal);
 
 }  // namespace vacuform

@@ -1,8 +1,13 @@
 // What each problem type means to a person: the page behind every "type" of the API's problems.
+#include <nlohmann/json.hpp>
+
 #include "api/problem.hpp"
 #include "server/pages/pages.hpp"
+#include "server/pages/template.hpp"
 
 namespace vacuform {
+
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -135,23 +140,29 @@ Page problem_page(Code code) {
   const Explanation text = explanation(code);
   Page page;
   page.title = std::string(meaning(code).title);
-  page.main = "<h1>" + escaped(page.title) + "</h1>\n<p>" + escaped(text.why) +
-              "</p>\n<h2>What to do</h2>\n<p>" + escaped(text.help) + "</p>\n<p><code>" +
-              std::string(meaning(code).slug) +
-              "</code></p>\n<p><a href=\"/problems/\">All problems</a></p>\n";
+  page.main =
+      rendered("problem",
+               {{"title", page.title}, {"why", text.why}, {"help", text.help}, {"slug", meaning(code).slug}});
   return page;
 }
 
 Page problems_page() {
-  Page page;
-  page.title = "Problems explained";
-  page.main = "<h1>Problems explained</h1>\n<ul>\n";
+  ordered_json problems = ordered_json::array();
   for (int i = 0; i <= static_cast<int>(Code::internal); ++i) {
     const CodeMeaning code = meaning(static_cast<Code>(i));
-    page.main +=
-        "<li><a href=\"/problems/" + std::string(code.slug) + "\">" + escaped(code.title) + "</a></li>\n";
+    problems.push_back({{"slug", code.slug}, {"title", code.title}});
   }
-  page.main += "</ul>\n";
+  Page page;
+  page.title = "Problems explained";
+  page.main = rendered("problems", {{"problems", std::move(problems)}});
+  return page;
+}
+
+Page refused_page(const http::Refusal& refusal) {
+  Page page;
+  page.title = std::string(meaning(refusal.error.code).title);
+  page.status = refusal.status;
+  page.main = rendered("refused", {{"problem", problem_values(refusal.error)}});
   return page;
 }
 

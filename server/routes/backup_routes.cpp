@@ -4,7 +4,8 @@
 #include "api/base/log.hpp"
 #include "server/http/problem.hpp"
 #include "server/jobs/job_json.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 

@@ -11,7 +11,9 @@
 #include "server/http/problem.hpp"
 #include "server/http/range.hpp"
 #include "server/jobs/job_json.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/lists.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 
@@ -74,7 +76,7 @@ Response unchanged(const Job& job) {
 
 Result<Response> get_job(Service& service, const std::shared_ptr<Shown>& shown, const Request& request,
                          const Caller& caller) {
-  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(job, job_for(service, request.at("id"), caller));
   VACUFORM_TRY(seconds, query_number(request, "wait", 0, 0, most_wait_seconds));
   if (auto refusal = http::unmet_precondition(request, etag_of(job)))
     return http::refused_response(std::move(*refusal));
@@ -169,7 +171,7 @@ class Telling {
 };
 
 Result<Response> get_events(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(job, job_for(service, request.at("id"), caller));
   Heard heard = Heard::from(request.header("Last-Event-ID"));
   if (heard.version > job.version) heard = {};  // of a store that has since been restored from a copy
   Response response;

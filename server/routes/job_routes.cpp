@@ -3,13 +3,15 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "api/base/log.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/range.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/jobs/submission.hpp"
 #include "server/jobs/zip.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/job_changes.hpp"
+#include "server/routes/lists.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 
@@ -94,29 +96,27 @@ Result<JobFilter> filter_of(const Request& request, const Caller& caller) {
 }
 
 Result<Response> list_jobs(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(limit, query_number(request, "limit", 20, 1, 100));
-  VACUFORM_TRY(cursor, page_cursor(request));
+  VACUFORM_TRY(asked, page_asked(request));
   VACUFORM_TRY(filter, filter_of(request, caller));
   const std::string full = request.query_value("full");
   if (!full.empty() && full != "true" && full != "false")
     return fail(Code::bad_usage, "full is neither true nor false", "full", "send true");
   const Detail detail = full == "true" ? Detail::full : Detail::brief;
-  VACUFORM_TRY(page, service.store.list(static_cast<int>(limit), cursor, filter, detail));
+  VACUFORM_TRY(page, service.store.list(asked.limit, asked.cursor, filter, detail));
   ordered_json jobs = ordered_json::array();
   for (const Job& job : page.jobs) jobs.push_back(job_json(job, detail));
-  return json_response(
-      {{"jobs", std::move(jobs)}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
+  return page_response("jobs", std::move(jobs), page.next);
 }
 
 Result<Response> list_artifacts(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(job, job_for(service, request.at("id"), caller));
   ordered_json artifacts = ordered_json::array();
   for (const auto& artifact : job.artifacts) artifacts.push_back(artifact_json(job, artifact));
   return json_response({{"artifacts", artifacts}});
 }
 
 Result<Response> get_artifact(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(job, job_for(service, request.at("id"), caller));
   const ArtifactKind* kind = artifact_kind(request.at("name"));
   for (const auto& artifact : job.artifacts) {
     if (!kind || artifact.name != kind->name) continue;
@@ -148,7 +148,7 @@ Response unchanged(const std::string& etag) {
 
 Result<Response> get_zip(Service& service, Checksums& checksums, const Request& request,
                          const Caller& caller) {
-  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(job, job_for(service, request.at("id"), caller));
   if (job.artifacts.empty())
     return fail(Code::not_found, "the job has no artifacts yet", job.id, "wait until it has succeeded");
   const std::string etag = zip_etag(job);
@@ -169,7 +169,7 @@ Result<Response> get_zip(Service& service, Checksums& checksums, const Request& 
 }
 
 Result<Response> get_log(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(job, job_for(service, request.at("id"), caller));
   VACUFORM_TRY(after, query_number(request, "after", 0, 0, std::numeric_limits<std::int64_t>::max()));
   VACUFORM_TRY(limit, query_number(request, "limit", 200, 1, 1000));
   VACUFORM_TRY(lines, service.store.log_after(job.id, after, static_cast<int>(limit)));
@@ -178,36 +178,6 @@ Result<Response> get_log(Service& service, const Request& request, const Caller&
   return json_response({{"lines", list},
                         {"next", lines.empty() ? after : lines.back().number},
                         {"ended", ended(job.state) && lines.size() < static_cast<std::size_t>(limit)}});
-}
-
-// The check of If-Match and If-None-Match, for the transaction that changes the job.
-JobGuard precondition(const Request& request, std::optional<http::Refusal>& refusal) {
-  return [&request, &refusal](const Job& now) {
-    refusal = http::unmet_precondition(request, etag_of(now));
-    return !refusal;
-  };
-}
-
-Result<Response> cancel_job(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(seen, job_for(service, request, caller));
-  std::optional<http::Refusal> refusal;
-  auto cancelled = service.store.cancel(seen.id, precondition(request, refusal));
-  if (refusal) return http::refused_response(std::move(*refusal));
-  VACUFORM_TRY(job, std::move(cancelled));
-  log_event("job-cancel-asked", {{"job", job.id}, {"state", name(job.state)}, {"token", caller.token}});
-  return json_response(job_json(job));
-}
-
-Result<Response> delete_job(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(seen, job_for(service, request, caller));
-  std::optional<http::Refusal> refusal;
-  const auto removed = service.store.remove(seen.id, precondition(request, refusal));
-  if (refusal) return http::refused_response(std::move(*refusal));
-  VACUFORM_CHECK(removed);
-  log_event("job-deleted", {{"job", seen.id}, {"token", caller.token}});
-  Response response;
-  response.status = 204;
-  return response;
 }
 
 }  // namespace
@@ -221,8 +191,9 @@ void add_job_routes(http::Router& router, Service& service) {
   add_guarded(router, service, Scope::submit, "POST", "/api/v1/validate", validate_job, largest_form());
   add(Scope::read, "GET", "?limit&cursor&state&kind&owner&created_after&created_before&full", list_jobs);
   add(Scope::read, "GET", "/{id}/log?after&limit", get_log);
-  add(Scope::submit, "POST", "/{id}/cancel", cancel_job);
-  add(Scope::submit, "DELETE", "/{id}", delete_job);
+  add(Scope::submit, "POST", "/{id}/cancel",
+      cancelling([](const Job& job) { return json_response(job_json(job)); }));
+  add(Scope::submit, "DELETE", "/{id}", deleting([](const Job&) { return no_content(); }));
   add(Scope::read, "GET", "/{id}/artifacts", list_artifacts);
   add(Scope::read, "GET", "/{id}/artifacts/{name}", get_artifact);
   add(Scope::read, "GET", "/{id}/artifacts.zip",

@@ -8,7 +8,8 @@
 #include "server/http/server.hpp"
 #include "server/jobs/submission.hpp"
 #include "server/jobs/submission_form.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 

@@ -1,11 +1,12 @@
 #include <nlohmann/json.hpp>
 
-#include "api/base/log.hpp"
 #include "server/http/problem.hpp"
 #include "server/jobs/json_artifact.hpp"
 #include "server/jobs/submission.hpp"
 #include "server/pages/pages.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/job_changes.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 
@@ -44,25 +45,11 @@ Result<Response> show_form(Service& service, const Request&, const Caller& calle
 }
 
 Result<Response> show_job(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(job, job_for(service, request, caller));
+  VACUFORM_TRY(job, job_for(service, request.at("id"), caller));
   VACUFORM_TRY(log, service.store.log_after(job.id, 0, longest_shown_log));
   const auto made =
       json_artifact(service.store, job, job.kind == JobKind::print ? "report.json" : "findings.json");
   return html_response(job_page(job, made, log));
-}
-
-Result<Response> cancel(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(seen, job_for(service, request, caller));
-  VACUFORM_TRY(job, service.store.cancel(seen.id));
-  log_event("job-cancel-asked", {{"job", job.id}, {"state", name(job.state)}, {"token", caller.token}});
-  return see_other("/jobs/" + job.id);
-}
-
-Result<Response> remove(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(seen, job_for(service, request, caller));
-  VACUFORM_CHECK(service.store.remove(seen.id));
-  log_event("job-deleted", {{"job", seen.id}, {"token", caller.token}});
-  return see_other("/");
 }
 
 }  // namespace
@@ -77,8 +64,9 @@ void add_page_routes(http::Router& router, Service& service) {
       [](Service&, Request&, const Caller&) -> Result<Response> { return see_other("/"); });
   add(Scope::submit, "POST", "/jobs", submit, largest_form());
   add(Scope::read, "GET", "/jobs/{id}", show_job);
-  add(Scope::submit, "POST", "/jobs/{id}/cancel", cancel);
-  add(Scope::submit, "POST", "/jobs/{id}/delete", remove);
+  add(Scope::submit, "POST", "/jobs/{id}/cancel",
+      cancelling([](const Job& job) { return see_other("/jobs/" + job.id); }));
+  add(Scope::submit, "POST", "/jobs/{id}/delete", deleting([](const Job&) { return see_other("/"); }));
 }
 
 }  // namespace vacuform

@@ -10,7 +10,9 @@
 #include "server/http/range.hpp"
 #include "server/jobs/submission.hpp"
 #include "server/jobs/submission_form.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/lists.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 
@@ -53,13 +55,11 @@ Response profile_response(const Profile& profile, int status) {
 }
 
 Result<Response> list_profiles(Service& service, Request& request, const Caller&) {
-  VACUFORM_TRY(limit, query_number(request, "limit", 20, 1, 100));
-  VACUFORM_TRY(cursor, page_cursor(request));
-  VACUFORM_TRY(page, service.store.list_profiles(static_cast<int>(limit), cursor));
+  VACUFORM_TRY(asked, page_asked(request));
+  VACUFORM_TRY(page, service.store.list_profiles(asked.limit, asked.cursor));
   ordered_json profiles = ordered_json::array();
   for (const Profile& profile : page.profiles) profiles.push_back(profile_json(profile));
-  return json_response(
-      {{"profiles", profiles}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
+  return page_response("profiles", std::move(profiles), page.next);
 }
 
 Result<Response> show_profile(Service& service, Request& request, const Caller&) {
@@ -100,9 +100,7 @@ Result<Response> delete_profile(Service& service, Request& request, const Caller
   if (refusal) return http::refused_response(std::move(*refusal));
   VACUFORM_CHECK(removed);
   log_event("profile-deleted", {{"profile", request.at("name")}, {"by", caller.token}});
-  Response response;
-  response.status = 204;
-  return response;
+  return no_content();
 }
 
 }  // namespace

@@ -8,7 +8,9 @@
 #include "server/http/problem.hpp"
 #include "server/jobs/json_artifact.hpp"
 #include "server/jobs/submission.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/lists.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 
@@ -109,15 +111,14 @@ Result<Response> create_scan(Service& service, Request& request, const Caller& c
 }
 
 Result<Response> list_scans(Service& service, const Request& request, const Caller& caller) {
-  VACUFORM_TRY(limit, query_number(request, "limit", 20, 1, 100));
-  VACUFORM_TRY(cursor, page_cursor(request));
-  VACUFORM_TRY(page, service.store.list_scans(static_cast<int>(limit), cursor, caller.only()));
+  VACUFORM_TRY(asked, page_asked(request));
+  VACUFORM_TRY(page, service.store.list_scans(asked.limit, asked.cursor, caller.only()));
   ordered_json scans = ordered_json::array();
   for (const StoredScan& scan : page.scans) {
     VACUFORM_TRY(shown, scan_json(service, scan));
     scans.push_back(std::move(shown));
   }
-  return json_response({{"scans", scans}, {"next", page.next ? ordered_json(*page.next) : ordered_json()}});
+  return page_response("scans", std::move(scans), page.next);
 }
 
 Result<Response> show_scan(Service& service, const Request& request, const Caller& caller) {
@@ -130,19 +131,10 @@ Result<Response> delete_scan(Service& service, const Request& request, const Cal
   VACUFORM_TRY(scan, scan_for(service, request.at("id"), caller));
   VACUFORM_CHECK(service.store.remove_scan(scan.id));
   log_event("scan-deleted", {{"scan", scan.id}, {"token", caller.token}});
-  Response response;
-  response.status = 204;
-  return response;
+  return no_content();
 }
 
 }  // namespace
-
-Result<StoredScan> scan_for(Service& service, const std::string& id, const Caller& caller) {
-  auto scan = service.store.find_scan(id);
-  if (scan && !caller.sees_of(scan->owner))
-    return fail(Code::not_found, "there is no such scan", id, "see the list of scans");
-  return scan;
-}
 
 void add_scan_routes(http::Router& router, Service& service) {
   add_guarded(router, service, Scope::submit, "POST", "/api/v1/scans", create_scan, largest_form("scan"));

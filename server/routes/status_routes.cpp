@@ -4,6 +4,7 @@
 
 #include "api/version.hpp"
 #include "server/http/problem.hpp"
+#include "server/routes/guard.hpp"
 
 namespace vacuform {
 
@@ -60,11 +61,11 @@ Result<Response> metrics(const Status& status) {
 http::Router status_routes(Status& status) {
   Status* const s = &status;
   http::Router router;
-  router.add("GET", "/healthz", [](Request&) -> Result<Response> {
+  add_public(router, "GET", "/healthz", [](Request&) -> Result<Response> {
     return json_response({{"status", "ok"}});
   });
-  router.add("GET", "/readyz", [s](Request&) { return ready(*s); });
-  router.add("GET", "/metrics", [s](Request&) { return metrics(*s); });
+  add_public(router, "GET", "/readyz", [s](Request&) { return ready(*s); });
+  add_public(router, "GET", "/metrics", [s](Request&) { return metrics(*s); });
   return router;
 }
 

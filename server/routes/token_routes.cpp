@@ -4,7 +4,9 @@
 #include "api/base/log.hpp"
 #include "server/access/token_json.hpp"
 #include "server/http/problem.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/lists.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 
@@ -37,9 +39,7 @@ Result<Response> list_tokens(Service& service, Request&, const Caller&) {
 Result<Response> revoke_token(Service& service, Request& request, const Caller& caller) {
   VACUFORM_CHECK(service.store.revoke_token(request.at("id")));
   log_event("token-revoked", {{"token", request.at("id")}, {"by", caller.token}});
-  Response response;
-  response.status = 204;
-  return response;
+  return no_content();
 }
 
 }  // namespace

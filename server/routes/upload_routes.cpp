@@ -11,7 +11,9 @@
 #include "server/http/digest.hpp"
 #include "server/http/multipart.hpp"
 #include "server/http/problem.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/lists.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 
@@ -80,12 +82,6 @@ ordered_json upload_json(const StoredUpload& upload, std::uint64_t offset) {
           {"sha256", upload.blob ? ordered_json(upload.blob->sha256) : ordered_json()},
           {"created", rfc3339(upload.created)},
           {"expires", rfc3339(upload.expires)}};
-}
-
-Response no_content() {
-  Response response;
-  response.status = 204;
-  return response;
 }
 
 void set_place(Response& response, const StoredUpload& upload, std::uint64_t offset) {
@@ -232,17 +228,10 @@ Result<Response> options(Request&) {
 
 }  // namespace
 
-Result<StoredUpload> upload_for(Service& service, const std::string& id, const Caller& caller) {
-  auto upload = service.store.find_upload(id);
-  if (upload && !caller.sees_of(upload->owner))
-    return fail(Code::not_found, "there is no such upload", id, "begin it again");
-  return upload;
-}
-
 void add_upload_routes(http::Router& router, Service& service) {
   const std::string all = "/api/v1/uploads", one = all + "/{id}";
-  router.add("OPTIONS", all, options);
-  router.add("OPTIONS", one, options);
+  add_public(router, "OPTIONS", all, options);
+  add_public(router, "OPTIONS", one, options);
   add_guarded(router, service, Scope::submit, "POST", all, speaking_tus(create), largest_upload());
   add_guarded(router, service, Scope::submit, "GET", one, speaking_tus(shown));
   add_guarded(router, service, Scope::submit, "PATCH", one, speaking_tus(append), largest_upload());

@@ -12,7 +12,9 @@
 #include "server/jobs/job_json.hpp"
 #include "server/jobs/kept_folder.hpp"
 #include "server/jobs/submission.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/lists.hpp"
+#include "server/routes/routes.hpp"
 
 namespace vacuform {
 
@@ -91,9 +93,7 @@ Result<Response> take_lease(Service& service, Request& request) {
   service.workers.seen(worker, sandbox, wall_clock());
   VACUFORM_TRY(lease, service.store.lease(worker));
   if (!lease) {
-    Response response;
-    response.status = 204;
-    return response;
+    return no_content();
   }
   const Job& job = lease->job;
   ordered_json inputs = inputs_json(job);

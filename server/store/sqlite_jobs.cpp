@@ -277,15 +277,9 @@ Result<Job> SqliteStore::cancel(const std::string& id, const JobGuard& allowed) 
   return write([&]() -> Result<Job> {
     VACUFORM_TRY(job, find(id));
     if (allowed && !allowed(job)) return fail(Code::conflict, "the job has changed", id, "look at it again");
-    if (job.state == JobState::succeeded || job.state == JobState::failed)
-      return fail(Code::conflict, "the job has " + std::string(name(job.state)) + " already", id,
-                  "delete it if you do not need it");
-    if (job.state == JobState::queued) {
-      VACUFORM_CHECK(end(job, JobState::cancelled, {}));
-    } else if (job.state == JobState::running) {
-      VACUFORM_CHECK(Query(db_, "UPDATE job SET state='cancelling' WHERE id=?", id).run());
-      VACUFORM_CHECK(note(id, "asked to cancel"));
-    }
+    VACUFORM_TRY(faults, faults_of(id));
+    VACUFORM_TRY(next, when_cancel_asked(job, faults));
+    VACUFORM_CHECK(apply(job, next));
     return find(id);
   });
 }
@@ -295,8 +289,7 @@ Result<void> SqliteStore::remove(const std::string& id, const JobGuard& allowed)
   return write([&]() -> Result<void> {
     VACUFORM_TRY(job, find(id));
     if (allowed && !allowed(job)) return fail(Code::conflict, "the job has changed", id, "look at it again");
-    if (!ended(job.state))
-      return fail(Code::conflict, "the job is " + std::string(name(job.state)), id, "cancel it first");
+    VACUFORM_CHECK(may_be_deleted(job));
     for (const auto& input : job.inputs) maybe_garbage(input.blob.sha256);
     VACUFORM_CHECK(drop_artifacts(job));
     changed_.push_back(id);  // whoever waits for it learns that it is gone

@@ -9,16 +9,7 @@ namespace vacuform {
 
 namespace {
 
-std::string failed_with(const std::optional<Error>& error) {
-  return "failed: " + std::string(meaning(error->code).slug);
-}
-
-Millis rest_after(int faults, Millis first) {
-  constexpr Millis longest = 10 * 60 * 1000;
-  const Millis rest = std::min(longest, first << std::min(faults - 1, 20));
-  const auto chance = static_cast<Millis>(std::stoul(random_hex(3), nullptr, 16));  // of 2^24
-  return rest / 2 + ((rest * chance) >> 24);
-}
+std::uint32_t chance() { return static_cast<std::uint32_t>(std::stoul(random_hex(3), nullptr, 16)); }
 
 std::string cleaned(const std::string& line) {
   std::string text = line.substr(0, longest_log_line);
@@ -36,20 +27,21 @@ Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
     VACUFORM_TRY(next, next_queued());
     if (!next) return std::optional<LeasedJob>();
     const std::string id = *next, token = random_hex(32);
-    const Millis now = options_.clock();
-    VACUFORM_CHECK(
-        Query(db_,
-              "UPDATE job SET state='running', attempt=attempt+1, started=?, stage=NULL, progress=0,"
-              " worker=?, lease_hash=?, log_lines=0, not_before=NULL WHERE id=?",
-              now, worker, text_hash(token), id)
-            .run());
+    VACUFORM_TRY(queued, find(id, Detail::brief));
+    VACUFORM_TRY(faults, faults_of(id));
+    VACUFORM_TRY(begun, when_leased(queued, faults));
+    VACUFORM_CHECK(Query(db_,
+                         "UPDATE job SET started=?, stage=NULL, progress=0, worker=?, lease_hash=?,"
+                         " log_lines=0, not_before=NULL WHERE id=?",
+                         options_.clock(), worker, text_hash(token), id)
+                       .run());
+    VACUFORM_CHECK(apply(queued, begun));
     leases_[id] = options_.elapsed() + options_.lease;
     VACUFORM_TRY(job, find(id));
     VACUFORM_CHECK(Query(db_,
                          "UPDATE submitter SET served=(SELECT max(served) + 1 FROM submitter) WHERE owner=?",
                          job.owner)
                        .run());
-    VACUFORM_CHECK(note(id, "attempt " + std::to_string(job.attempt) + " begins"));
     return std::optional<LeasedJob>(LeasedJob{std::move(job), token});
   });
 }
@@ -132,11 +124,9 @@ Result<Job> SqliteStore::release(const LeaseKey& key) {
   const Deletion deletion(*this);
   return write([&]() -> Result<Job> {
     VACUFORM_TRY(job, holder(key, false));
-    if (job.state == JobState::cancelling) {
-      VACUFORM_CHECK(end(job, JobState::cancelled, {}));
-    } else {
-      VACUFORM_CHECK(queue_again(job, {}, "given back by its worker"));
-    }
+    VACUFORM_TRY(faults, faults_of(job.id));
+    VACUFORM_TRY(next, when_given_back(job, faults));
+    VACUFORM_CHECK(apply(job, next));
     return find(job.id);
   });
 }
@@ -167,7 +157,7 @@ Result<Job> SqliteStore::holder(const LeaseKey& key, bool even_ended) {
               "stop working on this job and ask for another");
 }
 
-Result<SqliteStore::Faults> SqliteStore::faults_of(const std::string& job) {
+Result<Faults> SqliteStore::faults_of(const std::string& job) {
   Query query(db_, "SELECT losses, crashes FROM job WHERE id=?", job);
   VACUFORM_CHECK(query.row());
   return Faults{static_cast<int>(query.integer(0)), static_cast<int>(query.integer(1))};
@@ -178,78 +168,59 @@ Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std:
   const Deletion deletion(*this);
   return write([&]() -> Result<Job> {
     VACUFORM_TRY(job, holder(key, true));
-    if (ended(job.state)) return job;
-    if (job.state == JobState::cancelling) wanted = JobState::cancelled;
-    if (wanted == JobState::succeeded) VACUFORM_CHECK(check_artifacts(job));
-    if (wanted == JobState::failed && retry != Retry::never) {
-      VACUFORM_TRY(faults, faults_of(job.id));
-      ++(retry == Retry::after_crash ? faults.crashes : faults.losses);
-      if (faults.losses < options_.losses && faults.crashes < options_.crashes) {
-        VACUFORM_CHECK(queue_again(
-            job, faults,
-            retry == Retry::after_crash ? "its process broke down" : "its worker met a fault of its own"));
-        return find(job.id);
-      }
-    }
-    VACUFORM_CHECK(end(job, wanted, wanted == JobState::failed ? error : std::nullopt));
-    if (wanted == JobState::succeeded && serious_warnings)
+    VACUFORM_TRY(faults, faults_of(job.id));
+    VACUFORM_TRY(artifacts, artifacts_of(job.id));
+    VACUFORM_TRY(next, when_finished(job, faults, {wanted, error, retry, artifacts}, limits(), chance()));
+    VACUFORM_CHECK(apply(job, next));
+    if (next.changes && next.state == JobState::succeeded && serious_warnings)
       VACUFORM_CHECK(
           Query(db_, "UPDATE job SET serious_warnings=? WHERE id=?", *serious_warnings, job.id).run());
     return find(job.id);
   });
 }
 
-// The hash of the lease stays, so that the same ending under the same token can be answered again.
-// Only a job that has succeeded keeps artifacts: half a set helps nobody.
-Result<void> SqliteStore::end(const Job& job, JobState state, const std::optional<Error>& error) {
-  if (state != JobState::succeeded) {
-    VACUFORM_CHECK(drop_artifacts(job));
-  }
-  const Millis now = options_.clock();
-  std::optional<std::string_view> code, what, where, mend;
-  if (error) code = meaning(error->code).slug, what = error->what, where = error->where, mend = error->mend;
-  VACUFORM_CHECK(Query(db_,
-                       "UPDATE job SET state=?, ended=?, error_code=?, error_what=?, error_where=?,"
-                       " error_mend=? WHERE id=?",
-                       name(state), now, code, what, where, mend, job.id)
+// The hash of the lease stays with a job that a worker has ended, so that the same ending under the same token can be
+// answered again. Only a job that has succeeded keeps artifacts: half a set helps nobody.
+Result<void> SqliteStore::apply(const Job& job, const Transition& next) {
+  if (!next.changes) return {};
+  VACUFORM_CHECK(Query(db_, "UPDATE job SET state=?, attempt=?, losses=?, crashes=? WHERE id=?",
+                       name(next.state), next.attempt, next.faults.losses, next.faults.crashes, job.id)
                      .run());
-  ended_jobs_.push_back(job);
-  ended_jobs_.back().state = state;
-  ended_jobs_.back().ended = now;
-  return note(job.id, error ? failed_with(error) : std::string(name(state)));
+  if (next.state == JobState::queued || (ended(next.state) && next.state != JobState::succeeded))
+    VACUFORM_CHECK(drop_artifacts(job));
+  if (next.state == JobState::queued) {
+    std::optional<Millis> not_before;
+    if (next.rest) not_before = steady_now() + *next.rest;
+    VACUFORM_CHECK(
+        Query(db_,
+              "UPDATE job SET stage=NULL, progress=0, started=NULL, worker=NULL, not_before=? WHERE id=?",
+              not_before, job.id)
+            .run());
+  }
+  if (ended(next.state)) VACUFORM_CHECK(write_end(job, next));
+  if (next.forgets_lease)
+    VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_hash=NULL WHERE id=?", job.id).run());
+  return note(job.id, next.line);
 }
 
-Result<void> SqliteStore::check_artifacts(const Job& job) {
-  VACUFORM_TRY(artifacts, artifacts_of(job.id));
-  std::string missing;
-  for (const ArtifactKind& kind : artifact_kinds)
-    if (due(job.kind, kind) && std::none_of(artifacts.begin(), artifacts.end(),
-                                            [&](const StoredArtifact& a) { return a.name == kind.name; }))
-      missing.append(missing.empty() ? "" : ", ").append(kind.name);
-  if (missing.empty()) return {};
-  return fail(Code::conflict, "the job lacks artifacts that it must have: " + missing, job.id,
-              "send them before the job is completed, or say that it failed");
+Result<void> SqliteStore::write_end(const Job& job, const Transition& next) {
+  const Millis now = options_.clock();
+  std::optional<std::string_view> code, what, where, mend;
+  if (const auto& error = next.error)
+    code = meaning(error->code).slug, what = error->what, where = error->where, mend = error->mend;
+  ended_jobs_.push_back(job);
+  ended_jobs_.back().state = next.state;
+  ended_jobs_.back().ended = now;
+  return Query(db_,
+               "UPDATE job SET ended=?, error_code=?, error_what=?, error_where=?, error_mend=? WHERE id=?",
+               now, code, what, where, mend, job.id)
+      .run();
 }
 
 Result<void> SqliteStore::drop_artifacts(const Job& job) {
   VACUFORM_TRY(artifacts, artifacts_of(job.id));
   for (const auto& artifact : artifacts) maybe_garbage(artifact.blob.sha256);
   return Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run();
-}
-
-// Back to the queue, to rest after a fault; what the attempt left behind is dropped.
-Result<void> SqliteStore::queue_again(const Job& job, const Faults& faults, const std::string& why) {
-  VACUFORM_CHECK(drop_artifacts(job));
-  const int count = faults.losses + faults.crashes;
-  std::optional<Millis> not_before;
-  if (count > 0) not_before = steady_now() + rest_after(count, options_.backoff);
-  VACUFORM_CHECK(Query(db_,
-                       "UPDATE job SET state='queued', stage=NULL, progress=0, started=NULL, worker=NULL,"
-                       " lease_hash=NULL, losses=max(losses, ?), crashes=max(crashes, ?),"
-                       " not_before=? WHERE id=?",
-                       faults.losses, faults.crashes, not_before, job.id)
-                     .run());
-  return note(job.id, why + ", queued again");
 }
 
 Result<std::vector<Expired>> SqliteStore::expire_now() {
@@ -261,29 +232,17 @@ Result<std::vector<Expired>> SqliteStore::expire_now() {
   for (const auto& id : over) {
     const auto found = find(id);
     if (!found && found.error().code != Code::not_found) return tl::make_unexpected(found.error());
-    if (!found || (found->state != JobState::running && found->state != JobState::cancelling)) {
+    Result<Transition> next = fail(Code::lease_lost, "");
+    if (found) {
+      VACUFORM_TRY(faults, faults_of(id));
+      next = when_expired(*found, faults, limits(), chance());
+    }
+    if (!next) {
       leases_.erase(id);  // only now: a change that ended the lease may have been undone
       continue;
     }
-    const Job& job = *found;
-    VACUFORM_TRY(faults, faults_of(id));
-    ++faults.losses;
-    JobState state = JobState::queued;
-    if (job.state == JobState::cancelling) {
-      state = JobState::cancelled;
-      VACUFORM_CHECK(end(job, state, {}));
-    } else if (faults.losses >= options_.losses) {
-      state = JobState::failed;
-      VACUFORM_CHECK(end(
-          job, state,
-          Error{Code::internal, std::to_string(faults.losses) + " workers were lost while they ran this job",
-                id, "look at the workers' logs; a coarser sheet.resolution_mm needs less memory"}));
-    } else {
-      VACUFORM_CHECK(queue_again(job, faults, "its worker was lost"));
-    }
-    // The lost worker must not hear that its lease was good.
-    VACUFORM_CHECK(Query(db_, "UPDATE job SET lease_hash=NULL WHERE id=?", id).run());
-    expired.push_back({id, state});
+    VACUFORM_CHECK(apply(*found, *next));
+    expired.push_back({id, next->state});
   }
   return expired;
 }

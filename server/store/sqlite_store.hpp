@@ -20,6 +20,7 @@
 #include "server/store/news.hpp"
 #include "server/store/sqlite.hpp"
 #include "server/store/store.hpp"
+#include "server/store/transitions.hpp"
 
 namespace vacuform {
 
@@ -143,15 +144,12 @@ class SqliteStore : public Store {
   Result<std::optional<std::string>> next_queued();  // the id of the job whose turn it is
   Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error = {},
                      Retry retry = Retry::never, std::optional<int> serious_warnings = {});
-  Result<void> end(const Job& job, JobState state, const std::optional<Error>& error);
+  Result<void> apply(const Job& job, const Transition& next);
+  Result<void> write_end(const Job& job, const Transition& next);
   Result<std::vector<StoredArtifact>> artifacts_of(const std::string& job);  // made so far, in no order
-  Result<void> check_artifacts(const Job& job);  // errors: conflict, when some are missing
   Result<void> drop_artifacts(const Job& job);
-  struct Faults {
-    int losses = 0, crashes = 0;
-  };
   Result<Faults> faults_of(const std::string& job);
-  Result<void> queue_again(const Job& job, const Faults& faults, const std::string& why);
+  RetryLimits limits() const { return {options_.losses, options_.crashes, options_.backoff}; }
   Result<std::vector<Expired>> expire_now();
   // The clock of rests: the wall clock as it was when the store was opened, and what has passed since.
   Millis steady_now() const { return opened_ + options_.elapsed() - opened_elapsed_; }

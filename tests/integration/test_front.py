@@ -220,6 +220,36 @@ class Front(Case):
             self.assertRegex(answer, rb"^HTTP/1.1 4")
 
 
+class BeyondLoopback(Case):
+    def test_beyond_loopback_only_with_the_marks_of_the_front(self):
+        """Asked at an address of this machine that is not on loopback."""
+        front = "https://vacuform.example.org"
+        port_file = self.folder / "port"
+        server = Program([BIN / "vacuform-server", "--listen", "0.0.0.0:0", "--front", front, "--data", self.folder / "data",
+                          "--port-file", port_file], self.folder / "server.log")
+        try:
+            wait_for(lambda: port_file.exists() and port_file.read_text().strip(), "the server")
+            port = port_file.read_text().strip()
+            self.assertEqual(curl(f"http://127.0.0.1:{port}/healthz").status, 200)  # workers of its own come this way
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+                try:
+                    probe.connect(("192.0.2.1", 9))  # sends nothing
+                    address = probe.getsockname()[0]
+                except OSError:
+                    address = "127.0.0.1"
+            if address.startswith("127."):
+                self.skipTest("this machine has loopback alone")
+            url = f"http://{address}:{port}/healthz"
+            name, mark = ["-H", "Host: vacuform.example.org"], ["-H", "X-Forwarded-Proto: https"]
+            for words in ([], name, mark, ["-H", "Host: localhost"], ["-H", "Host: localhost", *mark], [*name, "-H", "X-Forwarded-Proto: http"]):
+                refused = curl(*words, url)
+                self.assertEqual(refused.status, 421, words)
+                self.assertEqual(refused.json["type"], "/problems/bad-usage")
+            self.assertEqual(curl(*name, *mark, url).status, 200)
+        finally:
+            server.end()
+
+
 class FrontScript(unittest.TestCase):
     def test_options_that_make_no_sense(self):
         for words, complaint in ((["--name", "a;b"], "host's name"), (["--name", "a", "--certificate", "x", "--key", "/dev/null"], "whole paths"),

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "server_fixture.hpp"
+#include "tests/unit/server/server_fixture.hpp"
 
 namespace vacuform {
 namespace {
@@ -87,6 +87,7 @@ TEST_F(ServerBlobs, ADownloadOfADamagedFileBreaksOffAndIsTheLast) {
   finish({id, held["lease"]}, {"mold.stl"});
   EXPECT_EQ(ask("GET", path).body, bytes);
   rot(place_of(data_, text_hash(bytes)));
+  testing::internal::CaptureStderr();
   const Answer broken = ask("GET", path);
   EXPECT_EQ(broken.status, 200);
   EXPECT_EQ(broken.header("Content-Length"), std::to_string(bytes.size()));
@@ -94,6 +95,9 @@ TEST_F(ServerBlobs, ADownloadOfADamagedFileBreaksOffAndIsTheLast) {
   const Answer refused = ask("GET", path);
   EXPECT_EQ(refused.status, 410);
   EXPECT_NE(refused.body.find("/problems/gone"), std::string::npos);
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("\"event\":\"blob-damaged\",\"blob\":\"" + text_hash(bytes) + "\""), std::string::npos)
+      << log;
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 // The pieces of server/http that work on text alone: forms, ranges, hosts, routes.
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "api/base/log.hpp"
 #include "server/http/multipart.hpp"
@@ -168,6 +171,46 @@ TEST(Origin, TheSchemeIsThatOfTheConnection) {
   EXPECT_FALSE(check_origin(request, "front.example.org"));
   request.headers.back().value = "http://front.example.org";
   EXPECT_EQ(check_origin(request, "front.example.org").value().status, 403);
+}
+
+// All that a server can see of a front: the name that it is asked under, and the mark that the front sets.
+TEST(Origin, BeyondLoopbackOnlyWhatCarriesTheFrontsNameAndMarkIsServed) {
+  Request request;
+  request.method = "GET";
+  request.beyond_loopback = true;
+  const auto refused = [&](std::vector<Header> headers, std::string_view front = "front.example.org") {
+    request.headers = std::move(headers);
+    const auto refusal = check_origin(request, front);
+    return refusal ? refusal->status : 0;
+  };
+  const Header name{"Host", "front.example.org"}, mark{"X-Forwarded-Proto", "https"};
+  EXPECT_EQ(refused({name, mark}), 0);
+  EXPECT_EQ(refused({name}), 421);
+  EXPECT_EQ(refused({name, {"X-Forwarded-Proto", "http"}}), 421);
+  EXPECT_EQ(refused({mark, {"Host", "localhost"}}), 421);
+  EXPECT_EQ(refused({mark, {"Host", "192.0.2.1:8080"}}), 421);
+  EXPECT_EQ(refused({name, mark}, ""), 421);
+  request.beyond_loopback = false;
+  EXPECT_EQ(refused({{"Host", "localhost"}}), 0);
+  EXPECT_EQ(refused({name}), 0);
+}
+
+TEST(Origin, ASocketIsOnLoopbackByItsOwnAddress) {
+  const auto on_loopback = [](auto address) {
+    const int socket = ::socket(reinterpret_cast<const sockaddr&>(address).sa_family, SOCK_STREAM, 0);
+    const bool bound = ::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    const bool result = is_loopback_socket(socket);
+    ::close(socket);
+    EXPECT_TRUE(bound);
+    return result;
+  };
+  sockaddr_in four{};
+  four.sin_family = AF_INET;
+  for (const auto& [text, wanted] : {std::pair{"127.0.0.1", true}, {"127.1.2.3", true}, {"0.0.0.0", false}}) {
+    ASSERT_EQ(::inet_pton(AF_INET, text, &four.sin_addr), 1);
+    EXPECT_EQ(on_loopback(four), wanted) << text;
+  }
+  EXPECT_FALSE(is_loopback_socket(-1));
 }
 
 TEST(RequestId, IsTheClientsWhenItIsAnId) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "server/routes/guard.hpp"
 #include "server_fixture.hpp"
 
 namespace vacuform {
@@ -54,26 +55,20 @@ class ServerAccess : public ServerTest {
   const std::string form = part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n";
 };
 
-// The scope that a route needs, by the rules of the API; none: it is open to all.
-std::optional<Scope> needed(const http::Route& route) {
-  static const std::set<std::string> open{"GET /healthz",
-                                          "GET /sign-in",
-                                          "POST /sign-in",
-                                          "POST /sign-out",
-                                          "GET /problems/",
-                                          "GET /style.css",
-                                          "GET /job.js",
-                                          "GET /problems/{slug}",
-                                          "GET /api/v1/openapi.yaml",
-                                          "GET /api/v1/settings-schema"};
-  if (open.contains(route.method + " " + route.pattern)) return std::nullopt;
+// The scope that a route needs, by the rules of the API, if it is not public.
+Scope needed(const http::Route& route) {
   if (route.pattern.starts_with("/api/v1/leases")) return Scope::work;
   if (route.pattern.starts_with("/api/v1/tokens")) return Scope::admin;
   if (route.pattern == "/api/v1/backup") return Scope::admin;
   if (route.pattern.starts_with("/api/v1/profiles") && route.method != "GET") return Scope::admin;
-  if (route.method == "OPTIONS") return std::nullopt;  // what this server knows of tus
   if (route.pattern.starts_with("/api/v1/uploads")) return Scope::submit;
   return route.method == "GET" ? Scope::read : Scope::submit;
+}
+
+bool is_public(const http::Route& route) { return route.admits.starts_with("everybody: "); }
+
+std::string path_of(const http::Route& route) {
+  return std::regex_replace(route.pattern, std::regex("\\{[a-z]+\\}"), "none");
 }
 
 TEST_F(ServerAccess, TheNameOfTheSchemeHasNoCase) {
@@ -88,9 +83,10 @@ TEST_F(ServerAccess, EveryRouteAsksForItsScopeAndForNoOther) {
   const http::Router router = all_routes(*service_);
   EXPECT_GT(router.routes().size(), 30u);
   for (const auto& route : router.routes()) {
-    const std::string path = std::regex_replace(route.pattern, std::regex("\\{[a-z]+\\}"), "none");
-    const auto scope = needed(route);
-    if (!scope) continue;
+    if (is_public(route)) continue;
+    const std::string path = path_of(route);
+    const Scope scope = needed(route);
+    EXPECT_EQ(route.admits, name(scope)) << route.method << " " << path;
     const Answer nobody = ask(route.method, path, anonymous);
     EXPECT_EQ(nobody.status, 401) << route.method << " " << path;
     EXPECT_EQ(problem(nobody), "unauthorized") << path;
@@ -98,13 +94,39 @@ TEST_F(ServerAccess, EveryRouteAsksForItsScopeAndForNoOther) {
     for (std::size_t i = 0; i < scope_names.size(); ++i) {
       const auto held = static_cast<Scope>(i);
       const Answer answer = ask(route.method, path, bearer(token("scoped", {held})));
-      const bool passes = held == *scope || (held == Scope::admin && *scope != Scope::work);
+      const bool passes = held == scope || (held == Scope::admin && scope != Scope::work);
       EXPECT_EQ(answer.status != 403, passes) << route.method << " " << path << " with " << name(held);
       if (passes) continue;
       EXPECT_EQ(problem(answer), "forbidden");
       EXPECT_EQ(answer.header("WWW-Authenticate"), "Bearer realm=\"vacuform\", error=\"insufficient_scope\"");
     }
   }
+}
+
+// All that answers without a token, on both listeners. A route that is added here needs a reason in routes/guard.cpp.
+TEST_F(ServerAccess, ThePublicRoutesAreThese) {
+  std::set<std::string> open;
+  const http::Router routers[] = {all_routes(*service_), status_routes(*status_)};
+  for (const http::Router& router : routers)
+    for (const auto& route : router.routes()) {
+      if (!is_public(route)) continue;
+      open.insert(route.method + " " + route.pattern);
+      EXPECT_GT(route.admits.size(), std::string("everybody: ").size() + 10) << route.pattern;
+      if (&router == &routers[1]) continue;
+      const int status = ask(route.method, path_of(route), anonymous).status;
+      EXPECT_TRUE(status != 401 && status != 403) << route.method << " " << route.pattern << ": " << status;
+    }
+  for (const auto& route : routers[1].routes()) EXPECT_TRUE(is_public(route)) << route.pattern;
+  EXPECT_EQ(open, (std::set<std::string>{"GET /healthz", "GET /readyz", "GET /metrics", "GET /sign-in",
+                                         "POST /sign-in", "POST /sign-out", "GET /problems/",
+                                         "GET /problems/{slug}", "GET /style.css", "GET /job.js",
+                                         "GET /api/v1/openapi.yaml", "GET /api/v1/settings-schema",
+                                         "OPTIONS /api/v1/uploads", "OPTIONS /api/v1/uploads/{id}"}));
+  for (const char* path : {"/", "/api/v1/jobs", "/api/v1/tokens", "/jobs/none"})
+    EXPECT_EQ(ask("OPTIONS", path, anonymous).status, 405) << path;  // no other route answers to it
+  http::Router another;
+  EXPECT_THROW(add_public(another, "GET", "/api/v1/new", [](http::Request&) { return http::Response(); }),
+               std::logic_error);
 }
 
 TEST_F(ServerAccess, OnlyTheTokenItselfIsAToken) {

@@ -472,7 +472,7 @@ TEST_F(ServerApi, ServesItsDescriptionAndEveryProblemPage) {
 
 // The choices of an enumeration among the schemas of api/openapi.yaml.
 std::set<std::string> described(const std::string& schema) {
-  std::istringstream text{std::string(openapi_yaml())};
+  std::istringstream text{std::string(asset("openapi.yaml"))};
   std::set<std::string> choices;
   bool schemas = false, inside = false;
   for (std::string line; std::getline(text, line);) {
@@ -489,7 +489,7 @@ TEST_F(ServerApi, TheDescriptionNamesEveryRouteAndNoOther) {
   for (const auto& route : router.routes())
     if (route.pattern.starts_with("/api/") || route.pattern == "/healthz")
       real.insert(route.method + " " + route.pattern);
-  std::istringstream text{std::string(openapi_yaml())};
+  std::istringstream text{std::string(asset("openapi.yaml"))};
   std::string path;
   for (std::string line; std::getline(text, line) && line != "components:";) {
     if (line.starts_with("  /")) path = line.substr(2, line.size() - 3);

@@ -85,11 +85,38 @@ TEST_F(ServerEvent, WhatWasHeardOfALaterStoreCountsForNothing) {
   }
 }
 
+// The bounds are those of a service as it is: so many of one owner, and places for the others.
+TEST_F(ServerEvent, WhoFollowsAndWaitsLeavesPlacesForTheOthers) {
+  const http::ServerOptions usual;
+  const std::string known = "If-None-Match: " + ask("GET", path_).header("ETag") + "\r\n";
+  std::vector<int> sockets;
+  for (int i = 0; i < usual.streams_of_one / 2; ++i) sockets.push_back(following());
+  while (sockets.size() < static_cast<std::size_t>(usual.streams_of_one)) {
+    sockets.push_back(connected());
+    send_all(sockets.back(), "GET " + path_ + "?wait=60 HTTP/1.1\r\nHost: " + host() + "\r\n" +
+                                 bearer(user_) + known + "\r\n");
+  }
+  ASSERT_TRUE(eventually([&] { return server_->streams() == usual.streams_of_one; })) << server_->streams();
+  for (const char* tail : {"/events", "?wait=60"}) {
+    const Answer refused = ask("GET", path_ + tail, known);
+    EXPECT_EQ(refused.status, 429) << tail;
+    EXPECT_EQ(json::parse(refused.body)["type"], "/problems/busy");
+    EXPECT_EQ(refused.header("Retry-After"), "60");
+  }
+  EXPECT_EQ(ask("GET", path_).status, 200);  // to ask without waiting takes no place
+  const int other = connected();
+  send_all(other, "GET " + path_ + "/events HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(admin_) + "\r\n");
+  EXPECT_TRUE(eventually([&] { return server_->streams() == usual.streams_of_one + 1; }));
+  sockets.push_back(other);
+  for (const int socket : sockets) ::close(socket);
+  EXPECT_TRUE(eventually([&] { return server_->streams() == 0; }));
+}
+
 TEST_F(ServerEvent, AWaitEndsWithTheChange) {
   const std::string tag = ask("GET", path_).header("ETag");
   Answer answer;
   std::thread waiting([&] { answer = ask("GET", path_ + "?wait=60", "If-None-Match: " + tag + "\r\n"); });
-  while (server_->streams() != 1) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_TRUE(eventually([&] { return server_->streams() == 1; }));
   ask("POST", path_ + "/cancel");
   waiting.join();
   EXPECT_EQ(answer.status, 200);

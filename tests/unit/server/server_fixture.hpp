@@ -13,8 +13,9 @@
 #include "api/base/secrets.hpp"
 #include "server/access/tokens.hpp"
 #include "server/http/server.hpp"
-#include "server/routes/service.hpp"
+#include "server/routes/routes.hpp"
 #include "server/routes/status_routes.hpp"
+#include "tests/unit/server/eventually.hpp"
 
 namespace vacuform {
 
@@ -34,7 +35,7 @@ class ServerTest : public testing::Test {
   void SetUp() override {
     ASSERT_TRUE(start_secrets());
     data_ = std::filesystem::temp_directory_path() / ("vacuform-server-" + random_hex(8));
-    store_ = std::move(*open_store(data_));
+    store_ = std::move(*open_store(data_, store_options()));
     access_ = std::make_unique<Access>(*store_);
     uploads_ = std::move(*Uploads::open(*store_, data_ / "uploads"));
     service_ = std::make_unique<Service>(Service{*store_, *access_, workers_, *uploads_, 30, 1});
@@ -44,8 +45,7 @@ class ServerTest : public testing::Test {
     http::ServerOptions options;
     options.refuse = refuse;
     options.observe = [this](const http::Answered& answered) { metrics_.answered(answered); };
-    options.limits.head_time = std::chrono::milliseconds(700);
-    options.limits.wait = std::chrono::milliseconds(700);
+    options.limits = limits();
     http::Router router = all_routes(*service_);
     router.add("GET", "/fault",
                [](http::Request&) -> Result<http::Response> { throw std::runtime_error("secret text"); });
@@ -68,6 +68,9 @@ class ServerTest : public testing::Test {
     std::filesystem::remove_all(data_);
   }
 
+  virtual StoreOptions store_options() const { return {}; }
+  virtual http::Limits limits() const { return {}; }
+
   std::string token(const std::string& owner, Scopes scopes) const {
     return make_token(*store_, {owner, scopes, std::nullopt})->text;
   }
@@ -82,6 +85,8 @@ class ServerTest : public testing::Test {
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(server.port()));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const timeval patience{90, 0};  // a test that hangs fails
+    EXPECT_EQ(::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
     EXPECT_EQ(::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
     return socket;
   }

@@ -26,6 +26,16 @@ class ServerLimits : public ServerTest {
   int jobs() { return static_cast<int>(store_->list(100, "")->jobs.size()); }
 };
 
+// With limits on time that a test can wait for.
+class ServerPatience : public ServerLimits {
+ protected:
+  http::Limits limits() const override {
+    http::Limits short_ones;
+    short_ones.head_time = short_ones.wait = std::chrono::seconds(1);
+    return short_ones;
+  }
+};
+
 TEST_F(ServerLimits, ChunkedBodiesAreRefused) {
   expect_problem(ask("POST", "/api/v1/jobs", std::string("Transfer-Encoding: chunked\r\n") + form_type), 411,
                  "a body without Content-Length is not accepted");
@@ -63,13 +73,13 @@ TEST_F(ServerLimits, MalformedHeadsAreRefused) {
   expect_problem(raw("complete nonsense\r\nHost: localhost\r\n\r\n"), 400, "the request line is malformed");
 }
 
-TEST_F(ServerLimits, ASlowHeadIsEnded) {
+TEST_F(ServerPatience, ASlowHeadIsEnded) {
   const int socket = connected();
   send_all(socket, "GET /healthz HTTP/1.1\r\n");
   expect_problem(parsed(receive_all(socket)), 408, "the head of the request took too long");
 }
 
-TEST_F(ServerLimits, ASlowBodyIsEndedAndLeavesNothing) {
+TEST_F(ServerPatience, ASlowBodyIsEndedAndLeavesNothing) {
   const int socket = connected();
   send_all(socket, "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
                        "Content-Length: 1000\r\n\r\n" + part("scan", "a.stl", "half"));
@@ -78,7 +88,7 @@ TEST_F(ServerLimits, ASlowBodyIsEndedAndLeavesNothing) {
 }
 
 // One that is too long for memory is read by its route, and a form on a page answers with a page of its own.
-TEST_F(ServerLimits, ASlowLargeBodyIsEndedAndLeavesNothing) {
+TEST_F(ServerPatience, ASlowLargeBodyIsEndedAndLeavesNothing) {
   for (const char* path : {"/api/v1/jobs", "/jobs", "/api/v1/scans"}) {
     const int socket = connected();
     send_all(socket, std::string("POST ") + path + " HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) +
@@ -88,7 +98,7 @@ TEST_F(ServerLimits, ASlowLargeBodyIsEndedAndLeavesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
 }
 
-TEST_F(ServerLimits, ABodyThatTricklesIsEnded) {
+TEST_F(ServerPatience, ABodyThatTricklesIsEnded) {
   for (const int length : {5000, 1000000}) {
     const int socket = connected();
     send_all(socket, "POST /api/v1/scans HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
@@ -136,7 +146,7 @@ TEST_F(ServerLimits, AClientThatTakesItsAnswerTooSlowlyIsClosed) {
   send_all(other, "GET /large HTTP/1.1\r\nHost: localhost\r\nRange: bytes=0-4\r\n\r\n");
   EXPECT_EQ(parsed(receive_one(other)).body, "xxxxx");
   ::close(other);
-  while ((*server)->connections() > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(eventually([&] { return (*server)->connections() == 0; }));
   for (const int socket : slow) EXPECT_LT(receive_all(socket).size(), 8u << 20);
 }
 
@@ -383,7 +393,7 @@ TEST_F(ServerLimits, StalledConnectionsDoNotBlockOthers) {
   for (int i = 0; i < 128; ++i) send_all(stalled[static_cast<std::size_t>(i)], "GET / HTTP/1.1\r\n");
   const auto begun = std::chrono::steady_clock::now();
   EXPECT_EQ(ask("GET", "/healthz").status, 200);
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, http::Limits{}.head_time - std::chrono::seconds(2));
   for (const int socket : stalled) ::close(socket);
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "api/base/secrets.hpp"
+#include "tests/unit/server/eventually.hpp"
 
 namespace vacuform {
 namespace {
@@ -62,14 +63,18 @@ class ServerProgram : public testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     fs::remove(folder_ / "port");
     start(arguments);
-    for (int i = 0; i < 1000 && !fs::exists(folder_ / "port"); ++i) std::this_thread::sleep_for(10ms);
+    EXPECT_TRUE(eventually([&] { return fs::exists(folder_ / "port"); }));
     std::ifstream(folder_ / "port") >> port_;
     ASSERT_GT(port_, 0) << said();
   }
   // The exit code, or minus the signal that ended it.
   int wait() {
     int status = 0;
-    ::waitpid(process_, &status, 0);
+    if (!eventually([&] { return ::waitpid(process_, &status, WNOHANG) == process_; })) {
+      ADD_FAILURE() << "the server does not end";
+      ::kill(process_, SIGKILL);
+      ::waitpid(process_, &status, 0);
+    }
     process_ = 0;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
@@ -114,10 +119,7 @@ class ServerProgram : public testing::Test {
     const auto end = line.rfind(") ");
     return end == std::string::npos || line[end + 2] == 'Z' || line[end + 2] == 'X';
   }
-  bool soon(const std::function<bool()>& condition) {
-    for (int i = 0; i < 1000 && !condition(); ++i) std::this_thread::sleep_for(10ms);
-    return condition();
-  }
+  bool soon(const std::function<bool()>& condition) { return eventually(condition); }
   int times_said(const std::string& words) {
     int n = 0;
     const std::string text = said();

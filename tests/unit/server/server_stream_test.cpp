@@ -97,7 +97,7 @@ class ServerStream : public ServerTest {
     return parsed(receive_all(begun(path, method)));
   }
   void await_streams(int number) const {
-    while (streams_->streams() != number) std::this_thread::sleep_for(1ms);
+    ASSERT_TRUE(eventually([&] { return streams_->streams() == number; })) << streams_->streams();
   }
 
   std::unique_ptr<http::Server> streams_;

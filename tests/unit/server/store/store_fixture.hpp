@@ -14,6 +14,7 @@
 
 #include "api/base/secrets.hpp"
 #include "server/store/store.hpp"
+#include "tests/unit/server/eventually.hpp"
 
 namespace vacuform {
 

@@ -1,18 +1,14 @@
-#include "server/pages/findings_html.hpp"
+#include "server/pages/findings.hpp"
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
-
-#include "server/pages/html.hpp"
 
 namespace vacuform {
 
 using nlohmann::json;
+using nlohmann::ordered_json;
 
 namespace {
-
-std::string text(const json& value) {
-  return value.is_string() ? value.get<std::string>() : std::string("-");
-}
 
 std::string size_text(const json& size) {
   if (!size.is_array() || size.size() != 3) return "-";
@@ -23,12 +19,12 @@ bool is_true(const json& object, const char* key) { return at(object, {key}) == 
 
 }  // namespace
 
-std::string findings_html(const json& findings) {
+ordered_json findings_values(const json& findings) {
   const json& scan = at(findings, {"scan"});
-  if (!scan.is_object()) return "";
-  std::string html = "<h2>The scan</h2>\n<dl>\n";
+  if (!scan.is_object()) return nullptr;
+  ordered_json rows = ordered_json::array();
   const auto row = [&](const char* title, const std::string& value) {
-    html += std::string("<dt>") + title + "</dt><dd>" + escaped(value) + "</dd>\n";
+    rows.push_back({{"title", title}, {"value", value}});
   };
   const auto count = [&](const char* key) { return number(at(scan, {key}), 0); };
   const auto guessed = [&](const char* key, const char* flag) {
@@ -49,27 +45,13 @@ std::string findings_html(const json& findings) {
   row("Trim above its lowest point", number(at(scan, {"trim_mm"}), 1) + " mm");
   row("Mold", size_text(at(findings, {"mold", "size_mm"})));
   row("Undercuts", number(at(findings, {"mold", "undercut_count"}), 0));
-  if (!at(findings, {"fits"}).is_boolean()) return html + "</dl>\n";  // a print: it did fit
-  const json& misfit = at(findings, {"problem"});
-  row("Fits the machine", is_true(findings, "fits")
-                              ? "yes"
-                              : "no: " + text(at(misfit, {"what"})) + "; " + text(at(misfit, {"mend"})));
-  return html + "</dl>\n";
-}
-
-std::string print_form_html(const Job& job) {
-  if (job.kind != JobKind::inspection || job.state != JobState::succeeded) return "";
-  const InputKind& pattern = *input_kind("pattern");
-  const bool waits = job.input("pattern");
-  return "<h2>Make the print</h2>\n<form method=\"post\" action=\"/jobs\" "
-         "enctype=\"multipart/form-data\">\n<input type=\"hidden\" name=\"from\" value=\"" +
-         escaped(job.id) + "\"><div class=\"field\"><label for=\"f-pattern\">" + escaped(pattern.title) +
-         "</label><input type=\"file\" id=\"f-pattern\" name=\"pattern\"" + (waits ? "" : " required") +
-         " accept=\"" + escaped(pattern.extensions) +
-         "\" aria-describedby=\"f-pattern-hint\"><p class=\"hint\" id=\"f-pattern-hint\">" +
-         (waits ? "None chosen: the one that came with the scan"
-                : "The scan and the settings are those of this job") +
-         "</p></div>\n<p><button type=\"submit\">Make the print of this scan</button></p>\n</form>\n";
+  if (at(findings, {"fits"}).is_boolean()) {  // of an inspection: a print did fit
+    const json& misfit = at(findings, {"problem"});
+    row("Fits the machine", is_true(findings, "fits")
+                                ? "yes"
+                                : "no: " + text(at(misfit, {"what"})) + "; " + text(at(misfit, {"mend"})));
+  }
+  return {{"rows", std::move(rows)}};
 }
 
 const json& at(const json& object, std::initializer_list<const char*> keys) {
@@ -88,6 +70,10 @@ std::string number(const json& value, int places) {
   char text[400];
   std::snprintf(text, sizeof text, "%.*f", places, value.get<double>());
   return text;
+}
+
+std::string text(const json& value, const char* fallback) {
+  return value.is_string() ? value.get<std::string>() : fallback;
 }
 
 }  // namespace vacuform

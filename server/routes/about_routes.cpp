@@ -1,0 +1,52 @@
+// What is about the service itself: its description, its problems, its style.
+#include <nlohmann/json.hpp>
+
+#include "api/problem.hpp"
+#include "api/settings.hpp"
+#include "server/http/problem.hpp"
+#include "server/pages/assets.hpp"
+#include "server/pages/pages.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/routes.hpp"
+
+namespace vacuform {
+
+using http::Request;
+using http::Response;
+
+namespace {
+
+Result<Response> asset_response(const char* media_type, const char* name) {
+  Response response = http::text_response(media_type, std::string(asset(name)));
+  response.set("X-Content-Type-Options", "nosniff");
+  return response;
+}
+
+}  // namespace
+
+void add_about_routes(http::Router& router) {
+  add_public(router, "GET", "/api/v1/settings-schema", [](Request&) -> Result<Response> {
+    Response response = json_response(settings_schema());
+    response.media_type = "application/schema+json";
+    return response;
+  });
+  add_public(router, "GET", "/api/v1/openapi.yaml", [](Request&) -> Result<Response> {
+    return http::text_response("application/yaml", std::string(asset("openapi.yaml")));
+  });
+  add_public(router, "GET", "/healthz", [](Request&) -> Result<Response> {
+    return json_response({{"status", "ok"}});
+  });
+  add_public(router, "GET", "/problems/",
+             [](Request&) -> Result<Response> { return html_response(problems_page()); });
+  add_public(router, "GET", "/problems/{slug}", [](Request& request) -> Result<Response> {
+    const auto code = code_from(request.at("slug"));
+    if (!code) return fail(Code::not_found, "there is no such problem type", {}, "see /problems/");
+    return html_response(problem_page(*code));
+  });
+  add_public(router, "GET", "/job.js",
+             [](Request&) { return asset_response("text/javascript; charset=utf-8", "job.js"); });
+  add_public(router, "GET", "/style.css",
+             [](Request&) { return asset_response("text/css; charset=utf-8", "style.css"); });
+}
+
+}  // namespace vacuform
