@@ -19,7 +19,6 @@ struct Caller {
   std::string owner;
   Scopes scopes;
 
-  bool sees(const Job& job) const { return sees_of(job.owner); }
   bool sees_of(const std::string& other) const { return scopes.has(Scope::admin) || other == owner; }
   // The owner whose jobs a list shows; none: everybody's.
   std::optional<std::string> only() const;

@@ -129,7 +129,8 @@ Result<void> MultipartParser::read_head(std::string_view head) {
     head.remove_prefix(std::min(end + 2, head.size()));
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos) return malformed("a line in the head of a part has no colon");
-    const std::string_view key = trimmed(line.substr(0, colon)), value = trimmed(line.substr(colon + 1), " \t");
+    const std::string_view key = trimmed(line.substr(0, colon), " \t"),
+                           value = trimmed(line.substr(colon + 1), " \t");
     if (equal_ignoring_case(key, "Content-Disposition")) {
       parameter(value, "name", name);
       parameter(value, "filename", file_name);

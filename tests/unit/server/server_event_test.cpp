@@ -43,8 +43,8 @@ class ServerEvent : public ServerTest {
   }
   int following(const std::string& last = "") {
     const int socket = connected();
-    send_all(socket, "GET " + path_ + "/events HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) +
-                         (last.empty() ? "" : "Last-Event-ID: " + last + "\r\n") + "\r\n");
+    send_all(socket, "GET " + path_ + "/events HTTP/1.1\r\nHost: " + host() + "\r\nConnection: close\r\n" +
+                         bearer(user_) + (last.empty() ? "" : "Last-Event-ID: " + last + "\r\n") + "\r\n");
     return socket;
   }
 

@@ -226,8 +226,10 @@ TEST_F(ServerProgram, MakesAnotherAdminTokenWhereTheFileIsMissing) {
             std::string::npos)
       << said();
   const auto status = [&](const std::string& token) {
-    return talk(connected(), "GET /api/v1/tokens HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer " +
-                                 token + "\r\n\r\n")
+    return talk(connected(),
+                "GET /api/v1/tokens HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: "
+                "Bearer " +
+                    token + "\r\n\r\n")
         .substr(9, 3);
   };
   EXPECT_EQ(status(before), "401");
