@@ -52,9 +52,9 @@ double coupling(const Probe& a, const Probe& b) {
 
 class Decoupling {
  public:
-  Decoupling(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
+  Decoupling(const ChartedSurface& charted, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
              double size_limit, bool halves_count, const Context& context)
-      : surface_(surface),
+      : charted_(charted),
         layout_(layout),
         laid_(laid),
         limit_(size_limit),
@@ -83,14 +83,14 @@ class Decoupling {
       const bool bumps = !all_smooth();
       correction_ = VectorXd::Zero(exact.size());
       if (bumps) {
-        VACUFORM_TRY(rough, lay_on_surface(surface_, layout_, context_, true));
+        VACUFORM_TRY(rough, lay_on_surface(charted_, layout_, context_, true));
         laid_ = std::move(rough);
         correction_ = exact - couplings(laid_);
         if (!correction_.allFinite()) correction_.setZero();
       }
       VACUFORM_CHECK(improve_or_give_up());
       if (!bumps && all_smooth()) return {};
-      VACUFORM_TRY(fine, lay_on_surface(surface_, layout_, context_));
+      VACUFORM_TRY(fine, lay_on_surface(charted_, layout_, context_));
       laid_ = std::move(fine);
     }
     layout_ = std::move(best_layout), laid_ = std::move(best_laid);
@@ -144,7 +144,7 @@ class Decoupling {
   }
 
   double weight(std::size_t i) const {
-    const bool on = halves_count_ ? surface_.on_chart(layout_.centres[i].point.triangle) : laid_[i].on_head;
+    const bool on = halves_count_ ? charted_.on_chart(layout_.centres[i].point.triangle) : laid_[i].on_head;
     return on ? 1 : off_weight;
   }
 
@@ -206,11 +206,11 @@ class Decoupling {
 
   PolarGrid grid(std::size_t i, const Vector2d& by) const {
     Centre centre = layout_.centres[i];
-    move(surface_, centre, by);
+    move(charted_.surface(), centre, by);
     const LaidElement& e = layout_.elements[i];
     const double reach = 1.08 * (1 + limit_) * e.size * e.outline.reach_mm + 1;
-    return PolarGrid(surface_, centre.point,
-                     turned(surface_, centre.point.triangle, centre.axis, laid_[i].turn), reach,
+    return PolarGrid(charted_, centre.point,
+                     turned(charted_.surface(), centre.point.triangle, centre.axis, laid_[i].turn), reach,
                      layout_.keep);
   }
 
@@ -303,11 +303,11 @@ class Decoupling {
       const Vector3d d = step.segment<3>(3 * static_cast<Index>(i));
       Vector2d by = unit_mm * d.head<2>();
       if (by.norm() > longest_mm) by *= longest_mm / by.norm();
-      move(surface_, layout_.centres[i], by);
+      move(charted_.surface(), layout_.centres[i], by);
       double& size = layout_.elements[i].size;
       size = std::clamp(size + unit_size * d[2], 1 - limit_, 1 + limit_);
     }
-    VACUFORM_TRY(next, lay_on_surface(surface_, layout_, context_, true));
+    VACUFORM_TRY(next, lay_on_surface(charted_, layout_, context_, true));
     bool left = false;
     for (std::size_t i = 0; i < next.size() && stay_on_head_; ++i) {
       if (!laid_[i].on_head || next[i].on_head) continue;
@@ -316,10 +316,10 @@ class Decoupling {
       left = true;
     }
     if (!left) return next;
-    return lay_on_surface(surface_, layout_, context_, true);
+    return lay_on_surface(charted_, layout_, context_, true);
   }
 
-  const InkedSurface& surface_;
+  const ChartedSurface& charted_;
   ElementLayout& layout_;
   std::vector<ElementOnSurface>& laid_;
   double limit_;
@@ -344,15 +344,15 @@ double worst_on_head(const ElementLayout& layout, const std::vector<ElementOnSur
 
 }  // namespace
 
-Result<void> decouple(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
-                      double size_limit, const Context& context) {
+Result<void> decouple(const ChartedSurface& charted, ElementLayout& layout,
+                      std::vector<ElementOnSurface>& laid, double size_limit, const Context& context) {
   const ElementLayout layout_before = layout;
   std::vector<ElementOnSurface> laid_before = laid;
-  VACUFORM_CHECK(Decoupling(surface, layout, laid, size_limit, true, context).run());
+  VACUFORM_CHECK(Decoupling(charted, layout, laid, size_limit, true, context).run());
   if (worst_on_head(layout, laid) <= required_k) return {};
   // Loops at the foot of the mold, where the sheet is in folds, may be what holds the others back.
   ElementLayout other = layout_before;
-  VACUFORM_CHECK(Decoupling(surface, other, laid_before, size_limit, false, context).run());
+  VACUFORM_CHECK(Decoupling(charted, other, laid_before, size_limit, false, context).run());
   if (worst_on_head(other, laid_before) < worst_on_head(layout, laid))
     layout = std::move(other), laid = std::move(laid_before);
   return {};

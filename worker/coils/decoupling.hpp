@@ -12,7 +12,7 @@ namespace vacuform {
 // of which one is off the head hardly count. `laid` is the layout on the surface, before and, on return, after. Stops once
 // every pair's |k| is below 0.001 or nothing more is gained: some tenths of a second for 19 loops, some seconds where
 // not all can vanish. Deterministic. Errors: cancelled.
-Result<void> decouple(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
-                      double size_limit, const Context& context);
+Result<void> decouple(const ChartedSurface& charted, ElementLayout& layout,
+                      std::vector<ElementOnSurface>& laid, double size_limit, const Context& context);
 
 }  // namespace vacuform

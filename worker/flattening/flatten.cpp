@@ -25,21 +25,20 @@ struct Region {
   std::vector<Eigen::Vector2d> start;  // the flat sheet
 };
 
-Region chart_of(const FormedSheet& sheet, const std::vector<int>& triangles,
-                const std::vector<Eigen::Vector3d>& inked) {
+Region chart_of(const InkedSurface& surface, const std::vector<int>& triangles) {
   Region region;
-  std::vector<int> local(sheet.rest.size(), -1);
+  std::vector<int> local(surface.rest().size(), -1);
   for (const int k : triangles)
-    for (const int v : sheet.triangles[k]) local[v] = 0;
+    for (const int v : surface.triangles()[k]) local[v] = 0;
   for (std::size_t v = 0; v < local.size(); ++v) {
     if (local[v] < 0) continue;
     local[v] = static_cast<int>(region.vertices.size());
     region.vertices.push_back(static_cast<int>(v));
-    region.chart.inked.push_back(inked[v]);
-    region.start.push_back(sheet.rest[v]);
+    region.chart.inked.push_back(surface.inked()[v]);
+    region.start.push_back(surface.rest()[v]);
   }
   for (const int k : triangles) {
-    const Triangle& t = sheet.triangles[k];
+    const Triangle& t = surface.triangles()[k];
     region.chart.triangles.push_back({local[t[0]], local[t[1]], local[t[2]]});
   }
   region.chart.uv = region.start;
@@ -232,8 +231,9 @@ void split(Flattening& out, const Chart& chart, double weight) {
 
 }  // namespace
 
-Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const FlatteningSettings& settings,
-                           InkedFace inked_face, const Context& context, const InkCoverage& coverage) {
+Result<Flattening> flatten(const FormedSheet& sheet, const InkedSurface& surface, const Mold& mold,
+                           const FlatteningSettings& settings, const Context& context,
+                           const InkCoverage& coverage) {
   if (by_coverage(settings.weights) && !coverage)
     throw std::invalid_argument("weights by ink or paint need to know where it is");
   Flattening out;
@@ -241,8 +241,7 @@ Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const Fla
   if (out.triangles.size() < 8)
     return fail(Code::unusable_surface, "hardly any of the sheet lies on the mold", "forming",
                 "give a finer sheet.resolution_mm, or a mold that is larger against it");
-  out.inked = inked_surface(sheet, inked_face);
-  auto [chart, vertices, start] = chart_of(sheet, out.triangles, out.inked);
+  auto [chart, vertices, start] = chart_of(surface, out.triangles);
 
   const Spot spot = spot_below(sheet, out.triangles, mold.top);
   if (!spot.exact) {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "api/base/decimal.hpp"
-#include "worker/surface/inked_surface.hpp"
+#include "worker/surface/nearest_point.hpp"
 #include "worker/surface/surface_path.hpp"
 
 namespace vacuform {
@@ -24,15 +24,18 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 class Cutter {
  public:
-  Cutter(FormedSheet&& sheet, Flattening&& flattening)
-      : sheet_(std::move(sheet)), flat_(std::move(flattening)), on_chart_(sheet_.triangles.size(), -1) {
+  Cutter(FormedSheet&& sheet, const InkedSurface& surface, Flattening&& flattening)
+      : sheet_(std::move(sheet)),
+        inked_(surface.inked()),
+        flat_(std::move(flattening)),
+        on_chart_(sheet_.triangles.size(), -1) {
     for (std::size_t i = 0; i < flat_.triangles.size(); ++i)
       on_chart_[index(flat_.triangles[i])] = static_cast<int>(i);
   }
 
   // The vertex there, made where there is none; nothing where the place is too far away.
   std::optional<int> vertex_at(const Vector3d& place) {
-    const auto near = InkedSurface(sheet_, flat_).nearest_on_chart(place);
+    const auto near = nearest_point(sheet_.triangles, inked_, flat_.triangles, place);
     if (!(near.distance_mm <= farthest_mm)) return std::nullopt;
     const Triangle corners = sheet_.triangles[index(near.point.triangle)];
     for (std::size_t k = 0; k < 3; ++k)
@@ -54,7 +57,7 @@ class Cutter {
 
   bool cut(int from, int to) {
     std::vector<int> way;
-    for (const PathPoint& p : shortest_path(sheet_.triangles, flat_.inked, flat_.triangles, from, to)) {
+    for (const PathPoint& p : shortest_path(sheet_.triangles, inked_, flat_.triangles, from, to)) {
       const int v = on_edge(p);
       if (way.empty() || way.back() != v) way.push_back(v);
     }
@@ -64,7 +67,8 @@ class Cutter {
   }
 
   CutSheet finish() {
-    return {std::move(sheet_), std::move(flat_), std::vector<Edge>(edges_.begin(), edges_.end())};
+    InkedSurface surface(sheet_.triangles, std::move(inked_), sheet_.rest);
+    return {std::move(sheet_), std::move(surface), std::move(flat_), {edges_.begin(), edges_.end()}};
   }
 
  private:
@@ -76,7 +80,7 @@ class Cutter {
       values.push_back(value);
     };
     blend(sheet_.rest), blend(sheet_.formed), blend(sheet_.thickness), blend(sheet_.temperature);
-    blend(flat_.chart), blend(flat_.inked);
+    blend(flat_.chart), blend(inked_);
     Eigen::Index most = 0;
     weights.maxCoeff(&most);
     const auto nearest = index(of[static_cast<std::size_t>(most)]);
@@ -144,6 +148,7 @@ class Cutter {
   }
 
   FormedSheet sheet_;
+  std::vector<Vector3d> inked_;
   Flattening flat_;
   std::vector<int> on_chart_;    // row in flat_.triangles of each triangle; -1 off the chart
   std::map<Edge, int> middles_;  // new vertices, of edges that are not divided yet
@@ -152,9 +157,10 @@ class Cutter {
 
 }  // namespace
 
-Result<CutSheet> with_cut_lines(FormedSheet sheet, Flattening flattening,
+Result<CutSheet> with_cut_lines(FormedSheet sheet, InkedSurface surface, Flattening flattening,
                                 const std::vector<std::array<double, 6>>& rows, const Context& context) {
-  Cutter cutter(std::move(sheet), std::move(flattening));
+  if (rows.empty()) return CutSheet{std::move(sheet), std::move(surface), std::move(flattening), {}};
+  Cutter cutter(std::move(sheet), surface, std::move(flattening));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     VACUFORM_CHECK(context.step(Stage::printing, 0));
     const auto& r = rows[i];

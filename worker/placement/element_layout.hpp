@@ -27,7 +27,7 @@ struct ElementLayout {
 
 // The elements with an id where the chart puts their centres. A centre beyond the chart goes on straight from the chart's
 // nearest point; beyond it by more than its element reaches, the element is left out.
-ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment);
+ElementLayout lay_by_chart(const ChartedSurface& charted, const Drawing& drawing, const Alignment& alignment);
 
 // An element once it lies on the surface.
 struct ElementOnSurface {
@@ -39,8 +39,9 @@ struct ElementOnSurface {
 };
 
 // The elements of a layout where their centres are now; `rough` as in element_patch(). Errors: cancelled.
-Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
-                                                     const Context& context, bool rough = false);
+Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& charted,
+                                                     const ElementLayout& layout, const Context& context,
+                                                     bool rough = false);
 
 // M / sqrt(L1 L2); nothing unless both have a loop.
 std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b);

@@ -23,20 +23,21 @@ struct Whole {
   Segment chart;
   std::vector<int> local;  // of each vertex of the sheet; -1 off the chart
 };
-Whole whole_region(const FormedSheet& sheet, const Flattening& flattening, const Alignment& alignment) {
-  Whole out{{}, std::vector<int>(sheet.rest.size(), -1)};
+Whole whole_region(const ChartedSurface& charted, const Alignment& alignment) {
+  const InkedSurface& surface = charted.surface();
+  Whole out{{}, std::vector<int>(surface.rest().size(), -1)};
   Patch& patch = out.chart.patch;
   std::vector<int>& local = out.local;
-  for (const int t : flattening.triangles) {
+  for (const int t : charted.flattening().triangles) {
     out.chart.triangles.push_back(static_cast<int>(out.chart.triangles.size()));
     Triangle corners{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto v = index(sheet.triangles[index(t)][k]);
+      const auto v = index(surface.triangles()[index(t)][k]);
       if (local[v] < 0) {
         local[v] = static_cast<int>(patch.uv.size());
-        patch.uv.push_back(alignment.pattern(flattening.chart[v]));
-        patch.rest.push_back(sheet.rest[v]);
-        patch.inked.push_back(flattening.inked[v]);
+        patch.uv.push_back(alignment.pattern(charted.flattening().chart[v]));
+        patch.rest.push_back(surface.rest()[v]);
+        patch.inked.push_back(surface.inked()[v]);
       }
       corners[k] = local[v];
     }
@@ -163,21 +164,22 @@ double geodesic_mm(const InkedSurface& surface, const ElementLayout& layout, con
   return connect(surface, layout.centres[index(pair.a)].point, layout.centres[index(pair.b)].point).mm;
 }
 
-Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
+Result<void> place_elements(const ChartedSurface& charted, const Drawing& drawing, const Alignment& alignment,
                             const CoilSettings& settings, const Context& context, Placement& out) {
-  ElementLayout layout = lay_by_chart(surface, drawing, alignment);
+  const InkedSurface& surface = charted.surface();
+  ElementLayout layout = lay_by_chart(charted, drawing, alignment);
   layout.keep = settings.keep;
   for (const Neighbours& n : layout.pairs)
     out.pairs.push_back({n.a, n.b, n.drawn_mm, geodesic_mm(surface, layout, n), 0, {}, {}});
-  VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
-  VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
+  VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context));
+  VACUFORM_TRY(laid, lay_on_surface(charted, layout, context));
   const auto couplings = [&](std::optional<double> PlacedPair::*k) {
     for (PlacedPair& p : out.pairs) p.*k = coupling(laid[index(p.a)], laid[index(p.b)]);
   };
   couplings(&PlacedPair::k_before);
   if (settings.decouple) {
     const std::vector<Centre> before = layout.centres;
-    VACUFORM_CHECK(decouple(surface, layout, laid, settings.size_limit, context));
+    VACUFORM_CHECK(decouple(charted, layout, laid, settings.size_limit, context));
     say_how_far(drawing, layout, before, out.warnings);
   }
   couplings(&PlacedPair::k);
@@ -201,13 +203,12 @@ Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing,
 
 }  // namespace
 
-Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, const Drawing* drawing,
-                        const Settings& settings, const Context& context, const std::vector<Edge>& cuts) {
+Result<Placement> place(const ChartedSurface& charted, const Drawing* drawing, const Settings& settings,
+                        const Context& context, const std::vector<Edge>& cuts) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  const InkedSurface surface(sheet, flattening);
-  VACUFORM_TRY(alignment, align(surface, settings.pattern));
+  VACUFORM_TRY(alignment, align(charted, settings.pattern));
   Placement out;
-  Whole whole = whole_region(sheet, flattening, alignment);
+  Whole whole = whole_region(charted, alignment);
   if (settings.pattern.placement == PatternPlacement::segments) {
     VACUFORM_CHECK(place_segments(std::move(whole), alignment, settings.pattern, cuts, context, out));
     return out;
@@ -219,7 +220,7 @@ Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, 
     return fail(Code::unusable_pattern, "the drawing has no elements", "pattern.placement",
                 "give an SVG whose coils are groups with an id, or pattern.placement=auto");
   if (elements && settings.pattern.placement != PatternPlacement::chart)
-    VACUFORM_CHECK(place_elements(surface, *drawing, alignment, settings.coils, context, out));
+    VACUFORM_CHECK(place_elements(charted, *drawing, alignment, settings.coils, context, out));
   return out;
 }
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "worker/flattening/flattening.hpp"
 #include "worker/pattern/drawing.hpp"
+#include "worker/placement/charted_surface.hpp"
 #include "worker/placement/segments.hpp"
 
 namespace vacuform {
@@ -48,7 +48,7 @@ struct Placement {
 // Lays the drawing by settings.pattern and settings.coils. Without a drawing of vectors, or with placement chart or
 // segments, only charts are there. `cuts`: edges of the sheet, ascending, along which segments are cut (with_cut_lines()).
 // Deterministic. Errors: cancelled, unusable_pattern (placement elements without elements).
-Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, const Drawing* drawing,
-                        const Settings& settings, const Context& context, const std::vector<Edge>& cuts = {});
+Result<Placement> place(const ChartedSurface& charted, const Drawing* drawing, const Settings& settings,
+                        const Context& context, const std::vector<Edge>& cuts = {});
 
 }  // namespace vacuform

@@ -65,7 +65,7 @@ Vector2d met(const Vector2d& through, const Vector2d& p, const Vector2d& q) {
 
 struct Geodesics::State {
   explicit State(const PathMesh& of)
-      : mesh(of), heads(index(3 * of.triangles()), -1), seen(heads.size()), known(index(of.vertices())) {}
+      : mesh(of), heads(3 * of.triangles().size(), -1), seen(heads.size()), known(of.places().size()) {}
 
   const PathMesh& mesh;
   double reach = 0;
@@ -122,7 +122,7 @@ struct Geodesics::State {
     if (mm >= k.mm || mm > reach) return;
     if (k.mm == infinite) touched_vertices.push_back(vertex);
     k = {mm, start, from, at};
-    if (mesh.bends_at(vertex)) queue.push({mm, -1 - vertex});
+    if (mesh.is_saddle(vertex)) queue.push({mm, -1 - vertex});
   }
 
   // Whether a vertex offers a way as short to all of the piece between the rays: to the ray's end that is farther from it.
@@ -139,13 +139,13 @@ struct Geodesics::State {
   // Opens a window through the side `s` into the triangle beyond it.
   void open(int s, int root, const Vector2d& a, const Vector2d& b, const Vector2d& left,
             const Vector2d& right) {
-    const int beyond = mesh.side(s).beyond;
-    if (beyond < 0) return;
-    Window w{beyond, root, a, b, left, right, -1};
+    const int opposite = mesh.side(s).opposite;
+    if (opposite < 0) return;
+    Window w{opposite, root, a, b, left, right, -1};
     const double mm = roots[index(root)].before + nearest(left, right);
     if (mm > reach || useless(w)) return;
-    int& head = heads[index(beyond)];
-    if (head < 0) touched_sides.push_back(beyond);
+    int& head = heads[index(opposite)];
+    if (head < 0) touched_sides.push_back(opposite);
     w.next = head;
     head = static_cast<int>(windows.size());
     windows.push_back(w);
@@ -203,7 +203,7 @@ struct Geodesics::State {
     const Known from = known[index(vertex)];
     const int root = static_cast<int>(roots.size());
     roots.push_back({from.mm, from.start});
-    const double whole = mesh.turn(vertex);
+    const double whole = mesh.total_angle(vertex);
     double passed = mesh.angle(from.from) - from.at;  // from the path to the triangle
     for (int s = mesh.next_around(from.from, true); s >= 0 && s != from.from; s = mesh.next_around(s, true)) {
       const double angle = mesh.angle(s);

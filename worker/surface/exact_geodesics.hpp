@@ -7,8 +7,8 @@
 #include <memory>
 #include <optional>
 
-#include "worker/forming/sheet_map.hpp"
 #include "worker/surface/path_mesh.hpp"
+#include "worker/surface/sheet_point.hpp"
 
 namespace vacuform {
 

@@ -35,17 +35,20 @@ std::vector<Edge> edges_of(const std::vector<Triangle>& triangles) {
 
 }  // namespace
 
-PathMesh::PathMesh(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& places)
-    : triangles_(triangles), places_(places), sides_(3 * triangles.size()), turns_(places.size(), 0) {
-  const std::vector<Edge> edges = edges_of(triangles);
+PathMesh::PathMesh(std::vector<Triangle> triangles, std::vector<Vector3d> places)
+    : triangles_(std::move(triangles)),
+      places_(std::move(places)),
+      sides_(3 * triangles_.size()),
+      total_angles_(places_.size(), 0) {
+  const std::vector<Edge> edges = edges_of(triangles_);
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
     while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
     if (end - i == 2) {
-      sides_[static_cast<std::size_t>(edges[i].side)].beyond = edges[i + 1].side;
-      sides_[static_cast<std::size_t>(edges[i + 1].side)].beyond = edges[i].side;
+      sides_[static_cast<std::size_t>(edges[i].side)].opposite = edges[i + 1].side;
+      sides_[static_cast<std::size_t>(edges[i + 1].side)].opposite = edges[i].side;
     } else {
-      turns_[static_cast<std::size_t>(edges[i].low)] = turns_[static_cast<std::size_t>(edges[i].high)] =
-          infinite;
+      total_angles_[static_cast<std::size_t>(edges[i].low)] =
+          total_angles_[static_cast<std::size_t>(edges[i].high)] = infinite;
     }
   }
   for (std::size_t s = 0; s < sides_.size(); ++s) {
@@ -57,13 +60,13 @@ PathMesh::PathMesh(const std::vector<Triangle>& triangles, const std::vector<Vec
       side.foot = (c - a).dot(b - a) / side.length;
       side.height = (c - a).cross(b - a).norm() / side.length;
     }
-    turns_[static_cast<std::size_t>(corner(t, k))] += angle(static_cast<int>(s));
+    total_angles_[static_cast<std::size_t>(corner(t, k))] += angle(static_cast<int>(s));
   }
 }
 
-bool PathMesh::bends_at(int vertex) const {
+bool PathMesh::is_saddle(int vertex) const {
   constexpr double least_excess = 1e-10;  // below, what bends is less than rounding
-  return turn(vertex) > 2 * M_PI + least_excess;
+  return total_angle(vertex) > 2 * M_PI + least_excess;
 }
 
 double PathMesh::angle(int s) const {
@@ -73,9 +76,9 @@ double PathMesh::angle(int s) const {
 
 int PathMesh::next_around(int s, bool counter_clockwise) const {
   const int t = s / 3, k = s % 3;
-  const int beyond = side(3 * t + (k + (counter_clockwise ? 1 : 2)) % 3).beyond;
-  if (beyond < 0) return -1;
-  return 3 * (beyond / 3) + (beyond % 3 + (counter_clockwise ? 1 : 2)) % 3;
+  const int opposite = side(3 * t + (k + (counter_clockwise ? 1 : 2)) % 3).opposite;
+  if (opposite < 0) return -1;
+  return 3 * (opposite / 3) + (opposite % 3 + (counter_clockwise ? 1 : 2)) % 3;
 }
 
 }  // namespace vacuform

@@ -33,7 +33,7 @@ TEST(Decoupling, OnBumpsIsThatOfTheRealLayout) {
   for (int i = 0; i < 3; ++i)
     drawing.elements.push_back(hand_made::ring("coil-" + std::to_string(i),
                                                17.5 * Vector2d(std::cos(2.1 * i), std::sin(2.1 * i)), 20));
-  const auto p = place(x.sheet, x.flattening, &drawing, decoupled(), Context());
+  const auto p = place(hand_made::Charted(x), &drawing, decoupled(), Context());
   ASSERT_TRUE(p);
   EXPECT_TRUE(
       std::any_of(p->elements.begin(), p->elements.end(), [](const PlacedElement& e) { return !e.smooth; }));
@@ -54,7 +54,7 @@ TEST(Decoupling, SaysWhichPairsTheSurfaceKeepsCoupled) {
   }
   Settings settings = decoupled();
   settings.coils.size_limit = 0;
-  const auto p = place(x.sheet, x.flattening, &drawing, settings, Context());
+  const auto p = place(hand_made::Charted(x), &drawing, settings, Context());
   ASSERT_TRUE(p);
   ASSERT_EQ(p->pairs.size(), 14u);
   EXPECT_GE(worst(*p, &PlacedPair::k), 0.01);

@@ -15,12 +15,12 @@ TEST(Placement, OnTheChartTurnsMovesAndScales) {
   Flattening flattening;
   flattening.triangles = {1};
   flattening.chart = {{NAN, NAN}, {12, 0}, {0, 12}, {12, 12}};
-  flattening.inked = {{0, 0, 5}, {10, 0, 5}, {0, 10, 5}, {10, 10, 5}};
+  sheet.formed = {{0, 0, 5}, {10, 0, 5}, {0, 10, 5}, {10, 10, 5}};
   Settings settings;
   settings.pattern.offset_mm = {2, 0};
   settings.pattern.rotate_deg = 90;
   settings.pattern.scale = 2;
-  const auto placed = place(sheet, flattening, nullptr, settings, Context());
+  const auto placed = place(hand_made::Charted(sheet, flattening), nullptr, settings, Context());
   ASSERT_TRUE(placed);
   ASSERT_EQ(placed->charts.size(), 1u);
   const Patch& chart = placed->charts[0].patch;
@@ -37,7 +37,7 @@ using Eigen::Vector3d;
 using hand_made::Sample;
 
 Result<Placement> placed(const Sample& x, const Drawing& drawing, const Settings& settings = {}) {
-  return place(x.sheet, x.flattening, &drawing, settings, Context());
+  return place(hand_made::Charted(x), &drawing, settings, Context());
 }
 
 TEST(Placement, NeighboursOnASphereHaveTheDrawnDistancesAsNearlyAsItLets) {
@@ -140,7 +140,7 @@ TEST(Placement, OnOneChartWhereAskedForOrWhereNothingHasAnId) {
 }
 
 Result<Alignment> aligned(const Sample& x, const PatternSettings& settings) {
-  return align(InkedSurface(x.sheet, x.flattening), settings);
+  return align(hand_made::Charted(x), settings);
 }
 
 TEST(Alignment, OfOnePointShiftsAndOfTwoTurns) {
