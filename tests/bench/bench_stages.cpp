@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/coils/coupled_neighbours.hpp"
 #include "worker/forming/inked_face.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/sample/sample.hpp"
@@ -101,8 +102,11 @@ class Bench {
     rows.back().made = pattern.format();
     std::vector<Warning> of_drawing;
     const auto lines = read_drawing(drawing, pattern, of_drawing);
-    const auto placement = measure(
-        head, "placement", [&] { return place(charted, lines ? &*lines : nullptr, settings, context); });
+    const auto placement = measure(head, "placement", [&]() -> Result<Placement> {
+      VACUFORM_TRY(placed, place(charted, lines ? &*lines : nullptr, settings, context));
+      if (lines) VACUFORM_CHECK(add_couplings(charted, *lines, settings, context, placed));
+      return placed;
+    });
     rows.back().made = count(placement.elements.size(), "elements");
     const auto print = measure(head, "printing", [&] {
       return make_print(charted, pattern, lines ? &*lines : nullptr, placement, settings, "benchmark",

@@ -8,8 +8,7 @@
 
 #include "api/base/decimal.hpp"
 #include "worker/coils/decoupling.hpp"
-#include "worker/coils/flat_picture.hpp"
-#include "worker/placement/element_layout.hpp"
+#include "worker/coils/metric_mds.hpp"
 #include "worker/surface/voronoi.hpp"
 
 namespace vacuform {
@@ -311,14 +310,14 @@ Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices&
   return layout;
 }
 
-int off_head(const std::vector<ElementOnSurface>& laid) {
+int off_head(const std::vector<LaidCoil>& laid) {
   return static_cast<int>(
-      std::count_if(laid.begin(), laid.end(), [](const ElementOnSurface& e) { return !e.on_head; }));
+      std::count_if(laid.begin(), laid.end(), [](const LaidCoil& coil) { return !coil.element.on_head; }));
 }
 
 struct Trial {
   ElementLayout layout;
-  std::vector<ElementOnSurface> laid;
+  std::vector<LaidCoil> laid;
 };
 
 std::optional<StrongestPair> strongest_neighbours(const Trial& trial) {
@@ -337,7 +336,7 @@ double worst_coupling(const Trial& trial) {
 
 Result<std::optional<StrongestPair>> strongest_of_all(const Trial& trial, const Context& context) {
   std::vector<InductiveLoop> loops;
-  for (const ElementOnSurface& e : trial.laid) loops.push_back({e.loop, e.self_nh});
+  for (const LaidCoil& coil : trial.laid) loops.push_back({coil.element.loop, coil.self_nh});
   VACUFORM_TRY(matrix, coupling_matrix(loops, Stage::printing, 0, context));
   return strongest_pair(matrix, [](int) { return true; });
 }
@@ -347,7 +346,7 @@ Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertic
                       const CoilSettings& coils, bool settle, const Context& context) {
   VACUFORM_TRY(layout, spread(charted, vertices, wish, 0, settle, context));
   layout.keep = coils.keep;
-  VACUFORM_TRY(laid, lay_on_surface(charted, layout, context));
+  VACUFORM_TRY(laid, lay_coils(charted, layout, context));
   constexpr double farther_mm = 2.5;
   constexpr int most_tries = 4;  // at equal distances some reach farther out than their cells
   for (int again = 1; again < most_tries && off_head(laid) > 0; ++again) {
@@ -355,7 +354,7 @@ Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertic
     if (!next && next.error().code != Code::cancelled) break;  // no room for that
     VACUFORM_CHECK(next);
     next->keep = coils.keep;
-    VACUFORM_TRY(next_laid, lay_on_surface(charted, *next, context));
+    VACUFORM_TRY(next_laid, lay_coils(charted, *next, context));
     if (off_head(next_laid) >= off_head(laid)) continue;
     layout = std::move(*next);
     laid = std::move(next_laid);
@@ -426,7 +425,7 @@ Result<Array> lay_out_array(const ChartedSurface& charted, const ArrayWish& wish
     out.centres.push_back(surface.place(c.point));
     start.push_back(charted.on_chart(c.point.triangle) ? charted.chart(c.point) : c.drawn);
   }
-  VACUFORM_TRY(drawing, picture_that_lands(charted, layout, flat_picture(start, layout.pairs, mm),
+  VACUFORM_TRY(drawing, picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm),
                                            wish.trace_mm, context));
   out.drawing = std::move(drawing);
   return out;

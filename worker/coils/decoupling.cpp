@@ -52,7 +52,7 @@ double coupling(const Probe& a, const Probe& b) {
 
 class Decoupling {
  public:
-  Decoupling(const ChartedSurface& charted, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
+  Decoupling(const ChartedSurface& charted, ElementLayout& layout, std::vector<LaidCoil>& laid,
              double size_limit, bool halves_count, const Context& context)
       : charted_(charted),
         layout_(layout),
@@ -72,7 +72,7 @@ class Decoupling {
   // begin. Farther on they are wrong by something else: so it is done again, and the best layout met is kept.
   Result<void> run() {
     constexpr int most_passes = 6;
-    std::vector<ElementOnSurface> best_laid;
+    std::vector<LaidCoil> best_laid;
     ElementLayout best_layout;
     double least = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass <= most_passes; ++pass) {
@@ -83,14 +83,14 @@ class Decoupling {
       const bool bumps = !all_smooth();
       correction_ = VectorXd::Zero(exact.size());
       if (bumps) {
-        VACUFORM_TRY(rough, lay_on_surface(charted_, layout_, context_, true));
+        VACUFORM_TRY(rough, lay_coils(charted_, layout_, context_, true));
         laid_ = std::move(rough);
         correction_ = exact - couplings(laid_);
         if (!correction_.allFinite()) correction_.setZero();
       }
       VACUFORM_CHECK(improve_or_give_up());
       if (!bumps && all_smooth()) return {};
-      VACUFORM_TRY(fine, lay_on_surface(charted_, layout_, context_));
+      VACUFORM_TRY(fine, lay_coils(charted_, layout_, context_));
       laid_ = std::move(fine);
     }
     layout_ = std::move(best_layout), laid_ = std::move(best_laid);
@@ -140,11 +140,13 @@ class Decoupling {
   }
 
   bool all_smooth() const {
-    return std::all_of(laid_.begin(), laid_.end(), [](const ElementOnSurface& e) { return e.patch.smooth; });
+    return std::all_of(laid_.begin(), laid_.end(),
+                       [](const LaidCoil& coil) { return coil.element.patch.smooth; });
   }
 
   double weight(std::size_t i) const {
-    const bool on = halves_count_ ? charted_.on_chart(layout_.centres[i].point.triangle) : laid_[i].on_head;
+    const bool on =
+        halves_count_ ? charted_.on_chart(layout_.centres[i].point.triangle) : laid_[i].element.on_head;
     return on ? 1 : off_weight;
   }
 
@@ -154,7 +156,7 @@ class Decoupling {
     return {bound_weight * cube * ratio, 4 * bound_weight * cube / bound_k};
   }
 
-  VectorXd couplings(const std::vector<ElementOnSurface>& laid) const {
+  VectorXd couplings(const std::vector<LaidCoil>& laid) const {
     VectorXd k(static_cast<Index>(pairs_.size()));
     in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
       for (std::size_t p = index(first); p < index(last); ++p)
@@ -164,9 +166,7 @@ class Decoupling {
     return k;
   }
 
-  VectorXd corrected(const std::vector<ElementOnSurface>& laid) const {
-    return couplings(laid) + correction_;
-  }
+  VectorXd corrected(const std::vector<LaidCoil>& laid) const { return couplings(laid) + correction_; }
 
   double worst(const VectorXd& k) const {
     double most = 0;
@@ -210,8 +210,8 @@ class Decoupling {
     const LaidElement& e = layout_.elements[i];
     const double reach = 1.08 * (1 + limit_) * e.size * e.outline.reach_mm + 1;
     return PolarGrid(charted_, centre.point,
-                     turned(charted_.surface(), centre.point.triangle, centre.axis, laid_[i].turn), reach,
-                     layout_.keep);
+                     turned(charted_.surface(), centre.point.triangle, centre.axis, laid_[i].element.turn),
+                     reach, layout_.keep);
   }
 
   // The change of every pair's k with the unknowns in their units, by differences; pairs' rows have six entries.
@@ -297,7 +297,7 @@ class Decoupling {
   }
 
   // The layout after a step. What lay on the head and would leave it stays where it was.
-  Result<std::vector<ElementOnSurface>> take(const VectorXd& step, const ElementLayout& before) {
+  Result<std::vector<LaidCoil>> take(const VectorXd& step, const ElementLayout& before) {
     constexpr double longest_mm = 4;
     for (std::size_t i = 0; i < start_.size(); ++i) {
       const Vector3d d = step.segment<3>(3 * static_cast<Index>(i));
@@ -307,21 +307,21 @@ class Decoupling {
       double& size = layout_.elements[i].size;
       size = std::clamp(size + unit_size * d[2], 1 - limit_, 1 + limit_);
     }
-    VACUFORM_TRY(next, lay_on_surface(charted_, layout_, context_, true));
+    VACUFORM_TRY(next, lay_coils(charted_, layout_, context_, true));
     bool left = false;
     for (std::size_t i = 0; i < next.size() && stay_on_head_; ++i) {
-      if (!laid_[i].on_head || next[i].on_head) continue;
+      if (!laid_[i].element.on_head || next[i].element.on_head) continue;
       layout_.centres[i] = before.centres[i];
       layout_.elements[i].size = before.elements[i].size;
       left = true;
     }
     if (!left) return next;
-    return lay_on_surface(charted_, layout_, context_, true);
+    return lay_coils(charted_, layout_, context_, true);
   }
 
   const ChartedSurface& charted_;
   ElementLayout& layout_;
-  std::vector<ElementOnSurface>& laid_;
+  std::vector<LaidCoil>& laid_;
   double limit_;
   bool halves_count_;  // loops that lie on the head in part alone
   const Context& context_;
@@ -334,20 +334,20 @@ class Decoupling {
 };
 
 // The largest |k| of two loops that both lie on the head.
-double worst_on_head(const ElementLayout& layout, const std::vector<ElementOnSurface>& laid) {
+double worst_on_head(const ElementLayout& layout, const std::vector<LaidCoil>& laid) {
   double most = 0;
   for (const Neighbours& n : layout.pairs)
-    if (laid[index(n.a)].on_head && laid[index(n.b)].on_head)
+    if (laid[index(n.a)].element.on_head && laid[index(n.b)].element.on_head)
       most = std::max(most, std::abs(coupling(laid[index(n.a)], laid[index(n.b)]).value_or(0)));
   return most;
 }
 
 }  // namespace
 
-Result<void> decouple(const ChartedSurface& charted, ElementLayout& layout,
-                      std::vector<ElementOnSurface>& laid, double size_limit, const Context& context) {
+Result<void> decouple(const ChartedSurface& charted, ElementLayout& layout, std::vector<LaidCoil>& laid,
+                      double size_limit, const Context& context) {
   const ElementLayout layout_before = layout;
-  std::vector<ElementOnSurface> laid_before = laid;
+  std::vector<LaidCoil> laid_before = laid;
   VACUFORM_CHECK(Decoupling(charted, layout, laid, size_limit, true, context).run());
   if (worst_on_head(layout, laid) <= required_k) return {};
   // Loops at the foot of the mold, where the sheet is in folds, may be what holds the others back.

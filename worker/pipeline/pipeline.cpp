@@ -5,7 +5,7 @@
 
 #include "api/base/sha256.hpp"
 #include "api/version.hpp"
-#include "worker/coils/coupling_warning.hpp"
+#include "worker/coils/coupled_neighbours.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/forming/inked_face.hpp"
@@ -128,8 +128,11 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   };
   InkedSurface surface = inked_surface(formed.sheet, s.pattern.inked_face);
   VACUFORM_TRY(flat, flatten(formed.sheet, surface, formed.mold, s.flattening, context, coverage));
+  // The steps from the cuts to the print share one stage of the job's progress.
+  const Portion cutting(context, Stage::printing, 0, 0.05), placing(context, Stage::printing, 0.05, 0.2),
+      decoupling(context, Stage::printing, 0.2, 0.4), printing(context, Stage::printing, 0.4, 1);
   VACUFORM_TRY(cut, with_cut_lines(std::move(formed.sheet), std::move(surface), std::move(flat),
-                                   s.pattern.seams, context));
+                                   s.pattern.seams, cutting.context()));
   const FormedSheet& sheet = cut.sheet;
   const Flattening& flattening = cut.flattening;
   const ChartedSurface charted(cut.surface, flattening);
@@ -140,8 +143,9 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   const Drawing* lines = drawing ? &*drawing : nullptr;
   const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement, of_drawing);
   const Drawing* const laid = parts ? &parts->drawing() : lines;
-  VACUFORM_TRY(placement, place(charted, laid, s, context, cut.edges));
-  VACUFORM_TRY(print, make_print(charted, pattern, lines, placement, s, identity.label, context));
+  VACUFORM_TRY(placement, place(charted, laid, s, placing.context(), cut.edges));
+  if (laid) VACUFORM_CHECK(add_couplings(charted, *laid, s, decoupling.context(), placement));
+  VACUFORM_TRY(print, make_print(charted, pattern, lines, placement, s, identity.label, printing.context()));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   VACUFORM_TRY(alignment, align(charted, s.pattern));

@@ -3,13 +3,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "api/base/decimal.hpp"
+#include "worker/surface/exact_geodesics.hpp"
 #include "worker/surface/nearest_point.hpp"
-#include "worker/surface/surface_path.hpp"
 
 namespace vacuform {
 
@@ -21,6 +22,13 @@ constexpr double near_vertex = 0.1;  // of an edge: a cut that passes so near go
 constexpr double farthest_mm = 20;   // of a row's places from the chart
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// A vertex as the corner of the first triangle that has it.
+SheetPoint corner_at(const PathMesh& mesh, int vertex) {
+  int side = 0;
+  while (mesh.corner(side / 3, side % 3) != vertex) ++side;
+  return {side / 3, Vector3d::Unit(side % 3)};
+}
 
 class Cutter {
  public:
@@ -56,10 +64,15 @@ class Cutter {
   }
 
   bool cut(int from, int to) {
-    std::vector<int> way;
-    for (const PathPoint& p : shortest_path(sheet_.triangles, inked_, flat_.triangles, from, to)) {
+    std::vector<Triangle> chart;
+    for (const int t : flat_.triangles) chart.push_back(sheet_.triangles[index(t)]);
+    const PathMesh mesh(std::move(chart), inked_);
+    Geodesics geodesics(mesh);
+    geodesics.begin_at(corner_at(mesh, from), std::numeric_limits<double>::infinity());
+    std::vector<int> way{from};
+    for (const PathPoint& p : geodesics.trace(to)) {
       const int v = on_edge(p);
-      if (way.empty() || way.back() != v) way.push_back(v);
+      if (way.back() != v) way.push_back(v);
     }
     divide();
     for (std::size_t i = 1; i < way.size(); ++i) edges_.insert(std::minmax(way[i - 1], way[i]));

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/coils/inductance.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -38,8 +37,6 @@ Result<ElementOnSurface> lay(const ChartedSurface& charted, const LaidElement& e
   laid.on_head = std::all_of(element.outline.points.begin(), element.outline.points.end(),
                              [&](const Vector2d& p) { return map.on_chart(element.size * p); });
   laid.loop = loop_in_space(map, element);
-  if (!laid.loop.empty())
-    laid.self_nh = self_inductance_nh(laid.loop, element.size * element.outline.width_mm);
   return laid;
 }
 
@@ -94,11 +91,6 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& chart
     out.push_back(std::move(*one));
   }
   return out;
-}
-
-std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b) {
-  if (a.loop.empty() || b.loop.empty()) return {};
-  return mutual_inductance_nh(a.loop, b.loop) / std::sqrt(a.self_nh * b.self_nh);
 }
 
 }  // namespace vacuform

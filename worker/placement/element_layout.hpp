@@ -1,7 +1,6 @@
 // The elements of a drawing while they are being placed, and their loops in space.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "worker/placement/alignment.hpp"
@@ -35,16 +34,12 @@ struct ElementOnSurface {
   ElementPatch patch;
   bool on_head = true;                // all of its curves lie on the chart
   std::vector<Eigen::Vector3d> loop;  // in space, mm; empty without a loop, or where it runs off the sheet
-  double self_nh = 0;                 // the loop's own inductance
 };
 
 // The elements of a layout where their centres are now; `rough` as in element_patch(). Errors: cancelled.
 Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& charted,
                                                      const ElementLayout& layout, const Context& context,
                                                      bool rough = false);
-
-// M / sqrt(L1 L2); nothing unless both have a loop.
-std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b);
 
 // The element's loop in space by flat coordinates, mm; empty where a part of it lies beyond the map. PolarGrid and
 // ElementMap are such maps.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/fixtures/coils_shapes.hpp"
+#include "worker/coils/coupled_neighbours.hpp"
 
 namespace vacuform {
 namespace {
@@ -32,8 +33,10 @@ TEST(ArrayLayout, OfSevenOnASphereIsAFlowerThatLandsWhereItWasLaid) {
   EXPECT_NEAR(array->spacing_mm, 30, 0.8);
   Settings settings;
   settings.coils.decouple = true;
-  const auto placed = place(hand_made::Charted(x), &array->drawing, settings, Context());
+  const hand_made::Charted charted(x);
+  auto placed = place(charted, &array->drawing, settings, Context());
   ASSERT_TRUE(placed);
+  ASSERT_TRUE(add_couplings(charted, array->drawing, settings, Context(), *placed));
   ASSERT_EQ(placed->elements.size(), 7u);
   for (std::size_t i = 0; i < 7; ++i) EXPECT_LT((placed->elements[i].centre - array->centres[i]).norm(), 0.5);
 }

@@ -159,6 +159,20 @@ TEST(ExactGeodesics, OnAFlatSheetAreStraightAndEndAtTheReach) {
     EXPECT_NEAR(geodesics.to(at(charted, way))->length, way.norm(), 1e-6);
 }
 
+// The length of the line through the points of a path that was begun at `from`.
+double traced(const PathMesh& mesh, const Geodesics& geodesics, int from, int to) {
+  double mm = 0;
+  Vector3d last = mesh.place(from);
+  const std::vector<PathPoint> path = geodesics.trace(to);
+  EXPECT_TRUE(!path.empty() && path.back().a == to && path.back().b == to);
+  for (const PathPoint& p : path) {
+    const Vector3d at = mesh.place(p.a) + p.f * (mesh.place(p.b) - mesh.place(p.a));
+    mm += (at - last).norm();
+    last = at;
+  }
+  return mm;
+}
+
 // The unit cube, two triangles a face: from a corner to the opposite one it is the diagonal of two faces unfolded.
 TEST(ExactGeodesics, OverACubeAreThoseOfItsUnfolding) {
   std::vector<Vector3d> places;
@@ -174,6 +188,7 @@ TEST(ExactGeodesics, OverACubeAreThoseOfItsUnfolding) {
   EXPECT_NEAR(geodesics.to(vertex(triangles, 3))->length, std::sqrt(2), 1e-6);
   EXPECT_NEAR(geodesics.to({2, Vector3d(0.5, 0, 0.5)})->length, std::sqrt(2.5),
               1e-6);  // the middle of the far face
+  EXPECT_NEAR(traced(mesh, geodesics, 0, 7), std::sqrt(5), 1e-6);
 }
 
 // A flat L of three squares: around its inner corner paths bend.
@@ -188,6 +203,42 @@ TEST(ExactGeodesics, BendAtAnInnerCorner) {
   ASSERT_TRUE(path);
   EXPECT_NEAR(path->length, std::sqrt(1.25) + 1, 1e-6);
   EXPECT_LT((path->start - Vector3d(-1, 0.5, 0).normalized()).norm(), 1e-6);
+}
+
+TEST(ExactGeodesics, AreTracedAsLongAsTheyAre) {
+  // A flat sheet, straight over edges, along them and through vertices.
+  const Sample flat = hand_made::flat(100, 10);
+  const InkedSurface sheet = hand_made::inked(flat.sheet);
+  Geodesics on_sheet(sheet.path_mesh());
+  constexpr int middle = 60;  // of 11 x 11 vertices 10 mm apart
+  on_sheet.begin_at(vertex(sheet.triangles(), middle), 100);
+  for (const auto& [to, mm] : {std::pair{64, 40.0},
+                               {120, 50 * M_SQRT2},
+                               {84, std::hypot(20, 20)},
+                               {74, std::hypot(30, 10)},
+                               {12, std::hypot(40, 40)},
+                               {3, std::hypot(20, 50)}})
+    EXPECT_NEAR(traced(sheet.path_mesh(), on_sheet, middle, to), mm, 1e-6) << to;
+
+  // The L of three squares, around its inner corner.
+  const PathMesh corner(
+      {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {3, 4, 7}, {3, 7, 6}},
+      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {0, 2, 0}, {1, 2, 0}});
+  Geodesics around(corner);
+  around.begin_at(vertex(corner.triangles(), 2), 10);
+  EXPECT_NEAR(traced(corner, around, 2, 7), M_SQRT2 + 1, 1e-6);
+  EXPECT_NEAR(traced(corner, around, 2, 6), 2 * M_SQRT2, 1e-6);
+  around.begin_at(vertex(corner.triangles(), 2), 1);
+  EXPECT_TRUE(around.trace(7).empty());
+
+  // Bumps, where paths bend at saddles.
+  const InkedSurface bumps = hand_made::inked(hand_made::bumpy_sphere(70, 110, 55, 1.5).sheet);
+  Geodesics over(bumps.path_mesh());
+  const int from = 28 * 56 + 28;
+  over.begin_at(vertex(bumps.triangles(), from), 90);
+  for (int to = 5; to < 56 * 56; to += 391)
+    EXPECT_NEAR(traced(bumps.path_mesh(), over, from, to), over.to(vertex(bumps.triangles(), to))->length,
+                1e-6);
 }
 
 // The trees of two sources have nothing in common but the length of the path between them.

@@ -1,4 +1,4 @@
-#include "worker/coils/flat_picture.hpp"
+#include "worker/coils/metric_mds.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -28,8 +28,8 @@ void lay_on(const std::vector<Vector2d>& to, std::vector<Vector2d>& places) {
 
 }  // namespace
 
-std::vector<Vector2d> flat_picture(const std::vector<Vector2d>& start, const std::vector<Neighbours>& pairs,
-                                   const std::vector<double>& mm) {
+std::vector<Vector2d> metric_mds(const std::vector<Vector2d>& start, const std::vector<Neighbours>& pairs,
+                                 const std::vector<double>& mm) {
   constexpr int most_sweeps = 2000;
   constexpr double settled_mm = 1e-5;
   std::vector<Vector2d> places = start;
