@@ -9,6 +9,7 @@
 #include "api/base/decimal.hpp"
 #include "worker/coils/decoupling.hpp"
 #include "worker/coils/metric_mds.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/surface/voronoi.hpp"
 
 namespace vacuform {
@@ -20,8 +21,6 @@ using Eigen::Vector3d;
 
 constexpr double critical = 0.75;           // spacing over diameter: 0.758 on a plane, 0.736 on a small head
 const double hexagon = std::sqrt(3.0) / 2;  // area of a cell over its spacing squared
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Vertices of the chart that may take a centre, with their areas.
 struct SamplingDomain {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "worker/coils/inductance.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -27,8 +28,6 @@ constexpr double unit_k = 1e-3, unit_mm = 5, unit_size = 0.02;
 constexpr double bound_k = 0.008, bound_weight = 10;
 constexpr double array_weight = 100;  // of a shift of the array as a whole against that of each loop
 constexpr double off_weight = 0.1;    // of pairs of which one is off the head
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // The loop of one element with its own inductance, by the polar grid alone and with half of its points: good enough for
 // differences.

@@ -12,6 +12,7 @@
 #include "worker/flattening/held_points.hpp"
 #include "worker/flattening/methods.hpp"
 #include "worker/flattening/region.hpp"
+#include "worker/numerics/rigid_fit.hpp"
 #include "worker/stage/portion.hpp"
 
 namespace vacuform {
@@ -68,23 +69,14 @@ Result<std::vector<ChartPin>> find_pins(const FormedSheet& sheet, const std::vec
 
 // Turns the chart by the least squares rotation towards the sheet's coordinates, weighted by formed area.
 void turn_to_sheet(Chart& chart, const std::vector<Eigen::Vector2d>& start) {
-  Eigen::Vector2d mean_uv(0, 0), mean_st(0, 0);
-  double total = 0;
   std::vector<double> weight(chart.uv.size(), 0);
   for (const Triangle& t : chart.triangles) {
     const FlatTriangle f = flat_triangle(chart.inked[t[0]], chart.inked[t[1]], chart.inked[t[2]]);
     for (int v : t) weight[v] += f.length * f.height;
   }
-  for (std::size_t i = 0; i < weight.size(); ++i)
-    total += weight[i], mean_uv += weight[i] * chart.uv[i], mean_st += weight[i] * start[i];
-  mean_uv /= total, mean_st /= total;
-  double c = 0, s = 0;
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    const Eigen::Vector2d u = chart.uv[i] - mean_uv, w = start[i] - mean_st;
-    c += weight[i] * u.dot(w);
-    s += weight[i] * (u.x() * w.y() - u.y() * w.x());
-  }
-  const Eigen::Rotation2Dd turn(std::atan2(s, c));
+  RigidFit fit;
+  for (std::size_t i = 0; i < weight.size(); ++i) fit.add(chart.uv[i], start[i], weight[i]);
+  const Eigen::Rotation2Dd turn(fit.angle());
   for (auto& u : chart.uv) u = turn * u;
 }
 
@@ -237,7 +229,7 @@ Result<Flattening> flatten(const FormedSheet& sheet, const InkedSurface& surface
   if (by_coverage(settings.weights) && !coverage)
     throw std::invalid_argument("weights by ink or paint need to know where it is");
   Flattening out;
-  out.triangles = region_of_interest(sheet);
+  out.triangles = region_of_interest(sheet, surface);
   if (out.triangles.size() < 8)
     return fail(Code::unusable_surface, "hardly any of the sheet lies on the mold", "forming",
                 "give a finer sheet.resolution_mm, or a mold that is larger against it");

@@ -4,12 +4,13 @@
 #include <vector>
 
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/surface/inked_surface.hpp"
 
 namespace vacuform {
 
 // The largest connected part of the sheet that lies on the mold, with what it encloses: triangles, ascending. Empty when
 // nothing lies on the mold.
-std::vector<int> region_of_interest(const FormedSheet& sheet);
+std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface& surface);
 
 // A point of the sheet: a triangle of it and barycentric weights of its corners.
 struct Spot {

@@ -8,6 +8,7 @@
 
 #include "worker/flattening/methods.hpp"
 #include "worker/placement/bent_mesh.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/surface/exact_geodesics.hpp"
 
 namespace vacuform {
@@ -16,8 +17,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "worker/stage/index.hpp"
 #include "worker/surface/nearest_point.hpp"
 
 namespace vacuform {
@@ -10,8 +11,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Barycentric weights of p in the triangle a, b, c, or without area none that are finite.
 Vector3d weights_of(const Vector2d& p, const Vector2d& a, const Vector2d& b, const Vector2d& c) {

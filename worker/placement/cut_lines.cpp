@@ -9,6 +9,7 @@
 #include <set>
 
 #include "api/base/decimal.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/surface/exact_geodesics.hpp"
 #include "worker/surface/nearest_point.hpp"
 
@@ -20,8 +21,6 @@ using Eigen::Vector3d;
 
 constexpr double near_vertex = 0.1;  // of an edge: a cut that passes so near goes through the vertex
 constexpr double farthest_mm = 20;   // of a row's places from the chart
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // A vertex as the corner of the first triangle that has it.
 SheetPoint corner_at(const PathMesh& mesh, int vertex) {

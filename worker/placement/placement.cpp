@@ -6,6 +6,7 @@
 
 #include "api/base/decimal.hpp"
 #include "worker/placement/alignment.hpp"
+#include "worker/stage/index.hpp"
 
 namespace vacuform {
 
@@ -13,8 +14,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // The region of interest with the sheet's own triangles.
 struct Whole {

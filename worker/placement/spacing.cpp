@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/stage/index.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -14,8 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // A direction in the plane of the centre's triangle as (along the axis, across it).
 Vector2d in_frame(const InkedSurface& surface, const Centre& c, const Vector3d& direction) {

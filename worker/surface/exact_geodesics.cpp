@@ -8,6 +8,8 @@
 #include <queue>
 #include <vector>
 
+#include "worker/stage/index.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -23,7 +25,6 @@ constexpr double rounding_mm = 1e-9, rounding_angle = 1e-9;
 const Vector3d beside = 1e-8 * Vector3d(1, 0.6180339887, 0.3247179572);
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Where straight lines begin: the source itself, or a vertex at which paths bend.
 struct PseudoSource {
@@ -73,6 +74,7 @@ struct Geodesics::State {
   double reach = 0;
   int source_triangle = 0;
   Vector3d source{0, 0, 0}, axis{0, 0, 0}, across{0, 0, 0};  // the source's plane
+  Vector2d asked{0, 0};  // in it: the source as it was given, which may lie on an edge or a vertex
   std::vector<PseudoSource> pseudo_sources;
   std::vector<Window> windows;
 
@@ -264,6 +266,7 @@ struct Geodesics::State {
       const Vector3d d = corner[index(k)] - source;
       flat[index(k)] = {d.dot(axis), d.dot(across)};
     }
+    asked = at.weights[0] * flat[0] + at.weights[1] * flat[1] + at.weights[2] * flat[2];
     for (int k = 0; k < 3; ++k) {
       const Vector2d& c = flat[index(k)];
       reached(3 * at.triangle + k, c.norm(), start_of(0, c), angle_between(flat[index((k + 1) % 3)] - c, -c),
@@ -329,11 +332,12 @@ std::vector<PathPoint> Geodesics::trace(int vertex) const {
     out.push_back({vertex, vertex, 0});
     const State::Known& known = s.known[index(vertex)];
     if (known.window >= 0) {
-      const Vector2d end = s.apex(s.windows[index(known.window)]);
+      const Vector2d begin = known.pseudo_source == 0 ? s.asked : Vector2d(0, 0);
+      const Vector2d way = s.apex(s.windows[index(known.window)]) - begin;
       for (int i = known.window; i >= 0; i = s.windows[index(i)].parent) {
         const Window& w = s.windows[index(i)];
         const int t = w.side / 3, k = w.side % 3;
-        const double at_a = cross(end, w.a), at_b = cross(end, w.b);
+        const double at_a = cross(way, w.a - begin), at_b = cross(way, w.b - begin);
         const double f = at_a != at_b ? std::clamp(at_a / (at_a - at_b), 0.0, 1.0) : 0;
         out.push_back({s.mesh.corner(t, k + 1), s.mesh.corner(t, k + 2), f});
       }

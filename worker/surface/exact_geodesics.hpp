@@ -35,8 +35,8 @@ class Geodesics {
   };
   // Nothing where the target is farther than the reach.
   std::optional<Path> to(const SheetPoint& target) const;
-  // Where the path to a vertex meets edges and vertices, from behind the source to the vertex itself; edges that meet in
-  // the source are crossed at it, to a hundred-millionth of their length. Nothing where to() gives nothing.
+  // Where the path to a vertex meets edges and vertices, from behind the source to the vertex itself; of a source on a
+  // vertex also edges that begin there, at it. Nothing where to() gives nothing.
   std::vector<PathPoint> trace(int vertex) const;
 
  private:

@@ -218,7 +218,7 @@ TEST(ExactGeodesics, AreTracedAsLongAsTheyAre) {
                                {74, std::hypot(30, 10)},
                                {12, std::hypot(40, 40)},
                                {3, std::hypot(20, 50)}})
-    EXPECT_NEAR(traced(sheet.path_mesh(), on_sheet, middle, to), mm, 1e-6) << to;
+    EXPECT_NEAR(traced(sheet.path_mesh(), on_sheet, middle, to), mm, 1e-9) << to;
 
   // The L of three squares, around its inner corner.
   const PathMesh corner(
@@ -226,8 +226,8 @@ TEST(ExactGeodesics, AreTracedAsLongAsTheyAre) {
       {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {0, 2, 0}, {1, 2, 0}});
   Geodesics around(corner);
   around.begin_at(vertex(corner.triangles(), 2), 10);
-  EXPECT_NEAR(traced(corner, around, 2, 7), M_SQRT2 + 1, 1e-6);
-  EXPECT_NEAR(traced(corner, around, 2, 6), 2 * M_SQRT2, 1e-6);
+  EXPECT_NEAR(traced(corner, around, 2, 7), M_SQRT2 + 1, 1e-9);
+  EXPECT_NEAR(traced(corner, around, 2, 6), 2 * M_SQRT2, 1e-9);
   around.begin_at(vertex(corner.triangles(), 2), 1);
   EXPECT_TRUE(around.trace(7).empty());
 
