@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "worker/flattening/methods.hpp"
+#include "worker/forming/inked_face.hpp"
 #include "worker/placement/alignment.hpp"
 #include "worker/printing/print.hpp"
 
@@ -101,7 +102,7 @@ class Bench {
                      const FlatteningSettings& settings, const std::string& more = "",
                      const InkCoverage& ink = {}) {
     const double start = cpu_seconds();
-    auto made = flatten(sheet, mold, settings, InkedFace::outer, Context{}, ink);
+    auto made = flatten(sheet, inked_surface(sheet, InkedFace::outer), mold, settings, Context{}, ink);
     const double seconds = cpu_seconds() - start;
     if (!made) stop(made.error().text());
     Row row;
@@ -129,12 +130,13 @@ class Bench {
       for (const auto weights : {FlatteningWeights::ink, FlatteningWeights::center}) {
         FlatteningSettings settings;
         settings.method = method;
-        const auto even = flatten(sheet, mold, settings, InkedFace::outer, Context{});
+        const InkedSurface surface = inked_surface(sheet, InkedFace::outer);
+        const auto even = flatten(sheet, surface, mold, settings, Context{});
         if (!even) stop(even.error().text());
         settings.weights = weights;
         const auto made = measure("neonate-40w", side, sheet, mold, settings,
                                   weights == FlatteningWeights::ink ? ", ink" : ", center", ink);
-        Chart before{{}, even->inked, even->chart};
+        Chart before{{}, surface.inked(), even->chart};
         for (std::size_t k = 0; k < made.triangles.size(); ++k)
           if (made.favoured[k]) before.triangles.push_back(sheet.triangles[made.triangles[k]]);
         rows_.back().part_before = chart_quality(before).arap;
@@ -145,12 +147,13 @@ class Bench {
   void with_print(int side, const FormedSheet& sheet, const Mold& mold, const Settings& settings,
                   const Pattern& pattern) {
     const double start = cpu_seconds();
-    const auto flat = flatten(sheet, mold, settings.flattening, InkedFace::outer, Context{});
+    const InkedSurface surface = inked_surface(sheet, InkedFace::outer);
+    const auto flat = flatten(sheet, surface, mold, settings.flattening, Context{});
     if (!flat) stop(flat.error().text());
-    const auto placement = place(sheet, *flat, nullptr, settings, Context{});
+    const auto placement = place(ChartedSurface(surface, *flat), nullptr, settings, Context{});
     if (!placement) stop(placement.error().text());
-    const auto print =
-        make_print(sheet, *flat, pattern, nullptr, *placement, settings, "benchmark", Context{});
+    const auto print = make_print(ChartedSurface(surface, *flat), pattern, nullptr, *placement, settings,
+                                  "benchmark", Context{});
     if (!print) stop(print.error().text());
     Row row;
     row.surface = "neonate-40w", row.side = side, row.triangles = flat->triangles.size();

@@ -16,6 +16,8 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/coils/coupled_neighbours.hpp"
+#include "worker/forming/inked_face.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/sample/sample.hpp"
 
@@ -85,9 +87,10 @@ class Bench {
     });
     rows.back().made = count(sheet.triangles.size(), "triangles");
 
-    const auto flattening = measure(head, "flattening", [&] {
-      return flatten(sheet, mold, settings.flattening, settings.pattern.inked_face, context);
-    });
+    const InkedSurface surface = inked_surface(sheet, settings.pattern.inked_face);
+    const auto flattening = measure(
+        head, "flattening", [&] { return flatten(sheet, surface, mold, settings.flattening, context); });
+    const ChartedSurface charted(surface, flattening);
     char text[96];
     std::snprintf(text, sizeof text, "%zu triangles, energy %.5f", flattening.triangles.size(),
                   flattening.energy);
@@ -99,17 +102,19 @@ class Bench {
     rows.back().made = pattern.format();
     std::vector<Warning> of_drawing;
     const auto lines = read_drawing(drawing, pattern, of_drawing);
-    const auto placement = measure(head, "placement", [&] {
-      return place(sheet, flattening, lines ? &*lines : nullptr, settings, context);
+    const auto placement = measure(head, "placement", [&]() -> Result<Placement> {
+      VACUFORM_TRY(placed, place(charted, lines ? &*lines : nullptr, settings, context));
+      if (lines) VACUFORM_CHECK(add_couplings(charted, *lines, settings, context, placed));
+      return placed;
     });
     rows.back().made = count(placement.elements.size(), "elements");
     const auto print = measure(head, "printing", [&] {
-      return make_print(sheet, flattening, pattern, lines ? &*lines : nullptr, placement, settings,
-                        "benchmark", context);
+      return make_print(charted, pattern, lines ? &*lines : nullptr, placement, settings, "benchmark",
+                        context);
     });
     rows.back().made = count(print.png.size() / 1024, "KiB of print.png");
 
-    const Finished finished{settings, mold, sheet, flattening, pattern, print};
+    const Finished finished{settings, mold, sheet, surface, flattening, pattern, print};
     const auto files = measure(head, "inspection", [&] {
       report(finished);
       return artifacts(finished, context);

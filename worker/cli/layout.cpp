@@ -9,6 +9,7 @@
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/study_options.hpp"
 #include "worker/coils/array_layout.hpp"
+#include "worker/forming/inked_face.hpp"
 
 namespace vacuform::cli {
 
@@ -50,8 +51,9 @@ Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar
   const Settings& s = study.settings;
   VACUFORM_TRY(prepared, o.study.prepare(study, context));
   VACUFORM_TRY(sheet, form(prepared.mold, s.sheet, s.machine, s.forming, prepared.temperature, context));
-  VACUFORM_TRY(flattening, flatten(sheet, prepared.mold, s.flattening, s.pattern.inked_face, context));
-  VACUFORM_TRY(array, lay_out_array(sheet, flattening, wish, s.coils, context));
+  const InkedSurface surface = inked_surface(sheet, s.pattern.inked_face);
+  VACUFORM_TRY(flattening, flatten(sheet, surface, prepared.mold, s.flattening, context));
+  VACUFORM_TRY(array, lay_out_array(ChartedSurface(surface, flattening), wish, s.coils, context));
   const std::string what = std::to_string(o.count) + " coils, " + decimal(array.diameter_mm, 1) +
                            " mm, centres " + decimal(array.spacing_mm, 2) + " mm apart";
   std::ofstream out(o.out, std::ios::binary | std::ios::trunc);

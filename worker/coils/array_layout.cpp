@@ -8,8 +8,8 @@
 
 #include "api/base/decimal.hpp"
 #include "worker/coils/decoupling.hpp"
-#include "worker/coils/flat_picture.hpp"
-#include "worker/placement/element_layout.hpp"
+#include "worker/coils/metric_mds.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/surface/voronoi.hpp"
 
 namespace vacuform {
@@ -22,31 +22,30 @@ using Eigen::Vector3d;
 constexpr double critical = 0.75;           // spacing over diameter: 0.758 on a plane, 0.736 on a small head
 const double hexagon = std::sqrt(3.0) / 2;  // area of a cell over its spacing squared
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
 // Vertices of the chart that may take a centre, with their areas.
-struct Ground {
+struct SamplingDomain {
   std::vector<int> vertices;
   std::vector<double> areas;
   double area = 0;
 };
 
-struct Chartland {
+struct ChartVertices {
   std::vector<double> area;       // per vertex of the sheet; 0 off the chart
   std::vector<double> to_border;  // mm in space to the chart's border, of the chart's vertices
 };
 
-Chartland survey(const InkedSurface& surface, const Flattening& flattening) {
-  Chartland out{std::vector<double>(surface.inked().size(), 0), {}};
+ChartVertices chart_vertices(const ChartedSurface& charted) {
+  const InkedSurface& surface = charted.surface();
+  ChartVertices out{std::vector<double>(surface.inked().size(), 0), {}};
   std::vector<Vector3d> border;
-  for (const int t : flattening.triangles) {
+  for (const int t : charted.flattening().triangles) {
     const Triangle& c = surface.triangles()[index(t)];
     const auto at = [&](std::size_t k) -> const Vector3d& { return surface.inked()[index(c[k])]; };
     const double third = (at(1) - at(0)).cross(at(2) - at(0)).norm() / 6;
     for (int k = 0; k < 3; ++k) {
       out.area[index(c[index(k)])] += third;
       const int n = surface.across(t, k);
-      if (n < 0 || !surface.on_chart(n))
+      if (n < 0 || !charted.on_chart(n))
         border.push_back(0.5 * (at(index((k + 1) % 3)) + at(index((k + 2) % 3))));
     }
   }
@@ -60,20 +59,21 @@ Chartland survey(const InkedSurface& surface, const Flattening& flattening) {
   return out;
 }
 
-Ground ground(const InkedSurface& surface, const Chartland& land, ArrayRegion region, double margin_mm) {
+SamplingDomain sampling_domain(const InkedSurface& surface, const ChartVertices& vertices, ArrayRegion region,
+                               double margin_mm) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (std::size_t v = 0; v < land.area.size(); ++v)
-    if (land.area[v] > 0)
+  for (std::size_t v = 0; v < vertices.area.size(); ++v)
+    if (vertices.area[v] > 0)
       low = std::min(low, surface.inked()[v].y()), high = std::max(high, surface.inked()[v].y());
   const double middle = (low + high) / 2;
-  Ground out;
-  for (std::size_t v = 0; v < land.area.size(); ++v) {
-    if (land.area[v] == 0 || land.to_border[v] < margin_mm) continue;
+  SamplingDomain out;
+  for (std::size_t v = 0; v < vertices.area.size(); ++v) {
+    if (vertices.area[v] == 0 || vertices.to_border[v] < margin_mm) continue;
     const double y = surface.inked()[v].y() - middle;
     if ((region == ArrayRegion::front && y < 0) || (region == ArrayRegion::back && y > 0)) continue;
     out.vertices.push_back(static_cast<int>(v));
-    out.areas.push_back(land.area[v]);
-    out.area += land.area[v];
+    out.areas.push_back(vertices.area[v]);
+    out.area += vertices.area[v];
   }
   return out;
 }
@@ -83,15 +83,16 @@ double margin_for(double spacing_mm, double trace_mm) {
   return (0.5 / critical - 0.5) * spacing_mm + trace_mm / 2 + 1;
 }
 
-// The part of the ground about its middle that holds an area; `middle` in space.
-Ground about_middle(const InkedSurface& surface, const Ground& whole, const Vector3d& middle, double area) {
+// The part of the domain about its middle that holds an area; `middle` in space.
+SamplingDomain about_middle(const InkedSurface& surface, const SamplingDomain& whole, const Vector3d& middle,
+                            double area) {
   std::vector<std::size_t> order(whole.vertices.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto far = [&](std::size_t i) {
     return (surface.inked()[index(whole.vertices[i])] - middle).squaredNorm();
   };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return far(a) < far(b); });
-  Ground out;
+  SamplingDomain out;
   for (std::size_t i = 0; i < order.size() && out.area < area; ++i) {
     out.vertices.push_back(whole.vertices[order[i]]);
     out.areas.push_back(whole.areas[order[i]]);
@@ -100,21 +101,21 @@ Ground about_middle(const InkedSurface& surface, const Ground& whole, const Vect
   return out;
 }
 
-Vector3d middle_of(const InkedSurface& surface, const Ground& land, const Vector3d& top, ArrayRegion region) {
+Vector3d middle_of(const InkedSurface& surface, const SamplingDomain& domain, const Vector3d& top,
+                   ArrayRegion region) {
   if (region == ArrayRegion::dome) return top;
   Vector3d sum = Vector3d::Zero();
-  for (std::size_t i = 0; i < land.vertices.size(); ++i)
-    sum += land.areas[i] * surface.inked()[index(land.vertices[i])];
-  return sum / land.area;
+  for (std::size_t i = 0; i < domain.vertices.size(); ++i)
+    sum += domain.areas[i] * surface.inked()[index(domain.vertices[i])];
+  return sum / domain.area;
 }
 
-// The `count` nodes of a hexagonal lattice on the chart that are nearest to the middle of the ground.
-std::vector<Vector3d> lattice(const InkedSurface& surface, const Flattening& flattening, const Ground& land,
-                              int count) {
+// The `count` nodes of a hexagonal lattice on the chart that are nearest to the middle of the domain.
+std::vector<Vector3d> lattice(const ChartedSurface& charted, const SamplingDomain& domain, int count) {
   Vector2d middle = Vector2d::Zero();
-  for (const int v : land.vertices)
-    middle += flattening.chart[index(v)] / static_cast<double>(land.vertices.size());
-  const double spacing = std::sqrt(land.area / (hexagon * count));
+  for (const int v : domain.vertices)
+    middle += charted.flattening().chart[index(v)] / static_cast<double>(domain.vertices.size());
+  const double spacing = std::sqrt(domain.area / (hexagon * count));
   std::vector<Vector2d> nodes;
   for (int j = -count; j <= count; ++j)
     for (int i = -count; i <= count; ++i) nodes.push_back(spacing * Vector2d(i + 0.5 * (j & 1), hexagon * j));
@@ -122,7 +123,7 @@ std::vector<Vector3d> lattice(const InkedSurface& surface, const Flattening& fla
                    [](const Vector2d& a, const Vector2d& b) { return a.squaredNorm() < b.squaredNorm(); });
   std::vector<Vector3d> out;
   for (int i = 0; i < count; ++i)
-    out.push_back(surface.place(surface.at_chart(middle + nodes[index(i)]).point));
+    out.push_back(charted.surface().place(charted.at_chart(middle + nodes[index(i)]).point));
   return out;
 }
 
@@ -140,21 +141,21 @@ LaidElement loop_of(int number, double radius, double trace_mm) {
 }
 
 // A corner of one of the chart's triangles.
-SheetPoint point_at(const InkedSurface& surface, const Flattening& flattening, int vertex) {
-  for (const int t : flattening.triangles)
+SheetPoint point_at(const ChartedSurface& charted, int vertex) {
+  const std::vector<int>& triangles = charted.flattening().triangles;
+  for (const int t : triangles)
     for (int k = 0; k < 3; ++k)
-      if (surface.triangles()[index(t)][index(k)] == vertex) return {t, Vector3d::Unit(k)};
-  return {flattening.triangles.front(), Vector3d::Unit(0)};
+      if (charted.surface().triangles()[index(t)][index(k)] == vertex) return {t, Vector3d::Unit(k)};
+  return {triangles.front(), Vector3d::Unit(0)};
 }
 
-ElementLayout element_layout(const InkedSurface& surface, const Flattening& flattening,
-                             const Tessellation& cells) {
+ElementLayout element_layout(const ChartedSurface& charted, const Tessellation& cells) {
   ElementLayout out;
   for (const int v : cells.sites) {
     Centre centre;
-    centre.point = point_at(surface, flattening, v);
-    centre.axis = surface.chart_axis(centre.point.triangle);
-    centre.drawn = flattening.chart[index(v)];
+    centre.point = point_at(charted, v);
+    centre.axis = charted.axis(centre.point.triangle);
+    centre.drawn = charted.flattening().chart[index(v)];
     out.centres.push_back(centre);
   }
   // From the back to the front, and from left to right where that is the same.
@@ -234,26 +235,28 @@ Drawing drawing_of(const ElementLayout& layout, const std::vector<Vector2d>& pic
   return out;
 }
 
-// The region's ground for the wish, `extra_mm` farther from the border than the loops need.
-Result<Ground> ground_for(const InkedSurface& surface, const Chartland& land, const ArrayWish& wish,
-                          double extra_mm) {
+// The region's domain for the wish, `extra_mm` farther from the border than the loops need.
+Result<SamplingDomain> domain_for(const ChartedSurface& charted, const ChartVertices& vertices,
+                                  const ArrayWish& wish, double extra_mm) {
+  const InkedSurface& surface = charted.surface();
   const auto refuse = [&](const std::string& mend) {
     return fail(Code::unusable_surface, std::to_string(wish.count) + " loops do not fit on the region",
                 "--count", mend);
   };
   double spacing = wish.diameter_mm.value_or(0) * critical;
-  Ground out = ground(surface, land, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));
+  SamplingDomain out =
+      sampling_domain(surface, vertices, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));
   if (wish.diameter_mm) {
     const double cell = hexagon * spacing * spacing;
     if (out.area < wish.count * cell)
       return refuse("about " + std::to_string(static_cast<int>(out.area / cell)) + " of this diameter fit");
-    const Vector3d top = surface.place(surface.at_chart({0, 0}).point);
+    const Vector3d top = surface.place(charted.at_chart({0, 0}).point);
     out = about_middle(surface, out, middle_of(surface, out, top, wish.region), wish.count * cell);
   }
   constexpr int rounds = 4;  // spacing and margin hang on each other
   for (int round = 0; round < rounds && !wish.diameter_mm; ++round) {
     spacing = std::sqrt(out.area / (hexagon * wish.count));
-    out = ground(surface, land, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));
+    out = sampling_domain(surface, vertices, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));
   }
   if (out.vertices.size() < 4 * index(wish.count))
     return refuse("give fewer, or a finer sheet.resolution_mm");
@@ -271,13 +274,14 @@ double nearest_two(const InkedSurface& surface, const ElementLayout& layout) {
 }
 
 // Loops of one size, evenly spread.
-Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flattening, const Chartland& land,
+Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices& vertices,
                              const ArrayWish& wish, double extra_mm, bool settle, const Context& context) {
-  VACUFORM_TRY(where, ground_for(surface, land, wish, extra_mm));
-  const Tessellation cells = tessellate(surface, where.vertices, where.areas,
-                                        lattice(surface, flattening, where, wish.count), settle);
+  const InkedSurface& surface = charted.surface();
+  VACUFORM_TRY(where, domain_for(charted, vertices, wish, extra_mm));
+  const Tessellation cells =
+      tessellate(surface, where.vertices, where.areas, lattice(charted, where, wish.count), settle);
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  ElementLayout layout = element_layout(surface, flattening, cells);
+  ElementLayout layout = element_layout(charted, cells);
   drop_distant(surface, layout);
   double sum = 0;
   for (const Neighbours& n : layout.pairs) sum += distance(surface, layout, n);
@@ -294,7 +298,7 @@ Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flat
   for (int round = 0; round < rounds; ++round) {
     for (Neighbours& n : layout.pairs) n.drawn_mm = critical * diameter;
     const std::vector<Centre> before = layout.centres;
-    VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
+    VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context));
     for (Centre& c : layout.centres) c.moved.setZero();
     if (nearest_two(surface, layout) < least_apart * critical * diameter) {
       layout.centres = before;
@@ -305,14 +309,14 @@ Result<ElementLayout> spread(const InkedSurface& surface, const Flattening& flat
   return layout;
 }
 
-int off_head(const std::vector<ElementOnSurface>& laid) {
+int off_head(const std::vector<LaidCoil>& laid) {
   return static_cast<int>(
-      std::count_if(laid.begin(), laid.end(), [](const ElementOnSurface& e) { return !e.on_head; }));
+      std::count_if(laid.begin(), laid.end(), [](const LaidCoil& coil) { return !coil.element.on_head; }));
 }
 
 struct Trial {
   ElementLayout layout;
-  std::vector<ElementOnSurface> laid;
+  std::vector<LaidCoil> laid;
 };
 
 std::optional<StrongestPair> strongest_neighbours(const Trial& trial) {
@@ -331,50 +335,51 @@ double worst_coupling(const Trial& trial) {
 
 Result<std::optional<StrongestPair>> strongest_of_all(const Trial& trial, const Context& context) {
   std::vector<InductiveLoop> loops;
-  for (const ElementOnSurface& e : trial.laid) loops.push_back({e.loop, e.self_nh});
+  for (const LaidCoil& coil : trial.laid) loops.push_back({coil.element.loop, coil.self_nh});
   VACUFORM_TRY(matrix, coupling_matrix(loops, Stage::printing, 0, context));
   return strongest_pair(matrix, [](int) { return true; });
 }
 
 // Spread and decoupled.
-Result<Trial> try_out(const InkedSurface& surface, const Flattening& flattening, const Chartland& land,
-                      const ArrayWish& wish, const CoilSettings& coils, bool settle, const Context& context) {
-  VACUFORM_TRY(layout, spread(surface, flattening, land, wish, 0, settle, context));
+Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertices, const ArrayWish& wish,
+                      const CoilSettings& coils, bool settle, const Context& context) {
+  VACUFORM_TRY(layout, spread(charted, vertices, wish, 0, settle, context));
   layout.keep = coils.keep;
-  VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
+  VACUFORM_TRY(laid, lay_coils(charted, layout, context));
   constexpr double farther_mm = 2.5;
   constexpr int most_tries = 4;  // at equal distances some reach farther out than their cells
   for (int again = 1; again < most_tries && off_head(laid) > 0; ++again) {
-    auto next = spread(surface, flattening, land, wish, again * farther_mm, settle, context);
+    auto next = spread(charted, vertices, wish, again * farther_mm, settle, context);
     if (!next && next.error().code != Code::cancelled) break;  // no room for that
     VACUFORM_CHECK(next);
     next->keep = coils.keep;
-    VACUFORM_TRY(next_laid, lay_on_surface(surface, *next, context));
+    VACUFORM_TRY(next_laid, lay_coils(charted, *next, context));
     if (off_head(next_laid) >= off_head(laid)) continue;
     layout = std::move(*next);
     laid = std::move(next_laid);
   }
-  VACUFORM_CHECK(decouple(surface, layout, laid, coils.size_limit, context));
+  VACUFORM_CHECK(decouple(charted, layout, laid, coils.size_limit, context));
   return Trial{std::move(layout), std::move(laid)};
 }
 
 // The picture, shifted loop by loop until the least squares of the drawn distances (spacing.hpp) put each centre where
 // the layout has it; the best one met.
-Result<Drawing> picture_that_lands(const InkedSurface& surface, const ElementLayout& layout,
+Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementLayout& layout,
                                    std::vector<Vector2d> picture, double trace_mm, const Context& context) {
+  const InkedSurface& surface = charted.surface();
   constexpr int rounds = 12;
   constexpr double share = 0.7;
   Drawing best;
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
     const Drawing drawing = drawing_of(layout, picture, trace_mm);
-    ElementLayout landed = lay_by_chart(surface, drawing, {});
+    ElementLayout landed = lay_by_chart(charted, drawing, {});
     if (landed.centres.size() != picture.size()) break;  // some have left the chart
-    VACUFORM_CHECK(equalise(surface, landed.centres, landed.pairs, context));
+    VACUFORM_CHECK(multilaterate(charted, landed.centres, landed.pairs, context));
     double off = 0;
     for (std::size_t i = 0; i < picture.size(); ++i) {
-      const Vector2d is = surface.chart(landed.centres[i].point),
-                     wanted = surface.chart(layout.centres[i].point);
+      const Vector2d is = charted.chart(landed.centres[i].point),
+                     wanted = charted.chart(layout.centres[i].point);
       off += (surface.place(landed.centres[i].point) - surface.place(layout.centres[i].point)).squaredNorm();
       if (is.allFinite() && wanted.allFinite()) picture[i] += share * (wanted - is);
     }
@@ -385,16 +390,16 @@ Result<Drawing> picture_that_lands(const InkedSurface& surface, const ElementLay
 
 }  // namespace
 
-Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flattening, const ArrayWish& wish,
-                            const CoilSettings& coils, const Context& context) {
+Result<Array> lay_out_array(const ChartedSurface& charted, const ArrayWish& wish, const CoilSettings& coils,
+                            const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  const InkedSurface surface(sheet, flattening);
-  const Chartland land = survey(surface, flattening);
+  const InkedSurface& surface = charted.surface();
+  const ChartVertices vertices = chart_vertices(charted);
   // A given size is laid as the lattice is; a fitted one as the region asks. What cannot be decoupled is tried the other way.
-  VACUFORM_TRY(best, try_out(surface, flattening, land, wish, coils, !wish.diameter_mm, context));
+  VACUFORM_TRY(best, try_out(charted, vertices, wish, coils, !wish.diameter_mm, context));
   constexpr double required_k = 0.01;
   if (worst_coupling(best) >= required_k) {
-    auto other = try_out(surface, flattening, land, wish, coils, wish.diameter_mm.has_value(), context);
+    auto other = try_out(charted, vertices, wish, coils, wish.diameter_mm.has_value(), context);
     if (!other && other.error().code == Code::cancelled) return tl::make_unexpected(other.error());
     if (other && worst_coupling(*other) < worst_coupling(best)) best = std::move(*other);
   }
@@ -417,9 +422,9 @@ Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flatteni
   std::vector<Vector2d> start;
   for (const Centre& c : layout.centres) {
     out.centres.push_back(surface.place(c.point));
-    start.push_back(surface.on_chart(c.point.triangle) ? surface.chart(c.point) : c.drawn);
+    start.push_back(charted.on_chart(c.point.triangle) ? charted.chart(c.point) : c.drawn);
   }
-  VACUFORM_TRY(drawing, picture_that_lands(surface, layout, flat_picture(start, layout.pairs, mm),
+  VACUFORM_TRY(drawing, picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm),
                                            wish.trace_mm, context));
   out.drawing = std::move(drawing);
   return out;

@@ -39,8 +39,8 @@ struct Array {
 // sizes within coils.size_limit; strongest_neighbours says how well that went. Of `coils` decouple and stretch_limit do not
 // matter. Deterministic. Errors: unusable_surface (they do
 // not fit), cancelled.
-Result<Array> lay_out_array(const FormedSheet& sheet, const Flattening& flattening, const ArrayWish& wish,
-                            const CoilSettings& coils, const Context& context);
+Result<Array> lay_out_array(const ChartedSurface& charted, const ArrayWish& wish, const CoilSettings& coils,
+                            const Context& context);
 
 // The drawing as an SVG in millimetres, a group a coil.
 std::string svg_of_rings(const Drawing& drawing, const std::string& title);

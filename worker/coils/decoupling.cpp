@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "worker/coils/inductance.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -27,8 +28,6 @@ constexpr double unit_k = 1e-3, unit_mm = 5, unit_size = 0.02;
 constexpr double bound_k = 0.008, bound_weight = 10;
 constexpr double array_weight = 100;  // of a shift of the array as a whole against that of each loop
 constexpr double off_weight = 0.1;    // of pairs of which one is off the head
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // The loop of one element with its own inductance, by the polar grid alone and with half of its points: good enough for
 // differences.
@@ -52,9 +51,9 @@ double coupling(const Probe& a, const Probe& b) {
 
 class Decoupling {
  public:
-  Decoupling(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
+  Decoupling(const ChartedSurface& charted, ElementLayout& layout, std::vector<LaidCoil>& laid,
              double size_limit, bool halves_count, const Context& context)
-      : surface_(surface),
+      : charted_(charted),
         layout_(layout),
         laid_(laid),
         limit_(size_limit),
@@ -72,7 +71,7 @@ class Decoupling {
   // begin. Farther on they are wrong by something else: so it is done again, and the best layout met is kept.
   Result<void> run() {
     constexpr int most_passes = 6;
-    std::vector<ElementOnSurface> best_laid;
+    std::vector<LaidCoil> best_laid;
     ElementLayout best_layout;
     double least = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass <= most_passes; ++pass) {
@@ -83,14 +82,14 @@ class Decoupling {
       const bool bumps = !all_smooth();
       correction_ = VectorXd::Zero(exact.size());
       if (bumps) {
-        VACUFORM_TRY(rough, lay_on_surface(surface_, layout_, context_, true));
+        VACUFORM_TRY(rough, lay_coils(charted_, layout_, context_, true));
         laid_ = std::move(rough);
         correction_ = exact - couplings(laid_);
         if (!correction_.allFinite()) correction_.setZero();
       }
       VACUFORM_CHECK(improve_or_give_up());
       if (!bumps && all_smooth()) return {};
-      VACUFORM_TRY(fine, lay_on_surface(surface_, layout_, context_));
+      VACUFORM_TRY(fine, lay_coils(charted_, layout_, context_));
       laid_ = std::move(fine);
     }
     layout_ = std::move(best_layout), laid_ = std::move(best_laid);
@@ -140,11 +139,13 @@ class Decoupling {
   }
 
   bool all_smooth() const {
-    return std::all_of(laid_.begin(), laid_.end(), [](const ElementOnSurface& e) { return e.patch.smooth; });
+    return std::all_of(laid_.begin(), laid_.end(),
+                       [](const LaidCoil& coil) { return coil.element.patch.smooth; });
   }
 
   double weight(std::size_t i) const {
-    const bool on = halves_count_ ? surface_.on_chart(layout_.centres[i].point.triangle) : laid_[i].on_head;
+    const bool on =
+        halves_count_ ? charted_.on_chart(layout_.centres[i].point.triangle) : laid_[i].element.on_head;
     return on ? 1 : off_weight;
   }
 
@@ -154,7 +155,7 @@ class Decoupling {
     return {bound_weight * cube * ratio, 4 * bound_weight * cube / bound_k};
   }
 
-  VectorXd couplings(const std::vector<ElementOnSurface>& laid) const {
+  VectorXd couplings(const std::vector<LaidCoil>& laid) const {
     VectorXd k(static_cast<Index>(pairs_.size()));
     in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
       for (std::size_t p = index(first); p < index(last); ++p)
@@ -164,9 +165,7 @@ class Decoupling {
     return k;
   }
 
-  VectorXd corrected(const std::vector<ElementOnSurface>& laid) const {
-    return couplings(laid) + correction_;
-  }
+  VectorXd corrected(const std::vector<LaidCoil>& laid) const { return couplings(laid) + correction_; }
 
   double worst(const VectorXd& k) const {
     double most = 0;
@@ -206,12 +205,12 @@ class Decoupling {
 
   PolarGrid grid(std::size_t i, const Vector2d& by) const {
     Centre centre = layout_.centres[i];
-    move(surface_, centre, by);
+    move(charted_.surface(), centre, by);
     const LaidElement& e = layout_.elements[i];
     const double reach = 1.08 * (1 + limit_) * e.size * e.outline.reach_mm + 1;
-    return PolarGrid(surface_, centre.point,
-                     turned(surface_, centre.point.triangle, centre.axis, laid_[i].turn), reach,
-                     layout_.keep);
+    return PolarGrid(charted_, centre.point,
+                     turned(charted_.surface(), centre.point.triangle, centre.axis, laid_[i].element.turn),
+                     reach, layout_.keep);
   }
 
   // The change of every pair's k with the unknowns in their units, by differences; pairs' rows have six entries.
@@ -297,31 +296,31 @@ class Decoupling {
   }
 
   // The layout after a step. What lay on the head and would leave it stays where it was.
-  Result<std::vector<ElementOnSurface>> take(const VectorXd& step, const ElementLayout& before) {
+  Result<std::vector<LaidCoil>> take(const VectorXd& step, const ElementLayout& before) {
     constexpr double longest_mm = 4;
     for (std::size_t i = 0; i < start_.size(); ++i) {
       const Vector3d d = step.segment<3>(3 * static_cast<Index>(i));
       Vector2d by = unit_mm * d.head<2>();
       if (by.norm() > longest_mm) by *= longest_mm / by.norm();
-      move(surface_, layout_.centres[i], by);
+      move(charted_.surface(), layout_.centres[i], by);
       double& size = layout_.elements[i].size;
       size = std::clamp(size + unit_size * d[2], 1 - limit_, 1 + limit_);
     }
-    VACUFORM_TRY(next, lay_on_surface(surface_, layout_, context_, true));
+    VACUFORM_TRY(next, lay_coils(charted_, layout_, context_, true));
     bool left = false;
     for (std::size_t i = 0; i < next.size() && stay_on_head_; ++i) {
-      if (!laid_[i].on_head || next[i].on_head) continue;
+      if (!laid_[i].element.on_head || next[i].element.on_head) continue;
       layout_.centres[i] = before.centres[i];
       layout_.elements[i].size = before.elements[i].size;
       left = true;
     }
     if (!left) return next;
-    return lay_on_surface(surface_, layout_, context_, true);
+    return lay_coils(charted_, layout_, context_, true);
   }
 
-  const InkedSurface& surface_;
+  const ChartedSurface& charted_;
   ElementLayout& layout_;
-  std::vector<ElementOnSurface>& laid_;
+  std::vector<LaidCoil>& laid_;
   double limit_;
   bool halves_count_;  // loops that lie on the head in part alone
   const Context& context_;
@@ -334,25 +333,25 @@ class Decoupling {
 };
 
 // The largest |k| of two loops that both lie on the head.
-double worst_on_head(const ElementLayout& layout, const std::vector<ElementOnSurface>& laid) {
+double worst_on_head(const ElementLayout& layout, const std::vector<LaidCoil>& laid) {
   double most = 0;
   for (const Neighbours& n : layout.pairs)
-    if (laid[index(n.a)].on_head && laid[index(n.b)].on_head)
+    if (laid[index(n.a)].element.on_head && laid[index(n.b)].element.on_head)
       most = std::max(most, std::abs(coupling(laid[index(n.a)], laid[index(n.b)]).value_or(0)));
   return most;
 }
 
 }  // namespace
 
-Result<void> decouple(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
+Result<void> decouple(const ChartedSurface& charted, ElementLayout& layout, std::vector<LaidCoil>& laid,
                       double size_limit, const Context& context) {
   const ElementLayout layout_before = layout;
-  std::vector<ElementOnSurface> laid_before = laid;
-  VACUFORM_CHECK(Decoupling(surface, layout, laid, size_limit, true, context).run());
+  std::vector<LaidCoil> laid_before = laid;
+  VACUFORM_CHECK(Decoupling(charted, layout, laid, size_limit, true, context).run());
   if (worst_on_head(layout, laid) <= required_k) return {};
   // Loops at the foot of the mold, where the sheet is in folds, may be what holds the others back.
   ElementLayout other = layout_before;
-  VACUFORM_CHECK(Decoupling(surface, other, laid_before, size_limit, false, context).run());
+  VACUFORM_CHECK(Decoupling(charted, other, laid_before, size_limit, false, context).run());
   if (worst_on_head(other, laid_before) < worst_on_head(layout, laid))
     layout = std::move(other), laid = std::move(laid_before);
   return {};

@@ -1,7 +1,7 @@
 // Loops moved and resized until neighbours no longer couple on the real surface.
 #pragma once
 
-#include "worker/placement/element_layout.hpp"
+#include "worker/coils/laid_coil.hpp"
 
 namespace vacuform {
 
@@ -12,7 +12,7 @@ namespace vacuform {
 // of which one is off the head hardly count. `laid` is the layout on the surface, before and, on return, after. Stops once
 // every pair's |k| is below 0.001 or nothing more is gained: some tenths of a second for 19 loops, some seconds where
 // not all can vanish. Deterministic. Errors: cancelled.
-Result<void> decouple(const InkedSurface& surface, ElementLayout& layout, std::vector<ElementOnSurface>& laid,
+Result<void> decouple(const ChartedSurface& charted, ElementLayout& layout, std::vector<LaidCoil>& laid,
                       double size_limit, const Context& context);
 
 }  // namespace vacuform

@@ -35,7 +35,7 @@ Segment segment(Loop loop, std::size_t i) {
 }
 
 // The exponential of asinh x, without cancellation.
-double growth(double x) {
+double exp_asinh(double x) {
   const double root = std::sqrt(x * x + 1);
   return x > 0 ? root + x : 1 / (root - x);
 }
@@ -45,7 +45,7 @@ double along(const Vector3d& p, const Segment& b, double gap) {
   const Vector3d unit = b.way / b.length;
   const double foot = (p - b.start).dot(unit);
   const double aside = std::sqrt(((p - b.start) - foot * unit).squaredNorm() + gap * gap);
-  return std::log(growth((b.length - foot) / aside) * growth(foot / aside));
+  return std::log(exp_asinh((b.length - foot) / aside) * exp_asinh(foot / aside));
 }
 
 double on_part(const Segment& a, double from, double to, const Segment& b, double gap) {

@@ -57,36 +57,4 @@ ChartQuality chart_quality(const Chart& chart) {
   return quality;
 }
 
-std::vector<std::vector<int>> border_loops(const std::vector<Triangle>& triangles) {
-  int vertices = 0;
-  for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
-  // Border edges are those without a twin; edges by their lower vertex, so that twins meet.
-  std::vector<std::vector<std::pair<int, bool>>> edges(vertices);
-  for (const Triangle& t : triangles)
-    for (int e = 0; e < 3; ++e) {
-      const int a = t[e], b = t[(e + 1) % 3];
-      edges[std::min(a, b)].push_back({std::max(a, b), a < b});
-    }
-  std::vector<std::vector<int>> next(vertices);
-  for (int v = 0; v < vertices; ++v)
-    for (const auto& [to, upwards] : edges[v])
-      if (std::count_if(edges[v].begin(), edges[v].end(),
-                        [to = to](const auto& e) { return e.first == to; }) == 1)
-        next[upwards ? v : to].push_back(upwards ? to : v);
-
-  std::vector<std::vector<int>> loops;
-  for (int v = 0; v < vertices; ++v)
-    while (!next[v].empty()) {
-      std::vector<int> loop;
-      for (int at = v; !next[at].empty();) {
-        loop.push_back(at);
-        const int to = next[at].back();
-        next[at].pop_back();
-        at = to;
-      }
-      loops.push_back(std::move(loop));
-    }
-  return loops;
-}
-
 }  // namespace vacuform

@@ -58,7 +58,4 @@ struct ChartQuality {
 };
 ChartQuality chart_quality(const Chart& chart);
 
-// The chart's border as loops of vertices, counter-clockwise around the chart, in ascending order of the first vertex.
-std::vector<std::vector<int>> border_loops(const std::vector<Triangle>& triangles);
-
 }  // namespace vacuform

@@ -7,6 +7,7 @@
 
 #include "worker/flattening/chart_matrix.hpp"
 #include "worker/numerics/supernodal_cholesky.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 

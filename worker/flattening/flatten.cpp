@@ -12,6 +12,7 @@
 #include "worker/flattening/held_points.hpp"
 #include "worker/flattening/methods.hpp"
 #include "worker/flattening/region.hpp"
+#include "worker/numerics/rigid_fit.hpp"
 #include "worker/stage/portion.hpp"
 
 namespace vacuform {
@@ -25,21 +26,20 @@ struct Region {
   std::vector<Eigen::Vector2d> start;  // the flat sheet
 };
 
-Region chart_of(const FormedSheet& sheet, const std::vector<int>& triangles,
-                const std::vector<Eigen::Vector3d>& inked) {
+Region chart_of(const InkedSurface& surface, const std::vector<int>& triangles) {
   Region region;
-  std::vector<int> local(sheet.rest.size(), -1);
+  std::vector<int> local(surface.rest().size(), -1);
   for (const int k : triangles)
-    for (const int v : sheet.triangles[k]) local[v] = 0;
+    for (const int v : surface.triangles()[k]) local[v] = 0;
   for (std::size_t v = 0; v < local.size(); ++v) {
     if (local[v] < 0) continue;
     local[v] = static_cast<int>(region.vertices.size());
     region.vertices.push_back(static_cast<int>(v));
-    region.chart.inked.push_back(inked[v]);
-    region.start.push_back(sheet.rest[v]);
+    region.chart.inked.push_back(surface.inked()[v]);
+    region.start.push_back(surface.rest()[v]);
   }
   for (const int k : triangles) {
-    const Triangle& t = sheet.triangles[k];
+    const Triangle& t = surface.triangles()[k];
     region.chart.triangles.push_back({local[t[0]], local[t[1]], local[t[2]]});
   }
   region.chart.uv = region.start;
@@ -69,23 +69,14 @@ Result<std::vector<ChartPin>> find_pins(const FormedSheet& sheet, const std::vec
 
 // Turns the chart by the least squares rotation towards the sheet's coordinates, weighted by formed area.
 void turn_to_sheet(Chart& chart, const std::vector<Eigen::Vector2d>& start) {
-  Eigen::Vector2d mean_uv(0, 0), mean_st(0, 0);
-  double total = 0;
   std::vector<double> weight(chart.uv.size(), 0);
   for (const Triangle& t : chart.triangles) {
     const FlatTriangle f = flat_triangle(chart.inked[t[0]], chart.inked[t[1]], chart.inked[t[2]]);
     for (int v : t) weight[v] += f.length * f.height;
   }
-  for (std::size_t i = 0; i < weight.size(); ++i)
-    total += weight[i], mean_uv += weight[i] * chart.uv[i], mean_st += weight[i] * start[i];
-  mean_uv /= total, mean_st /= total;
-  double c = 0, s = 0;
-  for (std::size_t i = 0; i < weight.size(); ++i) {
-    const Eigen::Vector2d u = chart.uv[i] - mean_uv, w = start[i] - mean_st;
-    c += weight[i] * u.dot(w);
-    s += weight[i] * (u.x() * w.y() - u.y() * w.x());
-  }
-  const Eigen::Rotation2Dd turn(std::atan2(s, c));
+  RigidFit fit;
+  for (std::size_t i = 0; i < weight.size(); ++i) fit.add(chart.uv[i], start[i], weight[i]);
+  const Eigen::Rotation2Dd turn(fit.angle());
   for (auto& u : chart.uv) u = turn * u;
 }
 
@@ -232,17 +223,17 @@ void split(Flattening& out, const Chart& chart, double weight) {
 
 }  // namespace
 
-Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const FlatteningSettings& settings,
-                           InkedFace inked_face, const Context& context, const InkCoverage& coverage) {
+Result<Flattening> flatten(const FormedSheet& sheet, const InkedSurface& surface, const Mold& mold,
+                           const FlatteningSettings& settings, const Context& context,
+                           const InkCoverage& coverage) {
   if (by_coverage(settings.weights) && !coverage)
     throw std::invalid_argument("weights by ink or paint need to know where it is");
   Flattening out;
-  out.triangles = region_of_interest(sheet);
+  out.triangles = region_of_interest(sheet, surface);
   if (out.triangles.size() < 8)
     return fail(Code::unusable_surface, "hardly any of the sheet lies on the mold", "forming",
                 "give a finer sheet.resolution_mm, or a mold that is larger against it");
-  out.inked = inked_surface(sheet, inked_face);
-  auto [chart, vertices, start] = chart_of(sheet, out.triangles, out.inked);
+  auto [chart, vertices, start] = chart_of(surface, out.triangles);
 
   const Spot spot = spot_below(sheet, out.triangles, mold.top);
   if (!spot.exact) {

@@ -10,6 +10,7 @@
 #include "worker/flattening/weights.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/stage/context.hpp"
+#include "worker/surface/inked_surface.hpp"
 
 namespace vacuform {
 
@@ -26,7 +27,6 @@ namespace vacuform {
 struct Flattening {
   std::vector<int> triangles;          // of the chart: indices into FormedSheet::triangles, ascending
   std::vector<Eigen::Vector2d> chart;  // per vertex of the sheet; NaN off the chart
-  std::vector<Eigen::Vector3d> inked;  // per vertex of the sheet: the surface that carries the ink, mm
   Eigen::Vector2d top_rest;  // sheet coordinates of the top of the mold (the chart's origin without pins)
   int iterations = 0;        // of the method, all rounds
   double energy = 0;         // ARAP energy per area of the chart, dimensionless, whatever the method
@@ -44,11 +44,12 @@ struct Flattening {
       warnings;  // flattening-not-converged, -flipped, -overlaps; top-off-chart, pins-not-met
 };
 
-// Pure and deterministic. `coverage` tells where the drawing has ink when settings.weights is ink, and how dark the painted
+// Pure and deterministic. `surface` is the inked surface of the sheet. `coverage` tells where the drawing has ink when settings.weights is ink, and how dark the painted
 // map is when it is painted, and must be given then: the chart is flattened evenly first, and twice again with its place on
 // the chart before. cgal_arap and bfs know no weights. Errors: unusable_surface, bad_settings (a pin that is not on the
 // chart), cancelled.
-Result<Flattening> flatten(const FormedSheet& sheet, const Mold& mold, const FlatteningSettings& settings,
-                           InkedFace inked_face, const Context& context, const InkCoverage& coverage = {});
+Result<Flattening> flatten(const FormedSheet& sheet, const InkedSurface& surface, const Mold& mold,
+                           const FlatteningSettings& settings, const Context& context,
+                           const InkCoverage& coverage = {});
 
 }  // namespace vacuform

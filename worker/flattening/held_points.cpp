@@ -1,7 +1,6 @@
 #include "worker/flattening/held_points.hpp"
 
-#include <Eigen/Geometry>
-#include <cmath>
+#include "worker/numerics/rigid_fit.hpp"
 
 namespace vacuform {
 
@@ -30,16 +29,10 @@ Eigen::Vector2d place_of(const Chart& chart, const ChartPin& pin) {
 
 void move_onto_pins(std::vector<Eigen::Vector2d>& uv, const std::vector<Triangle>& triangles,
                     const std::vector<ChartPin>& pins) {
-  Eigen::Vector2d from(0, 0), to(0, 0);
-  for (const ChartPin& pin : pins) from += place_in(uv, triangles, pin), to += pin.target;
-  from /= static_cast<double>(pins.size()), to /= static_cast<double>(pins.size());
-  double c = 0, s = 0;
-  for (const ChartPin& pin : pins) {
-    const Eigen::Vector2d a = place_in(uv, triangles, pin) - from, b = pin.target - to;
-    c += a.dot(b);
-    s += a.x() * b.y() - a.y() * b.x();
-  }
-  const Eigen::Rotation2Dd turn(pins.size() > 1 ? std::atan2(s, c) : 0.0);
+  RigidFit fit;
+  for (const ChartPin& pin : pins) fit.add(place_in(uv, triangles, pin), pin.target);
+  const Eigen::Vector2d from = fit.from(), to = fit.to();
+  const Eigen::Rotation2Dd turn(pins.size() > 1 ? fit.angle() : 0.0);
   for (auto& p : uv) p = to + turn * (p - from);
 }
 

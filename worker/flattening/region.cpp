@@ -14,35 +14,9 @@ double area(const FormedSheet& sheet, int k) {
          (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm();
 }
 
-// Neighbours across the three edges, -1 on the sheet's border.
-std::vector<std::array<int, 3>> neighbours(const std::vector<Triangle>& triangles, std::size_t vertices) {
-  // The sides of triangles by the lower of their two vertices, so that twins stand in the same short list.
-  struct Side {
-    int upper, triangle, edge;
-  };
-  std::vector<int> first(vertices + 1, 0);
-  for (const Triangle& t : triangles)
-    for (int e = 0; e < 3; ++e) ++first[std::min(t[e], t[(e + 1) % 3]) + 1];
-  for (std::size_t v = 0; v < vertices; ++v) first[v + 1] += first[v];
-  std::vector<Side> sides(3 * triangles.size());
-  std::vector<int> end(first.begin(), first.end() - 1);
-  std::vector<std::array<int, 3>> across(triangles.size(), {-1, -1, -1});
-  for (int k = 0; k < static_cast<int>(triangles.size()); ++k)
-    for (int e = 0; e < 3; ++e) {
-      const auto [lower, upper] = std::minmax(triangles[k][e], triangles[k][(e + 1) % 3]);
-      for (int i = first[lower]; i < end[lower]; ++i)
-        if (sides[i].upper == upper) {
-          across[k][e] = sides[i].triangle;
-          across[sides[i].triangle][sides[i].edge] = k;
-        }
-      sides[end[lower]++] = {upper, k, e};
-    }
-  return across;
-}
-
 // Connected parts, across edges, of the triangles with inside[k] == wanted: a part number per triangle, else -1.
-std::vector<int> parts(const std::vector<std::array<int, 3>>& across, const std::vector<char>& inside,
-                       char wanted, int& count) {
+std::vector<int> parts(const InkedSurface& surface, const std::vector<char>& inside, char wanted,
+                       int& count) {
   std::vector<int> part(inside.size(), -1), stack;
   count = 0;
   for (int seed = 0; seed < static_cast<int>(inside.size()); ++seed) {
@@ -52,8 +26,9 @@ std::vector<int> parts(const std::vector<std::array<int, 3>>& across, const std:
     while (!stack.empty()) {
       const int k = stack.back();
       stack.pop_back();
-      for (int n : across[k])
-        if (n >= 0 && inside[n] == wanted && part[n] < 0) part[n] = count, stack.push_back(n);
+      for (int e = 0; e < 3; ++e)
+        if (const int n = surface.across(k, e); n >= 0 && inside[n] == wanted && part[n] < 0)
+          part[n] = count, stack.push_back(n);
     }
     ++count;
   }
@@ -62,15 +37,14 @@ std::vector<int> parts(const std::vector<std::array<int, 3>>& across, const std:
 
 }  // namespace
 
-std::vector<int> region_of_interest(const FormedSheet& sheet) {
-  const auto across = neighbours(sheet.triangles, sheet.rest.size());
+std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface& surface) {
   std::vector<char> inside;
   for (const Triangle& t : sheet.triangles)
     inside.push_back(
         std::all_of(t.begin(), t.end(), [&](int v) { return sheet.contact[v] == Contact::mold; }));
 
   int count = 0;
-  const auto part = parts(across, inside, 1, count);
+  const auto part = parts(surface, inside, 1, count);
   std::vector<double> size(count, 0);
   for (std::size_t k = 0; k < part.size(); ++k)
     if (part[k] >= 0) size[part[k]] += area(sheet, static_cast<int>(k));
@@ -78,29 +52,15 @@ std::vector<int> region_of_interest(const FormedSheet& sheet) {
   for (std::size_t k = 0; k < part.size(); ++k) inside[k] = count > 0 && part[k] == largest;
 
   // What does not reach the sheet's border without crossing the region is a hole of it.
-  const auto rest = parts(across, inside, 0, count);
+  const auto rest = parts(surface, inside, 0, count);
   std::vector<char> reaches_border(count, 0);
   for (std::size_t k = 0; k < rest.size(); ++k)
-    if (rest[k] >= 0 && std::count(across[k].begin(), across[k].end(), -1) > 0) reaches_border[rest[k]] = 1;
+    for (int e = 0; e < 3 && rest[k] >= 0; ++e)
+      if (surface.across(static_cast<int>(k), e) < 0) reaches_border[rest[k]] = 1;
   std::vector<int> region;
   for (std::size_t k = 0; k < rest.size(); ++k)
     if (inside[k] || (rest[k] >= 0 && !reaches_border[rest[k]])) region.push_back(static_cast<int>(k));
   return region;
-}
-
-std::vector<Eigen::Vector3d> inked_surface(const FormedSheet& sheet, InkedFace face) {
-  std::vector<Eigen::Vector3d> inked = sheet.formed;
-  if (face == InkedFace::inner) return inked;
-  std::vector<Eigen::Vector3d> normal(inked.size(), Eigen::Vector3d::Zero());
-  for (const Triangle& t : sheet.triangles) {
-    const Eigen::Vector3d n =
-        (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]);
-    for (int v : t) normal[v] += n;
-  }
-  for (std::size_t i = 0; i < inked.size(); ++i)
-    if (const double length = normal[i].norm(); length > 0)
-      inked[i] += sheet.thickness[i] / length * normal[i];
-  return inked;
 }
 
 Spot spot_below(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector3d& top) {

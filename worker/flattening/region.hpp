@@ -1,20 +1,16 @@
-// Which part of the formed sheet is laid flat, and where its ink lies.
+// Which part of the formed sheet is laid flat.
 #pragma once
 
 #include <vector>
 
-#include "api/settings.hpp"
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/surface/inked_surface.hpp"
 
 namespace vacuform {
 
 // The largest connected part of the sheet that lies on the mold, with what it encloses: triangles, ascending. Empty when
 // nothing lies on the mold.
-std::vector<int> region_of_interest(const FormedSheet& sheet);
-
-// The face that carries the ink, one place a vertex of the sheet: the formed one (inner), or the other, one thickness
-// along the vertex normals.
-std::vector<Eigen::Vector3d> inked_surface(const FormedSheet& sheet, InkedFace face);
+std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface& surface);
 
 // A point of the sheet: a triangle of it and barycentric weights of its corners.
 struct Spot {

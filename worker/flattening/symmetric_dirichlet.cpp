@@ -13,6 +13,7 @@
 #include "worker/flattening/symmetric_dirichlet_energy.hpp"
 #include "worker/numerics/supernodal_cholesky.hpp"
 #include "worker/stage/portion.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 

@@ -1,4 +1,5 @@
 #include "worker/flattening/weights.hpp"
+#include "worker/surface/adjacency.hpp"
 
 #include <algorithm>
 #include <array>
@@ -29,9 +30,7 @@ double through(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::
 }  // namespace
 
 std::vector<double> surface_distance(const Chart& chart, std::vector<double> distance) {
-  std::vector<std::vector<int>> around(distance.size());
-  for (int k = 0; k < static_cast<int>(chart.triangles.size()); ++k)
-    for (const int v : chart.triangles[k]) around[v].push_back(k);
+  const VertexFans fans(chart.triangles, distance.size());
   using Front = std::pair<double, int>;  // a distance and its vertex
   std::priority_queue<Front, std::vector<Front>, std::greater<>> front;
   for (int v = 0; v < static_cast<int>(distance.size()); ++v)
@@ -42,16 +41,15 @@ std::vector<double> surface_distance(const Chart& chart, std::vector<double> dis
     front.pop();
     if (passed[v]) continue;
     passed[v] = 1;
-    for (const int k : around[v])
-      for (const int c : chart.triangles[k]) {
-        if (passed[c]) continue;
-        const Triangle& t = chart.triangles[k];
-        const int other = t[0] + t[1] + t[2] - v - c;
-        const double found = passed[other] ? through(chart.inked[v], chart.inked[other], chart.inked[c],
-                                                     distance[v], distance[other])
-                                           : distance[v] + (chart.inked[c] - chart.inked[v]).norm();
-        if (found < distance[c]) distance[c] = found, front.push({found, c});
-      }
+    const auto around = fans.around(v);
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      const int c = around[i], other = around[i ^ 1];
+      if (passed[c]) continue;
+      const double found = passed[other] ? through(chart.inked[v], chart.inked[other], chart.inked[c],
+                                                   distance[v], distance[other])
+                                         : distance[v] + (chart.inked[c] - chart.inked[v]).norm();
+      if (found < distance[c]) distance[c] = found, front.push({found, c});
+    }
   }
   return distance;
 }

@@ -4,21 +4,6 @@
 
 namespace vacuform {
 
-ContactSpread::ContactSpread(const SheetGrid& grid) {
-  std::vector<std::vector<int>> around(grid.rest.size());
-  for (const Triangle& t : grid.triangles)
-    for (int a : t)
-      for (int b : t)
-        if (a != b) around[a].push_back(b);
-  start_.push_back(0);
-  for (auto& list : around) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-    neighbour_.insert(neighbour_.end(), list.begin(), list.end());
-    start_.push_back(static_cast<int>(neighbour_.size()));
-  }
-}
-
 double ContactSpread::one_row(const Process& process, const SheetState& state, const Points& y,
                               const SheetAsObstacle& ceiling) {
   SheetState ahead = state;
@@ -39,9 +24,9 @@ double ContactSpread::one_row(const Process& process, const SheetState& state, c
   std::vector<char> landed(state.held.size(), 0);
   for (const auto& [time, vertex] : landings) {
     bool beside_held = false, beside_landed = false;
-    for (int k = start_[vertex]; k < start_[vertex + 1]; ++k) {
-      beside_held = beside_held || state.held[neighbour_[k]];
-      beside_landed = beside_landed || landed[neighbour_[k]];
+    for (const int v : fans_.around(vertex)) {
+      beside_held = beside_held || state.held[v];
+      beside_landed = beside_landed || landed[v];
     }
     if (beside_landed && !beside_held) return std::max(time, 0.02);
     landed[vertex] = 1;

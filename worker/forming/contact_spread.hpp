@@ -1,15 +1,14 @@
 // How fast contact spreads over the sheet.
 #pragma once
 
-#include <vector>
-
 #include "worker/forming/process.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 
 class ContactSpread {
  public:
-  explicit ContactSpread(const SheetGrid& grid);
+  explicit ContactSpread(const SheetGrid& grid) : fans_(grid.triangles, grid.rest.size()) {}
 
   // The part of the straight ways from state.x to y, in (0, 1], within which contact spreads by one row of vertices: up
   // to the first vertex that would touch only after a neighbour of its own that was free before. Vertices that begin a
@@ -18,7 +17,7 @@ class ContactSpread {
                  const SheetAsObstacle& ceiling);
 
  private:
-  std::vector<int> start_, neighbour_;  // of each vertex
+  VertexFans fans_;
 };
 
 }  // namespace vacuform

@@ -60,7 +60,8 @@ double Equilibrium::energy(const Points& x, const Pull& pull, Points& gradient) 
     std::array<Eigen::Matrix3d, 4> corners;
     int k = half == 0 ? 0 : middle_;
     for (; k + 4 <= end; k += 4) {
-      total += membrane_.element_energies(x, pull.pressure, &active_[k], corners.data());
+      total += membrane_.element_energies(x, pull.pressure, std::span<const int, 4>(&active_[k], 4),
+                                          corners.data());
       for (int lane = 0; lane < 4; ++lane) add(active_[k + lane], corners[lane]);
     }
     for (; k < end; ++k) {

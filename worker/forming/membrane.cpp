@@ -77,7 +77,7 @@ Density density(MembraneLaw law, double l1, double l2) {
   d.W11 = (1 - e) * d.W11 + e * full.W11;
   d.W22 = e * full.W22;
   d.W12 = e * full.W12;
-  d.slack = true;
+  d.wrinkled = true;
   return d;
 }
 
@@ -158,7 +158,7 @@ double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::
   return area * W + p / 6 * normal.z() * (3 * a.z() + e1.z() + e2.z());
 }
 
-double Membrane::element_energies(const Points& x, double p, const int* four,
+double Membrane::element_energies(const Points& x, double p, std::span<const int, 4> four,
                                   Eigen::Matrix3d* gradients) const {
   using Lanes = Eigen::Array4d;
   Lanes az, e1[3], e2[3], g01, g02, g11, g12, weight;

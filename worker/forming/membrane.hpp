@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "api/settings.hpp"
@@ -19,7 +20,7 @@ using Points = Eigen::Matrix<double, 3, Eigen::Dynamic>;  // one column a vertex
 struct Density {
   double W, W1, W2;      // value and first derivatives
   double W11, W22, W12;  // second derivatives
-  bool slack;            // wrinkled: l2 below the natural width of the tension l1
+  bool wrinkled;         // l2 below the natural width of the tension l1
 };
 Density density(MembraneLaw law, double l1, double l2);
 
@@ -36,7 +37,8 @@ class Membrane {
   // column). The pressure pushes against the normal that counter-clockwise triangles show.
   double element_energy(const Points& x, double p, int triangle, Eigen::Matrix3d& gradient) const;
   // Four triangles at once: the sum of their energies, and their gradients. The same figures as one by one.
-  double element_energies(const Points& x, double p, const int* four, Eigen::Matrix3d* gradients) const;
+  double element_energies(const Points& x, double p, std::span<const int, 4> four,
+                          Eigen::Matrix3d* gradients) const;
   // The same for the whole sheet; the gradient (3 x vertices) is overwritten.
   double energy(const Points& x, double p, Points& gradient) const;
 

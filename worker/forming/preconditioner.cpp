@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "worker/stage/parallel.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 
@@ -18,13 +19,10 @@ Preconditioner::Preconditioner(const Membrane& membrane, const SheetGrid& grid)
     : membrane_(membrane), grid_(grid), position_(grid.rest.size()) {
   for (std::size_t k = 0; k < grid.elimination_order.size(); ++k)
     position_[grid.elimination_order[k]] = static_cast<int>(k);
-  std::vector<std::vector<int>> around(grid.rest.size());
-  for (const Triangle& t : grid.triangles)
-    for (int a : t)
-      for (int b : t)
-        if (a != b) around[a].push_back(b);
+  const VertexFans fans(grid.triangles, grid.rest.size());
   neighbour_start_.push_back(0);
-  for (auto& list : around) {
+  for (int v = 0; v < static_cast<int>(grid.rest.size()); ++v) {
+    std::vector<int> list(fans.around(v).begin(), fans.around(v).end());
     std::sort(list.begin(), list.end(), [&](int a, int b) { return position_[a] < position_[b]; });
     list.erase(std::unique(list.begin(), list.end()), list.end());
     neighbour_.insert(neighbour_.end(), list.begin(), list.end());

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include "worker/scan/ray_caster.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 
@@ -35,35 +35,13 @@ class Below {
   std::optional<RayCaster> rays_;
 };
 
-struct Neighbours {
-  // Of vertex v: all[first[v]] up to all[first[v + 1]], as pairs that make counter-clockwise triangles with v.
-  std::vector<int> first, all;
-
-  Neighbours(std::size_t vertices, const std::vector<Triangle>& triangles)
-      : first(vertices + 1, 0), all(6 * triangles.size()) {
-    for (const Triangle& t : triangles)
-      for (int v : t) first[v + 1] += 2;
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    std::vector<int> next(first.begin(), first.end() - 1);
-    for (const Triangle& t : triangles)
-      for (int k = 0; k < 3; ++k) {
-        all[next[t[k]]++] = t[(k + 1) % 3];
-        all[next[t[k]]++] = t[(k + 2) % 3];
-      }
-  }
-  template <class Visit>
-  void each(int v, Visit&& visit) const {
-    for (int k = first[v]; k < first[v + 1]; ++k) visit(all[k]);
-  }
-};
-
 class MergeTree {
  public:
   MergeTree(const FormedSheet& sheet, const TriangleMesh& mold, const PocketLimits& limits)
       : sheet_(sheet),
         limits_(limits),
         below_(mold),
-        neighbours_(sheet.rest.size(), sheet.triangles),
+        fans_(sheet.triangles, sheet.rest.size()),
         time_(sheet.contact_time),
         area_(sheet.rest.size(), 0),
         root_(sheet.rest.size(), out),
@@ -113,14 +91,14 @@ class MergeTree {
   void enter(int v) {
     std::vector<int> around;  // the branches that meet here
     bool drains = false;
-    neighbours_.each(v, [&](int w) {
-      if (root_[w] == out) return;
+    for (const int w : fans_.around(v)) {
+      if (root_[w] == out) continue;
       const int r = find(w);
       if (r == drained)
         drains = true;
       else if (std::find(around.begin(), around.end(), r) == around.end())
         around.push_back(r);
-    });
+    }
     if (drains) {
       for (int r : around) close(r, v);
       root_[v] = drained;
@@ -198,7 +176,7 @@ class MergeTree {
       for (int v : vertices) {
         Vector3d sum = Vector3d::Zero();
         int count = 0;
-        neighbours_.each(v, [&](int w) { sum += place_[w], ++count; });
+        for (const int w : fans_.around(v)) sum += place_[w], ++count;
         const Vector3d step = over_relaxation * (sum / count - place_[v]);
         place_[v] += step;
         moved = std::max(moved, step.norm());
@@ -218,19 +196,21 @@ class MergeTree {
   // Twice the sum of the area vectors of the triangles with a corner in `vertices`, which are marked as inside_.
   Vector3d area_vector(const std::vector<int>& vertices) const {
     Vector3d sum = Vector3d::Zero();
-    for (int v : vertices)
-      for (int k = neighbours_.first[v]; k < neighbours_.first[v + 1]; k += 2) {
-        const int a = neighbours_.all[k], b = neighbours_.all[k + 1];
+    for (int v : vertices) {
+      const auto around = fans_.around(v);
+      for (std::size_t k = 0; k < around.size(); k += 2) {
+        const int a = around[k], b = around[k + 1];
         if ((inside_[a] && a < v) || (inside_[b] && b < v)) continue;  // counted there
         sum += (sheet_.formed[a] - sheet_.formed[v]).cross(sheet_.formed[b] - sheet_.formed[v]);
       }
+    }
     return sum;
   }
 
   const FormedSheet& sheet_;
   PocketLimits limits_;
   Below below_;
-  Neighbours neighbours_;
+  VertexFans fans_;
   std::vector<double> time_, area_;
   std::vector<int> root_;
   std::vector<char> inside_;     // scratch of depth()

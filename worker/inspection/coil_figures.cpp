@@ -192,10 +192,9 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
   return out;
 }
 
-Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flattening,
-                                const std::vector<CoilLoops>& loops, const std::vector<NeighbourLoops>& pairs,
-                                std::optional<CoilKeep> keep, const Context& context) {
-  const MeasuredSheet measured(sheet, flattening);
+Result<CoilTable> measure_coils(const MeasuredSheet& measured, const std::vector<CoilLoops>& loops,
+                                const std::vector<NeighbourLoops>& pairs, std::optional<CoilKeep> keep,
+                                const Context& context) {
   // Two loops a coil, then two ways a pair, a few at once so that a cancel is heard.
   const int coils = static_cast<int>(loops.size()), all = 2 * (coils + static_cast<int>(pairs.size()));
   std::vector<std::optional<LoopFigures>> found(static_cast<std::size_t>(2 * coils));

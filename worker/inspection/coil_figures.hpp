@@ -112,6 +112,8 @@ struct CoilSummary {
 // Above this many coils only neighbours are coupled: CoilTable::k_with is empty.
 inline constexpr int most_coupled_coils = 256;
 
+class MeasuredSheet;
+
 struct CoilTable {
   std::vector<Coil> coils;
   std::vector<CoilPair> pairs;
@@ -125,7 +127,7 @@ struct CoilTable {
 
 // Geodesics are exact on the triangles of the sheet (exact_geodesics.hpp). Deterministic, whatever the number of threads.
 // Errors: cancelled.
-Result<CoilTable> measure_coils(const FormedSheet& sheet, const Flattening& flattening,
-                                const std::vector<CoilLoops>& loops, const std::vector<NeighbourLoops>& pairs,
-                                std::optional<CoilKeep> keep, const Context& context);
+Result<CoilTable> measure_coils(const MeasuredSheet& sheet, const std::vector<CoilLoops>& loops,
+                                const std::vector<NeighbourLoops>& pairs, std::optional<CoilKeep> keep,
+                                const Context& context);
 }  // namespace vacuform

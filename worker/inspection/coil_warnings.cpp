@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "api/base/decimal.hpp"
-#include "worker/coils/coupling_warning.hpp"
+#include "worker/coils/coupled_neighbours.hpp"
 
 namespace vacuform {
 

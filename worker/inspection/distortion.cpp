@@ -112,19 +112,19 @@ CornersUv corners_of(const Print& print, const Alignment& alignment) {
   return out;
 }
 
-DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
+DistortionValues distortion_values(const InkedSurface& surface, const std::vector<int>& chart,
                                    const CornersUv& uv) {
   DistortionValues out;
-  for (std::size_t i = 0; i < flattening.triangles.size(); ++i) {
-    const Triangle& c = sheet.triangles[static_cast<std::size_t>(flattening.triangles[i])];
-    const auto at = [&](std::size_t k) { return flattening.inked[static_cast<std::size_t>(c[k])]; };
+  for (std::size_t i = 0; i < chart.size(); ++i) {
+    const Triangle& c = surface.triangles()[static_cast<std::size_t>(chart[i])];
+    const auto at = [&](std::size_t k) { return surface.inked()[static_cast<std::size_t>(c[k])]; };
     add(uv[i], {at(0), at(1), at(2)}, out);
   }
   return out;
 }
 
-Distortion distortion(const FormedSheet& sheet, const Flattening& flattening, const CornersUv& uv) {
-  DistortionValues values = distortion_values(sheet, flattening, uv);
+Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart, const CornersUv& uv) {
+  DistortionValues values = distortion_values(surface, chart, uv);
   return {statistics(std::move(values.anisotropy)), statistics(std::move(values.area_ratio))};
 }
 

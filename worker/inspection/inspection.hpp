@@ -38,15 +38,16 @@ struct Measured {
   std::vector<Warning> warnings = {};  // of coils and traces
 };
 // Errors: cancelled.
-Result<Measured> measure(const FormedSheet& sheet, const Flattening& flattening, const Drawing& drawing,
-                         const Placement& placement, const VectorPrint& print, const Alignment& alignment,
-                         const CoilSettings& settings, const Context& context);
+Result<Measured> measure(const ChartedSurface& charted, const Drawing& drawing, const Placement& placement,
+                         const VectorPrint& print, const Alignment& alignment, const CoilSettings& settings,
+                         const Context& context);
 
 // Everything that the stages made of one job, as inspection reads it.
 struct Finished {
   const Settings& settings;
   const Mold& mold;
   const FormedSheet& sheet;
+  const InkedSurface& surface;
   const Flattening& flattening;
   const Pattern& pattern;
   const Print& print;
@@ -80,14 +81,14 @@ CornersUv corners_of(const FormedSheet& sheet, const Flattening& flattening,
 // As printed by `print`, in millimetres of the inked surface.
 CornersUv corners_of(const Print& print, const Alignment& alignment);
 
-// The figures of every triangle of the chart, with its area on the inked surface, mm2.
+// The figures of every triangle of the chart (Flattening::triangles), with its area on the inked surface, mm2.
 struct Weighted {
   double value, area;
 };
 struct DistortionValues {
   std::vector<Weighted> anisotropy, area_ratio;
 };
-DistortionValues distortion_values(const FormedSheet& sheet, const Flattening& flattening,
+DistortionValues distortion_values(const InkedSurface& surface, const std::vector<int>& chart,
                                    const CornersUv& uv);
 
 // The same over patches, from their coordinates `of` a vertex (mm of the inked surface).
@@ -103,8 +104,8 @@ Bins even_bins(const std::vector<Weighted>& values, double low);
 // The share of the area in each; what lies above the last bin counts there.
 std::vector<double> shares(const std::vector<Weighted>& values, const Bins& bins);
 
-// J from `uv` to Flattening::inked, over Flattening::triangles.
-Distortion distortion(const FormedSheet& sheet, const Flattening& flattening, const CornersUv& uv);
+// Over the triangles `chart`, J from `uv`, which is parallel to them, to the inked surface.
+Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart, const CornersUv& uv);
 
 // The figures, findings and warnings as they stand in report.json, without the parts that only the caller of
 // the pipeline knows (hashes of the inputs, versions, seconds). Keys carry their units; numbers are rounded

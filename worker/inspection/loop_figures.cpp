@@ -88,14 +88,14 @@ void cut(std::vector<Vector2d>& polygon, std::vector<Vector2d>& kept, const Vect
 
 // The area of the surface inside a loop of the flat sheet: of each triangle the share of its flat area inside, exactly.
 double enclosed_area(const MeasuredSheet& sheet, const std::vector<Vector2d>& line) {
-  const FormedSheet& formed = sheet.sheet();
+  const InkedSurface& surface = sheet.surface();
   Vector2d low = line.front(), high = low;
   for (const Vector2d& p : line) low = low.cwiseMin(p), high = high.cwiseMax(p);
   double sum = 0;
   std::vector<Vector2d> polygon, kept;
-  for (const Triangle& t : formed.triangles) {
+  for (const Triangle& t : surface.triangles()) {
     std::array<Vector2d, 3> c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = formed.rest[static_cast<std::size_t>(t[k])];
+    for (std::size_t k = 0; k < 3; ++k) c[k] = surface.rest()[static_cast<std::size_t>(t[k])];
     if ((c[0].cwiseMax(c[1]).cwiseMax(c[2]) - low).minCoeff() < 0 ||
         (high - c[0].cwiseMin(c[1]).cwiseMin(c[2])).minCoeff() < 0)
       continue;
@@ -103,7 +103,7 @@ double enclosed_area(const MeasuredSheet& sheet, const std::vector<Vector2d>& li
     for (std::size_t k = 0; k < 3 && !polygon.empty(); ++k) cut(polygon, kept, c[k], c[(k + 1) % 3]);
     const double flat = cross(c[1] - c[0], c[2] - c[0]) / 2;
     if (polygon.empty() || !(flat > 0)) continue;
-    const auto at = [&](std::size_t k) { return sheet.inked()[static_cast<std::size_t>(t[k])]; };
+    const auto at = [&](std::size_t k) { return sheet.surface().inked()[static_cast<std::size_t>(t[k])]; };
     sum += std::abs(signed_area(polygon)) / flat * (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
   }
   return sum;
@@ -111,9 +111,9 @@ double enclosed_area(const MeasuredSheet& sheet, const std::vector<Vector2d>& li
 
 // Sheet coordinates for a move in space within a triangle's plane.
 Vector2d in_rest(const MeasuredSheet& sheet, int triangle, const Vector3d& move) {
-  const Triangle& t = sheet.sheet().triangles[static_cast<std::size_t>(triangle)];
-  const auto rest = [&](std::size_t k) { return sheet.sheet().rest[static_cast<std::size_t>(t[k])]; };
-  const auto at = [&](std::size_t k) { return sheet.inked()[static_cast<std::size_t>(t[k])]; };
+  const Triangle& t = sheet.surface().triangles()[static_cast<std::size_t>(triangle)];
+  const auto rest = [&](std::size_t k) { return sheet.surface().rest()[static_cast<std::size_t>(t[k])]; };
+  const auto at = [&](std::size_t k) { return sheet.surface().inked()[static_cast<std::size_t>(t[k])]; };
   Eigen::Matrix<double, 3, 2> space;
   space << at(1) - at(0), at(2) - at(0);
   Eigen::Matrix2d flat;
@@ -140,8 +140,8 @@ double straight_length(const MeasuredSheet& sheet, const Vector2d& a, const Vect
 std::optional<std::vector<Vector2d>> polar(const MeasuredSheet& sheet, const Geodesics& geodesics,
                                            const SheetPoint& source, const std::vector<Vector2d>& line,
                                            const Vector3d& centre) {
-  const Triangle& t = sheet.sheet().triangles[static_cast<std::size_t>(source.triangle)];
-  const auto at = [&](std::size_t k) { return sheet.inked()[static_cast<std::size_t>(t[k])]; };
+  const Triangle& t = sheet.surface().triangles()[static_cast<std::size_t>(source.triangle)];
+  const auto at = [&](std::size_t k) { return sheet.surface().inked()[static_cast<std::size_t>(t[k])]; };
   const Vector3d u = (at(1) - at(0)).normalized();
   const Vector3d v = (at(1) - at(0)).cross(at(2) - at(0)).cross(u).normalized();
   std::vector<Vector2d> out;
@@ -170,15 +170,6 @@ double worst_stretch(const std::vector<Vector2d>& line, const std::vector<Vector
 }
 
 }  // namespace
-
-MeasuredSheet::MeasuredSheet(const FormedSheet& sheet, const Flattening& flattening)
-    : sheet_(sheet),
-      flattening_(flattening),
-      on_chart_(sheet.triangles.size(), 0),
-      locator_(sheet.triangles, sheet.rest),
-      path_mesh_(sheet.triangles, flattening.inked) {
-  for (const int t : flattening.triangles) on_chart_[static_cast<std::size_t>(t)] = 1;
-}
 
 std::vector<Vector2d> densified(const std::vector<Vector2d>& line, double step, bool closed) {
   std::vector<Vector2d> out;
@@ -215,7 +206,7 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
   for (std::size_t i = 0; i < line.size(); i += 4)
     reach = std::max(reach, straight_length(sheet, near, line[i]));
   if (!std::isfinite(reach)) return std::nullopt;
-  Geodesics geodesics(sheet.path_mesh());
+  Geodesics geodesics(sheet.surface().path_mesh());
   for (int round = 0; round < 12; ++round) {
     const auto source = sheet.find(out.centre_rest);
     if (!source) return std::nullopt;
@@ -266,7 +257,7 @@ double geodesic_distance(const MeasuredSheet& sheet, const Vector2d& a, const Ve
   const auto from = sheet.find(a), to = sheet.find(b);
   const double bound = straight_length(sheet, a, b);
   if (!from || !to || !std::isfinite(bound)) return std::nan("");
-  Geodesics geodesics(sheet.path_mesh());
+  Geodesics geodesics(sheet.surface().path_mesh());
   geodesics.begin_at(*from, bound);
   const auto path = geodesics.to(*to);
   return path ? path->length : std::nan("");

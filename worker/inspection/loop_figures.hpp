@@ -10,33 +10,25 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/flattening/flattening.hpp"
-#include "worker/forming/sheet_map.hpp"
-#include "worker/surface/path_mesh.hpp"
+#include "worker/placement/charted_surface.hpp"
+#include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 
-// Measures lines on one formed sheet; keeps references to what it is made of.
+// Measures lines on one formed sheet; keeps a reference to what it is made of.
 class MeasuredSheet {
  public:
-  MeasuredSheet(const FormedSheet& sheet, const Flattening& flattening);
+  explicit MeasuredSheet(const ChartedSurface& charted)
+      : charted_(charted), locator_(surface().triangles(), surface().rest()) {}
 
   std::optional<SheetPoint> find(const Eigen::Vector2d& rest) const { return locator_.find(rest); }
-  Eigen::Vector3d place(const SheetPoint& at) const {
-    return interpolate(sheet_.triangles, at, flattening_.inked);
-  }
-  bool on_chart(const SheetPoint& at) const { return on_chart_[static_cast<std::size_t>(at.triangle)] != 0; }
-
-  const FormedSheet& sheet() const { return sheet_; }
-  const std::vector<Eigen::Vector3d>& inked() const { return flattening_.inked; }
-  const PathMesh& path_mesh() const { return path_mesh_; }
+  Eigen::Vector3d place(const SheetPoint& at) const { return surface().place(at); }
+  bool on_chart(const SheetPoint& at) const { return charted_.on_chart(at.triangle); }
+  const InkedSurface& surface() const { return charted_.surface(); }
 
  private:
-  const FormedSheet& sheet_;
-  const Flattening& flattening_;
-  std::vector<std::uint8_t> on_chart_;  // per triangle
+  const ChartedSurface& charted_;
   PlaneLocator locator_;
-  PathMesh path_mesh_;
 };
 
 struct LoopFigures {

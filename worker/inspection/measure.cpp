@@ -1,5 +1,6 @@
 #include "worker/inspection/coil_warnings.hpp"
 #include "worker/inspection/inspection.hpp"
+#include "worker/inspection/loop_figures.hpp"
 
 namespace vacuform {
 
@@ -17,14 +18,14 @@ std::optional<Measured::Elements> distortion_of_elements(const Placement& placem
 
 }  // namespace
 
-Result<Measured> measure(const FormedSheet& sheet, const Flattening& flattening, const Drawing& drawing,
-                         const Placement& placement, const VectorPrint& print, const Alignment& alignment,
-                         const CoilSettings& settings, const Context& context) {
-  const std::vector<CoilLoops> loops = coil_loops(drawing, placement, print, flattening, alignment);
+Result<Measured> measure(const ChartedSurface& charted, const Drawing& drawing, const Placement& placement,
+                         const VectorPrint& print, const Alignment& alignment, const CoilSettings& settings,
+                         const Context& context) {
+  const std::vector<CoilLoops> loops = coil_loops(drawing, placement, print, charted.flattening(), alignment);
+  const MeasuredSheet sheet(charted);
   const auto keep = placement.elements.empty() ? std::nullopt : std::optional(settings.keep);
-  VACUFORM_TRY(coils,
-               measure_coils(sheet, flattening, loops, neighbours(loops, placement, drawing), keep, context));
-  Measured measured{std::move(coils), measure_traces(sheet, flattening, print, settings.stretch_limit),
+  VACUFORM_TRY(coils, measure_coils(sheet, loops, neighbours(loops, placement, drawing), keep, context));
+  Measured measured{std::move(coils), measure_traces(sheet, print, settings.stretch_limit),
                     distortion_of_elements(placement, alignment.scale)};
   measured.warnings = coil_warnings(measured.coils, settings.decouple);
   for (const Warning& warning : measured.traces.warnings) measured.warnings.push_back(warning);

@@ -38,7 +38,7 @@ std::vector<double> over_vertices(const Finished& job, Figure&& figure) {
     const auto& corners = job.sheet.triangles[static_cast<std::size_t>(t)];
     for (std::size_t k = 0; k < 3; ++k) {
       from[k] = job.sheet.rest[static_cast<std::size_t>(corners[k])];
-      to[k] = job.flattening.inked[static_cast<std::size_t>(corners[k])];
+      to[k] = job.surface.inked()[static_cast<std::size_t>(corners[k])];
     }
     const double area = (to[1] - to[0]).cross(to[2] - to[0]).norm() / 2;
     const double value = figure(singular_values(from, to));
@@ -211,9 +211,10 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
     return job.pattern.sample(alignment.pattern(rest - job.flattening.top_rest), blur / alignment.scale);
   });
   const Inked with(job, [&](const Vector2d& rest, double blur) { return print.sample(rest, blur); });
-  const Distortion before =
-      distortion(job.sheet, job.flattening, corners_of(job.sheet, job.flattening, job.sheet.rest));
-  const Distortion after = distortion(job.sheet, job.flattening, corners_of(job.print, alignment));
+  const Distortion before = distortion(job.surface, job.flattening.triangles,
+                                       corners_of(job.sheet, job.flattening, job.sheet.rest));
+  const Distortion after =
+      distortion(job.surface, job.flattening.triangles, corners_of(job.print, alignment));
   const Heat anisotropy = heat_of(over_vertices(job, [](SingularValues s) { return s.largest / s.smallest; }),
                                   before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
   const Heat area = heat_of(over_vertices(job,

@@ -113,12 +113,11 @@ Json flattening_of(const Flattening& f) {
 // Of the part of the chart that the settings favour, or of the rest.
 Distortion distortion_of_part(const Finished& job, const CornersUv& uv, bool favoured) {
   const Flattening& f = job.flattening;
-  Flattening part;
-  part.inked = f.inked;
+  std::vector<int> part;
   CornersUv of_part;
   for (std::size_t i = 0; i < f.triangles.size(); ++i)
-    if ((f.favoured[i] != 0) == favoured) part.triangles.push_back(f.triangles[i]), of_part.push_back(uv[i]);
-  return distortion(job.sheet, part, of_part);
+    if ((f.favoured[i] != 0) == favoured) part.push_back(f.triangles[i]), of_part.push_back(uv[i]);
+  return distortion(job.surface, part, of_part);
 }
 
 Json pattern_of(const Finished& job) {
@@ -148,14 +147,15 @@ Json distortion_of(const Distortion& d) {
 
 // Shares of the inked area, the last bin with all that lies above.
 Json histograms_of(const Finished& job) {
-  const auto before =
-      distortion_values(job.sheet, job.flattening, corners_of(job.sheet, job.flattening, job.sheet.rest));
-  const auto after = distortion_values(job.sheet, job.flattening, corners_of(job.print, job.alignment));
+  const auto before = distortion_values(job.surface, job.flattening.triangles,
+                                        corners_of(job.sheet, job.flattening, job.sheet.rest));
+  const auto after =
+      distortion_values(job.surface, job.flattening.triangles, corners_of(job.print, job.alignment));
   std::vector<Weighted> thickness;
   for (std::size_t i = 0; i < job.flattening.triangles.size(); ++i) {
     const auto t = static_cast<std::size_t>(job.flattening.triangles[i]);
     const auto at = [&](std::size_t k) {
-      return job.flattening.inked[static_cast<std::size_t>(job.sheet.triangles[t][k])];
+      return job.surface.inked()[static_cast<std::size_t>(job.sheet.triangles[t][k])];
     };
     thickness.push_back({job.sheet.element_thickness[t] / job.settings.sheet.thickness_mm,
                          (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2});
@@ -201,8 +201,8 @@ Json report(const Finished& job) {
   out["print"] = print_of(job);
   const CornersUv before = corners_of(job.sheet, job.flattening, job.sheet.rest),
                   after = corners_of(job.print, job.alignment);
-  out["figures"] = {{"without", distortion_of(distortion(job.sheet, job.flattening, before))},
-                    {"with", distortion_of(distortion(job.sheet, job.flattening, after))}};
+  out["figures"] = {{"without", distortion_of(distortion(job.surface, job.flattening.triangles, before))},
+                    {"with", distortion_of(distortion(job.surface, job.flattening.triangles, after))}};
   if (!job.flattening.favoured.empty())
     for (const bool favoured : {true, false}) {
       const char* name = favoured ? "favoured" : "rest";

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "worker/forming/sheet_map.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/printing/row_source.hpp"
+#include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 

@@ -107,9 +107,7 @@ Warning warning_of(const TraceFigures& figures) {
 
 }  // namespace
 
-TraceFigures measure_traces(const FormedSheet& sheet, const Flattening& flattening, const VectorPrint& print,
-                            double stretch_limit) {
-  const MeasuredSheet measured(sheet, flattening);
+TraceFigures measure_traces(const MeasuredSheet& measured, const VectorPrint& print, double stretch_limit) {
   TraceFigures out;
   out.limit = stretch_limit;
   // What is in no element may come in several parts, between the elements.

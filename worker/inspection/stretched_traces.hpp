@@ -19,6 +19,8 @@ struct StretchedTrace {
   std::vector<Warning::Mark> marks;  // one for every connected part beyond the limit, worst first
 };
 
+class MeasuredSheet;
+
 struct TraceFigures {
   double limit = 0;                        // coils.stretch_limit: 0.2 is 20 % longer
   int traces = 0;                          // elements with centre lines on the sheet
@@ -29,7 +31,6 @@ struct TraceFigures {
 };
 
 // Measures the print's centre lines a millimetre of the flat sheet at a time. Deterministic.
-TraceFigures measure_traces(const FormedSheet& sheet, const Flattening& flattening, const VectorPrint& print,
-                            double stretch_limit);
+TraceFigures measure_traces(const MeasuredSheet& sheet, const VectorPrint& print, double stretch_limit);
 
 }  // namespace vacuform

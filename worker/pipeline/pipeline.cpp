@@ -4,9 +4,10 @@
 
 #include "api/base/sha256.hpp"
 #include "api/version.hpp"
-#include "worker/coils/coupling_warning.hpp"
+#include "worker/coils/coupled_neighbours.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/heat/sheet_temperature.hpp"
+#include "worker/forming/inked_face.hpp"
 #include "worker/forming/temperature_findings.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
@@ -125,11 +126,16 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
         .sample(plain_alignment(s.pattern).pattern(chart), blur_mm / s.pattern.scale)
         .coverage();
   };
-  VACUFORM_TRY(flat,
-               flatten(formed.sheet, formed.mold, s.flattening, s.pattern.inked_face, context, coverage));
-  VACUFORM_TRY(cut, with_cut_lines(std::move(formed.sheet), std::move(flat), s.pattern.seams, context));
+  InkedSurface surface = inked_surface(formed.sheet, s.pattern.inked_face);
+  VACUFORM_TRY(flat, flatten(formed.sheet, surface, formed.mold, s.flattening, context, coverage));
+  // The steps from the cuts to the print share one stage of the job's progress.
+  const Portion cutting(context, Stage::printing, 0, 0.05), placing(context, Stage::printing, 0.05, 0.2),
+      decoupling(context, Stage::printing, 0.2, 0.4), printing(context, Stage::printing, 0.4, 1);
+  VACUFORM_TRY(cut, with_cut_lines(std::move(formed.sheet), std::move(surface), std::move(flat),
+                                   s.pattern.seams, cutting.context()));
   const FormedSheet& sheet = cut.sheet;
   const Flattening& flattening = cut.flattening;
+  const ChartedSurface charted(cut.surface, flattening);
   const Identity identity = identity_of(inputs);
 
   std::vector<Warning> of_drawing;
@@ -137,24 +143,24 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   const Drawing* lines = drawing ? &*drawing : nullptr;
   const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement, of_drawing);
   const Drawing* const laid = parts ? &parts->drawing() : lines;
-  VACUFORM_TRY(placement, place(sheet, flattening, laid, s, context, cut.edges));
-  VACUFORM_TRY(print, make_print(sheet, flattening, pattern, lines, placement, s, identity.label, context));
+  VACUFORM_TRY(placement, place(charted, laid, s, placing.context(), cut.edges));
+  if (laid) VACUFORM_CHECK(add_couplings(charted, *laid, s, decoupling.context(), placement));
+  VACUFORM_TRY(print, make_print(charted, pattern, lines, placement, s, identity.label, printing.context()));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
-  VACUFORM_TRY(alignment, align(InkedSurface(sheet, flattening), s.pattern));
+  VACUFORM_TRY(alignment, align(charted, s.pattern));
   std::optional<Measured> measured;
   const Portion measuring(context, Stage::inspection, 0, 0.3), showing(context, Stage::inspection, 0.3, 1);
   if (lines && print.vectors) {
-    VACUFORM_TRY(figures, measure(sheet, flattening, *lines, placement, *print.vectors, alignment, s.coils,
+    VACUFORM_TRY(figures, measure(charted, *lines, placement, *print.vectors, alignment, s.coils,
                                   measuring.context()));
     measured = std::move(figures);
   } else if (parts && s.coils.decouple) {  // a picture, whose coils are not measured
     if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
       print.warnings.push_back(std::move(*coupled));
   }
-  const Finished job{s,           formed.mold, sheet,
-                     flattening,  pattern,     print,
-                     formed.heat, alignment,   measured ? &*measured : nullptr,
+  const Finished job{s,         formed.mold, sheet,       cut.surface, flattening,
+                     pattern,   print,       formed.heat, alignment,   measured ? &*measured : nullptr,
                      &placement};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "api/base/decimal.hpp"
+#include "worker/numerics/rigid_fit.hpp"
+#include "worker/surface/nearest_point.hpp"
 
 namespace vacuform {
 
@@ -16,18 +18,19 @@ struct Pair {
   Vector2d drawn, chart;  // the drawing's point at its scale, and where it shall lie
 };
 
-Result<std::vector<Pair>> pairs(const InkedSurface& surface, const PatternSettings& settings) {
+Result<std::vector<Pair>> pairs(const ChartedSurface& charted, const PatternSettings& settings) {
   constexpr double farthest_mm = 20;
   std::vector<Pair> out;
   for (std::size_t i = 0; i < settings.points.size(); ++i) {
     const auto& row = settings.points[i];
-    const auto nearest = surface.nearest_on_chart(Vector3d(row[2], row[3], row[4]));
+    const auto nearest = nearest_point(charted.surface().triangles(), charted.surface().inked(),
+                                       charted.flattening().triangles, Vector3d(row[2], row[3], row[4]));
     if (nearest.distance_mm > farthest_mm)
       return fail(Code::bad_settings,
                   "a point of the mold lies " + decimal(nearest.distance_mm, 1) +
                       " mm off the part of the sheet that takes the drawing",
                   "pattern.points[" + std::to_string(i) + "]", "pick a point on the formed part");
-    out.push_back({settings.scale * Vector2d(row[0], row[1]), surface.chart(nearest.point)});
+    out.push_back({settings.scale * Vector2d(row[0], row[1]), charted.chart(nearest.point)});
   }
   return out;
 }
@@ -46,24 +49,18 @@ Alignment plain_alignment(const PatternSettings& settings) {
   return {settings.rotate_deg, settings.scale, {settings.offset_mm[0], settings.offset_mm[1]}};
 }
 
-Result<Alignment> align(const InkedSurface& surface, const PatternSettings& settings) {
+Result<Alignment> align(const ChartedSurface& charted, const PatternSettings& settings) {
   if (settings.points.empty()) return plain_alignment(settings);
-  VACUFORM_TRY(met, pairs(surface, settings));
-  // Of two points the first is the pivot: it meets exactly.
-  Vector2d drawn = met[0].drawn, chart = met[0].chart;
-  if (met.size() > 2)
-    for (std::size_t i = 1; i < met.size(); ++i) drawn += met[i].drawn, chart += met[i].chart;
-  if (met.size() > 2) drawn /= static_cast<double>(met.size()), chart /= static_cast<double>(met.size());
-  double c = 0, s = 0;
-  for (const Pair& p : met) {
-    const Vector2d x = p.drawn - drawn, y = p.chart - chart;
-    c += x.dot(y);
-    s += x.x() * y.y() - x.y() * y.x();
-  }
-  if (met.size() > 1 && std::hypot(c, s) < 1e-6)
+  VACUFORM_TRY(met, pairs(charted, settings));
+  RigidFit fit;
+  for (const Pair& p : met) fit.add(p.drawn, p.chart);
+  if (met.size() > 1 && fit.direction() < 1e-6)
     return fail(Code::bad_settings, "the points give the drawing no direction", "pattern.points",
                 "pick points that lie apart, in the drawing and on the mold");
-  const double turn = met.size() > 1 ? std::atan2(s, c) * 180 / M_PI : 0;
+  const double turn = met.size() > 1 ? fit.angle() * 180 / M_PI : 0;
+  // Of two points the first is the pivot: it meets exactly.
+  const bool pivot = met.size() == 2;
+  const Vector2d drawn = pivot ? met[0].drawn : fit.from(), chart = pivot ? met[0].chart : fit.to();
   Alignment out{turn + settings.rotate_deg, settings.scale, Vector2d::Zero()};
   out.shift_mm = chart + plain_alignment(settings).shift_mm - out.chart(drawn / settings.scale);
   return out;

@@ -1,7 +1,7 @@
 // How the drawing is laid on the chart: turned, scaled and shifted, never bent.
 #pragma once
 
-#include "worker/surface/inked_surface.hpp"
+#include "worker/placement/charted_surface.hpp"
 
 namespace vacuform {
 
@@ -22,6 +22,6 @@ Alignment plain_alignment(const PatternSettings& settings);
 // nearest one of the chart's inked surface. One point shifts the drawing onto it; of two the first meets and the second lies in its direction; three and more are met by rigid least squares. Then the
 // drawing is turned by rotate_deg about the middle of the mold's points (the first of two), and shifted by offset_mm.
 // Errors: bad_settings, naming the row: a point more than 20 mm off the chart's surface, or points that give no direction.
-Result<Alignment> align(const InkedSurface& surface, const PatternSettings& settings);
+Result<Alignment> align(const ChartedSurface& charted, const PatternSettings& settings);
 
 }  // namespace vacuform

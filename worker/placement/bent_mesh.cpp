@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <map>
 
+#include "worker/stage/index.hpp"
+
 namespace vacuform {
 
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // One round. Whether any edge was cut.
 bool halve(BentMesh& mesh, const std::function<double(const SheetPoint&)>& radius_at, double reach_mm,

@@ -1,4 +1,4 @@
-// A neighbourhood's triangles cut smaller where a map of them bends. Internal to worker/coils.
+// A neighbourhood's triangles cut smaller where a map of them bends. Internal to worker/placement.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "worker/surface/inked_surface.hpp"
+#include "worker/surface/sheet_point.hpp"
 
 namespace vacuform {
 

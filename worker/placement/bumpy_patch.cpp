@@ -8,6 +8,7 @@
 
 #include "worker/flattening/methods.hpp"
 #include "worker/placement/bent_mesh.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/surface/exact_geodesics.hpp"
 
 namespace vacuform {
@@ -16,8 +17,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -107,7 +106,7 @@ void measure(const InkedSurface& surface, BentMesh& near, const SheetPoint& cent
 }
 
 // Whether a good part of what is within `mm` in the flattening lies off the chart.
-bool leaves_chart(const InkedSurface& surface, const BentMesh& near, double mm) {
+bool leaves_chart(const ChartedSurface& charted, const BentMesh& near, double mm) {
   constexpr double good_part = 0.1;
   double off = 0, all = 0;
   for (std::size_t f = 0; f < near.faces.size(); ++f) {
@@ -116,7 +115,7 @@ bool leaves_chart(const InkedSurface& surface, const BentMesh& near, double mm) 
     if (uv(0).norm() > mm) continue;
     const double area = std::abs(cross(uv(1) - uv(0), uv(2) - uv(0)));
     all += area;
-    if (!surface.on_chart(near.faces[f])) off += area;
+    if (!charted.on_chart(near.faces[f])) off += area;
   }
   return off > good_part * all;
 }
@@ -162,16 +161,17 @@ int turned_over(const BentMesh& mesh, const std::vector<Vector2d>& uv, double in
 
 }  // namespace
 
-Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& centre, const Vector3d& axis,
-                                 double ink_mm, CoilKeep keep, const Context& context) {
+Result<ElementPatch> bumpy_patch(const ChartedSurface& charted, const SheetPoint& centre,
+                                 const Vector3d& axis, double ink_mm, CoilKeep keep, const Context& context) {
   constexpr double step_mm = 0.5, margin_mm = 3, near_mm = 10;
+  const InkedSurface& surface = charted.surface();
   constexpr std::array<double, 4> shares{0, 0.2, 0.5, 1};  // of the local flattening in the radius
   const double reach = 1.15 * ink_mm + margin_mm;
-  const PolarGrid grid(surface, centre, axis, std::min(near_mm, ink_mm), keep);
+  const PolarGrid grid(charted, centre, axis, std::min(near_mm, ink_mm), keep);
   VACUFORM_TRY(near, flattened(surface, centre, reach, context));
   const double turn = turn_of(near, grid);
   // Off the chart, on the folds at the foot of the mold, nothing is measured: the local flattening will do.
-  const bool flattening_alone = leaves_chart(surface, near, ink_mm);
+  const bool flattening_alone = leaves_chart(charted, near, ink_mm);
   near.radius.assign(near.rest.size(), 0);
   if (!flattening_alone) measure(surface, near, centre, 1.5 * reach, ink_mm);
 
@@ -222,7 +222,7 @@ Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& 
       v = to;
     }
     out.patch.triangles.push_back(t);
-    out.on_chart.push_back(surface.on_chart(near.faces[f]));
+    out.on_chart.push_back(charted.on_chart(near.faces[f]));
   }
   return out;
 }

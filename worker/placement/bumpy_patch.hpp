@@ -1,4 +1,4 @@
-// An element's patch where geodesics cross. Internal to worker/coils.
+// An element's patch where geodesics cross. Internal to worker/placement.
 #pragma once
 
 #include "worker/placement/element_patch.hpp"
@@ -6,7 +6,7 @@
 namespace vacuform {
 
 // As element_patch() says for bumps. Errors: cancelled.
-Result<ElementPatch> bumpy_patch(const InkedSurface& surface, const SheetPoint& centre,
+Result<ElementPatch> bumpy_patch(const ChartedSurface& charted, const SheetPoint& centre,
                                  const Eigen::Vector3d& axis, double ink_mm, CoilKeep keep,
                                  const Context& context);
 

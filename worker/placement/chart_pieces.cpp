@@ -3,17 +3,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <queue>
 #include <tuple>
+
+#include "worker/stage/index.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // The nearest of the seeds to each triangle of `faces` by way of its neighbours among them, and how far it is.
 struct Nearest {
@@ -56,7 +56,7 @@ void smooth(const Region& region, const Faces& faces, std::vector<int>& part) {
 
 Region::Region(const Patch& of, const std::vector<Edge>& cuts)
     : chart(of), beside(of.triangles.size(), {-1, -1, -1}), across(beside) {
-  std::map<Edge, std::pair<int, std::size_t>> open;
+  const std::vector<int> opposite = opposite_sides(chart.triangles);
   for (std::size_t t = 0; t < chart.triangles.size(); ++t) {
     const Triangle& c = chart.triangles[t];
     const Vector3d &p = chart.inked[index(c[0])], &q = chart.inked[index(c[1])],
@@ -64,13 +64,11 @@ Region::Region(const Patch& of, const std::vector<Edge>& cuts)
     middle.push_back((p + q + r) / 3);
     area.push_back((q - p).cross(r - p).norm() / 2);
     for (std::size_t e = 0; e < 3; ++e) {
+      const int side = opposite[3 * t + (e + 2) % 3];
+      if (side < 0) continue;
+      beside[t][e] = side / 3;
       const Edge edge = std::minmax(c[e], c[(e + 1) % 3]);
-      const auto [twin, first] = open.try_emplace(edge, static_cast<int>(t), e);
-      if (first) continue;
-      const auto [n, f] = twin->second;
-      beside[t][e] = n, beside[index(n)][f] = static_cast<int>(t);
-      if (std::binary_search(cuts.begin(), cuts.end(), edge)) continue;
-      across[t][e] = n, across[index(n)][f] = static_cast<int>(t);
+      if (!std::binary_search(cuts.begin(), cuts.end(), edge)) across[t][e] = side / 3;
     }
   }
 }

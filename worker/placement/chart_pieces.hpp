@@ -1,4 +1,4 @@
-// A chart as triangles with neighbours, to be cut into pieces. Internal to worker/coils.
+// A chart as triangles with neighbours, to be cut into pieces. Internal to worker/placement.
 #pragma once
 
 #include <array>

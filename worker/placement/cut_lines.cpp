@@ -3,13 +3,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "api/base/decimal.hpp"
-#include "worker/surface/inked_surface.hpp"
-#include "worker/surface/surface_path.hpp"
+#include "worker/stage/index.hpp"
+#include "worker/surface/exact_geodesics.hpp"
+#include "worker/surface/nearest_point.hpp"
 
 namespace vacuform {
 
@@ -20,19 +22,27 @@ using Eigen::Vector3d;
 constexpr double near_vertex = 0.1;  // of an edge: a cut that passes so near goes through the vertex
 constexpr double farthest_mm = 20;   // of a row's places from the chart
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+// A vertex as the corner of the first triangle that has it.
+SheetPoint corner_at(const PathMesh& mesh, int vertex) {
+  int side = 0;
+  while (mesh.corner(side / 3, side % 3) != vertex) ++side;
+  return {side / 3, Vector3d::Unit(side % 3)};
+}
 
 class Cutter {
  public:
-  Cutter(FormedSheet&& sheet, Flattening&& flattening)
-      : sheet_(std::move(sheet)), flat_(std::move(flattening)), on_chart_(sheet_.triangles.size(), -1) {
+  Cutter(FormedSheet&& sheet, const InkedSurface& surface, Flattening&& flattening)
+      : sheet_(std::move(sheet)),
+        inked_(surface.inked()),
+        flat_(std::move(flattening)),
+        on_chart_(sheet_.triangles.size(), -1) {
     for (std::size_t i = 0; i < flat_.triangles.size(); ++i)
       on_chart_[index(flat_.triangles[i])] = static_cast<int>(i);
   }
 
   // The vertex there, made where there is none; nothing where the place is too far away.
   std::optional<int> vertex_at(const Vector3d& place) {
-    const auto near = InkedSurface(sheet_, flat_).nearest_on_chart(place);
+    const auto near = nearest_point(sheet_.triangles, inked_, flat_.triangles, place);
     if (!(near.distance_mm <= farthest_mm)) return std::nullopt;
     const Triangle corners = sheet_.triangles[index(near.point.triangle)];
     for (std::size_t k = 0; k < 3; ++k)
@@ -53,10 +63,15 @@ class Cutter {
   }
 
   bool cut(int from, int to) {
-    std::vector<int> way;
-    for (const PathPoint& p : shortest_path(sheet_.triangles, flat_.inked, flat_.triangles, from, to)) {
+    std::vector<Triangle> chart;
+    for (const int t : flat_.triangles) chart.push_back(sheet_.triangles[index(t)]);
+    const PathMesh mesh(std::move(chart), inked_);
+    Geodesics geodesics(mesh);
+    geodesics.begin_at(corner_at(mesh, from), std::numeric_limits<double>::infinity());
+    std::vector<int> way{from};
+    for (const PathPoint& p : geodesics.trace(to)) {
       const int v = on_edge(p);
-      if (way.empty() || way.back() != v) way.push_back(v);
+      if (way.back() != v) way.push_back(v);
     }
     divide();
     for (std::size_t i = 1; i < way.size(); ++i) edges_.insert(std::minmax(way[i - 1], way[i]));
@@ -64,7 +79,8 @@ class Cutter {
   }
 
   CutSheet finish() {
-    return {std::move(sheet_), std::move(flat_), std::vector<Edge>(edges_.begin(), edges_.end())};
+    InkedSurface surface(sheet_.triangles, std::move(inked_), sheet_.rest);
+    return {std::move(sheet_), std::move(surface), std::move(flat_), {edges_.begin(), edges_.end()}};
   }
 
  private:
@@ -76,7 +92,7 @@ class Cutter {
       values.push_back(value);
     };
     blend(sheet_.rest), blend(sheet_.formed), blend(sheet_.thickness), blend(sheet_.temperature);
-    blend(flat_.chart), blend(flat_.inked);
+    blend(flat_.chart), blend(inked_);
     Eigen::Index most = 0;
     weights.maxCoeff(&most);
     const auto nearest = index(of[static_cast<std::size_t>(most)]);
@@ -144,6 +160,7 @@ class Cutter {
   }
 
   FormedSheet sheet_;
+  std::vector<Vector3d> inked_;
   Flattening flat_;
   std::vector<int> on_chart_;    // row in flat_.triangles of each triangle; -1 off the chart
   std::map<Edge, int> middles_;  // new vertices, of edges that are not divided yet
@@ -152,9 +169,10 @@ class Cutter {
 
 }  // namespace
 
-Result<CutSheet> with_cut_lines(FormedSheet sheet, Flattening flattening,
+Result<CutSheet> with_cut_lines(FormedSheet sheet, InkedSurface surface, Flattening flattening,
                                 const std::vector<std::array<double, 6>>& rows, const Context& context) {
-  Cutter cutter(std::move(sheet), std::move(flattening));
+  if (rows.empty()) return CutSheet{std::move(sheet), std::move(surface), std::move(flattening), {}};
+  Cutter cutter(std::move(sheet), surface, std::move(flattening));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     VACUFORM_CHECK(context.step(Stage::printing, 0));
     const auto& r = rows[i];

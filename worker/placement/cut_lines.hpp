@@ -12,6 +12,7 @@ namespace vacuform {
 // is interpolated linearly. New vertices and triangles come after those of before.
 struct CutSheet {
   FormedSheet sheet;
+  InkedSurface surface;
   Flattening flattening;
   std::vector<Edge> edges;  // of the cuts, ascending
 };
@@ -21,7 +22,7 @@ struct CutSheet {
 // that no slivers arise: it leaves the straight way by that much at most. A point off the chart is on its rim. Rows are cut
 // in their order; one that meets an earlier one shares its vertices. About 0.2 s a row on a head at 1.5 mm. Deterministic.
 // Errors: bad_settings, naming the row (further than 20 mm from the chart; from a point to itself; no way), cancelled.
-Result<CutSheet> with_cut_lines(FormedSheet sheet, Flattening flattening,
+Result<CutSheet> with_cut_lines(FormedSheet sheet, InkedSurface surface, Flattening flattening,
                                 const std::vector<std::array<double, 6>>& rows, const Context& context);
 
 }  // namespace vacuform

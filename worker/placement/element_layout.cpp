@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/coils/inductance.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -15,21 +14,22 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // The way from the chart's nearest point to a centre beyond it, chart millimetres taken along the surface.
-void go_beyond(const InkedSurface& surface, Centre& centre, const Vector2d& way) {
+void go_beyond(const ChartedSurface& charted, Centre& centre, const Vector2d& way) {
+  const InkedSurface& surface = charted.surface();
   const Vector3d axis = centre.axis;
-  centre.axis = surface.chart_axis(centre.point.triangle);
+  centre.axis = charted.axis(centre.point.triangle);
   const double turn = angle_between(surface, centre.point.triangle, centre.axis, axis);
   move(surface, centre, way);
   centre.axis = turned(surface, centre.point.triangle, centre.axis, turn);
   centre.moved.setZero();
 }
 
-Result<ElementOnSurface> lay(const InkedSurface& surface, const LaidElement& element, const Centre& centre,
+Result<ElementOnSurface> lay(const ChartedSurface& charted, const LaidElement& element, const Centre& centre,
                              double turn, CoilKeep keep, bool rough) {
   // Which thread this is nobody knows: progress and cancellation are the caller's.
-  VACUFORM_TRY(patch,
-               element_patch(surface, centre.point, turned(surface, centre.point.triangle, centre.axis, turn),
-                             element.size * element.outline.reach_mm, keep, Context(), rough));
+  VACUFORM_TRY(patch, element_patch(charted, centre.point,
+                                    turned(charted.surface(), centre.point.triangle, centre.axis, turn),
+                                    element.size * element.outline.reach_mm, keep, Context(), rough));
   ElementOnSurface laid;
   laid.turn = turn;
   laid.patch = std::move(patch);
@@ -37,32 +37,31 @@ Result<ElementOnSurface> lay(const InkedSurface& surface, const LaidElement& ele
   laid.on_head = std::all_of(element.outline.points.begin(), element.outline.points.end(),
                              [&](const Vector2d& p) { return map.on_chart(element.size * p); });
   laid.loop = loop_in_space(map, element);
-  if (!laid.loop.empty())
-    laid.self_nh = self_inductance_nh(laid.loop, element.size * element.outline.width_mm);
   return laid;
 }
 
 }  // namespace
 
-ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment) {
+ElementLayout lay_by_chart(const ChartedSurface& charted, const Drawing& drawing,
+                           const Alignment& alignment) {
   ElementLayout out;
   for (std::size_t i = 0; i < drawing.elements.size(); ++i) {
     const Element& element = drawing.elements[i];
     if (element.id.empty()) continue;
     LaidElement laid{static_cast<int>(i), outline(element, alignment.scale), 1};
     const Vector2d wanted = alignment.chart(element.centre);
-    const auto found = surface.at_chart(wanted);
+    const auto found = charted.at_chart(wanted);
     if (found.off_mm > laid.outline.reach_mm) {
       out.left_out.push_back(static_cast<int>(i));
       continue;
     }
     Centre centre;
     centre.point = found.point;
-    centre.axis = turned(surface, found.point.triangle, surface.chart_axis(found.point.triangle),
+    centre.axis = turned(charted.surface(), found.point.triangle, charted.axis(found.point.triangle),
                          alignment.turn_deg * M_PI / 180);
     centre.drawn = alignment.scale * element.centre;
     centre.radius_mm = laid.outline.radius_mm;
-    if (found.off_mm > 0) go_beyond(surface, centre, wanted - surface.chart(found.point));
+    if (found.off_mm > 0) go_beyond(charted, centre, wanted - charted.chart(found.point));
     out.elements.push_back(std::move(laid));
     out.centres.push_back(centre);
   }
@@ -70,10 +69,11 @@ ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, 
   return out;
 }
 
-Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
-                                                     const Context& context, bool rough) {
+Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& charted,
+                                                     const ElementLayout& layout, const Context& context,
+                                                     bool rough) {
   const int count = static_cast<int>(layout.elements.size());
-  const std::vector<double> turn = turns(surface, layout.centres, layout.pairs);
+  const std::vector<double> turn = turns(charted, layout.centres, layout.pairs);
   std::vector<Result<ElementOnSurface>> laid(layout.elements.size());
   constexpr int batch = 4;  // so that a cancel is heard
   for (int begin = 0; begin < count; begin += batch) {
@@ -81,7 +81,7 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface
     in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {
       for (int i = first; i < last; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        laid[k] = lay(surface, layout.elements[k], layout.centres[k], turn[k], layout.keep, rough);
+        laid[k] = lay(charted, layout.elements[k], layout.centres[k], turn[k], layout.keep, rough);
       }
     });
   }
@@ -91,11 +91,6 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface
     out.push_back(std::move(*one));
   }
   return out;
-}
-
-std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b) {
-  if (a.loop.empty() || b.loop.empty()) return {};
-  return mutual_inductance_nh(a.loop, b.loop) / std::sqrt(a.self_nh * b.self_nh);
 }
 
 }  // namespace vacuform

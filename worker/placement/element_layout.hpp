@@ -1,7 +1,6 @@
 // The elements of a drawing while they are being placed, and their loops in space.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "worker/placement/alignment.hpp"
@@ -27,7 +26,7 @@ struct ElementLayout {
 
 // The elements with an id where the chart puts their centres. A centre beyond the chart goes on straight from the chart's
 // nearest point; beyond it by more than its element reaches, the element is left out.
-ElementLayout lay_by_chart(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment);
+ElementLayout lay_by_chart(const ChartedSurface& charted, const Drawing& drawing, const Alignment& alignment);
 
 // An element once it lies on the surface.
 struct ElementOnSurface {
@@ -35,15 +34,12 @@ struct ElementOnSurface {
   ElementPatch patch;
   bool on_head = true;                // all of its curves lie on the chart
   std::vector<Eigen::Vector3d> loop;  // in space, mm; empty without a loop, or where it runs off the sheet
-  double self_nh = 0;                 // the loop's own inductance
 };
 
 // The elements of a layout where their centres are now; `rough` as in element_patch(). Errors: cancelled.
-Result<std::vector<ElementOnSurface>> lay_on_surface(const InkedSurface& surface, const ElementLayout& layout,
-                                                     const Context& context, bool rough = false);
-
-// M / sqrt(L1 L2); nothing unless both have a loop.
-std::optional<double> coupling(const ElementOnSurface& a, const ElementOnSurface& b);
+Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& charted,
+                                                     const ElementLayout& layout, const Context& context,
+                                                     bool rough = false);
 
 // The element's loop in space by flat coordinates, mm; empty where a part of it lies beyond the map. PolarGrid and
 // ElementMap are such maps.

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 }  // namespace
 
-Result<ElementPatch> element_patch(const InkedSurface& surface, const SheetPoint& centre,
+Result<ElementPatch> element_patch(const ChartedSurface& charted, const SheetPoint& centre,
                                    const Vector3d& axis, double ink_mm, CoilKeep keep, const Context& context,
                                    bool rough) {
   constexpr double margin_mm = 3, widest_step_mm = 1.8;
@@ -22,14 +22,14 @@ Result<ElementPatch> element_patch(const InkedSurface& surface, const SheetPoint
   const double reach = 1.08 * ink_mm + margin_mm;
   const int directions =
       std::clamp(4 * static_cast<int>(std::ceil(M_PI / 2 * reach / widest_step_mm)), 96, 240);
-  const PolarGrid grid(surface, centre, axis, reach, keep, directions);
+  const PolarGrid grid(charted, centre, axis, reach, keep, directions);
   const bool folded = grid.folded(ink_mm);
   if (rough || !folded) {
     ElementPatch patch = grid.patch();
     patch.smooth = !folded;
     return patch;
   }
-  return bumpy_patch(surface, centre, axis, ink_mm, keep, context);
+  return bumpy_patch(charted, centre, axis, ink_mm, keep, context);
 }
 
 ElementMap::ElementMap(const ElementPatch& patch)

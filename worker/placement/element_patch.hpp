@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "worker/forming/sheet_map.hpp"
 #include "worker/placement/patch.hpp"
-#include "worker/surface/polar_grid.hpp"
+#include "worker/placement/polar_grid.hpp"
+#include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 
@@ -22,7 +22,7 @@ struct ElementPatch {
 // direction of a local flattening (as rigid as possible) and the radius of the shortest geodesic; where even that would
 // turn triangles over, as much of the local flattening's radius as it takes not to. With `rough` it is the grid in any
 // case, which is many times faster where geodesics cross. Errors: cancelled.
-Result<ElementPatch> element_patch(const InkedSurface& surface, const SheetPoint& centre,
+Result<ElementPatch> element_patch(const ChartedSurface& charted, const SheetPoint& centre,
                                    const Eigen::Vector3d& axis, double ink_mm, CoilKeep keep,
                                    const Context& context, bool rough = false);
 

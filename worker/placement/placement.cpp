@@ -5,9 +5,8 @@
 #include <cmath>
 
 #include "api/base/decimal.hpp"
-#include "worker/coils/decoupling.hpp"
 #include "worker/placement/alignment.hpp"
-#include "worker/placement/element_layout.hpp"
+#include "worker/stage/index.hpp"
 
 namespace vacuform {
 
@@ -16,27 +15,26 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
 // The region of interest with the sheet's own triangles.
 struct Whole {
   Segment chart;
   std::vector<int> local;  // of each vertex of the sheet; -1 off the chart
 };
-Whole whole_region(const FormedSheet& sheet, const Flattening& flattening, const Alignment& alignment) {
-  Whole out{{}, std::vector<int>(sheet.rest.size(), -1)};
+Whole whole_region(const ChartedSurface& charted, const Alignment& alignment) {
+  const InkedSurface& surface = charted.surface();
+  Whole out{{}, std::vector<int>(surface.rest().size(), -1)};
   Patch& patch = out.chart.patch;
   std::vector<int>& local = out.local;
-  for (const int t : flattening.triangles) {
+  for (const int t : charted.flattening().triangles) {
     out.chart.triangles.push_back(static_cast<int>(out.chart.triangles.size()));
     Triangle corners{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto v = index(sheet.triangles[index(t)][k]);
+      const auto v = index(surface.triangles()[index(t)][k]);
       if (local[v] < 0) {
         local[v] = static_cast<int>(patch.uv.size());
-        patch.uv.push_back(alignment.pattern(flattening.chart[v]));
-        patch.rest.push_back(sheet.rest[v]);
-        patch.inked.push_back(flattening.inked[v]);
+        patch.uv.push_back(alignment.pattern(charted.flattening().chart[v]));
+        patch.rest.push_back(surface.rest()[v]);
+        patch.inked.push_back(surface.inked()[v]);
       }
       corners[k] = local[v];
     }
@@ -128,33 +126,18 @@ void say_what_was_found(const Drawing& drawing, const ElementLayout& layout,
                              " do not lie wholly on the mold."));
 }
 
-// Decoupling may lead an array away from where the user laid it.
-void say_how_far(const Drawing& drawing, const ElementLayout& layout, const std::vector<Centre>& before,
-                 std::vector<Warning>& warnings) {
-  constexpr double far_mm = 10;
-  std::size_t worst = 0;
-  double most = 0;
-  for (std::size_t i = 0; i < before.size(); ++i)
-    if (const double mm = (layout.centres[i].moved - before[i].moved).norm(); mm > most) most = mm, worst = i;
-  if (most > far_mm)
-    warnings.push_back({.code = "coils-moved",
-                        .text = "Decoupling moved the coils by up to " + decimal(most, 0) + " mm.",
-                        .figure = Warning::Figure{most, "mm", far_mm},
-                        .place = drawing.elements[index(layout.elements[worst].element)].id});
-}
-
-PlacedElement placed(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
-                     const LaidElement& element, const Centre& centre, ElementOnSurface&& laid) {
+PlacedElement placed(const InkedSurface& surface, const Drawing& drawing, double scale,
+                     const LaidElement& element, const Centre& centre, const ElementOnSurface& laid) {
   PlacedElement out;
   out.element = element.element;
   out.centre = surface.place(centre.point);
   out.centre_rest = surface.rest(centre.point);
   out.moved_mm = centre.moved.norm();
   out.turned_deg = laid.turn * 180 / M_PI;
-  out.size = alignment.scale * element.size;
+  out.size = scale * element.size;
   out.on_head = laid.on_head;
   out.smooth = laid.patch.smooth;
-  out.patch = std::move(laid.patch.patch);
+  out.patch = laid.patch.patch;
   for (Vector2d& uv : out.patch.uv) uv = drawing.elements[index(element.element)].centre + uv / out.size;
   return out;
 }
@@ -163,51 +146,27 @@ double geodesic_mm(const InkedSurface& surface, const ElementLayout& layout, con
   return connect(surface, layout.centres[index(pair.a)].point, layout.centres[index(pair.b)].point).mm;
 }
 
-Result<void> place_elements(const InkedSurface& surface, const Drawing& drawing, const Alignment& alignment,
+Result<void> place_elements(const ChartedSurface& charted, const Drawing& drawing, const Alignment& alignment,
                             const CoilSettings& settings, const Context& context, Placement& out) {
-  ElementLayout layout = lay_by_chart(surface, drawing, alignment);
+  const InkedSurface& surface = charted.surface();
+  ElementLayout layout = lay_by_chart(charted, drawing, alignment);
   layout.keep = settings.keep;
   for (const Neighbours& n : layout.pairs)
     out.pairs.push_back({n.a, n.b, n.drawn_mm, geodesic_mm(surface, layout, n), 0, {}, {}});
-  VACUFORM_CHECK(equalise(surface, layout.centres, layout.pairs, context));
-  VACUFORM_TRY(laid, lay_on_surface(surface, layout, context));
-  const auto couplings = [&](std::optional<double> PlacedPair::*k) {
-    for (PlacedPair& p : out.pairs) p.*k = coupling(laid[index(p.a)], laid[index(p.b)]);
-  };
-  couplings(&PlacedPair::k_before);
-  if (settings.decouple) {
-    const std::vector<Centre> before = layout.centres;
-    VACUFORM_CHECK(decouple(surface, layout, laid, settings.size_limit, context));
-    say_how_far(drawing, layout, before, out.warnings);
-  }
-  couplings(&PlacedPair::k);
-
-  double squares = 0;
-  int counted = 0;
-  for (std::size_t i = 0; i < out.pairs.size(); ++i) {
-    PlacedPair& pair = out.pairs[i];
-    pair.mm = geodesic_mm(surface, layout, layout.pairs[i]);
-    if (!laid[index(pair.a)].on_head || !laid[index(pair.b)].on_head) continue;
-    squares += (pair.mm - pair.drawn_mm) * (pair.mm - pair.drawn_mm);
-    ++counted;
-  }
-  if (counted > 0) out.spacing_rms_mm = std::sqrt(squares / counted);
-  say_what_was_found(drawing, layout, laid, out.warnings);
-  for (std::size_t i = 0; i < laid.size(); ++i)
-    out.elements.push_back(
-        placed(surface, drawing, alignment, layout.elements[i], layout.centres[i], std::move(laid[i])));
+  VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context));
+  VACUFORM_TRY(laid, lay_on_surface(charted, layout, context));
+  take_layout(surface, drawing, alignment.scale, std::move(layout), std::move(laid), out);
   return {};
 }
 
 }  // namespace
 
-Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, const Drawing* drawing,
-                        const Settings& settings, const Context& context, const std::vector<Edge>& cuts) {
+Result<Placement> place(const ChartedSurface& charted, const Drawing* drawing, const Settings& settings,
+                        const Context& context, const std::vector<Edge>& cuts) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  const InkedSurface surface(sheet, flattening);
-  VACUFORM_TRY(alignment, align(surface, settings.pattern));
+  VACUFORM_TRY(alignment, align(charted, settings.pattern));
   Placement out;
-  Whole whole = whole_region(sheet, flattening, alignment);
+  Whole whole = whole_region(charted, alignment);
   if (settings.pattern.placement == PatternPlacement::segments) {
     VACUFORM_CHECK(place_segments(std::move(whole), alignment, settings.pattern, cuts, context, out));
     return out;
@@ -219,8 +178,29 @@ Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, 
     return fail(Code::unusable_pattern, "the drawing has no elements", "pattern.placement",
                 "give an SVG whose coils are groups with an id, or pattern.placement=auto");
   if (elements && settings.pattern.placement != PatternPlacement::chart)
-    VACUFORM_CHECK(place_elements(surface, *drawing, alignment, settings.coils, context, out));
+    VACUFORM_CHECK(place_elements(charted, *drawing, alignment, settings.coils, context, out));
   return out;
+}
+
+void take_layout(const InkedSurface& surface, const Drawing& drawing, double scale, ElementLayout layout,
+                 std::vector<ElementOnSurface> laid, Placement& out) {
+  out.layout = std::move(layout), out.laid = std::move(laid);
+  double squares = 0;
+  int counted = 0;
+  for (std::size_t i = 0; i < out.pairs.size(); ++i) {
+    PlacedPair& pair = out.pairs[i];
+    pair.mm = geodesic_mm(surface, out.layout, out.layout.pairs[i]);
+    if (!out.laid[index(pair.a)].on_head || !out.laid[index(pair.b)].on_head) continue;
+    squares += (pair.mm - pair.drawn_mm) * (pair.mm - pair.drawn_mm);
+    ++counted;
+  }
+  out.spacing_rms_mm = counted > 0 ? std::sqrt(squares / counted) : 0;
+  out.warnings.clear();
+  say_what_was_found(drawing, out.layout, out.laid, out.warnings);
+  out.elements.clear();
+  for (std::size_t i = 0; i < out.laid.size(); ++i)
+    out.elements.push_back(
+        placed(surface, drawing, scale, out.layout.elements[i], out.layout.centres[i], out.laid[i]));
 }
 
 }  // namespace vacuform

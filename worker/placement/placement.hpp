@@ -1,5 +1,5 @@
 // Where each element of a drawing lies on the head: the centres on the inked surface, each element in its own
-// neighbourhood, and, where asked for, coils moved and resized until they no longer couple.
+// neighbourhood. What couples and is decoupled is for coils/ (coupled_neighbours.hpp).
 #pragma once
 
 #include <map>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "worker/flattening/flattening.hpp"
 #include "worker/pattern/drawing.hpp"
+#include "worker/placement/element_layout.hpp"
 #include "worker/placement/segments.hpp"
 
 namespace vacuform {
@@ -31,7 +31,8 @@ struct PlacedPair {
   int a = 0, b = 0;  // indices into Placement::elements, a < b
   double drawn_mm = 0, chart_mm = 0,
          mm = 0;  // distance of the centres: in the drawing; geodesic as the chart puts them, and as placed
-  std::optional<double> k_before, k;  // coupling before and after decoupling; loops only
+  // Coupling before and after decoupling, of loops; place() knows nothing of it, add_couplings() fills it in.
+  std::optional<double> k_before, k;
 };
 
 struct Placement {
@@ -41,6 +42,9 @@ struct Placement {
   std::vector<Seam> seams;              // between the charts, and slits in them
   std::vector<PlacedElement> elements;  // empty when the drawing is laid on one chart
   std::vector<PlacedPair> pairs;
+  // What the elements are made of (take_layout()): in the same order, and as they lie in flat coordinates.
+  ElementLayout layout;
+  std::vector<ElementOnSurface> laid;
   double spacing_rms_mm = 0;  // of mm - drawn_mm over the pairs whose coils are both on the head
   std::vector<Warning> warnings;
 };
@@ -48,7 +52,12 @@ struct Placement {
 // Lays the drawing by settings.pattern and settings.coils. Without a drawing of vectors, or with placement chart or
 // segments, only charts are there. `cuts`: edges of the sheet, ascending, along which segments are cut (with_cut_lines()).
 // Deterministic. Errors: cancelled, unusable_pattern (placement elements without elements).
-Result<Placement> place(const FormedSheet& sheet, const Flattening& flattening, const Drawing* drawing,
-                        const Settings& settings, const Context& context, const std::vector<Edge>& cuts = {});
+Result<Placement> place(const ChartedSurface& charted, const Drawing* drawing, const Settings& settings,
+                        const Context& context, const std::vector<Edge>& cuts = {});
+
+// Takes elements that were moved or resized into the placement: its layout, elements, distances of pairs and warnings.
+// `scale` is that of the drawing (pattern.scale).
+void take_layout(const InkedSurface& surface, const Drawing& drawing, double scale, ElementLayout layout,
+                 std::vector<ElementOnSurface> laid, Placement& placement);
 
 }  // namespace vacuform

@@ -7,7 +7,10 @@
 #include <map>
 
 #include "worker/flattening/methods.hpp"
+#include "worker/numerics/rigid_fit.hpp"
 #include "worker/pattern/area.hpp"
+#include "worker/stage/index.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 
@@ -21,38 +24,6 @@ constexpr std::size_t smallest = 32;  // triangles that are not cut any more
 constexpr double in_place_mm = 3, in_place = 0.05;
 constexpr int stitches = 200;    // rounds of moving the segments towards each other
 constexpr double anchor = 0.01;  // how much a segment's place in the chart counts against its seams
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-// Weighted points that a rigid motion takes as near as it can to others (Kabsch, in the plane).
-class RigidFit {
- public:
-  void add(const Vector2d& from, const Vector2d& to, double weight) {
-    pairs_.push_back({from, to, weight});
-    weight_ += weight, from_ += weight * from, to_ += weight * to;
-  }
-  Eigen::Isometry2d motion() const {
-    const Vector2d from = from_ / weight_, to = to_ / weight_;
-    double c = 0, s = 0;
-    for (const auto& [p, q, w] : pairs_) {
-      const Vector2d a = p - from, b = q - to;
-      c += w * a.dot(b), s += w * (a.x() * b.y() - a.y() * b.x());
-    }
-    Eigen::Isometry2d out = Eigen::Isometry2d::Identity();
-    out.rotate(Eigen::Rotation2Dd(std::atan2(s, c)));
-    out.translation() = to - out.linear() * from;
-    return out;
-  }
-
- private:
-  struct Pair {
-    Vector2d from, to;
-    double weight;
-  };
-  std::vector<Pair> pairs_;
-  double weight_ = 0;
-  Vector2d from_{0, 0}, to_{0, 0};
-};
 
 // Where the chart has a segment's vertices.
 std::vector<Vector2d> places_in_chart(const Region& region, const Segment& segment) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/stage/index.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -15,11 +17,17 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
 // A direction in the plane of the centre's triangle as (along the axis, across it).
 Vector2d in_frame(const InkedSurface& surface, const Centre& c, const Vector3d& direction) {
   return {direction.dot(c.axis), direction.dot(surface.normal(c.point.triangle).cross(c.axis))};
+}
+
+// The way between two centres; where they coincide, the chart's u axis is its direction.
+Connection way_between(const ChartedSurface& charted, const Centre& a, const Centre& b) {
+  Connection way = connect(charted.surface(), a.point, b.point);
+  if (way.leaving.isZero(0)) way.leaving = charted.axis(a.point.triangle);
+  if (way.arriving.isZero(0)) way.arriving = charted.axis(b.point.triangle);
+  return way;
 }
 
 struct Measured {
@@ -27,11 +35,11 @@ struct Measured {
   double squares = 0;  // of the distances' errors
 };
 
-Measured measure(const InkedSurface& surface, const std::vector<Centre>& centres,
+Measured measure(const ChartedSurface& charted, const std::vector<Centre>& centres,
                  const std::vector<Neighbours>& pairs) {
   Measured out;
   for (const Neighbours& n : pairs) {
-    out.ways.push_back(connect(surface, centres[index(n.a)].point, centres[index(n.b)].point));
+    out.ways.push_back(way_between(charted, centres[index(n.a)], centres[index(n.b)]));
     const double error = out.ways.back().mm - n.drawn_mm;
     out.squares += error * error;
   }
@@ -88,14 +96,15 @@ std::vector<Neighbours> neighbours(const std::vector<Centre>& centres) {
   return out;
 }
 
-Result<void> equalise(const InkedSurface& surface, std::vector<Centre>& centres,
-                      const std::vector<Neighbours>& pairs, const Context& context) {
+Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& centres,
+                           const std::vector<Neighbours>& pairs, const Context& context) {
   if (pairs.empty()) return {};
   constexpr int most_iterations = 40;
   constexpr double held = 1e-2;  // weight that keeps what no pair holds; too weak to be seen in a distance
   const Eigen::Index size = 2 * static_cast<Eigen::Index>(centres.size());
+  const InkedSurface& surface = charted.surface();
   const MatrixXd rigid = rigid_rows(centres);
-  Measured now = measure(surface, centres, pairs);
+  Measured now = measure(charted, centres, pairs);
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     VACUFORM_CHECK(context.step(Stage::printing, 0));
     MatrixXd normal = held * held * MatrixXd::Identity(size, size) + rigid.transpose() * rigid;
@@ -124,7 +133,7 @@ Result<void> equalise(const InkedSurface& surface, std::vector<Centre>& centres,
       centres = before;
       for (Eigen::Index i = 0; i < size / 2; ++i)
         move(surface, centres[static_cast<std::size_t>(i)], step.segment<2>(2 * i));
-      next = measure(surface, centres, pairs);
+      next = measure(charted, centres, pairs);
       if (next.squares <= now.squares * (1 + 1e-9) + 1e-9 * static_cast<double>(pairs.size())) break;
     }
     now = std::move(next);
@@ -133,17 +142,17 @@ Result<void> equalise(const InkedSurface& surface, std::vector<Centre>& centres,
   return {};
 }
 
-std::vector<double> turns(const InkedSurface& surface, const std::vector<Centre>& centres,
+std::vector<double> turns(const ChartedSurface& charted, const std::vector<Centre>& centres,
                           const std::vector<Neighbours>& pairs) {
   std::vector<Vector2d> sum(centres.size(), Vector2d::Zero());  // of unit vectors at the turns wanted
   const auto add = [&](int from, int to, const Vector3d& direction) {
-    const Vector2d there = in_frame(surface, centres[index(from)], direction);
+    const Vector2d there = in_frame(charted.surface(), centres[index(from)], direction);
     const Vector2d drawn = centres[index(to)].drawn - centres[index(from)].drawn;
     const double turn = std::atan2(there.y(), there.x()) - std::atan2(drawn.y(), drawn.x());
     sum[index(from)] += Vector2d(std::cos(turn), std::sin(turn));
   };
   for (const Neighbours& n : pairs) {
-    const Connection way = connect(surface, centres[index(n.a)].point, centres[index(n.b)].point);
+    const Connection way = way_between(charted, centres[index(n.a)], centres[index(n.b)]);
     add(n.a, n.b, way.leaving);
     add(n.b, n.a, -way.arriving);
   }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "worker/placement/charted_surface.hpp"
 #include "worker/surface/geodesic.hpp"
 
 namespace vacuform {
@@ -34,12 +35,12 @@ std::vector<Neighbours> neighbours(const std::vector<Centre>& centres);
 // Newton's method, whose gradients are the directions in which the geodesics arrive. The array as a whole neither drifts
 // nor turns: the moves, taken in the drawing, have no mean and no mean moment about the middle of the centres. What no
 // pair holds stays where it is. Until no centre moves by a micrometre. Deterministic. Errors: cancelled.
-Result<void> equalise(const InkedSurface& surface, std::vector<Centre>& centres,
-                      const std::vector<Neighbours>& pairs, const Context& context);
+Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& centres,
+                           const std::vector<Neighbours>& pairs, const Context& context);
 
 // The turn of each centre's axis, radians, that brings the drawn directions to its neighbours nearest to the directions
 // on the surface (Procrustes); 0 without neighbours.
-std::vector<double> turns(const InkedSurface& surface, const std::vector<Centre>& centres,
+std::vector<double> turns(const ChartedSurface& charted, const std::vector<Centre>& centres,
                           const std::vector<Neighbours>& pairs);
 
 }  // namespace vacuform

@@ -38,18 +38,17 @@ LaidInk::LaidInk(const RowSource& source, const Grid& grid, int channels) : grid
   }
 }
 
-double LaidInk::share_on(const FormedSheet& sheet, const Flattening& flattening) const {
-  std::vector<std::uint8_t> on_chart(sheet.triangles.size(), 0);
-  for (const int t : flattening.triangles) on_chart[static_cast<std::size_t>(t)] = 1;
+double LaidInk::share_on(const ChartedSurface& charted) const {
+  const InkedSurface& surface = charted.surface();
   double all = 0, on = 0;
-  for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
+  for (std::size_t t = 0; t < surface.triangles().size(); ++t) {
     std::array<Vector2d, 3> corners;
     std::array<Eigen::Vector3d, 3> formed;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto v = static_cast<std::size_t>(sheet.triangles[t][k]);
-      corners[k] = {sheet.rest[v].x() / grid_.pixel_mm + 0.5 * grid_.width,
-                    0.5 * grid_.height - sheet.rest[v].y() / grid_.pixel_mm};
-      formed[k] = flattening.inked[v];
+      const auto v = static_cast<std::size_t>(surface.triangles()[t][k]);
+      corners[k] = {surface.rest()[v].x() / grid_.pixel_mm + 0.5 * grid_.width,
+                    0.5 * grid_.height - surface.rest()[v].y() / grid_.pixel_mm};
+      formed[k] = surface.inked()[v];
     }
     const Vector2d a = corners[1] - corners[0], b = corners[2] - corners[0];
     const double flat = std::abs(a.x() * b.y() - a.y() * b.x());
@@ -61,7 +60,7 @@ double LaidInk::share_on(const FormedSheet& sheet, const Flattening& flattening)
     if (sum == 0 || !(flat > 0)) continue;
     const double area = (formed[1] - formed[0]).cross(formed[2] - formed[0]).norm() / flat;
     all += area * static_cast<double>(sum);
-    if (on_chart[t] != 0) on += area * static_cast<double>(sum);
+    if (charted.on_chart(static_cast<int>(t))) on += area * static_cast<double>(sum);
   }
   return all > 0 ? on / all : 1;
 }

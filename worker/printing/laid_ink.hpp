@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/flattening/flattening.hpp"
+#include "worker/placement/charted_surface.hpp"
 #include "worker/printing/row_source.hpp"
 
 namespace vacuform {
@@ -22,7 +22,7 @@ class LaidInk {
   LaidInk(const RowSource& source, const Grid& grid, int channels);
 
   // Of the ink, by its area on the formed surface, the share that lies on the chart; 1 without any ink.
-  double share_on(const FormedSheet& sheet, const Flattening& flattening) const;
+  double share_on(const ChartedSurface& charted) const;
   // Whether there is ink closer than `mm` to a place of the sheet.
   bool any_near(const Eigen::Vector2d& rest, double mm) const;
 

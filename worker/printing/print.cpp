@@ -86,10 +86,12 @@ std::vector<std::array<Vector2d, 3>> uv_of_corners(const std::vector<Segment>& c
 }
 
 // The charts as one; at a seam the coordinates are those of one of its sides.
-Patch whole_region(const FormedSheet& sheet, const Flattening& flattening, const Print& print) {
-  Patch out{{}, std::vector<Vector2d>(sheet.rest.size()), sheet.rest, flattening.inked};
-  for (std::size_t i = 0; i < flattening.triangles.size(); ++i) {
-    out.triangles.push_back(sheet.triangles[static_cast<std::size_t>(flattening.triangles[i])]);
+Patch whole_region(const ChartedSurface& charted, const Print& print) {
+  const InkedSurface& surface = charted.surface();
+  const std::vector<int>& triangles = charted.flattening().triangles;
+  Patch out{{}, std::vector<Vector2d>(surface.rest().size()), surface.rest(), surface.inked()};
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    out.triangles.push_back(surface.triangles()[static_cast<std::size_t>(triangles[i])]);
     for (std::size_t k = 0; k < 3; ++k)
       out.uv[static_cast<std::size_t>(out.triangles.back()[k])] = print.pattern_uv[i][k];
   }
@@ -272,9 +274,9 @@ Result<void> draw(const RowSource& source, const Marks& marks, const Settings& s
 
 }  // namespace
 
-Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening, const Pattern& pattern,
-                         const Drawing* drawing, const Placement& placement, const Settings& settings,
-                         const std::string& label, const Context& context) {
+Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
+                         const Placement& placement, const Settings& settings, const std::string& label,
+                         const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   Print print;
   print.warnings = pattern.warnings();
@@ -295,7 +297,7 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
   const std::optional<InkParts> parts =
       drawing || placement.elements.empty() ? std::optional<InkParts>() : InkParts(pattern);
   const LaidInk ink = laid_ink(print, placement, parts ? &*parts : nullptr, pattern, settings.sheet);
-  print.ink_on_head = print.ink_printed * ink.share_on(sheet, flattening);
+  print.ink_on_head = print.ink_printed * ink.share_on(charted);
   std::vector<RasterLayer> layers = drawing ? std::vector<RasterLayer>() : layers_of(placement);
   if (settings.print.compensate_ink && !compensate(layers, pattern))
     print.warnings.push_back(
@@ -304,7 +306,7 @@ Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening,
          .place = "print.compensate_ink"});
   Marks marks;
   if (settings.print.marks) {
-    const Patch region = whole_region(sheet, flattening, print);
+    const Patch region = whole_region(charted, print);
     marks = lay_out_marks(settings, printable(label), taken_by(region, print),
                           outline_of_mold(region, settings.sheet.resolution_mm, ink, print.mirrored));
     print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "api/settings.hpp"
-#include "worker/flattening/flattening.hpp"
 #include "worker/pattern/pattern.hpp"
 #include "worker/placement/placement.hpp"
 #include "worker/printing/vector_print.hpp"
@@ -64,8 +63,8 @@ struct Print {
 // name of the job on the print (the digest of its inputs, so that bytes repeat); what is not printable ASCII in it becomes
 // '?'. Pure and deterministic, whatever the number of threads.
 // Errors: cancelled; unusable_pattern (no ink falls onto the chart); too_large (more than 32,000 pixels a side).
-Result<Print> make_print(const FormedSheet& sheet, const Flattening& flattening, const Pattern& pattern,
-                         const Drawing* drawing, const Placement& placement, const Settings& settings,
-                         const std::string& label, const Context& context);
+Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
+                         const Placement& placement, const Settings& settings, const std::string& label,
+                         const Context& context);
 
 }  // namespace vacuform

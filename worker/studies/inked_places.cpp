@@ -3,8 +3,8 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "worker/flattening/region.hpp"
-#include "worker/forming/sheet_map.hpp"
+#include "worker/forming/inked_face.hpp"
+#include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 
@@ -35,7 +35,7 @@ std::vector<Gradient> gradients(const FormedSheet& sheet, const std::vector<Eige
 
 Eigen::VectorXd inked_places(const FormedSheet& sheet, InkedFace face,
                              const std::vector<Eigen::Vector2d>& rest) {
-  const std::vector<Eigen::Vector3d> places = inked_surface(sheet, face);
+  const std::vector<Eigen::Vector3d> places = inked_positions(sheet, face);
   const std::vector<Gradient> gradient = gradients(sheet, places);
   const PlaneLocator locator(sheet.triangles, sheet.rest);
   Eigen::VectorXd out = Eigen::VectorXd::Constant(3 * static_cast<Eigen::Index>(rest.size()),

@@ -8,6 +8,8 @@
 #include <queue>
 #include <vector>
 
+#include "worker/stage/index.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -23,22 +25,23 @@ constexpr double rounding_mm = 1e-9, rounding_angle = 1e-9;
 const Vector3d beside = 1e-8 * Vector3d(1, 0.6180339887, 0.3247179572);
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Where straight lines begin: the source itself, or a vertex at which paths bend.
-struct Root {
+struct PseudoSource {
   double before = 0;        // mm from the source to here
   Vector3d start{0, 0, 0};  // in which the path to here leaves the source
+  int vertex = -1;          // -1: the source itself
 };
 
-// What a root sees through one side of a triangle: everything between two rays. In the plane of the root, which is its
+// What a pseudo-source sees through one side of a triangle: everything between two rays. In the plane of the pseudo-source, which is its
 // origin; the triangles on the way are unfolded into it.
 struct Window {
   int side = 0;  // of the triangle that is entered
-  int root = 0;
+  int pseudo_source = 0;
   Vector2d a, b;         // the side's ends, a on the left
   Vector2d left, right;  // on the side, where the rays come through
-  int next = -1;         // of the windows on the same side
+  int parent = -1;  // the window that this one was seen through; -1: seen from its pseudo-source's triangle
+  int next = -1;    // of the windows on the same side
 };
 
 // Counter-clockwise from one direction to another.
@@ -65,13 +68,14 @@ Vector2d met(const Vector2d& through, const Vector2d& p, const Vector2d& q) {
 
 struct Geodesics::State {
   explicit State(const PathMesh& of)
-      : mesh(of), heads(index(3 * of.triangles()), -1), seen(heads.size()), known(index(of.vertices())) {}
+      : mesh(of), heads(3 * of.triangles().size(), -1), seen(heads.size()), known(of.places().size()) {}
 
   const PathMesh& mesh;
   double reach = 0;
   int source_triangle = 0;
-  Vector3d source{0, 0, 0}, axis{0, 0, 0}, across{0, 0, 0};  // the source root's plane
-  std::vector<Root> roots;
+  Vector3d source{0, 0, 0}, axis{0, 0, 0}, across{0, 0, 0};  // the source's plane
+  Vector2d asked{0, 0};  // in it: the source as it was given, which may lie on an edge or a vertex
+  std::vector<PseudoSource> pseudo_sources;
   std::vector<Window> windows;
 
   std::vector<int> heads;  // per side: the last of its windows
@@ -87,6 +91,8 @@ struct Geodesics::State {
     // From where it comes: in the triangle opposite the side `from`, so far from its side to the next corner, radians.
     int from = -1;
     double at = 0;
+    int pseudo_source = 0,
+        window = -1;  // where its last straight piece begins, and the last window of that; -1: none
   };
   std::vector<Known> known;
   std::vector<int> touched_sides, touched_vertices;
@@ -104,25 +110,25 @@ struct Geodesics::State {
   void clear() {
     for (const int s : touched_sides) heads[index(s)] = -1, seen[index(s)] = {};
     for (const int v : touched_vertices) known[index(v)] = {};
-    touched_sides.clear(), touched_vertices.clear(), roots.clear(), windows.clear();
+    touched_sides.clear(), touched_vertices.clear(), pseudo_sources.clear(), windows.clear();
     queue = {};
   }
 
-  Vector3d start_of(int root, const Vector2d& to) const {
-    if (root > 0) return roots[index(root)].start;
+  Vector3d start_of(int pseudo_source, const Vector2d& to) const {
+    if (pseudo_source > 0) return pseudo_sources[index(pseudo_source)].start;
     const double length = to.norm();
     if (length == 0) return Vector3d::Zero();
     return (to.x() * axis + to.y() * across) / length;
   }
 
   // The corner opposite the side `from`.
-  void reached(int from, double mm, const Vector3d& start, double at) {
+  void reached(int from, double mm, const Vector3d& start, double at, int pseudo_source, int window = -1) {
     const int vertex = mesh.corner(from / 3, from % 3);
     Known& k = known[index(vertex)];
     if (mm >= k.mm || mm > reach) return;
     if (k.mm == infinite) touched_vertices.push_back(vertex);
-    k = {mm, start, from, at};
-    if (mesh.bends_at(vertex)) queue.push({mm, -1 - vertex});
+    k = {mm, start, from, at, pseudo_source, window};
+    if (mesh.is_saddle(vertex)) queue.push({mm, -1 - vertex});
   }
 
   // Whether a vertex offers a way as short to all of the piece between the rays: to the ray's end that is farther from it.
@@ -131,21 +137,21 @@ struct Geodesics::State {
   }
   bool useless(const Window& w) const {
     const int t = w.side / 3, k = w.side % 3;
-    const double before = roots[index(w.root)].before;
+    const double before = pseudo_sources[index(w.pseudo_source)].before;
     return shorter_by(mesh.corner(t, k + 1), w.a, before, w.right) ||
            shorter_by(mesh.corner(t, k + 2), w.b, before, w.left);
   }
 
   // Opens a window through the side `s` into the triangle beyond it.
-  void open(int s, int root, const Vector2d& a, const Vector2d& b, const Vector2d& left,
-            const Vector2d& right) {
-    const int beyond = mesh.side(s).beyond;
-    if (beyond < 0) return;
-    Window w{beyond, root, a, b, left, right, -1};
-    const double mm = roots[index(root)].before + nearest(left, right);
+  void open(int s, int pseudo_source, const Vector2d& a, const Vector2d& b, const Vector2d& left,
+            const Vector2d& right, int parent = -1) {
+    const int opposite = mesh.side(s).opposite;
+    if (opposite < 0) return;
+    Window w{opposite, pseudo_source, a, b, left, right, parent, -1};
+    const double mm = pseudo_sources[index(pseudo_source)].before + nearest(left, right);
     if (mm > reach || useless(w)) return;
-    int& head = heads[index(beyond)];
-    if (head < 0) touched_sides.push_back(beyond);
+    int& head = heads[index(opposite)];
+    if (head < 0) touched_sides.push_back(opposite);
     w.next = head;
     head = static_cast<int>(windows.size());
     windows.push_back(w);
@@ -160,10 +166,12 @@ struct Geodesics::State {
   }
 
   // What the window sees through the two other sides of its triangle.
-  void pass(const Window& w) {
+  void pass(int window) {
+    const Window w = windows[index(window)];
+    if (useless(w)) return;
     const int t = w.side / 3, k = w.side % 3;
     const int to_left = 3 * t + (k + 2) % 3, to_right = 3 * t + (k + 1) % 3;
-    const double before = roots[index(w.root)].before;
+    const double before = pseudo_sources[index(w.pseudo_source)].before;
     const Vector2d c = apex(w);
     bool goes_left = true, goes_right = true;
     Vector2d left_end = c,
@@ -184,30 +192,30 @@ struct Geodesics::State {
         best = {mm, through};
       else
         (through < best.through ? goes_right : goes_left) = false;
-      reached(w.side, mm, start_of(w.root, c), angle_between(w.a - c, -c));
+      reached(w.side, mm, start_of(w.pseudo_source, c), angle_between(w.a - c, -c), w.pseudo_source, window);
     }
     if (goes_left) {
       const Vector2d left = met(w.left, w.a, c);
       if (!shorter_by(mesh.corner(t, k + 2), w.b, before, left))
-        open(to_left, w.root, w.a, c, left, left_end);
+        open(to_left, w.pseudo_source, w.a, c, left, left_end, window);
     }
     if (goes_right) {
       const Vector2d right = met(w.right, c, w.b);
       if (!shorter_by(mesh.corner(t, k + 1), w.a, before, right))
-        open(to_right, w.root, c, w.b, right_end, right);
+        open(to_right, w.pseudo_source, c, w.b, right_end, right, window);
     }
   }
 
   // Straight lines from a vertex, to where they leave half a turn or more on either side of the path that arrives.
   void bend_at(int vertex) {
     const Known from = known[index(vertex)];
-    const int root = static_cast<int>(roots.size());
-    roots.push_back({from.mm, from.start});
-    const double whole = mesh.turn(vertex);
+    const int pseudo_source = static_cast<int>(pseudo_sources.size());
+    pseudo_sources.push_back({from.mm, from.start, vertex});
+    const double whole = mesh.total_angle(vertex);
     double passed = mesh.angle(from.from) - from.at;  // from the path to the triangle
     for (int s = mesh.next_around(from.from, true); s >= 0 && s != from.from; s = mesh.next_around(s, true)) {
       const double angle = mesh.angle(s);
-      look(s, root, M_PI - passed, whole - M_PI - passed);
+      look(s, pseudo_source, M_PI - passed, whole - M_PI - passed);
       passed += angle;
     }
     if (std::isfinite(whole)) return;
@@ -215,13 +223,13 @@ struct Geodesics::State {
     for (int s = mesh.next_around(from.from, false); s >= 0 && s != from.from;
          s = mesh.next_around(s, false)) {
       const double angle = mesh.angle(s);
-      look(s, root, -infinite, angle - (M_PI - passed));
+      look(s, pseudo_source, -infinite, angle - (M_PI - passed));
       passed += angle;
     }
   }
 
-  // From a root at the corner opposite a side, at angles from the side to the next corner between two bounds.
-  void look(int s, int root, double first, double last) {
+  // From a pseudo-source at the corner opposite a side, at angles from the side to the next corner between two bounds.
+  void look(int s, int pseudo_source, double first, double last) {
     const PathMesh::Side& side = mesh.side(s);
     const double angle = mesh.angle(s);
     first -= rounding_angle, last += rounding_angle;
@@ -230,11 +238,12 @@ struct Geodesics::State {
     // The corner is above the side: b, where the side begins, is on the right.
     const Vector2d b(-side.foot, -side.height), a(side.length - side.foot, -side.height);
     const auto through = [&](double by) { return met(Eigen::Rotation2Dd(by) * b, b, a); };
-    const Root& here = roots[index(root)];
+    const PseudoSource& here = pseudo_sources[index(pseudo_source)];
     if (first <= 0)
-      reached(3 * t + (k + 1) % 3, here.before + b.norm(), here.start, mesh.angle(3 * t + (k + 1) % 3));
-    if (last >= angle) reached(3 * t + (k + 2) % 3, here.before + a.norm(), here.start, 0);
-    open(s, root, a, b, last >= angle ? a : through(last), first <= 0 ? b : through(first));
+      reached(3 * t + (k + 1) % 3, here.before + b.norm(), here.start, mesh.angle(3 * t + (k + 1) % 3),
+              pseudo_source);
+    if (last >= angle) reached(3 * t + (k + 2) % 3, here.before + a.norm(), here.start, 0, pseudo_source);
+    open(s, pseudo_source, a, b, last >= angle ? a : through(last), first <= 0 ? b : through(first));
   }
 
   void begin(const SheetPoint& at, double reach_mm) {
@@ -251,15 +260,17 @@ struct Geodesics::State {
     }
     axis = (corner[1] - corner[0]).normalized();
     across = (corner[2] - corner[0] - (corner[2] - corner[0]).dot(axis) * axis).normalized();
-    roots.push_back({});
+    pseudo_sources.push_back({});
     std::array<Vector2d, 3> flat;
     for (int k = 0; k < 3; ++k) {
       const Vector3d d = corner[index(k)] - source;
       flat[index(k)] = {d.dot(axis), d.dot(across)};
     }
+    asked = at.weights[0] * flat[0] + at.weights[1] * flat[1] + at.weights[2] * flat[2];
     for (int k = 0; k < 3; ++k) {
       const Vector2d& c = flat[index(k)];
-      reached(3 * at.triangle + k, c.norm(), start_of(0, c), angle_between(flat[index((k + 1) % 3)] - c, -c));
+      reached(3 * at.triangle + k, c.norm(), start_of(0, c), angle_between(flat[index((k + 1) % 3)] - c, -c),
+              0);
     }
     for (int k = 0; k < 3; ++k) {
       const Vector2d &b = flat[index((k + 1) % 3)], &a = flat[index((k + 2) % 3)];
@@ -271,8 +282,7 @@ struct Geodesics::State {
       if (what < 0) {
         if (mm <= known_mm(-1 - what)) bend_at(-1 - what);
       } else {
-        const Window w = windows[index(what)];
-        if (!useless(w)) pass(w);
+        pass(what);
       }
     }
   }
@@ -305,11 +315,37 @@ std::optional<Geodesics::Path> Geodesics::to(const SheetPoint& target) const {
                           target.weights[(k + 2) % 3] * w.b;
       const double mm = at.norm(), room = rounding_angle * mm;
       if (cross(w.right, at) < -room * w.right.norm() || cross(at, w.left) < -room * w.left.norm()) continue;
-      offer(s.roots[index(w.root)].before + mm, [&] { return s.start_of(w.root, at); });
+      offer(s.pseudo_sources[index(w.pseudo_source)].before + mm,
+            [&] { return s.start_of(w.pseudo_source, at); });
     }
   }
   if (!(best.length <= s.reach)) return std::nullopt;
   return best;
+}
+
+std::vector<PathPoint> Geodesics::trace(int vertex) const {
+  const State& s = *state_;
+  std::vector<PathPoint> out;
+  if (s.known_mm(vertex) == infinite) return out;
+  // From the target back, by the windows of one straight piece after another.
+  while (vertex >= 0) {
+    out.push_back({vertex, vertex, 0});
+    const State::Known& known = s.known[index(vertex)];
+    if (known.window >= 0) {
+      const Vector2d begin = known.pseudo_source == 0 ? s.asked : Vector2d(0, 0);
+      const Vector2d way = s.apex(s.windows[index(known.window)]) - begin;
+      for (int i = known.window; i >= 0; i = s.windows[index(i)].parent) {
+        const Window& w = s.windows[index(i)];
+        const int t = w.side / 3, k = w.side % 3;
+        const double at_a = cross(way, w.a - begin), at_b = cross(way, w.b - begin);
+        const double f = at_a != at_b ? std::clamp(at_a / (at_a - at_b), 0.0, 1.0) : 0;
+        out.push_back({s.mesh.corner(t, k + 1), s.mesh.corner(t, k + 2), f});
+      }
+    }
+    vertex = s.pseudo_sources[index(known.pseudo_source)].vertex;
+  }
+  std::reverse(out.begin(), out.end());
+  return out;
 }
 
 }  // namespace vacuform

@@ -6,11 +6,18 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <vector>
 
-#include "worker/forming/sheet_map.hpp"
 #include "worker/surface/path_mesh.hpp"
+#include "worker/surface/sheet_point.hpp"
 
 namespace vacuform {
+
+// A point of an edge: a + f (b - a), f in [0, 1]; a vertex where a = b.
+struct PathPoint {
+  int a, b;
+  double f;
+};
 
 // The paths from one source at a time. One thread each; the mesh, which must outlive it, may serve several. Some
 // milliseconds for a source and 5,000 triangles within reach. Deterministic.
@@ -28,6 +35,9 @@ class Geodesics {
   };
   // Nothing where the target is farther than the reach.
   std::optional<Path> to(const SheetPoint& target) const;
+  // Where the path to a vertex meets edges and vertices, from behind the source to the vertex itself; of a source on a
+  // vertex also edges that begin there, at it. Nothing where to() gives nothing.
+  std::vector<PathPoint> trace(int vertex) const;
 
  private:
   struct State;

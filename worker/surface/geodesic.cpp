@@ -14,14 +14,16 @@ using Eigen::Vector3d;
 constexpr double beside = 1e-9;          // least weight of a vertex that is passed
 constexpr int most_crossings = 100'000;  // of one advance: a way that goes round and round ends there
 
+// The direction in the plane of triangle t nearest to a given one; zero where that is normal to it.
+Vector3d in_plane(const InkedSurface& surface, int t, const Vector3d& direction) {
+  const Vector3d d = direction - direction.dot(surface.normal(t)) * surface.normal(t);
+  return d.squaredNorm() > 0 ? Vector3d(d.normalized()) : Vector3d(Vector3d::Zero());
+}
+
 // The directions of a straight line in space at its two ends.
 Connection straight(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b) {
   const Vector3d way = surface.place(b) - surface.place(a);
-  const auto in_plane = [&](int t) {
-    const Vector3d d = way - way.dot(surface.normal(t)) * surface.normal(t);
-    return d.squaredNorm() > 0 ? Vector3d(d.normalized()) : surface.chart_axis(t);
-  };
-  return {way.norm(), in_plane(a.triangle), in_plane(b.triangle), false};
+  return {way.norm(), in_plane(surface, a.triangle, way), in_plane(surface, b.triangle, way), false};
 }
 
 // Newton's steps in polar coordinates about a, with the plane's derivatives.
@@ -42,9 +44,7 @@ Connection shoot(const InkedSurface& surface, const SheetPoint& a, const SheetPo
       best.leaving = leaving;
       best.mm = walked + ahead + aside * aside / (2 * std::max(walked, 1e-9));
       // What the plane of the last triangle holds is as good as that of b's own, a step away at most.
-      Vector3d onward =
-          walk.along() - walk.along().dot(surface.normal(b.triangle)) * surface.normal(b.triangle);
-      best.arriving = onward.squaredNorm() > 0 ? onward.normalized() : surface.chart_axis(b.triangle);
+      best.arriving = in_plane(surface, b.triangle, walk.along());
     }
     if (off.norm() < 1e-7 || walk.ended()) break;
     direction += std::clamp(aside / std::max(walked, 1e-3), -0.3, 0.3);

@@ -40,7 +40,8 @@ double angle_between(const InkedSurface& surface, int t, const Eigen::Vector3d& 
 // within a hundredth of the distance: the rest then holds the straight line in space.
 struct Connection {
   double mm = 0;
-  Eigen::Vector3d leaving{0, 0, 0}, arriving{0, 0, 0};  // unit directions at a and, onward, at b
+  // Unit directions at a and, onward, at b; zero where the points coincide, or the direction is normal to the triangle.
+  Eigen::Vector3d leaving{0, 0, 0}, arriving{0, 0, 0};
   bool found = false;
 };
 Connection connect(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b);

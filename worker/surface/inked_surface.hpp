@@ -5,65 +5,49 @@
 #include <array>
 #include <vector>
 
-#include "worker/flattening/flattening.hpp"
-#include "worker/forming/sheet_map.hpp"
 #include "worker/surface/path_mesh.hpp"
+#include "worker/surface/sheet_point.hpp"
 
 namespace vacuform {
 
-// Keeps references to both: they must outlive it. Made in one pass over the triangles.
+// Made once of a formed sheet and its inked face (forming/inked_face.hpp), in one pass over the triangles.
 class InkedSurface {
  public:
-  InkedSurface(const FormedSheet& sheet, const Flattening& flattening);
+  // `inked`: in space, mm; `rest`: sheet coordinates, mm; both one a vertex.
+  InkedSurface(std::vector<Triangle> triangles, std::vector<Eigen::Vector3d> inked,
+               std::vector<Eigen::Vector2d> rest);
 
-  const std::vector<Triangle>& triangles() const { return sheet_->triangles; }
-  const std::vector<Eigen::Vector3d>& inked() const { return flattening_->inked; }
-  const std::vector<Eigen::Vector2d>& rest() const { return sheet_->rest; }
+  const std::vector<Triangle>& triangles() const { return path_mesh_.triangles(); }
+  const std::vector<Eigen::Vector3d>& inked() const { return path_mesh_.places(); }
+  const std::vector<Eigen::Vector2d>& rest() const { return rest_; }
   // Neighbour of triangle t across the edge opposite its corner k; -1 on the sheet's border.
   int across(int t, int k) const {
-    const int beyond = path_mesh_.side(3 * t + k).beyond;
-    return beyond < 0 ? -1 : beyond / 3;
+    const int opposite = path_mesh_.side(3 * t + k).opposite;
+    return opposite < 0 ? -1 : opposite / 3;
   }
   // Outward unit normal of a triangle; zero where it has no area.
-  const Eigen::Vector3d& normal(int t) const { return faces_[index(t)].normal; }
+  const Eigen::Vector3d& normal(int t) const { return faces_[static_cast<std::size_t>(t)].normal; }
   // Change of the barycentric weight k per millimetre, a vector in the triangle's plane; zero without area.
-  const Eigen::Vector3d& gradient(int t, int k) const { return faces_[index(t)].gradient[index(k)]; }
+  const Eigen::Vector3d& gradient(int t, int k) const {
+    return faces_[static_cast<std::size_t>(t)].gradient[static_cast<std::size_t>(k)];
+  }
   const PathMesh& path_mesh() const { return path_mesh_; }
-  bool on_chart(int t) const { return on_chart_[index(t)] != 0; }
 
-  Eigen::Vector3d place(const SheetPoint& p) const;  // on the inked surface, mm
-  Eigen::Vector2d rest(const SheetPoint& p) const;   // sheet coordinates, mm
-  Eigen::Vector2d chart(const SheetPoint& p) const;  // chart coordinates, mm; NaN off the chart
+  Eigen::Vector3d place(const SheetPoint& p) const { return interpolate(triangles(), p, inked()); }  // mm
+  Eigen::Vector2d rest(const SheetPoint& p) const { return interpolate(triangles(), p, rest_); }     // mm
 
-  // The point with the given chart coordinates, or, off the chart, the nearest one of the chart's border; of charts that
-  // overlap themselves the first triangle. Linear in the chart's triangles.
-  struct OnChart {
-    SheetPoint point{};
-    double off_mm = 0;  // distance from the chart, chart millimetres; 0 on it
-  };
-  OnChart at_chart(const Eigen::Vector2d& chart) const;
-  // The point of the chart's triangles nearest to a place in space, and how far away it is, mm.
-  struct Nearest {
-    SheetPoint point{};
-    double distance_mm = 0;
-  };
-  Nearest nearest_on_chart(const Eigen::Vector3d& place) const;
-
-  // The direction in the plane of the chart's triangle t that is the chart's u axis, by the rotation nearest to the
-  // flattening's map there. Off the chart the sheet's s axis stands in for u.
-  Eigen::Vector3d chart_axis(int t) const;
+  // The direction in the plane of triangle t that is the first axis of coordinates `flat` of the vertices, by the
+  // rotation nearest to their map there.
+  Eigen::Vector3d axis(int t, const std::vector<Eigen::Vector2d>& flat) const;
 
  private:
-  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   struct Face {
     Eigen::Vector3d normal;
     std::array<Eigen::Vector3d, 3> gradient;
   };
-  const FormedSheet* sheet_;
-  const Flattening* flattening_;
-  std::vector<Face> faces_;
-  std::vector<char> on_chart_;
   PathMesh path_mesh_;
+  std::vector<Eigen::Vector2d> rest_;
+  std::vector<Face> faces_;
 };
 
 }  // namespace vacuform

@@ -3,13 +3,13 @@
 #include <limits>
 #include <map>
 
+#include "worker/stage/index.hpp"
+
 namespace vacuform {
 
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 std::size_t nearest(const std::vector<Vector3d>& sites, const Vector3d& p) {
   std::size_t best = 0;

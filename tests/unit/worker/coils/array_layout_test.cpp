@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/fixtures/coils_shapes.hpp"
+#include "worker/coils/coupled_neighbours.hpp"
 
 namespace vacuform {
 namespace {
@@ -20,7 +21,7 @@ ArrayWish wish(int count, std::optional<double> diameter_mm, ArrayRegion region 
 
 TEST(ArrayLayout, OfSevenOnASphereIsAFlowerThatLandsWhereItWasLaid) {
   const Sample x = hand_made::sphere(80, 260, 90, 110);
-  const auto array = lay_out_array(x.sheet, x.flattening, wish(7, 40), CoilSettings(), Context());
+  const auto array = lay_out_array(hand_made::Charted(x), wish(7, 40), CoilSettings(), Context());
   ASSERT_TRUE(array) << array.error().text();
   EXPECT_EQ(array->pairs, 12);
   EXPECT_EQ(array->off_head, 0);
@@ -32,8 +33,10 @@ TEST(ArrayLayout, OfSevenOnASphereIsAFlowerThatLandsWhereItWasLaid) {
   EXPECT_NEAR(array->spacing_mm, 30, 0.8);
   Settings settings;
   settings.coils.decouple = true;
-  const auto placed = place(x.sheet, x.flattening, &array->drawing, settings, Context());
+  const hand_made::Charted charted(x);
+  auto placed = place(charted, &array->drawing, settings, Context());
   ASSERT_TRUE(placed);
+  ASSERT_TRUE(add_couplings(charted, array->drawing, settings, Context(), *placed));
   ASSERT_EQ(placed->elements.size(), 7u);
   for (std::size_t i = 0; i < 7; ++i) EXPECT_LT((placed->elements[i].centre - array->centres[i]).norm(), 0.5);
 }
@@ -41,12 +44,12 @@ TEST(ArrayLayout, OfSevenOnASphereIsAFlowerThatLandsWhereItWasLaid) {
 TEST(ArrayLayout, FitsTheFrontHalfAndRefusesWhatHasNoRoom) {
   const Sample x = hand_made::sphere(80, 260, 90, 110);
   const auto array =
-      lay_out_array(x.sheet, x.flattening, wish(5, {}, ArrayRegion::front), CoilSettings(), Context());
+      lay_out_array(hand_made::Charted(x), wish(5, {}, ArrayRegion::front), CoilSettings(), Context());
   ASSERT_TRUE(array) << array.error().text();
   EXPECT_EQ(array->centres.size(), 5u);
   for (const Vector3d& c : array->centres) EXPECT_GT(c.y(), 0);
   EXPECT_GT(array->diameter_mm, 40);
-  const auto refused = lay_out_array(x.sheet, x.flattening, wish(64, 80), CoilSettings(), Context());
+  const auto refused = lay_out_array(hand_made::Charted(x), wish(64, 80), CoilSettings(), Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::unusable_surface);
   EXPECT_NE(refused.error().mend.find("of this diameter fit"), std::string::npos);

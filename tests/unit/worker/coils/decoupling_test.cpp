@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "tests/unit/fixtures/coils_shapes.hpp"
-#include "worker/coils/coupling_warning.hpp"
+#include "worker/coils/coupled_neighbours.hpp"
 #include "worker/placement/placement.hpp"
 
 namespace vacuform {
@@ -20,10 +20,59 @@ Settings decoupled() {
   return settings;
 }
 
+Result<Placement> placed(const Sample& x, const Drawing& drawing, const Settings& settings = {}) {
+  const hand_made::Charted charted(x);
+  VACUFORM_TRY(placement, place(charted, &drawing, settings, Context()));
+  VACUFORM_CHECK(add_couplings(charted, drawing, settings, Context(), placement));
+  return placement;
+}
+
 double worst(const Placement& placement, std::optional<double> PlacedPair::*k) {
   double most = 0;
   for (const PlacedPair& pair : placement.pairs) most = std::max(most, std::abs(*(pair.*k)));
   return most;
+}
+
+TEST(Couplings, AreThoseOfThePlacementWithoutDecoupling) {
+  const auto p = placed(hand_made::sphere(85, 240, 120), hand_made::seven_rings(20, 30.32));
+  ASSERT_TRUE(p);
+  ASSERT_EQ(p->pairs.size(), 12u);
+  for (const PlacedPair& pair : p->pairs) {
+    ASSERT_TRUE(pair.k);
+    EXPECT_LT(std::abs(*pair.k), 0.02);
+    EXPECT_EQ(pair.k, pair.k_before);
+  }
+}
+
+TEST(Decoupling, OnASphereKeepsWithinTheLimit) {
+  const Sample x = hand_made::sphere(70, 240, 120);
+  Settings settings;
+  settings.coils.decouple = true;
+  const auto p = placed(x, hand_made::seven_rings(20, 30.32), settings);
+  ASSERT_TRUE(p);
+  double before = 0;
+  for (const PlacedPair& pair : p->pairs) {
+    before = std::max(before, std::abs(*pair.k_before));
+    EXPECT_LT(std::abs(*pair.k), 0.002);
+  }
+  EXPECT_GT(before, 0.005);
+  for (const PlacedElement& e : p->elements) EXPECT_LE(std::abs(e.size - 1), 0.05 + 1e-12);
+  const auto again = placed(x, hand_made::seven_rings(20, 30.32), settings);
+  for (std::size_t i = 0; i < p->elements.size(); ++i)
+    EXPECT_EQ(p->elements[i].centre, again->elements[i].centre);
+}
+
+TEST(Decoupling, MovesThreeCoilsApartWithoutAWarning) {
+  const Sample x = hand_made::flat(200, 80);
+  Drawing drawing;
+  drawing.elements = {hand_made::ring("a", {-12, 0}, 20), hand_made::ring("b", {12, 0}, 20),
+                      hand_made::ring("c", {0, 20}, 20)};
+  Settings settings;
+  settings.coils.decouple = true;
+  const auto free = placed(x, drawing, settings);
+  ASSERT_TRUE(free);
+  EXPECT_TRUE(free->warnings.empty());  // three coils can always be moved apart
+  EXPECT_GT(free->elements[0].moved_mm, 1);
 }
 
 // Steps are taken on a layout that knows nothing of crossing geodesics; what counts is the one that is printed.
@@ -33,7 +82,7 @@ TEST(Decoupling, OnBumpsIsThatOfTheRealLayout) {
   for (int i = 0; i < 3; ++i)
     drawing.elements.push_back(hand_made::ring("coil-" + std::to_string(i),
                                                17.5 * Vector2d(std::cos(2.1 * i), std::sin(2.1 * i)), 20));
-  const auto p = place(x.sheet, x.flattening, &drawing, decoupled(), Context());
+  const auto p = placed(x, drawing, decoupled());
   ASSERT_TRUE(p);
   EXPECT_TRUE(
       std::any_of(p->elements.begin(), p->elements.end(), [](const PlacedElement& e) { return !e.smooth; }));
@@ -54,7 +103,7 @@ TEST(Decoupling, SaysWhichPairsTheSurfaceKeepsCoupled) {
   }
   Settings settings = decoupled();
   settings.coils.size_limit = 0;
-  const auto p = place(x.sheet, x.flattening, &drawing, settings, Context());
+  const auto p = placed(x, drawing, settings);
   ASSERT_TRUE(p);
   ASSERT_EQ(p->pairs.size(), 14u);
   EXPECT_GE(worst(*p, &PlacedPair::k), 0.01);

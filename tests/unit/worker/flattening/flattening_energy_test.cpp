@@ -7,6 +7,7 @@
 
 #include "tests/unit/worker/flattening/flattening_charts.hpp"
 #include "worker/flattening/symmetric_dirichlet_energy.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 namespace {

@@ -1,4 +1,5 @@
 #include "worker/flattening/flattening.hpp"
+#include "worker/forming/inked_face.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@ Result<Flattening> flat(const FormedSheet& sheet, const Eigen::Vector3d& top,
                         FlatteningMethod method = FlatteningMethod::arap, InkedFace face = InkedFace::inner) {
   FlatteningSettings settings;
   settings.method = method;
-  return flatten(sheet, top_at(top), settings, face, Context{});
+  return flatten(sheet, inked_surface(sheet, face), top_at(top), settings, Context{});
 }
 
 // A cylinder unrolls without distortion: the arc is the chart's coordinate, whatever the sheet's stretch was.
@@ -77,13 +78,14 @@ TEST(Flattening, IsLaidByTheTopAndTheSheetsAxes) {
 
 TEST(Flattening, OuterFaceIsAThicknessFurtherOut) {
   const auto sheet = dome(60);
-  const auto inner = flat(sheet, {0, 0, 60}),
-             outer = flat(sheet, {0, 0, 60}, FlatteningMethod::arap, InkedFace::outer);
-  ASSERT_TRUE(inner && outer);
+  const auto outer = flat(sheet, {0, 0, 60}, FlatteningMethod::arap, InkedFace::outer);
+  ASSERT_TRUE(outer);
+  const auto inner_face = inked_positions(sheet, InkedFace::inner),
+             outer_face = inked_positions(sheet, InkedFace::outer);
   for (const int k : outer->triangles)
     for (int v : sheet.triangles[k]) {
-      EXPECT_NEAR(inner->inked[v].norm(), 60, 1e-9);
-      EXPECT_NEAR(outer->inked[v].norm(), 61, 0.01);
+      EXPECT_NEAR(inner_face[v].norm(), 60, 1e-9);
+      EXPECT_NEAR(outer_face[v].norm(), 61, 0.01);
     }
 }
 
@@ -169,7 +171,8 @@ TEST(Flattening, OnePinOnlyShifts) {
   for (const auto method : {FlatteningMethod::arap, FlatteningMethod::bfs}) {
     settings.method = method;
     const auto unpinned = flat(sheet, {0, 0, 60}, method);
-    const auto f = flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{});
+    const auto f =
+        flatten(sheet, inked_surface(sheet, InkedFace::inner), top_at({0, 0, 60}), settings, Context{});
     ASSERT_TRUE(f && unpinned);
     EXPECT_LT((at_rest(sheet, *f, 10, -8) - Eigen::Vector2d(30, 40)).norm(), 1e-9);
     const Eigen::Vector2d shift = Eigen::Vector2d(30, 40) - at_rest(sheet, *unpinned, 10, -8);
@@ -192,7 +195,7 @@ TEST(Flattening, TwoPinsTurnAndBend) {
     FlatteningSettings settings;
     settings.method = method;
     settings.pins = {{-20, 4, stretch * a.x(), stretch * a.y()}, {24, -6, stretch * b.x(), stretch * b.y()}};
-    return *flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{});
+    return *flatten(sheet, inked_surface(sheet, InkedFace::inner), top_at({0, 0, 60}), settings, Context{});
   };
   const Flattening turned = pinned(FlatteningMethod::arap, 1);
   EXPECT_NEAR(turned.energy, free->energy, 1e-4 * free->energy);
@@ -215,7 +218,8 @@ TEST(Flattening, TwoPinsTurnAndBend) {
 TEST(Flattening, APinOffTheChartIsRefusedByItsNumber) {
   FlatteningSettings settings;
   settings.pins = {{0, 0, 0, 0}, {47, 0, 60, 0}};
-  const auto f = flatten(dome(60), top_at({0, 0, 60}), settings, InkedFace::inner, Context{});
+  const auto f =
+      flatten(dome(60), inked_surface(dome(60), InkedFace::inner), top_at({0, 0, 60}), settings, Context{});
   ASSERT_FALSE(f);
   EXPECT_EQ(f.error().code, Code::bad_settings);
   EXPECT_EQ(f.error().text(),
@@ -235,11 +239,12 @@ TEST(Flattening, InkIsSparedWhereItLies) {
   for (const auto method : {FlatteningMethod::arap, FlatteningMethod::symmetric_dirichlet}) {
     settings.method = method;
     const auto even = flat(sheet, {0, 0, 60}, method);
-    const auto f = flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{}, ring);
+    const auto f =
+        flatten(sheet, inked_surface(sheet, InkedFace::inner), top_at({0, 0, 60}), settings, Context{}, ring);
     ASSERT_TRUE(even && f);
     ASSERT_EQ(f->favoured.size(), f->triangles.size());
     ASSERT_EQ(f->weight.size(), f->triangles.size());
-    Chart before{{}, even->inked, even->chart};
+    Chart before{{}, sheet.formed, even->chart};
     for (std::size_t k = 0; k < f->triangles.size(); ++k) {
       const Triangle& t = sheet.triangles[f->triangles[k]];
       const Eigen::Vector2d middle = (f->chart[t[0]] + f->chart[t[1]] + f->chart[t[2]]) / 3;
@@ -265,10 +270,11 @@ TEST(Flattening, PaintWeighsByItsDarkness) {
   settings.weights = FlatteningWeights::painted;
   settings.weight = 20;
   const auto even = flat(sheet, {0, 0, 60});
-  const auto f = flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{}, paint);
+  const auto f =
+      flatten(sheet, inked_surface(sheet, InkedFace::inner), top_at({0, 0, 60}), settings, Context{}, paint);
   ASSERT_TRUE(even && f);
   ASSERT_EQ(f->weight.size(), f->triangles.size());
-  Chart before{{}, even->inked, even->chart};
+  Chart before{{}, sheet.formed, even->chart};
   for (std::size_t k = 0; k < f->triangles.size(); ++k) {
     const Triangle& t = sheet.triangles[f->triangles[k]];
     const Eigen::Vector2d middle = (f->chart[t[0]] + f->chart[t[1]] + f->chart[t[2]]) / 3;
@@ -282,7 +288,8 @@ TEST(Flattening, InkAndPaintMustBeGivenWhereTheyCount) {
   FlatteningSettings settings;
   for (const auto weights : {FlatteningWeights::ink, FlatteningWeights::painted}) {
     settings.weights = weights;
-    EXPECT_THROW((void)flatten(dome(60), top_at({0, 0, 60}), settings, InkedFace::inner, Context{}),
+    EXPECT_THROW((void)flatten(dome(60), inked_surface(dome(60), InkedFace::inner), top_at({0, 0, 60}),
+                               settings, Context{}),
                  std::invalid_argument);
   }
 }
@@ -293,9 +300,10 @@ TEST(Flattening, CenterSparesTheTop) {
   FlatteningSettings settings;
   settings.weights = FlatteningWeights::center;
   settings.weight = 50;
-  const auto f = flatten(sheet, top_at({0, 0, 60}), settings, InkedFace::inner, Context{});
+  const auto f =
+      flatten(sheet, inked_surface(sheet, InkedFace::inner), top_at({0, 0, 60}), settings, Context{});
   ASSERT_TRUE(even && f);
-  Chart before{{}, even->inked, even->chart};
+  Chart before{{}, sheet.formed, even->chart};
   for (std::size_t k = 0; k < f->triangles.size(); ++k) {
     const Triangle& t = sheet.triangles[f->triangles[k]];
     const double r = std::max({sheet.rest[t[0]].norm(), sheet.rest[t[1]].norm(), sheet.rest[t[2]].norm()});

@@ -23,7 +23,8 @@ CoilTable measured_flat(const Drawing& drawing) {
   const Sample x = hand_made::flat(260, 60);
   const Placement placement;
   const auto loops = coil_loops(drawing, placement, VectorPrint(), x.flattening, Alignment());
-  return *measure_coils(x.sheet, x.flattening, loops, neighbours(loops, placement, drawing), {}, Context());
+  return *measure_coils(MeasuredSheet(hand_made::Charted(x)), loops, neighbours(loops, placement, drawing),
+                        {}, Context());
 }
 
 TEST(CoilCouplings, OfACriticalHexagonNameTheWorstOfAllPairsBesideTheWorstNeighbours) {
@@ -141,7 +142,7 @@ LoopFigures placed_loop(const Element& element, CoilKeep keep) {
   drawing.elements = {element};
   Settings settings;
   settings.coils.keep = keep;
-  const auto placed = place(x.sheet, x.flattening, &drawing, settings, Context());
+  const auto placed = place(hand_made::Charted(x), &drawing, settings, Context());
   EXPECT_TRUE(placed);
   const Patch& patch = placed->elements[0].patch;
   const PlaneLocator locator(patch.triangles, patch.uv);
@@ -157,7 +158,7 @@ LoopFigures placed_loop(const Element& element, CoilKeep keep) {
       line.push_back(interpolate(patch.triangles, *found, patch.rest));
     }
   const auto loop =
-      measure_loop(MeasuredSheet(x.sheet, x.flattening), line, placed->elements[0].centre_rest, keep);
+      measure_loop(MeasuredSheet(hand_made::Charted(x)), line, placed->elements[0].centre_rest, keep);
   EXPECT_TRUE(loop);
   return *loop;
 }

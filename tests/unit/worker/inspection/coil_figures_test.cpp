@@ -62,7 +62,8 @@ std::vector<Vector2d> circle_on_dome(const Vector2d& centre_rest, double geodesi
 
 TEST(LoopFigures, OfACircleOnAFlatSheetAreItsOwn) {
   const Sample x = hand_made::flat(200, 50);
-  const MeasuredSheet sheet(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const MeasuredSheet sheet(charted);
   const auto loop = measure_loop(sheet, circle({7, -3}, 20), {9, -2});
   ASSERT_TRUE(loop);
   EXPECT_NEAR(loop->diameter_mm, 40, 0.001);
@@ -81,7 +82,8 @@ TEST(LoopFigures, OfAStretchedCircleAreThoseOfTheEllipse) {
   Matrix2d stretch;
   stretch << 1.2, 0, 0, 0.9;
   const Sample x = hand_made::stretched(200, 50, stretch);
-  const MeasuredSheet sheet(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const MeasuredSheet sheet(charted);
   const auto loop = measure_loop(sheet, circle({5, 5}, 20), {5, 5});
   ASSERT_TRUE(loop);
   std::vector<Vector2d> ellipse = circle({5, 5}, 20, 2000);
@@ -102,7 +104,8 @@ TEST(LoopFigures, OfAStretchedCircleAreThoseOfTheEllipse) {
 // Geodesic circles of a sphere: the polyhedron of 3 mm edges is inside of it by at most 3^2 / (8 60) mm.
 TEST(LoopFigures, OfGeodesicCirclesOnADomeAreExact) {
   const Sample x = hand_made::dome(100);
-  const MeasuredSheet sheet(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const MeasuredSheet sheet(charted);
   for (const Vector2d& centre : {Vector2d(0, 0), Vector2d(25, 10), Vector2d(-10, -32)})
     for (const double r : {15.0, 20.0}) {
       const auto loop = measure_loop(sheet, circle_on_dome(centre, r), centre + Vector2d(2, -1));
@@ -123,7 +126,8 @@ TEST(LoopFigures, OfGeodesicCirclesOnADomeAreExact) {
 
 TEST(LoopFigures, TheShortestWayOverADomeIsTheGreatCircle) {
   const Sample x = hand_made::dome(100);
-  const MeasuredSheet sheet(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const MeasuredSheet sheet(charted);
   const Vector2d a(35, 12), b(-20, 30);
   const double angle = std::acos(on_dome(a).dot(on_dome(b)) / radius / radius);
   EXPECT_NEAR(geodesic_distance(sheet, a, b), radius * angle, 0.05);
@@ -133,7 +137,8 @@ TEST(LoopFigures, TheShortestWayOverADomeIsTheGreatCircle) {
 
 TEST(LoopFigures, OffTheChartOrTheSheetAreSaidToBe) {
   const Sample x = hand_made::dome(60);
-  const MeasuredSheet sheet(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const MeasuredSheet sheet(charted);
   const auto beyond = measure_loop(sheet, circle({60, 0}, 20), {60, 0});
   ASSERT_TRUE(beyond);
   EXPECT_FALSE(beyond->on_head);
@@ -172,7 +177,7 @@ struct Coils {
   }
   CoilTable measure() {
     prepare();
-    return *measure_coils(sample.sheet, sample.flattening, loops, pairs, {}, Context());
+    return *measure_coils(MeasuredSheet(hand_made::Charted(sample)), loops, pairs, {}, Context());
   }
 };
 
@@ -236,7 +241,8 @@ TEST(CoilFigures, CompareThePrintAndThePlainDrawingWithTheDrawing) {
 // Four coils about a vertex each, where grid lines and diagonals meet.
 TEST(CoilFigures, AreFoundAboutAVertexOfTheSheet) {
   const Sample x = hand_made::flat(160, 40);
-  const MeasuredSheet sheet(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const MeasuredSheet sheet(charted);
   for (const Vector2d& vertex : {Vector2d(0, 0), Vector2d(4, 0), Vector2d(-8, 12), Vector2d(20, -4)})
     for (const double r : {10.0, 20.0, 33.0}) {
       const auto loop = measure_loop(sheet, circle(vertex, r), vertex);
@@ -300,7 +306,7 @@ TEST(CoilFigures, AreTheSameTwiceAndCanBeCancelled) {
   Context context;
   context.cancel();
   const auto cancelled =
-      measure_coils(coils.sample.sheet, coils.sample.flattening, coils.loops, coils.pairs, {}, context);
+      measure_coils(MeasuredSheet(hand_made::Charted(coils.sample)), coils.loops, coils.pairs, {}, context);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().code, Code::cancelled);
 }
@@ -452,7 +458,7 @@ TEST(StretchedTraces, AreThoseAlongTheStretch) {
                     {"ring", {}, {{bezier_circle({0, 0}, 20), 1}}},
                     {"", {}, {{straight({60, 0}, {70, 0}), 1}, {straight({60, 9}, {70, 9}), 1}}},
                     {"off", {}, {{straight({300, 0}, {320, 0}), 1}}}};
-  const TraceFigures figures = measure_traces(x.sheet, x.flattening, print, 0.2);
+  const TraceFigures figures = measure_traces(MeasuredSheet(hand_made::Charted(x)), print, 0.2);
   EXPECT_EQ(figures.traces, 4);
   EXPECT_NEAR(figures.worst_stretch, 1.3, 1e-9);
   ASSERT_EQ(figures.stretched.size(), 3u);
@@ -478,9 +484,9 @@ TEST(StretchedTraces, AreThoseAlongTheStretch) {
   EXPECT_EQ(figures.warnings[0].text.find("3 of 4 traces are stretched by more than the 20 %"), 0u);
   EXPECT_NE(figures.warnings[0].text.find("by 30 %"), std::string::npos);
 
-  const TraceFigures enough = measure_traces(x.sheet, x.flattening, print, 0.31);
+  const TraceFigures enough = measure_traces(MeasuredSheet(hand_made::Charted(x)), print, 0.31);
   EXPECT_TRUE(enough.stretched.empty() && enough.warnings.empty());
-  EXPECT_EQ(measure_traces(x.sheet, x.flattening, {}, 0.2).traces, 0);
+  EXPECT_EQ(measure_traces(MeasuredSheet(hand_made::Charted(x)), {}, 0.2).traces, 0);
 }
 
 }  // namespace

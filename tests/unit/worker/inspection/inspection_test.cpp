@@ -33,18 +33,20 @@ struct Job {
   explicit Job(Sample made,
                const std::string& body = "<circle r='20' fill='none' stroke='#000' stroke-width='3'/>")
       : sample(std::move(made)),
+        surface(hand_made::inked(sample.sheet)),
         pattern(*Pattern::read(bytes_of("<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='50mm' "
                                         "viewBox='-30 -25 60 50'>" +
                                         body + "</svg>"),
                                "drawing", sample.settings.pattern, sample.settings.print.dpi)),
-        print(*make_print(sample.sheet, sample.flattening, pattern, nullptr,
-                          *place(sample.sheet, sample.flattening, nullptr, sample.settings, Context()),
+        print(*make_print(hand_made::Charted(sample), pattern, nullptr,
+                          *place(hand_made::Charted(sample), nullptr, sample.settings, Context()),
                           sample.settings, "3f9a12c4", Context())) {}
   Finished finished() const {
-    return {sample.settings, sample.mold, sample.sheet, sample.flattening, pattern, print};
+    return {sample.settings, sample.mold, sample.sheet, surface, sample.flattening, pattern, print};
   }
 
   Sample sample;
+  InkedSurface surface;
   Pattern pattern;
   Print print;
 };
@@ -94,21 +96,22 @@ TEST(Distortion, OfAStretchIsThatStretch) {
   stretch << 2, 0.3, 0, 1.25;
   const Sample x = hand_made::stretched(100, 10, stretch);
   const Vector2d s = Eigen::JacobiSVD<Matrix2d>(stretch).singularValues();
-  const Distortion without =
-      distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, x.sheet.rest));
+  const Distortion without = distortion(hand_made::inked(x.sheet), x.flattening.triangles,
+                                        corners_of(x.sheet, x.flattening, x.sheet.rest));
   for (const double v :
        {without.anisotropy.mean, without.anisotropy.p95, without.anisotropy.p99, without.anisotropy.max})
     EXPECT_NEAR(v, s[0] / s[1], 1e-9);
   for (const double v : {without.area_ratio.mean, without.area_ratio.max}) EXPECT_NEAR(v, 2.5, 1e-9);
-  const Distortion with =
-      distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, x.flattening.chart));
+  const Distortion with = distortion(hand_made::inked(x.sheet), x.flattening.triangles,
+                                     corners_of(x.sheet, x.flattening, x.flattening.chart));
   EXPECT_NEAR(with.anisotropy.max, 1, 1e-6);
   EXPECT_NEAR(with.area_ratio.max, 1, 1e-9);
   // A shrunken area counts like a grown one, and neither a turn nor a shift of the pattern counts at all.
   std::vector<Vector2d> uv;
   for (const auto& st : x.sheet.rest)
     uv.push_back(2 * Vector2d(-(stretch * st).y(), (stretch * st).x()) + Vector2d(5, 9));
-  const Distortion shrunk = distortion(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, uv));
+  const Distortion shrunk =
+      distortion(hand_made::inked(x.sheet), x.flattening.triangles, corners_of(x.sheet, x.flattening, uv));
   EXPECT_NEAR(shrunk.area_ratio.mean, 4, 1e-9);
   EXPECT_NEAR(shrunk.anisotropy.mean, 1, 1e-6);
 }
@@ -122,7 +125,7 @@ TEST(Distortion, PercentilesAreByInkedArea) {
   for (int i = 0; i <= 100; ++i) {
     for (const double t : {0.0, 1.0}) {
       sheet.rest.emplace_back(i, t);
-      flattening.inked.emplace_back(end, t, 3);
+      sheet.formed.emplace_back(end, t, 3);
     }
     if (i == 100) break;
     stretch.push_back(1.01 + 0.01 * i);
@@ -139,14 +142,15 @@ TEST(Distortion, PercentilesAreByInkedArea) {
   };
   double mean = 0;
   for (const double v : stretch) mean += v * v / total;
-  const Distortion d = distortion(sheet, flattening, corners_of(sheet, flattening, sheet.rest));
+  const Distortion d =
+      distortion(hand_made::inked(sheet), flattening.triangles, corners_of(sheet, flattening, sheet.rest));
   EXPECT_NEAR(d.anisotropy.mean, mean, 1e-9);
   EXPECT_NEAR(d.anisotropy.p95, percentile(0.95), 1e-9);
   EXPECT_NEAR(d.anisotropy.p99, percentile(0.99), 1e-9);
   EXPECT_NEAR(d.anisotropy.max, 2.0, 1e-9);
   EXPECT_NEAR(d.area_ratio.p95, percentile(0.95), 1e-9);
   EXPECT_GT(d.anisotropy.p95, 1.95);  // unweighted it would be 1.95
-  const Distortion none = distortion(sheet, Flattening{}, CornersUv{});
+  const Distortion none = distortion(hand_made::inked(sheet), {}, CornersUv{});
   EXPECT_EQ(none.anisotropy.max, 0);
 }
 
@@ -322,8 +326,7 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
   finished.heat = {HeatSource::heaters, 120, 140, 160, 31.25, 2.5};
   job.sample.settings.pattern.placement = PatternPlacement::segments;
   job.sample.settings.pattern.distortion_limit = 10;
-  const auto placement =
-      place(job.sample.sheet, job.sample.flattening, nullptr, job.sample.settings, Context());
+  const auto placement = place(hand_made::Charted(job.sample), nullptr, job.sample.settings, Context());
   ASSERT_TRUE(placement);
   finished.placement = &*placement;
   const auto files = artifacts(finished, Context());

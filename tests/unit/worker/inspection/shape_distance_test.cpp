@@ -71,7 +71,8 @@ TEST(TrueToArea, TakesALoopOfASphereBackToItsDrawing) {
 TEST(LoopFigures, EllipsesAndHexagonsOnADomeKeepTheirShape) {
   constexpr double radius = 60, steepest = 80 * M_PI / 180, reach = 70;
   const auto x = hand_made::dome(100);
-  const MeasuredSheet sheet(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const MeasuredSheet sheet(charted);
   const Vector3d c = Vector3d(0.3, 0.2, 1).normalized(), u = c.unitOrthogonal(), v = c.cross(u);
   const auto rest = [&](const Vector3d& place) -> Vector2d {
     const double a = std::acos(place.z()), b = std::atan2(place.y(), place.x());

@@ -44,7 +44,8 @@ int uncut_edges_with_one_side(const FormedSheet& sheet) {
 // Across a flat sheet, askew to its grid: the edges lie on the line, and nothing else has changed.
 TEST(CutLines, AreStraightAndLeaveTheSurfaceAsItIs) {
   const Sample x = hand_made::flat(100, 20, 45);
-  const auto cut = with_cut_lines(x.sheet, x.flattening, {{-30, -17, 0, 31, 12, 0}}, Context());
+  const auto cut =
+      with_cut_lines(x.sheet, hand_made::inked(x.sheet), x.flattening, {{-30, -17, 0, 31, 12, 0}}, Context());
   ASSERT_TRUE(cut);
   const Vector3d a(-30, -17, 0), along = Vector3d(61, 29, 0).normalized();
   double length = 0;
@@ -76,16 +77,18 @@ TEST(CutLines, PartTheRegionIntoSegments) {
   x.settings.pattern.placement = PatternPlacement::segments;
   x.settings.pattern.distortion_limit = 9;
   x.settings.pattern.seams = {{-80, 3, 0, 2, 1, 60}, {2, 1, 60, 80, 3, 0}, {0, -80, 0, 0, 80, 0}};
-  const auto cut = with_cut_lines(x.sheet, x.flattening, x.settings.pattern.seams, Context());
+  const auto cut =
+      with_cut_lines(x.sheet, hand_made::inked(x.sheet), x.flattening, x.settings.pattern.seams, Context());
   ASSERT_FALSE(cut);  // 20 mm off the dome's foot is too far
   EXPECT_EQ(cut.error().where, "pattern.seams");
   EXPECT_NE(cut.error().what.find("row 1"), std::string::npos);
 
   x.settings.pattern.seams = {{-62, 3, 10, 2, 1, 60}, {2, 1, 60, 62, 3, 10}, {0, -62, 10, 0, 62, 10}};
-  const auto mended = with_cut_lines(x.sheet, x.flattening, x.settings.pattern.seams, Context());
+  const auto mended =
+      with_cut_lines(x.sheet, hand_made::inked(x.sheet), x.flattening, x.settings.pattern.seams, Context());
   ASSERT_TRUE(mended) << mended.error().text();
-  const auto placement =
-      place(mended->sheet, mended->flattening, nullptr, x.settings, Context(), mended->edges);
+  const auto placement = place(ChartedSurface(mended->surface, mended->flattening), nullptr, x.settings,
+                               Context(), mended->edges);
   ASSERT_TRUE(placement);
   EXPECT_EQ(placement->charts.size(), 4u);
   EXPECT_EQ(placement->seams.size(), 4u);
@@ -96,7 +99,8 @@ TEST(CutLines, PartTheRegionIntoSegments) {
 
   // A tighter limit cuts on, and says that the cuts given did not do.
   x.settings.pattern.distortion_limit = 1.02;
-  const auto finer = place(mended->sheet, mended->flattening, nullptr, x.settings, Context(), mended->edges);
+  const auto finer = place(ChartedSurface(mended->surface, mended->flattening), nullptr, x.settings,
+                           Context(), mended->edges);
   ASSERT_TRUE(finer);
   EXPECT_GT(finer->charts.size(), 4u);
   ASSERT_FALSE(finer->warnings.empty());
@@ -105,14 +109,15 @@ TEST(CutLines, PartTheRegionIntoSegments) {
 
 TEST(CutLines, FromAPointToItselfAreRefused) {
   const Sample x = hand_made::flat(100, 20, 45);
-  const auto cut = with_cut_lines(x.sheet, x.flattening, {{0, 0, 0, 0.1, 0, 0}}, Context());
+  const auto cut =
+      with_cut_lines(x.sheet, hand_made::inked(x.sheet), x.flattening, {{0, 0, 0, 0.1, 0, 0}}, Context());
   ASSERT_FALSE(cut);
   EXPECT_EQ(cut.error().code, Code::bad_settings);
 }
 
 TEST(CutLines, NoRowsChangeNothing) {
   const Sample x = hand_made::flat(100, 20, 45);
-  const auto cut = with_cut_lines(x.sheet, x.flattening, {}, Context());
+  const auto cut = with_cut_lines(x.sheet, hand_made::inked(x.sheet), x.flattening, {}, Context());
   ASSERT_TRUE(cut);
   EXPECT_TRUE(cut->edges.empty());
   EXPECT_EQ(cut->sheet.triangles, x.sheet.triangles);

@@ -41,7 +41,7 @@ class Rectangle : public RowSource {
 // The right half of the sheet is stretched to three times its width and lies off the chart.
 TEST(LaidInk, CountsWhatLiesOnTheHeadByItsFormedArea) {
   Sample x = hand_made::flat(100, 10);
-  for (Vector3d& p : x.flattening.inked)
+  for (Vector3d& p : x.sheet.formed)
     if (p.x() > 0) p.x() *= 3;
   std::erase_if(x.flattening.triangles, [&](int t) {
     const Triangle& c = x.sheet.triangles[static_cast<std::size_t>(t)];
@@ -50,7 +50,7 @@ TEST(LaidInk, CountsWhatLiesOnTheHeadByItsFormedArea) {
   });
   const LaidInk::Grid grid(100, 100);
   const auto share = [&](double left, double right) {
-    return LaidInk(Rectangle(grid, {left, -10}, {right, 10}), grid, 1).share_on(x.sheet, x.flattening);
+    return LaidInk(Rectangle(grid, {left, -10}, {right, 10}), grid, 1).share_on(hand_made::Charted(x));
   };
   EXPECT_NEAR(share(-20, 20), 0.25, 0.005);
   EXPECT_EQ(share(-30, -5), 1);

@@ -33,10 +33,10 @@ Made make(const Sample& x, const Bytes& bytes, bool as_lines = true) {
   std::optional<Drawing> drawing;
   if (as_lines) drawing = read_drawing(bytes, *pattern, warnings);
   const Drawing* lines = drawing ? &*drawing : nullptr;
-  auto placement = place(x.sheet, x.flattening, lines, x.settings, Context());
+  auto placement = place(hand_made::Charted(x), lines, x.settings, Context());
   if (!placement) throw std::runtime_error(placement.error().text());
   auto print =
-      make_print(x.sheet, x.flattening, *pattern, lines, *placement, x.settings, "3f9a12c4", Context());
+      make_print(hand_made::Charted(x), *pattern, lines, *placement, x.settings, "3f9a12c4", Context());
   if (!print) throw std::runtime_error(print.error().text());
   return {std::move(*pattern), std::move(drawing), std::move(*placement), std::move(*print)};
 }
@@ -181,7 +181,7 @@ TEST(PrintFiles, EachPartOfAPictureIsPrintedThroughItsOwnPatch) {
   const auto pattern = Pattern::read(gray_png(400, 400, 10000, gray), "two.png", x.settings.pattern, 254);
   const InkParts parts(*pattern);
   ASSERT_EQ(parts.drawing().elements.size(), 2u);
-  auto placement = *place(x.sheet, x.flattening, nullptr, x.settings, Context());
+  auto placement = *place(hand_made::Charted(x), nullptr, x.settings, Context());
   for (int part = 0; part < 2; ++part) {
     PlacedElement placed;
     placed.element = part;
@@ -191,7 +191,7 @@ TEST(PrintFiles, EachPartOfAPictureIsPrintedThroughItsOwnPatch) {
     placement.elements.push_back(placed);
   }
   const auto print =
-      make_print(x.sheet, x.flattening, *pattern, nullptr, placement, x.settings, "", Context());
+      make_print(hand_made::Charted(x), *pattern, nullptr, placement, x.settings, "", Context());
   ASSERT_TRUE(print) << print.error().text();
   const Decoded image = decode_png(print->png);
   Vector2d sums[2]{{0, 0}, {0, 0}};

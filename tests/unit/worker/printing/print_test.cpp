@@ -33,9 +33,9 @@ Pattern svg_pattern(const std::string& body, double side, const Settings& settin
 // Of the pattern as a picture.
 Result<Print> try_print(const Sample& x, const Pattern& pattern, const std::string& label = "3f9a12c4",
                         const Context& context = Context()) {
-  const auto placement = place(x.sheet, x.flattening, nullptr, x.settings, Context());
+  const auto placement = place(hand_made::Charted(x), nullptr, x.settings, Context());
   if (!placement) throw std::runtime_error(placement.error().text());
-  return make_print(x.sheet, x.flattening, pattern, nullptr, *placement, x.settings, label, context);
+  return make_print(hand_made::Charted(x), pattern, nullptr, *placement, x.settings, label, context);
 }
 Print print_of(const Sample& x, const Pattern& pattern) {
   auto print = try_print(x, pattern);

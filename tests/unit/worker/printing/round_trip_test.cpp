@@ -9,6 +9,7 @@
 
 #include "tests/unit/fixtures/drawing_files.hpp"
 #include "worker/flattening/flattening.hpp"
+#include "worker/forming/inked_face.hpp"
 #include "worker/printing/print.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/surface/exact_geodesics.hpp"
@@ -29,24 +30,23 @@ Bytes real(const std::string& name) {
 struct Head {
   Settings settings;
   FormedSheet sheet;
+  InkedSurface surface;
   Flattening flattening;
 };
 Head newborn() {
-  Head head;
-  head.settings.sheet.resolution_mm = 3;
-  head.settings.scan.trim_mm = 48.4;  // the rings lie where the overlap was first measured
-  head.settings.print.marks = false;
-  const auto mold =
-      make_mold(real("scans/neonate-40w.stl"), "neonate-40w.stl", head.settings.scan, Context());
+  Settings settings;
+  settings.sheet.resolution_mm = 3;
+  settings.scan.trim_mm = 48.4;  // the rings lie where the overlap was first measured
+  settings.print.marks = false;
+  const auto mold = make_mold(real("scans/neonate-40w.stl"), "neonate-40w.stl", settings.scan, Context());
   if (!mold) throw std::runtime_error(mold.error().text());
-  auto sheet = form(*mold, head.settings.sheet, head.settings.machine, head.settings.forming,
-                    TemperatureField(140), Context());
+  auto sheet =
+      form(*mold, settings.sheet, settings.machine, settings.forming, TemperatureField(140), Context());
   if (!sheet) throw std::runtime_error(sheet.error().text());
-  auto flat = flatten(*sheet, *mold, head.settings.flattening, InkedFace::outer, Context());
+  InkedSurface surface = inked_surface(*sheet, InkedFace::outer);
+  auto flat = flatten(*sheet, surface, *mold, settings.flattening, Context());
   if (!flat) throw std::runtime_error(flat.error().text());
-  head.sheet = std::move(*sheet);
-  head.flattening = std::move(*flat);
-  return head;
+  return {settings, std::move(*sheet), std::move(surface), std::move(*flat)};
 }
 
 // A sample of the formed surface.
@@ -57,7 +57,7 @@ struct Sample {
 std::vector<Sample> samples_of(const Head& head, int t) {
   constexpr int cells = 8;  // along a triangle's side: samples 0.4 mm apart
   const Triangle& c = head.sheet.triangles[static_cast<std::size_t>(t)];
-  const auto at = [&](std::size_t k) { return head.flattening.inked[static_cast<std::size_t>(c[k])]; };
+  const auto at = [&](std::size_t k) { return head.surface.inked()[static_cast<std::size_t>(c[k])]; };
   const double mm2 = (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2 / (cells * cells);
   std::vector<Sample> out;
   for (int i = 0; i < cells; ++i)
@@ -82,23 +82,22 @@ double ink_at(const Decoded& image, const Vector2d& seen) {
 // The print is looked up where that place was on the flat sheet.
 TEST(RoundTrip, RingsOnANewbornsHeadComeOutRound) {
   const Head head = newborn();
+  const ChartedSurface charted(head.surface, head.flattening);
   const Bytes bytes = real("patterns/rings-7x40mm.svg");
   const auto pattern = Pattern::read(bytes, "rings", head.settings.pattern, head.settings.print.dpi);
   ASSERT_TRUE(pattern);
   std::vector<Warning> warnings;
   const auto drawing = read_drawing(bytes, *pattern, warnings);
   ASSERT_TRUE(drawing);
-  const auto placement = place(head.sheet, head.flattening, &*drawing, head.settings, Context());
+  const auto placement = place(charted, &*drawing, head.settings, Context());
   ASSERT_TRUE(placement);
   ASSERT_EQ(placement->elements.size(), 7u);
-  const auto print =
-      make_print(head.sheet, head.flattening, *pattern, &*drawing, *placement, head.settings, "", Context());
+  const auto print = make_print(charted, *pattern, &*drawing, *placement, head.settings, "", Context());
   ASSERT_TRUE(print);
   const Decoded image = decode_png(print->png);
 
   constexpr double reach = 24;
-  const auto& inked = head.flattening.inked;
-  const PathMesh mesh(head.sheet.triangles, inked);
+  const auto& inked = head.surface.inked();
   std::vector<char> near(head.sheet.triangles.size() * 64, 0), wanted(near);
   for (const PlacedElement& element : placement->elements) {
     ASSERT_TRUE(element.on_head);
@@ -116,7 +115,7 @@ TEST(RoundTrip, RingsOnANewbornsHeadComeOutRound) {
       if (w.minCoeff() >= -1e-9 && off < least) least = off, centre = {static_cast<int>(t), w};
     }
     ASSERT_LT(least, 1e-6);
-    Geodesics ways(mesh);
+    Geodesics ways(head.surface.path_mesh());
     ways.begin_at(centre, reach);
     struct Reached {
       double mm, mm2;

@@ -13,14 +13,15 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using hand_made::Sample;
 
-SheetPoint at(const InkedSurface& surface, const Vector2d& chart) { return surface.at_chart(chart).point; }
+SheetPoint at(const ChartedSurface& charted, const Vector2d& chart) { return charted.at_chart(chart).point; }
 
 TEST(Geodesic, OnAFlatSheetIsAStraightLineAlsoThroughVerticesAndAlongEdges) {
   const Sample x = hand_made::flat(100, 20);
-  const InkedSurface surface(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
   // From a vertex along a row of edges, along diagonals through vertices, and askew.
   for (const Vector2d& way : {Vector2d(40, 0), Vector2d(-30, 30), Vector2d(17, -33)}) {
-    GeodesicWalk walk(surface, at(surface, {0, 0}), {way.x(), way.y(), 0});
+    GeodesicWalk walk(surface, at(charted, {0, 0}), {way.x(), way.y(), 0});
     EXPECT_DOUBLE_EQ(walk.advance(way.norm()), way.norm());
     EXPECT_LT((surface.rest(walk.at()) - way).norm(), 1e-6);
     EXPECT_FALSE(walk.ended());
@@ -29,8 +30,9 @@ TEST(Geodesic, OnAFlatSheetIsAStraightLineAlsoThroughVerticesAndAlongEdges) {
 
 TEST(Geodesic, StopsAtTheBorderOfTheSheet) {
   const Sample x = hand_made::flat(100, 20);
-  const InkedSurface surface(x.sheet, x.flattening);
-  GeodesicWalk walk(surface, at(surface, {11, 3}), {1, 0, 0});
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
+  GeodesicWalk walk(surface, at(charted, {11, 3}), {1, 0, 0});
   EXPECT_NEAR(walk.advance(100), 39, 1e-6);
   EXPECT_TRUE(walk.ended());
   EXPECT_EQ(walk.advance(1), 0);
@@ -40,11 +42,13 @@ TEST(Geodesic, StopsAtTheBorderOfTheSheet) {
 TEST(Geodesic, OnASphereFollowsTheGreatCircle) {
   constexpr double radius = 85;
   const Sample x = hand_made::sphere(radius, 240, 120);
-  const InkedSurface surface(x.sheet, x.flattening);
-  const SheetPoint start = at(surface, {20, 10});
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
+  const SheetPoint start = at(charted, {20, 10});
   const Vector3d from = surface.place(start).normalized();
   for (int i = 0; i < 12; ++i) {
-    const Vector3d along = turned(surface, start.triangle, surface.chart_axis(start.triangle), i * M_PI / 6);
+    const Vector3d along =
+        turned(surface, start.triangle, charted.charted.axis(start.triangle), i * M_PI / 6);
     GeodesicWalk walk(surface, start, along);
     walk.advance(60);
     const Vector3d tangent = (along - along.dot(from) * from).normalized();
@@ -56,8 +60,9 @@ TEST(Geodesic, OnASphereFollowsTheGreatCircle) {
 TEST(Geodesic, ConnectsTwoPointsOfASphereTheShortestWay) {
   constexpr double radius = 85;
   const Sample x = hand_made::sphere(radius, 240, 120);
-  const InkedSurface surface(x.sheet, x.flattening);
-  const SheetPoint a = at(surface, {-30, 5}), b = at(surface, {35, 40});
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
+  const SheetPoint a = at(charted, {-30, 5}), b = at(charted, {35, 40});
   const Connection way = connect(surface, a, b);
   const Vector3d p = surface.place(a).normalized(), q = surface.place(b).normalized();
   EXPECT_TRUE(way.found);
@@ -72,10 +77,11 @@ TEST(Geodesic, ConnectsTwoPointsOfASphereTheShortestWay) {
 TEST(ElementPatch, OnASphereHasTrueAreasAndGeodesicRadii) {
   constexpr double radius = 60;
   const Sample x = hand_made::sphere(radius, 240, 160);
-  const InkedSurface surface(x.sheet, x.flattening);
-  const SheetPoint centre = at(surface, {20, 10});
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
+  const SheetPoint centre = at(charted, {20, 10});
   const auto patch =
-      element_patch(surface, centre, surface.chart_axis(centre.triangle), 40, CoilKeep::area, Context());
+      element_patch(charted, centre, charted.charted.axis(centre.triangle), 40, CoilKeep::area, Context());
   ASSERT_TRUE(patch);
   EXPECT_TRUE(patch->smooth);
   const ElementMap map(*patch);
@@ -95,12 +101,13 @@ TEST(ElementPatch, OnABumpKeepsRadiiAndTurnsNothingOver) {
   Sample x = hand_made::flat(160, 100);
   for (std::size_t i = 0; i < x.sheet.rest.size(); ++i) {
     const Vector2d d = x.sheet.rest[i] - Vector2d(9, 0);
-    x.sheet.formed[i].z() = x.flattening.inked[i].z() = 8 * std::exp(-d.squaredNorm() / 30);
+    x.sheet.formed[i].z() = 8 * std::exp(-d.squaredNorm() / 30);
   }
-  const InkedSurface surface(x.sheet, x.flattening);
-  const SheetPoint centre = at(surface, {0.3, 0.2});
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
+  const SheetPoint centre = at(charted, {0.3, 0.2});
   const auto patch =
-      element_patch(surface, centre, surface.chart_axis(centre.triangle), 25, CoilKeep::area, Context());
+      element_patch(charted, centre, charted.charted.axis(centre.triangle), 25, CoilKeep::area, Context());
   ASSERT_TRUE(patch);
   EXPECT_FALSE(patch->smooth);
   for (const Triangle& t : patch->patch.triangles) {
@@ -135,20 +142,35 @@ SheetPoint vertex(const std::vector<Triangle>& triangles, int v) {
 
 TEST(ExactGeodesics, OnAFlatSheetAreStraightAndEndAtTheReach) {
   const Sample x = hand_made::flat(100, 10);
-  const InkedSurface surface(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
   Geodesics geodesics(surface.path_mesh());
-  geodesics.begin_at(at(surface, {1, 2}), 20);
-  const auto path = geodesics.to(at(surface, {4, 6}));
+  geodesics.begin_at(at(charted, {1, 2}), 20);
+  const auto path = geodesics.to(at(charted, {4, 6}));
   ASSERT_TRUE(path);
   EXPECT_NEAR(path->length, 5, 1e-9);
   EXPECT_LT((path->start - Vector3d(0.6, 0.8, 0)).norm(), 1e-9);
-  EXPECT_NEAR(geodesics.to(at(surface, {-10, 2}))->length, 11, 1e-9);
-  EXPECT_FALSE(geodesics.to(at(surface, {49, 49})));
-  EXPECT_LT(geodesics.to(at(surface, {1, 2}))->length, 1e-6);
+  EXPECT_NEAR(geodesics.to(at(charted, {-10, 2}))->length, 11, 1e-9);
+  EXPECT_FALSE(geodesics.to(at(charted, {49, 49})));
+  EXPECT_LT(geodesics.to(at(charted, {1, 2}))->length, 1e-6);
   // From a vertex, along edges, to vertices.
-  geodesics.begin_at(at(surface, {0, 0}), 100);
+  geodesics.begin_at(at(charted, {0, 0}), 100);
   for (const Vector2d& way : {Vector2d(40, 0), Vector2d(-30, 30), Vector2d(17, -33)})
-    EXPECT_NEAR(geodesics.to(at(surface, way))->length, way.norm(), 1e-6);
+    EXPECT_NEAR(geodesics.to(at(charted, way))->length, way.norm(), 1e-6);
+}
+
+// The length of the line through the points of a path that was begun at `from`.
+double traced(const PathMesh& mesh, const Geodesics& geodesics, int from, int to) {
+  double mm = 0;
+  Vector3d last = mesh.place(from);
+  const std::vector<PathPoint> path = geodesics.trace(to);
+  EXPECT_TRUE(!path.empty() && path.back().a == to && path.back().b == to);
+  for (const PathPoint& p : path) {
+    const Vector3d at = mesh.place(p.a) + p.f * (mesh.place(p.b) - mesh.place(p.a));
+    mm += (at - last).norm();
+    last = at;
+  }
+  return mm;
 }
 
 // The unit cube, two triangles a face: from a corner to the opposite one it is the diagonal of two faces unfolded.
@@ -166,6 +188,7 @@ TEST(ExactGeodesics, OverACubeAreThoseOfItsUnfolding) {
   EXPECT_NEAR(geodesics.to(vertex(triangles, 3))->length, std::sqrt(2), 1e-6);
   EXPECT_NEAR(geodesics.to({2, Vector3d(0.5, 0, 0.5)})->length, std::sqrt(2.5),
               1e-6);  // the middle of the far face
+  EXPECT_NEAR(traced(mesh, geodesics, 0, 7), std::sqrt(5), 1e-6);
 }
 
 // A flat L of three squares: around its inner corner paths bend.
@@ -182,21 +205,58 @@ TEST(ExactGeodesics, BendAtAnInnerCorner) {
   EXPECT_LT((path->start - Vector3d(-1, 0.5, 0).normalized()).norm(), 1e-6);
 }
 
+TEST(ExactGeodesics, AreTracedAsLongAsTheyAre) {
+  // A flat sheet, straight over edges, along them and through vertices.
+  const Sample flat = hand_made::flat(100, 10);
+  const InkedSurface sheet = hand_made::inked(flat.sheet);
+  Geodesics on_sheet(sheet.path_mesh());
+  constexpr int middle = 60;  // of 11 x 11 vertices 10 mm apart
+  on_sheet.begin_at(vertex(sheet.triangles(), middle), 100);
+  for (const auto& [to, mm] : {std::pair{64, 40.0},
+                               {120, 50 * M_SQRT2},
+                               {84, std::hypot(20, 20)},
+                               {74, std::hypot(30, 10)},
+                               {12, std::hypot(40, 40)},
+                               {3, std::hypot(20, 50)}})
+    EXPECT_NEAR(traced(sheet.path_mesh(), on_sheet, middle, to), mm, 1e-9) << to;
+
+  // The L of three squares, around its inner corner.
+  const PathMesh corner(
+      {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {3, 4, 7}, {3, 7, 6}},
+      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {0, 2, 0}, {1, 2, 0}});
+  Geodesics around(corner);
+  around.begin_at(vertex(corner.triangles(), 2), 10);
+  EXPECT_NEAR(traced(corner, around, 2, 7), M_SQRT2 + 1, 1e-9);
+  EXPECT_NEAR(traced(corner, around, 2, 6), 2 * M_SQRT2, 1e-9);
+  around.begin_at(vertex(corner.triangles(), 2), 1);
+  EXPECT_TRUE(around.trace(7).empty());
+
+  // Bumps, where paths bend at saddles.
+  const InkedSurface bumps = hand_made::inked(hand_made::bumpy_sphere(70, 110, 55, 1.5).sheet);
+  Geodesics over(bumps.path_mesh());
+  const int from = 28 * 56 + 28;
+  over.begin_at(vertex(bumps.triangles(), from), 90);
+  for (int to = 5; to < 56 * 56; to += 391)
+    EXPECT_NEAR(traced(bumps.path_mesh(), over, from, to), over.to(vertex(bumps.triangles(), to))->length,
+                1e-6);
+}
+
 // The trees of two sources have nothing in common but the length of the path between them.
 TEST(ExactGeodesics, AreAsLongThereAsBackAlsoOverBumps) {
   const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
-  const InkedSurface surface(x.sheet, x.flattening);
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
   Geodesics there(surface.path_mesh()), back(surface.path_mesh());
   const std::vector<Vector2d> ends{{3, 4}, {-31, 8}, {0, 26}, {22, -17}, {-9, -30}};
   for (const Vector2d& a : ends) {
-    there.begin_at(at(surface, a), 90);
+    there.begin_at(at(charted, a), 90);
     for (const Vector2d& b : ends) {
-      back.begin_at(at(surface, b), 90);
-      const auto way = there.to(at(surface, b)), home = back.to(at(surface, a));
+      back.begin_at(at(charted, b), 90);
+      const auto way = there.to(at(charted, b)), home = back.to(at(charted, a));
       ASSERT_TRUE(way && home);
       EXPECT_NEAR(way->length, home->length, 1e-6);
-      EXPECT_GE(way->length, (surface.place(at(surface, a)) - surface.place(at(surface, b))).norm() - 1e-9);
-      const Connection shot = connect(surface, at(surface, a), at(surface, b));
+      EXPECT_GE(way->length, (surface.place(at(charted, a)) - surface.place(at(charted, b))).norm() - 1e-9);
+      const Connection shot = connect(surface, at(charted, a), at(charted, b));
       if (shot.found && a != b) {
         EXPECT_LE(way->length, shot.mm + 1e-5);
       }
@@ -206,10 +266,11 @@ TEST(ExactGeodesics, AreAsLongThereAsBackAlsoOverBumps) {
 
 TEST(ElementPatch, OnBumpsHasCirclesThatAreRoundByExactGeodesics) {
   const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
-  const InkedSurface surface(x.sheet, x.flattening);
-  const SheetPoint centre = at(surface, {3, 4});
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
+  const SheetPoint centre = at(charted, {3, 4});
   const auto patch =
-      element_patch(surface, centre, surface.chart_axis(centre.triangle), 18, CoilKeep::area, Context());
+      element_patch(charted, centre, charted.charted.axis(centre.triangle), 18, CoilKeep::area, Context());
   ASSERT_TRUE(patch);
   EXPECT_FALSE(patch->smooth);
   Geodesics geodesics(surface.path_mesh());
@@ -220,7 +281,7 @@ TEST(ElementPatch, OnBumpsHasCirclesThatAreRoundByExactGeodesics) {
     const auto on_patch = flat.find(15 * Vector2d(std::cos(i * M_PI / 180), std::sin(i * M_PI / 180)));
     ASSERT_TRUE(on_patch);
     const auto path =
-        geodesics.to(at(surface, interpolate(patch->patch.triangles, *on_patch, patch->patch.rest)));
+        geodesics.to(at(charted, interpolate(patch->patch.triangles, *on_patch, patch->patch.rest)));
     ASSERT_TRUE(path);
     least = std::min(least, path->length), most = std::max(most, path->length);
   }

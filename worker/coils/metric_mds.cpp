@@ -1,7 +1,7 @@
-#include "worker/coils/flat_picture.hpp"
+#include "worker/coils/metric_mds.hpp"
 
-#include <Eigen/Geometry>
-#include <cmath>
+#include "worker/numerics/rigid_fit.hpp"
+#include "worker/stage/index.hpp"
 
 namespace vacuform {
 
@@ -9,27 +9,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-// Shifted and turned onto `to`, by rigid least squares.
-void lay_on(const std::vector<Vector2d>& to, std::vector<Vector2d>& places) {
-  Vector2d from_middle(0, 0), to_middle(0, 0);
-  const double n = static_cast<double>(to.size());
-  for (std::size_t i = 0; i < to.size(); ++i) from_middle += places[i] / n, to_middle += to[i] / n;
-  double c = 0, s = 0;
-  for (std::size_t i = 0; i < to.size(); ++i) {
-    const Vector2d x = places[i] - from_middle, y = to[i] - to_middle;
-    c += x.dot(y);
-    s += x.x() * y.y() - x.y() * y.x();
-  }
-  const Eigen::Rotation2Dd turn(std::atan2(s, c));
-  for (Vector2d& p : places) p = turn * (p - from_middle) + to_middle;
-}
-
 }  // namespace
 
-std::vector<Vector2d> flat_picture(const std::vector<Vector2d>& start, const std::vector<Neighbours>& pairs,
-                                   const std::vector<double>& mm) {
+std::vector<Vector2d> metric_mds(const std::vector<Vector2d>& start, const std::vector<Neighbours>& pairs,
+                                 const std::vector<double>& mm) {
   constexpr int most_sweeps = 2000;
   constexpr double settled_mm = 1e-5;
   std::vector<Vector2d> places = start;
@@ -53,7 +36,10 @@ std::vector<Vector2d> flat_picture(const std::vector<Vector2d>& start, const std
     }
     if (moved < settled_mm) break;
   }
-  lay_on(start, places);
+  RigidFit fit;
+  for (std::size_t i = 0; i < start.size(); ++i) fit.add(places[i], start[i]);
+  const Eigen::Isometry2d motion = fit.motion();
+  for (Vector2d& p : places) p = motion * p;
   return places;
 }
 

@@ -1,4 +1,4 @@
-#include "worker/forming/sheet_map.hpp"
+#include "worker/surface/plane_locator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -71,12 +71,6 @@ std::optional<SheetPoint> PlaneLocator::find(const Eigen::Vector2d& point) const
       return SheetPoint{k, Eigen::Vector3d(1 - u - v, u, v)};
   }
   return std::nullopt;
-}
-
-std::optional<Eigen::Vector3d> SheetMap::operator()(const Eigen::Vector2d& rest) const {
-  const auto at = locator_.find(rest);
-  if (!at) return std::nullopt;
-  return interpolate(sheet_.triangles, *at, sheet_.formed);
 }
 
 }  // namespace vacuform

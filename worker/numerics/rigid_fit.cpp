@@ -1,8 +1,38 @@
-#include "worker/studies/registration.hpp"
+#include "worker/numerics/rigid_fit.hpp"
 
 #include <Eigen/SVD>
+#include <cmath>
 
 namespace vacuform {
+
+using Eigen::Vector2d;
+
+void RigidFit::add(const Vector2d& from, const Vector2d& to, double weight) {
+  pairs_.push_back({from, to, weight});
+  weight_ += weight, from_ += weight * from, to_ += weight * to;
+}
+
+Vector2d RigidFit::turn() const {
+  const Vector2d from = this->from(), to = this->to();
+  Vector2d out(0, 0);
+  for (const auto& [p, q, w] : pairs_) {
+    const Vector2d a = p - from, b = q - to;
+    out += Vector2d(w * a.dot(b), w * (a.x() * b.y() - a.y() * b.x()));
+  }
+  return out;
+}
+
+double RigidFit::angle() const {
+  const Vector2d cosine_sine = turn();
+  return std::atan2(cosine_sine.y(), cosine_sine.x());
+}
+
+Eigen::Isometry2d RigidFit::motion() const {
+  Eigen::Isometry2d out = Eigen::Isometry2d::Identity();
+  out.rotate(Eigen::Rotation2Dd(angle()));
+  out.translation() = to() - out.linear() * from();
+  return out;
+}
 
 Eigen::Isometry3d rigid_motion(const std::vector<Eigen::Vector3d>& from,
                                const std::vector<Eigen::Vector3d>& to, const std::vector<double>& weights) {

@@ -1,4 +1,4 @@
-#include "worker/surface/polar_grid.hpp"
+#include "worker/placement/polar_grid.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -21,15 +21,16 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 
 }  // namespace
 
-PolarGrid::PolarGrid(const InkedSurface& surface, const SheetPoint& centre, const Vector3d& axis,
+PolarGrid::PolarGrid(const ChartedSurface& charted, const SheetPoint& centre, const Vector3d& axis,
                      double reach_mm, CoilKeep keep, int directions)
     : directions_(directions),
       rings_(std::max(2, static_cast<int>(std::ceil(reach_mm)))),
       spacing_(reach_mm / rings_),
       stops_(static_cast<std::size_t>((rings_ + 1) * directions)) {
+  const InkedSurface& surface = charted.surface();
   for (int d = 0; d < directions; ++d) {
     const auto put = [&](int ring, const SheetPoint& p) {
-      stops_[static_cast<std::size_t>(ring * directions + d)] = {true, surface.on_chart(p.triangle),
+      stops_[static_cast<std::size_t>(ring * directions + d)] = {true, charted.on_chart(p.triangle),
                                                                  surface.rest(p), surface.place(p)};
     };
     put(0, centre);

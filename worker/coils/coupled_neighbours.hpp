@@ -1,4 +1,4 @@
-// What a person is told of neighbours that couple.
+// How the neighbours of a placement couple, and what a person is told of it.
 #pragma once
 
 #include <optional>
@@ -8,6 +8,12 @@
 #include "worker/placement/placement.hpp"
 
 namespace vacuform {
+
+// Gives the pairs of the placement their couplings. With coils.decouple its coils are moved and resized between the two
+// (decoupling.hpp); "coils-moved" warns when that led a coil more than 10 mm away. `drawing` is what place() laid.
+// Deterministic. Errors: cancelled.
+Result<void> add_couplings(const ChartedSurface& charted, const Drawing& drawing, const Settings& settings,
+                           const Context& context, Placement& placement);
 
 // Two neighbours that both lie on the head.
 struct CoupledNeighbours {

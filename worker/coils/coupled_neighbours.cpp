@@ -1,11 +1,58 @@
-#include "worker/coils/coupling_warning.hpp"
+#include "worker/coils/coupled_neighbours.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "api/base/decimal.hpp"
+#include "worker/coils/decoupling.hpp"
 
 namespace vacuform {
+
+namespace {
+
+// Decoupling may lead an array away from where the user laid it.
+void say_how_far(const Drawing& drawing, const ElementLayout& layout, const std::vector<Centre>& before,
+                 std::vector<Warning>& warnings) {
+  constexpr double far_mm = 10;
+  std::size_t worst = 0;
+  double most = 0;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (const double mm = (layout.centres[i].moved - before[i].moved).norm(); mm > most) most = mm, worst = i;
+  if (most > far_mm)
+    warnings.push_back(
+        {.code = "coils-moved",
+         .text = "Decoupling moved the coils by up to " + decimal(most, 0) + " mm.",
+         .figure = Warning::Figure{most, "mm", far_mm},
+         .place = drawing.elements[static_cast<std::size_t>(layout.elements[worst].element)].id});
+}
+
+}  // namespace
+
+Result<void> add_couplings(const ChartedSurface& charted, const Drawing& drawing, const Settings& settings,
+                           const Context& context, Placement& placement) {
+  if (placement.elements.empty()) return {};
+  std::vector<LaidCoil> coils = with_inductances(placement.layout, placement.laid);
+  const auto couplings = [&](std::optional<double> PlacedPair::*k) {
+    for (PlacedPair& p : placement.pairs)
+      p.*k = coupling(coils[static_cast<std::size_t>(p.a)], coils[static_cast<std::size_t>(p.b)]);
+  };
+  couplings(&PlacedPair::k_before);
+  if (settings.coils.decouple) {
+    ElementLayout layout = placement.layout;
+    VACUFORM_CHECK(decouple(charted, layout, coils, settings.coils.size_limit, context));
+    couplings(&PlacedPair::k);
+    std::vector<Warning> moved;
+    say_how_far(drawing, layout, placement.layout.centres, moved);
+    std::vector<ElementOnSurface> laid;
+    for (LaidCoil& coil : coils) laid.push_back(std::move(coil.element));
+    take_layout(charted.surface(), drawing, settings.pattern.scale, std::move(layout), std::move(laid),
+                placement);
+    placement.warnings.insert(placement.warnings.begin(), moved.begin(), moved.end());
+    return {};
+  }
+  couplings(&PlacedPair::k);
+  return {};
+}
 
 std::vector<CoupledNeighbours> coupled_neighbours(const Placement& placement, const Drawing& drawing) {
   std::vector<CoupledNeighbours> out;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "api/settings.hpp"
+#include "worker/placement/charted_surface.hpp"
 #include "worker/surface/geodesic.hpp"
 
 namespace vacuform {
@@ -17,7 +18,7 @@ class PolarGrid {
  public:
   // Out to `reach_mm` along the surface. Direction 0 is `axis`, in the plane of the centre's triangle; the others follow
   // counter-clockwise as seen from outside. `directions` at least 8. A hundredth of a second for 40 mm.
-  PolarGrid(const InkedSurface& surface, const SheetPoint& centre, const Eigen::Vector3d& axis,
+  PolarGrid(const ChartedSurface& charted, const SheetPoint& centre, const Eigen::Vector3d& axis,
             double reach_mm, CoilKeep keep, int directions = 96);
 
   // *Flat polar coordinates* keep the direction from the centre. What else they keep is the setting coils.keep:

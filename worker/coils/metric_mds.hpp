@@ -1,4 +1,4 @@
-// The plane's best picture of an array on a curved surface.
+// Metric multidimensional scaling: points of the plane with given distances.
 #pragma once
 
 #include "worker/placement/spacing.hpp"
@@ -8,8 +8,7 @@ namespace vacuform {
 // Places in the plane whose distances are `mm` between the pairs, in the least squares sense, near `start`, with its
 // middle and its mean turn (stress majorization: Gansner, Koren, North, "Graph drawing by stress majorization", 2004, by
 // single steps). mm per pair. Deterministic.
-std::vector<Eigen::Vector2d> flat_picture(const std::vector<Eigen::Vector2d>& start,
-                                          const std::vector<Neighbours>& pairs,
-                                          const std::vector<double>& mm);
+std::vector<Eigen::Vector2d> metric_mds(const std::vector<Eigen::Vector2d>& start,
+                                        const std::vector<Neighbours>& pairs, const std::vector<double>& mm);
 
 }  // namespace vacuform

@@ -1,0 +1,37 @@
+// The inked surface with the chart that the flattening lays on a part of it.
+#pragma once
+
+#include "worker/flattening/flattening.hpp"
+#include "worker/surface/inked_surface.hpp"
+
+namespace vacuform {
+
+// Keeps references to both: they must outlive it.
+class ChartedSurface {
+ public:
+  ChartedSurface(const InkedSurface& surface, const Flattening& flattening);
+
+  const InkedSurface& surface() const { return *surface_; }
+  const Flattening& flattening() const { return *flattening_; }
+  bool on_chart(int t) const { return on_chart_[static_cast<std::size_t>(t)] != 0; }
+  Eigen::Vector2d chart(const SheetPoint& p) const;  // chart coordinates, mm; NaN off the chart
+
+  // The point with the given chart coordinates, or, off the chart, the nearest one of the chart's border; of charts that
+  // overlap themselves the first triangle. Linear in the chart's triangles.
+  struct OnChart {
+    SheetPoint point{};
+    double off_mm = 0;  // distance from the chart, chart millimetres; 0 on it
+  };
+  OnChart at_chart(const Eigen::Vector2d& chart) const;
+
+  // The direction in the plane of the chart's triangle t that is the chart's u axis, by the rotation nearest to the
+  // flattening's map there. Off the chart the sheet's s axis stands in for u.
+  Eigen::Vector3d axis(int t) const;
+
+ private:
+  const InkedSurface* surface_;
+  const Flattening* flattening_;
+  std::vector<char> on_chart_;
+};
+
+}  // namespace vacuform

@@ -1,0 +1,88 @@
+#include "worker/surface/adjacency.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+namespace vacuform {
+
+namespace {
+
+struct Edge {
+  int low, high, side;
+};
+
+// Sorted by their ends: the two sides of an edge follow each other.
+std::vector<Edge> edges_of(const std::vector<Triangle>& triangles) {
+  std::vector<Edge> edges;
+  edges.reserve(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
+      edges.push_back({low, high, static_cast<int>(3 * t + k)});
+    }
+  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
+    return std::tie(x.low, x.high, x.side) < std::tie(y.low, y.high, y.side);
+  });
+  return edges;
+}
+
+}  // namespace
+
+std::vector<int> opposite_sides(const std::vector<Triangle>& triangles) {
+  const std::vector<Edge> edges = edges_of(triangles);
+  std::vector<int> opposite(3 * triangles.size(), -1);
+  for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
+    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
+    if (end - i != 2) continue;
+    opposite[static_cast<std::size_t>(edges[i].side)] = edges[i + 1].side;
+    opposite[static_cast<std::size_t>(edges[i + 1].side)] = edges[i].side;
+  }
+  return opposite;
+}
+
+std::vector<std::vector<int>> border_loops(const std::vector<Triangle>& triangles) {
+  int vertices = 0;
+  for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+  // Border edges are those without a twin; edges by their lower vertex, so that twins meet.
+  std::vector<std::vector<std::pair<int, bool>>> edges(vertices);
+  for (const Triangle& t : triangles)
+    for (int e = 0; e < 3; ++e) {
+      const int a = t[e], b = t[(e + 1) % 3];
+      edges[std::min(a, b)].push_back({std::max(a, b), a < b});
+    }
+  std::vector<std::vector<int>> next(vertices);
+  for (int v = 0; v < vertices; ++v)
+    for (const auto& [to, upwards] : edges[v])
+      if (std::count_if(edges[v].begin(), edges[v].end(),
+                        [to = to](const auto& e) { return e.first == to; }) == 1)
+        next[upwards ? v : to].push_back(upwards ? to : v);
+
+  std::vector<std::vector<int>> loops;
+  for (int v = 0; v < vertices; ++v)
+    while (!next[v].empty()) {
+      std::vector<int> loop;
+      for (int at = v; !next[at].empty();) {
+        loop.push_back(at);
+        const int to = next[at].back();
+        next[at].pop_back();
+        at = to;
+      }
+      loops.push_back(std::move(loop));
+    }
+  return loops;
+}
+
+VertexFans::VertexFans(const std::vector<Triangle>& triangles, std::size_t vertices)
+    : first_(vertices + 1, 0), corners_(6 * triangles.size()) {
+  for (const Triangle& t : triangles)
+    for (const int v : t) first_[static_cast<std::size_t>(v) + 1] += 2;
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t other = 1; other < 3; ++other)
+        corners_[static_cast<std::size_t>(next[static_cast<std::size_t>(t[k])]++)] = t[(k + other) % 3];
+}
+
+}  // namespace vacuform
