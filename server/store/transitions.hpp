@@ -18,7 +18,7 @@
 #include <span>
 #include <string>
 
-#include "api/client/retry.hpp"
+#include "api/retry.hpp"
 #include "server/store/job.hpp"
 
 namespace vacuform {
