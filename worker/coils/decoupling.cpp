@@ -29,24 +29,20 @@ constexpr double bound_k = 0.008, bound_weight = 10;
 constexpr double array_weight = 100;  // of a shift of the array as a whole against that of each loop
 constexpr double off_weight = 0.1;    // of pairs of which one is off the head
 
-// The loop of one element with its own inductance, by the polar grid alone and with half of its points: good enough for
-// differences.
-struct Probe {
-  std::vector<Vector3d> loop;
-  double self_nh = 0;
-};
-
-Probe probe(const PolarGrid& grid, const LaidElement& element, double size) {
+// One element by the polar grid alone and with half of its points: good enough for differences.
+LaidCoil probe(const PolarGrid& grid, const LaidElement& element, double size) {
   LaidElement coarse{element.element, {}, size};
   for (std::size_t i = 0; i < element.outline.loop.size(); i += 2)
     coarse.outline.loop.push_back(element.outline.loop[i]);
-  Probe out{loop_in_space(grid, coarse), 0};
-  if (!out.loop.empty()) out.self_nh = self_inductance_nh(out.loop, size * element.outline.width_mm);
+  LaidCoil out;
+  out.element.loop = loop_in_space(grid, coarse);
+  if (!out.element.loop.empty())
+    out.self_nh = self_inductance_nh(out.element.loop, size * element.outline.width_mm);
   return out;
 }
 
-double coupling(const Probe& a, const Probe& b) {
-  return mutual_inductance_nh(a.loop, b.loop) / std::sqrt(a.self_nh * b.self_nh);
+double coupling_or_nan(const LaidCoil& a, const LaidCoil& b) {
+  return coupling(a, b).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 class Decoupling {
@@ -159,8 +155,7 @@ class Decoupling {
     VectorXd k(static_cast<Index>(pairs_.size()));
     in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
       for (std::size_t p = index(first); p < index(last); ++p)
-        k[static_cast<Index>(p)] = vacuform::coupling(laid[index(pairs_[p].a)], laid[index(pairs_[p].b)])
-                                       .value_or(std::numeric_limits<double>::quiet_NaN());
+        k[static_cast<Index>(p)] = coupling_or_nan(laid[index(pairs_[p].a)], laid[index(pairs_[p].b)]);
     });
     return k;
   }
@@ -217,8 +212,8 @@ class Decoupling {
   Result<std::vector<std::array<Vector3d, 2>>> jacobian() const {
     constexpr double step_mm = 0.5, step_size = 0.01;
     const int count = static_cast<int>(layout_.elements.size());
-    std::vector<Probe> here(layout_.elements.size());
-    std::vector<std::array<Probe, 3>> changed(layout_.elements.size());
+    std::vector<LaidCoil> here(layout_.elements.size());
+    std::vector<std::array<LaidCoil, 3>> changed(layout_.elements.size());
     VACUFORM_CHECK(context_.step(Stage::printing, 0));
     in_parallel(0, count, [&](int first, int last) {
       for (std::size_t i = index(first); i < index(last); ++i) {
@@ -234,12 +229,12 @@ class Decoupling {
     in_parallel(0, static_cast<int>(pairs_.size()), [&](int first, int last) {
       for (std::size_t p = index(first); p < index(last); ++p) {
         const std::size_t a = index(pairs_[p].a), b = index(pairs_[p].b);
-        const double k = coupling(here[a], here[b]);
+        const double k = coupling_or_nan(here[a], here[b]);
         auto& [of_a, of_b] = J[p];
         for (int c = 0; c < 3; ++c) {
           const double per = c < 2 ? unit_mm / step_mm : unit_size / step_size;
-          of_a[c] = (coupling(changed[a][index(c)], here[b]) - k) * per;
-          of_b[c] = (coupling(here[a], changed[b][index(c)]) - k) * per;
+          of_a[c] = (coupling_or_nan(changed[a][index(c)], here[b]) - k) * per;
+          of_b[c] = (coupling_or_nan(here[a], changed[b][index(c)]) - k) * per;
         }
         // Beyond the sheet's border nothing can be said.
         if (!of_a.allFinite()) of_a.setZero();

@@ -15,7 +15,7 @@ using Loop = std::span<const Eigen::Vector3d>;
 double mutual_inductance_nh(Loop a, Loop b, double gap_mm = 0.1);
 
 // Of one loop of a flat strip `width_mm` wide: Neumann's integral over the loop and itself with the strip's geometric
-// mean distance (half width 4: PHYSICS.md's L = mu0 a [ln(8 a / b) - 2], b = width / 4, for a circle), nH.
+// mean distance (half width 4: L = mu0 a [ln(8 a / b) - 2], b = width / 4, for a circle), nH.
 double self_inductance_nh(Loop loop, double width_mm);
 
 // M / sqrt(L1 L2).

@@ -1,4 +1,4 @@
-// The figures of DESIGN.md for coils and for pairs of neighbours, measured on the inked surface, for the print itself and
+// The figures for coils and for pairs of neighbours, measured on the inked surface, for the print itself and
 // for the plain drawing printed as it is. A *coil* is an element of the drawing with a
 // loop (coils/drawn_loop.hpp).
 #pragma once

@@ -16,7 +16,7 @@
 
 namespace vacuform {
 
-// Area-weighted statistics of one figure over the triangles of the chart (DESIGN's definitions). A percentile
+// Area-weighted statistics of one figure over the triangles of the chart. A percentile
 // is the smallest value such that at least its share of the inked area has no larger one. All 0 for an empty
 // chart.
 struct Statistics {

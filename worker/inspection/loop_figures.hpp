@@ -1,6 +1,6 @@
 // A closed line that lies on the flat sheet, measured where the formed sheet carries it. Internal to worker/inspection.
 //
-// The figures are those of DESIGN's definitions, on the inked surface. A loop's centre is found, not assumed: it is the
+// The figures are those of the inked surface. A loop's centre is found, not assumed: it is the
 // point of the surface from which the geodesic radius of the loop varies least (least squares over the loop by its formed
 // length), so that whoever has the print and the formed sheet, and nothing else, finds the same.
 #pragma once
