@@ -177,8 +177,9 @@ class Service(Case):
         job = self.server.submit(scan, RINGS, COARSE)
         ended = self.server.wait(job)
         self.assertEqual(ended["state"], "succeeded")
-        files = [file["sha256"] for file in [*ended["artifacts"], ended["inputs"]["scan"]]]
-        self.assertGreater(len(files), 19)
+        files = [file["sha256"] for file in [*ended["artifacts"], ended["inputs"]["scan"]]
+                 if file.get("name") != "formed.mtl"]  # the same for every job
+        self.assertGreater(len(files), 18)
         for sha256 in files:
             self.assertEqual(len(self.files_kept(sha256)), 1)
         self.assertEqual(curl("-X", "DELETE", f"{self.server.api}/jobs/{job}").status, 204)

@@ -49,16 +49,6 @@ TriangleMesh mesh_of(const std::vector<Triangle>& triangles, const std::vector<E
   return {places, triangles};
 }
 
-// Whether a ray from the point straight up leaves the surface first: the point lies under the sheet, or in the mold.
-bool is_inside(const TriangleMesh& mesh, const RayCaster& rays, const Eigen::Vector3d& point, double height) {
-  const Eigen::Vector3d up(0, 0, height);
-  const auto hit = rays.first_hit(point, up);
-  if (!hit) return false;
-  const Triangle& t = mesh.triangles[hit->triangle];
-  const Eigen::Vector3d& a = mesh.vertices[t[0]];
-  return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).z() > 0;
-}
-
 Deviation deviation_of(std::vector<Sample>& samples) {
   std::erase_if(samples, [](const Sample& s) { return s.depth < 0; });
   Deviation out;
@@ -142,7 +132,7 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
     for (int k = begin; k < end; ++k) {
       Sample& s = of_mold[k];
       if (s.place.z() <= platform_mm) continue;
-      const bool inside = is_inside(sheet, to_sheet, s.below, height);
+      const bool inside = lies_below(sheet, to_sheet, s.below, height);
       const double distance = from_sheet(s.place);
       if (!inside)
         s.depth = distance;
@@ -162,7 +152,7 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
   of_sheet = sunk;
   in_parallel(0, static_cast<int>(sunk.size()), [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
-      const bool inside = is_inside(mold, to_mold, sunk[k].place, height);
+      const bool inside = lies_below(mold, to_mold, sunk[k].place, height);
       const double distance = from_mold(sunk[k].place);
       sunk[k].depth = inside && sunk[k].place.z() > platform_mm ? distance : 0;
       if (touches[k]) of_sheet[k].depth = inside ? 0 : distance;

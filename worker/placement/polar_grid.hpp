@@ -8,6 +8,7 @@
 
 #include "api/settings.hpp"
 #include "worker/placement/charted_surface.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/surface/geodesic.hpp"
 
 namespace vacuform {
@@ -54,7 +55,7 @@ class PolarGrid {
   };
   // Ring 0 is the centre, once a direction.
   const Stop& stop(int ring, int direction) const {
-    return stops_[static_cast<std::size_t>(ring * directions_ + (direction % directions_))];
+    return stops_[index(ring * directions_ + (direction % directions_))];
   }
   struct Cell {
     int ring, direction;

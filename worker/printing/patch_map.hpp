@@ -7,6 +7,7 @@
 
 #include "worker/pattern/area.hpp"
 #include "worker/placement/patch.hpp"
+#include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 
@@ -29,20 +30,10 @@ class PatchMap {
   bool covers(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
  private:
-  struct Hit {
-    int triangle = -1;
-    double off = 0;  // mm outside
-    Eigen::Vector3d weights;
-  };
-  void look(int column, int row, const Eigen::Vector2d& uv, Hit& hit) const;
-
   const Patch& patch_;
+  PlaneLocator locator_;
   Area outline_;
   std::vector<std::pair<double, double>> border_;  // the outline's points, ascending
-  Eigen::Vector2d low_{0, 0};
-  double cell_ = 1;
-  int columns_ = 0, rows_ = 0;
-  std::vector<int> first_, triangles_;  // of each cell, rows of cells from below
 };
 
 }  // namespace vacuform

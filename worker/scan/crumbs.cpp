@@ -18,20 +18,17 @@ constexpr int most_rounds = 3;  // a small piece may stand on another small one
 class Inside {
  public:
   Inside(const TriangleMesh& surface, double height)
-      : surface_(surface), rays_(surface), distance_(surface), up_(0, 0, height) {}
+      : surface_(surface), rays_(surface), distance_(surface), height_(height) {}
   bool operator()(const Eigen::Vector3d& p) const {
     constexpr double touching_mm = 0.01;
-    const auto hit = rays_.first_hit(p, up_);
-    if (hit && area_vector(surface_, surface_.triangles[static_cast<std::size_t>(hit->triangle)]).z() > 0)
-      return true;
-    return distance_(p) <= touching_mm;
+    return lies_below(surface_, rays_, p, height_) || distance_(p) <= touching_mm;
   }
 
  private:
   const TriangleMesh& surface_;
   RayCaster rays_;
   MoldDistance distance_;
-  Eigen::Vector3d up_;
+  double height_;
 };
 
 }  // namespace

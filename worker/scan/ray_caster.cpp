@@ -7,6 +7,7 @@
 #endif
 
 #include "worker/scan/embree_scene.hpp"
+#include "worker/scan/topology.hpp"
 
 namespace vacuform {
 
@@ -37,6 +38,12 @@ std::optional<RayCaster::Hit> RayCaster::first_hit(const Eigen::Vector3d& origin
 #endif
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return Hit{query.ray.tfar, static_cast<int>(query.hit.primID), query.hit.u, query.hit.v};
+}
+
+bool lies_below(const TriangleMesh& mesh, const RayCaster& rays, const Eigen::Vector3d& point,
+                double height) {
+  const auto hit = rays.first_hit(point, {0, 0, height});
+  return hit && area_vector(mesh, mesh.triangles[static_cast<std::size_t>(hit->triangle)]).z() > 0;
 }
 
 }  // namespace vacuform

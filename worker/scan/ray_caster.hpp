@@ -33,4 +33,8 @@ class RayCaster {
   std::unique_ptr<Scene> scene_;
 };
 
+// Whether a ray from the point straight up leaves the mesh before it enters it: the point lies in a closed surface, or
+// under a sheet. `rays` are those of the mesh; `height` is more than it is high.
+bool lies_below(const TriangleMesh& mesh, const RayCaster& rays, const Eigen::Vector3d& point, double height);
+
 }  // namespace vacuform

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "worker/numerics/box_minimum.hpp"
-#include "worker/studies/registration.hpp"
+#include "worker/numerics/rigid_fit.hpp"
 
 namespace vacuform {
 

@@ -18,16 +18,21 @@ class PlaneLocator {
 
   // The triangle that holds the point; nothing where none does. Of several the first.
   std::optional<SheetPoint> find(const Eigen::Vector2d& point) const;
+  // The same, or else the nearest triangle that is off by no more than `beyond`, with weights as its plane runs on.
+  std::optional<SheetPoint> nearest(const Eigen::Vector2d& point, double beyond) const;
 
  private:
+  struct Hit;
   std::size_t cell(const Eigen::Vector2d& point) const;
+  void look(int column, int row, const Eigen::Vector2d& point, Hit& hit) const;
 
   const std::vector<Triangle>& triangles_;
   const std::vector<Eigen::Vector2d>& plane_;
   Eigen::Vector2d low_;
   double size_ = 1;
   int columns_ = 0, rows_ = 0;
-  std::vector<std::vector<int>> cells_;  // triangles whose boxes meet the cell, ascending
+  std::vector<std::size_t> first_;  // of each cell, in entries_
+  std::vector<int> entries_;        // triangles whose boxes meet the cell, ascending
 };
 
 }  // namespace vacuform

@@ -6,10 +6,10 @@
 
 #include "tests/unit/fixtures/shapes.hpp"
 #include "worker/forming/sheet_map.hpp"
+#include "worker/numerics/rigid_fit.hpp"
 #include "worker/stage/portion.hpp"
 #include "worker/studies/convergence.hpp"
 #include "worker/studies/measured_grid.hpp"
-#include "worker/studies/registration.hpp"
 #include "worker/studies/sensitivity.hpp"
 
 namespace vacuform {
