@@ -7,6 +7,7 @@
 #include "worker/coils/inductance.hpp"
 #include "worker/inspection/loop_figures.hpp"
 #include "worker/pattern/drawn_loop.hpp"
+#include "worker/stage/index.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
@@ -215,9 +216,7 @@ Result<CoilTable> measure_coils(const MeasuredSheet& measured, const std::vector
       return;
     }
     const auto pair = static_cast<std::size_t>(item / 2 - coils);
-    const auto of = [&](int coil) -> const auto& {
-      return found[static_cast<std::size_t>(2 * coil + item % 2)];
-    };
+    const auto of = [&](int coil) -> const auto& { return found[index(2 * coil + item % 2)]; };
     const auto &a = of(pairs[pair].a), &b = of(pairs[pair].b);
     if (a && b)
       distances[static_cast<std::size_t>(item - 2 * coils)] =

@@ -194,10 +194,10 @@ Result<Picture> views(const Finished& job, const Distortion& after, View& view, 
          ink_note(job.print)},
         whole);
   Canvas canvas(whole);
-  for (std::size_t i = 0; i < std::size(sides); ++i)
-    canvas.text(sides[i].second, static_cast<double>(static_cast<int>(i) % columns * width) + 14,
-                caption_top + static_cast<double>(static_cast<int>(i) / columns * height) + 23, 18, true, 0,
-                0.2f);
+  for (std::size_t i = 0; i < std::size(sides); ++i) {
+    const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
+    canvas.text(sides[i].second, column * width + 14, caption_top + row * height + 23, 18, true, 0, 0.2f);
+  }
   view.look_from(View::Side::front, preview_side, preview_side, caption_top, caption_bottom);
   return whole;
 }
