@@ -27,8 +27,8 @@ struct Parser {
   const json* group_object = nullptr;
   std::vector<std::string> groups, keys;  // known so far, keys of the current group
 
-  void refuse(const std::string& where, std::string what, std::string mend) {
-    if (!error) error = Error{Code::bad_settings, std::move(what), where, std::move(mend)};
+  void refuse(const std::string& where, std::string what, std::string fix) {
+    if (!error) error = Error{Code::bad_settings, std::move(what), where, std::move(fix)};
   }
   void refuse_unknown() {
     if (!group_object) return;
@@ -145,7 +145,7 @@ struct Parser {
       if (!(*j)[i].is_object()) return refuse(item.group_name, "not a JSON object", "write {...}");
       describe_heater(value.emplace_back(), item);
       item.refuse_unknown();
-      if (item.error) return refuse(item.error->where, item.error->what, item.error->mend);
+      if (item.error) return refuse(item.error->where, item.error->what, item.error->fix);
     }
   }
   void field(std::string_view key, std::map<std::string, double>& value, Range range, std::string_view) {

@@ -5,7 +5,7 @@ namespace vacuform {
 std::string Error::text() const {
   std::string line = what;
   if (!where.empty()) line += " (" + where + ")";
-  if (!mend.empty()) line += "; " + mend;
+  if (!fix.empty()) line += "; " + fix;
   for (char& c : line)
     if (c == '\n' || c == '\r') c = ' ';
   return line;

@@ -41,18 +41,17 @@ struct Error {
   Code code = Code::internal;
   std::string what;   // what is wrong, one sentence without a full stop
   std::string where;  // the file, line, setting or place; may be empty
-  std::string mend;   // what the user can do about it; may be empty
+  std::string fix;    // what the user can do about it; may be empty
 
-  // "what (where); mend" on one line.
+  // "what (where); fix" on one line.
   std::string text() const;
 };
 
 template <class T>
 using Result = tl::expected<T, Error>;
 
-inline tl::unexpected<Error> fail(Code code, std::string what, std::string where = {},
-                                  std::string mend = {}) {
-  return tl::make_unexpected(Error{code, std::move(what), std::move(where), std::move(mend)});
+inline tl::unexpected<Error> fail(Code code, std::string what, std::string where = {}, std::string fix = {}) {
+  return tl::make_unexpected(Error{code, std::move(what), std::move(where), std::move(fix)});
 }
 
 }  // namespace vacuform

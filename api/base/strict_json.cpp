@@ -34,8 +34,8 @@ class Inspector {
   const std::optional<Error>& error() const { return error_; }
 
  private:
-  void refuse(const std::string& what, const char* mend) {
-    if (!error_) error_ = Error{Code::bad_usage, "the JSON " + what, "", mend};
+  void refuse(const std::string& what, const char* fix) {
+    if (!error_) error_ = Error{Code::bad_usage, "the JSON " + what, "", fix};
   }
   int deepest_;
   std::vector<std::set<std::string>> names_;  // of the objects that are open

@@ -324,7 +324,7 @@ Result<void> WorkerClient::fail(const Lease& lease, const Error& error, Retry re
   const json body{{"code", meaning(error.code).slug},
                   {"what", error.what},
                   {"where", error.where},
-                  {"mend", error.mend},
+                  {"fix", error.fix},
                   {"retry", retry != Retry::never},
                   {"crashed", retry == Retry::after_crash}};
   VACUFORM_CHECK(call(lease, "POST", "/fail", written(body)));

@@ -251,7 +251,7 @@ Error error_of(const HttpResponse& response) {
   const std::string type = text_of(problem, "type");
   const auto code = type.starts_with(prefix) ? code_from(type.substr(prefix.size())) : std::nullopt;
   if (code) {
-    error = {*code, text_of(problem, "what"), text_of(problem, "where"), text_of(problem, "mend")};
+    error = {*code, text_of(problem, "what"), text_of(problem, "where"), text_of(problem, "fix")};
     if (error.what.empty()) error.what = std::string(meaning(*code).title);
     return error;
   }
@@ -276,7 +276,7 @@ Error error_of(const HttpResponse& response) {
       error.code = response.status >= 500 ? Code::internal : Code::bad_usage;
   }
   error.what = "the server answered " + std::to_string(response.status) + " without saying why";
-  error.mend = "check that the address is that of a Vacuform server";
+  error.fix = "check that the address is that of a Vacuform server";
   return error;
 }
 

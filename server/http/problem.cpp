@@ -18,7 +18,7 @@ ordered_json problem_json(const Error& error, int status) {
           {"detail", error.text()},
           {"what", error.what},
           {"where", error.where},
-          {"mend", error.mend}};
+          {"fix", error.fix}};
 }
 
 http::Response problem_response(const Error& error, int status) {

@@ -9,7 +9,7 @@
 
 namespace vacuform {
 
-// {type, title, status, detail, what, where, mend}. `status` 0 takes the code's own.
+// {type, title, status, detail, what, where, fix}. `status` 0 takes the code's own.
 nlohmann::ordered_json problem_json(const Error& error, int status = 0);
 http::Response problem_response(const Error& error, int status = 0);
 

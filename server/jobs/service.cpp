@@ -6,9 +6,9 @@ namespace {
 
 template <class Found>
 Result<Found> if_seen(Result<Found> found, const Caller& caller, const std::string& id, const char* what,
-                      const char* mend) {
+                      const char* fix) {
   if (found && !caller.sees_of(found->owner))
-    return fail(Code::not_found, std::string("there is no such ") + what, id, mend);
+    return fail(Code::not_found, std::string("there is no such ") + what, id, fix);
   return found;
 }
 

@@ -18,8 +18,8 @@ bool known(const std::string& field) {
          std::find(plain_fields.begin(), plain_fields.end(), field) != plain_fields.end();
 }
 
-Error unknown(const std::string& what, const std::string& name, const std::string& mend) {
-  return {Code::bad_usage, "an unknown " + what + ": " + name.substr(0, 64), "request body", mend};
+Error unknown(const std::string& what, const std::string& name, const std::string& fix) {
+  return {Code::bad_usage, "an unknown " + what + ": " + name.substr(0, 64), "request body", fix};
 }
 
 }  // namespace

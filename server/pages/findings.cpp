@@ -49,7 +49,7 @@ ordered_json findings_values(const json& findings) {
     const json& misfit = at(findings, {"problem"});
     row("Fits the machine", is_true(findings, "fits")
                                 ? "yes"
-                                : "no: " + text(at(misfit, {"what"})) + "; " + text(at(misfit, {"mend"})));
+                                : "no: " + text(at(misfit, {"what"})) + "; " + text(at(misfit, {"fix"})));
   }
   return {{"rows", std::move(rows)}};
 }

@@ -49,7 +49,7 @@ ordered_json problem_values(const std::optional<Error>& error) {
           {"slug", code.slug},
           {"what", error->what},
           {"where", error->where},
-          {"mend", error->mend}};
+          {"fix", error->fix}};
 }
 
 std::string readable_bytes(std::uint64_t bytes) {

@@ -203,10 +203,10 @@ Result<Response> fail_job(Service& service, Request& request) {
                 "send the last piece of a type of /problems/");
   VACUFORM_TRY(what, text_of(body, "what"));
   VACUFORM_TRY(where, text_of(body, "where"));
-  VACUFORM_TRY(mend, text_of(body, "mend"));
+  VACUFORM_TRY(fix, text_of(body, "fix"));
   VACUFORM_TRY(crashed, flag_of(body, "crashed"));
   VACUFORM_TRY(again, flag_of(body, "retry"));
-  const Error error{*code, std::move(what), std::move(where), std::move(mend)};
+  const Error error{*code, std::move(what), std::move(where), std::move(fix)};
   const Retry retry = crashed ? Retry::after_crash : again ? Retry::after_fault : Retry::never;
   VACUFORM_TRY(job, service.store.fail_job(key_of(request), error, retry));
   return ended_as("job-failed", job);

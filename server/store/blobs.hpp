@@ -3,7 +3,7 @@
 //
 // An upload is written to DATA/incoming while it arrives and hashed on the way, so memory does not grow with
 // its size. seal() flushes it; keep() gives it its final name and flushes the folder, after which it survives
-// a power cut. Bytes that are there already cost no flush, and those whose file was damaged mend it. What is never
+// a power cut. Bytes that are there already cost no flush, and sending a damaged file again repairs it. What is never
 // kept disappears with the Upload, and what a crash left in incoming is deleted at the next start.
 #pragma once
 

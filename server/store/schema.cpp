@@ -141,6 +141,10 @@ ALTER TABLE token ADD COLUMN file TEXT;
     R"sql(
 ALTER TABLE job ADD COLUMN serious_warnings INTEGER;
 )sql",
+    // 10: the fix of a problem had another name
+    R"sql(
+ALTER TABLE job RENAME COLUMN error_mend TO error_fix;
+)sql",
 };
 
 }  // namespace

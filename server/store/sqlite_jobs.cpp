@@ -107,7 +107,7 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
   Query query(
       db_,
       "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
-      " error_where, error_mend, request, owner, priority, derived_from, not_before, version, kind, settings,"
+      " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings,"
       " serious_warnings"
       " FROM job WHERE id=?",
       id);

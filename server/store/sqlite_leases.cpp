@@ -205,15 +205,15 @@ Result<void> SqliteStore::apply(const Job& job, const Transition& next) {
 
 Result<void> SqliteStore::write_end(const Job& job, const Transition& next) {
   const Millis now = options_.clock();
-  std::optional<std::string_view> code, what, where, mend;
+  std::optional<std::string_view> code, what, where, fix;
   if (const auto& error = next.error)
-    code = meaning(error->code).slug, what = error->what, where = error->where, mend = error->mend;
+    code = meaning(error->code).slug, what = error->what, where = error->where, fix = error->fix;
   ended_jobs_.push_back(job);
   ended_jobs_.back().state = next.state;
   ended_jobs_.back().ended = now;
   return Query(db_,
-               "UPDATE job SET ended=?, error_code=?, error_what=?, error_where=?, error_mend=? WHERE id=?",
-               now, code, what, where, mend, job.id)
+               "UPDATE job SET ended=?, error_code=?, error_what=?, error_where=?, error_fix=? WHERE id=?",
+               now, code, what, where, fix, job.id)
       .run();
 }
 

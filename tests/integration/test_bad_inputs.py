@@ -1,5 +1,5 @@
 """Hostile and broken files and requests through the API: each ends with its own type of problem and a message that says
-what, where and how to mend it; the service goes on."""
+what, where and how to fix it; the service goes on."""
 import socket
 import unittest
 
@@ -36,9 +36,9 @@ class BadInputs(Case):
                     continue
                 problem = ended["problem"]
                 self.assertEqual((ended["state"], problem["type"]), ("failed", "/problems/" + slug), problem)
-                self.assertIn(words, problem["what"] + problem["mend"])
+                self.assertIn(words, problem["what"] + problem["fix"])
                 self.assertIn(f"{place}.{extension}", problem["where"])
-                self.assertTrue(problem["mend"])
+                self.assertTrue(problem["fix"])
                 self.assertEqual(ended["artifacts"], [])
 
     def test_scans(self):
@@ -79,7 +79,7 @@ class BadInputs(Case):
                 problem = answer.json
                 self.assertEqual((problem["type"], problem["status"]), ("/problems/" + slug, status))
                 self.assertIn(says, problem["detail"])
-                self.assertTrue(problem["what"] and problem["mend"], problem)
+                self.assertTrue(problem["what"] and problem["fix"], problem)
 
     def test_names_and_numbers_in_the_path(self):
         for path in ("/jobs/none", "/jobs/..%2f..%2fetc", "/jobs/" + "a" * 5000, "/jobs/%00", "/nothing",

@@ -14,7 +14,7 @@ NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-19x40mm.svg"
 
 
 class Refusals(Case):
-    """Exit 2 with one line: what, where, how to mend it."""
+    """Exit 2 with one line: what, where, how to fix it."""
 
     def assert_refused(self, done, *words):
         self.assertEqual(done.returncode, 2, done.stderr)
@@ -129,7 +129,7 @@ class Progress(Case):
         problem = json.loads(done.stdout.splitlines()[-1])["problem"]
         self.assertEqual(problem["code"], "corrupt-file")
         self.assertIn("corrupt-head.glb", problem["where"])
-        self.assertTrue(problem["what"] and problem["mend"])
+        self.assertTrue(problem["what"] and problem["fix"])
 
     def test_interrupt_ends_it_without_artifacts(self):
         out = self.folder / "interrupted"

@@ -29,7 +29,7 @@ class DiskFull(Case):
     def expect_refused(self, answer):
         self.assertEqual(answer.status, 507, answer)
         self.assertEqual(answer.json["type"], "/problems/disk-full")
-        self.assertTrue(answer.json["mend"])
+        self.assertTrue(answer.json["fix"])
         self.assertGreater(int(answer.headers["retry-after"]), 0)
 
     def test_nothing_accepted_is_lost_and_nothing_half_is_kept(self):

@@ -163,7 +163,7 @@ class Front(Case):
         self.assertIn(b"Content-Type: application/problem+json", head)
         problem = json.loads(body)
         self.assertEqual((problem["status"], problem["type"]), (status, "/problems/" + slug))
-        self.assertLessEqual({"title", "detail", "what", "where", "mend"}, set(problem))
+        self.assertLessEqual({"title", "detail", "what", "where", "fix"}, set(problem))
         return head
 
     def test_only_uploads_may_be_large(self):

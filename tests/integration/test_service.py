@@ -196,7 +196,7 @@ class Service(Case):
         self.server.wait(job, lambda j: j["state"] == "running", "a worker")
         answer = curl("-X", "DELETE", f"{self.server.api}/jobs/{job}")
         self.assertEqual((answer.status, answer.json["type"]), (409, "/problems/conflict"))
-        self.assertTrue(answer.json["mend"])
+        self.assertTrue(answer.json["fix"])
         curl("-X", "POST", f"{self.server.api}/jobs/{job}/cancel")
         self.assertEqual(self.server.wait(job)["state"], "cancelled")
 
@@ -270,10 +270,10 @@ class Scans(Case):
                 return job, slugs
             problem = job["problem"]
             self.assertEqual(job["state"], "failed", scan)
-            self.assertTrue(problem["what"] and problem["where"] and problem["mend"], problem)
+            self.assertTrue(problem["what"] and problem["where"] and problem["fix"], problem)
             self.assertEqual(job["artifacts"], [])
             slugs.append(problem["type"].removeprefix("/problems/"))
-            advice = re.search(r"--set (\w+)\.(\w+)=(\S+)", problem["mend"])
+            advice = re.search(r"--set (\w+)\.(\w+)=(\S+)", problem["fix"])
             if not advice or len(slugs) > 3:
                 return job, slugs
             group, key, value = advice.groups()

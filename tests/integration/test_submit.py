@@ -158,7 +158,7 @@ class Submit(Case):
     def test_how_the_job_ended_is_the_exit_status(self):
         for slug, exit_status in ("does-not-fit", 2), ("internal", 1), ("out-of-time", 2):
             done = self.submit({"state": "failed", "problem": {
-                "type": "/problems/" + slug, "what": "it is too wide", "where": "scan.stl", "mend": "turn it"}})
+                "type": "/problems/" + slug, "what": "it is too wide", "where": "scan.stl", "fix": "turn it"}})
             self.assertEqual((done.returncode, done.stderr), (exit_status, "vacuform: it is too wide (scan.stl); turn it\n"))
         self.assertEqual(self.submit({"state": "cancelled"}).returncode, 130)
         self.assertEqual(self.submit({"state": "failed", "problem": None}).returncode, 1)

@@ -251,7 +251,7 @@ class Worker(Case):
         said = json.loads(self.the_call("/fail")[2])
         self.assertEqual((said["code"], said["retry"], said["crashed"]), ("out-of-time", True, True))
         self.assertIn("most likely because the memory ran out", said["what"])
-        self.assertIn("sheet.resolution_mm", said["mend"])
+        self.assertIn("sheet.resolution_mm", said["fix"])
 
     def test_a_job_that_is_not_understood_is_given_back_once(self):
         for change in ({"kind": "casting"}, {"inputs": {"mask": {"extension": "png", "bytes": 1, "sha256": "0" * 64}}}):
@@ -264,10 +264,10 @@ class Worker(Case):
                 self.assertEqual([len(self.server.calls(tail)) for tail in ("/leases", "/release", "/fail")], [1, 1, 0])
 
     def test_refusal_is_passed_on_and_final(self):
-        self.start("""echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","mend":"turn it"}}'
+        self.start("""echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","fix":"turn it"}}'
                       exit 2""")
         self.assertEqual(json.loads(self.the_call("/fail")[2]), {"code": "does-not-fit", "what": "too wide",
-                         "where": "scan.stl", "mend": "turn it", "retry": False, "crashed": False})
+                         "where": "scan.stl", "fix": "turn it", "retry": False, "crashed": False})
 
     def test_refusal_without_a_reason_is_a_fault(self):
         self.start("echo '{\"problem\":{\"code\":\"made-up\",\"what\":\"x\"}}'; exit 2")

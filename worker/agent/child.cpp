@@ -217,7 +217,7 @@ ChildLine parse_child_line(std::string_view line) {
     if (!problem->is_object()) return {};
     const auto code = code_from(text(*problem, "code"));
     if (!code || text(*problem, "what").empty()) return {};
-    return Error{*code, text(*problem, "what"), text(*problem, "where"), text(*problem, "mend")};
+    return Error{*code, text(*problem, "what"), text(*problem, "where"), text(*problem, "fix")};
   }
   const auto stage = stage_from(text(object, "stage"));
   const auto progress = object.find("progress");

@@ -43,7 +43,7 @@ struct ChildProgress {
 };
 using ChildLine = std::variant<std::monostate, ChildProgress, Error>;
 
-// {"stage":"forming","progress":0.4}, with "kept":true where the stage was left out, or {"problem":{"code":"does-not-fit","what":...,"where":...,"mend":...}};
+// {"stage":"forming","progress":0.4}, with "kept":true where the stage was left out, or {"problem":{"code":"does-not-fit","what":...,"where":...,"fix":...}};
 // anything else is nothing. Texts are cut to 2000 bytes.
 ChildLine parse_child_line(std::string_view line);
 

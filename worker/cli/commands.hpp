@@ -1,5 +1,5 @@
 // The commands of `vacuform`, one source file each. A command writes its errors to stderr as one line
-// "vacuform: what (where); mend" and sets the exit code of api/base/error.hpp.
+// "vacuform: what (where); fix" and sets the exit code of api/base/error.hpp.
 #pragma once
 
 #include <CLI/CLI.hpp>

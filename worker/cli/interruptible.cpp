@@ -60,7 +60,7 @@ int run_interruptible(const std::function<Result<void>(const Context&, ProgressB
           {{"code", meaning(error.code).slug},
            {"what", error.what},
            {"where", error.where},
-           {"mend", error.mend}}}});
+           {"fix", error.fix}}}});
   return refuse(error);
 }
 

@@ -154,10 +154,10 @@ int submit(const SubmitOptions& o) {
   // What to do about whatever ends the waiting but not the job.
   const auto come_back = [&](Error error) {
     bar.clear();
-    error.mend = "the job goes on; come back with vacuform submit --server " + o.server + " --job " + id +
-                 " --wait" + (o.out.empty() ? "" : " --out " + o.out) +
-                 (o.token_file.empty() ? "" : " --token-file " + o.token_file) +
-                 ", or cancel it on its page, " + o.server + "/jobs/" + id;
+    error.fix = "the job goes on; come back with vacuform submit --server " + o.server + " --job " + id +
+                " --wait" + (o.out.empty() ? "" : " --out " + o.out) +
+                (o.token_file.empty() ? "" : " --token-file " + o.token_file) +
+                ", or cancel it on its page, " + o.server + "/jobs/" + id;
     return refuse(error);
   };
   const auto job = follow(*client, id, o.job.empty(), bar);

@@ -239,9 +239,9 @@ Drawing drawing_of(const ElementLayout& layout, const std::vector<Vector2d>& pic
 Result<SamplingDomain> domain_for(const ChartedSurface& charted, const ChartVertices& vertices,
                                   const ArrayWish& wish, double extra_mm) {
   const InkedSurface& surface = charted.surface();
-  const auto refuse = [&](const std::string& mend) {
+  const auto refuse = [&](const std::string& fix) {
     return fail(Code::unusable_surface, std::to_string(wish.count) + " loops do not fit on the region",
-                "--count", mend);
+                "--count", fix);
   };
   double spacing = wish.diameter_mm.value_or(0) * critical;
   SamplingDomain out =

@@ -107,7 +107,7 @@ Result<void> Settling::verlet(Motion& m, double dt) const {
 }
 
 Result<void> Settling::implicit_euler(Motion& m, double dt) const {
-  constexpr double enough = 0.1;  // of the preconditioned right-hand side: the steps to come mend the rest
+  constexpr double enough = 0.1;  // of the preconditioned right-hand side: later steps correct the rest
   constexpr int most = 1000;
   const int n = m.n, others = m.net.vertices() - n;
   const SpringNet::Jacobian jacobian(m.net, m.x, m.load.pressure);

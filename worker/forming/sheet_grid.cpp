@@ -45,8 +45,8 @@ void dissect(int x0, int x1, int y0, int y1, int columns, std::vector<int>& orde
 
 // A triangle whose corners all lie on the circle is a sliver: the edge between its two outer corners is turned over
 // to the opposite corner of the neighbour. Where that lies on the circle too, the middle corner goes back `home`.
-void mend_sliver(SheetGrid& grid, std::size_t sliver, std::vector<char>& on_circle,
-                 const std::vector<Eigen::Vector2d>& home) {
+void collapse_sliver(SheetGrid& grid, std::size_t sliver, std::vector<char>& on_circle,
+                     const std::vector<Eigen::Vector2d>& home) {
   Triangle& flat = grid.triangles[sliver];
   const auto length = [&](int k) {
     return (grid.rest[flat[k]] - grid.rest[flat[(k + 1) % 3]]).squaredNorm();
@@ -91,7 +91,7 @@ void snap_to_circle(SheetGrid& grid, double radius, double spacing) {
     if (on_circle[i]) grid.rest[i] *= radius / grid.rest[i].norm();
   for (std::size_t k = 0; k < grid.triangles.size(); ++k) {
     const Triangle& t = grid.triangles[k];
-    if (on_circle[t[0]] && on_circle[t[1]] && on_circle[t[2]]) mend_sliver(grid, k, on_circle, home);
+    if (on_circle[t[0]] && on_circle[t[1]] && on_circle[t[2]]) collapse_sliver(grid, k, on_circle, home);
   }
 }
 

@@ -75,7 +75,7 @@ class Reader {
                             refusal_.what() + ".",
                         {},
                         {},
-                        "To keep its lines exact, " + refusal_.mend() + "."});
+                        "To keep its lines exact, " + refusal_.fix() + "."});
     return std::nullopt;
   }
 
@@ -109,7 +109,7 @@ class Reader {
     if (found) refuse("values by entities", "save it as plain SVG");
   }
 
-  void refuse(const std::string& what, const std::string& mend) { refusal_.because(what, mend); }
+  void refuse(const std::string& what, const std::string& fix) { refusal_.because(what, fix); }
   bool refused() const { return refusal_.given(); }
   void refuse_size() { refuse("more than can be kept as lines", "simplify it"); }
 
@@ -128,7 +128,7 @@ class Reader {
     const auto box = svg_numbers(root_.attribute("viewBox").value());
     if (box && !box->empty()) {
       const auto view = svg_view(*box, root_.attribute("preserveAspectRatio").value(), size);
-      if (!view) return refuse("a viewBox that cannot be used", "mend that");
+      if (!view) return refuse("a viewBox that cannot be used", "correct it");
       page = *view;
       under.viewport = {(*box)[2], (*box)[3]};
     } else if (width > 0 && height > 0) {
@@ -172,7 +172,7 @@ class Reader {
       work_ += std::string_view(transform.value()).size() / 16;
       const auto read = svg_transform(transform.value());
       if (!read)
-        refuse("a transform that cannot be read", "mend that");
+        refuse("a transform that cannot be read", "correct it");
       else
         under.to_pattern = under.to_pattern * *read;
     }
@@ -311,7 +311,7 @@ class Reader {
     const auto box = svg_numbers(node.attribute("viewBox").value());
     if (box && !box->empty()) {
       const auto view = svg_view(*box, node.attribute("preserveAspectRatio").value(), {*w, *h});
-      if (!view) return refuse("a viewBox that cannot be used", "mend that");
+      if (!view) return refuse("a viewBox that cannot be used", "correct it");
       under.to_pattern = under.to_pattern * *view;
       under.viewport = {(*box)[2], (*box)[3]};
     }

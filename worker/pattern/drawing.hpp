@@ -67,7 +67,7 @@ struct Drawing {
 // pages, transforms, presentation attributes, style attributes and style sheets of simple selectors. What sticks out of the
 // page is kept here and cut by who prints. A drawing that is no SVG gives nothing; so does one that holds what these
 // vectors cannot (text, pictures, gradients, filters, clips, masks, markers, blended groups, more than 200,000 segments), and
-// `warnings` then says what, and how to mend it ("pattern-as-picture"). An element has ink: white shapes alone are none. Of equal ids the later ones get "-2", "-3",
+// `warnings` then says what, and how to fix it ("pattern-as-picture"). An element has ink: white shapes alone are none. Of equal ids the later ones get "-2", "-3",
 // ...; a <use> without an id has its target's. Deterministic; within a second or so whatever the bytes.
 std::optional<Drawing> read_drawing(std::span<const std::uint8_t> bytes, const Pattern& pattern,
                                     std::vector<Warning>& warnings);

@@ -28,7 +28,7 @@ class Pattern {
   // Decodes the drawing; an SVG is drawn finely enough for prints at `dpi`, but with at most 64 million
   // pixels, and fewer where more would take longer than about ten seconds of the processor (svg_work.hpp). The format is told by the first bytes, not by the name. Its physical size is, in this order:
   // settings.width_mm; the SVG's width or height in absolute units (px are 1/96 in); the PNG's pHYs or the
-  // JPEG's density; else unusable_pattern with the mend "give pattern.width_mm". A JPEG's Exif orientation is
+  // JPEG's density; else unusable_pattern with the fix "give pattern.width_mm". A JPEG's Exif orientation is
   // honoured. Nothing but the bytes is read: an SVG that refers to other files is refused.
   // Errors: unsupported_format, corrupt_file, too_large (above 64 million pixels, or too much
   // work to draw), unusable_pattern (no ink or size).

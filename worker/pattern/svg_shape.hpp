@@ -13,20 +13,20 @@
 
 namespace vacuform {
 
-// Why a drawing cannot be held as vectors, and how to mend it. The first reason stays.
+// Why a drawing cannot be held as vectors, and how to fix it. The first reason stays.
 class Refusal {
  public:
-  void because(const std::string& what, const std::string& mend) {
+  void because(const std::string& what, const std::string& fix) {
     if (given()) return;
     what_ = what;
-    mend_ = mend;
+    fix_ = fix;
   }
   bool given() const { return !what_.empty(); }
   const std::string& what() const { return what_; }
-  const std::string& mend() const { return mend_; }
+  const std::string& fix() const { return fix_; }
 
  private:
-  std::string what_, mend_;
+  std::string what_, fix_;
 };
 
 // A length among the node's attributes; nothing where it is absent, "auto" or refused.

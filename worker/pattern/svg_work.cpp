@@ -104,14 +104,14 @@ struct Part {
   }
 };
 
-tl::unexpected<Error> too_much(const std::string& what, double count, double limit, const std::string& mend,
+tl::unexpected<Error> too_much(const std::string& what, double count, double limit, const std::string& fix,
                                const std::string& file_name) {
   const auto number = [](double x) {
     if (!(x < 1e15)) return std::string("more than 10^15");
     return std::to_string(static_cast<long long>(x));
   };
   return fail(Code::too_large, what + ": " + number(count) + " where at most " + number(limit) + " can be",
-              file_name, mend);
+              file_name, fix);
 }
 
 class Counter {

@@ -55,7 +55,7 @@ Json findings_json(const Inputs& inputs, const ScanInspection& inspection) {
     all["problem"] = {{"code", meaning(misfit->code).slug},
                       {"what", misfit->what},
                       {"where", misfit->where},
-                      {"mend", misfit->mend}};
+                      {"fix", misfit->fix}};
   for (const Warning& warning : inspection.mold.warnings)
     all["warnings"].push_back(warning_json(Stage::scan, warning));
   return all;

@@ -176,9 +176,9 @@ Result<CutSheet> with_cut_lines(FormedSheet sheet, InkedSurface surface, Flatten
   for (std::size_t i = 0; i < rows.size(); ++i) {
     VACUFORM_CHECK(context.step(Stage::printing, 0));
     const auto& r = rows[i];
-    const auto refuse = [&](const std::string& what, const char* mend) {
+    const auto refuse = [&](const std::string& what, const char* fix) {
       return fail(Code::bad_settings, "row " + std::to_string(i + 1) + " of the cuts " + what,
-                  "pattern.seams", mend);
+                  "pattern.seams", fix);
     };
     const auto from = cutter.vertex_at({r[0], r[1], r[2]}), to = cutter.vertex_at({r[3], r[4], r[5]});
     if (!from || !to)

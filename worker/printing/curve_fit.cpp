@@ -43,7 +43,7 @@ class Fitter {
         out_.insert(out_.end(), {c[1], c[2], c[3]});
         return;
       }
-      if (error > 16 * tolerance_) break;  // no better parameters mend that
+      if (error > 16 * tolerance_) break;  // better parameters cannot correct that
       improve(c, first, last);
     }
     divide(first, last, std::clamp(worst, first + 1, last - 1), start, end);

@@ -136,7 +136,7 @@ Closing close_skin(const TriangleMesh& skin) {
   const Box box = bounds(skin);
   std::size_t dropped = drop_broken(closing.mesh);
   for (int round = 0; round < rounds && !closing.mesh.triangles.empty(); ++round) {
-    if (dropped * 10 > given) return closing;  // a soup: better wrapped than mended
+    if (dropped * 10 > given) return closing;  // a soup: better wrapped than repaired
     for (const auto& opening : openings(closing.mesh)) {
       if (opening.loop.size() < 3) continue;
       const bool large = opening.across > large_share * box.size().norm();

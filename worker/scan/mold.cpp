@@ -78,7 +78,7 @@ Result<double> choose_scale(const ScanSettings& settings, const std::string& fil
                     (side < 10 ? "only " : "") + mm(side),
                 file_name,
                 guess ? "give another unit, for example --set scan.units=" + std::string(name(*guess))
-                      : guess.error().mend);
+                      : guess.error().fix);
   }
   return millimetres(findings.unit);
 }

@@ -74,9 +74,9 @@ Result<std::vector<MeasuredPoint3>> read_measured_grid(std::span<const std::uint
                                                        const SheetSettings& sheet) {
   if (bytes.size() >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf) bytes = bytes.subspan(3);
   TextCursor text(bytes);
-  const auto corrupt = [&](std::string what, std::string mend) {
+  const auto corrupt = [&](std::string what, std::string fix) {
     return fail(Code::corrupt_file, std::move(what),
-                file_name + ", line " + std::to_string(text.line_number()), std::move(mend));
+                file_name + ", line " + std::to_string(text.line_number()), std::move(fix));
   };
   std::vector<MeasuredPoint3> points;
   std::array<int, 5> columns;

@@ -219,13 +219,13 @@ TEST_F(ServerApi, AFailureReachesTheUserWithItsReason) {
   EXPECT_EQ(
       worker(
           "POST", held, "/fail",
-          R"({"code":"ambiguous-units","what":"cm or in","where":"scan","mend":"set <scan.units>","retry":false})")
+          R"({"code":"ambiguous-units","what":"cm or in","where":"scan","fix":"set <scan.units>","retry":false})")
           .status,
       200);
   const json job = show(id);
   EXPECT_EQ(job["state"], "failed");
   EXPECT_EQ(job["problem"]["type"], "/problems/ambiguous-units");
-  EXPECT_EQ(job["problem"]["mend"], "set <scan.units>");
+  EXPECT_EQ(job["problem"]["fix"], "set <scan.units>");
   const Answer page = ask("GET", "/jobs/" + id);
   EXPECT_NE(page.body.find("set &lt;scan.units&gt;"), std::string::npos);
   EXPECT_EQ(page.body.find("refresh"), std::string::npos);

@@ -21,7 +21,7 @@ class ServerLimits : public ServerTest {
     EXPECT_EQ(problem["status"], status);
     EXPECT_EQ(problem["what"], what);
     EXPECT_TRUE(problem["type"].get<std::string>().starts_with("/problems/"));
-    EXPECT_FALSE(problem["mend"].get<std::string>().empty());
+    EXPECT_FALSE(problem["fix"].get<std::string>().empty());
   }
   int jobs() { return static_cast<int>(store_->list(100, "")->jobs.size()); }
 };

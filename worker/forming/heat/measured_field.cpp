@@ -60,8 +60,8 @@ class Table {
 
   std::string_view line() const { return line_; }
   std::string place() const { return name_ + ", line " + std::to_string(text_.line_number()); }
-  tl::unexpected<Error> corrupt(const std::string& what, const std::string& mend) const {
-    return fail(Code::corrupt_file, what, place(), mend);
+  tl::unexpected<Error> corrupt(const std::string& what, const std::string& fix) const {
+    return fail(Code::corrupt_file, what, place(), fix);
   }
   Result<double> celsius(std::string_view cell) const {
     double value = 0;

@@ -297,7 +297,7 @@ TEST_P(StoreTest, ADamagedFileIsNotGiven) {
   EXPECT_EQ(bytes_of(made.input("pattern")->blob), "a pattern");
 }
 
-TEST_P(StoreTest, SendingADamagedFileAgainMendsIt) {
+TEST_P(StoreTest, SendingADamagedFileAgainRepairsIt) {
   const Job made = create("a scan", "a pattern");
   const std::string hash = made.input("scan")->blob.sha256;
   std::ofstream(data() / "blobs" / hash.substr(0, 2) / hash) << "a scar";

@@ -81,7 +81,7 @@ TEST(Transitions, LeadFromEveryStateByEveryEventWhereTheTableSays) {
         ASSERT_FALSE(next);
         EXPECT_EQ(next.error().code, wanted == "conflict" ? Code::conflict : Code::lease_lost);
         EXPECT_EQ(next.error().where, "01j");
-        EXPECT_FALSE(next.error().mend.empty());
+        EXPECT_FALSE(next.error().fix.empty());
         continue;
       }
       ASSERT_TRUE(next) << next.error().text();

@@ -82,7 +82,7 @@ TEST_F(Child, TellsProgressAndItsExitStatus) {
 
 TEST_F(Child, TellsItsProblem) {
   const auto end = run(
-      R"(echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","mend":"turn it"}}'; exit 2)");
+      R"(echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","fix":"turn it"}}'; exit 2)");
   EXPECT_EQ(end.how, ChildEnd::How::exited);
   EXPECT_EQ(end.number, 2);
   ASSERT_TRUE(end.problem);

@@ -52,7 +52,7 @@ TEST(ArrayLayout, FitsTheFrontHalfAndRefusesWhatHasNoRoom) {
   const auto refused = lay_out_array(hand_made::Charted(x), wish(64, 80), CoilSettings(), Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::unusable_surface);
-  EXPECT_NE(refused.error().mend.find("of this diameter fit"), std::string::npos);
+  EXPECT_NE(refused.error().fix.find("of this diameter fit"), std::string::npos);
 }
 
 TEST(ArrayLayout, IsWrittenAsAGroupACoil) {

@@ -59,7 +59,7 @@ TEST(Pattern, AsksForTheWidthWhenTheFileDoesNotSayIt) {
     const auto pattern = read(bytes, "p");
     ASSERT_FALSE(pattern);
     EXPECT_EQ(pattern.error().code, Code::unusable_pattern);
-    EXPECT_EQ(pattern.error().mend, "give pattern.width_mm");
+    EXPECT_EQ(pattern.error().fix, "give pattern.width_mm");
   }
   const auto given = read(svg("viewBox='0 0 20 10'"), 80);
   ASSERT_TRUE(given);
@@ -394,7 +394,7 @@ TEST(Pattern, RefusesWhatItCannotTrustAndSaysWhy) {
     if (!r.message.empty()) {
       EXPECT_EQ(pattern.error().text(), r.message) << r.what;
     }
-    EXPECT_FALSE(pattern.error().mend.empty()) << r.what;
+    EXPECT_FALSE(pattern.error().fix.empty()) << r.what;
   }
 }
 

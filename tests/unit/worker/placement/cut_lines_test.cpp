@@ -84,23 +84,23 @@ TEST(CutLines, PartTheRegionIntoSegments) {
   EXPECT_NE(cut.error().what.find("row 1"), std::string::npos);
 
   x.settings.pattern.seams = {{-62, 3, 10, 2, 1, 60}, {2, 1, 60, 62, 3, 10}, {0, -62, 10, 0, 62, 10}};
-  const auto mended =
+  const auto recut =
       with_cut_lines(x.sheet, hand_made::inked(x.sheet), x.flattening, x.settings.pattern.seams, Context());
-  ASSERT_TRUE(mended) << mended.error().text();
-  const auto placement = place(ChartedSurface(mended->surface, mended->flattening), nullptr, x.settings,
-                               Context(), mended->edges);
+  ASSERT_TRUE(recut) << recut.error().text();
+  const auto placement =
+      place(ChartedSurface(recut->surface, recut->flattening), nullptr, x.settings, Context(), recut->edges);
   ASSERT_TRUE(placement);
   EXPECT_EQ(placement->charts.size(), 4u);
   EXPECT_EQ(placement->seams.size(), 4u);
   EXPECT_TRUE(placement->warnings.empty());
   std::set<int> covered;
   for (const Segment& s : placement->charts) covered.insert(s.triangles.begin(), s.triangles.end());
-  EXPECT_EQ(covered.size(), mended->flattening.triangles.size());
+  EXPECT_EQ(covered.size(), recut->flattening.triangles.size());
 
   // A tighter limit cuts on, and says that the cuts given did not do.
   x.settings.pattern.distortion_limit = 1.02;
-  const auto finer = place(ChartedSurface(mended->surface, mended->flattening), nullptr, x.settings,
-                           Context(), mended->edges);
+  const auto finer =
+      place(ChartedSurface(recut->surface, recut->flattening), nullptr, x.settings, Context(), recut->edges);
   ASSERT_TRUE(finer);
   EXPECT_GT(finer->charts.size(), 4u);
   ASSERT_FALSE(finer->warnings.empty());

@@ -274,7 +274,7 @@ TEST_P(HostileScan, IsRefusedWithItsReason) {
   EXPECT_EQ(meaning(mold.error().code).slug, meaning(GetParam().code).slug) << mold.error().text();
   EXPECT_NE(mold.error().text().find(GetParam().says), std::string::npos) << mold.error().text();
   EXPECT_NE(mold.error().where.find(GetParam().name), std::string::npos) << mold.error().text();
-  EXPECT_FALSE(mold.error().mend.empty()) << mold.error().text();
+  EXPECT_FALSE(mold.error().fix.empty()) << mold.error().text();
 }
 
 FileBytes stl_that_claims(std::uint32_t count, std::size_t size) {

@@ -78,7 +78,7 @@ TEST(Trim, AboveTheScanIsRefused) {
   EXPECT_EQ(mold.error().where, "scan.trim_mm");
   EXPECT_NE(mold.error().what.find("the scan is 100.0 mm high and trimming it at 150.0 mm leaves nothing"),
             std::string::npos);
-  EXPECT_NE(mold.error().mend.find("--set scan.trim_mm=50"), std::string::npos) << mold.error().mend;
+  EXPECT_NE(mold.error().fix.find("--set scan.trim_mm=50"), std::string::npos) << mold.error().fix;
   EXPECT_TRUE(mold_of(sphere(50), upright(50.0)));
 }
 
@@ -122,8 +122,8 @@ TEST(Undercuts, ThatLeaveACoinAreRefusedWithTheirHeight) {
   ASSERT_FALSE(mold);
   EXPECT_EQ(mold.error().code, Code::unusable_scan);
   EXPECT_EQ(mold.error().text().find("undercuts begin 39."), 0u) << mold.error().text();
-  EXPECT_NE(mold.error().mend.find("--set scan.up=-z"), std::string::npos) << mold.error().text();
-  EXPECT_NE(mold.error().mend.find("--set scan.trim_mm=21"), std::string::npos) << mold.error().text();
+  EXPECT_NE(mold.error().fix.find("--set scan.up=-z"), std::string::npos) << mold.error().text();
+  EXPECT_NE(mold.error().fix.find("--set scan.trim_mm=21"), std::string::npos) << mold.error().text();
   // Both proposals make a mold.
   auto turned = upright();
   turned.up = UpAxis::minus_z;
@@ -459,7 +459,7 @@ TEST(Fit, SaysWhatIsTooLargeByHowMuch) {
                                      "mm too large for the window of 280.0 mm"),
             std::string::npos)
       << wide.error().text();
-  EXPECT_NE(wide.error().mend.find("at least 284.0 mm"), std::string::npos);
+  EXPECT_NE(wide.error().fix.find("at least 284.0 mm"), std::string::npos);
   EXPECT_EQ(check_fit(block(100, 270, 50), sheet, machine).error().where, "machine.window_height_mm");
 
   machine.window = WindowShape::circle;
@@ -481,7 +481,7 @@ TEST(Fit, TheProposalOfARefusalWorks) {
       machine.window = shape;
       const auto refused = check_fit(mold, sheet, machine);
       ASSERT_FALSE(refused);
-      const std::string& fix = refused.error().mend;
+      const std::string& fix = refused.error().fix;
       const auto take = [&](const std::string& name, double& value) {
         if (const auto at = fix.find("--set " + name + "="); at != std::string::npos)
           value = std::stod(fix.substr(at + 7 + name.size()));
@@ -494,7 +494,7 @@ TEST(Fit, TheProposalOfARefusalWorks) {
       EXPECT_TRUE(fits) << fix << ": " << fits.error().text();
       EXPECT_EQ(sheet.width_mm - machine.window_width_mm, 20) << fix;
     }
-  EXPECT_EQ(check_fit(block(1995, 10, 10), {}, {}).error().mend.find("--set"), std::string::npos);
+  EXPECT_EQ(check_fit(block(1995, 10, 10), {}, {}).error().fix.find("--set"), std::string::npos);
 }
 
 TEST(Fit, TakesAMoldBesideTheMiddleByItsFartherSide) {
@@ -504,7 +504,7 @@ TEST(Fit, TakesAMoldBesideTheMiddleByItsFartherSide) {
   ASSERT_FALSE(wide);
   EXPECT_NE(wide.error().what.find("200.0 mm wide, reaches 135.0 mm from the middle"), std::string::npos)
       << wide.error().text();
-  EXPECT_NE(wide.error().mend.find("at least 284.1 mm"), std::string::npos) << wide.error().mend;
+  EXPECT_NE(wide.error().fix.find("at least 284.1 mm"), std::string::npos) << wide.error().fix;
   SheetSettings sheet;
   MachineSettings machine;
   sheet.width_mm = machine.window_width_mm = 284.1;  // as proposed
@@ -519,7 +519,7 @@ TEST(Fit, KnowsTheDrawAndTheFrame) {
   EXPECT_EQ(tall.error().where, "scan.trim_mm");
   EXPECT_NE(tall.error().text().find("450.0 mm to draw, 30.0 mm more"), std::string::npos)
       << tall.error().text();
-  EXPECT_NE(tall.error().mend.find("--set scan.trim_mm=30"), std::string::npos) << tall.error().mend;
+  EXPECT_NE(tall.error().fix.find("--set scan.trim_mm=30"), std::string::npos) << tall.error().fix;
   EXPECT_TRUE(check_fit(block(100, 100, 420), sheet, machine));
   machine.drape_height_mm = 60;
   const auto high = check_fit(block(100, 100, 50), sheet, machine);

@@ -339,7 +339,7 @@ TEST(Units, TheProposalOfARefusalWorks) {
       const auto refused = mold_of(mesh, settings);
       if (refused) continue;
       bool proposed = false;
-      const std::string& fix = refused.error().mend;
+      const std::string& fix = refused.error().fix;
       if (fix.find("--set scan.size_mm=200") != std::string::npos) {
         ScanSettings sized;
         sized.size_mm = 200;

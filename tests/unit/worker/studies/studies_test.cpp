@@ -97,7 +97,7 @@ TEST_P(MeasuredGridErrors, NameTheLine) {
   ASSERT_FALSE(points);
   EXPECT_NE(points.error().what.find(what), std::string::npos) << points.error().text();
   EXPECT_EQ(points.error().where, where);
-  EXPECT_FALSE(points.error().mend.empty());
+  EXPECT_FALSE(points.error().fix.empty());
 }
 INSTANTIATE_TEST_SUITE_P(
     Files, MeasuredGridErrors,
