@@ -140,9 +140,12 @@ Page problem_page(Code code) {
   const Explanation text = explanation(code);
   Page page;
   page.title = std::string(meaning(code).title);
-  page.main =
-      rendered("problem",
-               {{"title", page.title}, {"why", text.why}, {"help", text.help}, {"slug", meaning(code).slug}});
+  page.main = rendered("problem", {{"title", page.title},
+                                   {"why", text.why},
+                                   {"help", text.help},
+                                   {"slug", meaning(code).slug},
+                                   {"status", std::to_string(meaning(code).http_status)},
+                                   {"exit_code", std::to_string(meaning(code).exit_code)}});
   return page;
 }
 
