@@ -1,4 +1,4 @@
-"""deploy/PROMISES.md: every promise names a test, and every test that it names is one that ctest runs."""
+"""docs/operate/promises.md: every promise names a test, and every test that it names is one that ctest runs."""
 import os
 import pathlib
 import re
@@ -6,7 +6,7 @@ import subprocess
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
-PROMISES = (HERE.parents[1] / "deploy" / "PROMISES.md").read_text()
+PROMISES = (HERE.parents[1] / "docs" / "operate" / "promises.md").read_text()
 
 
 class Promises(unittest.TestCase):
