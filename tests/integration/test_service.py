@@ -4,17 +4,14 @@ import hashlib
 import html
 import io
 import json
-import pathlib
 import re
-import subprocess
 import time
 import unittest
 import zipfile
 
 import hostile
-from harness import PATIENCE, PATTERNS, SCANS, Case, Server, curl, vacuform, wait_for
+from harness import PATTERNS, SCANS, Case, Server, curl, vacuform, wait_for
 
-README = pathlib.Path(__file__).resolve().parents[2] / "README.md"
 RINGS = PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
 FINE = {"sheet": {"resolution_mm": 1}}  # long enough to be interrupted
@@ -119,20 +116,6 @@ class Service(Case):
         self.assertEqual(done.returncode, 2)
         self.assertRegex(done.stderr.splitlines()[-1], r"\Avacuform: .+; .+")
         self.assertFalse((self.folder / "refused").exists())
-
-    def test_the_curl_session_of_the_readme(self):
-        session = re.search(r"\n((    .*\n)*    ask\(\) (.*\n)(    .*\n)+)", README.read_text()).group(1)
-        here = self.folder / "readme"
-        (here / "var").mkdir(parents=True)
-        (here / "var" / "token").write_bytes(self.server.token_file.read_bytes())
-        (here / "head.stl").write_bytes(hostile.stl(hostile.dome_triangles()))
-        (here / "coils.svg").write_bytes(hostile.GOOD_SVG)
-        done = subprocess.run(["bash", "-euo", "pipefail", "-c", session.replace("http://127.0.0.1:8080", self.server.url)],
-                              cwd=here, capture_output=True, text=True, timeout=PATIENCE)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual((here / "print.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
-        with zipfile.ZipFile(here / "job.zip") as archive:
-            self.assertIsNone(archive.testzip())
 
     def test_names_in_files_are_kept_nowhere(self):
         name = b"JaneDoe1984"
