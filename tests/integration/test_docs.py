@@ -220,6 +220,7 @@ class Sessions(Case):
         """A folder as the pages of the service presuppose it: a token, a scan and a pattern."""
         here = self.folder / name
         (here / "var").mkdir(parents=True)
+        (here / "api").symlink_to(ROOT / "api")
         (here / "var" / "token").write_bytes(server.token_file.read_bytes())
         (here / "head.stl").write_bytes(hostile.stl(hostile.dome_triangles()))
         (here / "coils.svg").write_bytes(hostile.GOOD_SVG)
