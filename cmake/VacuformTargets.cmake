@@ -21,6 +21,9 @@ endif()
 function(vacuform_rules target)
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off ${VACUFORM_MARCH})
+  if(CMAKE_UNITY_BUILD)  # several files are one there: what is local to a file looks like a header's
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
   target_link_libraries(${target} PUBLIC Threads::Threads)
 endfunction()
 

@@ -15,6 +15,9 @@ inline std::string decimal(double value, int places) {
   return out;
 }
 
+inline std::string in_mm(double value) { return decimal(value, 1) + " mm"; }
+inline std::string in_percent(double share, int places = 0) { return decimal(100 * share, places) + " %"; }
+
 // With at most `digits` digits that count, without needless zeros: 300, 0.75, 12.3.
 inline std::string short_decimal(double value, int digits = 4) {
   char text[64];

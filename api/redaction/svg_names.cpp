@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "api/base/text.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -14,11 +16,6 @@ constexpr std::size_t longest_name = 64;  // of an element or attribute; longer 
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 char blank(char c) { return is_blank(c) ? c : ' '; }
-
-template <std::size_t N>
-bool one_of(std::string_view word, const std::array<std::string_view, N>& words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 // "svg:path" -> "svg" and "path"; "path" -> "" and "path".
 struct Name {

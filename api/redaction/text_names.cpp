@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "api/base/text.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -11,11 +13,6 @@ namespace {
 struct Line {
   bool word = true, rest = true;  // kept
 };
-
-template <std::size_t N>
-bool one_of(std::string_view word, const std::array<std::string_view, N>& words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 constexpr std::string_view solid = "solid";
 constexpr std::array<std::string_view, 5> stl_words{"facet", "outer", "vertex", "endloop", "endfacet"};

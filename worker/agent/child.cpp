@@ -65,7 +65,7 @@ bool limit(int resource, std::uint64_t soft, std::uint64_t hard) {
   return ::setrlimit(static_cast<__rlimit_resource>(resource), &r) == 0;
 }
 
-constexpr int refused = 126;  // exit status of a child that cannot be confined or executed
+constexpr int cannot_confine = 126;  // exit status of a child that cannot be confined or executed
 
 // Everything that the two new processes need: they may allocate nothing, for other threads may have held locks.
 struct Start {
@@ -104,7 +104,7 @@ pid_t split(bool bare, unsigned long namespaces) {
       (limits.address_space == 0 || limit(RLIMIT_AS, limits.address_space, limits.address_space)) &&
       confinement.leave_calls();
   if (ready) confinement.execute(start.argv, start.envp);
-  ::_exit(refused);
+  ::_exit(cannot_confine);
 }
 
 volatile pid_t supervised = 0;  // of the supervisor
@@ -154,7 +154,7 @@ void end_descendants() {
                      ::poll(&worker, 1, 0) == 0;  // else the worker is dead already
   const pid_t self = ::getpid();
   supervised = ready ? split(first, 0) : -1;
-  if (supervised < 0) ::_exit(refused);
+  if (supervised < 0) ::_exit(cannot_confine);
   if (supervised == 0) become(start, self);
   ::dup2(start.ended, 0);
   ::close_range(1, ~0u, 0);
@@ -163,7 +163,7 @@ void end_descendants() {
   for (;;) {
     const pid_t reaped = ::waitpid(-1, &status, 0);
     if (reaped == supervised) break;
-    if (reaped < 0 && errno != EINTR) ::_exit(refused);
+    if (reaped < 0 && errno != EINTR) ::_exit(cannot_confine);
   }
   supervised = 0;
   (void)!::write(0, &status, sizeof status);

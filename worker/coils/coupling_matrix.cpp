@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double mu0_over_4pi = 0.1;  // nH per mm
-
 struct Dipole {
   Vector3d middle{0, 0, 0}, area{0, 0, 0};  // of the points; the loop's vector area, mm2
   double reach = 0;

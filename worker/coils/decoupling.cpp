@@ -1,6 +1,5 @@
 #include "worker/coils/decoupling.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "worker/coils/inductance.hpp"
+#include "worker/numerics/dense.hpp"
 #include "worker/stage/index.hpp"
 #include "worker/stage/parallel.hpp"
 
@@ -273,7 +273,7 @@ class Decoupling {
     std::vector<char> held(start_.size(), 0);
     VectorXd step;
     for (bool again = true; again;) {
-      step = normal.ldlt().solve(rhs);
+      step = solve_symmetric(normal, rhs);
       again = false;
       for (std::size_t i = 0; i < held.size(); ++i) {
         const Index s = 3 * static_cast<Index>(i) + 2;

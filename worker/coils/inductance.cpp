@@ -13,8 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double mu0_over_4pi = 0.1;  // nH per mm: 1e-7 H/m
-
 struct Node {
   double at, weight;  // on [0, 1]
 };
@@ -24,12 +22,12 @@ constexpr std::array<Node, 4> four{{{0.069431844202973712, 0.17392742256872693},
                                     {0.66999052179242813, 0.32607257743127307},
                                     {0.93056815579702629, 0.17392742256872693}}};
 
-struct Segment {
+struct StraightWire {
   Vector3d start, way;
   double length;
 };
 
-Segment segment(Loop loop, std::size_t i) {
+StraightWire straight_wire(Loop loop, std::size_t i) {
   const Vector3d way = loop[(i + 1) % loop.size()] - loop[i];
   return {loop[i], way, way.norm()};
 }
@@ -41,28 +39,28 @@ double exp_asinh(double x) {
 }
 
 // The integral of 1 / sqrt(r^2 + gap^2) along b, r the distance from p.
-double along(const Vector3d& p, const Segment& b, double gap) {
+double along(const Vector3d& p, const StraightWire& b, double gap) {
   const Vector3d unit = b.way / b.length;
   const double foot = (p - b.start).dot(unit);
   const double aside = std::sqrt(((p - b.start) - foot * unit).squaredNorm() + gap * gap);
   return std::log(exp_asinh((b.length - foot) / aside) * exp_asinh(foot / aside));
 }
 
-double on_part(const Segment& a, double from, double to, const Segment& b, double gap) {
+double on_part(const StraightWire& a, double from, double to, const StraightWire& b, double gap) {
   double sum = 0;
   for (const Node& n : four) sum += n.weight * along(a.start + (from + n.at * (to - from)) * a.way, b, gap);
   return sum * (to - from) * a.length;
 }
 
 // Where a comes nearest to b's line, as a fraction of a.
-double nearest(const Segment& a, const Segment& b) {
+double nearest(const StraightWire& a, const StraightWire& b) {
   const Vector3d unit = b.way / b.length, between = a.start - b.start;
   const Vector3d d = a.way - a.way.dot(unit) * unit, e = between - between.dot(unit) * unit;
   return d.squaredNorm() > 0 ? std::clamp(-e.dot(d) / d.squaredNorm(), 0.0, 1.0) : 0.5;
 }
 
 // The double integral of dl.dl / sqrt(r^2 + gap^2) over two straight segments.
-double neumann(const Segment& a, const Segment& b, double gap) {
+double neumann(const StraightWire& a, const StraightWire& b, double gap) {
   if (a.length == 0 || b.length == 0) return 0;
   const double cosine = a.way.dot(b.way) / (a.length * b.length);
   const double apart = (a.start + 0.5 * a.way - b.start - 0.5 * b.way).norm(), size = a.length + b.length;
@@ -89,13 +87,13 @@ double neumann(const Segment& a, const Segment& b, double gap) {
 }  // namespace
 
 double mutual_inductance_nh(Loop a, Loop b, double gap_mm) {
-  std::vector<Segment> of_b;
+  std::vector<StraightWire> of_b;
   of_b.reserve(b.size());
-  for (std::size_t j = 0; j < b.size(); ++j) of_b.push_back(segment(b, j));
+  for (std::size_t j = 0; j < b.size(); ++j) of_b.push_back(straight_wire(b, j));
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const Segment s = segment(a, i);
-    for (const Segment& t : of_b) sum += neumann(s, t, gap_mm);
+    const StraightWire s = straight_wire(a, i);
+    for (const StraightWire& t : of_b) sum += neumann(s, t, gap_mm);
   }
   return mu0_over_4pi * sum;
 }

@@ -9,6 +9,8 @@ namespace vacuform {
 // A closed polyline, the last point joined to the first, mm. At least three points.
 using Loop = std::span<const Eigen::Vector3d>;
 
+constexpr double mu0_over_4pi = 0.1;  // nH per mm: 1e-7 H/m
+
 // Mutual inductance by Neumann's double integral, nH. Exact per pair of straight segments in one of the two integrals
 // (or to better than 1e-4 of sqrt(L1 L2) for loops of a hundred points), also where the loops cross without touching or
 // touch: crossing conductors lie `gap_mm` apart. Sign by the sense of the loops.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/numerics/plane.hpp"
+
 namespace vacuform {
 
 FlatTriangle flat_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
@@ -41,12 +43,12 @@ ChartQuality chart_quality(const Chart& chart) {
     const FlatTriangle f = flat_triangle(chart.inked[t[0]], chart.inked[t[1]], chart.inked[t[2]]);
     const double area = 0.5 * f.length * f.height;
     const Eigen::Vector2d e1 = chart.uv[t[1]] - chart.uv[t[0]], e2 = chart.uv[t[2]] - chart.uv[t[0]];
-    quality.flipped += e1.x() * e2.y() - e1.y() * e2.x() <= 0;
+    quality.flipped += cross(e1, e2) <= 0;
     if (!(area > 0)) continue;
     // J from the triangle's plane to the chart: J (length, 0) = e1, J (along, height) = e2.
     const Eigen::Vector2d j1 = e1 / f.length, j2 = (e2 - f.along * j1) / f.height;
     const double frobenius = j1.squaredNorm() + j2.squaredNorm();
-    const double determinant = j1.x() * j2.y() - j1.y() * j2.x();
+    const double determinant = cross(j1, j2);
     const double sum = std::sqrt(std::max(0.0, frobenius + 2 * determinant));  // s1 + s2
     quality.arap += area * (frobenius - 2 * sum + 2);
     quality.symmetric_dirichlet += determinant > 0 ? area * frobenius * (1 + 1 / (determinant * determinant))

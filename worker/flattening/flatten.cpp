@@ -12,6 +12,7 @@
 #include "worker/flattening/held_points.hpp"
 #include "worker/flattening/methods.hpp"
 #include "worker/flattening/region.hpp"
+#include "worker/numerics/plane.hpp"
 #include "worker/numerics/rigid_fit.hpp"
 #include "worker/stage/portion.hpp"
 
@@ -167,7 +168,7 @@ std::vector<Warning::Mark> flipped_marks(const Chart& chart) {
     const Eigen::Vector2d a = chart.uv[t[1]] - chart.uv[t[0]], b = chart.uv[t[2]] - chart.uv[t[0]];
     const double size = std::max((chart.inked[t[1]] - chart.inked[t[0]]).norm(),
                                  (chart.inked[t[2]] - chart.inked[t[0]]).norm());
-    if (a.x() * b.y() - a.y() * b.x() <= 0) flipped.emplace_back(-size, k);
+    if (cross(a, b) <= 0) flipped.emplace_back(-size, k);
   }
   std::sort(flipped.begin(), flipped.end());
   flipped.resize(std::min(flipped.size(), Warning::most_marks));

@@ -3,6 +3,7 @@
 
 #include "worker/flattening/held_points.hpp"
 #include "worker/flattening/methods.hpp"
+#include "worker/numerics/plane.hpp"
 #include "worker/numerics/supernodal_cholesky.hpp"
 
 namespace vacuform {
@@ -58,7 +59,7 @@ double area_in_plane(const Chart& chart) {
   double twice = 0;
   for (const Triangle& t : chart.triangles) {
     const Eigen::Vector2d a = chart.uv[t[1]] - chart.uv[t[0]], b = chart.uv[t[2]] - chart.uv[t[0]];
-    twice += a.x() * b.y() - a.y() * b.x();
+    twice += cross(a, b);
   }
   return twice / 2;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "worker/numerics/plane.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -84,9 +86,6 @@ Spot spot_below(const FormedSheet& sheet, const std::vector<int>& region, const 
 }
 
 Spot spot_at_rest(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector2d& st) {
-  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return a.x() * b.y() - a.y() * b.x();
-  };
   for (const int k : region) {
     const Triangle& t = sheet.triangles[k];
     const Eigen::Vector2d &a = sheet.rest[t[0]], &b = sheet.rest[t[1]], &c = sheet.rest[t[2]];

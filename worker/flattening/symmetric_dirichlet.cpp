@@ -11,6 +11,7 @@
 #include "worker/flattening/methods.hpp"
 #include "worker/flattening/outside.hpp"
 #include "worker/flattening/symmetric_dirichlet_energy.hpp"
+#include "worker/numerics/plane.hpp"
 #include "worker/numerics/supernodal_cholesky.hpp"
 #include "worker/stage/portion.hpp"
 #include "worker/surface/adjacency.hpp"
@@ -59,7 +60,7 @@ class ProjectedNewton {
       const Eigen::Vector2d a = chart_.uv[t[1]] - chart_.uv[t[0]], b = chart_.uv[t[2]] - chart_.uv[t[0]];
       const Eigen::Vector2d da = move(t[1]) - move(t[0]), db = move(t[2]) - move(t[0]);
       // Twice the area along the step: area + middle x + bend x^2, positive at 0.
-      const double area = a.x() * b.y() - a.y() * b.x(), bend = da.x() * db.y() - da.y() * db.x();
+      const double area = cross(a, b), bend = cross(da, db);
       const double middle = a.x() * db.y() - a.y() * db.x() + da.x() * b.y() - da.y() * b.x();
       least = std::min(least, first_root(area, middle, bend));
     }

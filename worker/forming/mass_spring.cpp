@@ -16,6 +16,7 @@
 #include "worker/forming/material.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/forming/settling.hpp"
+#include "worker/numerics/plane.hpp"
 
 namespace vacuform {
 
@@ -178,7 +179,7 @@ class Forming {
     for (const Triangle& t : process_.grid.triangles) {
       const Eigen::Vector2d a = state_.x.col(t[0]).head<2>(), b = state_.x.col(t[1]).head<2>() - a,
                             c = state_.x.col(t[2]).head<2>() - a;
-      projected += 0.5 * (b.x() * c.y() - b.y() * c.x());
+      projected += 0.5 * cross(b, c);
     }
     FormingSummary& s = state_.summary;
     s.converged = true;

@@ -25,6 +25,7 @@
 #include "worker/forming/material.hpp"
 #include "worker/forming/point_contact.hpp"
 #include "worker/forming/process.hpp"
+#include "worker/numerics/plane.hpp"
 
 namespace vacuform {
 
@@ -345,7 +346,7 @@ class Descent {
     for (const Triangle& t : grid_.triangles) {
       const Eigen::Vector2d a = x_.col(t[0]).head<2>(), b = x_.col(t[1]).head<2>() - a,
                             c = x_.col(t[2]).head<2>() - a;
-      projected += 0.5 * (b.x() * c.y() - b.y() * c.x());
+      projected += 0.5 * cross(b, c);
     }
     state_.summary.residual = largest_free / (p * spacing_ * spacing_);
     state_.summary.force_error = std::abs(support / (p * projected) - 1);

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "worker/numerics/plane.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -36,7 +38,7 @@ Eigen::Vector3d weights_at(const Corners& c, const Eigen::Vector3d& point) {
 
 double flat_area(const std::vector<Eigen::Vector2d>& rest, const Triangle& t) {
   const Eigen::Vector2d a = rest[t[1]] - rest[t[0]], b = rest[t[2]] - rest[t[0]];
-  return 0.5 * (a.x() * b.y() - a.y() * b.x());
+  return 0.5 * cross(a, b);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "worker/numerics/plane.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -95,7 +97,7 @@ SpringNet::SpringNet(const SheetGrid& grid, const std::vector<double>& stiffness
   for (std::size_t k = 0; k < triangles_.size(); ++k) {
     const Triangle& t = triangles_[k];
     const Eigen::Vector2d b = rest[t[1]] - rest[t[0]], c = rest[t[2]] - rest[t[0]];
-    const double area = 0.5 * (b.x() * c.y() - b.y() * c.x());
+    const double area = 0.5 * cross(b, c);
     stiff_area.push_back(stiffness[k] * area);
     for (int v : t) mass_[v] += material.density * thickness_mm * area / 3;
   }

@@ -4,12 +4,6 @@
 
 namespace vacuform {
 
-namespace {
-
-std::string percent(double share, int places) { return decimal(100 * share, places) + " %"; }
-
-}  // namespace
-
 std::string coils_caption(const CoilTable& table, CoilSummary CoilTable::*way) {
   const CoilSummary& c = table.*way;
   const std::size_t all = table.coils.size();
@@ -18,18 +12,19 @@ std::string coils_caption(const CoilTable& table, CoilSummary CoilTable::*way) {
   if (c.coils == 0) return counted;
   const bool round = c.round == c.coils;
   return counted + (round ? ": out of round by " : ": off their drawn shape by ") +
-         percent(round ? c.mean_circularity : c.mean_shape_error, 2) + " on average, " +
-         percent(round ? c.worst_circularity : c.worst_shape_error, 2) + " at worst     area off by " +
-         percent(c.mean_area_error, 2) + " on average";
+         in_percent(round ? c.mean_circularity : c.mean_shape_error, 2) + " on average, " +
+         in_percent(round ? c.worst_circularity : c.worst_shape_error, 2) + " at worst     area off by " +
+         in_percent(c.mean_area_error, 2) + " on average";
 }
 
 std::string ink_caption(double printed, double on_head) {
   constexpr double all = 0.9995;
   if (printed < all)
-    return percent(1 - printed, 1) + " of the drawing's ink lies off the formed part and is not printed; " +
-           percent(on_head, 1) + " lies on the head.";
+    return in_percent(1 - printed, 1) +
+           " of the drawing's ink lies off the formed part and is not printed; " + in_percent(on_head, 1) +
+           " lies on the head.";
   if (on_head < all)
-    return "All of the drawing's ink is printed; " + percent(on_head, 1) +
+    return "All of the drawing's ink is printed; " + in_percent(on_head, 1) +
            " of it lies on the head, the rest beside it.";
   return "All of the drawing's ink lies on the head.";
 }

@@ -23,8 +23,6 @@ std::string names(const std::vector<const Coil*>& coils) {
   return out;
 }
 
-std::string percent(double share) { return decimal(100 * share, 1) + " %"; }
-
 Warning out_of_shape(const std::vector<const Coil*>& worst_first, int on_head) {
   const Coil& worst = *worst_first.front();
   const double error = worst.with->shape_error;
@@ -33,8 +31,8 @@ Warning out_of_shape(const std::vector<const Coil*>& worst_first, int on_head) {
   Warning warning{"coil-out-of-shape",
                   std::to_string(worst_first.size()) + " of " + std::to_string(on_head) +
                       " coils on the head come out farther from their drawn shape than " +
-                      percent(most_shape_error) + " of their size; the worst, " + worst.id + ", by " +
-                      decimal(worst.with->shape.largest_mm, 2) + " mm (" + percent(error) + ")"};
+                      in_percent(most_shape_error, 1) + " of their size; the worst, " + worst.id + ", by " +
+                      decimal(worst.with->shape.largest_mm, 2) + " mm (" + in_percent(error, 1) + ")"};
   if (bumpy > 0) warning.text += "; " + std::to_string(bumpy) + " of them lie on bumps";
   warning.figure = Warning::Figure{100 * error, "%", 100 * most_shape_error};
   warning.place = names(worst_first);

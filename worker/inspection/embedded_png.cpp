@@ -21,13 +21,13 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
   return out;
 }
 
-struct Rows {
+struct PixelRows {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;
 };
-Rows decoded(const std::vector<std::uint8_t>& png) {
+PixelRows decoded(const std::vector<std::uint8_t>& png) {
   // Width and height stand at fixed places of the first chunk.
-  Rows out;
+  PixelRows out;
   PngReader reader(png);
   if (png.size() < 24 || !reader.begin(PngReader::Rows::rgba8) || reader.passes() != 1) return out;
   const auto number = [&](std::size_t at) {
@@ -46,7 +46,7 @@ double share(double from, double to, int i) { return std::min(to, i + 1.0) - std
 }  // namespace
 
 std::string embedded_png(const std::vector<std::uint8_t>& png, int width, int skipped) {
-  const Rows picture = decoded(png);
+  const PixelRows picture = decoded(png);
   const int shown = picture.height - skipped;
   if (picture.width == 0 || shown <= 0) return {};
   width = std::min(width, picture.width);

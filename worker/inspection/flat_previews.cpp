@@ -13,8 +13,7 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector2d;
-const Rgb backdrop(0.93f, 0.935f, 0.945f), paper(1, 1, 1), on_mold(0.87f, 0.93f, 0.98f),
-    black_ink(0.07f, 0.08f, 0.10f);
+const Rgb backdrop(0.93f, 0.935f, 0.945f), paper(1, 1, 1), on_mold(0.87f, 0.93f, 0.98f);
 
 // A plane of millimetres, y up, in the middle of a picture's rows between the captions.
 struct Frame {

@@ -44,8 +44,7 @@ std::string open_svg(double width, double height, const std::string& title) {
 
 }  // namespace
 
-std::string table(std::string_view caption, const std::vector<Column>& columns,
-                  const std::vector<std::vector<std::string>>& rows) {
+std::string table(std::string_view caption, const std::vector<Column>& columns, const Rows& rows) {
   std::string out = "<div class=\"wide\"><table>\n<caption>" + escaped(caption) + "</caption>\n<thead><tr>";
   for (const Column& column : columns)
     out += std::string("<th scope=\"col\"") + (column.number ? " class=\"number\">" : ">") +

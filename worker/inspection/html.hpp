@@ -16,8 +16,8 @@ struct Column {
   bool number = false;  // set to the right, in figures of one width
 };
 // The first cell of a row is its heading. Cells are texts, escaped here. A row of one cell goes over the whole width.
-std::string table(std::string_view caption, const std::vector<Column>& columns,
-                  const std::vector<std::vector<std::string>>& rows);
+using Rows = std::vector<std::vector<std::string>>;
+std::string table(std::string_view caption, const std::vector<Column>& columns, const Rows& rows);
 
 // A table of two columns, without headings above.
 std::string facts(std::string_view caption, const std::vector<std::pair<std::string, std::string>>& rows);

@@ -1,10 +1,13 @@
 #include "worker/inspection/loop_figures.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "worker/inspection/shape_distance.hpp"
+#include "worker/numerics/dense.hpp"
+#include "worker/numerics/plane.hpp"
+#include "worker/pattern/drawn_loop.hpp"
 #include "worker/surface/exact_geodesics.hpp"
 
 namespace vacuform {
@@ -19,15 +22,6 @@ constexpr int radii = 180;              // rays from the centre
 // A move of the centre whose effect on the radii the plane tells, to well below a micrometre on a head:
 // the surface departs from the plane there by a few percent of the square of the move over the radius.
 constexpr double settled_mm = 0.15;
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double signed_area(const std::vector<Vector2d>& polygon) {
-  double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i)
-    twice += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-  return twice / 2;
-}
 
 // `count` points evenly spaced along the closed line, whose points lie `at` in space, by length in space.
 std::vector<Vector2d> evenly(const std::vector<Vector2d>& line, const std::vector<Vector3d>& at, int count) {
@@ -62,10 +56,7 @@ Centring centre_of(const Eigen::MatrixXd& points) {
     for (Eigen::Index i = 0; i < points.rows(); ++i)
       if (out.radii[i] > 0) equations.row(i).head(points.cols()) /= out.radii[i];
     // In space all ways lie in one plane, to rounding: across it nothing may move.
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-    decomposition.setThreshold(1e-6);
-    decomposition.compute(equations);
-    const Eigen::VectorXd move = Eigen::VectorXd(decomposition.solve(out.radii)).head(points.cols());
+    const Eigen::VectorXd move = shortest_least_squares(equations, out.radii, 1e-6).head(points.cols());
     out.centre += move;
     out.radii = (points.rowwise() - out.centre.transpose()).rowwise().norm();
     if (move.norm() < 1e-6) break;
@@ -118,7 +109,7 @@ Vector2d in_rest(const MeasuredSheet& sheet, int triangle, const Vector3d& move)
   space << at(1) - at(0), at(2) - at(0);
   Eigen::Matrix2d flat;
   flat << rest(1) - rest(0), rest(2) - rest(0);
-  return flat * space.colPivHouseholderQr().solve(move);
+  return flat * least_squares(space, move);
 }
 
 // The length of the straight line on the flat sheet from a to b once it is formed: an upper bound of the geodesic one.

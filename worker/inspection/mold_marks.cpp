@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr double half_width_mm = 0.75, depth_mm = 1, wall_mm = 1, from_edge_mm = 2.5, from_middle_mm = 3;
 
-using Outline = std::vector<Vector2d>;
+using BaseOutline = std::vector<Vector2d>;
 using Slot = std::array<Vector2d, 4>;  // counter-clockwise from above
 
 double distance_to(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
@@ -25,9 +25,9 @@ double distance_to(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
 }
 
 // Inside of the outlines (by the even-odd rule) and a wall away from them.
-bool well_inside(const Vector2d& p, const std::vector<Outline>& outlines) {
+bool well_inside(const Vector2d& p, const std::vector<BaseOutline>& outlines) {
   bool inside = false;
-  for (const Outline& outline : outlines)
+  for (const BaseOutline& outline : outlines)
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const Vector2d &a = outline[i], &b = outline[(i + 1) % outline.size()];
       if (distance_to(p, a, b) < wall_mm) return false;
@@ -39,10 +39,10 @@ bool well_inside(const Vector2d& p, const std::vector<Outline>& outlines) {
 }
 
 // How far the outlines reach along an axis from the middle; negative where they do not cross it.
-double reach(const std::vector<Outline>& outlines, const Vector2d& axis) {
+double reach(const std::vector<BaseOutline>& outlines, const Vector2d& axis) {
   const Vector2d across(-axis.y(), axis.x());
   double farthest = -1;
-  for (const Outline& outline : outlines)
+  for (const BaseOutline& outline : outlines)
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const Vector2d &a = outline[i], &b = outline[(i + 1) % outline.size()];
       const double side_a = a.dot(across), side_b = b.dot(across);
@@ -71,7 +71,7 @@ class Base {
     }
     loops_ = border_loops(above_);
     for (const auto& loop : loops_) {
-      Outline& outline = outlines_.emplace_back();
+      BaseOutline& outline = outlines_.emplace_back();
       for (const int v : loop) {
         const Vector3d& p = mold.vertices[static_cast<std::size_t>(v)];
         outline.push_back(p.head<2>());
@@ -82,7 +82,7 @@ class Base {
   }
 
   bool is_flat() const { return is_flat_; }
-  const std::vector<Outline>& outlines() const { return outlines_; }
+  const std::vector<BaseOutline>& outlines() const { return outlines_; }
 
   // Room for the slot with a wall around and above it.
   bool takes(const Slot& slot) const {
@@ -130,7 +130,7 @@ class Base {
  private:
   TriangleMesh above_;  // all but the base
   std::vector<std::vector<int>> loops_;
-  std::vector<Outline> outlines_;
+  std::vector<BaseOutline> outlines_;
   bool is_flat_ = true;
 };
 
@@ -139,7 +139,7 @@ class Base {
 TriangleMesh marked_mold(const TriangleMesh& mold) {
   Base base(mold);
   if (!base.is_flat()) return mold;
-  const std::vector<Outline> outlines = base.outlines();
+  const std::vector<BaseOutline> outlines = base.outlines();
   bool marked = false;
   for (const Vector2d& axis : {Vector2d(1, 0), Vector2d(-1, 0), Vector2d(0, 1), Vector2d(0, -1)}) {
     const double length = axis.y() > 0 ? 20 : 10;

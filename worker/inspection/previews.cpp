@@ -20,7 +20,6 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector2d;
-const Rgb black_ink(0.07f, 0.08f, 0.10f);
 
 // One figure per vertex, with its range for colouring.
 struct Heat {

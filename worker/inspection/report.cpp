@@ -7,6 +7,7 @@
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/inspection/segments_json.hpp"
+#include "worker/numerics/plane.hpp"
 #include "worker/scan/findings_json.hpp"
 #include "worker/scan/mold_distance.hpp"
 #include "worker/stage/warning_json.hpp"
@@ -74,7 +75,7 @@ Json thickness_of(const Finished& job) {
         sheet.rest[static_cast<std::size_t>(c[1])] - sheet.rest[static_cast<std::size_t>(c[0])];
     const Eigen::Vector2d b =
         sheet.rest[static_cast<std::size_t>(c[2])] - sheet.rest[static_cast<std::size_t>(c[0])];
-    return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
+    return std::abs(cross(a, b)) / 2;
   };
   for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
     area += rest_area(t), sum += rest_area(t) * sheet.element_thickness[t];

@@ -7,7 +7,6 @@ namespace vacuform {
 
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
 std::string sizes(const ReportJson& values, int places, const std::string& unit) {
@@ -20,7 +19,7 @@ std::string sizes(const ReportJson& values, int places, const std::string& unit)
 std::string vents_table(const ReportJson& vents) {
   if (!vents.is_array()) return "";
   if (vents.empty()) return "<p>No holes need to be drilled: no air is shut in.</p>\n";
-  Rows rows;
+  html::Rows rows;
   for (std::size_t i = 0; i < vents.size(); ++i) {
     const ReportJson& place = at(vents[i], {"place_mm"});
     if (place.size() != 3) continue;
@@ -35,14 +34,14 @@ std::string vents_table(const ReportJson& vents) {
 // One row a setting: name, value, default, unit and meaning; those that differ first.
 std::string settings_table(const ReportJson& settings) {
   const ReportJson defaults = to_json(Settings{}), schema = settings_schema();
-  Rows differ, same;
+  html::Rows differ, same;
   for (const auto& [group, fields] : settings.items()) {
-    Rows* last = nullptr;
+    html::Rows* last = nullptr;
     for (const auto& [key, value] : fields.items()) {
       const ReportJson& usual = at(defaults, {group.c_str(), key.c_str()});
       const ReportJson& about = at(schema, {"properties", group.c_str(), "properties", key.c_str()});
       const ReportJson& unit = at(about, {"x-unit"});
-      Rows& rows = value == usual ? same : differ;
+      html::Rows& rows = value == usual ? same : differ;
       if (&rows == &same && last != &same) same.push_back({group}), last = &same;
       rows.push_back({group + "." + key, text_of(value), text_of(usual),
                       unit.is_string() && unit != "1" ? unit.get<std::string>() : "",
@@ -96,7 +95,7 @@ std::string process_section(const ReportJson& report) {
 std::string sensitivity_section(const ReportJson& report) {
   const ReportJson& changes = at(report, {"sensitivity", "changes"});
   if (!changes.is_array()) return "";
-  Rows rows;
+  html::Rows rows;
   for (const auto& change : changes)
     rows.push_back({text_of(at(change, {"text"})), number_text(at(change, {"mean_mm"}), 2),
                     number_text(at(change, {"max_mm"}), 2)});
@@ -111,7 +110,7 @@ std::string repeat_section(const ReportJson& report) {
   if (at(report, {"sha256"}).is_object())
     for (const auto& [input, digest] : at(report, {"sha256"}).items())
       facts.emplace_back("SHA-256 of the " + input, text_of(digest));
-  Rows files;
+  html::Rows files;
   if (at(report, {"artifacts"}).is_array())
     for (const auto& file : at(report, {"artifacts"}))
       files.push_back({text_of(at(file, {"name"})), text_of(at(file, {"title"}))});

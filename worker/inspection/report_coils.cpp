@@ -10,16 +10,13 @@ namespace vacuform {
 
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
-const std::string none = "–";
-
 std::string coil_cell(const ReportJson& coil, const char* way, const char* key, int places, bool percent) {
   const ReportJson& value = at(coil, {way, key});
   return percent ? signed_percent_text(value, places) : number_text(value, places);
 }
 
-Rows coil_rows(const ReportJson& coils) {
-  Rows rows;
+html::Rows coil_rows(const ReportJson& coils) {
+  html::Rows rows;
   for (const auto& coil : coils) {
     const ReportJson& on_head = at(coil, {"with", "on_head"});
     rows.push_back(
@@ -38,8 +35,8 @@ Rows coil_rows(const ReportJson& coils) {
   return rows;
 }
 
-Rows pair_rows(const ReportJson& pairs) {
-  Rows rows;
+html::Rows pair_rows(const ReportJson& pairs) {
+  html::Rows rows;
   for (const auto& pair : pairs)
     rows.push_back({text_of(pair["coils"][0]) + " – " + text_of(pair["coils"][1]),
                     number_text(at(pair, {"drawn_distance_mm"}), 2),
@@ -65,13 +62,13 @@ std::string bars_of(const ReportJson& coils, const char* key, const std::string&
 // "coil-1 and coil-2, k = -0.0190 at 57.40 mm"
 std::string coupled_text(const ReportJson& pair) {
   const ReportJson& coils = at(pair, {"coils"});
-  if (!coils.is_array() || coils.size() != 2) return none;
+  if (!coils.is_array() || coils.size() != 2) return no_figure;
   return text_of(coils[0]) + " and " + text_of(coils[1]) + ", k = " + number_text(at(pair, {"k"}), 4) +
          " at " + number_text(at(pair, {"distance_mm"}), 2, "mm");
 }
 
 // The pairs of the matrix, strongest first.
-Rows strongest_rows(const ReportJson& couplings, std::size_t most) {
+html::Rows strongest_rows(const ReportJson& couplings, std::size_t most) {
   struct Pair {
     std::size_t a, b;
     double k;
@@ -83,7 +80,7 @@ Rows strongest_rows(const ReportJson& couplings, std::size_t most) {
       if (k[a][b].is_number()) pairs.push_back({a, b, k[a][b].get<double>()});
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& p, const Pair& q) { return std::abs(p.k) > std::abs(q.k); });
-  Rows rows;
+  html::Rows rows;
   for (std::size_t i = 0; i < std::min(most, pairs.size()); ++i)
     rows.push_back({text_of(ids[pairs[i].a]) + " – " + text_of(ids[pairs[i].b]), decimal(pairs[i].k, 4)});
   return rows;
@@ -92,7 +89,7 @@ Rows strongest_rows(const ReportJson& couplings, std::size_t most) {
 std::string matrix_table(const ReportJson& couplings) {
   const ReportJson &ids = couplings["coils"], &k = couplings["k"];
   std::vector<html::Column> columns{{"Coil"}};
-  Rows rows;
+  html::Rows rows;
   for (std::size_t a = 0; a < ids.size(); ++a) {
     columns.push_back({text_of(ids[a]), true});
     std::vector<std::string> row{text_of(ids[a])};

@@ -9,16 +9,13 @@ namespace vacuform {
 
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
-const std::string none = "–";
-
 std::string pair_text(const std::string& mean, const std::string& worst) {
-  return mean == none ? none : mean + " (" + worst + ")";
+  return mean == no_figure ? no_figure : mean + " (" + worst + ")";
 }
 
 // "(x, y, z)" in mm.
 std::string place_text(const ReportJson& place) {
-  if (!place.is_array()) return none;
+  if (!place.is_array()) return no_figure;
   std::string out;
   for (const auto& value : place) out += (out.empty() ? "(" : ", ") + number_text(value, 1);
   return out + ")";
@@ -45,7 +42,7 @@ const ReportJson& at(const ReportJson& json, std::initializer_list<const char*> 
 }
 
 std::string number_text(const ReportJson& value, int places, const std::string& unit, double factor) {
-  if (!value.is_number()) return none;
+  if (!value.is_number()) return no_figure;
   return decimal(factor * value.get<double>(), places) + (unit.empty() ? "" : " " + unit);
 }
 std::string percent_text(const ReportJson& value, int places) { return number_text(value, places, "%", 100); }
@@ -55,7 +52,7 @@ std::string signed_percent_text(const ReportJson& value, int places) {
 }
 std::string text_of(const ReportJson& value) {
   if (value.is_string()) return value.get<std::string>();
-  if (value.is_null()) return none;
+  if (value.is_null()) return no_figure;
   if (value.is_number_float()) return short_decimal(value.get<double>(), 6);
   return value.dump();
 }
@@ -65,7 +62,7 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
   const ReportJson &without = at(report, {"figures", "without"}), &with = at(report, {"figures", "with"});
   const auto both = [&](const std::string& title, auto&& text) {
     const std::string a = text(without), b = text(with);
-    if (a != none || b != none) rows.push_back({title, a, b});
+    if (a != no_figure || b != no_figure) rows.push_back({title, a, b});
   };
   const auto percents = [](const char* mean, const char* worst) {
     return [=](const ReportJson& way) {
@@ -75,9 +72,9 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
   const ReportJson& coils = at(report, {"coils"});
   const std::string all = " of " + std::to_string(coils.is_array() ? coils.size() : 0);
   both("Coils wholly on the head", [&](const ReportJson& way) {
-    if (!coils.is_array() || coils.empty()) return none;
+    if (!coils.is_array() || coils.empty()) return no_figure;
     const std::string on_head = number_text(at(way, {"coils", "on_head"}), 0);
-    return (on_head == none ? "0" : on_head) + all;
+    return (on_head == no_figure ? "0" : on_head) + all;
   });
   both("Circles out of round, mean (worst)", percents("mean_circularity", "worst_circularity"));
   both("Coils off their drawn shape, mean (worst)", percents("mean_shape_error", "worst_shape_error"));
@@ -92,7 +89,7 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
   });
   both("Largest coupling |k| of any two coils", [](const ReportJson& way) {
     const ReportJson& k = at(way, {"coils", "strongest_pair", "k"});
-    return k.is_number() ? decimal(std::abs(k.get<double>()), 3) : none;
+    return k.is_number() ? decimal(std::abs(k.get<double>()), 3) : no_figure;
   });
   for (const auto& [key, title] :
        {std::pair{"anisotropy", "Shape: longer one way than the other, mean (95 % below)"},
@@ -108,11 +105,11 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
 }
 
 std::string key_figures_section(const ReportJson& report) {
-  Rows rows;
+  html::Rows rows;
   for (const auto& row : key_figures(report)) rows.emplace_back(row.begin(), row.end());
   std::vector<std::pair<std::string, std::string>> facts;
   const auto fact = [&](const char* title, const std::string& text) {
-    if (text != none) facts.emplace_back(title, text);
+    if (text != no_figure) facts.emplace_back(title, text);
   };
   fact("Ink of the drawing that is printed", percent_text(at(report, {"pattern", "ink_printed"}), 1));
   fact("Ink of the drawing that lies on the head", percent_text(at(report, {"pattern", "ink_on_head"}), 1));
@@ -160,7 +157,7 @@ std::string segments_section(const ReportJson& report) {
   const ReportJson &all = at(report, {"segments"}), &segments = at(all, {"segments"}),
                    &seams = at(all, {"seams"});
   if (!segments.is_array()) return "";
-  Rows rows;
+  html::Rows rows;
   for (const auto& segment : segments)
     rows.push_back({std::to_string(rows.size() + 1), number_text(at(segment, {"distortion"}), 3, "×"),
                     number_text(at(segment, {"area_mm2"}), 0)});
@@ -197,7 +194,7 @@ std::string traces_section(const ReportJson& report) {
   if (!stretched.is_array() || stretched.empty())
     return out + "<p>No printed line is stretched by more than " + escaped(limit) +
            ", the limit of the ink.</p>\n";
-  Rows rows;
+  html::Rows rows;
   for (const auto& trace : stretched) {
     const std::string id = text_of(at(trace, {"id"}));
     rows.push_back({id.empty() ? "between elements" : id, number_text(at(trace, {"worst_stretch"}), 2, "×"),

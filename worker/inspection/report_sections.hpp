@@ -11,6 +11,7 @@
 namespace vacuform {
 
 using ReportJson = nlohmann::ordered_json;
+inline const std::string no_figure = "–";  // in a cell
 
 // The value at a path of keys; null where there is none.
 const ReportJson& at(const ReportJson& json, std::initializer_list<const char*> path);

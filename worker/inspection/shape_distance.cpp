@@ -1,11 +1,13 @@
 #include "worker/inspection/shape_distance.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <utility>
 
+#include "worker/numerics/dense.hpp"
+#include "worker/numerics/plane.hpp"
 #include "worker/pattern/drawn_loop.hpp"
 #include "worker/pattern/even_points.hpp"
 
@@ -94,11 +96,11 @@ Motion closer(const Line& points, const Line& line) {
     const Vector2d off = p - on.point, across = Vector2d(-on.along.y(), on.along.x()).normalized();
     const double distance = off.norm();
     const Vector2d n = distance > 1e-9 ? Vector2d(off / distance) : across, arm = (p - centre) / radius;
-    const Eigen::Vector3d row(arm.x() * n.y() - arm.y() * n.x(), n.x(), n.y());
+    const Eigen::Vector3d row(cross(arm, n), n.x(), n.y());
     normal += row * row.transpose();
     right -= distance * row;
   }
-  const Eigen::Vector3d step = normal.completeOrthogonalDecomposition().solve(right);
+  const Eigen::Vector3d step = shortest_least_squares(normal, right);
   return Motion(std::polar(1.0, step[0] / radius), centre, centre + step.tail<2>());
 }
 

@@ -84,8 +84,6 @@ void take(const std::vector<Piece>& pieces, double limit, StretchedTrace& trace,
   }
 }
 
-std::string percent(double stretch) { return decimal(100 * (stretch - 1), 0) + " %"; }
-
 Warning warning_of(const TraceFigures& figures) {
   const std::size_t count = figures.stretched.size();
   Warning warning{"trace-stretched", "", {}};
@@ -99,7 +97,7 @@ Warning warning_of(const TraceFigures& figures) {
                  " % that the ink is said to bear (coils.stretch_limit), over " +
                  decimal(figures.stretched_mm, 0) + " of " + decimal(figures.length_mm, 0) +
                  " mm; the worst, " + (worst.empty() ? "a line between elements" : worst) + ", by " +
-                 percent(figures.stretched.front().worst_stretch) + ".";
+                 in_percent(figures.stretched.front().worst_stretch - 1) + ".";
   warning.figure =
       Warning::Figure{100 * (figures.stretched.front().worst_stretch - 1), "%", 100 * figures.limit};
   return warning;

@@ -29,6 +29,7 @@ struct Seen {
   float gloss;                    // white to add
 };
 using Rgb = Eigen::Vector3f;  // red, green, blue in [0, 1]
+inline const Rgb black_ink(0.07f, 0.08f, 0.10f);
 
 // From the front, a little from the left and above; what is `shown`, of a sheet its drawn part, fills the picture but for
 // `top` and `bottom` rows that are left empty for captions. Smooth normals, a key light from the left, a sky, and the

@@ -3,6 +3,8 @@
 #include <Eigen/SVD>
 #include <cmath>
 
+#include "worker/numerics/plane.hpp"
+
 namespace vacuform {
 
 using Eigen::Vector2d;
@@ -17,7 +19,7 @@ Vector2d RigidFit::turn() const {
   Vector2d out(0, 0);
   for (const auto& [p, q, w] : pairs_) {
     const Vector2d a = p - from, b = q - to;
-    out += Vector2d(w * a.dot(b), w * (a.x() * b.y() - a.y() * b.x()));
+    out += Vector2d(w * a.dot(b), w * cross(a, b));
   }
   return out;
 }

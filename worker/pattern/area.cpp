@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/pattern/clipping.hpp"
 #include "worker/pattern/curve.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 Vector2d left_of(const Vector2d& t) { return {-t.y(), t.x()}; }
 
 // The pieces of one stroke.

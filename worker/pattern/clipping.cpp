@@ -22,8 +22,8 @@ using clip::Path;
 using clip::Paths;
 
 constexpr double units_per_mm = 1e5;
-constexpr std::size_t most_points = 10'000;  // that the library gets at once
-constexpr int deepest = 24;                  // of cuts
+constexpr std::size_t most_at_once = 10'000;  // that the library gets at once
+constexpr int most_cuts = 24;                 // of cuts
 
 Paths to_clipper(const std::vector<Ring>& rings) {
   Paths out;
@@ -194,7 +194,7 @@ cInt middle(const Paths& subject, const Paths& other) {
 
 Paths in_strips(const Operation& operation, Paths subject, Paths other, int depth) {
   const std::size_t count = count_points(subject) + count_points(other);
-  if (count <= most_points || depth == deepest) return at_once(operation, subject, other);
+  if (count <= most_at_once || depth == most_cuts) return at_once(operation, subject, other);
   const cInt x = middle(subject, other);
   Paths left = on_side(subject, x, Side::left), left_other = on_side(other, x, Side::left);
   Paths right = on_side(subject, x, Side::right), right_other = on_side(other, x, Side::right);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "worker/numerics/plane.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -98,7 +100,7 @@ double turns(const Curve& curve) {
   for (std::size_t i = 1; i < curve.points.size(); ++i) {
     const Vector2d way = curve.points[i] - curve.points[i - 1];
     if (!way.isZero(0)) {
-      const double sine = before.x() * way.y() - before.y() * way.x();
+      const double sine = cross(before, way);
       if (!before.isZero(0)) of_segment += std::atan2(std::abs(sine), before.dot(way));
       before = way;
     }

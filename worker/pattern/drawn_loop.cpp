@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/pattern/curve.hpp"
 
 namespace vacuform {
@@ -27,7 +28,7 @@ double length(const Polyline& line) {
 
 double angle_at(const Vector2d& middle, const Vector2d& a, const Vector2d& b) {
   const Vector2d p = a - middle, q = b - middle;
-  return std::atan2(p.x() * q.y() - p.y() * q.x(), p.dot(q));
+  return std::atan2(cross(p, q), p.dot(q));
 }
 
 // Open lines joined in a row.
@@ -141,10 +142,7 @@ double equal_radius(const Polyline& ring) { return std::sqrt(std::abs(signed_are
 
 double signed_area(const std::vector<Vector2d>& line) {
   double twice = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const Vector2d &p = line[i], &q = line[(i + 1) % line.size()];
-    twice += p.x() * q.y() - p.y() * q.x();
-  }
+  for (std::size_t i = 0; i < line.size(); ++i) twice += cross(line[i], line[(i + 1) % line.size()]);
   return twice / 2;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/pattern/curve.hpp"
 
 namespace vacuform {
@@ -44,7 +45,7 @@ bool is_entangled(const Shape& shape) {
   for (const Curve& curve : shape.curves) {
     double twice = 0;
     for (std::size_t i = 0; i + 3 < curve.points.size(); i += 3)
-      twice += curve.points[i].x() * curve.points[i + 3].y() - curve.points[i].y() * curve.points[i + 3].x();
+      twice += cross(curve.points[i], curve.points[i + 3]);
     (twice < 0 ? holes : outside) += std::abs(twice) / 2;
     count += twice < 0 ? 1 : 0;
   }

@@ -1,10 +1,12 @@
 #include "worker/pattern/ink_rings.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <optional>
+
+#include "worker/numerics/dense.hpp"
+#include "worker/numerics/plane.hpp"
 
 namespace vacuform {
 
@@ -109,7 +111,7 @@ struct Circles {
   int side_of(const BorderPoint& p, double within) const {
     const Vector2d to = centre - p.at;
     const double d = to.norm();
-    if (std::abs(p.inward.x() * to.y() - p.inward.y() * to.x()) > aimed_mm) return 0;
+    if (std::abs(cross(p.inward, to)) > aimed_mm) return 0;
     const bool inside = p.inward.dot(to) > 0;
     if (std::abs(d - (inside ? outer : inner)) > within) return 0;
     return inside ? 1 : -1;
@@ -124,7 +126,7 @@ std::optional<Circles> circles_about(const Vector2d& centre, const std::vector<B
     const Vector2d to = centre - p.at;
     const double d = to.norm();
     if (d < least_radius / 2 || d >= most_radius) continue;
-    if (std::abs(p.inward.x() * to.y() - p.inward.y() * to.x()) > aimed_mm) continue;
+    if (std::abs(cross(p.inward, to)) > aimed_mm) continue;
     arcs[p.inward.dot(to) > 0 ? 0 : 1][static_cast<std::size_t>(d / bin)] += p.mm;
   }
   const auto peak = [&](const std::vector<double>& arc, std::size_t below) {
@@ -156,7 +158,7 @@ void fit(Circles& circles, const std::vector<BorderPoint>& points) {
       normal += p.mm * row * row.transpose();
       right -= p.mm * (d - (side > 0 ? circles.outer : circles.inner)) * row;
     }
-    const Eigen::Vector4d step = normal.ldlt().solve(right);
+    const Eigen::Vector4d step = solve_symmetric(normal, right);
     if (!step.allFinite() || step.head<2>().norm() > 2) return;
     circles.centre += step.head<2>();
     circles.outer += step[2];

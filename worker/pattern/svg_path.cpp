@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/pattern/svg_values.hpp"
 
 namespace vacuform {
@@ -49,7 +50,7 @@ void CurveBuilder::arc_to(const Vector2d& given_radii, double turned_deg, bool l
   const double across = std::sqrt(std::max(0.0, 1 / std::max(h.squaredNorm(), 1e-300) - 1));
   const Vector2d c = (large == sweep ? -1 : 1) * across * Vector2d(h.y(), -h.x());
   const Vector2d from = h - c, to = -h - c;
-  double sweep_angle = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
+  double sweep_angle = std::atan2(cross(from, to), from.dot(to));
   if (sweep && sweep_angle < 0) sweep_angle += 2 * M_PI;
   if (!sweep && sweep_angle > 0) sweep_angle -= 2 * M_PI;
   const Vector2d centre = (at_ + p) / 2 + turn * c.cwiseProduct(radii);

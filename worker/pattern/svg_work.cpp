@@ -25,14 +25,14 @@ constexpr double most_seconds = 4;  // a drawing with colour may be drawn twice
 constexpr double seconds_a_letter = 5e-4;  // of a text of most_letters; its cost grows with the square
 constexpr double most_letters = 1000;      // of one text
 
-constexpr double most_elements = 1e5, most_crossings = 1.8e6;
-constexpr double most_matches = 2e7;    // of rules with elements
-constexpr double most_visits = 2e6;     // of this count itself
-constexpr int deepest = 100;            // references to references
-constexpr double plain_crossings = 50;  // as of a line that does not cross itself
-constexpr double most_segments = 2e6;   // that are looked at for their length
-constexpr double longest_sides = 2;     // of a piece of an outline, as far as it lies on the page
-constexpr double surface_bytes = 4;     // a pixel
+constexpr double most_elements = 1e5, most_drawn_crossings = 1.8e6;
+constexpr double most_matches = 2e7;            // of rules with elements
+constexpr double most_visits = 2e6;             // of this count itself
+constexpr int most_hops = 100;                  // references to references
+constexpr double simple_crossings = 50;         // as of a line that does not cross itself
+constexpr double most_measured_segments = 2e6;  // that are looked at for their length
+constexpr double longest_sides = 2;             // of a piece of an outline, as far as it lies on the page
+constexpr double surface_bytes = 4;             // a pixel
 constexpr double most_surface_bytes = 5e8, fewest_pixels = 250'000;
 
 // In pages: what makes a whole page to be copied, blended or filtered.
@@ -143,7 +143,7 @@ class Counter {
                       "export it with plain attributes in place of style sheets", file_name_);
     const Part all = part(root_, Style(), 0);
     if (too_deep_)
-      return too_much("the SVG nests references to elements too deeply", deepest + 1, deepest,
+      return too_much("the SVG nests references to elements too deeply", most_hops + 1, most_hops,
                       "replace copies by the shapes themselves", file_name_);
     SvgWork work = all.work;
     const double side = std::sqrt(page_area());
@@ -155,9 +155,9 @@ class Counter {
     if (!(longest_text_ <= most_letters))
       return too_much("a text of the SVG is too long, in bytes", longest_text_, most_letters,
                       "split the text, or convert it to paths", file_name_);
-    if (!(work.crossings <= most_crossings) || segments_ > most_segments)
+    if (!(work.crossings <= most_drawn_crossings) || segments_ > most_measured_segments)
       return too_much("the SVG's outlines cross too often (estimated)", std::max(work.crossings, segments_),
-                      most_crossings, "simplify the paths, or unite their overlaps", file_name_);
+                      most_drawn_crossings, "simplify the paths, or unite their overlaps", file_name_);
     work.pages += all.areas.sum_up_to(page_area());
     work.sides += longest_sides * all.lengths.sum_up_to(longest_sides * side);
     return work;
@@ -214,7 +214,7 @@ class Counter {
   // What a referred element draws, counted once for each style that it inherits.
   const Part& referred(const pugi::xml_node& node, const Style& style, int depth) {
     static const Part nothing;
-    if (depth > deepest) too_deep_ = true;
+    if (depth > most_hops) too_deep_ = true;
     if (!node || too_deep_) return nothing;
     const auto [at, fresh] = parts_.try_emplace({node.hash_value(), style.inherited()});
     if (!fresh) return at->second;  // or a circle, which librsvg refuses
@@ -300,7 +300,7 @@ class Counter {
   void paint(const pugi::xml_node& node, const Style& style, int depth, Part& out) {
     const Vector2d viewport = Vector2d::Constant(std::sqrt(page_area()));
     Refusal unreadable;
-    const auto most = static_cast<std::size_t>(std::max(0.0, most_segments - segments_)) + 1;
+    const auto most = static_cast<std::size_t>(std::max(0.0, most_measured_segments - segments_)) + 1;
     const std::vector<Curve> curves = curves_of(node, viewport, most, unreadable);
     if (curves.empty()) return;
     out.work.text += static_cast<double>(std::string_view(node.attribute("d").value()).size() +
@@ -323,7 +323,7 @@ class Counter {
     const double outline = length + (turned + dashes) * std::min(width, box.sizes().norm());
     if (sides.minCoeff() > 0)
       out.work.crossings +=
-          (stroked ? 2 : 1) * std::max(0.0, outline * outline / sides.prod() - plain_crossings);
+          (stroked ? 2 : 1) * std::max(0.0, outline * outline / sides.prod() - simple_crossings);
     out.work.elements += dashes / 10;
     const bool known = sheets_.complete() && !unreadable.given();
     const bool filled = style[Property::fill] != "none";
@@ -368,7 +368,7 @@ class Counter {
       for (const pugi::xml_node child : server.children())
         if (local_name(child) == "stop") out.work.elements += 0.1, ++visits_;
       out.work.elements += 0.1;
-      if (hops > deepest) {
+      if (hops > most_hops) {
         too_deep_ = true;
         return;
       }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "worker/flattening/methods.hpp"
+#include "worker/numerics/plane.hpp"
 #include "worker/placement/bent_mesh.hpp"
 #include "worker/stage/index.hpp"
 #include "worker/surface/exact_geodesics.hpp"
@@ -17,8 +18,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // The triangles around the centre with a corner within `reach_mm` in space, connected over edges; ascending.
 std::vector<int> around(const InkedSurface& surface, const SheetPoint& centre, double reach_mm) {

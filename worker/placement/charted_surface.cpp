@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/stage/index.hpp"
 #include "worker/surface/nearest_point.hpp"
 
@@ -14,7 +15,6 @@ using Eigen::Vector3d;
 
 // Barycentric weights of p in the triangle a, b, c, or without area none that are finite.
 Vector3d weights_of(const Vector2d& p, const Vector2d& a, const Vector2d& b, const Vector2d& c) {
-  const auto cross = [](const Vector2d& x, const Vector2d& y) { return x.x() * y.y() - x.y() * y.x(); };
   return Vector3d(cross(b - p, c - p), cross(c - p, a - p), cross(a - p, b - p)) / cross(b - a, c - a);
 }
 

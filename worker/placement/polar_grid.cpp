@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/placement/element_patch.hpp"
 
 namespace vacuform {
@@ -16,8 +17,6 @@ using Eigen::Vector3d;
 double area(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return 0.5 * (b - a).cross(c - a).norm();
 }
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "worker/flattening/methods.hpp"
+#include "worker/numerics/plane.hpp"
 #include "worker/numerics/rigid_fit.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/stage/index.hpp"
@@ -57,7 +58,7 @@ bool overlaps_itself(const Patch& patch) {
   for (const Triangle& t : patch.triangles) {
     const Vector2d a = patch.uv[index(t[1])] - patch.uv[index(t[0])],
                    b = patch.uv[index(t[2])] - patch.uv[index(t[0])];
-    area += (a.x() * b.y() - a.y() * b.x()) / 2;
+    area += cross(a, b) / 2;
   }
   std::vector<Ring> border;
   for (const auto& loop : border_loops(patch.triangles)) {

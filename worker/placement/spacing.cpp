@@ -1,11 +1,11 @@
 #include "worker/placement/spacing.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "worker/numerics/dense.hpp"
 #include "worker/stage/index.hpp"
 
 namespace vacuform {
@@ -124,7 +124,7 @@ Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& c
       rhs.segment<2>(2 * a) -= error * at_a;
       rhs.segment<2>(2 * b) -= error * at_b;
     }
-    VectorXd step = normal.ldlt().solve(rhs);
+    VectorXd step = solve_symmetric(normal, rhs);
     constexpr double longest_mm = 10;
     if (const double longest = step.cwiseAbs().maxCoeff(); longest > longest_mm) step *= longest_mm / longest;
     std::vector<Centre> before = centres;

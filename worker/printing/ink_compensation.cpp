@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/numerics/plane.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -15,7 +17,7 @@ constexpr int steps = 4;  // of the samples along a triangle's side
 double stretched_area(const Patch& chart, const Triangle& t) {
   const auto at = [&](const auto& points, std::size_t k) { return points[static_cast<std::size_t>(t[k])]; };
   const Vector2d a = at(chart.rest, 1) - at(chart.rest, 0), b = at(chart.rest, 2) - at(chart.rest, 0);
-  const double flat = std::abs(a.x() * b.y() - a.y() * b.x());
+  const double flat = std::abs(cross(a, b));
   const Eigen::Vector3d p = at(chart.inked, 1) - at(chart.inked, 0),
                         q = at(chart.inked, 2) - at(chart.inked, 0);
   const double formed = p.cross(q).norm();

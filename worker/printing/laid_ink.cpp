@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/printing/scan_lines.hpp"
 
 namespace vacuform {
@@ -51,7 +52,7 @@ double LaidInk::share_on(const ChartedSurface& charted) const {
       formed[k] = surface.inked()[v];
     }
     const Vector2d a = corners[1] - corners[0], b = corners[2] - corners[0];
-    const double flat = std::abs(a.x() * b.y() - a.y() * b.x());
+    const double flat = std::abs(cross(a, b));
     std::int64_t sum = 0;
     scan_triangle(corners, grid_.width, 0, grid_.height, [&](int row, int begin, int end) {
       const auto first = ink_.begin() + static_cast<std::ptrdiff_t>(row) * grid_.width;

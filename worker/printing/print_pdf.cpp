@@ -13,13 +13,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-std::string point(const Vector2d& p) { return pdf_number(p.x()) + " " + pdf_number(p.y()) + " "; }
+std::string pdf_point(const Vector2d& p) { return pdf_number(p.x()) + " " + pdf_number(p.y()) + " "; }
 
-std::string path_of(const Curve& curve) {
+std::string pdf_path(const Curve& curve) {
   const auto& p = curve.points;
-  std::string out = point(p[0]) + "m\n";
+  std::string out = pdf_point(p[0]) + "m\n";
   for (std::size_t i = 1; i + 2 < p.size(); i += 3)
-    out += point(p[i]) + point(p[i + 1]) + point(p[i + 2]) + "c\n";
+    out += pdf_point(p[i]) + pdf_point(p[i + 1]) + pdf_point(p[i + 2]) + "c\n";
   return curve.closed ? out + "h\n" : out;
 }
 
@@ -64,19 +64,19 @@ std::string content_of(const Mark& mark) {
   for (const Line& line : mark.lines) {
     dashed(line.dashed);
     for (std::size_t i = 0; i < line.points.size(); ++i)
-      out += point(line.points[i]) + (i == 0 ? "m\n" : "l\n");
+      out += pdf_point(line.points[i]) + (i == 0 ? "m\n" : "l\n");
     if (line.closed) out += "h\n";
     out += line.filled ? "f\n" : "S\n";
   }
   for (const Circle& c : mark.circles) {
     dashed(c.dashed);
-    out += path_of(circle(c.centre, c.radius)) + "S\n";
+    out += pdf_path(circle(c.centre, c.radius)) + "S\n";
   }
   for (const Text& text : mark.texts) {
     const double back = text.centred ? text_width(text.text) * text.size / 2 : 0;
     const Vector2d start = text.at - back * (text.upwards ? Vector2d(0, 1) : Vector2d(1, 0));
     out += std::string("BT /F1 ") + pdf_number(text.size) + " Tf " +
-           (text.upwards ? "0 1 -1 0 " : "1 0 0 1 ") + point(start) + "Tm " + pdf_text(text.text) +
+           (text.upwards ? "0 1 -1 0 " : "1 0 0 1 ") + pdf_point(start) + "Tm " + pdf_text(text.text) +
            " Tj ET\n";
   }
   return out;
@@ -97,7 +97,7 @@ std::string content_of(const VectorPrint& vectors, std::map<std::string, std::st
         out += pdf_number(c.r) + " g\n";
       else
         out += pdf_number(c.r) + " " + pdf_number(c.g) + " " + pdf_number(c.b) + " rg\n";
-      for (const Curve& outline : area.outlines) out += path_of(outline);
+      for (const Curve& outline : area.outlines) out += pdf_path(outline);
       out += area.even_odd ? "f*\n" : "f\n";
     }
   return out;

@@ -28,20 +28,20 @@ std::string coordinate(double value) {
   return text;
 }
 
-std::string point(const Vector2d& p) { return coordinate(p.x()) + " " + coordinate(-p.y()); }
+std::string svg_point(const Vector2d& p) { return coordinate(p.x()) + " " + coordinate(-p.y()); }
 
 bool is_straight(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
   return ((a + (d - a) / 3) - b).norm() < 1e-6 && ((d - (d - a) / 3) - c).norm() < 1e-6;
 }
 
-std::string path_of(const Curve& curve) {
+std::string svg_path(const Curve& curve) {
   const auto& p = curve.points;
-  std::string out = std::string("M") + point(p[0]);
+  std::string out = std::string("M") + svg_point(p[0]);
   for (std::size_t i = 0; i + 3 < p.size(); i += 3) {
     if (is_straight(p[i], p[i + 1], p[i + 2], p[i + 3]))
-      out += std::string("L") + point(p[i + 3]);
+      out += std::string("L") + svg_point(p[i + 3]);
     else
-      out += std::string("C") + point(p[i + 1]) + " " + point(p[i + 2]) + " " + point(p[i + 3]);
+      out += std::string("C") + svg_point(p[i + 1]) + " " + svg_point(p[i + 2]) + " " + svg_point(p[i + 3]);
   }
   return curve.closed ? out + "Z" : out;
 }
@@ -62,12 +62,12 @@ std::string group_of(const PrintedElement& element) {
     if (area.colour.a < 1) out += std::string(" fill-opacity=\"") + short_decimal(area.colour.a) + "\"";
     if (area.even_odd) out += " fill-rule=\"evenodd\"";
     out += " d=\"";
-    for (const Curve& outline : area.outlines) out += path_of(outline);
+    for (const Curve& outline : area.outlines) out += svg_path(outline);
     out += "\"/>\n";
   }
   for (const Centreline& line : element.centrelines)
     out += std::string("      <path class=\"centreline\" fill=\"none\" stroke=\"none\" data-width-mm=\"") +
-           short_decimal(line.width_mm, 6) + "\" d=\"" + path_of(line.curve) + "\"/>\n";
+           short_decimal(line.width_mm, 6) + "\" d=\"" + svg_path(line.curve) + "\"/>\n";
   return out + "    </g>\n";
 }
 

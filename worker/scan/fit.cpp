@@ -24,11 +24,9 @@ constexpr double deep_in_window = 0.5;    // draw over the window's shorter side
 constexpr double deep_on_mold = 1;        // draw over the mold's shorter side
 constexpr double least_clamp_mm = 5;      // of sheet in the clamp, on each side
 
-std::string mm(double value) { return decimal(value, 1) + " mm"; }
 // Rounded so that what is proposed is enough.
-std::string mm_up(double value) { return mm(std::ceil(value * 10 - 1e-6) / 10); }
-std::string mm_down(double value) { return mm(std::floor(value * 10 + 1e-6) / 10); }
-std::string percent(double share) { return decimal(100 * share, 0) + " %"; }
+std::string mm_up(double value) { return in_mm(std::ceil(value * 10 - 1e-6) / 10); }
+std::string mm_down(double value) { return in_mm(std::floor(value * 10 + 1e-6) / 10); }
 
 // Settings that give a window this large, at the least, and a sheet with the same border in the clamp as now; empty where no
 // machine is that large.
@@ -79,12 +77,13 @@ void find_close_window(const Mold& mold, const MachineSettings& machine, double 
   const double gap = inside_window(*where, machine), draw = where->z() - machine.drape_height_mm;
   const double wanted = thin_limit / (1 - thin_limit) * draw;
   warnings.push_back({"window-close",
-                      "The window is close to the mold: at x = " + mm(where->x()) + ", y = " +
-                          mm(where->y()) + " the " + mm(gap) + " of sheet between them have " + mm(draw) +
-                          " to go down and thin to about " + percent(least) + " of their thickness",
+                      "The window is close to the mold: at x = " + in_mm(where->x()) +
+                          ", y = " + in_mm(where->y()) + " the " + in_mm(gap) +
+                          " of sheet between them have " + in_mm(draw) + " to go down and thin to about " +
+                          in_percent(least) + " of their thickness",
                       {{{where->x(), where->y(), where->z()}, gap}},
                       Warning::Figure{gap, "mm", wanted},
-                      "Leave " + mm(wanted) + " between mold and window (machine.window_width_mm)."});
+                      "Leave " + in_mm(wanted) + " between mold and window (machine.window_width_mm)."});
 }
 
 void find_deep_draw(const Mold& mold, const MachineSettings& machine, std::vector<Warning>& warnings) {
@@ -94,9 +93,9 @@ void find_deep_draw(const Mold& mold, const MachineSettings& machine, std::vecto
   if (in_window <= deep_in_window && on_mold <= deep_on_mold) return;
   warnings.push_back(
       {"deep-draw",
-       "The draw of " + mm(draw) + " is " + percent(in_window) + " of the window's shorter side and " +
-           percent(on_mold) + " of the mold's; above " + percent(deep_in_window) + " or " +
-           percent(deep_on_mold) + " the sheet thins much and tends to web",
+       "The draw of " + in_mm(draw) + " is " + in_percent(in_window) + " of the window's shorter side and " +
+           in_percent(on_mold) + " of the mold's; above " + in_percent(deep_in_window) + " or " +
+           in_percent(deep_on_mold) + " the sheet thins much and tends to web",
        {{{mold.top.x(), mold.top.y(), mold.top.z()}, draw}},
        Warning::Figure{100 * in_window, "%", 100 * deep_in_window},
        in_window > deep_in_window ? "Trim the mold higher (scan.trim_mm), or use a larger window." : ""});
@@ -109,7 +108,7 @@ void find_narrow_clamp(const SheetSettings& sheet, const MachineSettings& machin
   if (clamp.minCoeff() >= least_clamp_mm) return;
   const bool x = clamp.x() <= clamp.y();
   warnings.push_back({"clamp-narrow",
-                      "Only " + mm(clamp.minCoeff()) + " of the sheet lie in the clamp on " +
+                      "Only " + in_mm(clamp.minCoeff()) + " of the sheet lie in the clamp on " +
                           (x ? "the left and the right" : "the front and the back") + ", and it may slip",
                       {{{x ? edge.x() : 0, x ? 0 : edge.y(), machine.drape_height_mm}, clamp.minCoeff()}},
                       Warning::Figure{clamp.minCoeff(), "mm", least_clamp_mm}});
@@ -122,8 +121,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
   const double width = window_of(machine).x(), height = window_of(machine).y();
   if (width > sheet.width_mm || height > sheet.height_mm)
     return fail(Code::does_not_fit,
-                "the window of " + mm(width) + " x " + mm(height) + " is larger than the sheet of " +
-                    mm(sheet.width_mm) + " x " + mm(sheet.height_mm),
+                "the window of " + in_mm(width) + " x " + in_mm(height) + " is larger than the sheet of " +
+                    in_mm(sheet.width_mm) + " x " + in_mm(sheet.height_mm),
                 "machine.window_width_mm",
                 "give a smaller window or a larger sheet (sheet.width_mm, sheet.height_mm)");
   const Box box = bounds(mold.mesh);
@@ -132,8 +131,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
   // Level with the top is right for a mold with a pit, whose rim the sheet lies on; so is what rounding adds.
   if (machine.drape_height_mm > box.high.z() + 0.01)
     return fail(Code::does_not_fit,
-                "the frame stops " + mm(machine.drape_height_mm) + " above the platform, " +
-                    mm(machine.drape_height_mm - box.high.z()) +
+                "the frame stops " + in_mm(machine.drape_height_mm) + " above the platform, " +
+                    in_mm(machine.drape_height_mm - box.high.z()) +
                     " above the mold's top, and the sheet never meets the mold",
                 "machine.drape_height_mm",
                 "give at most " + mm_down(box.high.z()) +
@@ -141,8 +140,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
   const double shorter = std::min(width, height);
   if (draw > most_draw * shorter)
     return fail(Code::does_not_fit,
-                "the mold is " + mm(draw) + " to draw, " + mm(draw - most_draw * shorter) +
-                    " more than a sheet in a window of " + mm(shorter) + " can give",
+                "the mold is " + in_mm(draw) + " to draw, " + in_mm(draw - most_draw * shorter) +
+                    " more than a sheet in a window of " + in_mm(shorter) + " can give",
                 "scan.trim_mm",
                 "trim the mold at least that much higher, for example --set scan.trim_mm=" +
                     decimal(std::ceil(mold.findings.trim_mm + draw - most_draw * shorter), 0) +
@@ -154,8 +153,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
     for (const auto& p : mold.mesh.vertices) radius = std::max(radius, p.head<2>().norm());
     if (const double over = radius + room - width / 2; over > 0)
       return fail(Code::does_not_fit,
-                  "the mold reaches " + mm(radius) + " from the middle and with " + mm(room) +
-                      " of room is " + mm(over) + " too wide for the round window of " + mm(width),
+                  "the mold reaches " + in_mm(radius) + " from the middle and with " + in_mm(room) +
+                      " of room is " + in_mm(over) + " too wide for the round window of " + in_mm(width),
                   "machine.window_width_mm",
                   "give a window and a sheet of at least " + mm_up(2 * (radius + room)) +
                       settings_for(Eigen::Vector2d::Constant(2 * (radius + room)), sheet, machine) + advice);
@@ -167,10 +166,10 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
       const int k = over_x >= over_y ? 0 : 1;
       const bool aside = 2 * reach[k] - box.size()[k] > 0.1;
       return fail(Code::does_not_fit,
-                  "the mold is " + mm(box.size()[k]) + (k == 0 ? " wide" : " deep") +
-                      (aside ? ", reaches " + mm(reach[k]) + " from the middle" : "") + " and with " +
-                      mm(room) + " of room on each side is " + mm(std::max(over_x, over_y)) +
-                      " too large for the window of " + mm(k == 0 ? width : height),
+                  "the mold is " + in_mm(box.size()[k]) + (k == 0 ? " wide" : " deep") +
+                      (aside ? ", reaches " + in_mm(reach[k]) + " from the middle" : "") + " and with " +
+                      in_mm(room) + " of room on each side is " + in_mm(std::max(over_x, over_y)) +
+                      " too large for the window of " + in_mm(k == 0 ? width : height),
                   k == 0 ? "machine.window_width_mm" : "machine.window_height_mm",
                   "give a window and a sheet of at least " + mm_up(2 * (reach[k] + room)) +
                       settings_for(2 * (reach.array() + room), sheet, machine) + advice);

@@ -26,8 +26,6 @@ namespace {
 constexpr double weld_share = 1e-6;  // of the scan's size: what the rounding of floats makes of one point
 constexpr double nominal_mm = 200;   // a head, while the unit is unknown
 
-std::string mm(double value) { return decimal(value, 1) + " mm"; }
-
 void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
   for (auto& p : mesh.vertices) p = scale * (rotation * p);
   if (rotation.determinant() < 0)
@@ -75,7 +73,7 @@ Result<double> choose_scale(const ScanSettings& settings, const std::string& fil
     const auto guess = guess_unit(longest, file_name);
     return fail(Code::unusable_scan,
                 "in " + std::string(name(findings.unit)) + " the scan's longest side is " +
-                    (side < 10 ? "only " : "") + mm(side),
+                    (side < 10 ? "only " : "") + in_mm(side),
                 file_name,
                 guess ? "give another unit, for example --set scan.units=" + std::string(name(*guess))
                       : guess.error().fix);
@@ -111,7 +109,7 @@ Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mol
   if (closing.largest_filled_mm > large_hole_mm)
     mold.warnings.push_back(
         {"large-hole",
-         "A hole " + mm(closing.largest_filled_mm) + " across was filled; the mold is a guess there",
+         "A hole " + in_mm(closing.largest_filled_mm) + " across was filled; the mold is a guess there",
          {},
          Warning::Figure{closing.largest_filled_mm, "mm", large_hole_mm}});
   if (clearance_mm == 0) return std::move(closing.mesh);

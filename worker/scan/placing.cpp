@@ -11,6 +11,7 @@
 #include <numbers>
 #include <vector>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/scan/topology.hpp"
 
 namespace vacuform {
@@ -40,11 +41,11 @@ Circle around_few(Points& points, double slack) {
       offer({(a + b) / 2, (b - a).norm() / 2}, {a, b});
       for (std::size_t k = j + 1; k < points.size(); ++k) {
         const Eigen::Vector2d u = b - a, v = points[k] - a;
-        const double cross = u.x() * v.y() - u.y() * v.x();
-        if (cross == 0) continue;
+        const double twice = cross(u, v);
+        if (twice == 0) continue;
         const double uu = u.squaredNorm(), vv = v.squaredNorm();
         const Eigen::Vector2d to(v.y() * uu - u.y() * vv, u.x() * vv - v.x() * uu);
-        const Eigen::Vector2d centre = a + to / (2 * cross);
+        const Eigen::Vector2d centre = a + to / (2 * twice);
         offer({centre, (a - centre).norm()}, {a, b, points[k]});
       }
     }

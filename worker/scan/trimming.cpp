@@ -27,9 +27,6 @@ constexpr double least_kept = 0.05;     // of the height: less is refused
 constexpr double usual_kept = 1.0 / 3;  // heads with face and neck keep two fifths
 constexpr double wanted_kept = 0.4;     // another axis is proposed when it keeps this much
 
-std::string mm(double value) { return decimal(value, 1) + " mm"; }
-std::string percent(double share) { return decimal(100 * share, 0) + " %"; }
-
 struct Limits {
   double spacing, depth, area, reported_depth, reported_area;
 };
@@ -76,16 +73,16 @@ Result<Trim> choose_trim(const TriangleMesh& closed, const ScanSettings& setting
                          const std::string& file_name, const ScanProgress& progress) {
   const double height = bounds(closed).high.z();
   if (settings.trim_mm && *settings.trim_mm > height - std::min(1.0, least_kept * height))
-    return fail(
-        Code::unusable_scan,
-        "the scan is " + mm(height) + " high and trimming it at " + mm(*settings.trim_mm) + " leaves nothing",
-        "scan.trim_mm", "give a smaller height, for example --set scan.trim_mm=" + half_of(height));
+    return fail(Code::unusable_scan,
+                "the scan is " + in_mm(height) + " high and trimming it at " + in_mm(*settings.trim_mm) +
+                    " leaves nothing",
+                "scan.trim_mm", "give a smaller height, for example --set scan.trim_mm=" + half_of(height));
   const double radius = enclosing_circle(closed).radius;
   if (height < flat * radius)
-    return fail(
-        Code::unusable_scan,
-        "the scan is flat: only " + mm(height) + " would remain as a mold, " + mm(2 * radius) + " across",
-        file_name, "give a scan of a body, or turn it (scan.up)");
+    return fail(Code::unusable_scan,
+                "the scan is flat: only " + in_mm(height) + " would remain as a mold, " + in_mm(2 * radius) +
+                    " across",
+                file_name, "give a scan of a body, or turn it (scan.up)");
   const Limits limits = limits_of(radius);
   VACUFORM_TRY(space, CoveredSpace::measure(closed, 0, limits.spacing, progress));
   Trim trim;
@@ -99,21 +96,22 @@ Result<Trim> choose_trim(const TriangleMesh& closed, const ScanSettings& setting
     }
     const std::string turn_it =
         other ? "turn the scan, for example --set scan.up=" + std::string(name(other->axis)) + " keeps " +
-                    percent(other->kept) + " of its height, or "
+                    in_percent(other->kept) + " of its height, or "
               : "";
     const std::string cut_it =
         "accept undercuts by giving the trim, for example --set scan.trim_mm=" + half_of(height);
     if (kept < least_kept)
       return fail(Code::unusable_scan,
-                  "undercuts begin " + mm(trim.height_mm) + " above the scan's lowest point, and only " +
-                      mm(height - trim.height_mm) + " of its " + mm(height) + " would remain as a mold",
+                  "undercuts begin " + in_mm(trim.height_mm) + " above the scan's lowest point, and only " +
+                      in_mm(height - trim.height_mm) + " of its " + in_mm(height) + " would remain as a mold",
                   file_name, turn_it + cut_it);
     const auto below = space.undercuts(std::max(0.0, trim.height_mm - limits.spacing));
     const auto all = space.undercuts(0);
     Warning warning{"trim-discards",
-                    "The automatic trim cuts " + mm(trim.height_mm) + " of the scan's " + mm(height) +
-                        " off and keeps " + percent(kept) + " of its height, because undercuts begin there" +
-                        (all.empty() ? "" : "; the deepest reaches " + mm(all.front().depth_mm))};
+                    "The automatic trim cuts " + in_mm(trim.height_mm) + " of the scan's " + in_mm(height) +
+                        " off and keeps " + in_percent(kept) +
+                        " of its height, because undercuts begin there" +
+                        (all.empty() ? "" : "; the deepest reaches " + in_mm(all.front().depth_mm))};
     if (!below.empty()) {
       const auto& u = below.front();
       warning.marks.push_back({{u.place.x(), u.place.y(), 0}, u.depth_mm});

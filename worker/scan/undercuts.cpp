@@ -276,15 +276,15 @@ double CoveredSpace::domed_share(double floor, double reach) const {
 }
 
 Warning undercut_warning(const std::vector<Undercut>& undercuts) {
-  const auto mm = [](double value) { return decimal(value, 1) + " mm"; };
   const Undercut& worst = undercuts.front();
   Warning warning{"undercut",
                   (undercuts.size() == 1
                        ? "The mold has an undercut that the sheet cannot reach or that locks the part; it"
                        : "The mold has " + std::to_string(undercuts.size()) +
                              " undercuts that the sheet cannot reach or that lock the part; the deepest") +
-                      " reaches " + mm(worst.depth_mm) + " under what overhangs it at x = " +
-                      mm(worst.place.x()) + ", y = " + mm(worst.place.y()) + ", z = " + mm(worst.place.z())};
+                      " reaches " + in_mm(worst.depth_mm) +
+                      " under what overhangs it at x = " + in_mm(worst.place.x()) +
+                      ", y = " + in_mm(worst.place.y()) + ", z = " + in_mm(worst.place.z())};
   warning.figure = Warning::Figure{worst.depth_mm, "mm"};
   for (std::size_t i = 0; i < std::min(undercuts.size(), Warning::most_marks); ++i) {
     const Undercut& u = undercuts[i];

@@ -1,11 +1,10 @@
 #include "worker/studies/bayesian_fit.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "worker/numerics/box_minimum.hpp"
+#include "worker/numerics/dense.hpp"
 #include "worker/numerics/rigid_fit.hpp"
 
 namespace vacuform {
@@ -42,14 +41,14 @@ void project_motion_out(MatrixXd& columns, const std::vector<Vector3d>& at, cons
       motion.block<3, 1>(row, 3 + k) = Vector3d::Unit(k).cross(at[i] - centre) / 100;
     }
   const MatrixXd weighted = weights.asDiagonal() * motion;
-  columns -= motion * (weighted.transpose() * motion).ldlt().solve(weighted.transpose() * columns);
+  columns -= motion * solve_symmetric(MatrixXd(weighted.transpose() * motion),
+                                      MatrixXd(weighted.transpose() * columns));
 }
 
 // The nearest symmetric matrix without negative eigenvalues.
 MatrixXd positive(const MatrixXd& m) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(m);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
-         eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetric_eigen(m);
+  return eigen.vectors * eigen.values.cwiseMax(0).asDiagonal() * eigen.vectors.transpose();
 }
 
 // The points' knowledge about the step from t, in units of the prior's standard deviations.
@@ -78,8 +77,8 @@ Knowledge knowledge(const FitProblem& p, const ResponseSurface& surface, const L
   const MatrixXd error = weighted.transpose() * columns.rightCols(surface.errors().cols());
   MatrixXd m = variance * a + error * error.transpose();
   m.diagonal().array() += 1e-12 * m.trace();
-  const auto solver = m.ldlt();
-  return {a * solver.solve(a), a / variance, a * solver.solve(weighted.transpose() * residual)};
+  return {a * solve_symmetric(m, a), a / variance,
+          a * solve_symmetric(m, VectorXd(weighted.transpose() * residual))};
 }
 
 }  // namespace
@@ -134,8 +133,8 @@ BayesianFit bayesian_fit(const FitProblem& p, const ResponseSurface& surface) {
     out.t = (out.t + p.prior_sd.cwiseProduct(pace * move)).cwiseMax(low).cwiseMin(high);
 
     const auto sd = p.prior_sd.asDiagonal();
-    const MatrixXd covariance = whole.ldlt().solve(identity),
-                   noise_alone = (points.without_error + identity).ldlt().solve(identity);
+    const MatrixXd covariance = solve_symmetric(whole, identity),
+                   noise_alone = solve_symmetric(MatrixXd(points.without_error + identity), identity);
     out.information = sd.inverse() * points.information * sd.inverse();
     out.covariance = sd * covariance * sd;
     out.freedom.resize(n);

@@ -1,13 +1,12 @@
 #include "worker/studies/calibration.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "api/base/decimal.hpp"
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/numerics/dense.hpp"
 #include "worker/stage/portion.hpp"
 #include "worker/studies/bayesian_fit.hpp"
 #include "worker/studies/inked_places.hpp"
@@ -206,15 +205,15 @@ class Search {
   void report(Calibration& out) const {
     const Index n = fit_.t.size();
     const auto scale = problem_.prior_sd.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale * fit_.information * scale);
-    const VectorXd known = eigen.eigenvalues().cwiseMax(0);
+    const SymmetricEigen eigen = symmetric_eigen(scale * fit_.information * scale);
+    const VectorXd known = eigen.values.cwiseMax(0);
     for (Index k = 0; k < n; ++k) {
       const Parameter& p = parameter(k);
       const double unit = p.logarithmic ? p.value(fit_.t[k]) : 1, error = std::sqrt(fit_.covariance(k, k));
       const double reach = interval_95(fit_.freedom[k]) * error;
       double alone = 0;
       for (Index e = 0; e < n; ++e) {
-        const double share = std::pow(eigen.eigenvectors()(k, e), 2);
+        const double share = std::pow(eigen.vectors(k, e), 2);
         alone += known[e] > 0 ? share / known[e] : share > 1e-12 ? HUGE_VAL : 0;
       }
       FittedParameter f;
@@ -230,7 +229,7 @@ class Search {
     out.correlation =
         errors.cwiseInverse().asDiagonal() * fit_.covariance * errors.cwiseInverse().asDiagonal();
     for (Index e = 0; e < n && known[e] < hardly_known; ++e)
-      out.unresolved.push_back(unresolved(eigen.eigenvectors().col(e), known[e]));
+      out.unresolved.push_back(unresolved(eigen.vectors.col(e), known[e]));
     for (Index i = 0; i < n; ++i)
       for (Index k = i + 1; k < n; ++k)
         if (const double c = out.correlation(i, k); std::abs(c) > strong)

@@ -1,9 +1,9 @@
 #include "worker/studies/response_surface.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <array>
 #include <cmath>
+
+#include "worker/numerics/dense.hpp"
 
 namespace vacuform {
 
@@ -20,10 +20,8 @@ constexpr std::array<double, 5> centre_spacing{0.8, 0.9, 1.0, 1.15, 1.35};
 // The trend is linear in the square of the spacing: the order that bench_exact and bench_calibration observe.
 constexpr double to_no_spacing = -1, order_unknown = 0.25;
 
-MatrixXd least_squares(const MatrixXd& x, const MatrixXd& y) { return x.colPivHouseholderQr().solve(y); }
-
 MatrixXd inverse_normal(const MatrixXd& x) {
-  return (x.transpose() * x).ldlt().solve(MatrixXd::Identity(x.cols(), x.cols()));
+  return solve_symmetric(MatrixXd(x.transpose() * x), MatrixXd(MatrixXd::Identity(x.cols(), x.cols())));
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ std::vector<Change> changes(const Mold& mold, const Settings& nominal, const Tem
   return out;
 }
 
-double rounded(double mm) { return std::round(mm * 1000) / 1000 + 0.0; }
+double to_micrometre(double mm) { return std::round(mm * 1000) / 1000 + 0.0; }
 
 }  // namespace
 
@@ -149,8 +149,9 @@ Json sensitivity_json(const FormedSheet& nominal, const std::vector<Variant>& va
   for (const PrintedCoil& coil : coils) {
     names.push_back(coil.id);
     const auto centre = coil.rest ? nominal_map(*coil.rest) : std::nullopt;
-    centres.push_back(centre ? Json{rounded(centre->x()), rounded(centre->y()), rounded(centre->z())}
-                             : Json());
+    centres.push_back(
+        centre ? Json{to_micrometre(centre->x()), to_micrometre(centre->y()), to_micrometre(centre->z())}
+               : Json());
   }
   for (const Variant& variant : variants) {
     Json row = {{"id", variant.id}, {"text", variant.text}, {"mean_mm", nullptr}, {"max_mm", nullptr}};
@@ -168,9 +169,9 @@ Json sensitivity_json(const FormedSheet& nominal, const std::vector<Variant>& va
       }
       const double moved = (*is - *was).norm();
       sum += moved, most = std::max(most, moved), ++count;
-      each.push_back(rounded(moved));
+      each.push_back(to_micrometre(moved));
     }
-    if (count > 0) row["mean_mm"] = rounded(sum / count), row["max_mm"] = rounded(most);
+    if (count > 0) row["mean_mm"] = to_micrometre(sum / count), row["max_mm"] = to_micrometre(most);
     row["coils_mm"] = std::move(each);
     rows.push_back(std::move(row));
   }

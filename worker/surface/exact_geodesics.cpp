@@ -8,6 +8,7 @@
 #include <queue>
 #include <vector>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/stage/index.hpp"
 
 namespace vacuform {
@@ -23,8 +24,6 @@ constexpr double rounding_mm = 1e-9, rounding_angle = 1e-9;
 // shares differ, so that no straight line through the vertices of an even grid passes through the source: rounding would
 // decide there on which side it lies, and a sector could be lost.
 const Vector3d beside = 1e-8 * Vector3d(1, 0.6180339887, 0.3247179572);
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Where straight lines begin: the source itself, or a vertex at which paths bend.
 struct PseudoSource {

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double beside = 1e-9;          // least weight of a vertex that is passed
+constexpr double least_weight = 1e-9;    // of a vertex that is passed
 constexpr int most_crossings = 100'000;  // of one advance: a way that goes round and round ends there
 
 // The direction in the plane of triangle t nearest to a given one; zero where that is normal to it.
@@ -58,7 +58,7 @@ Connection shoot(const InkedSurface& surface, const SheetPoint& a, const SheetPo
 
 GeodesicWalk::GeodesicWalk(const InkedSurface& surface, const SheetPoint& start, const Vector3d& along)
     : surface_(&surface), at_(start), along_(along) {
-  at_.weights = at_.weights.cwiseMax(beside);
+  at_.weights = at_.weights.cwiseMax(least_weight);
   at_.weights /= at_.weights.sum();
   along_ -= along_.dot(surface.normal(start.triangle)) * surface.normal(start.triangle);
   along_.normalize();
@@ -108,9 +108,9 @@ void GeodesicWalk::cross(int corner) {
   for (int k = 0; k < 3; ++k) {
     const int v = at(to, k);
     if (v == at(from, (corner + 1) % 3))
-      weights[k] = std::max(at_.weights[(corner + 1) % 3], beside);
+      weights[k] = std::max(at_.weights[(corner + 1) % 3], least_weight);
     else if (v == at(from, (corner + 2) % 3))
-      weights[k] = std::max(at_.weights[(corner + 2) % 3], beside);
+      weights[k] = std::max(at_.weights[(corner + 2) % 3], least_weight);
     else
       entry = k;
   }

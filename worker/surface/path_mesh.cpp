@@ -12,8 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
 }  // namespace
 
 PathMesh::PathMesh(std::vector<Triangle> triangles, std::vector<Vector3d> places)
@@ -26,7 +24,8 @@ PathMesh::PathMesh(std::vector<Triangle> triangles, std::vector<Vector3d> places
     sides_[s].opposite = opposite[s];
     if (opposite[s] >= 0) continue;
     for (std::size_t end = 1; end < 3; ++end)
-      total_angles_[static_cast<std::size_t>(triangles_[s / 3][(s % 3 + end) % 3])] = infinite;
+      total_angles_[static_cast<std::size_t>(triangles_[s / 3][(s % 3 + end) % 3])] =
+          std::numeric_limits<double>::infinity();
   }
   for (std::size_t s = 0; s < sides_.size(); ++s) {
     const int t = static_cast<int>(s / 3), k = static_cast<int>(s % 3);

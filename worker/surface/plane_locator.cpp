@@ -6,13 +6,12 @@
 #include <numeric>
 #include <utility>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/stage/index.hpp"
 
 namespace vacuform {
 
 namespace {
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 constexpr double rounding = 1e-9;  // a weight this much below 0 still counts as on the triangle
 
@@ -77,8 +76,8 @@ std::optional<SheetPoint> PlaneLocator::find(const Eigen::Vector2d& point) const
     const Triangle& t = triangles_[static_cast<std::size_t>(k)];
     const Eigen::Vector2d a = plane_[index(t[0])], b = plane_[index(t[1])] - a, c = plane_[index(t[2])] - a,
                           p = point - a;
-    const double whole = b.x() * c.y() - b.y() * c.x();
-    const double u = (p.x() * c.y() - p.y() * c.x()) / whole, v = (b.x() * p.y() - b.y() * p.x()) / whole;
+    const double whole = cross(b, c);
+    const double u = (cross(p, c)) / whole, v = (cross(b, p)) / whole;
     if (u >= -rounding && v >= -rounding && u + v <= 1 + rounding)
       return SheetPoint{k, Eigen::Vector3d(1 - u - v, u, v)};
   }

@@ -1,18 +1,18 @@
 #include "worker/forming/heat/scattered.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 
+#include "worker/numerics/dense.hpp"
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 
 namespace {
 
-constexpr std::size_t most_points = 400;
+constexpr std::size_t most_knots = 400;
 
 // The mean of the points of each square cell, in a fixed order.
 std::vector<MeasuredPoint> merged(const std::vector<MeasuredPoint>& points, double cell_mm) {
@@ -38,7 +38,7 @@ double kernel(double squared_distance) {
 
 TemperatureField through_points(const std::vector<MeasuredPoint>& given, double width_mm, double height_mm) {
   std::vector<MeasuredPoint> points = merged(given, 0.5);
-  if (points.size() > most_points) points = merged(points, std::max(width_mm, height_mm) / 20);
+  if (points.size() > most_knots) points = merged(points, std::max(width_mm, height_mm) / 20);
   const double scale = 2 / std::max(width_mm, height_mm);  // to about [-1, 1], for the sake of conditioning
 
   const auto n = static_cast<Eigen::Index>(points.size());
@@ -54,7 +54,7 @@ TemperatureField through_points(const std::vector<MeasuredPoint>& given, double 
     b[i] = p.celsius;
   }
   // Points on one line leave the slope across it open: the solution of least norm has none.
-  const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(b);
+  const Eigen::VectorXd x = shortest_least_squares(A, b);
 
   double least = points.front().celsius, most = least;
   for (const MeasuredPoint& p : points) least = std::min(least, p.celsius), most = std::max(most, p.celsius);
