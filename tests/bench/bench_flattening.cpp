@@ -48,7 +48,7 @@ double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 Bytes read(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   Bytes bytes{std::istreambuf_iterator<char>(file), {}};
-  if (bytes.empty()) stop("cannot read " + path + "; set VACUFORM_SHARED_DATA when configuring");
+  if (bytes.empty()) stop("cannot read " + path + "; see tests/fetch-scans");
   return bytes;
 }
 
@@ -209,14 +209,13 @@ int main(int argc, char** argv) {
       return 2;
     }
 
-  const std::string shared = VACUFORM_SHARED_DATA;
   Settings settings;
   settings.pattern.placement = PatternPlacement::chart;
   settings.print.dpi = 593;  // 300 mm in 7004 pixels
-  const auto mold =
-      make_mold(read(shared + "/scans/neonate-40w.stl"), "neonate-40w.stl", settings.scan, Context{});
+  const auto mold = make_mold(read(VACUFORM_SHARED_DATA "/scans/neonate-40w.stl"), "neonate-40w.stl",
+                              settings.scan, Context{});
   if (!mold) stop(mold.error().text());
-  const auto pattern = Pattern::read(read(shared + "/patterns/rings-19x40mm.svg"), "rings-19x40mm.svg",
+  const auto pattern = Pattern::read(read(VACUFORM_RING_FILES "/rings-19x40mm.svg"), "rings-19x40mm.svg",
                                      settings.pattern, settings.print.dpi);
   if (!pattern) stop(pattern.error().text());
   const InkCoverage ink = [&](const Eigen::Vector2d& chart, double blur_mm) {

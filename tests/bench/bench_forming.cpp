@@ -34,6 +34,11 @@ struct Row {
 
 Row form_in_this_process(const std::string& scan, int cells) {
   std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/scans/" + scan, std::ios::binary);
+  if (!in) {
+    std::fprintf(stderr, "bench_forming: cannot read the real scan %s; see tests/fetch-scans\n",
+                 scan.c_str());
+    return {};
+  }
   const std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(in)), {});
   Settings settings;
   settings.sheet.resolution_mm = settings.sheet.width_mm / cells;

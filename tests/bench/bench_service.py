@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The service over HTTP, beside what is asked of it on two cores: answers while jobs run, a long queue, a large upload, the store.
 
-    [VACUFORM_BIN=build/release/bin] tests/bench/bench_service.py [--queued 10000] [--upload-mib 500]
+    [VACUFORM_BIN=build/tests/bin] tests/bench/bench_service.py [--queued 10000] [--upload-mib 500]
 
 Uses wrk (Debian: wrk) and bench_store. Everything runs on this machine: clients and workers take their share of it.
 
@@ -26,8 +26,7 @@ import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
-os.environ["VACUFORM_BIN"] = str(pathlib.Path(os.environ.get("VACUFORM_BIN", "build/release/bin")).resolve())
-os.environ.setdefault("VACUFORM_SHARED_DATA", ".")
+os.environ["VACUFORM_BIN"] = str(pathlib.Path(os.environ.get("VACUFORM_BIN", "build/tests/bin")).resolve())
 import hostile  # noqa: E402
 from chaos_load import BOUNDARY, form  # noqa: E402
 from harness import BIN, Server  # noqa: E402

@@ -34,7 +34,7 @@ def timed(words):
 def row(arguments, scan, pattern, folder):
     given = [word for s in [*SCANS[scan], "print.dpi=72", *arguments.set] for word in ("--set", s)]
     kept = ["--keep", arguments.keep] if arguments.keep else []
-    pattern = arguments.data / "patterns" / pattern
+    pattern = pathlib.Path(__file__).resolve().parents[1] / "data" / "patterns" / pattern
     _, run_s = timed([arguments.bin / "vacuform", "run", "--scan", arguments.data / "scans" / scan, "--pattern", pattern,
                       "--out", folder, *given, *kept])
     report = json.loads((folder / "report.json").read_text())

@@ -1,6 +1,6 @@
 """Kills the service at random under load, and checks through the API alone that nothing it accepted is lost or done twice.
 
-    VACUFORM_BIN=build/release/bin VACUFORM_SHARED_DATA=. tests/integration/chaos.py [--kills 200] [--seed 1] [--pause 3] [--open 3]
+    VACUFORM_BIN=build/tests/bin tests/integration/chaos.py [--kills 200] [--seed 1] [--pause 3] [--open 3]
 
 A real server runs with a local worker, and another worker stands beside it as if on another machine. Eight clients, each with a
 token and an owner of its own, keep some jobs each open (chaos_load.py), most of them such that succeed when they are left alone,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs `vacuform run` on made-up scans and holds every result against the truth and against a second program.
 
-    VACUFORM_BIN=build/release/bin tests/integration/generated_scans.py --count 200 [--seed S] [--first N] [--grid MM]
+    VACUFORM_BIN=build/tests/bin tests/integration/generated_scans.py --count 200 [--seed S] [--first N] [--grid MM]
 
 A scan fails when the program crashes or takes too long, when a refusal's proposals do not lead to a mold within three
 steps, when check_sheet finds the sheet torn, folded, penetrated or off the mold at a place that no warning marks, or when

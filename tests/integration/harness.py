@@ -1,6 +1,6 @@
 """What the integration tests share: the real programs, curl, free ports, a folder of their own, and polling.
 
-Run by ctest, which says where the programs are (VACUFORM_BIN) and the real scans (VACUFORM_SHARED_DATA).
+Run by ctest, which says where the programs are (VACUFORM_BIN).
 """
 import contextlib
 import fcntl
@@ -19,8 +19,7 @@ from contract import Contract, of_curl
 
 BIN = pathlib.Path(os.environ["VACUFORM_BIN"])
 CONTRACT = Contract()  # every exchange by curl() is held against it
-SCANS = pathlib.Path(os.environ["VACUFORM_SHARED_DATA"]) / "scans"
-PATTERNS = pathlib.Path(os.environ["VACUFORM_SHARED_DATA"]) / "patterns"
+PATTERNS = pathlib.Path(__file__).resolve().parents[1] / "data" / "patterns"
 PATIENCE = 240  # seconds that anything may take on a busy machine
 
 

@@ -7,10 +7,11 @@ import struct
 import subprocess
 import unittest
 
+import made_scans
 import meshes
-from harness import BIN, PATTERNS, SCANS, Case, vacuform
+from harness import BIN, PATTERNS, Case, vacuform
 
-NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-19x40mm.svg"
+NEWBORN, CORRUPT, RINGS = made_scans.newborn(), made_scans.corrupt(), PATTERNS / "rings-19x40mm.svg"
 
 
 class Refusals(Case):
@@ -23,12 +24,12 @@ class Refusals(Case):
         for word in words:
             self.assertIn(word, done.stderr)
 
-    def run_with(self, *words, scan=NEONATE, pattern=RINGS):
+    def run_with(self, *words, scan=NEWBORN, pattern=RINGS):
         return vacuform("run", "--scan", scan, "--pattern", pattern, "--out", self.folder / "out", *words)
 
     def test_usage(self):
         for words, says in [((), "vacuform --help"), (("print",), "no such command: print"),
-                            (("run",), "--scan"), (("run", "--scan", NEONATE), "vacuform run --help"),
+                            (("run",), "--scan"), (("run", "--scan", NEWBORN), "vacuform run --help"),
                             (("inspect",), "vacuform inspect --help"), (("run", "--dpi", "3"), "vacuform run --help"),
                             (("submit", "--out", "x"), "--wait"), (("submit",), "--scan FILE and --pattern FILE"),
                             (("submit", "--server", "localhost", "--job", "x"), "http://127.0.0.1:8080")]:
@@ -56,8 +57,8 @@ class Refusals(Case):
                 (self.run_with("--settings", broken), ["not valid JSON", "broken.json"]),
                 (self.run_with("--settings", self.folder / "none.json"), ["none.json"]),
                 (self.run_with(scan=RINGS), ["rings-19x40mm.svg"]),
-                (self.run_with(pattern=NEONATE), ["neonate-40w.stl"]),
-                (vacuform("inspect", SCANS / "corrupt-head.glb"), ["corrupt-head.glb"])]:
+                (self.run_with(pattern=NEWBORN), ["newborn.stl"]),
+                (vacuform("inspect", CORRUPT), ["corrupt-head.glb"])]:
             with self.subTest(words):
                 self.assert_refused(done, *words)
         self.assertFalse((self.folder / "out").exists())
@@ -69,28 +70,28 @@ class Refusals(Case):
         mine = self.folder / "mine.json"
         mine.write_text('{"sheet": {"resolution_mm": 10, "thickness_mm": 2}, "machine": {"window_width_mm": 400}}')
         done = self.run_with("--settings", profile, "--settings", mine, "--set", "sheet.thickness_mm=0.5",
-                             "--set", "print.dpi=72", scan=NEONATE)
+                             "--set", "print.dpi=72", scan=NEWBORN)
         self.assertEqual(done.returncode, 0, done.stderr)
         settings = json.loads((self.folder / "out" / "report.json").read_text())["settings"]
         sheet, machine = settings["sheet"], settings["machine"]
         self.assertEqual((sheet["width_mm"], sheet["thickness_mm"], sheet["resolution_mm"]), (450, 0.5, 10))
         self.assertEqual(machine["window_width_mm"], 400)
         # The same files the other way round.
-        done = self.run_with("--settings", mine, "--settings", profile, "--set", "print.dpi=72", scan=NEONATE)
+        done = self.run_with("--settings", mine, "--settings", profile, "--set", "print.dpi=72", scan=NEWBORN)
         self.assertEqual(done.returncode, 0, done.stderr)
         settings = json.loads((self.folder / "out" / "report.json").read_text())["settings"]
         self.assertEqual((settings["machine"]["window_width_mm"], settings["sheet"]["thickness_mm"]), (430, 2))
 
     def test_folder_that_cannot_be_made(self):
         (self.folder / "file").write_text("")
-        done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", self.folder / "file" / "out",
+        done = vacuform("run", "--scan", NEWBORN, "--pattern", RINGS, "--out", self.folder / "file" / "out",
                         "--set", "sheet.resolution_mm=10", "--set", "print.dpi=72")
         self.assert_refused(done, "file/out")
 
 
 class Progress(Case):
     def test_lines_of_json(self):
-        done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", self.folder / "out", "--progress", "json",
+        done = vacuform("run", "--scan", NEWBORN, "--pattern", RINGS, "--out", self.folder / "out", "--progress", "json",
                         "--set", "sheet.resolution_mm=10", "--set", "print.dpi=72")
         self.assertEqual(done.returncode, 0, done.stderr)
         lines = [json.loads(line) for line in done.stdout.splitlines()]
@@ -103,7 +104,7 @@ class Progress(Case):
     def test_a_kept_head_is_not_formed_again(self):
         """Another pattern on it gives the bytes of a run that keeps nothing, without a step of scan or forming."""
         def run(out, *words):
-            done = vacuform("run", "--scan", NEONATE, "--out", self.folder / out, "--progress", "json",
+            done = vacuform("run", "--scan", NEWBORN, "--out", self.folder / out, "--progress", "json",
                             "--set", "sheet.resolution_mm=10", "--set", "print.dpi=72", *words)
             self.assertEqual(done.returncode, 0, done.stderr)
             lines = [json.loads(line) for line in done.stdout.splitlines()]
@@ -123,7 +124,7 @@ class Progress(Case):
         self.assertGreater(len(run("thicker", *turned, *keep, "--set", "sheet.thickness_mm=2")), 5)
 
     def test_problem_is_the_last_line_of_json(self):
-        done = vacuform("run", "--scan", SCANS / "corrupt-head.glb", "--pattern", RINGS, "--out", self.folder / "none",
+        done = vacuform("run", "--scan", CORRUPT, "--pattern", RINGS, "--out", self.folder / "none",
                         "--progress", "json")
         self.assertEqual(done.returncode, 2)
         problem = json.loads(done.stdout.splitlines()[-1])["problem"]
@@ -133,7 +134,7 @@ class Progress(Case):
 
     def test_interrupt_ends_it_without_artifacts(self):
         out = self.folder / "interrupted"
-        process = subprocess.Popen([BIN / "vacuform", "run", "--scan", NEONATE, "--pattern", RINGS, "--out", out,
+        process = subprocess.Popen([BIN / "vacuform", "run", "--scan", NEWBORN, "--pattern", RINGS, "--out", out,
                                     "--progress", "json", "--set", "sheet.resolution_mm=1"],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         with process:
@@ -150,7 +151,7 @@ class Summary(Case):
     COARSE = ("--set", "sheet.resolution_mm=6", "--set", "print.dpi=72")
 
     def run_with(self, *words):
-        return vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", self.folder / "out", *self.COARSE, *words)
+        return vacuform("run", "--scan", NEWBORN, "--pattern", RINGS, "--out", self.folder / "out", *self.COARSE, *words)
 
     def test_as_json_and_strictly(self):
         """Coils beside the head are a serious warning."""
@@ -172,34 +173,35 @@ class Summary(Case):
 
 
 class Inspect(Case):
-    REFUSED = {"bust-demosthenes.obj": "the scan's unit cannot be told",
-               "bust-gutenberg-ascii.stl": "the scan's unit cannot be told",
+    SCANS = {"newborn.stl": made_scans.newborn, "adult.stl": made_scans.adult, "bust.obj": made_scans.bust,
+             "corrupt-head.glb": made_scans.corrupt}
+    REFUSED = {"bust.obj": "the scan's unit cannot be told",
                "corrupt-head.glb": "replaced by the mark for unreadable text"}
 
     def test_every_scan_is_described_or_refused(self):
-        for scan in sorted(SCANS.iterdir()):
-            if scan.suffix == ".md":
-                continue
-            with self.subTest(scan.name):
-                done = vacuform("inspect", scan, "--json")
-                if scan.name not in self.REFUSED:
+        for name, scan in self.SCANS.items():
+            with self.subTest(name):
+                done = vacuform("inspect", scan(), "--json")
+                if name not in self.REFUSED:
                     self.assertEqual((done.returncode, done.stderr), (0, ""))
                     self.assertGreater(json.loads(done.stdout)["mold"]["top_mm"][2], 50)
                 else:
                     self.assertEqual(done.returncode, 2)
                     self.assertRegex(done.stderr, r"\Avacuform: [^\n]+\([^\n]+\); [^\n]+\n\Z")
-                    self.assertIn(self.REFUSED[scan.name], done.stderr)
+                    self.assertIn(self.REFUSED[name], done.stderr)
 
 
-class Neonate(Case):
+class Newborn(Case):
     """A newborn's head with nineteen 40 mm rings at default settings."""
+
+    scan = staticmethod(made_scans.newborn)
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.out = cls.folder / "first"
-        cls.done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", cls.out)
-        cls.again = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", cls.folder / "second")
+        cls.done = vacuform("run", "--scan", cls.scan(), "--pattern", RINGS, "--out", cls.out)
+        cls.again = vacuform("run", "--scan", cls.scan(), "--pattern", RINGS, "--out", cls.folder / "second")
         if cls.done.returncode == 0:
             cls.ply = meshes.Ply((cls.out / "formed.ply").read_bytes())
             cls.mold = meshes.read_stl((cls.out / "mold.stl").read_bytes())

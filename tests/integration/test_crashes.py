@@ -6,9 +6,10 @@ import signal
 import socket
 import unittest
 
-from harness import BIN, DUE_ARTIFACTS, PATTERNS, SCANS, Case, Program, Server, children, curl, runs, wait_for
+import made_scans
+from harness import BIN, DUE_ARTIFACTS, PATTERNS, Case, Program, Server, children, curl, runs, wait_for
 
-NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-7x40mm.svg"
+NEWBORN, RINGS = made_scans.newborn(), PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
 LONG = {"sheet": {"resolution_mm": 2.5}, "print": {"dpi": 100}}  # some seconds of forming
 LEASE = 4
@@ -55,7 +56,7 @@ class Crashes(Case):
     def test_killed_worker_s_job_is_done_by_another_once(self):
         server = self.server()
         first = self.worker(server, "first")
-        job = server.submit(NEONATE, RINGS, LONG)
+        job = server.submit(NEWBORN, RINGS, LONG)
         self.wait_forming(server, job)
         (child,) = children(first.pid)
         first.end(signal.SIGKILL)
@@ -71,7 +72,7 @@ class Crashes(Case):
     def test_frozen_worker_s_late_words_change_nothing(self):
         server = self.server()
         first = self.worker(server, "first")
-        job = server.submit(NEONATE, RINGS, LONG)
+        job = server.submit(NEWBORN, RINGS, LONG)
         self.wait_forming(server, job)
         (child,) = children(first.pid)
         first.send(signal.SIGSTOP)
@@ -90,7 +91,7 @@ class Crashes(Case):
 
     def test_words_under_an_old_lease_are_refused(self):
         server = self.server()
-        job = server.submit(NEONATE, RINGS, COARSE)
+        job = server.submit(NEWBORN, RINGS, COARSE)
         token = (server.data / "worker-token").read_text().strip()
         bearer, of_json = ["-H", f"Authorization: Bearer {token}"], ["-H", "Content-Type: application/json"]
         old = curl(*bearer, *of_json, "-d", '{"worker":"old","protocol":2}', f"{server.api}/leases").json
@@ -117,12 +118,12 @@ class Crashes(Case):
 
     def test_server_killed_during_an_upload_keeps_what_it_accepted_and_nothing_else(self):
         server = self.server()
-        accepted = [server.submit(NEONATE, RINGS, COARSE) for _ in range(3)]
+        accepted = [server.submit(NEWBORN, RINGS, COARSE) for _ in range(3)]
         before = self.blobs(server)
         # Half an upload: the head promises more bytes than ever come, and the server holds what came on disk.
         boundary = "abc"
         part = (f'--{boundary}\r\nContent-Disposition: form-data; name="scan"; filename="half.stl"\r\n\r\n').encode()
-        half = part + NEONATE.read_bytes()
+        half = part + NEWBORN.read_bytes()
         with socket.create_connection(("127.0.0.1", server.port)) as connection:
             connection.sendall((f"POST /api/v1/jobs HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
                                 f"Authorization: Bearer {server.token_file.read_text().strip()}\r\n"
@@ -143,7 +144,7 @@ class Crashes(Case):
     def test_server_killed_while_its_worker_works_loses_nothing(self):
         server = self.server()
         worker = self.worker(server, "outlives")
-        job = server.submit(NEONATE, RINGS, LONG)
+        job = server.submit(NEWBORN, RINGS, LONG)
         self.wait_forming(server, job)
         server.stop(signal.SIGKILL)
         server.start()
@@ -154,7 +155,7 @@ class Crashes(Case):
 
     def test_local_workers_die_with_their_server_and_are_replaced(self):
         server = self.server(workers=1)
-        job = server.submit(NEONATE, RINGS, LONG)
+        job = server.submit(NEWBORN, RINGS, LONG)
         self.wait_forming(server, job)
         (worker,) = children(server.program.pid)
         (child,) = children(worker)
@@ -171,7 +172,7 @@ class Crashes(Case):
 
     def test_stopping_gives_the_job_back(self):
         server = self.server(workers=1)
-        job = server.submit(NEONATE, RINGS, LONG)
+        job = server.submit(NEWBORN, RINGS, LONG)
         self.wait_forming(server, job)
         (worker,) = children(server.program.pid)
         self.assertEqual(server.stop(signal.SIGTERM), 0)

@@ -3,17 +3,17 @@ import json
 import struct
 import unittest
 
+import made_scans
 import meshes
-from harness import PATTERNS, SCANS, Case, vacuform
+from harness import PATTERNS, Case, vacuform
 
-GOAT, RINGS = SCANS / "figurine-goathead.obj", PATTERNS / "rings-7x40mm.svg"
+RINGS = PATTERNS / "rings-7x40mm.svg"
 PLUG = 15
 
 
 class Run:
     def __init__(self, out, *words):
-        done = vacuform("run", "--scan", GOAT, "--pattern", RINGS, "--out", out, "--set", "scan.up=-x", "--set",
-                        "scan.trim_mm=60", "--set", "sheet.resolution_mm=5", "--set", "print.dpi=72", *words)
+        done = vacuform("run", "--pattern", RINGS, "--out", out, "--set", "sheet.resolution_mm=5", "--set", "print.dpi=72", *words)
         assert done.returncode == 0, done.stderr
         self.report = json.loads((out / "report.json").read_text())
         self.mold = meshes.read_stl((out / "mold.stl").read_bytes())
@@ -25,11 +25,13 @@ class Run:
 
 
 class Figurine(Case):
+    scan = staticmethod(lambda: (made_scans.figurine(), "--set", "scan.trim_mm=0"))
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.plain = Run(cls.folder / "plain")
-        cls.raised = Run(cls.folder / "raised", "--set", f"machine.plug_height_mm={PLUG}", "--set", "forming.thin_limit=0.9")
+        cls.plain = Run(cls.folder / "plain", "--scan", *cls.scan())
+        cls.raised = Run(cls.folder / "raised", "--scan", *cls.scan(), "--set", f"machine.plug_height_mm={PLUG}", "--set", "forming.thin_limit=0.9")
 
     def test_every_mark_lies_where_the_part_is(self):
         self.assertLessEqual({"undercut", "trapped-air", "webbing"}, self.plain.warnings.keys())

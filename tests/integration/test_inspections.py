@@ -3,11 +3,12 @@ import json
 import struct
 import unittest
 
+import made_scans
 import meshes
-from harness import PATTERNS, SCANS, Case, Server, curl, vacuform
+from harness import PATTERNS, Case, Server, curl, vacuform
 from test_jobs import COARSE, log_of
 
-RINGS, HEAD, BROKEN = PATTERNS / "rings-7x40mm.svg", SCANS / "neonate-40w.stl", SCANS / "corrupt-head.glb"
+RINGS, HEAD, BROKEN = PATTERNS / "rings-7x40mm.svg", made_scans.newborn(), made_scans.corrupt()
 
 
 class Inspections(Case):

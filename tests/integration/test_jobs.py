@@ -5,10 +5,11 @@ import shutil
 import subprocess
 import unittest
 
-from harness import BIN, PATTERNS, SCANS, Case, Server, curl, vacuform, wait_for
+import made_scans
+from harness import BIN, PATTERNS, Case, Server, curl, vacuform, wait_for
 
 RINGS = PATTERNS / "rings-7x40mm.svg"
-SCAN = SCANS / "neonate-40w.stl"
+SCAN = made_scans.newborn()
 COARSE = {"sheet": {"resolution_mm": 6}, "print": {"dpi": 72}}
 MOVED = {"pattern": {"offset_mm": [5, -3]}}
 

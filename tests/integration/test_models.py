@@ -4,19 +4,22 @@ import json
 import math
 import unittest
 
+import made_scans
 import meshes
-from harness import PATTERNS, SCANS, Case, vacuform
+from harness import PATTERNS, Case, vacuform
 
-NEONATE, RINGS = SCANS / "neonate-40w.stl", PATTERNS / "rings-19x40mm.svg"
+RINGS = PATTERNS / "rings-19x40mm.svg"
 
 
 class Models(Case):
+    scan = staticmethod(made_scans.newborn)
+
     def formed(self, model, *assignments):
         """The report and the formed sheet."""
         out = self.folder / "-".join((model, *assignments))
         words = [w for a in (f"forming.model={model}", "sheet.resolution_mm=8", "print.dpi=72", *assignments)
                  for w in ("--set", a)]
-        done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", out, *words)
+        done = vacuform("run", "--scan", self.scan(), "--pattern", RINGS, "--out", out, *words)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         return json.loads((out / "report.json").read_text())["forming"], meshes.Ply((out / "formed.ply").read_bytes())
 
@@ -34,7 +37,7 @@ class Models(Case):
 
     def test_a_time_step_too_long_for_verlet(self):
         out = self.folder / "out"
-        done = vacuform("run", "--scan", NEONATE, "--pattern", RINGS, "--out", out, "--set", "sheet.resolution_mm=8",
+        done = vacuform("run", "--scan", self.scan(), "--pattern", RINGS, "--out", out, "--set", "sheet.resolution_mm=8",
                         "--set", "forming.model=mass_spring", "--set", "forming.time_step_ms=2",
                         "--set", "forming.integrator=verlet")
         self.assertEqual(done.returncode, 2)

@@ -6,10 +6,9 @@ import struct
 import unittest
 import zlib
 
+import made_scans
 import meshes
-from harness import SCANS, Case, vacuform
-
-GOAT = SCANS / "figurine-goathead.obj"
+from harness import Case, vacuform
 
 
 def gray_png(side, shade):
@@ -27,6 +26,8 @@ def gray_png(side, shade):
 
 
 class Segments(Case):
+    scan = staticmethod(lambda: (made_scans.figurine(), "--set", "scan.trim_mm=0"))
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -39,8 +40,8 @@ class Segments(Case):
 
     @classmethod
     def asked(cls, name, *words):
-        return vacuform("run", "--scan", GOAT, "--pattern", cls.grid, "--out", cls.folder / name, "--keep",
-                        cls.folder / "kept", "--set", "scan.up=-x", "--set", "scan.trim_mm=60", "--set",
+        return vacuform("run", "--scan", *cls.scan(), "--pattern", cls.grid, "--out", cls.folder / name, "--keep",
+                        cls.folder / "kept", "--set",
                         "sheet.resolution_mm=5", "--set", "print.dpi=72", "--set", "pattern.width_mm=150", *words)
 
     @classmethod

@@ -23,13 +23,13 @@ Result<void> write(const std::filesystem::path& path, const Bytes& bytes) {
   return {};
 }
 
-Result<void> write_sample(const std::filesystem::path& out) {
+Result<void> write_sample(const std::filesystem::path& out, HeadForm form) {
   std::error_code error;
   std::filesystem::create_directories(out, error);
   if (error)
     return fail(Code::unreadable, "cannot make the folder: " + error.message(), out.string(),
                 "choose a folder you may write to");
-  VACUFORM_CHECK(write(out / "head.stl", stl_bytes(sample_head())));
+  VACUFORM_CHECK(write(out / "head.stl", stl_bytes(sample_head(form))));
   VACUFORM_CHECK(write(out / "pattern.svg", sample_pattern()));
   return {};
 }
@@ -40,8 +40,11 @@ void add_sample(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("sample", "Write the bundled sample: head.stl and pattern.svg");
   auto out = std::make_shared<std::string>();
   command->add_option("--out", *out, "Folder to write into; made when absent")->type_name("DIR")->required();
-  command->callback([out, &exit_code] {
-    if (const auto written = write_sample(*out); !written)
+  auto head = std::make_shared<std::string>("adult");
+  command->add_option("--head", *head, "Size of the head form")->check(CLI::IsMember({"adult", "newborn"}));
+  command->callback([out, head, &exit_code] {
+    const HeadForm form = *head == "newborn" ? HeadForm::newborn : HeadForm::adult;
+    if (const auto written = write_sample(*out, form); !written)
       exit_code = refuse(written.error());
     else
       std::cout << "wrote head.stl and pattern.svg into " << *out << '\n';

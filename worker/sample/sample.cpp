@@ -17,8 +17,9 @@ constexpr double front = 98, back = 88;  // reach of the plain oval from the wid
 constexpr double brow = 5, occiput = 4;  // bosses at the widest level, part of the head's length
 constexpr double vault = 88, neck = 95;  // heights above and below the widest level
 constexpr double neck_breadth = 0.72, neck_front = 0.58, neck_back = 0.70;  // taper, against the widest level
-constexpr double roundness = 2.5;  // exponent of the oval seen from above; 2 is an ellipse
-constexpr double vertex_back = 8;  // the vertex lies this far behind the widest section
+constexpr double roundness = 2.5;      // exponent of the oval seen from above; 2 is an ellipse
+constexpr double newborn_size = 0.61;  // of the adult's
+constexpr double vertex_back = 8;      // the vertex lies this far behind the widest section
 
 constexpr int around = 120, rings_above = 36, rings_below = 28;
 
@@ -55,7 +56,7 @@ std::string fixed(double value) {
 
 }  // namespace
 
-TriangleMesh sample_head() {
+TriangleMesh sample_head(HeadForm form) {
   TriangleMesh head;
   const auto add_ring = [&](double z, double size_x, double size_front, double size_back) {
     for (int i = 0; i < around; ++i)
@@ -88,6 +89,8 @@ TriangleMesh sample_head() {
     }
   for (int i = 0; i < around; ++i)
     head.triangles.push_back({vertex + 1, at(rings - 1, i + 1), at(rings - 1, i)});
+  if (form == HeadForm::newborn)
+    for (auto& v : head.vertices) v *= newborn_size;
   return head;
 }
 

@@ -3,18 +3,17 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <random>
 
 #include "tests/unit/fixtures/shapes.hpp"
+#include "tests/unit/worker/forming/both_integrators.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/settling.hpp"
+#include "worker/sample/sample.hpp"
 
 namespace vacuform {
 namespace {
 
-const TemperatureField warm(140);
 constexpr double young = 0.9e-3 * 1000, density = 1.27e-3, thickness = 0.5;  // N/mm^2, g/mm^3, mm
 
 SheetGrid square(double side, double spacing) {
@@ -271,46 +270,6 @@ Mold cone(double radius, double tip, double rim) {
   return mold;
 }
 
-struct Machine {
-  SheetSettings sheet;
-  MachineSettings machine;
-  FormingSettings forming;
-};
-
-Machine round_machine(double window, double resolution) {
-  Machine m;
-  m.machine.window = WindowShape::circle;
-  m.machine.window_width_mm = window;
-  m.sheet.width_mm = m.sheet.height_mm = window + 2 * resolution;
-  m.sheet.resolution_mm = resolution;
-  m.forming.model = FormingModel::mass_spring;
-  return m;
-}
-
-Result<FormedSheet> formed_by(const Mold& mold, Machine m, Integrator integrator) {
-  m.forming.integrator = integrator;
-  return form(mold, m.sheet, m.machine, m.forming, warm, Context{});
-}
-
-// The same rest by both integrators: largest distance of any vertex, mm.
-double apart(const Mold& mold, const Machine& m) {
-  const auto a = formed_by(mold, m, Integrator::implicit_euler), b = formed_by(mold, m, Integrator::verlet);
-  EXPECT_TRUE(a && b) << (a ? b : a).error().text();
-  if (!a || !b) return 1e9;
-  double most = 0;
-  for (std::size_t i = 0; i < a->formed.size(); ++i)
-    most = std::max(most, (a->formed[i] - b->formed[i]).norm());
-  for (const auto* f : {&*a, &*b}) {
-    EXPECT_TRUE(f->summary.converged);
-    EXPECT_LT(f->summary.residual, 1e-4);
-    EXPECT_LT(f->summary.kinetic_mj, 1e-3);
-    EXPECT_LT(f->summary.force_error, 1e-5);
-    EXPECT_LT(f->summary.mass_error, 1e-9);
-    EXPECT_NEAR(f->summary.pressure_kpa, 85, 1e-9);
-  }
-  return most;
-}
-
 TEST(MassSpring, BothIntegratorsFormTheSameMaleCone) {
   const Mold mold = cone(50, 60, 0);
   Machine m = round_machine(160, 6);
@@ -335,17 +294,9 @@ TEST(MassSpring, BothIntegratorsFormTheSameFemaleCone) {
 }
 
 TEST(MassSpring, BothIntegratorsFormTheSameHead) {
-  const std::string path = VACUFORM_SHARED_DATA "/scans/neonate-40w.stl";
-  std::ifstream in(path, std::ios::binary);
-  ASSERT_TRUE(in) << path << " is missing";
-  const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
-  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  const auto mold = make_mold(bytes, path, {}, Context{});
+  const auto mold = make_mold(stl_bytes(sample_head(HeadForm::newborn)), "newborn.stl", {}, Context{});
   ASSERT_TRUE(mold) << mold.error().text();
-  Machine m;
-  m.sheet.resolution_mm = 8;
-  m.forming.model = FormingModel::mass_spring;
-  EXPECT_LT(apart(*mold, m), 0.1);
+  EXPECT_LT(apart(*mold, head_machine()), 0.1);
 }
 
 TEST(MassSpring, ALongTimeStepIsForImplicitEulerAlone) {

@@ -4,11 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "tests/unit/fixtures/drawing_files.hpp"
+#include "tests/unit/fixtures/ring_files.hpp"
 #include "worker/pattern/area.hpp"
 #include "worker/pattern/curve.hpp"
 
@@ -126,11 +125,10 @@ void expect_as_drawn(const std::string& body, const std::string& more = "") {
   EXPECT_LT(difference(x), smoothing) << body;
 }
 
-TEST(Drawing, TheRealPatternsAreWhatLibrsvgDraws) {
+TEST(Drawing, RingsAreWhatLibrsvgDraws) {
   for (const auto& [name, coils, width] :
        {std::tuple{"rings-7x40mm", 7, 3}, {"rings-19x40mm", 19, 3}, {"rings-19x60mm", 19, 5}}) {
-    std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/patterns/" + name + ".svg", std::ios::binary);
-    const Read x = read(Bytes((std::istreambuf_iterator<char>(in)), {}));
+    const Read x = read(ring_file(std::string(name) + ".svg"));
     ASSERT_TRUE(x.drawing) << name;
     EXPECT_LT(difference(x, 0.2), smoothing) << name;
     ASSERT_EQ(x.drawing->elements.size(), static_cast<std::size_t>(coils));

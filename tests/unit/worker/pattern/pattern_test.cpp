@@ -7,11 +7,10 @@
 #include <array>
 #include <chrono>
 #include <ctime>
-#include <fstream>
-#include <iterator>
 
 #include "api/problem.hpp"
 #include "tests/unit/fixtures/drawing_files.hpp"
+#include "tests/unit/fixtures/ring_files.hpp"
 
 namespace vacuform {
 namespace {
@@ -512,13 +511,10 @@ TEST(Pattern, CompressedTextsInAPngAreNotUnpacked) {
   EXPECT_NEAR(pattern->ink_mm2(), 4, 1e-9);
 }
 
-TEST(Pattern, ReadsTheRealDrawings) {
+TEST(Pattern, ReadsTheRings) {
   for (const auto& [name, width, rings] :
        {std::tuple{"rings-7x40mm.svg", 105.64, 7}, std::tuple{"rings-19x40mm.svg", 166.28, 19}}) {
-    std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/patterns/" + name, std::ios::binary);
-    ASSERT_TRUE(in) << name;
-    const Bytes bytes((std::istreambuf_iterator<char>(in)), {});
-    const auto pattern = read(bytes, name, {}, 300);
+    const auto pattern = read(ring_file(name), name, {}, 300);
     ASSERT_TRUE(pattern) << pattern.error().text();
     EXPECT_NEAR(pattern->size_mm().x(), width, 0.01);
     EXPECT_TRUE(pattern->grayscale());

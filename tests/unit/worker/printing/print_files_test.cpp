@@ -3,13 +3,13 @@
 #include <zlib.h>
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <pugixml.hpp>
 #include <regex>
 
 #include "tests/unit/fixtures/drawing_files.hpp"
 #include "tests/unit/fixtures/hand_made_sheets.hpp"
+#include "tests/unit/fixtures/ring_files.hpp"
 #include "worker/pattern/ink_parts.hpp"
 #include "worker/printing/print.hpp"
 
@@ -44,10 +44,6 @@ Bytes page(const std::string& body, double side = 70) {
   const std::string mm = std::to_string(side), half = std::to_string(-side / 2);
   return bytes_of(std::string("<svg xmlns='http://www.w3.org/2000/svg' width='") + mm + "mm' height='" + mm +
                   "mm' viewBox='" + half + " " + half + " " + mm + " " + mm + "'>" + body + "</svg>");
-}
-Bytes real(const std::string& name) {
-  std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/patterns/" + name, std::ios::binary);
-  return Bytes((std::istreambuf_iterator<char>(in)), {});
 }
 
 const std::string two_coils =
@@ -121,8 +117,8 @@ TEST(PrintFiles, LinesAndPixelsShowTheSame) {
   x.settings.print.marks = false;
   x.settings.print.dpi = 200;
   x.settings.pattern.placement = PatternPlacement::chart;
-  const Decoded lines = decode_png(make(x, real("rings-7x40mm.svg")).print.png),
-                pixels = decode_png(make(x, real("rings-7x40mm.svg"), false).print.png);
+  const Decoded lines = decode_png(make(x, ring_file("rings-7x40mm.svg")).print.png),
+                pixels = decode_png(make(x, ring_file("rings-7x40mm.svg"), false).print.png);
   ASSERT_EQ(lines.width, pixels.width);
   double differing = 0, inked = 0;
   for (int j = 0; j < lines.height; ++j)
@@ -154,7 +150,7 @@ TEST(PrintFiles, ReturnsToTheDrawingThroughTheFormedPart) {
   Sample x = hand_made::dome(100);
   x.settings.print.marks = false;
   x.settings.pattern.placement = PatternPlacement::chart;
-  const Made made = make(x, real("rings-7x40mm.svg"));
+  const Made made = make(x, ring_file("rings-7x40mm.svg"));
   const Decoded image = decode_png(made.print.png);
   const double shrink = 70 / (60 * 80 * M_PI / 180);  // from the chart's radius to the sheet's
   int both = 0, either = 0;
@@ -292,7 +288,7 @@ TEST(PrintFiles, ThePdfOfAPictureHasItsRows) {
 
 TEST(PrintFiles, RepeatTheirBytes) {
   Sample x = hand_made::dome(40);
-  const Made a = make(x, real("rings-7x40mm.svg")), b = make(x, real("rings-7x40mm.svg"));
+  const Made a = make(x, ring_file("rings-7x40mm.svg")), b = make(x, ring_file("rings-7x40mm.svg"));
   EXPECT_EQ(a.print.png, b.print.png);
   EXPECT_EQ(a.print.svg, b.print.svg);
   EXPECT_EQ(a.print.pdf, b.print.pdf);

@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <pugixml.hpp>
 
 #include "tests/unit/fixtures/drawing_files.hpp"
 #include "tests/unit/fixtures/hand_made_sheets.hpp"
+#include "tests/unit/fixtures/ring_files.hpp"
 #include "worker/placement/alignment.hpp"
 
 namespace vacuform {
@@ -281,9 +280,7 @@ TEST(Print, ReturnsToTheDrawingThroughTheFormedPart) {
   // looked up where it lies on the sheet (known in closed form for this dome) and compared there.
   Sample x = hand_made::dome(60);
   x.settings.print.marks = false;
-  std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/patterns/rings-7x40mm.svg", std::ios::binary);
-  ASSERT_TRUE(in);
-  const Pattern pattern = pattern_of(Bytes((std::istreambuf_iterator<char>(in)), {}), x.settings);
+  const Pattern pattern = pattern_of(ring_file("rings-7x40mm.svg"), x.settings);
   const Print print = print_of(x, pattern);
   const Decoded image = decode_png(print.png);
   const double shrink = 70 / (60 * 80 * M_PI / 180);  // from the chart's radius to the sheet's

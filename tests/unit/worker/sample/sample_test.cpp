@@ -34,6 +34,19 @@ TEST(SampleHead, HasTheMeasuresOfItsSurvey) {
   EXPECT_NEAR(box.min().z(), 0, 1e-9);
 }
 
+TEST(SampleHead, HasTheCircumferenceOfANewborn) {
+  const auto head = sample_head(HeadForm::newborn);
+  EXPECT_EQ(head.triangles, sample_head().triangles);
+  // At the widest level, 95 of 183 of the height: ring 36 of 120 points.
+  double around = 0;
+  for (std::size_t i = 0; i < 120; ++i) {
+    const auto &a = head.vertices[35 * 120 + i], &b = head.vertices[35 * 120 + (i + 1) % 120];
+    EXPECT_NEAR(a.z(), 0.61 * 95, 1e-9);
+    around += (b - a).norm();
+  }
+  EXPECT_NEAR(around, 344, 1);
+}
+
 TEST(SampleHead, HasNoUndercutAboveItsWidestLevelAndOneBelow) {
   const auto head = sample_head();
   bool under_below = false;

@@ -1,26 +1,13 @@
 // Every real scan makes a watertight mold, or is refused for a reason that helps.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
+#include "tests/real/real_scans.hpp"
 #include "tests/unit/worker/scan/scan_shapes.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/scan/scan_file.hpp"
 
 namespace vacuform {
 namespace {
-
-using shapes::FileBytes;
-
-const std::filesystem::path folder = std::filesystem::path(VACUFORM_SHARED_DATA) / "scans";
-
-FileBytes bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  EXPECT_TRUE(in) << path << " is missing";
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 struct Expected {
   const char* file;
@@ -36,7 +23,8 @@ class RealScan : public testing::TestWithParam<Expected> {};
 
 TEST_P(RealScan, MakesAMold) {
   const auto& expected = GetParam();
-  const auto mold = make_mold(bytes_of(folder / expected.file), expected.file, {}, Context());
+  VACUFORM_READ_REAL_SCAN(file, expected.file);
+  const auto mold = make_mold(file, expected.file, {}, Context());
   ASSERT_TRUE(mold) << mold.error().text();
   EXPECT_TRUE(is_watertight(mold->mesh));
   EXPECT_GT(signed_volume(mold->mesh), 100'000);
@@ -65,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(
         Expected{"figurine-goathead.obj", Unit::cm, UpAxis::minus_x, {115.58, 158.26, 120.85}, 50, 58, 0}));
 
 TEST(RealScans, TheBustAsksForItsUnitAndIsCutAtItsShoulders) {
-  const auto file = bytes_of(folder / "bust-demosthenes.obj");
+  VACUFORM_READ_REAL_SCAN(file, "bust-demosthenes.obj");
   const auto asked = make_mold(file, "bust-demosthenes.obj", {}, Context());
   ASSERT_FALSE(asked);
   EXPECT_EQ(asked.error().code, Code::ambiguous_units);
@@ -87,7 +75,8 @@ TEST(RealScans, TheBustAsksForItsUnitAndIsCutAtItsShoulders) {
 }
 
 TEST(RealScans, TheCorruptHeadIsRefusedWithWhatDestroyedIt) {
-  const auto mold = make_mold(bytes_of(folder / "corrupt-head.glb"), "corrupt-head.glb", {}, Context());
+  VACUFORM_READ_REAL_SCAN(file, "corrupt-head.glb");
+  const auto mold = make_mold(file, "corrupt-head.glb", {}, Context());
   ASSERT_FALSE(mold);
   EXPECT_EQ(mold.error().code, Code::corrupt_file);
   EXPECT_NE(mold.error().what.find("U+FFFD); it was destroyed by a text-mode copy"), std::string::npos)
@@ -95,7 +84,7 @@ TEST(RealScans, TheCorruptHeadIsRefusedWithWhatDestroyedIt) {
 }
 
 TEST(RealScans, TheNeonateIsTheSameTwiceAndHoldsItsPlace) {
-  const auto file = bytes_of(folder / "neonate-40w.stl");
+  VACUFORM_READ_REAL_SCAN(file, "neonate-40w.stl");
   const auto once = make_mold(file, "a.stl", {}, Context()), twice = make_mold(file, "b.stl", {}, Context());
   ASSERT_TRUE(once && twice);
   EXPECT_EQ(stl_bytes(once->mesh), stl_bytes(twice->mesh));
@@ -107,7 +96,8 @@ class RealScanMoves : public testing::TestWithParam<const char*> {};
 
 // Trim and place of a scan that is turned, mirrored, doubled or shifted before it is exported.
 TEST_P(RealScanMoves, AndItsMoldWithIt) {
-  auto scan = read_scan(bytes_of(folder / GetParam()), GetParam(), ScanProgress(Context()));
+  VACUFORM_READ_REAL_SCAN(file, GetParam());
+  auto scan = read_scan(file, GetParam(), ScanProgress(Context()));
   ASSERT_TRUE(scan);
   ScanSettings settings;
   settings.up = UpAxis::plus_z;
@@ -140,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(All, RealScanMoves, testing::Values("neonate-40w.stl", 
 TEST(RealScans, AClearanceGrowsTheNeonateOnAllSides) {
   ScanSettings settings;
   settings.trim_mm = 55;
-  const auto file = bytes_of(folder / "neonate-40w.stl");
+  VACUFORM_READ_REAL_SCAN(file, "neonate-40w.stl");
   const auto bare = make_mold(file, "a.stl", settings, Context());
   settings.clearance_mm = 4;
   const auto padded = make_mold(file, "a.stl", settings, Context());
