@@ -29,8 +29,8 @@ class ZipTest : public testing::Test {
   Zip zip(std::vector<Zip::Entry> entries) {
     return Zip(std::move(entries), [this](const Blob& blob) { return File::open(folder_ / blob.sha256); });
   }
-  static std::string read(const Zip& zip, std::uint64_t from, std::uint64_t bytes, std::size_t piece) {
-    std::string text, buffer(piece, 0);
+  static std::string read(const Zip& zip, std::uint64_t from, std::uint64_t bytes, std::size_t buffer_bytes) {
+    std::string text, buffer(buffer_bytes, 0);
     while (text.size() < bytes) {
       const auto n = zip.read_at(from + text.size(), buffer);
       if (!n || *n == 0) break;

@@ -5,7 +5,7 @@
 namespace vacuform {
 namespace {
 
-// Half an ellipsoid as broad and long as a newborn's head. Its curvature is continuous, that of the sample's crown is not.
+// Half an ellipsoid with the breadth and length of a newborn's head. Unlike the crown of the sample, it has a continuous curvature.
 TEST(RoundTrip, RingsOnAnEggOfANewbornsSizeComeOutRound) {
   TriangleMesh egg = hemisphere(1).mesh;
   for (auto& v : egg.vertices) v = v.cwiseProduct(Eigen::Vector3d(45, 63, 55));
