@@ -28,7 +28,7 @@ MAY_INCLUDE = {
     "worker/forming/heat": "worker/scan + worker/png worker/forming/material.hpp",
     "worker/forming": "worker/forming/heat +",
     "worker/flattening": "worker/forming +",
-    "worker/pattern": "worker/stage + worker/png",
+    "worker/pattern": "worker/numerics + worker/png",
     "worker/placement": "worker/flattening + worker/pattern",
     "worker/coils": "worker/placement +",
     "worker/printing": "worker/coils +",

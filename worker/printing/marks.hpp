@@ -20,7 +20,7 @@ struct Line {
   std::vector<Eigen::Vector2d> points;
   bool closed = false, filled = false, dashed = false;
 };
-struct Circle {
+struct MarkCircle {
   Eigen::Vector2d centre;
   double radius;
   bool dashed = false;
@@ -34,7 +34,7 @@ struct Text {
 struct Mark {
   std::string name;  // an id in the SVG
   std::vector<Line> lines;
-  std::vector<Circle> circles;
+  std::vector<MarkCircle> circles;
   std::vector<Text> texts;
 };
 

@@ -68,7 +68,7 @@ std::string content_of(const Mark& mark) {
     if (line.closed) out += "h\n";
     out += line.filled ? "f\n" : "S\n";
   }
-  for (const Circle& c : mark.circles) {
+  for (const MarkCircle& c : mark.circles) {
     dashed(c.dashed);
     out += pdf_path(circle(c.centre, c.radius)) + "S\n";
   }
