@@ -1,4 +1,4 @@
-// The words of a job that every program shares: kinds, stages, states and the names of its files.
+// The terms of a job that every program shares: kinds, stages, states and the names of its files.
 #pragma once
 
 #include <array>
@@ -8,7 +8,8 @@
 
 namespace vacuform {
 
-// What a job makes: the print, through all the stages, or the findings about a scan, which need its first stage alone.
+// The result of a job: the print, through all the stages, or the findings about a scan, which need only its first
+// stage.
 enum class JobKind { print, inspection };
 inline constexpr std::array<std::string_view, 2> job_kind_names{"print", "inspection"};
 constexpr std::string_view name(JobKind kind) { return job_kind_names[static_cast<std::size_t>(kind)]; }
@@ -30,7 +31,7 @@ constexpr bool ended(JobState s) {
   return s == JobState::succeeded || s == JobState::failed || s == JobState::cancelled;
 }
 
-// The files that a job is made from: the same names in the form, the store, the lease and the command line.
+// The input files of a job: the same names in the form, the store, the lease and the command line.
 struct InputKind {
   std::string_view name;
   std::string_view title;       // one line for people
@@ -47,7 +48,7 @@ inline constexpr std::array<InputKind, 4> input_kinds{{
 }};
 // nullptr when no input has that name.
 const InputKind* input_kind(std::string_view name);
-// Whether no job of that kind can do without the input. Others wait, with an inspection, for a print made from it.
+// Whether every job of that kind needs the input. Others are stored with an inspection for a later print made from it.
 constexpr bool needs(JobKind job, const InputKind& input) {
   return input.always && (job == JobKind::print || input.name == "scan");
 }
@@ -57,7 +58,7 @@ struct ArtifactKind {
   std::string_view name;
   std::string_view media_type;
   std::string_view title;  // one line for people
-  bool always = true;      // otherwise only jobs that have something to show make it
+  bool always = true;      // otherwise only jobs with matching content make it
 };
 inline constexpr std::array<ArtifactKind, 22> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},

@@ -117,8 +117,8 @@ struct PatternSettings {
   std::array<double, 2> offset_mm{0, 0};  // the pattern's centre on the chart, from the top of the mold
   double rotate_deg = 0;                  // counter-clockwise on the inked face as drawn
   double scale = 1;
-  // Rows u, v, x, y, z: points of the drawing and of the mold that shall meet. One moves the drawing; a second turns it
-  // too; three and more do both by least squares. offset_mm and rotate_deg then come on top.
+  // Rows u, v, x, y, z: points of the drawing and of the mold to match. One moves the drawing; a second also rotates
+  // it; three or more do both by least squares. offset_mm and rotate_deg are then added.
   std::vector<std::array<double, 5>> points;
   double distortion_limit = 1.1;  // segments: of each, as worker/placement/segments.hpp defines it
   // segments: rows x, y, z, x, y, z, each a cut from a point of the mold to another; rows that share points continue

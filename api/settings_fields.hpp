@@ -1,4 +1,4 @@
-// Every setting, described once: its name, its range and unit, and what it says to people. Parsing, defaults, the schema
+// Every setting, described once: its name, its range and unit, and its text for users. Parsing, defaults, the schema
 // and the form follow from this. Only for settings.cpp and settings_json.cpp.
 #pragma once
 

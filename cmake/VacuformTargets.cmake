@@ -1,4 +1,4 @@
-# One set of rules for every target of ours: the language, the warnings, one instruction set, exact floating point.
+# The common rules for all targets of the project: the language, the warnings, one instruction set, exact floating point.
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
@@ -8,7 +8,7 @@ set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_program(CCACHE ccache)
-if(CCACHE)  # paths relative to the checkout: what one checkout compiled serves another
+if(CCACHE)  # paths relative to the checkout, so that checkouts share the cache
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
                                   ${CCACHE})
 endif()
@@ -21,7 +21,7 @@ endif()
 function(vacuform_rules target)
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off ${VACUFORM_MARCH})
-  if(CMAKE_UNITY_BUILD)  # several files are one there: what is local to a file looks like a header's
+  if(CMAKE_UNITY_BUILD)  # it joins several files, so their local names look like those of a header
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
   target_link_libraries(${target} PUBLIC Threads::Threads)
@@ -43,7 +43,7 @@ function(vacuform_program name)
   vacuform_rules(${name})
 endfunction()
 
-# Debian's package says which Embree it is; the same source serves 3 and 4.
+# The package of Debian determines the version of Embree; the same source supports 3 and 4.
 function(vacuform_find_embree)
   find_package(embree 4 QUIET)
   if(NOT embree_FOUND)

@@ -1,15 +1,15 @@
-# The release, and what this machine is good for; read by deploy/start and deploy/install, which define refuse().
+# The release build, and the capacity of this machine; read by deploy/start and deploy/install, which define refuse().
 # shellcheck shell=bash
 
 as_root=()
 
-# The arithmetic of a compiler on this code, which needs up to 1.5 GiB, and of a worker, which needs up to 1 GiB.
+# Memory: a compiler needs up to 1.5 GiB for this code, and a worker needs up to 1 GiB.
 cores=$(nproc)
 memory_mib=$(awk '/^MemAvailable:/ { print int($2 / 1024) }' /proc/meminfo)
 at_least_one() { echo $(($1 < 1 ? 1 : $1)); }
 least() { echo $(($1 < $2 ? $1 : $2)); }
 
-# How many workers a machine of this size is given.
+# The number of workers for a machine of this size.
 fitting_workers() { least 2 "$(least "$cores" "$(at_least_one $((memory_mib / 2048)))")"; }
 
 # build_release CHECKOUT: its programs are then in CHECKOUT/build/release/bin.
@@ -23,7 +23,7 @@ build_release() {
   cmake --build --preset release -j "$jobs" --target vacuform vacuform-server vacuform-worker
 }
 
-# make_user NAME: a user without rights, made when there is none. With `as_root` set to a command, by that command.
+# make_user NAME: creates a user without rights if it is absent, with the command in `as_root` if that is set.
 make_user() {
   getent passwd "$1" >/dev/null && return
   "${as_root[@]}" useradd --system --user-group --no-create-home --home-dir /nonexistent --shell /usr/sbin/nologin "$1" ||

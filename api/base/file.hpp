@@ -1,5 +1,5 @@
-// Files as the server needs them: an owned descriptor, whole writes, and writes that are on the disk when
-// they return. Every file and folder is private to the user that runs the server (0600, 0700).
+// File access for the server: an owned descriptor, complete writes, and writes that are on the disk when they return.
+// Every file and folder is private to the user that runs the server (0600, 0700).
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ class File {
   Result<std::uint64_t> size() const;
   // Returns when the bytes are on the disk.
   Result<void> sync();
-  // Makes the file look changed, so that whoever trusts its bytes by its times looks at them again.
+  // Changes the file's times, so that a reader who caches by time checks the bytes again.
   void doubt() const;
 
  private:
@@ -50,8 +50,8 @@ Result<void> sync_directory(const std::filesystem::path& path);
 
 // A whole small file. Errors: not_found, unreadable, too_large.
 Result<std::string> read_text_file(const std::filesystem::path& path, std::uint64_t limit);
-// Writes beside the place, flushes, renames: readers see the old text or the new one, never half. An error leaves no file
-// beside the place.
+// Writes a temporary file next to the target, flushes, renames: readers see either the old text or the new one. An
+// error leaves no temporary file.
 Result<void> write_text_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace vacuform

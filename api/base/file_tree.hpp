@@ -1,5 +1,5 @@
-// Folders that a program left which may be hostile: opened, measured and deleted without following a link and without
-// recursion, whatever their depth, their number of files and their permissions.
+// Folders of untrusted programs: opened, measured and deleted without following links and without recursion, for any
+// depth, number of files and permissions.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace vacuform {
 
-// A file descriptor that is closed with this object; -1 where there is none.
+// A file descriptor that is closed with this object; -1 if there is no descriptor.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -29,8 +29,8 @@ class Descriptor {
   int number_ = -1;
 };
 
-// Opens the folder `name` in the folder `parent`, after it gave the owner all rights to it where `force` asks for that.
-// Gives no descriptor, and sets errno, where `name` is a link or no folder.
+// Opens the folder `name` in the folder `parent`; with `force` it first gives the owner all rights to it. Returns no
+// descriptor, and sets errno, if `name` is a link or not a folder.
 Descriptor open_folder(int parent, const char* name, bool force);
 
 struct TreeSize {
@@ -44,11 +44,11 @@ struct TreeLimits {
   int depth = 4;  // of folders below the first; at most this many descriptors are open
   std::uint64_t bytes = 8ull << 30;
 };
-// What is below a folder. Stops at the first limit that is passed, so its time is bounded.
+// Measures the contents of a folder. Stops at the first limit that is exceeded, so its time is bounded.
 TreeSize measure_tree(int folder, const TreeLimits& limits);
 
-// Deletes `name` in the folder `parent` (a descriptor, or AT_FDCWD) with everything below it. Gives the number of entries
-// that could not be deleted, 0 when nothing is left or nothing was there.
+// Deletes `name` in the folder `parent` (a descriptor, or AT_FDCWD) with everything below it. Returns the number of
+// entries that could not be deleted, 0 if nothing is left or nothing was there.
 std::size_t remove_tree(int parent, const char* name);
 
 }  // namespace vacuform

@@ -44,7 +44,7 @@ double fraction_of(const json& object, const char* key) {
   return std::clamp(number_of(object, key, 0), 0.0, 1.0);
 }
 
-// 32 hexadecimal digits that no one else has.
+// 32 random hexadecimal digits.
 std::string random_key() {
   std::array<unsigned char, 16> bytes;
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) std::abort();
@@ -59,7 +59,7 @@ std::string written(const json& object) {
   return object.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-// A name that may stand in a path of ours or of the server.
+// A name that is safe in a local path or a path of the server.
 bool plain(const std::string& id, std::size_t longest) {
   return !id.empty() && id.size() <= longest &&
          id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_") ==
@@ -101,7 +101,7 @@ LeasedInput input_from(const InputKind& kind, const json& from) {
   return input;
 }
 
-// The headers of a call under a lease. The job's request id makes the server's lines about it found with the worker's.
+// The headers of a call under a lease. The job's request id connects the server's log lines with the worker's.
 std::map<std::string, std::string> headers_of(const Lease& lease) {
   std::map<std::string, std::string> headers{{"Vacuform-Lease", lease.token}};
   if (!lease.request.empty()) headers["X-Request-Id"] = lease.request;
@@ -178,7 +178,7 @@ Result<RemoteJob> Client::submit(const std::map<std::string, std::filesystem::pa
     fraction = total ? static_cast<double>(sent) / static_cast<double>(total) : 0.0;
     return uploaded(fraction);
   };
-  // Nobody knows whether a request that broke off was accepted; under one key it may be sent again.
+  // It is unknown whether an interrupted request was accepted; with the same key it may be sent again.
   constexpr int tries = 4;
   for (int attempt = 1;; ++attempt) {
     const auto response = good(http_.send(request));
@@ -258,7 +258,7 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
            std::any_of(lease.inputs.begin(), lease.inputs.end(),
                        [&](const LeasedInput& leased) { return leased.name == input.name; });
   });
-  // An input that this program does not know may change what the job is to make.
+  // An input that this program does not know may change the result of the job.
   lease.understood = job_kind && whole && with_inputs && inputs->size() == lease.inputs.size();
   return lease;
 }

@@ -1,6 +1,6 @@
-// The client side of the HTTP API (api/openapi.yaml): what `vacuform submit` and `vacuform-worker` say to a server.
-// Every call gives the problem that the server stated as an Error of the same code; unavailable means that the
-// server was not reached or cannot answer now, and the same call may be made again.
+// The client side of the HTTP API (api/openapi.yaml): the requests of `vacuform submit` and `vacuform-worker`. Every
+// call returns the server's problem as an Error of the same code; unavailable means that the server was not reached or
+// cannot answer now, and the same call may be repeated.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@
 
 namespace vacuform {
 
-// Called several times a second while a call lasts; false gives it up with Code::cancelled.
+// Called several times per second during a call; false cancels it with Code::cancelled.
 using Going = std::function<bool()>;
 
 struct RemoteArtifact {
@@ -44,9 +44,9 @@ class Client {
   // `token` goes with every request; empty: none.
   static Result<Client> to(const std::string& server, const std::string& token);
 
-  // Creates a job; the files, by the name of their kind of input, are streamed. `uploaded` receives the fraction sent and
-  // may give up. `from`, where not empty, is the id of a job that it shares the other files with. A request that breaks
-  // off is sent again, up to three times within half a minute; its Idempotency-Key makes one job of all.
+  // Creates a job; the files, by the name of their kind of input, are streamed. `uploaded` receives the fraction sent
+  // and may cancel. `from`, if not empty, is the id of a job whose other files are shared. An interrupted request is
+  // sent again, up to three times within half a minute; its Idempotency-Key prevents a second job.
   Result<RemoteJob> submit(const std::map<std::string, std::filesystem::path>& files,
                            const std::string& settings_json, const std::string& from,
                            const std::function<bool(double)>& uploaded);
@@ -73,37 +73,37 @@ struct Lease {
   std::string job, token;
   JobKind kind = JobKind::print;
   int attempt = 1;
-  std::chrono::seconds seconds{30};    // from a sign of life to the end of the lease
-  std::chrono::seconds heartbeat{10};  // the longest that the server wants between two
+  std::chrono::seconds seconds{30};    // from a heartbeat to the end of the lease
+  std::chrono::seconds heartbeat{10};  // longest interval that the server accepts
   std::string settings;                // JSON text
   std::string request;                 // the id of the request that made the job, for the log; may be empty
   std::vector<LeasedInput> inputs;     // in the order of input_kinds, with all that the kind of job needs
   std::string
       keep;  // a key for what may be kept for other jobs of the same owner and scan; empty: keep nothing
-  // Whether this program understands all that the job needs. If not, only `job`, `token` and `request` are certain, and the
-  // job is to be released.
+  // Whether this program understands everything that the job needs. If not, only `job`, `token` and `request` are
+  // valid, and the job must be released.
   bool understood = true;
 };
 
-// What a worker does with leases. Every call but the first may give lease_lost: the job is someone else's now.
+// Operations of a worker on leases. Every call but the first may return lease_lost: another worker has the job now.
 class WorkerClient {
  public:
   static Result<WorkerClient> to(const std::string& server, const std::string& token);
 
-  // Nothing: no job waits. `sandbox` names the measures that this worker's jobs run under. The server refuses a worker whose
-  // protocol it does not speak with conflict.
+  // nullopt: no job is waiting. `sandbox` names the measures under which this worker's jobs run. The server refuses a
+  // worker whose protocol it does not support with conflict.
   Result<std::optional<Lease>> lease(const std::string& worker, const std::vector<std::string>& sandbox);
   // One of the lease's inputs, checked against its length and SHA-256.
   Result<void> download_input(const Lease& lease, const LeasedInput& input, const std::filesystem::path& file,
                               const Going& going);
-  // True: the user asks to cancel.
+  // True: the user has requested a cancel.
   Result<bool> heartbeat(const Lease& lease, Stage stage, double progress, const Going& going);
   // The first `bytes` bytes of an open file.
   Result<void> upload(const Lease& lease, const std::string& artifact, int file, std::uint64_t bytes,
                       const Going& going);
   Result<void> complete(const Lease& lease, std::optional<int> serious_warnings = {});
   Result<void> fail(const Lease& lease, const Error& error, Retry retry);
-  // Lines for the job's log, of which the first has this number within the attempt.
+  // Lines for the job's log; the first has this number within the attempt.
   Result<void> log(const Lease& lease, std::size_t first, const std::vector<std::string>& lines,
                    const Going& going = {});
   Result<void> cancelled(const Lease& lease);

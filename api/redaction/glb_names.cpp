@@ -16,14 +16,14 @@ std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
   return number;
 }
 
-// What is known of the parts of the binary chunk.
+// The known properties of the parts of the binary chunk.
 struct View {
   std::uint64_t offset = 0, bytes = 0;
   bool picture = false, geometry = false;
   void fields(FilterState& state) { state(offset, bytes, picture, geometry); }
 };
 
-// The JSON chunk, character by character: blanks its texts, and finds the views that pictures are in.
+// The JSON chunk, character by character: blanks its texts, and finds the views that contain pictures.
 class JsonTexts {
  public:
   char step(char c) {
@@ -50,7 +50,7 @@ class JsonTexts {
 
   static char blank(char c) { return c == '\n' || c == '\r' || c == '\t' ? c : ' '; }
 
-  // Texts that a reader of the geometry looks at.
+  // Texts that a reader of the geometry uses.
   static bool needed(std::string_view key) {
     constexpr std::array<std::string_view, 5> keys{"type", "version", "minVersion", "extensionsUsed",
                                                    "extensionsRequired"};
@@ -71,7 +71,7 @@ class JsonTexts {
     return c;
   }
 
-  // Keys stay: of those that glTF knows none names anybody, and its "extras" are dropped whole.
+  // Keys stay: the keys of glTF contain no names, and its "extras" are dropped completely.
   void end_key() {
     if (!levels_.empty()) levels_.back().key = key_;
     key_.clear();
@@ -127,7 +127,7 @@ class JsonTexts {
     return blank(c);
   }
 
-  // A nought in place of the value that begins here.
+  // Writes a zero in place of the value that starts here.
   char begin_drop(char c) {
     dropping_ = true;
     dropped_ = false;
@@ -213,7 +213,7 @@ class GlbNames : public NameFilter::Format {
  private:
   enum class Place { head, json, padding, binary_head, binary, behind, as_it_is };
 
-  // How many of the next bytes can pass without a look, 0 for none.
+  // How many of the next bytes can be skipped, 0 for none.
   std::size_t as_they_are(std::size_t bytes) {
     if (place_ == Place::as_it_is) return bytes;
     if (place_ != Place::binary || !pictures_known_ || next_ < pictures_.size()) return 0;
@@ -253,7 +253,7 @@ class GlbNames : public NameFilter::Format {
     return c;
   }
 
-  // What does not stand as it should is refused by whoever reads it, who says what happened to the file.
+  // Invalid content stays as it is: the reader refuses it and reports what happened to the file.
   void begin_json() {
     left_ = little_endian(head_, 12);
     padding_ = (4 - left_ % 4) % 4;
@@ -277,7 +277,7 @@ class GlbNames : public NameFilter::Format {
     while (next_ < pictures_.size() && at >= pictures_[next_].end) ++next_;
     return next_ < pictures_.size() && at >= pictures_[next_].begin;
   }
-  // The parts of the binary chunk that pictures have for themselves, in their order and apart from each other.
+  // The parts of the binary chunk that only pictures use, in order and without overlaps.
   void find_pictures() {
     pictures_known_ = true;
     pictures_.clear();

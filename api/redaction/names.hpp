@@ -1,13 +1,14 @@
-// Names in files. Scans and pictures carry texts that nobody looks at: the header of an STL file, comments in OBJ, PLY, OFF
-// and CSV, texts, pictures and extras in GLB, texts and Exif in PNG and JPEG, whatever SVG says beside the drawing. Often they
-// name the patient, or whoever made the scan. Such texts are blanked before a file is kept or anything is made of it.
+// Names in files. Scans and pictures contain hidden texts: the header of an STL file, comments in OBJ, PLY, OFF and
+// CSV, texts, pictures and extras in GLB, texts and Exif in PNG and JPEG, everything in SVG besides the drawing. Often
+// they name the patient, or the person who made the scan. Such texts are blanked before a file is stored or used.
 //
-// Blanked, not cut out: every file keeps its length, its lines and its geometry, bit for bit, so errors name the same
-// places. The bytes are looked at once, as they stream by, without trust in any length or count that they state: what does
-// not look like a known format passes as it is, and at worst a wrong guess blanks what the readers do not read. Blanking
-// twice changes nothing. Memory stays below 256 KiB, but for a GLB file of very many parts, 2 MiB.
+// The texts are blanked, not cut out: every file keeps its length, its lines and its geometry, bit for bit, so errors
+// name the same positions. The bytes are read once, as a stream, without trust in any length or count that they state.
+// Data that does not look like a known format passes unchanged, and at worst a wrong guess blanks bytes that the
+// readers do not read. Blanking twice changes nothing. Memory stays below 256 KiB, except for a GLB file of very many
+// parts, 2 MiB.
 //
-// Not covered: what is part of the drawing in SVG (its visible texts, its ids, which name the coils, and its classes), and
+// Not covered: parts of the drawing in SVG (its visible texts, its ids, which name the coils, and its classes), and
 // files of other kinds, which the pipeline refuses.
 #pragma once
 
@@ -23,23 +24,23 @@ namespace vacuform {
 
 class NameFilter {
  public:
-  // `extension` of the file's name, in lower case without the dot, or nothing; for formats that do not begin with a mark.
+  // `extension` of the file's name, in lower case without the dot, or empty; for formats without a magic number.
   explicit NameFilter(std::string extension);
   NameFilter(NameFilter&&) noexcept;
   ~NameFilter();
 
-  // Takes the next bytes and gives those that are ready: all but a few, later.
+  // Takes the next bytes and returns those that are ready; it holds a few back.
   std::string pass(std::string_view bytes);
-  // Gives the last ones.
+  // Returns the last ones.
   std::string finish();
 
-  // All that a filter remembers, to go on behind the bytes that it has taken; at most 2 MiB. It may hold words that it has not
-  // decided about yet.
+  // The state of the filter, to continue after the bytes that it has taken; at most 2 MiB. It may contain words that
+  // are not decided yet.
   std::string state() const;
-  // Of the same extension. False when the text is no state; then the filter is of no use.
+  // From a filter of the same extension. False if the text is not a state; then the filter must not be used.
   bool go_on(std::string_view state);
 
-  // How one format is gone through.
+  // The parser of one format.
   class Format {
    public:
     virtual ~Format() = default;
@@ -55,11 +56,11 @@ class NameFilter {
   void begin(std::string& out);
 
   std::string extension_, head_;
-  Kind kind_ = Kind::unknown;  // until the head is whole
+  Kind kind_ = Kind::unknown;  // until the head is complete
   std::unique_ptr<Format> format_;
 };
 
-// A whole file. `file_name` may be any name; only its extension counts.
+// A complete file. `file_name` may be any name; only its extension counts.
 void blank_names(std::vector<std::uint8_t>& bytes, const std::string& file_name);
 
 }  // namespace vacuform

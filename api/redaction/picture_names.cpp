@@ -61,8 +61,8 @@ class PngNames : public NameFilter::Format {
     }
   }
 
-  // Ancillary chunks, whose types begin with a small letter, but for those about size and colour. What is no type at all stays
-  // for the reader to refuse.
+  // Ancillary chunks, whose types start with a small letter, except those about size and colour. An invalid type stays,
+  // and the reader refuses it.
   static bool telling(std::string_view type) {
     constexpr std::array<std::string_view, 9> kept{"tRNS", "cHRM", "gAMA", "sBIT", "sRGB",
                                                    "bKGD", "hIST", "pHYs", "cICP"};
@@ -89,7 +89,7 @@ class PngNames : public NameFilter::Format {
   bool blank_ = false, end_ = false, after_end_ = false;
 };
 
-// The orientation (1 to 8) of the first directory of an Exif segment; 1 where there is none.
+// The orientation (1 to 8) of the first directory of an Exif segment; 1 if it has none.
 int exif_orientation(std::string_view segment) {
   constexpr std::string_view mark{"Exif\0\0", 6};
   if (!segment.starts_with(mark)) return 1;
@@ -113,7 +113,7 @@ int exif_orientation(std::string_view segment) {
   return 1;
 }
 
-// An Exif segment of the same length that says the orientation and nothing else.
+// An Exif segment of the same length that contains only the orientation.
 std::string exif_of(int orientation, std::size_t size) {
   std::string exif("Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0", 25);
   exif += static_cast<char>(orientation);

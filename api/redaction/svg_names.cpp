@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view base64_letters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr std::string_view svg_namespace = "http://www.w3.org/2000/svg";
-constexpr std::size_t longest_name = 64;  // of an element or attribute; longer ones are none of SVG
+constexpr std::size_t longest_name = 64;  // of an element or attribute; SVG has no longer ones
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 char blank(char c) { return is_blank(c) ? c : ' '; }
@@ -79,7 +79,7 @@ class Base64Picture {
     const std::size_t whole = ready_.size();
     kept_.resize(kept_.empty() ? 0 : 3, '\0');
     encode("");
-    ready_.resize(whole + letters, 'A');  // one letter alone says nothing
+    ready_.resize(whole + letters, 'A');  // one letter alone has no meaning
   }
 
   std::string bytes_of_group(std::size_t size) const {
@@ -87,7 +87,7 @@ class Base64Picture {
                             static_cast<char>(group_ & 0xFF)};
     return bytes.substr(0, size);
   }
-  // Makes letters of as many whole groups as there are.
+  // Encodes as many complete groups as there are.
   void encode(std::string_view bytes) {
     kept_ += bytes;
     std::size_t at = 0;
@@ -195,7 +195,7 @@ class SvgNames : public NameFilter::Format {
     out += shown() || !rooted_ ? in_style(c) : blank(c);
   }
 
-  // Of style sheets, the comments go.
+  // In style sheets, the comments are blanked.
   char in_style(char c) {
     if (Name(element_).local != "style") return c;
     if (in_style_comment_) {
@@ -209,7 +209,7 @@ class SvgNames : public NameFilter::Format {
     return c;
   }
 
-  // Behind '<', until it is known what begins.
+  // After '<', until the kind of markup is known.
   void in_markup(char c, std::string& out) {
     held_ += c;
     constexpr std::array<std::string_view, 3> long_ones{"<!--", "<![CDATA[", "<!DOCTYPE"};
@@ -248,7 +248,7 @@ class SvgNames : public NameFilter::Format {
     }
   }
 
-  // "<?xml version...?>" stays, and of others what they are for.
+  // "<?xml version...?>" stays; other instructions keep only their target.
   void in_instruction(char c, std::string& out) {
     if (in_declaration_ && !is_blank(c) && c != '?') {
       if (instruction_.size() < longest_name) instruction_ += c;
@@ -346,7 +346,7 @@ class SvgNames : public NameFilter::Format {
   }
 
   void in_attribute_name(char c, std::string& out) {
-    if (c == '>' || c == '/') {  // no XML
+    if (c == '>' || c == '/') {  // not XML
       place_ = Place::tag;
       return in_tag(c, out);
     }
@@ -408,7 +408,7 @@ class SvgNames : public NameFilter::Format {
     }
   }
 
-  // "#id" stays, "data:image/png;base64,..." is gone through, everything else leads out of the file.
+  // "#id" stays, "data:image/png;base64,..." is filtered, everything else refers to something outside the file.
   void in_reference(char c, std::string& out) {
     constexpr std::string_view data = "data:";
     if (held_.empty() && (is_blank(c) || c == '#')) {
@@ -422,7 +422,7 @@ class SvgNames : public NameFilter::Format {
     const bool encoded = embedded && held_.ends_with(";base64,");
     if (encoded) picture_ = std::make_unique<Base64Picture>();
     treatment_ = encoded ? Treatment::picture : Treatment::blank;
-    // What is no picture stays recognisable as that, for its reader to say so.
+    // Data that is not a picture stays recognisable as such, so that its reader reports it.
     if (embedded && c == ',')
       out += held_;
     else

@@ -12,8 +12,8 @@ namespace vacuform {
 
 namespace {
 
-// Behind TLS the cookie is for TLS and for this host alone, and the prefix makes the browser see to that: no plain page and no
-// other host beneath the same domain can set one (draft-ietf-httpbis-rfc6265bis, 4.1.3.2).
+// Behind TLS the cookie is restricted to TLS and to this host. The browser enforces this by the prefix: no plain page
+// and no other host of the same domain can set such a cookie (draft-ietf-httpbis-rfc6265bis, 4.1.3.2).
 std::string_view cookie_name(bool by_tls) { return by_tls ? "__Host-vacuform-session" : "vacuform-session"; }
 
 std::string set_cookie(bool by_tls, const std::string& value, Millis seconds) {
@@ -25,7 +25,7 @@ constexpr Millis session_seconds = 12 * 3600;
 constexpr std::size_t most_sessions = 1000, most_sessions_of_token = 50;
 constexpr double most_patience = 20;
 
-// The value of our cookie among those of the request.
+// The value of the session cookie in the request.
 std::string_view cookie_of(const http::Request& request) {
   std::string_view all = request.header("Cookie");
   while (!all.empty()) {
@@ -91,7 +91,7 @@ Result<Token> Access::token_of_session(const http::Request& request) {
   return fail(Code::unauthorized, "the session has ended", "Cookie", "sign in again at /sign-in");
 }
 
-// What is said to a wrong token: at first that it is wrong, and when there are too many, to wait.
+// The answer to a wrong token: at first that it is wrong; after too many attempts, to wait.
 Error Access::refused(Error error) {
   if (error.code != Code::unauthorized) return error;
   const std::lock_guard hold(mutex_);
@@ -119,8 +119,8 @@ Result<std::string> Access::sign_in(std::string_view text, bool by_tls) {
   return set_cookie(by_tls, value, session_seconds);
 }
 
-// A token loses its oldest session when it has too many. When all tokens together have too many, the one with the most
-// loses its oldest, so that no token ends the sessions of the others.
+// A token that has too many sessions loses its oldest one. When all tokens together have too many, the token with the
+// most sessions loses its oldest, so that no token ends the sessions of the others.
 void Access::make_room_for_session(const std::string& token) {
   std::map<std::string, std::size_t> counts;
   for (const auto& [cookie, session] : sessions_) ++counts[session.token];

@@ -55,7 +55,7 @@ Result<Token> usable_token(Store& store, std::string_view text, const Clock& clo
   const auto token = store.token(std::string(text.substr(prefix.size(), id_size)));
   if (!token && token.error().code != Code::not_found) return token;
   const std::string hash = text_hash(text.substr(underscore + 1));
-  // The same words for an unknown id and a wrong secret: ids are not to be found out by asking.
+  // The same text for an unknown id and a wrong secret, so that ids cannot be discovered by trying.
   if (!token || !equal_secrets(hash, token->hash)) return refuse("the token is wrong");
   if (token->revoked) return refuse("the token was revoked");
   if (!usable(*token, clock())) return refuse("the token has expired");

@@ -1,5 +1,5 @@
-// What a command of vacuform-server asks of the server that runs on a data folder: with the administrator's token that
-// lies there, whoever may read the folder may ask.
+// Requests from a vacuform-server command to the server that runs on a data folder. They use the administrator's token
+// in that folder, so every user who may read the folder may send them.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@
 
 namespace vacuform {
 
-// `path` begins with /api/v1/. Errors: those that the server states; unavailable when none runs.
+// `path` starts with /api/v1/. Errors: those that the server returns; unavailable if no server is running.
 Result<nlohmann::ordered_json> ask_server(const std::filesystem::path& data, const std::string& method,
                                           const std::string& path, const std::string& body = {},
                                           std::chrono::seconds limit = std::chrono::seconds(30));

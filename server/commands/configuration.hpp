@@ -1,4 +1,4 @@
-// How vacuform-server is to run. api/base/configuration.hpp says where its settings come from.
+// The configuration of vacuform-server. api/base/configuration.hpp describes the sources of the settings.
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,17 @@ namespace vacuform {
 struct Configuration {
   std::string listen = "127.0.0.1:8080";
   std::string status_listen = "127.0.0.1:0";
-  std::string front;  // "https://vacuform.example.org", the TLS front; empty: there is none
+  std::string front;  // "https://vacuform.example.org", the TLS front; empty: no front
   std::filesystem::path data = "vacuform-data";
   int workers = 0;
   int lease_seconds = 30;
   std::filesystem::path worker_program;  // empty until add_to(): vacuform-worker beside this program
-  std::string worker_user;               // whom the workers become; empty: this program's user
+  std::string worker_user;               // user of the workers; empty: this program's user
   std::filesystem::path log;             // empty: standard error
   std::filesystem::path port_file, status_port_file;
 
   void add_to(ConfigurationSources& sources);
-  // The front's name, with its port where one is given, as browsers send it in Host.
+  // The front's name as browsers send it in Host, with its port if there is one.
   std::string front_host() const;
 };
 
@@ -31,10 +31,10 @@ struct Address {
   int port = 0;
 };
 
-// "127.0.0.1:8080". Errors: bad_usage when it is no address, or lies beyond loopback and there is no front.
+// "127.0.0.1:8080". Errors: bad_usage if it is no address, or is not on loopback and there is no front.
 Result<Address> listen_address(const std::string& text, const std::string& option, const std::string& front);
 
-// All of it that can be told without starting: addresses, the front, the worker program.
+// All checks that are possible without starting: addresses, the front, the worker program.
 Result<void> check(const Configuration& configuration);
 
 }  // namespace vacuform

@@ -28,7 +28,7 @@
 namespace vacuform {
 namespace {
 
-// A descriptor for each connection, one more for each download, and those of the store.
+// One descriptor for each connection, one more for each download, and those of the store.
 void raise_file_limit() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -36,7 +36,7 @@ void raise_file_limit() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// The tokens that a service needs to begin with, each in a file of its own in the data folder.
+// The tokens that a new service needs, each in its own file in the data folder.
 Result<void> first_tokens(Store& store, const std::filesystem::path& data,
                           const std::filesystem::path& worker_token) {
   VACUFORM_CHECK(token_in_file(store, worker_token, {"local-workers", {Scope::work}, std::nullopt}));
@@ -46,7 +46,7 @@ Result<void> first_tokens(Store& store, const std::filesystem::path& data,
       log_event("token-mixes-work", {{"token", token.id}, {"scopes", token.scopes.text()}});
   const std::filesystem::path file = data / "admin-token";
   if (token_of_file(store, file, {Scope::admin})) return {};
-  // The server's own commands need it. A backup has its row and not its file, and then nobody has its secret any more.
+  // The server's own commands need it. A backup contains its row but not its file, so its secret is lost there.
   VACUFORM_CHECK(token_in_file(store, file, {"admin", {Scope::admin}, std::nullopt}));
   log_event("admin-token-made", {{"file", "admin-token"}});
   for (const Token& token : tokens) {
@@ -59,7 +59,7 @@ Result<void> first_tokens(Store& store, const std::filesystem::path& data,
 
 void observe(Metrics& metrics, const http::Answered& answered) {
   metrics.answered(answered);
-  if (answered.status < 400) return;  // what a job went through is logged by its own events
+  if (answered.status < 400) return;  // the events of a job are logged separately
   nlohmann::ordered_json fields = {{"method", answered.method},
                                    {"route", answered.route},
                                    {"status", answered.status},
@@ -70,14 +70,14 @@ void observe(Metrics& metrics, const http::Answered& answered) {
 
 std::string url_of(const Address& address, const http::Server& server) {
   const bool any =
-      address.host == "0.0.0.0" || address.host == "::";  // then its own workers find it on loopback
+      address.host == "0.0.0.0" || address.host == "::";  // then its own workers connect to it on loopback
   const std::string host = any                                           ? "127.0.0.1"
                            : address.host.find(':') != std::string::npos ? "[" + address.host + "]"
                                                                          : address.host;
   return "http://" + host + ":" + std::to_string(server.port());
 }
 
-// With threads of its own, few: who asks here sends all at once, and is answered without waiting for anything.
+// A separate listener with a few threads: its clients send the whole request at once, and its answers never wait.
 http::ServerOptions status_listener(const Address& address) {
   http::ServerOptions listener;
   listener.host = address.host;
@@ -87,7 +87,7 @@ http::ServerOptions status_listener(const Address& address) {
   listener.uploads = 0;
   listener.streams = 0;
   listener.limits.head_time = std::chrono::milliseconds(500);
-  listener.limits.idle_time = std::chrono::seconds(30);  // of a scraper between two questions
+  listener.limits.idle_time = std::chrono::seconds(30);  // of a scraper between two requests
   listener.limits.wait = std::chrono::seconds(1);
   listener.refuse = [](const http::Request&, const http::Refusal& refusal) {
     return problem_response(refusal.error, refusal.status);
@@ -95,7 +95,7 @@ http::ServerOptions status_listener(const Address& address) {
   return listener;
 }
 
-// A full disk does not matter where the file has that text already.
+// A full disk does not matter if the file already has that text.
 Result<void> write_if_new(const std::filesystem::path& file, const std::string& text) {
   const auto old = read_text_file(file, 4096);
   return old && *old == text ? Result<void>() : write_text_file(file, text);
@@ -113,7 +113,7 @@ Result<void> serve(const Configuration& options) {
   VACUFORM_TRY(status_address, listen_address(options.status_listen, "--status-listen", options.front));
   if (!options.log.empty()) VACUFORM_CHECK(log_into(options.log));
   if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
-  // Blocked before the first thread starts, so that only this thread hears them.
+  // Blocked before the first thread starts, so that only this thread receives them.
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGTERM, SIGINT, SIGCHLD}) sigaddset(&signals, signal);
@@ -151,7 +151,7 @@ Result<void> serve(const Configuration& options) {
                 listener.streams};
   VACUFORM_TRY(status_server, http::Server::start(status_listener(status_address), status_routes(status)));
   const std::string url = url_of(address, *server), status_url = url_of(status_address, *status_server);
-  // For vacuform-server token; the service does without it.
+  // For vacuform-server token; the service itself does not need it.
   if (const auto written = write_if_new(options.data / "server-url", url + "\n"); !written)
     log_event("file-not-written", {{"file", "server-url"}, {"problem", written.error().what}});
   VACUFORM_CHECK(tell_port(options.status_port_file, *status_server));
@@ -165,7 +165,7 @@ Result<void> serve(const Configuration& options) {
     metrics.leases_lost(expired->size());
     for (const Expired& e : *expired) log_event("lease-expired", {{"job", e.job}, {"state", name(e.state)}});
   };
-  // Workers of an earlier run died with it; their jobs need not wait for the leases to end.
+  // Workers of an earlier run died with it; their jobs do not have to wait for the leases to expire.
   for (int i = 0; i < options.workers; ++i)
     log_expired(store->bury(LocalWorkers::name_of(static_cast<std::size_t>(i))));
   LocalWorkers workers({std::filesystem::absolute(options.worker_program), url, token_file, kept->workers(),
@@ -183,8 +183,8 @@ Result<void> serve(const Configuration& options) {
       log_event("store-failed", {{"problem", collected.error().text()}});
   }
   log_event("server-stopping", nlohmann::ordered_json::object());
-  workers.stop();         // they give their jobs back while the server still answers
-  status_server.reset();  // it looks at the other one
+  workers.stop();         // they release their jobs while the server still answers
+  status_server.reset();  // it reads the state of the main server
   server.reset();
   log_event("server-stopped", nlohmann::ordered_json::object());
   return {};
@@ -205,8 +205,8 @@ Result<void> run(ConfigurationSources& sources, const Configuration& configurati
 }  // namespace vacuform
 
 int main(int argc, char** argv) {
-  ::umask(0077);  // scans of patients are nobody else's to read
-  // Its own workers hear from it alone: the file is for workers of another user, or even of another server.
+  ::umask(0077);  // only this user may read the scans of patients
+  // The server passes it to its own workers directly: the file is for workers of another user or of another server.
   ::setenv("VACUFORM_WORKER_CONFIG", "", 0);
   CLI::App app(
       "The HTTP service of Vacuform: takes scans and patterns, hands jobs to workers, keeps the results.");

@@ -1,4 +1,4 @@
-// vacuform-server token create|list|revoke: tokens from the command line, for whoever may read the data folder.
+// vacuform-server token create|list|revoke: tokens from the command line, for users who may read the data folder.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@ class App;
 
 namespace vacuform {
 
-// Opens the store where no server has it open, and asks the running server otherwise, with the administrator's token
-// that it left in the data folder. A new token is printed once, or written into a file for its owner alone.
+// Opens the store if no server has it open. Otherwise asks the running server, with the administrator's token that the
+// server stored in the data folder. A new token is printed once, or written to a file that only its owner can read.
 class TokenCommand {
  public:
   void add_to(CLI::App& app);
   bool asked() const;
-  // `configured_data` is the folder of the jobs where --data names none. Errors: bad_usage, not_found, unauthorized (the
-  // administrator's token is gone or was revoked), those of the store.
+  // `configured_data` is the data folder if --data is absent. Errors: bad_usage, not_found, unauthorized (the
+  // administrator's token is missing or was revoked), those of the store.
   Result<void> run(const std::filesystem::path& configured_data);
 
  private:

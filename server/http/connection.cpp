@@ -23,7 +23,7 @@ Connection::Connection(int socket, const Limits& limits, UploadRoom& room, const
 Connection::~Connection() { close(); }
 
 void Connection::close() {
-  place_.reset();  // before the number of the socket can be another's
+  place_.reset();  // before another socket can get the same number
   if (socket_ >= 0) ::close(socket_);
   socket_ = -1;
 }
@@ -65,7 +65,7 @@ bool Connection::more_arrived() const {
   const std::uint64_t left = length_ - body_read_;
   if (in_.size() != left) return in_.size() > left;
   char next = 0;
-  return ::recv(socket_, &next, 1, MSG_PEEK | MSG_DONTWAIT) >= 0;  // also the end: no more requests come
+  return ::recv(socket_, &next, 1, MSG_PEEK | MSG_DONTWAIT) >= 0;  // also at the end: no more requests come
 }
 
 Refusal Connection::too_slow() const {
@@ -100,7 +100,7 @@ Connection::Wait Connection::wait_for(short events, Instant deadline) const {
   }
 }
 
-// Only the time that the client is waited for counts, not that of the disk behind the route.
+// Counts only the time spent waiting for the client, not the time of the disk behind the route.
 Connection::Wait Connection::wait_for_body() {
   const Instant begun = steady_clock::now();
   const Wait wait = wait_for(POLLIN, begun + (limits_.wait - waited_) + 1ms);

@@ -1,5 +1,5 @@
-// One accepted connection and the request that it is at. Its socket never blocks; only the body of a large
-// upload and the pieces of a stream are waited for, within the limits.
+// One accepted connection and its current request. Its socket never blocks; the server waits only for the body of a
+// large upload and for the pieces of a stream, within the limits.
 #pragma once
 
 #include <atomic>
@@ -16,8 +16,7 @@ namespace vacuform::http {
 
 class Connection : public Body {
  public:
-  // Takes the socket, which must not block, and closes it. `stopping` set makes every wait end within half a
-  // second.
+  // Takes ownership of the socket, which must be non-blocking. Setting `stopping` ends every wait within half a second.
   Connection(int socket, const Limits& limits, UploadRoom& room, const std::atomic<bool>& stopping);
   ~Connection() override;
   Connection(const Connection&) = delete;
@@ -27,32 +26,31 @@ class Connection : public Body {
   void close();
 
   enum class Got { bytes, nothing, end };  // nothing: not yet; end: the client will send no more
-  // Takes in what has arrived, up to the longest head and the longest small body.
+  // Reads what has arrived, up to the longest head and the longest small body.
   Got receive();
-  // Whether a part of a request, or more, is here.
+  // Whether any part of a request has arrived.
   bool begun() const { return !in_.empty(); }
-  // The next head, once all of it is here. Its body follows.
+  // The next head, once it is complete. Its body follows.
   std::optional<tl::expected<Head, Refusal>> take_head();
-  // The whole body is here, and need not be waited for.
+  // Whether the whole body has arrived.
   bool body_arrived() const { return in_.size() >= length_ - body_read_; }
-  // More than the announced body has come: a request that did not wait for its answer.
+  // More than the announced body has arrived: the client did not wait for its answer.
   bool more_arrived() const;
 
-  // Waits for the client where the body is not here yet; see Body.
+  // Waits for the client if the body has not arrived yet; see Body.
   Result<std::size_t> read(std::span<char> into) override;
-  // Tells a client that waits for it to send the body.
+  // Tells a client that waits for permission to send the body.
   void send_continue();
-  // Why the body could not be read to its end, if it is the client that came too slowly (408) or the server
-  // that has no room (503).
+  // Why the body could not be read to its end, if the client was too slow (408) or the server has no capacity (503).
   const std::optional<Refusal>& trouble() const { return trouble_; }
   Refusal too_slow() const;
   Refusal broken_off() const;
 
-  // Sends all, as long as the client takes some of it within the limits.
+  // Sends everything, as long as the client reads some of it within the limits.
   bool write(std::string_view bytes);
-  // Whether the client has closed its side, or the connection broke.
+  // Whether the client has closed its side, or the connection failed.
   bool gone() const;
-  // Forgets the request, with what is left of its body.
+  // Discards the request and the rest of its body.
   void end_request();
 
  private:
@@ -73,7 +71,7 @@ class Connection : public Body {
   std::optional<Refusal> trouble_;
   UploadRoom::Reading reading_;
   UploadRoom::Place place_;
-  std::chrono::steady_clock::duration waited_{};  // in the present window
+  std::chrono::steady_clock::duration waited_{};  // in the current window
   std::uint64_t window_bytes_ = 0;
 };
 

@@ -1,11 +1,11 @@
-// Threads share one epoll. A thread takes one event, gives that connection as much of its turn as needs no
-// waiting, and arms it again (EPOLLONESHOT), so a client that is slow to send or to take costs memory and no
-// thread. Only what a route must wait for keeps a thread, and each kind of that has its bound: large bodies
-// (upload_room.hpp), streams and waiters (places.hpp), and the work of any one route, which gets a share of
-// the threads and has the others wait in line. Another thread ends what takes too long.
+// All threads share one epoll instance. A thread takes one event, does the work of that connection that needs no
+// waiting, and arms it again (EPOLLONESHOT). So a client that is slow to send or to read costs memory but no thread.
+// Only work that a route must wait for occupies a thread, and each kind has a limit: large bodies (upload_room.hpp),
+// streams and waiters (places.hpp), and the requests of each route, which gets a share of the threads and queues the
+// rest. Another thread enforces the time limits.
 //
-// No HTTP library: Debian's cpp-httplib gives each connection a thread and reads the rest of a refused body as the next
-// request.
+// No HTTP library is used: Debian's cpp-httplib uses one thread per connection and reads the rest of a refused body as
+// the next request.
 #include "server/http/server.hpp"
 
 #include <netdb.h>
@@ -51,15 +51,15 @@ using Instant = steady_clock::time_point;
 namespace {
 
 constexpr std::uint64_t listener_id = 0, wake_id = 1,
-                        next_id = 2;         // of events; connections count on from there
-constexpr int send_buffer = 128 << 10;       // of the kernel, for each connection; it takes double
-constexpr std::size_t most_held = 64 << 20;  // bytes of all answers in memory that wait for their clients
+                        next_id = 2;         // of events; connections are numbered from there
+constexpr int send_buffer = 128 << 10;       // of the kernel, per connection; it doubles the value
+constexpr std::size_t most_held = 64 << 20;  // bytes of all answers in memory that wait for clients
 constexpr auto linger_time = 2s;
 constexpr auto tick = 50ms;
 
-// One client, as the threads hand it on. All but the id is used under `turn`.
+// One client, passed between the threads. Everything except the id is used under `turn`.
 struct Client {
-  enum class State { head, body, line, answer, linger };  // what it waits for while it rests
+  enum class State { head, body, line, answer, linger };  // what an inactive client waits for
 
   Client(std::uint64_t number, int socket, const ServerOptions& options, UploadRoom& room,
          const std::atomic<bool>& stopping)
@@ -75,10 +75,10 @@ struct Client {
   Request request;
   Router::Match match;
   Instant request_begun;
-  bool head_read = false;  // the present request has one that could be read
+  bool head_read = false;  // the current request has a valid head
   bool keep = false;       // the connection serves another request after this one
   bool used = false;       // it has served one
-  bool admitted = false;   // it has a place among the requests of its route that are at work
+  bool admitted = false;   // it counts among the active requests of its route
   Outgoing out;
   std::size_t held = 0;            // bytes of `out` that are counted as waiting
   std::uint64_t window_bytes = 0;  // that the client had taken when the present window began
@@ -114,7 +114,7 @@ class Server::Loop {
       ::shutdown(listener_, SHUT_RDWR);
       for (int i = 0; i < 500 && connections() > 0; ++i) std::this_thread::sleep_for(10ms);
       stopping_ = true;
-      ::eventfd_write(wake_, 1);  // nobody reads it, so every thread sees it
+      ::eventfd_write(wake_, 1);  // no thread reads it, so all threads see it
       for (std::thread& thread : threads_) thread.join();
       threads_.clear();
       clients_.clear();
@@ -146,8 +146,8 @@ class Server::Loop {
       if (listener_ < 0) continue;
       const int yes = 1;
       ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-      // Both are inherited by the connections. Without the bound the kernel would take megabytes for a client
-      // that does not read, and count them as read.
+      // The connections inherit both. Without the limit the kernel would buffer megabytes for a client that does not
+      // read, and count them as read.
       ::setsockopt(listener_, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
       ::setsockopt(listener_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
       if (::bind(listener_, address->ai_addr, address->ai_addrlen) == 0 && ::listen(listener_, 512) == 0)
@@ -172,7 +172,7 @@ class Server::Loop {
 
   void work() {
     while (!stopping_) {
-      epoll_event event{};  // one at a time: a thread that a route keeps must not keep others' events with it
+      epoll_event event{};  // one at a time: a blocked thread must not hold others' events
       if (::epoll_wait(epoll_, &event, 1, -1) <= 0) continue;
       if (event.data.u64 == wake_id) return;
       if (event.data.u64 == next_id) {
@@ -234,7 +234,7 @@ class Server::Loop {
     arm(listener_, listener_id, EPOLLIN | EPOLLONESHOT, EPOLL_CTL_MOD);
   }
 
-  // From here on under the client's turn.
+  // The functions from here on need the client's turn.
 
   void drop(Client& client) {
     if (std::exchange(client.closed, true)) return;
@@ -243,7 +243,7 @@ class Server::Loop {
     client.connection.close();
     --open_;
     const std::lock_guard hold(clients_mutex_);
-    clients_.erase(client.id);  // who came here holds it
+    clients_.erase(client.id);  // the caller holds the client
   }
 
   void release(Client& client) {
@@ -261,7 +261,7 @@ class Server::Loop {
     client.deadline = client.since + time;
   }
 
-  // As much as needs no waiting for the client.
+  // Does everything that needs no waiting for the client.
   void turn(Client& client) {
     while (!client.closed) {
       switch (client.state) {
@@ -292,7 +292,7 @@ class Server::Loop {
     }
   }
 
-  // False when nothing is there to go on with: the client rests, or is dropped.
+  // False if no progress is possible: the client becomes inactive, or is dropped.
   bool take_in(Client& client) {
     const bool idle = client.idle();
     switch (client.connection.receive()) {
@@ -340,7 +340,7 @@ class Server::Loop {
     enter(client, Client::State::body, options_.limits.wait);
   }
 
-  // What the head alone and the table of the routes decide.
+  // Decisions that need only the head and the table of the routes.
   std::optional<Refusal> inadmissible(Client& client) {
     const Request& request = client.request;
     if (auto refusal = check_origin(request, options_.front_host)) return refusal;
@@ -365,7 +365,7 @@ class Server::Loop {
     return std::nullopt;
   }
 
-  // Before the body of a request is waited for. A request that is here whole is checked by its route alone.
+  // Before waiting for the body of a request. A request that is already complete is checked by its route alone.
   Result<void> admit(Client& client) {
     const Route& route = *client.match.route;
     if (!route.admission) return {};
@@ -379,13 +379,13 @@ class Server::Loop {
   }
 
   void handle(Client& client) {
-    // A large body is waited for by its route and has a bound of its own.
+    // The route waits for a large body, under a separate limit.
     if (client.request.content_length <= small_body && !join_line(client))
       return enter(client, Client::State::line, options_.limits.wait);
     answer(client, std::nullopt);
   }
 
-  // The requests of one route that are at work, and those that wait for one of them to end.
+  // The active requests of one route, and those that wait for one of them to end.
   struct Line {
     int at_work = 0;
     std::deque<std::uint64_t> waiting;
@@ -406,7 +406,7 @@ class Server::Loop {
     if (std::exchange(client.admitted, false)) leave_line(client.match.route);
   }
 
-  // Gives the place to the next one who waits; any thread takes its turn.
+  // Gives the slot to the next waiting request; any thread runs it.
   void leave_line(const Route* route) {
     const std::lock_guard hold(lines_mutex_);
     Line& line = lines_[route];
@@ -421,7 +421,7 @@ class Server::Loop {
 
   void work_on_next() {
     eventfd_t one = 0;
-    if (::eventfd_read(next_, &one) != 0) return;  // another thread has it
+    if (::eventfd_read(next_, &one) != 0) return;  // another thread took it
     std::pair<std::uint64_t, const Route*> next;
     {
       const std::lock_guard hold(lines_mutex_);
@@ -517,7 +517,7 @@ class Server::Loop {
     return options_.refuse(client.request, {meaning(result.error().code).http_status, result.error()});
   }
 
-  // With those of `more` whose names it lacks.
+  // Adds those of `more` whose names are missing.
   static Response with_headers(Response response, const std::vector<Header>& more) {
     const std::size_t own = response.headers.size();
     for (const Header& header : more)
@@ -527,10 +527,10 @@ class Server::Loop {
     return response;
   }
 
-  // Sends what it can; the rest follows as the client takes it.
+  // Sends what the socket accepts; the rest follows as the client reads.
   void give(Client& client, Response response) {
-    // What came before its answer was sent is no request of somebody who waits for answers: perhaps it was
-    // smuggled in.
+    // Bytes that arrived before the answer was sent are not a request of a client that waits for answers; they may be
+    // smuggled.
     client.keep =
         client.keep && !ending_ && client.connection.body_arrived() && !client.connection.more_arrived();
     std::string text = response_head(client.request, response, client.keep);
@@ -543,7 +543,7 @@ class Server::Loop {
     enter(client, Client::State::answer, options_.limits.wait);
   }
 
-  // Keeps its thread; without a length, so that the end of the connection is the end of the body.
+  // Occupies its thread; sends no length, so the end of the connection marks the end of the body.
   void stream(Client& client, Response response) {
     client.keep = false;
     bool sent = client.connection.write(response_head(client.request, response, false));
@@ -560,7 +560,7 @@ class Server::Loop {
     end_answer(client);
   }
 
-  // False when the client rests, or is gone.
+  // False if the client becomes inactive, or is disconnected.
   bool send_answer(Client& client) {
     switch (client.out.send(client.connection.socket())) {
       case Outgoing::Sent::all:
@@ -592,7 +592,7 @@ class Server::Loop {
     const bool all_read =
         client.head_read && client.connection.body_arrived() && !client.connection.more_arrived();
     if (all_read) return drop(client), false;
-    // Closing with unread bytes would reset the connection and destroy the answer on its way.
+    // Closing with unread bytes would reset the connection and lose the answer in transit.
     enter(client, Client::State::linger, linger_time);
     return true;
   }
@@ -607,9 +607,9 @@ class Server::Loop {
     rest(client, EPOLLIN);
   }
 
-  // From here on without any client's turn.
+  // The functions from here on do not hold the turn of any client.
 
-  // Ends what takes too long. Never waits for a client: whoever has its turn is at work.
+  // Enforces the time limits. Never waits for a client: a client whose turn is taken is active.
   void watch() {
     while (!stopping_) {
       std::this_thread::sleep_for(tick);
@@ -655,9 +655,8 @@ class Server::Loop {
     }
   }
 
-  // Closes the connections that deserve it most: first those that nothing is asked on, then those that have
-  // long been sending a request, then those that take their answers slowest. A twentieth of all, so that the
-  // search is seldom.
+  // Closes connections in this order: first idle ones, then those that have been sending a request for long, then those
+  // that read their answers slowest. Closes a twentieth of all, so that the search is rare.
   bool make_room(std::optional<Client::State> only = std::nullopt) {
     struct Candidate {
       int order;
@@ -715,7 +714,7 @@ class Server::Loop {
   std::mutex lines_mutex_;
   std::map<const Route*, Line> lines_;
   std::deque<std::pair<std::uint64_t, const Route*>>
-      ready_;  // those whose wait in line is over; next_ counts them
+      ready_;  // requests whose wait is over; next_ counts them
   std::mutex clients_mutex_;
   std::unordered_map<std::uint64_t, std::shared_ptr<Client>> clients_;
   std::uint64_t last_id_ = next_id;

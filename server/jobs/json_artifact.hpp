@@ -1,4 +1,5 @@
-// A JSON artifact for the server's own use. A worker's child made it from somebody's files: it is hostile until parsed.
+// A JSON artifact for use by the server itself. A worker's child made it from untrusted files: it is hostile until
+// parsed.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,8 +9,8 @@
 
 namespace vacuform {
 
-// report.json or findings.json of a job. Null when there is none, it cannot be read, is above 4 MiB, no JSON object, or
-// nested deeper than 16.
+// report.json or findings.json of a job. Null if it is missing, cannot be read, is above 4 MiB, is not a JSON object,
+// or is nested deeper than 16.
 nlohmann::ordered_json json_artifact(Store& store, const Job& job, std::string_view name);
 
 }  // namespace vacuform

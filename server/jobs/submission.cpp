@@ -22,7 +22,7 @@ bool has(const NewJob& job, std::string_view name) {
                      [&](const NewInput& input) { return input.name == name; });
 }
 
-// Files that every job of this kind needs must be there, and not empty.
+// Every job of this kind needs these files, and they must not be empty.
 Result<void> check_files(const NewJob& job) {
   for (const InputKind& kind : input_kinds)
     if (needs(job.kind, kind) && !has(job, kind.name))
@@ -31,7 +31,8 @@ Result<void> check_files(const NewJob& job) {
   return {};
 }
 
-// A file that the settings can do without turns their default into its use; what asks for a file needs it.
+// If the settings allow an optional file, the file changes their default to its use; a setting that asks for a file
+// needs it.
 template <class Choice>
 Result<void> match(bool given, const std::string& part, Choice& setting, Choice by_default, Choice of_file,
                    const std::string& key, const std::string& value) {
@@ -50,7 +51,7 @@ Result<void> match_files(const NewJob& job, Settings& settings) {
                FlatteningWeights::painted, "flattening.weights", "painted");
 }
 
-// `base` is known to be settings.
+// `base` contains valid settings.
 Result<Settings> merged_settings(const std::string& base, const std::string& text,
                                  const std::map<std::string, std::string>& fields) {
   nlohmann::json object = nlohmann::json::parse(base);
@@ -75,7 +76,7 @@ Result<Settings> merged_settings(const std::string& base, const std::string& tex
   return settings_from_json(object);
 }
 
-// The Idempotency-Key of a request; empty when it has none.
+// The Idempotency-Key of a request; empty if it has none.
 Result<std::string> client_key_of(const http::Request& request) {
   std::string key(request.header("Idempotency-Key"));
   const bool visible = std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c <= '~'; });
@@ -85,8 +86,8 @@ Result<std::string> client_key_of(const http::Request& request) {
   return key;
 }
 
-// The key of a page's form, which every submission of that page carries: submitted twice, the same files and settings
-// make one job, and others a job of their own.
+// The key of a page's form, which every submission of that page sends: the same files and settings submitted twice
+// create one job, different ones create another job.
 std::string key_of_form(const std::string& page, NewJob& job) {
   std::string text = page + "\n" + std::string(name(job.kind)) + "\n" + job.settings + "\n" +
                      job.derived_from.value_or("") + "\n";
@@ -125,8 +126,8 @@ Result<void> add_inputs(Service& service, const Caller& caller, SubmissionForm& 
   return {};
 }
 
-// The files of the job that this one comes from, in place of those that were not sent: of those that not every job needs
-// only what the settings still ask for.
+// The files of the source job, in place of those that were not sent: of the optional files only those that the settings
+// still ask for.
 void share_inputs(const Job& from, const Settings& settings, NewJob& job) {
   for (const Input& input : from.inputs) {
     const bool asked = input.name == "temperature" ? settings.heat.source == HeatSource::measured
@@ -159,7 +160,7 @@ Result<int> priority_of(const SubmissionForm& form, const Caller& caller) {
   return priority;
 }
 
-// The settings to begin with.
+// The base settings.
 Result<std::string> base_of(Service& service, const SubmissionForm& form, const std::optional<Job>& from) {
   const std::string named = form.field("profile");
   if (from && !named.empty())

@@ -1,4 +1,4 @@
-// What a submission says, before it is known whether it makes a job: a multipart form, or a JSON object where no file is sent.
+// The content of a submission before its validation: a multipart form, or a JSON object if no file is sent.
 #pragma once
 
 #include <map>
@@ -25,10 +25,10 @@ class SubmissionForm : public http::PartSink {
     bool given() const { return upload && upload->bytes() > 0; }
   };
 
-  // Texts but the JSON of `settings` go to `fields` by their names, also those of a form that is refused.
+  // Texts except the JSON of `settings` go to `fields` by their names, also those of a form that is refused.
   SubmissionForm(Store& store, std::map<std::string, std::string>& fields) : store_(store), fields_(fields) {}
 
-  // Streams the files into the store, without the names in them. Errors: too_large, bad_usage (an unknown or doubled
+  // Streams the files into the store, without the names in them. Errors: too_large, bad_usage (an unknown or repeated
   // part), those of the body.
   Result<void> read(http::Request& request);
 
@@ -36,7 +36,7 @@ class SubmissionForm : public http::PartSink {
   std::string settings;                            // JSON text; perhaps empty
 
   const std::map<std::string, std::string>& fields() const { return fields_; }
-  // What the field says; empty where there is none.
+  // The value of the field; empty if it is absent.
   std::string field(const std::string& name) const;
   // Whether a field is a setting, group.key, and whether it names a file by an id.
   static bool is_setting(const std::string& field) { return field.find('.') != std::string::npos; }

@@ -11,7 +11,7 @@ struct Asset {
 };
 std::span<const Asset> assets();
 
-// The bytes of the file of that name. Throws std::logic_error where there is none.
+// The bytes of the file of that name. Throws std::logic_error if there is no such file.
 std::string_view asset(std::string_view name);
 
 }  // namespace vacuform

@@ -1,4 +1,4 @@
-// HTML for people: plain, complete without scripts, the same for keyboard, screen reader and phone.
+// HTML for people: plain, complete without scripts, usable with keyboard, screen reader and phone.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,18 +13,18 @@ struct Page {
   std::string title;  // plain text
   std::string main;   // HTML
   int status = 200;
-  int refresh_seconds = 0;  // without scripts; 0: the page stays
-  bool follows = false;     // with /job.js, the one script that any page has
-  bool signed_in = false;   // then it offers the way out
+  int refresh_seconds = 0;  // without scripts; 0: no refresh
+  bool follows = false;     // with /job.js, the only script of any page
+  bool signed_in = false;   // then the page offers to sign out
 };
 
 // The whole document with the headers that keep scripts, frames and other origins out of it.
 http::Response html_response(const Page& page);
 
-// "See the result there": after a form.
+// "See the result there" (303): after a form.
 http::Response see_other(const std::string& place);
 
-// A problem as a template shows it in a box at the top of a page; null where there is none.
+// A problem as a template shows it in a box at the top of a page; null if there is no problem.
 nlohmann::ordered_json problem_values(const std::optional<Error>& error);
 
 // "3.4 MiB"

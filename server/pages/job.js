@@ -1,4 +1,4 @@
-// Follows the job of the page by its events. Without scripts the page loads itself again from time to time instead.
+// Updates the page of the job from its events. Without scripts the page reloads at intervals instead.
 "use strict";
 
 const progress = document.querySelector("progress[data-events]");
@@ -19,7 +19,8 @@ if (progress) {
     text.textContent = `${doing}${job.attempt > 1 ? ` Attempt ${job.attempt}.` : ""} ${percent} % done. This page follows by itself.`;
   });
   events.addEventListener("error", () => {
-    // Closed: refused, for example because too many follow already. Otherwise the browser comes again by itself.
+    // Closed: refused, for example because too many clients listen already. Otherwise the browser reconnects
+    // automatically.
     if (events.readyState === EventSource.CLOSED) setTimeout(() => location.reload(), 5000);
   });
 }

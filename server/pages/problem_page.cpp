@@ -1,4 +1,4 @@
-// What each problem type means to a person: the page behind every "type" of the API's problems.
+// Explains each problem type to people: the page behind every "type" of the API's problems.
 #include <nlohmann/json.hpp>
 
 #include "api/problem.hpp"

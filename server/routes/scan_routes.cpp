@@ -27,7 +27,7 @@ ordered_json inspection_json(const Job& job) {
           {"href", "/api/v1/jobs/" + job.id}};
 }
 
-// With what is known of its newest inspection.
+// Includes the results of its newest inspection.
 Result<ordered_json> scan_json(Service& service, const StoredScan& scan, bool with_findings = false) {
   VACUFORM_TRY(newest, service.store.newest_inspection(scan));
   ordered_json inspection;
@@ -43,7 +43,7 @@ Result<ordered_json> scan_json(Service& service, const StoredScan& scan, bool wi
                       {"inspection", std::move(inspection)}};
 }
 
-// The part scan, a file, or the part scan_upload, the id of a whole upload.
+// The part scan, a file, or the part scan_upload, the id of a complete upload.
 class ScanForm : public http::PartSink {
  public:
   explicit ScanForm(Store& store) : store_(store) {}

@@ -1,4 +1,4 @@
-// Signing in and out, without scripts: the token in a form once, a cookie after that.
+// Signing in and out, without scripts: a form sends the token once, then a cookie is used.
 #include "api/base/text.hpp"
 #include "server/http/multipart.hpp"
 #include "server/pages/pages.hpp"
@@ -13,7 +13,7 @@ using http::Response;
 namespace {
 
 constexpr std::size_t longest_token = 200;
-constexpr std::uint64_t largest_sign_in = 4 << 10;  // of a form with a token, whoever sends it
+constexpr std::uint64_t largest_sign_in = 4 << 10;  // of a form with a token, for every client
 
 // The one field of the form.
 class TokenForm : public http::PartSink {

@@ -1,5 +1,5 @@
-// Uploads in pieces: tus 1.0.0 (https://tus.io/protocols/resumable-upload) with creation, creation-with-upload, checksum,
-// expiration and termination. A whole upload becomes a scan or an input of jobs by its id.
+// Resumable uploads: tus 1.0.0 (https://tus.io/protocols/resumable-upload) with creation, creation-with-upload,
+// checksum, expiration and termination. A complete upload becomes a scan or an input of jobs by its id.
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -55,7 +55,7 @@ struct Metadata {
   std::string input = "scan", extension;
 };
 
-// "filename aGVhZC5zdGw=,input c2Nhbg==": of the name only the extension is kept, other keys are not looked at.
+// "filename aGVhZC5zdGw=,input c2Nhbg==": only the extension of the name is stored, other keys are ignored.
 Result<Metadata> metadata_of(std::string_view text) {
   Metadata metadata;
   while (!text.empty()) {
@@ -90,7 +90,7 @@ void set_place(Response& response, const StoredUpload& upload, std::uint64_t off
   response.set("Cache-Control", "no-store");
 }
 
-// The body of a request as its Upload-Checksum wants it checked; null when it has none. Errors: bad_usage.
+// The body of a request, checked against its Upload-Checksum; null if it has none. Errors: bad_usage.
 Result<std::unique_ptr<http::Body>> checked(const Request& request) {
   const std::string_view stated = request.header("Upload-Checksum");
   if (stated.empty()) return std::unique_ptr<http::Body>();
@@ -106,7 +106,7 @@ Result<std::unique_ptr<http::Body>> checked(const Request& request) {
   return http::checked_body(*request.body, *digest, kind);
 }
 
-// Takes the bytes of a request into an upload.
+// Appends the bytes of a request to an upload.
 Result<std::uint64_t> take(Service& service, Request& request, const StoredUpload& upload,
                            std::uint64_t offset) {
   VACUFORM_TRY(body, checked(request));
@@ -129,7 +129,7 @@ Result<Response> create(Service& service, Request& request, const Caller& caller
   log_event("upload-begun", {{"upload", upload.id}, {"bytes", length}, {"token", caller.token}});
   std::uint64_t offset = 0;
   if (request.header("Content-Type") == chunk_type && request.content_length > 0) {
-    // What was lost on the way is sent again with PATCH: the upload is there in any case.
+    // Bytes that were lost are sent again with PATCH: the upload exists in any case.
     if (const auto taken = take(service, request, upload, 0)) offset = *taken;
   }
   Response response = json_response(upload_json(upload, offset), 201);
@@ -170,7 +170,7 @@ Result<Response> terminate(Service& service, const Request& request, const Calle
   return no_content();
 }
 
-// For clients behind something that knows GET and POST alone.
+// For clients behind a proxy that only supports GET and POST.
 Result<Response> overridden(Service& service, Request& request, const Caller& caller) {
   const std::string_view method = request.header("X-HTTP-Method-Override");
   if (method == "PATCH") return append(service, request, caller);
@@ -181,7 +181,7 @@ Result<Response> overridden(Service& service, Request& request, const Caller& ca
                           405);
 }
 
-// Every route speaks one version of tus, in its refusals too.
+// Every route supports one version of tus, in its refusals too.
 GuardedHandler speaking_tus(Result<Response> (*handler)(Service&, Request&, const Caller&)) {
   return [handler](Service& service, Request& request, const Caller& caller) -> Result<Response> {
     Result<Response> result = Response();

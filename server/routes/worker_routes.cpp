@@ -1,5 +1,5 @@
-// The protocol of the workers. A worker shows a token of the scope work, asks for a lease, and names the lease's own
-// token in everything that it does for the job. Whoever lost the lease gets lease-lost.
+// The protocol of the workers. A worker authenticates with a token of the scope work, asks for a lease, and names the
+// lease's own token in every request for the job. A worker that lost the lease gets lease-lost.
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
@@ -31,8 +31,8 @@ tl::unexpected<Error> wrong_type(const char* key, const char* wanted) {
   return fail(Code::bad_usage, std::string("not ") + wanted, key, "see /api/v1/openapi.yaml");
 }
 
-// Members of a message; what is absent is empty, false or 0. Unknown members may come from a newer worker.
-// A string is cut to what a log or a page can show.
+// Members of a message; an absent one is empty, false or 0. Unknown members may come from a newer worker. A string is
+// cut to the length that a log or a page can show.
 Result<std::string> text_of(const json& object, const char* key) {
   const auto it = object.find(key);
   if (it == object.end()) return std::string();
@@ -79,7 +79,7 @@ Result<Response> take_lease(Service& service, Request& request) {
   VACUFORM_TRY(stated, text_of(body, "version"));
   const auto protocol = body.find("protocol");
   if (protocol == body.end() || *protocol != json(worker_protocol)) {
-    // Only numbers and letters: the text is a stranger's.
+    // Only numbers and letters: the text is untrusted.
     stated.resize(std::min<std::size_t>(stated.size(), 20));
     std::erase_if(
         stated, [](char c) { return c != '.' && c != '-' && (c < '0' || c > '9') && (c < 'a' || c > 'z'); });
@@ -158,7 +158,7 @@ Result<Response> put_artifact(Service& service, Request& request) {
     return problem_response({Code::bad_usage, "there is no Content-Length", name, "send the number of bytes"},
                             411);
   const LeaseKey key = key_of(request);
-  VACUFORM_TRY(job, service.store.leased(key));  // before the bytes are taken in
+  VACUFORM_TRY(job, service.store.leased(key));  // before the bytes are read
   VACUFORM_TRY(upload, service.store.upload(Use::artifact));
   std::vector<char> piece(64 * 1024);
   for (;;) {
@@ -177,7 +177,7 @@ Response ended_as(const char* event, const Job& job) {
   return json_response({{"state", name(job.state)}});
 }
 
-// None where the worker does not say.
+// nullopt if the worker does not state it.
 Result<std::optional<int>> serious_warnings_of(const json& object) {
   constexpr std::uint64_t most = 1000;
   const auto it = object.find("serious_warnings");

@@ -1,10 +1,10 @@
-// Files under the hash of their bytes: DATA/blobs/ab/<sha256>. A blob never changes; who names it is the
-// store's affair.
+// Files named by the hash of their bytes: DATA/blobs/ab/<sha256>. A blob never changes; the store records which rows
+// name it.
 //
-// An upload is written to DATA/incoming while it arrives and hashed on the way, so memory does not grow with
-// its size. seal() flushes it; keep() gives it its final name and flushes the folder, after which it survives
-// a power cut. Bytes that are there already cost no flush, and sending a damaged file again repairs it. What is never
-// kept disappears with the Upload, and what a crash left in incoming is deleted at the next start.
+// An upload is written to DATA/incoming while it arrives and hashed meanwhile, so memory does not grow with its size.
+// seal() flushes it; keep() gives it its final name and flushes the folder, after which it survives a power cut. Bytes
+// that are already stored need no flush, and sending a damaged file again repairs it. Files without keep() disappear
+// with the Upload, and files that a crash left in incoming are deleted at the next start.
 #pragma once
 
 #include <chrono>
@@ -35,10 +35,10 @@ class Upload {
   Upload& operator=(Upload&&) = delete;
   ~Upload();
 
-  // Errors: disk_full, when too little room would stay on the disk for what the file is for.
+  // Errors: disk_full, if too little space would stay free on the disk for this use.
   Result<void> write(std::string_view bytes);
   std::uint64_t bytes() const { return blob_.bytes; }
-  const File& file() const { return file_; }  // what was written, to be looked at
+  const File& file() const { return file_; }  // the written bytes, for reading
   // Fixes the hash; no writes afterwards.
   const Blob& digest();
 
@@ -48,7 +48,7 @@ class Upload {
       : file_(std::move(file)), path_(std::move(path)), room_(std::move(room)), use_(use) {}
 
   File file_;
-  std::filesystem::path path_;  // empty when the file has moved on
+  std::filesystem::path path_;  // empty after the file has moved
   std::shared_ptr<const DiskRoom> room_;
   Use use_;
   Result<void> flush();
@@ -56,14 +56,15 @@ class Upload {
   Sha256 hash_;
   Blob blob_;
   bool flushed_ = false;
-  bool known_ = false;  // when it was sealed its bytes were there, under their name and whole
+  bool known_ = false;  // at seal() its bytes were stored already, complete and under their name
 };
 
-// Files whose bytes were found good within the last `trust`, by what changes with every write. From any thread.
+// Files whose bytes were verified within the last `trust`, identified by data that changes with every write. From any
+// thread.
 class CheckedFiles {
  public:
   explicit CheckedFiles(std::chrono::milliseconds trust) : trust_(trust) {}
-  // Errors: gone: the bytes are not of that hash. Reads the file whole unless it is known.
+  // Errors: gone: the bytes do not have that hash. Reads the whole file unless it is known.
   Result<void> check(const File& file, const std::string& sha256);
 
  private:
@@ -78,36 +79,36 @@ class CheckedFiles {
   };
   const std::chrono::milliseconds trust_;
   std::mutex mutex_;
-  std::map<std::string, Good> good_;  // by hash; begun anew when it has grown
+  std::map<std::string, Good> good_;  // by hash; cleared when it is too large
 };
 
 class Blobs {
  public:
-  // Makes the folders; deletes what unfinished uploads left behind. `trust` is how long a file that was read whole is
-  // taken to be good, unless it was written to. Errors: unavailable.
+  // Creates the folders; deletes the files of unfinished uploads. `trust` is the time for which a verified file counts
+  // as intact, unless it was written to. Errors: unavailable.
   static Result<Blobs> open(const std::filesystem::path& data,
                             std::chrono::milliseconds trust = std::chrono::hours(1),
                             std::shared_ptr<const DiskRoom> room = nullptr);
 
   // Errors: disk_full, unavailable.
   Result<Upload> upload(Use use = Use::submission) const;
-  // Takes over a whole file on the same disk that is flushed already.
+  // Takes over a complete file on the same disk that is already flushed.
   static Upload adopt(std::filesystem::path path, Blob blob);
   std::filesystem::path temporary_path() const { return incoming_ / random_hex(16); }
-  // Fixes the hash, and flushes the bytes to the disk unless they are there already. The slow part of keep(), without
+  // Fixes the hash, and flushes the bytes to the disk unless they are already stored. The slow part of keep(), without
   // a lock.
   Result<Blob> seal(Upload& upload) const;
   // Gives a sealed upload its final name. Keeping the same bytes, or the same upload, twice leaves one file.
   Result<void> keep(Upload& upload) const;
-  // The file, whose bytes are checked when it was written to, or not read whole by this process within the last hour.
-  // Errors: not_found; gone: the bytes are others.
+  // The file, whose bytes are checked if it was written to, or if this process has not read it completely within the
+  // last hour. Errors: not_found; gone: the bytes have changed.
   Result<File> read(const std::string& sha256) const;
-  // The same into a file of that hash beneath another folder: a hard link, or a copy where the disk is another one. The
+  // The same into a file of that hash in another folder: a hard link, or a copy if that folder is on another disk. The
   // bytes are checked in any case.
   Result<void> copy(const std::string& sha256, const std::filesystem::path& blobs) const;
-  // Takes the file out of sight at once, which is quick; delete_aside() then frees its space, which takes a while for a
-  // large file. What a crash leaves in between is deleted at the next start. Gives an empty path when there is no such
-  // file. Errors: disk_full, unavailable.
+  // Moves the file away at once, which is quick; delete_aside() then frees its space, which is slow for a large file.
+  // Files left by a crash in between are deleted at the next start. Returns an empty path if there is no such file.
+  // Errors: disk_full, unavailable.
   Result<std::filesystem::path> set_aside(const std::string& sha256) const;
   static Result<void> delete_aside(const std::filesystem::path& file);
   // Deletes every blob for which `wanted` is false.

@@ -1,5 +1,5 @@
-// Waiting for news of a job: whoever waits is woken when a transaction that changed the job has committed. In memory alone:
-// a waiter that a restart cuts off asks again.
+// Waiting for events of a job: a waiting thread is woken when a transaction that changed the job has committed. In
+// memory only: a client that a restart disconnects asks again.
 #pragma once
 
 #include <chrono>
@@ -14,13 +14,13 @@
 
 namespace vacuform {
 
-// From any thread. Each waiter holds a thread, so their number has a bound.
+// From any thread. Each waiter occupies a thread, so their number is limited.
 class News {
  public:
   explicit News(std::size_t most_waiters) : most_(most_waiters) {}
 
-  // Asks `changed` at once, and again whenever there is news of the job, until it gives true or the time is over; gives
-  // its last answer. None when too many wait already.
+  // Calls `changed` at once, and again after every change of the job, until it returns true or the time is over;
+  // returns its last answer. nullopt if too many threads are waiting already.
   std::optional<bool> wait(const std::string& job, std::chrono::milliseconds time,
                            const std::function<bool()>& changed);
   void tell(const std::vector<std::string>& jobs);

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t piece_size = 64 << 10;
-constexpr std::size_t most_state = 4 << 20;  // more than any filter remembers
+constexpr std::size_t most_state = 4 << 20;  // more than the state of any filter
 
 fs::path part_of(fs::path name) { return name += ".part"; }
 fs::path state_of(fs::path name) { return name += ".state"; }
@@ -27,7 +27,7 @@ struct State {
   std::string filter;
 };
 
-// "<received> <kept>\n" and what the filter says; none where there is none, or it is of no use.
+// "<received> <kept>\n" and the state of the filter; nullopt if it is missing or invalid.
 Result<std::optional<State>> read_state(const fs::path& name) {
   auto text = read_text_file(state_of(name), most_state);
   if (!text && text.error().code == Code::not_found) return std::optional<State>();
@@ -83,7 +83,7 @@ Result<void> PartialFile::begin() {
   return {};
 }
 
-// Leaves the file at what the last flush knew of.
+// Truncates the file to its length at the last flush.
 Result<void> PartialFile::hash_again() {
   std::vector<char> piece(piece_size);
   for (std::uint64_t at = 0; at < kept_;) {
@@ -124,13 +124,13 @@ Result<void> PartialFile::flush() {
 }
 
 void PartialFile::drop_unflushed() {
-  (void)!::ftruncate(file_.descriptor(), static_cast<off_t>(flushed_kept_));  // else open() does it
+  (void)!::ftruncate(file_.descriptor(), static_cast<off_t>(flushed_kept_));  // otherwise open() truncates it
 }
 
 Result<Upload> PartialFile::finish(const fs::path& as) {
   VACUFORM_CHECK(keep(filter_.finish()));
   VACUFORM_CHECK(file_.sync());
-  // Where the disk knows no second names, the file moves.
+  // If the file system does not support hard links, the file is moved.
   if (::link(part_of(name_).c_str(), as.c_str()) != 0 && ::rename(part_of(name_).c_str(), as.c_str()) != 0)
     return fail(errno == ENOSPC || errno == EDQUOT ? Code::disk_full : Code::unavailable,
                 "an upload cannot be kept: " + std::generic_category().message(errno), {},

@@ -1,4 +1,4 @@
-// Named settings: a machine, a sheet. Everybody sees them and may take one as the base of a job's settings.
+// Named settings: a machine, a sheet. Every user sees them and may use one as the base of a job's settings.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ namespace vacuform {
 
 struct Profile {
   std::string name;      // 1 to 64 of a-z, 0-9 and '-'
-  std::string settings;  // JSON text: what differs from the defaults
+  std::string settings;  // JSON text: the differences from the defaults
   Millis changed = 0;
 };
 
@@ -24,19 +24,20 @@ struct ProfilePage {
 
 inline constexpr int most_profiles = 1000;
 
-// Sees the profile as it is when it is changed, none when there is none, and may refuse with false. May be called twice.
+// Gets the profile in its state at the change, nullopt if it does not exist, and may refuse with false. May be called
+// twice.
 using ProfileGuard = std::function<bool(const std::optional<Profile>& now)>;
 
 class ProfileTable {
  public:
   virtual ~ProfileTable() = default;
-  // Adds it or replaces one of its name; true when it is new. Errors: busy, when there are most_profiles; conflict, when
-  // it was not allowed; disk_full.
+  // Adds it or replaces the one of its name; true if it is new. Errors: busy, if there are most_profiles; conflict, if
+  // the guard refused; disk_full.
   virtual Result<bool> put_profile(const Profile& profile, const ProfileGuard& allowed = {}) = 0;
   virtual Result<Profile> find_profile(const std::string& name) = 0;  // errors: not_found
-  // Those whose names come after that of the cursor.
+  // Profiles whose names come after that of the cursor.
   virtual Result<ProfilePage> list_profiles(int limit, const std::string& cursor) = 0;
-  // Errors: not_found; conflict, when it was not allowed.
+  // Errors: not_found; conflict, if the guard refused.
   virtual Result<void> remove_profile(const std::string& name, const ProfileGuard& allowed = {}) = 0;
 };
 

@@ -1,5 +1,5 @@
-// The copy of a store in use. Rows first, through SQLite's backup API, so that the copy is of one moment; then every blob
-// that these rows name. Blobs never change, and none is deleted meanwhile.
+// The copy of a store in use. SQLite's backup API copies the rows first, so that they are consistent; then every blob
+// that these rows name is copied. Blobs never change, and none is deleted meanwhile.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whoever asks must have made the folder as the user of the server: nobody else's files are in reach.
+// The caller must have made the folder as the user of the server, so that files of other users are not accessible.
 Result<void> check_target(const fs::path& to) {
   struct stat status {};
   std::error_code error;
@@ -49,7 +49,7 @@ Result<std::int64_t> jobs_in(Database& db) {
 
 Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function<bool()>& going) {
   VACUFORM_CHECK(check_target(to));
-  // Holds every blob that a row names while this lives.
+  // Keeps every blob that a row names while this object exists.
   struct Hold {
     explicit Hold(SqliteStore& s) : store(s) {
       const std::lock_guard lock(store.commits_.lock());

@@ -10,7 +10,7 @@ namespace vacuform {
 
 namespace {
 
-// Each owner has keys of his own: nobody learns of another's jobs, or is refused, because both chose the same.
+// Keys are per owner: equal keys of two owners neither reveal a job nor cause a refusal.
 std::string key_of(const NewJob& job) {
   return job.owner.empty() ? job.client_key : job.owner + "/" + job.client_key;
 }
@@ -75,7 +75,7 @@ Result<void> SqliteStore::check_room(const std::string& owner) {
   return {};
 }
 
-// Under the lock, so that a job deleted at the same time does not take the file away again.
+// Under the lock, so that deleting another job at the same time does not remove the file.
 Result<void> SqliteStore::keep(NewInput& input, const Blob& blob) {
   maybe_garbage(blob.sha256);
   if (auto* upload = std::get_if<Upload>(&input.file)) return blobs_.keep(*upload);
@@ -84,7 +84,7 @@ Result<void> SqliteStore::keep(NewInput& input, const Blob& blob) {
   return fail(Code::gone, "the file was deleted meanwhile", input.name, "send it again");
 }
 
-// The job that an earlier submission under the same key made.
+// The job that an earlier submission with the same key created.
 Result<std::optional<Job>> SqliteStore::made_before(const NewJob& job, const std::vector<Blob>& blobs) {
   Query query(db_, "SELECT id FROM job WHERE client_key=?", key_of(job));
   VACUFORM_TRY(found, query.row());
@@ -146,13 +146,13 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
         {inputs.text(0), {inputs.text(1), static_cast<std::uint64_t>(inputs.integer(2))}, inputs.text(3)});
   }
   std::sort(job.inputs.begin(), job.inputs.end(), [](const Input& a, const Input& b) {
-    return input_kind(a.name) < input_kind(b.name);  // places in one table
+    return input_kind(a.name) < input_kind(b.name);  // index in one table
   });
   if (job.state != JobState::succeeded) return job;
   VACUFORM_TRY(artifacts, artifacts_of(id));
   job.artifacts = std::move(artifacts);
   std::sort(job.artifacts.begin(), job.artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
-    return artifact_kind(a.name) < artifact_kind(b.name);  // places in one table
+    return artifact_kind(a.name) < artifact_kind(b.name);  // index in one table
   });
   return job;
 }
@@ -191,8 +191,8 @@ Result<std::vector<std::string>> SqliteStore::ids_of(int count, const std::strin
             : collect({db_, "SELECT id FROM job WHERE id<? ORDER BY id DESC LIMIT ?", before, count}));
     return ids;
   }
-  // A state at a time, each from an index that has all that is asked for. An id is never older than its job, so
-  // it bounds created_after from below.
+  // One state at a time, each from an index that covers the query. An id is never older than its job, so it bounds
+  // created_after from below.
   std::optional<std::string_view> kind;
   if (filter.kind) kind = name(*filter.kind);
   const Millis after = filter.created_after.value_or(-1);
@@ -292,7 +292,7 @@ Result<void> SqliteStore::remove(const std::string& id, const JobGuard& allowed)
     VACUFORM_CHECK(may_be_deleted(job));
     for (const auto& input : job.inputs) maybe_garbage(input.blob.sha256);
     VACUFORM_CHECK(drop_artifacts(job));
-    changed_.push_back(id);  // whoever waits for it learns that it is gone
+    changed_.push_back(id);  // waiting clients learn that it is gone
     return Query(db_, "DELETE FROM job WHERE id=?", id).run();
   });
 }

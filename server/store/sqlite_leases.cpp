@@ -49,7 +49,7 @@ Result<std::optional<LeasedJob>> SqliteStore::lease(const std::string& worker) {
 Result<std::optional<std::string>> SqliteStore::next_queued() {
   const Millis now = steady_now();
   Query raised(db_,
-               // By itself SQLite goes through the whole queue by another index.
+               // Without INDEXED BY, SQLite scans the whole queue with another index.
                "SELECT id FROM job INDEXED BY job_raised WHERE state='queued' AND priority>0"
                " AND (not_before IS NULL OR not_before<=?) ORDER BY priority DESC, id LIMIT 1",
                now);
@@ -64,7 +64,7 @@ Result<std::optional<std::string>> SqliteStore::next_queued() {
               " ORDER BY priority DESC, id LIMIT 1",
               turns.text(0), now);
     VACUFORM_TRY(found, own.row());
-    if (found) return std::optional(own.text(0));  // else all of them rest
+    if (found) return std::optional(own.text(0));  // otherwise all its jobs are resting
   }
 }
 
@@ -77,7 +77,7 @@ Result<bool> SqliteStore::heartbeat(const LeaseKey& key, std::optional<Stage> st
     VACUFORM_TRY(job, holder(key, false));
     std::optional<std::string_view> stage_name;
     if (stage) stage_name = name(*stage);
-    leases_[job.id] = options_.elapsed() + options_.lease;  // without a write, unless there is something new
+    leases_[job.id] = options_.elapsed() + options_.lease;  // without a write, unless something has changed
     progress = std::clamp(progress, 0.0, 1.0);
     if (stage != job.stage || progress != job.stage_progress) {
       VACUFORM_CHECK(
@@ -95,7 +95,7 @@ Result<void> SqliteStore::log(const LeaseKey& key, int first, const std::vector<
     VACUFORM_CHECK(query.row());
     std::int64_t number = first, heard = query.integer(0);
     for (const std::string& line : lines) {
-      if (number++ != heard) continue;  // known already, or others before it are missing
+      if (number++ != heard) continue;  // already known, or lines before it are missing
       if (heard >= most_log_lines) break;
       VACUFORM_CHECK(note(job.id, cleaned(line)));
       ++heard;
@@ -179,8 +179,8 @@ Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std:
   });
 }
 
-// The hash of the lease stays with a job that a worker has ended, so that the same ending under the same token can be
-// answered again. Only a job that has succeeded keeps artifacts: half a set helps nobody.
+// The hash of the lease stays with a job that a worker has ended, so that a repeated request with the same token gets
+// the same answer. Only a job that has succeeded keeps artifacts: an incomplete set is useless.
 Result<void> SqliteStore::apply(const Job& job, const Transition& next) {
   if (!next.changes) return {};
   VACUFORM_CHECK(Query(db_, "UPDATE job SET state=?, attempt=?, losses=?, crashes=? WHERE id=?",
@@ -238,7 +238,7 @@ Result<std::vector<Expired>> SqliteStore::expire_now() {
       next = when_expired(*found, faults, limits(), chance());
     }
     if (!next) {
-      leases_.erase(id);  // only now: a change that ended the lease may have been undone
+      leases_.erase(id);  // only now: the change that ended the lease may have been rolled back
       continue;
     }
     VACUFORM_CHECK(apply(*found, *next));

@@ -1,9 +1,9 @@
-// The store on SQLite. One process and one connection own the database: SQLite before 3.51.3 can lose
-// committed rows in WAL mode when one connection checkpoints while another writes. A file lock keeps a second
-// server out with a plain message, exclusive locking keeps everything else out.
+// The store on SQLite. One process and one connection own the database: SQLite before 3.51.3 can lose committed rows in
+// WAL mode if one connection checkpoints while another writes. A file lock stops a second server with a clear message;
+// exclusive locking stops every other program.
 //
-// sqlite_store.cpp opens it and keeps the blobs, sqlite_jobs.cpp is what users do with jobs, sqlite_leases.cpp what workers
-// do with them, sqlite_tokens.cpp has the tokens, sqlite_backup.cpp copies all.
+// sqlite_store.cpp opens it and stores the blobs, sqlite_jobs.cpp has the operations of users on jobs,
+// sqlite_leases.cpp those of workers, sqlite_tokens.cpp the tokens, sqlite_backup.cpp the copy of everything.
 #pragma once
 
 #include <exception>
@@ -95,7 +95,7 @@ class SqliteStore : public Store {
   Result<std::vector<Expired>> bury(const std::string& worker) override;
 
  private:
-  // Runs `change` in a transaction and returns when that is on the disk; an error of `change` undoes it.
+  // Runs `change` in a transaction and returns when it is on the disk; an error of `change` rolls it back.
   template <class Change>
   auto write(Change change) -> decltype(change()) {
     decltype(change()) result = fail(Code::internal, "the store met a fault of its own", {}, "try again");
@@ -103,7 +103,7 @@ class SqliteStore : public Store {
       const std::size_t ended_before = ended_jobs_.size();
       try {
         result = change();
-      } catch (const std::exception& fault) {  // a bug or no memory: one change fails, the others go on
+      } catch (const std::exception& fault) {  // a bug or out of memory: only this change fails
         result = fail(Code::internal, std::string("the store met a fault of its own: ") + fault.what());
       }
       if (!result) ended_jobs_.resize(ended_before);
@@ -113,14 +113,14 @@ class SqliteStore : public Store {
     return result;
   }
 
-  // After the transaction, the file goes unless a row names it by then.
+  // After the transaction, the file is deleted unless a row names it by then.
   void maybe_garbage(const std::string& sha256) { garbage_.push_back(sha256); }
   void transaction_ended(bool committed);
   void make_room();
   void set_garbage_aside();
-  // Deletes what was set aside, without the lock.
+  // Deletes the files that were moved aside, without the lock.
   void delete_trash();
-  // At the top of a function that may leave files behind: its end deletes them.
+  // At the top of a function that may leave files to delete: they are deleted at its end.
   struct Deletion {
     explicit Deletion(SqliteStore& s) : store(s) {}
     ~Deletion() { store.delete_trash(); }
@@ -129,7 +129,7 @@ class SqliteStore : public Store {
   };
   Result<bool> named(const std::string& sha256);  // whether any row names the blob
 
-  // All of these are for the holder of the lock, those that change something for the body of write().
+  // The caller of all these holds the lock; those that change data are called inside write().
   Result<Job> find(const std::string& id, Detail detail = Detail::full);
   Result<std::vector<std::string>> ids_of(int count, const std::string& before, const JobFilter& filter);
   Result<Token> find_token(const std::string& id);
@@ -151,11 +151,11 @@ class SqliteStore : public Store {
   Result<Faults> faults_of(const std::string& job);
   RetryLimits limits() const { return {options_.losses, options_.crashes, options_.backoff}; }
   Result<std::vector<Expired>> expire_now();
-  // The clock of rests: the wall clock as it was when the store was opened, and what has passed since.
+  // The clock of rests: the wall clock at the time when the store was opened, plus the time elapsed since.
   Millis steady_now() const { return opened_ + options_.elapsed() - opened_elapsed_; }
-  // A line of the job's log, which is news of it.
+  // Adds a line to the job's log, and notifies its waiters.
   Result<void> note(const std::string& job, std::string_view text);
-  Result<void> tell(const std::string& job);  // news without a line
+  Result<void> tell(const std::string& job);  // notifies without a line
 
   StoreOptions options_;
   File lock_;  // released last
@@ -171,16 +171,16 @@ class SqliteStore : public Store {
   std::mutex trash_mutex_;
   std::vector<Trash> trash_;
 
-  // Everything below is touched under commits_.lock() alone.
+  // Everything below is only used under commits_.lock().
   Database db_;
   GroupCommit commits_{db_, [this] { make_room(); }, [this](bool done) { transaction_ended(done); }};
   Millis last_id_time_ = 0;
   std::vector<std::string> garbage_, changed_;
   std::vector<Job> ended_jobs_;           // in this transaction
   std::set<std::string> undeleted_;       // blobs whose files could not be set aside
-  std::map<std::string, Millis> leases_;  // when they end, by job; also of some jobs that have none any more
-  int backups_ = 0;                       // under way; blobs stay until they are done
-  // A commit has failed, so its rows may still be in SQLite's log and come back after a crash. Blobs stay until another
+  std::map<std::string, Millis> leases_;  // when they end, by job; also for some jobs without a lease
+  int backups_ = 0;                       // in progress; blobs stay until they are done
+  // A commit has failed, so its rows may still be in SQLite's log and reappear after a crash. Blobs stay until another
   // commit has overwritten them there.
   bool doubtful_ = false;
   std::int64_t commits_before_doubt_ = 0;

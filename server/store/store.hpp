@@ -1,6 +1,7 @@
-// Jobs and their blobs, kept across crashes. The interface knows no SQL and no HTTP; sqlite_store.hpp stands behind it.
+// Jobs and their blobs, stored across crashes. The interface contains no SQL and no HTTP; sqlite_store.hpp implements
+// it.
 //
-// Promises, each of them tested:
+// Promises, all of them tested:
 //  - What create() returned survives a power cut: the files are flushed before the row that names them commits, and the
 //    row is flushed before create() returns.
 //  - A job has at most one lease. Every write of a worker names the job and the lease's token; when the token is not
@@ -8,22 +9,23 @@
 //    harmless and gives the same answer, so that a worker may repeat a request whose answer it never saw.
 //  - A job shows its artifacts when it has succeeded, and it succeeds only with all artifacts that its kind always has.
 //  - A full disk stops new files and submissions, not the rest: jobs can be deleted, cancelled and ended, and the store
-//    opens (disk_room.hpp).
 //  - Leases and rests are spans of boot_clock(): setting the machine's clock neither ends nor extends them.
-//  - A lease that is not renewed within `lease` ends, and the job is queued again. So it is after faults that a worker
-//    calls its own. Neither is the job's doing: a machine restarts, a disk is full for a while. Only when `losses`
-//    attempts were lost, which with the rests between them takes eight to twenty-five minutes, the job fails with that reason,
-//    for it may be what brings the machine down. A job whose own process broke down `crashes` times fails, and a job
-//    that was refused for its input is never tried again.
-//  - After a fault the job rests: `backoff` the first time, twice as long each further time, at most ten minutes, half as
-//    long to half as long again by chance, so that jobs which failed together do not come back together.
-//  - The queue is fair. A job that was raised above priority 0 goes first, the highest of them, then the oldest. The others
-//    go by turns of their owners: the owner with the fewest running jobs, and of several the one that was served the
-//    longest ago; of an owner's jobs that of the highest priority, then the oldest.
-//  - The queue is bounded: no more than `most_queued` jobs wait, and of one owner no more than `most_queued_by_owner`.
-//  - What open() gives has been read whole and checked against its hash since it was last written and within the last hour.
-//  - Files that no job names are deleted: with the job, or at the next start when a crash came between. What cannot be
-//    deleted is logged and tried again.
+//  - A lease that is not renewed within `lease` ends, and the job is queued again. The same happens after faults that a
+//    worker reports as its own. Neither is caused by the job: a machine restarts, a disk is full for a while. When
+//    `losses` attempts were lost, which with the rests between them takes eight to twenty-five minutes, the job fails
+//    with that reason, because it may be what brings the machine down. A job whose own process crashed `crashes` times
+//    fails, and a job that was refused for its input is never tried again.
+//  - After a fault the job rests: `backoff` the first time, twice as long each further time, at most ten minutes. A
+//    random factor from 0.5 to 1.5 prevents that jobs which failed together return together.
+//  - The queue is fair. Jobs that were raised above priority 0 go first: the highest priority, then the oldest. For the
+//    others the owners take turns: the owner with the fewest running jobs, and of several the one that was served the
+//    longest ago; of an owner's jobs the one with the highest priority, then the oldest.
+//  - The queue is bounded: at most `most_queued` jobs wait, and at most `most_queued_by_owner` of one owner.
+//  - A blob that open() returns has been read completely and checked against its hash since it was last written and
+//    within the last hour.
+//  - Files that no job names are deleted: with the job, or at the next start if a crash came between. A file that
+//    cannot be deleted is logged and tried again.
+// Every function may be called from any thread.
 // Every function may be called from any thread.
 #pragma once
 
@@ -47,7 +49,7 @@
 
 namespace vacuform {
 
-// Which jobs a list shows: those that meet every condition that is set.
+// Which jobs a list contains: those that meet every condition that is set.
 struct JobFilter {
   std::optional<std::string> owner = {};
   std::vector<JobState> states = {};  // any of these; empty: all
@@ -55,7 +57,7 @@ struct JobFilter {
   std::optional<Millis> created_after = {}, created_before = {};  // neither includes the time itself
 };
 
-// How much of a job a list gives: brief leaves out settings, inputs and artifacts, which are most of the work.
+// How much of a job a list contains: brief omits settings, inputs and artifacts, which are most of the work.
 enum class Detail { brief, full };
 
 struct JobPage {
@@ -63,7 +65,7 @@ struct JobPage {
   std::optional<std::string> next;  // cursor of the page after this one
 };
 
-// Who may do what; see tokens.hpp.
+// Access rights; see tokens.hpp.
 struct Token {
   std::string id;     // 16 hexadecimal digits; no secret
   std::string owner;  // whose jobs it sees and makes
@@ -78,7 +80,7 @@ using JobGuard = std::function<bool(const Job& now)>;  // may be called twice
 
 using JobCounts = std::array<std::int64_t, job_state_names.size()>;
 
-// What a worker names in every write.
+// What a worker sends with every write.
 struct LeaseKey {
   std::string job, token;
 };
@@ -102,42 +104,42 @@ struct Expired {
 
 class Store : public UploadTable, public ScanTable, public ProfileTable {
  public:
-  // Starts a file that create() or put_artifact() takes over. Errors here and wherever something is added: disk_full.
+  // Starts a file for create() or put_artifact(). Errors here and in every function that adds something: disk_full.
   virtual Result<Upload> upload(Use use = Use::submission) = 0;
-  // Whether the disk takes a submission with so many bytes. Errors: disk_full.
+  // Whether the disk has space for a submission of so many bytes. Errors: disk_full.
   virtual Result<void> room_for(std::uint64_t bytes) = 0;
-  // A new name for a file of the caller's own; what is left there is deleted at the next start.
+  // A new name for a file of the caller; a file left there is deleted at the next start.
   virtual std::filesystem::path temporary_path() = 0;
-  // A job that was made under the same client key is given in place of a second one; conflict when that key
-  // came with other files or settings. busy: the queue is full. gone: nothing names a blob any more that the job was to share.
-  // `repeated`, where given, says which of the two happened.
+  // If a job was created under the same client key, that job is returned and no second one is created; conflict if that
+  // key came with other files or settings. busy: the queue is full. gone: no row names a blob any more that the job
+  // would share. `repeated`, if given, tells which of the two happened.
   virtual Result<Job> create(NewJob job, bool* repeated = nullptr) = 0;
-  // How long it takes, by the pace at which jobs ended within the last quarter of an hour, until there is room again for
-  // this owner's next job where create() said busy: 1 to 600 seconds, and 60 where too few have ended to tell.
+  // The time until the queue can accept this owner's next job after create() returned busy, from the rate at which jobs
+  // ended within the last quarter of an hour: 1 to 600 seconds, and 60 if too few have ended for an estimate.
   virtual Result<std::int64_t> seconds_until_room(const std::string& owner) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
-  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor begins with the newest.
+  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor starts with the newest.
   virtual Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter = {},
                                Detail detail = Detail::full) = 0;
-  // The owner's newest inspection of these bytes under that extension, or none.
+  // The owner's newest inspection of these bytes with that extension, or nullopt.
   virtual Result<std::optional<Job>> newest_inspection(const StoredScan& scan) = 0;
-  // How many jobs there are in each state, by the state's number. A job whose lease is over counts as what it will be:
+  // The number of jobs in each state, by the state's number. A job whose lease has expired counts in its next state:
   // queued, or cancelled.
   virtual Result<JobCounts> counts() = 0;
-  // A queued job is cancelled at once, a running one when its worker says so; a cancelled one stays so. `allowed`, if
-  // there is one, sees the job as it is when it is changed, and may refuse with false; so in remove().
-  // Errors: not_found; conflict when it has succeeded or failed, or was not allowed.
+  // A queued job is cancelled at once, a running one when its worker reports it; a cancelled one stays cancelled.
+  // `allowed`, if given, gets the job in its state at the change, and may refuse with false; the same applies to
+  // remove(). Errors: not_found; conflict if it has succeeded or failed, or `allowed` refused.
   virtual Result<Job> cancel(const std::string& id, const JobGuard& allowed = {}) = 0;
-  // Errors: not_found; conflict unless the job has ended, or when it was not allowed.
+  // Errors: not_found; conflict unless the job has ended, or if the guard refused.
   virtual Result<void> remove(const std::string& id, const JobGuard& allowed = {}) = 0;
-  // Lines of the job's log after that of this number, at most `limit` (1 to 1000). Errors: not_found.
+  // Lines of the job's log after the given number, at most `limit` (1 to 1000). Errors: not_found.
   virtual Result<std::vector<LogLine>> log_after(const std::string& id, std::int64_t number, int limit) = 0;
-  // The job as soon as its version is greater than this one, or as it is when the time is over. Errors: not_found, also
-  // when it is deleted meanwhile; busy: most_waiters wait already.
+  // Returns the job as soon as its version is greater than the given one, or unchanged when the time is over. Errors:
+  // not_found, also if it is deleted meanwhile; busy: most_waiters are waiting already.
   virtual Result<Job> wait_for_change(const std::string& id, std::int64_t version,
                                       std::chrono::milliseconds time) = 0;
-  // Opens a blob that a job names; it stays readable when the job is deleted meanwhile. Errors: not_found; gone: its bytes
-  // are no longer those that were kept, which is logged.
+  // Opens a blob that a job names; it stays readable if the job is deleted meanwhile. Errors: not_found; gone: its
+  // bytes have changed since they were stored, which is logged.
   virtual Result<File> open(const Blob& blob) = 0;
 
   // Whether a job of this owner has the scan.
@@ -145,40 +147,40 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // The owner and scan of every job, each pair once.
   virtual Result<std::vector<std::pair<std::string, std::string>>> scans_of_jobs() = 0;
 
-  // Conflict when there is one of that id.
+  // Errors: conflict if the id exists.
   virtual Result<void> add_token(const Token& token) = 0;
-  // Also one that has expired or was revoked. Errors: not_found.
+  // Also returns an expired or revoked one. Errors: not_found.
   virtual Result<Token> token(const std::string& id) = 0;
   virtual Result<std::vector<Token>> tokens() = 0;  // oldest first
-  // For good; revoking twice is harmless. Errors: not_found.
+  // Permanent; revoking twice is harmless. Errors: not_found.
   virtual Result<void> revoke_token(const std::string& id) = 0;
 
-  // The job whose turn it is, or none. None, too, while the disk has no room for what a job makes.
+  // The next job of the queue, or nullopt. Also nullopt while the disk has no space for a job's artifacts.
   virtual Result<std::optional<LeasedJob>> lease(const std::string& worker) = 0;
   // The job under a current lease.
   virtual Result<Job> leased(const LeaseKey& key) = 0;
-  // Renews the lease and notes the progress; true when the job shall be cancelled.
+  // Renews the lease and records the progress; true if the job is being cancelled.
   virtual Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) = 0;
-  // Adds lines to the job's log. `first` is the number, within this attempt, of the first of them, from 0: those that
-  // came before are left out, so that a worker may repeat a request whose answer it never saw. An attempt has room for
-  // most_log_lines, each cut to longest_log_line bytes; what is not printable ASCII becomes '?'.
+  // Adds lines to the job's log. `first` is the number of the first one within this attempt, from 0: lines that were
+  // stored before are skipped, so that a worker may repeat a request whose answer it never received. An attempt may
+  // have most_log_lines, each cut to longest_log_line bytes; other characters than printable ASCII become '?'.
   virtual Result<void> log(const LeaseKey& key, int first, const std::vector<std::string>& lines) = 0;
   // A second file under the same name replaces the first.
   virtual Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) = 0;
-  // Ends the attempt: done (cancelled when a cancel came first; conflict when artifacts are missing), failed (queued again as `retry` says and not too
-  // often), cancelled, or given back unharmed. Gives the job as it then is.
+  // Ends the attempt: done (cancelled if a cancel came first; conflict if artifacts are missing), failed (queued again
+  // depending on `retry` and the number of failures), cancelled, or released without an error. Returns the updated job.
   virtual Result<Job> complete(const LeaseKey& key, std::optional<int> serious_warnings = {}) = 0;
   virtual Result<Job> fail_job(const LeaseKey& key, const Error& error, Retry retry) = 0;
   virtual Result<Job> cancelled(const LeaseKey& key) = 0;
   virtual Result<Job> release(const LeaseKey& key) = 0;
-  // Ends the leases whose time is over. Every call of a worker does the same first.
+  // Ends the leases that have expired. Every call of a worker does the same first.
   virtual Result<std::vector<Expired>> expire() = 0;
-  // Ends at once the leases of a worker that is known to be dead, by the name under which it took them.
+  // Ends at once the leases of a worker that is known to be dead, by the name that it used for them.
   virtual Result<std::vector<Expired>> bury(const std::string& worker) = 0;
 
-  // Copies everything into an empty folder while the store is in use: rows as they were at one moment, blobs as hard links
-  // where the disk is the same, each checked against its hash. open_store() opens the copy. `going` may give it up.
-  // Errors: bad_usage (no empty folder of this user's own), unavailable (disk full), cancelled.
+  // Copies everything into an empty folder while the store is in use: rows from one moment, blobs as hard links if the
+  // disk is the same, each checked against its hash. open_store() opens the copy. `going` may cancel it. Errors:
+  // bad_usage (not an empty folder of this user), unavailable (disk full), cancelled.
   virtual Result<BackupReport> backup(const std::filesystem::path& to,
                                       const std::function<bool()>& going) = 0;
 };
@@ -202,13 +204,13 @@ struct StoreOptions {
 
 inline constexpr Millis longest_rest = 15 * 60'000;  // of a job after a fault
 
-// Whether the folder has a store, and the error for one that should.
+// Whether the folder contains a store, and the error for a folder that should.
 bool has_store(const std::filesystem::path& data);
 tl::unexpected<Error> no_store(const std::filesystem::path& data);
 
-// Opens or makes the store in a folder; one process at a time (unavailable when another has it). Jobs that
-// were running when the last server ended keep their leases for another `lease`, so that workers which
-// outlived it can go on. Errors: unavailable, corrupt_file (not a store, or written by a newer version).
+// Opens or creates the store in a folder; one process at a time (unavailable if another has it). Jobs that were running
+// when the last server ended keep their leases for another `lease`, so that workers that are still running can
+// continue. Errors: unavailable, corrupt_file (not a store, or written by a newer version).
 Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options = {});
 
 }  // namespace vacuform

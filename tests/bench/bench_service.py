@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""The service over HTTP, beside what is asked of it on two cores: answers while jobs run, a long queue, a large upload, the store.
+"""Measures the service over HTTP against its targets on two cores: answers while jobs run, a long queue, a large
+upload, the store.
 
     [VACUFORM_BIN=build/tests/bin] tests/bench/bench_service.py [--queued 10000] [--upload-mib 500]
 
-Uses wrk (Debian: wrk) and bench_store. Everything runs on this machine: clients and workers take their share of it.
+Uses wrk (Debian: wrk) and bench_store. Everything runs on this machine, so clients and workers compete with the server.
 
- - status requests a second while two jobs run;
- - jobs submitted, listed and drained over HTTP with 10,000 in the queue: each submission sends the same scan and pattern, and each
-   of 8 simulated workers takes a lease, sends a heartbeat and two small artifacts and completes the job, a connection a request;
- - memory of the server while a scan comes in, first in one form, then in pieces of which the first breaks off;
- - cycles of submission, lease and end a second through the store alone.
+ - status requests per second while two jobs run;
+ - jobs submitted, listed and drained over HTTP with 10,000 in the queue: each submission sends the same scan and
+   pattern. Each of 8 simulated workers takes a lease, sends a heartbeat and two small artifacts and completes the job,
+   one connection per request;
+ - memory of the server while it receives a scan, first in one form, then in pieces, the first of which is interrupted;
+ - cycles of submission, lease and end per second through the store alone.
 """
 import argparse
 import http.client
@@ -32,7 +34,7 @@ from chaos_load import BOUNDARY, form  # noqa: E402
 from harness import BIN, Server  # noqa: E402
 
 HANDS = 8  # clients, then workers
-OWNERS = 10  # one may have a tenth of the queue
+OWNERS = 10  # each may have a tenth of the queue
 MULTIPART, JSON, BYTES = f"multipart/form-data; boundary={BOUNDARY}", "application/json", "application/octet-stream"
 
 
@@ -60,7 +62,7 @@ def admin_of(server):
 
 
 def together(work, shares):
-    """What `work` gives for each share, every one in a process of its own."""
+    """The results of `work` for each share; each share runs in its own process."""
     with multiprocessing.Pool(len(shares)) as hands:
         return hands.starmap(work, shares, 1)
 
@@ -127,7 +129,7 @@ def page_through(server):
 
 
 def work(port, token, _):
-    """Takes jobs until there are none; when each was done."""
+    """Takes jobs until the queue is empty; returns the time when each was done."""
     done = []
     while True:
         lease = ask(port, token, "POST", "/api/v1/leases", b'{"worker":"bench","protocol":2}')
@@ -171,7 +173,7 @@ def long_queue(folder, count):
 
 def large_upload(folder, mib):
     os.environ["VACUFORM_UPLOAD_MIB"] = str(mib)
-    from test_uploads import LargeScan, Uploads, peak_memory  # which read it
+    from test_uploads import LargeScan, Uploads, peak_memory  # which reads it at import
     scan = LargeScan()
     with Server(folder, 0) as server:
         token, before = admin_of(server), peak_memory(server.program.pid)
@@ -190,7 +192,7 @@ def large_upload(folder, mib):
         tus = {"Tus-Resumable": "1.0.0", "Upload-Length": str(scan.size)}
         place = "/api/v1/uploads/" + ask(server.port, token, "POST", "/api/v1/uploads", b"", headers=tus)["id"]
         pieces = Uploads()
-        pieces.send(server, place, 0, scan.size // 2, scan)  # and closes the connection, though the head promised all
+        pieces.send(server, place, 0, scan.size // 2, scan)  # then closes the connection early
         assert pieces.send(server, place, pieces.offset(server, place), scan.size, scan) == 204
         show("The same in pieces, broken off half way and resumed: peak", f"{peak_memory(server.program.pid) >> 20} MiB", "64 MiB")
 

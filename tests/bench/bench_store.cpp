@@ -1,7 +1,7 @@
-// The store alone, without HTTP: how many jobs a second go from submission through a lease to their end, and what a long
-// queue costs. Every answer is durable: SQLite in WAL mode with synchronous=FULL, changes that arrive together share a flush.
+// Measures the store alone, without HTTP: jobs per second from submission through a lease to their end, and the cost of
+// a long queue. Every answer is durable: SQLite in WAL mode with synchronous=FULL; concurrent changes share one flush.
 //
-//   bench_store [FOLDER]      where the store is made (the flush is that folder's disk); default: beside temporary files
+// bench_store [FOLDER]      folder of the store, whose disk is flushed; default: the folder for temporary files
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -37,7 +37,7 @@ void together(int threads, const std::function<void()>& work) {
   for (auto& thread : all) thread.join();
 }
 
-// The files are the same for all, so that rows are measured and not the disk's bandwidth.
+// All jobs use the same files, so the benchmark measures rows and not the disk's bandwidth.
 void submit(Store& store, const Job& model, int thread) {
   NewJob job{.settings = "{}"};
   for (const Input& input : model.inputs) job.add(input.name, input.blob, input.extension);

@@ -1,11 +1,11 @@
-// Runs one entry point over every file of some folders, and then over what becomes of them by chance: bytes turned,
-// numbers made extreme, pieces cut out, doubled and swapped between files. The chance is the same on every machine, so a
-// failure comes again.
+// Runs one entry point over every file of some folders, then over random mutations of them: flipped bits, extreme
+// numbers, pieces cut out, repeated and exchanged between files. The random numbers are the same on every machine, so a
+// failure can be reproduced.
 //
 //   fuzz_replay TARGET SECONDS FOLDER...
 //
-// An input may take ten seconds of the processor and 1 GiB of memory. What takes more, or breaks a promise, ends the
-// program, and the input is left in the working directory as found-TARGET. At the end the ten slowest are listed.
+// An input may use ten seconds of processor time and 1 GiB of memory. An input that uses more, or breaks an assertion,
+// ends the program and is saved in the working directory as found-TARGET. At the end the ten slowest inputs are listed.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -37,7 +37,7 @@ constexpr int most_seconds = 10;
 constexpr rlim_t most_memory = rlim_t{1} << 30;
 constexpr std::size_t largest_input = 1 << 20;
 
-// What a signal handler needs, where it can reach it.
+// Data of the signal handler, global so that the handler can reach it.
 std::array<char, 64> found_file{};
 const Input* running = nullptr;
 
@@ -68,7 +68,7 @@ double processor_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// What ran and how long, in seconds of the processor.
+// What ran and how long, in seconds of processor time.
 struct Run {
   double seconds;
   std::string name;
@@ -85,7 +85,7 @@ Run run(const Target& target, const Input& input, std::string name) {
   return {seconds, std::move(name)};
 }
 
-// Keeps the ten slowest, the slowest first.
+// Keeps the ten slowest runs, the slowest first.
 void remember(std::vector<Run>& slowest, Run r) {
   const auto place = std::find_if(slowest.begin(), slowest.end(),
                                   [&](const Run& other) { return r.seconds > other.seconds; });
@@ -112,7 +112,7 @@ std::vector<Seed> read_seeds(int count, char** folders) {
   return seeds;
 }
 
-// The same numbers everywhere: only mt19937_64 itself is fixed by the standard, its distributions are not.
+// The same numbers on every machine: the standard fixes mt19937_64 itself, but not its distributions.
 class Chance {
  public:
   std::size_t below(std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(engine_() % n); }
@@ -121,7 +121,7 @@ class Chance {
   std::mt19937_64 engine_{20181};
 };
 
-// Turns one thing of the input.
+// Applies one mutation to the input.
 void mutate_once(Input& input, const std::vector<Seed>& seeds, Chance& chance) {
   static constexpr std::array<std::uint32_t, 10> numbers{
       0, 1, 0x7f, 0xff, 0x7fff, 0x7fffffff, 0x80000000, 0xffffffff, 0x7fc00000, 0x7f800000};
@@ -133,29 +133,29 @@ void mutate_once(Input& input, const std::vector<Seed>& seeds, Chance& chance) {
   const std::size_t length = 1 + chance.below(std::min<std::size_t>(input.size() - at + 1, 256));
   const auto end = input.begin() + static_cast<std::ptrdiff_t>(std::min(at + length, input.size()));
   switch (chance.below(7)) {
-    case 0:  // a bit
+    case 0:  // flip a bit
       if (at < input.size()) input[at] ^= static_cast<std::uint8_t>(1u << chance.below(8));
       break;
-    case 1: {  // a number, in either order of bytes
+    case 1: {  // set a number, in either byte order
       std::uint32_t number = numbers[chance.below(numbers.size())];
       if (chance.below(2) == 1) number = __builtin_bswap32(number);
       if (at + 4 <= input.size()) std::memcpy(&input[at], &number, 4);
       break;
     }
-    case 2: {  // a word
+    case 2: {  // insert a word
       const std::string_view word = words[chance.below(words.size())];
       input.insert(place, word.begin(), word.end());
       break;
     }
-    case 3:  // without a piece
+    case 3:  // remove a piece
       input.erase(place, end);
       break;
-    case 4: {  // a piece twice
+    case 4: {  // repeat a piece
       const Input piece(place, end);
       input.insert(input.begin() + static_cast<std::ptrdiff_t>(at), piece.begin(), piece.end());
       break;
     }
-    case 5: {  // a piece of another input
+    case 5: {  // insert a piece of another input
       const Input& other = seeds[chance.below(seeds.size())].bytes;
       const std::size_t from = chance.below(other.size() + 1);
       const std::size_t n = std::min(length, other.size() - from);
@@ -163,7 +163,7 @@ void mutate_once(Input& input, const std::vector<Seed>& seeds, Chance& chance) {
       input.insert(place, piece, piece + static_cast<std::ptrdiff_t>(n));
       break;
     }
-    default:  // the end is missing
+    default:  // cut off the end
       if (chance.below(4) == 0) input.resize(at);
   }
 }

@@ -1,21 +1,23 @@
-"""Kills the service at random under load, and checks through the API alone that nothing it accepted is lost or done twice.
+"""Kills the service at random under load, and checks through the API alone that no accepted job is lost or done twice.
 
     VACUFORM_BIN=build/tests/bin tests/integration/chaos.py [--kills 200] [--seed 1] [--pause 3] [--open 3]
 
-A real server runs with a local worker, and another worker stands beside it as if on another machine. Eight clients, each with a
-token and an owner of its own, keep some jobs each open (chaos_load.py), most of them such that succeed when they are left alone,
-submitted under an Idempotency-Key of their own and again under the same key until they are answered. Meanwhile the server, the
-workers and the processes of the jobs are killed (SIGKILL) one at a time, and started again. Workers are also frozen beyond their
-lease and woken again.
+A real server runs with a local worker; a second worker runs next to it as if on another machine. Eight clients, each
+with its own token and owner, keep some jobs each open (chaos_load.py). Most of these jobs succeed if nothing interrupts
+them. Each is submitted under its own Idempotency-Key, and again under the same key until the server answers. Meanwhile
+the server, the workers and the processes of the jobs are killed (SIGKILL) one at a time, and restarted. Workers are
+also frozen for longer than their lease and resumed.
 
-What must hold (chaos_ledger.py):
- - every submission that was answered with 202 is one job, found once in the list, and every job in the list is one of them;
- - a key submitted again gives that job and no other;
- - every job ends; what was once seen to have ended never changes again, neither its state nor its time nor its artifacts;
- - a job ends as it deserves: it succeeds, or is refused for a bad scan, or was cancelled. That machine, server and worker were
-   killed under it is no reason to fail, unless ten times; that its own process died twice is one; and its log says so;
- - the artifacts of a job that succeeded are one whole set with the digests that the job names, and the same bytes for every job
-   that was asked for the same.
+The run checks (chaos_ledger.py):
+ - every submission that was answered with 202 is one job, found once in the list, and every job in the list is one of
+   them;
+ - a key that is submitted again returns the same job;
+ - every job ends; after its end neither its state nor its time nor its artifacts change;
+ - every job has the expected end: it succeeds, is refused for a bad scan, or was cancelled. A job does not fail because
+   a machine, server or worker was killed, unless that happened ten times. It does fail if its own process died twice.
+   Its log says so;
+ - the artifacts of a job that succeeded are one complete set with the digests that the job names, and all jobs with the
+   same request have the same bytes.
 """
 import argparse
 import json
@@ -49,7 +51,7 @@ class Chaos:
     def guarded(self, work):
         try:
             work()
-        except Exception as fault:  # told by run(), on the main thread
+        except Exception as fault:  # reported by run(), on the main thread
             self.faults.append(f"{type(fault).__name__}: {fault}")
 
     def start_remote(self):
@@ -69,7 +71,7 @@ class Chaos:
         return [*children(self.server.program.pid), self.remote.pid]
 
     def kill_one(self):
-        due = [what for what, times in self.kills.items() if times == 0]  # even the shortest run has one of each
+        due = [what for what, times in self.kills.items() if times == 0]  # even the shortest run kills each once
         (what,) = due[:1] or self.random.choices(list(VICTIMS), VICTIMS.values())
         if what == "server":
             self.server.stop(signal.SIGKILL)
@@ -95,7 +97,7 @@ class Chaos:
             os.kill(pid, signal.SIGKILL)
 
     def freeze(self, worker):
-        """Stops a worker and its job for longer than its lease, then lets it go on."""
+        """Stops a worker and its job for longer than its lease, then resumes them."""
         everyone = [worker, *children(worker)]
         for pid in everyone:
             os.kill(pid, signal.SIGSTOP)
@@ -105,7 +107,7 @@ class Chaos:
                 os.kill(pid, signal.SIGCONT)
 
     def run(self, kills):
-        """The figures, after a run in which everything held."""
+        """The figures, after a run in which every check passed."""
         self.server.start()
         self.start_remote()
         admin = Api(self.server.port, self.server.token_file.read_text().strip())

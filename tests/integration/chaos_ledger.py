@@ -1,4 +1,5 @@
-"""What a service under chaos has accepted, what was seen of it, and whether that is what it promised. Reads the API and nothing else."""
+"""Records what a service under chaos accepted and what was seen of it, and checks it against the promises. Reads only
+the API."""
 import hashlib
 import json
 import threading
@@ -6,14 +7,14 @@ import threading
 from harness import PATIENCE, wait_for
 
 ENDED = ("succeeded", "failed", "cancelled")
-ENDINGS = ("succeeded", "cancelled", "refused", "crashed twice", "lost ten times")  # what the figures count
-# In the log of a job, each time that it was tried again.
+ENDINGS = ("succeeded", "cancelled", "refused", "crashed twice", "lost ten times")  # the categories of the figures
+# The message in the log of a job for each retry.
 BROKE_DOWN = "its process broke down, queued again"
 LOST = ("its worker was lost, queued again", "its worker met a fault of its own, queued again")
 
 
 class Ledger:
-    """From any thread. A promise that is broken is an AssertionError."""
+    """Can be used from any thread. Raises AssertionError for a broken promise."""
 
     def __init__(self):
         self.wishes, self.ends, self.versions, self.attempts = {}, {}, {}, {}  # by the job's id
@@ -25,7 +26,7 @@ class Ledger:
             self.wishes[job] = wish
 
     def see(self, api, job):
-        """Whether the job has ended, or nobody knows at the moment. What was seen once must stay."""
+        """Whether the job has ended; False if the service does not answer. An end that was seen once must not change."""
         found = api.job(job)
         if not found:
             return False
@@ -42,7 +43,7 @@ class Ledger:
         return end is not None
 
     def check(self, api):
-        """Waits until all jobs have ended, then compares what was promised with what is there. Gives the figures."""
+        """Waits until all jobs have ended, then compares the promises with the API. Returns the figures."""
         jobs = list(self.wishes)
         wait_for(lambda: all([self.see(api, job) for job in jobs if job not in self.ends]), "the end of all jobs",
                  patience=PATIENCE + 5 * len(jobs), pause=0.5)
@@ -61,7 +62,7 @@ class Ledger:
         return figures
 
     def sort_of(self, api, job):
-        """How the job ended, which must be an end that it deserves."""
+        """How the job ended; it must be one of the expected ends."""
         wish, (state, _, artifacts) = self.wishes[job], self.ends[job]
         names = [name for name, _ in artifacts]
         if state == "succeeded":
@@ -75,8 +76,8 @@ class Ledger:
         if problem["type"] == "/problems/unusable-scan":
             assert wish.may("be refused"), (wish, job, problem)
             return "refused"
-        # All else was killed from outside. Of that only the second death of the job's own process may end it, or the
-        # tenth of a worker that ran it.
+        # Everything else was killed from outside. Of these kills only the second death of the job's own process may end
+        # it, or the tenth of a worker that ran it.
         log = [line["text"] for line in api.log(job)]
         crashed, lost = log.count(BROKE_DOWN) == 1, sum(map(log.count, LOST)) == 9
         assert problem["type"] == "/problems/internal" and (crashed or lost) or problem["type"] == "/problems/out-of-time" and crashed, (
@@ -84,7 +85,7 @@ class Ledger:
         return "lost ten times" if "workers were lost" in problem["what"] else "crashed twice"
 
     def check_results(self, api, jobs):
-        """One wish, one result, however often it was interrupted; and the bytes are those that the job names."""
+        """One request has one result, however often it was interrupted; and the bytes are those that the job names."""
         first = {}
         for job in jobs:
             results = self.ends[job][2]

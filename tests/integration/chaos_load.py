@@ -1,4 +1,5 @@
-"""What a service under chaos is asked for: prints, prints derived from others, inspections, bad scans, and jobs that are cancelled."""
+"""The load on a service under chaos: prints, prints derived from others, inspections, bad scans, and jobs that are
+cancelled."""
 import http.client
 import json
 import pathlib
@@ -16,7 +17,7 @@ BOUNDARY = "chaos"
 
 
 def form(scan, pattern, fields):
-    """The body of a submission; no pattern where it is None."""
+    """The body of a submission; without a pattern if that is None."""
     parts = [("scan", "a.stl", scan), ("pattern", "a.svg", pattern), *((name, "", text.encode()) for name, text in fields.items())]
     return b"".join(f'--{BOUNDARY}\r\nContent-Disposition: form-data; name="{name}"'.encode() +
                     (f'; filename="{file}"'.encode() if file else b"") + b"\r\n\r\n" + data + b"\r\n"
@@ -24,7 +25,7 @@ def form(scan, pattern, fields):
 
 
 class Api:
-    """Requests under one token that give None where the service is not there to answer."""
+    """Requests under one token that return None if the service does not answer."""
 
     def __init__(self, port, token):
         self.port, self.token = port, token
@@ -41,7 +42,7 @@ class Api:
             connection.close()
 
     def insist(self, *request):
-        """The first answer that is not "not now"."""
+        """The first answer other than "not now"."""
         until = time.monotonic() + PATIENCE
         while time.monotonic() < until:
             answer = self.ask(*request)
@@ -74,7 +75,7 @@ class Api:
 
 
 class Wish:
-    """One submission under a key of its own. `same`: what it has in common with wishes that give the same result."""
+    """One submission under its own key. `same`: what it has in common with requests that give the same result."""
 
     def __init__(self, api, kind, same, ends=("succeed",), artifacts=PRINT):
         self.api, self.kind, self.same, self.ends, self.artifacts = api, kind, same, ends, artifacts
@@ -88,14 +89,14 @@ class Wish:
         return end in self.ends
 
     def submit(self, _=None):
-        """The id of the job under the key, made now or earlier. Repeated until it is answered."""
+        """The id of the job under the key, created now or earlier. Repeated until the server answers."""
         status, body = self.api.insist("POST", "/api/v1/jobs", self.body(), {"Content-Type": self.type, "Idempotency-Key": self.key})
         assert status in (200, 202), (self, status, body[:500])
         return json.loads(body)["id"]
 
 
 class Client:
-    """A station that always waits for `most` jobs. Everything it does follows from the seed, but for when."""
+    """A station that always waits for `most` jobs. The seed determines everything it does, except the times."""
 
     def __init__(self, api, scans, ledger, seed, most):
         self.api, self.scans, self.ledger, self.most = api, scans, ledger, most
@@ -129,7 +130,7 @@ class Client:
     def cancel(self, job):
         answer = self.api.ask("POST", f"/api/v1/jobs/{job}/cancel")
         if answer:
-            assert answer[0] in (200, 202, 409), answer  # 409: it has ended
+            assert answer[0] in (200, 202, 409), answer  # 409: the job has ended
             del self.cancels[job]
 
     def print(self, kind="print", ends=("succeed",)):

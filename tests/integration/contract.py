@@ -1,7 +1,7 @@
-"""Holds exchanges with the API against api/openapi.yaml: every route, parameter, status, media type and JSON body.
+"""Checks exchanges with the API against api/openapi.yaml: every route, parameter, status, media type and JSON body.
 
-A small validator of our own for the part of JSON Schema that the description uses; a keyword that it does not know is a
-fault of the test, not something to pass over.
+A small validator for the part of JSON Schema that the description uses; an unknown keyword is an error of the test and
+is not skipped.
 """
 import dataclasses
 import email
@@ -21,7 +21,7 @@ TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": 
 
 
 class Broken(AssertionError):
-    """The service does not do what it says."""
+    """The service does not match its description."""
 
 
 @dataclasses.dataclass
@@ -45,9 +45,9 @@ class Contract:
         for path in sorted(self.root["paths"], key=lambda p: p.count("{")):
             pattern = re.sub(r"\\\{\w+\\\}", "[^/]+", re.escape(path))
             self.routes.append((re.compile(pattern), path, self.root["paths"][path]))
-        # Headers that mean something to some operation mean nothing to those that do not describe them.
+        # Headers that some operation describes are ignored by the operations that do not.
         self.special_headers = {p["name"].lower() for p in self.all_parameters() if p["in"] == "header"}
-        self.taken = set()  # operations of which a request was taken
+        self.taken = set()  # operations that accepted a request
 
     def all_parameters(self):
         for item in self.root["paths"].values():
@@ -140,7 +140,7 @@ class Contract:
                     self.check_value(value[name], rule, f"{where}.{name}")
 
     def operation(self, method, path):
-        """The operation, its parameters and where it stands; None when nothing like it is described."""
+        """The operation, its parameters and its place in the description; None if no operation matches."""
         method = "get" if method == "HEAD" else method.lower()
         for pattern, template, item in self.routes:
             if pattern.fullmatch(path) and method in item:
@@ -150,8 +150,8 @@ class Contract:
         return None
 
     def check(self, method, url, sent, status, headers, body, asked=None):
-        """One exchange. `sent`: headers of the request, names in lower case; `asked`: its body, bytes or a list of Parts;
-        `headers`, `body`: those of the answer."""
+        """One exchange. `sent`: headers of the request, names in lower case; `asked`: its body, bytes or a list of
+        Parts; `headers`, `body`: those of the answer."""
         parts = urllib.parse.urlsplit(url)
         path = urllib.parse.unquote(parts.path)
         if not path.startswith("/api/") and path != "/healthz":
@@ -168,7 +168,7 @@ class Contract:
         self.check_answer(operation, where, method, status, headers, body)
 
     def check_request(self, operation, parameters, query, sent, asked, where):
-        """Only of requests that were taken: what was refused may have broken any rule, and what was taken none."""
+        """Checks accepted requests only: a refused request may have broken any rule, an accepted one none."""
         known = {p["name"]: p for p in parameters if p["in"] == "query"}
         for name, values in urllib.parse.parse_qs(query, keep_blank_values=True).items():
             if name not in known:
@@ -187,7 +187,7 @@ class Contract:
         self.check_body(self.resolved(operation.get("requestBody")), sent, asked, where)
 
     def check_text(self, text, schema, where):
-        """A parameter, which is a text on the wire, as what its schema wants."""
+        """A parameter, which is text on the wire, converted to the type of its schema."""
         kind = self.resolved(schema).get("type")
         if kind == "integer":
             if not re.fullmatch(r"-?[0-9]+", text):
@@ -258,7 +258,7 @@ class Contract:
 
 
 def parts_of(content_type, body):
-    """The parts of a form that was put together by hand."""
+    """The parts of a form that was assembled by hand."""
     text = b"Content-Type: " + content_type.encode() + b"\r\n\r\n" + body
     message = email.message_from_bytes(text, policy=email.policy.HTTP)
     return [Part(p.get_param("name", header="content-disposition"), p.get_payload(decode=True) or b"",
@@ -266,18 +266,18 @@ def parts_of(content_type, body):
 
 
 def part_of(word):
-    """A part of a form as curl's -F says it: name=text, name=@file, name=<file with text."""
+    """A part of a form in the syntax of curl's -F: name=text, name=@file, name=<file with text."""
     name, _, value = word.partition("=")
     if value.startswith(("@", "<")):
         path = pathlib.Path(re.split(r";(?:type|filename)=", value[1:])[0])
-        # Of a file the contract knows that it is one.
+        # The contract only knows that the part is a file.
         return Part(name, b"" if value[0] == "@" else path.read_bytes(), value[0] == "@")
     return Part(name, value.encode(), False)
 
 
 def of_curl(words):
-    """Method, URL, headers and body (bytes, or a list of Parts) of a request as curl's words say them; no URL: nothing to
-    check."""
+    """Method, URL, headers and body (bytes, or a list of Parts) of a request from curl's arguments; without a URL there
+    is nothing to check."""
     method, url, headers, body, kind = None, None, {}, None, None
     words = [str(w) for w in words]
     for word, after in zip(words, words[1:] + [""]):

@@ -1,6 +1,6 @@
-"""What the integration tests share: the real programs, curl, free ports, a folder of their own, and polling.
+"""Shared parts of the integration tests: the real programs, curl, free ports, a folder per test, and polling.
 
-Run by ctest, which says where the programs are (VACUFORM_BIN).
+Run by ctest, which passes the folder of the programs (VACUFORM_BIN).
 """
 import contextlib
 import fcntl
@@ -18,25 +18,25 @@ import unittest
 from contract import Contract, of_curl
 
 BIN = pathlib.Path(os.environ["VACUFORM_BIN"])
-CONTRACT = Contract()  # every exchange by curl() is held against it
+CONTRACT = Contract()  # every exchange by curl() is checked against it
 PATTERNS = pathlib.Path(__file__).resolve().parents[1] / "data" / "patterns"
-PATIENCE = 240  # seconds that anything may take on a busy machine
+PATIENCE = 240  # seconds that any operation may take on a busy machine
 
 
-# The artifacts without which no print succeeds.
+# The artifacts that every successful print has.
 DUE_ARTIFACTS = {"print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png",
                  "preview-with.png", "preview-views.png", "preview-anisotropy.png", "preview-area.png", "preview-thickness.png",
                  "preview-findings.png", "formed.ply", "formed.obj", "formed.mtl", "uv-map.obj", "mold.stl", "report.json",
                  "report.html"}
 
 
-PORTS = pathlib.Path(tempfile.gettempdir()) / "vacuform-test-ports"  # one locked file for each port that a test has
+PORTS = pathlib.Path(tempfile.gettempdir()) / "vacuform-test-ports"  # one locked file for each port that a test uses
 held_ports = contextlib.ExitStack()
 
 
 def free_port(count=1):
-    """The first of `count` free ports in a row, which no other test gets as long as this process lives. They lie below those
-    from which the kernel takes the near ends of connections."""
+    """The first of `count` consecutive free ports, reserved for this process as long as it runs. They are below the
+    range from which the kernel takes the local ports of connections."""
     with contextlib.suppress(FileExistsError):
         PORTS.mkdir()
         PORTS.chmod(0o1777)
@@ -52,7 +52,7 @@ def free_port(count=1):
 
 
 def wait_for(condition, what, patience=PATIENCE, pause=0.05):
-    """Polls until `condition` gives something true, and gives that."""
+    """Polls until `condition` returns something true, and returns that."""
     until = time.monotonic() + patience
     while time.monotonic() < until:
         value = condition()
@@ -63,7 +63,7 @@ def wait_for(condition, what, patience=PATIENCE, pause=0.05):
 
 
 def runs(pid):
-    """Whether a process runs; a zombie does not."""
+    """Whether a process is running; a zombie is not."""
     try:
         return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
     except (FileNotFoundError, ProcessLookupError):
@@ -71,7 +71,7 @@ def runs(pid):
 
 
 def children(pid):
-    """The processes that `pid` has started and that run."""
+    """The running processes that `pid` has started."""
     found = []
     for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
@@ -81,11 +81,11 @@ def children(pid):
     return found
 
 
-TOKEN_FILES = {}  # by the address of a server that a test started, the file of its administrator's token
+TOKEN_FILES = {}  # the file of the administrator's token, by the address of a server that a test started
 
 
 def signed(words):
-    """The words of curl with the token of the server that they go to, unless they bring their own."""
+    """The arguments of curl with the token of the addressed server, unless they contain one."""
     if any(str(w).startswith(("Authorization:", "Cookie:")) for w in words):
         return words
     for url, file in TOKEN_FILES.items():
@@ -95,7 +95,7 @@ def signed(words):
 
 
 def vacuform(*words, **options):
-    """Runs `vacuform` to its end, with the token of the server that it speaks to in its environment."""
+    """Runs `vacuform` to its end, with the token of the addressed server in its environment."""
     environment = dict(os.environ)
     for url, file in TOKEN_FILES.items():
         if url in words:
@@ -117,7 +117,7 @@ class Response:
 
 
 def curl(*words, patience=PATIENCE):
-    """One request by curl, signed: the last response's status, headers (names in lower case) and body."""
+    """One authenticated request by curl: the last response's status, headers (names in lower case) and body."""
     words = signed(words)
     with tempfile.TemporaryDirectory() as folder:
         head, body = pathlib.Path(folder, "head"), pathlib.Path(folder, "body")
@@ -127,7 +127,7 @@ def curl(*words, patience=PATIENCE):
             raise ConnectionError(done.stderr.strip())
         last = head.read_text().strip().split("\n\n")[-1] if head.exists() else ""
         lines = [line.rstrip("\r") for line in last.splitlines()]
-        for i, line in enumerate(lines):  # curl keeps the heads of interim responses too
+        for i, line in enumerate(lines):  # curl also prints the heads of interim responses
             if line.startswith("HTTP/"):
                 start = i
         headers = {}
@@ -143,7 +143,7 @@ def curl(*words, patience=PATIENCE):
 
 
 class Program:
-    """A program of ours that runs beside the test; its standard error is kept in a file."""
+    """A program of the project that runs beside the test; its standard error is stored in a file."""
 
     def __init__(self, words, log):
         self.log = log
@@ -159,7 +159,7 @@ class Program:
         return self.process.wait(timeout=PATIENCE)
 
     def end(self, number=signal.SIGTERM):
-        """Ends it and gives its exit status (negative: the signal)."""
+        """Ends it and returns its exit status (negative: the signal)."""
         if self.process.poll() is None:
             with contextlib.suppress(ProcessLookupError):
                 self.send(signal.SIGCONT)
@@ -171,7 +171,7 @@ class Program:
 
 
 class Case(unittest.TestCase):
-    """A test with a folder of its own, in which nothing of it outlives it."""
+    """A test with its own folder, which is removed at the end of the test."""
 
     @classmethod
     def setUpClass(cls):
@@ -187,7 +187,7 @@ class Case(unittest.TestCase):
 
 
 class Server:
-    """The real vacuform-server on a port of its own; `workers` are its children."""
+    """The real vacuform-server on its own port; `workers` are its children."""
 
     def __init__(self, folder, workers=2, options=()):
         self.folder = folder
@@ -241,7 +241,7 @@ class Server:
         return answer.json
 
     def wait(self, job, condition=lambda j: j["state"] in ("succeeded", "failed", "cancelled"), what="the end of a job"):
-        """The job once the condition holds."""
+        """Waits until the condition holds and returns the job."""
         def look():
             found = self.job(job)
             return found if condition(found) else None

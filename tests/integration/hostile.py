@@ -1,4 +1,5 @@
-"""Files that mean harm or are merely broken, made byte by byte. Each is a function, so that big ones are made when used."""
+"""Hostile and broken files, assembled byte by byte. Each is a function, so that large ones are only built when they are
+used."""
 import json
 import math
 import struct
@@ -6,7 +7,7 @@ import zlib
 
 
 def dome(radius=45.0, n=24, rows=8):
-    """A closed half ball that stands on its flat side: what a good scan looks like. Points and triangles, outwards."""
+    """A closed hemisphere on its flat side, like a good scan. Points and triangles, facing outwards."""
     points = []
     for i in range(rows):
         a = math.pi / 2 * i / rows
@@ -91,11 +92,11 @@ NAN, INF = float("nan"), float("inf")
 
 
 def moved(triangles, place):
-    """The triangles with their first corner put somewhere."""
+    """The triangles, with their first corner moved to the given point."""
     return [(place, *triangles[0][1:]), *triangles[1:]]
 
 
-# name: (type of the problem or None where it is none, words of its text, extension, bytes)
+# name: (type of the problem or None without a problem, part of its text, extension, bytes)
 SCANS = {
     "binary STL whose count wraps in 32 bits": ("corrupt-file", "85899346 triangles, which take 4294967384 bytes, but it has 88", "stl", lambda: stl([dome_triangles()[0]], count=85899346)[:88]),
     "binary STL that is cut short": ("corrupt-file", "384 triangles, which take 19284 bytes, but it has 19224", "stl", lambda: stl(dome_triangles())[:-60]),

@@ -55,7 +55,7 @@ def ply_big_endian(mesh):
 
 
 def strips(triangles):
-    """Triangle strips, in which every other triangle is turned, joined by -1."""
+    """Triangle strips, in which every other triangle is flipped, joined by -1."""
     left = {}
     for number, t in enumerate(triangles):
         for k in range(3):
@@ -107,7 +107,7 @@ def glb(mesh):
             + struct.pack("<I4s", len(data), b"BIN\0") + data)
 
 
-# By the name of a format: the extension and the writer.
+# The extension and the writer, by the name of the format.
 FORMATS = {"stl": ("stl", stl), "stl text": ("stl", stl_text), "obj": ("obj", obj), "off": ("off", off),
            "ply": ("ply", ply), "ply text": ("ply", ply_text), "ply big-endian": ("ply", ply_big_endian),
            "ply strips": ("ply", ply_strips), "glb": ("glb", glb)}

@@ -1,14 +1,14 @@
 """Bodies of known shape for made-up scans: heads, busts, figurines, and boxes with fins and spikes.
 
-All are in mm, upright along +z, with the face towards +y and the lowest point at z = 0. A mesh is (vertices, triangles):
-points as tuples and triples of indices, closed and facing outwards. Smooth bodies are unions of simple solids, each given by
-a function that is negative inside, and are meshed by marching tetrahedra (Doi and Koide 1991).
+All are in mm, upright along +z, with the face towards +y and the lowest point at z = 0. A mesh is (vertices,
+triangles): points as tuples and triples of indices, closed and facing outwards. Smooth bodies are unions of simple
+solids. Each solid is a function that is negative inside; marching tetrahedra mesh it (Doi and Koide 1991).
 """
 import math
 
 
 def ellipsoid(centre, radii):
-    """The distance to an ellipsoid to first order: exact in sign, and close to the surface."""
+    """The distance to an ellipsoid to first order: exact in sign, and accurate near the surface."""
     (cx, cy, cz), (rx, ry, rz) = centre, radii
     ax, ay, az = 1 / rx, 1 / ry, 1 / rz
 
@@ -22,7 +22,7 @@ def ellipsoid(centre, radii):
 
 
 def capsule(a, b, radius, radius_b=None):
-    """A rod with round ends, tapered where two radii are given."""
+    """A rod with round ends, tapered if two radii are given."""
     dx, dy, dz = (b[k] - a[k] for k in range(3))
     squared, grow = dx * dx + dy * dy + dz * dz, (radius if radius_b is None else radius_b) - radius
 
@@ -68,13 +68,13 @@ class Marching:
         value = self.values.get(node)
         if value is None:
             value = self.distance(*self.place(node))
-            if abs(value) < 0.02 * self.cell:  # no vertex on top of another
+            if abs(value) < 0.02 * self.cell:  # no vertices at the same point
                 value = math.copysign(0.02 * self.cell, value)
             self.values[node] = value
         return value
 
     def block(self, at, count):
-        """Goes into the cubes near the surface only."""
+        """Visits only the cubes near the surface."""
         half = count / 2
         middle = tuple(self.low[k] + (at[k] + half) * self.cell for k in range(3))
         if abs(self.distance(*middle)) > 2.2 * half * self.cell:
@@ -119,7 +119,7 @@ class Marching:
         return number
 
     def add(self, corners, inner):
-        """The polygon, turned away from a point inside."""
+        """The polygon, facing away from a point inside."""
         a, b, c = (self.vertices[n] for n in corners[:3])
         u, v, w = ([q[k] - a[k] for k in range(3)] for q in (b, c, inner))
         volume = (u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2])
@@ -131,7 +131,7 @@ class Marching:
 
 
 def meshed(distance, low, high, cell):
-    """The surface of a body that lies between two corners."""
+    """The surface of a body between two corners."""
     count = 1
     while count * cell < max(high[k] - low[k] for k in range(3)) + 2 * cell:
         count *= 2
@@ -145,7 +145,7 @@ def scaled(mesh, factor):
 
 
 def head_parts(chance, lift=0.0):
-    """A skull, a face with nose and chin, two ears and a neck, `lift` mm above their place."""
+    """A skull, a face with nose and chin, two ears and a neck, raised by `lift` mm."""
     wide, deep, nose, ear = (chance.uniform(*r) for r in ((68, 80), (84, 100), (5, 16), (3, 14)))
     parts = [ellipsoid((0, -5, 148 + lift), (wide, deep, 80)), ellipsoid((0, 22, 105 + lift), (0.75 * wide, 66, 72)),
              capsule((0, 84, 122 + lift), (0, 86 + nose, 100 + lift), 7, 10), ellipsoid((0, 62, 52 + lift), (26, 24, 18)),
@@ -217,7 +217,7 @@ def block(low, high, cell):
 
 
 def spike(x, y, z, radius, height, sectors=16):
-    """A closed cone that begins 2 mm under the height z."""
+    """A closed cone that starts 2 mm below the height z."""
     around = [(x + radius * math.cos(2 * math.pi * k / sectors), y + radius * math.sin(2 * math.pi * k / sectors), z - 2)
               for k in range(sectors)]
     triangles = []
@@ -228,7 +228,7 @@ def spike(x, y, z, radius, height, sectors=16):
 
 
 def box(chance):
-    """A block, in some cases higher than wide, with fins and spikes on its top, each a closed body of its own."""
+    """A block, in some cases higher than wide, with fins and spikes on its top, each a separate closed body."""
     w, d, h = chance.uniform(60, 150), chance.uniform(50, 120), chance.uniform(20, 90)
     bodies = [block((-w / 2, -d / 2, 0), (w / 2, d / 2, h), 7)]
     for _ in range(chance.randint(0, 3)):

@@ -1,5 +1,5 @@
-"""The known attacks on a service like this one, against the running program with two workers. None gets anywhere; the server's
-memory stays below 300 MiB, and /healthz answers within a second, all the time."""
+"""Known attacks on a service of this kind, against the running program with two workers. None succeeds; the server's
+memory always stays below 300 MiB, and /healthz always answers within a second."""
 import contextlib
 import http.client
 import json
@@ -18,7 +18,8 @@ MOST_SECONDS = 1
 
 
 class Health(threading.Thread):
-    """Asks /healthz over and over; `worst` is the longest that it took, `wrong` whatever was no answer."""
+    """Requests /healthz repeatedly; `worst` is the longest time it took, `wrong` lists everything that was not a valid
+    answer."""
 
     def __init__(self, port):
         super().__init__(daemon=True)
@@ -46,14 +47,14 @@ class Attacks(Case):
         super().setUpClass()
         port_file = cls.folder / "status-port"
         cls.server = cls.enterClass(Server(cls.folder, 2, ["--status-port-file", port_file]))
-        wait_for(port_file.exists, "the port of the other listener")  # it is told when the first one answers already
+        wait_for(port_file.exists, "the port of the other listener")  # it is written after the first listener answers
         cls.status_port = int(port_file.read_text())
         cls.health = Health(cls.status_port)
         cls.health.start()
         cls.token = cls.server.token_file.read_text().strip()
 
     def tearDown(self):
-        """What holds all the time."""
+        """Conditions that hold during every attack."""
         self.assertEqual(self.health.wrong, [])
         self.assertLess(self.health.worst, MOST_SECONDS)
         memory = pathlib.Path(f"/proc/{self.server.program.pid}/status").read_text()
@@ -73,7 +74,7 @@ class Attacks(Case):
                             *lines, "", ""]).encode()
 
     def talk(self, *pieces):
-        """Sends the pieces as long as the server takes them, and gives all that it answers."""
+        """Sends the pieces as long as the server accepts them, and returns its whole answer."""
         with self.connected() as connection:
             answer = []
 
@@ -81,9 +82,9 @@ class Attacks(Case):
                 with contextlib.suppress(ConnectionError):
                     while piece := connection.recv(65536):
                         answer.append(piece)
-            listener = threading.Thread(target=listen)  # while it sends: a reset throws away what nobody has read
+            listener = threading.Thread(target=listen)  # reads while it sends: a reset discards unread bytes
             listener.start()
-            with contextlib.suppress(OSError):  # it had enough, and is gone
+            with contextlib.suppress(OSError):  # the server closed the connection early
                 for piece in pieces:
                     connection.sendall(piece)
                 connection.shutdown(socket.SHUT_WR)
@@ -127,7 +128,7 @@ class Attacks(Case):
             for first in ("POST /nowhere", "POST /api/v1/jobs", "GET /healthz"):
                 with self.subTest(lines=lines, first=first):
                     answer = self.talk(self.head(first, "Connection: keep-alive", *lines) + hidden)
-                    # None where the unread bytes broke the connection before it was read.
+                    # None if the unread bytes reset the connection before the answer was read.
                     self.assertLessEqual(answer.count(b"HTTP/1.1 "), 1, answer)
         self.assertEqual(self.jobs(), before)
 
@@ -140,7 +141,7 @@ class Attacks(Case):
                                               "Content-Length: 1000000") + self.form()[:200] if i % 2 else b"GET / HTTP/1.1\r\nHo")
             begun = time.monotonic()
             self.assertEqual(curl(self.server.url + "/healthz").status, 200)
-            self.assertLess(time.monotonic() - begun, 15)  # of the busy listener; that of health is looked at in tearDown
+            self.assertLess(time.monotonic() - begun, 15)  # on the busy listener; tearDown checks the health listener
             time.sleep(3)
         finally:
             for connection in stalled:
@@ -164,7 +165,7 @@ class Attacks(Case):
         wrong = "vft_" + "0" * 60
         statuses = [self.talk(self.head("GET /api/v1/jobs", f"REMOTE_ADDR: 6.6.6.{i}", f"X-Forwarded-For: 6.6.6.{i}", token=wrong))[9:12]
                     for i in range(40)]
-        self.assertIn(b"429", statuses)  # guesses are counted, wherever they say they come from
+        self.assertIn(b"429", statuses)  # guesses are counted, whatever source address they claim
         self.assertNotIn("6.6.6.", self.server.program.says())
 
     def test_a_file_name_adds_no_header_and_no_path(self):

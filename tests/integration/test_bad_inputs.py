@@ -1,5 +1,5 @@
 """Hostile and broken files and requests through the API: each ends with its own type of problem and a message that says
-what, where and how to fix it; the service goes on."""
+what is wrong, where, and how to fix it; the service keeps running."""
 import socket
 import unittest
 
@@ -19,7 +19,7 @@ class BadInputs(Case):
         cls.pattern.write_bytes(hostile.GOOD_SVG)
 
     def check_files(self, cases, place):
-        """Submits all before it waits for the first."""
+        """Submits all files before it waits for the first."""
         jobs = {}
         for name, (slug, words, extension, make) in cases.items():
             file = self.folder / f"case.{extension}"
@@ -119,7 +119,7 @@ class BadInputs(Case):
                      b"GET /" + b"a" * 10**6 + b" HTTP/1.1\r\n\r\n"]:
             try:
                 answer = self.raw(head)
-            except ConnectionError:  # the server may close before it has read all
+            except ConnectionError:  # the server may close before it has read everything
                 continue
             self.assertNotRegex(answer[:20], rb"HTTP/1.1 (2|5)")
         self.assertEqual(curl(self.server.url + "/healthz").status, 200)

@@ -1,6 +1,6 @@
-"""Where the programs take their settings from: a file, the environment, the command line, each stronger than the one before.
+"""Sources of the programs' settings: a file, the environment, the command line; each overrides the one before.
 
-The mechanism is one for both programs, and so are its tests; what only one of them knows comes after.
+Both programs share the mechanism and its tests; settings that only one of them has are tested after that.
 """
 import json
 import os
@@ -11,18 +11,18 @@ from harness import BIN, Case, Program, wait_for
 
 
 class Configuration:
-    """What holds of each program. A case says which one, and what --check-config needs of it."""
+    """Tests that apply to each program. A subclass names the program and the settings that --check-config needs."""
     program = None       # "server"
     needed = {}          # settings without which it does not start
-    number, largest = None, None   # a setting that is a whole number, and the most that it may be
-    text = None          # a setting that takes any text
-    first_names = None   # how the list of all of them begins
+    number, largest = None, None   # a setting that is a whole number, and its maximum
+    text = None          # a setting that accepts any text
+    first_names = None   # the beginning of the list of all settings
 
     def variable(self, name):
         return f"VACUFORM_{self.program.upper()}_{name.upper()}"
 
     def ask(self, *words, file=None, **environment):
-        """What --check-config says of this."""
+        """The output of --check-config for these sources."""
         variables = {k: v for k, v in os.environ.items() if not k.startswith("VACUFORM_")}
         path = self.folder / f"{self.program}.json"
         content = {} if file is None else file
@@ -117,7 +117,7 @@ class ServerConfiguration(Configuration, Case):
         self.assertIn("no worker program", self.refused("--workers", 1, "--worker-program", "/none"))
 
     def test_the_commands_find_the_jobs_where_the_settings_say(self):
-        """`token` and `backup` without --data go to the store of the configured service."""
+        """`token` and `backup` without --data use the store of the configured service."""
         data = self.folder / "configured"
         (self.folder / "server.json").write_text(json.dumps({"data": str(data)}))
         def command(*words):
@@ -138,7 +138,7 @@ class ServerConfiguration(Configuration, Case):
 
 
     def test_its_own_workers_do_not_hear_from_the_file_of_others(self):
-        """/etc/vacuform/worker.json names the folders of another user, where the machine has workers as services."""
+        """/etc/vacuform/worker.json names the folders of another user on machines where workers run as services."""
         worker = self.folder / "worker"
         worker.write_text('#!/bin/sh\necho "${VACUFORM_WORKER_CONFIG-/etc/vacuform/worker.json}" > "$0.said"\nexec sleep 600\n')
         worker.chmod(0o755)

@@ -1,4 +1,5 @@
-"""The disk fills up under the running service: what it accepted stays, what it cannot keep is refused and leaves nothing."""
+"""The disk fills up under the running service: accepted data stays, data that cannot be stored is refused and leaves
+nothing."""
 import json
 import os
 import shutil
@@ -14,7 +15,8 @@ COARSE = {"sheet": {"resolution_mm": 12}, "print": {"dpi": 72}}
 
 
 class DiskFull(Case):
-    """In a mount namespace of its own a small tmpfs is the disk; where the machine allows none, there is nothing to be tested."""
+    """A small tmpfs in a separate mount namespace is the disk; the test is skipped on machines that do not allow
+    one."""
 
     def server_on_a_disk_of(self, mebibytes):
         folder = self.folder / f"of{mebibytes}"
@@ -37,7 +39,7 @@ class DiskFull(Case):
         scan, pattern = self.folder / "scan.stl", self.folder / "p.svg"
         pattern.write_bytes(hostile.GOOD_SVG)
         accepted, refused = [], 0
-        for number in range(40):  # a mebibyte each, no two the same
+        for number in range(40):  # one mebibyte each, all different
             scan.write_bytes(hostile.stl(hostile.dome_triangles(scale=1 + number / 1000) * 54))
             answer = server.post(scan, pattern, COARSE)
             if answer.status == 202:
@@ -56,17 +58,17 @@ class DiskFull(Case):
         server.start()
         self.assertEqual([j["id"] for j in server.jobs()], accepted[::-1])
         blobs = [p for p in (disk / "blobs").rglob("*") if p.is_file()]
-        self.assertEqual(len(blobs), len(accepted) + 1)  # the pattern is everyone's
+        self.assertEqual(len(blobs), len(accepted) + 1)  # all jobs share the pattern
         self.assertEqual([p for p in (disk / "incoming").rglob("*") if p.is_file()], [])
 
-        for job in accepted[:3]:  # room again, once something is deleted
+        for job in accepted[:3]:  # there is space again once something is deleted
             self.assertEqual(curl("-X", "POST", f"{server.api}/jobs/{job}/cancel").status // 100, 2)
             self.assertEqual(curl("-X", "DELETE", f"{server.api}/jobs/{job}").status, 204)
         self.assertEqual(server.post(scan, pattern, COARSE).status, 202)
         self.assertEqual(len(server.jobs()), len(accepted) - 2)
 
     def upload_until_refused(self, server):
-        """Uploads of two mebibytes, in pieces, until the disk takes no more; gives their addresses."""
+        """Uploads of two mebibytes, in pieces, until the disk is full; returns their addresses."""
         piece = self.folder / "piece"
         places = []
         tus = ["-H", "Tus-Resumable: 1.0.0"]
@@ -87,7 +89,7 @@ class DiskFull(Case):
                 self.assertEqual(sent.status, 204, sent)
 
     def fill(self, disk):
-        """Somebody else takes all that is left."""
+        """Another program fills the rest of the disk."""
         with open(disk / "somebody-elses", "ab", buffering=0) as filler:
             try:
                 while True:

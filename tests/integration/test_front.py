@@ -1,4 +1,4 @@
-"""The service behind the real nginx with TLS, as deploy/front configures it, under a certificate made here."""
+"""The service behind the real nginx with TLS, as deploy/front configures it, with a certificate made by the test."""
 import json
 import os
 import pathlib
@@ -83,7 +83,7 @@ class Front(Case):
                                "-H", "Authorization: Bearer " + self.server.token_file.read_text().strip(),
                                self.url + path + "/events"], stdout=subprocess.PIPE, text=True) as client:
             first = next(line for line in client.stdout if line.startswith("data:"))
-            state = self.ask(path).json["state"]  # the job still goes on when the first event is here
+            state = self.ask(path).json["state"]  # the job is still running when the first event arrives
             rest = client.stdout.read()
         self.assertIn(state, ("queued", "running"), first)
         self.assertIn('"succeeded"', rest)
@@ -120,7 +120,7 @@ class Front(Case):
         finally:
             self.server.start()
         self.assertEqual(self.ask("/api/v1/jobs").status, 200)
-        self.assertEqual(self.ask("/front/away/person").status, 404)  # no address of its own
+        self.assertEqual(self.ask("/front/away/person").status, 404)  # not a separate address
 
     def test_only_its_own_name_and_tls_of_today(self):
         direct = curl("-H", "Host: elsewhere.example.org", self.server.url + "/healthz")
@@ -138,7 +138,7 @@ class Front(Case):
         self.assertEqual(self.ask("/api/v1/leases", "-d", '{"protocol": 2}').status, 403)
 
     def talk(self, text, patience):
-        """What comes back over one TLS connection until it is closed, and after how many seconds."""
+        """The answer over one TLS connection until it is closed, and the time in seconds."""
         context = ssl.create_default_context(cafile=self.certificate)
         begun = time.monotonic()
         with socket.create_connection(("127.0.0.1", self.https), timeout=patience) as plain:
@@ -172,7 +172,7 @@ class Front(Case):
             self.assert_problem(answer, 413, "too-large")
 
     def test_nothing_is_kept_of_an_upload_without_a_token(self):
-        """The token is checked before a byte of the body is taken."""
+        """The token is checked before any byte of the body is read."""
         for path in ("/api/v1/jobs", "/api/v1/validate", "/api/v1/scans", "/jobs", "/api/v1/uploads", "/api/v1/uploads/x"):
             head = (f"POST {path} HTTP/1.1\r\nHost: {NAME}:{self.https}\r\nContent-Type: multipart/form-data; boundary=b\r\n"
                     f"Content-Length: 1000000000\r\n\r\n")
@@ -189,10 +189,10 @@ class Front(Case):
         self.assertIn(b"HTTP/1.1 429 ", answer)
         refused = answer[answer.index(b"HTTP/1.1 429 "):].split(b"HTTP/1.1 ")[1]
         self.assertIn(b"Retry-After: 5", self.assert_problem(b"HTTP/1.1 " + refused, 429, "busy"))
-        time.sleep(5)  # the others find the bucket empty again
+        time.sleep(5)  # the other tests need an empty bucket again
 
     def test_slow_clients_hold_nothing_of_the_service(self):
-        """Heads and bodies that never end stay in nginx."""
+        """Heads and bodies that never end do not get past nginx."""
         context = ssl.create_default_context(cafile=self.certificate)
         head = f"POST /api/v1/jobs HTTP/1.1\r\nHost: {NAME}:{self.https}\r\nContent-Length: 1000000\r\n\r\nhalf".encode()
         stalled = []
@@ -203,7 +203,7 @@ class Front(Case):
         try:
             self.assertEqual(self.ask("/healthz").status, 200)
             status = json.loads([line for line in self.server.program.says().splitlines() if '"server-started"' in line][-1])["status_url"]
-            of_worker = 1  # it keeps its connection
+            of_worker = 1  # the worker's own persistent connection
             connections = lambda: int(re.search(r"\nvacuform_http_connections (\d+)\n", curl(status + "/metrics").body.decode())[1])
             wait_for(lambda: connections() <= of_worker, "the end of the last request")
         finally:
@@ -211,7 +211,7 @@ class Front(Case):
                 connection.close()
 
     def test_two_answers_never_mix(self):
-        """A request hidden in another's body is that body and nothing else."""
+        """A request hidden in another request's body is treated as body only."""
         hidden = f"GET /healthz HTTP/1.1\r\nHost: {NAME}\r\n\r\n"
         for framing in (f"Content-Length: {len(hidden)}\r\n", f"Content-Length: {len(hidden)}\r\nTransfer-Encoding: chunked\r\n"):
             answer, _ = self.talk((f"POST /api/v1/jobs HTTP/1.1\r\nHost: {NAME}:{self.https}\r\n{framing}Connection: close\r\n\r\n"
@@ -222,7 +222,7 @@ class Front(Case):
 
 class BeyondLoopback(Case):
     def test_beyond_loopback_only_with_the_marks_of_the_front(self):
-        """Asked at an address of this machine that is not on loopback."""
+        """Requests an address of this machine that is not on loopback."""
         front = "https://vacuform.example.org"
         port_file = self.folder / "port"
         server = Program([BIN / "vacuform-server", "--listen", "0.0.0.0:0", "--front", front, "--data", self.folder / "data",
@@ -230,7 +230,7 @@ class BeyondLoopback(Case):
         try:
             wait_for(lambda: port_file.exists() and port_file.read_text().strip(), "the server")
             port = port_file.read_text().strip()
-            self.assertEqual(curl(f"http://127.0.0.1:{port}/healthz").status, 200)  # workers of its own come this way
+            self.assertEqual(curl(f"http://127.0.0.1:{port}/healthz").status, 200)  # local workers connect this way
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
                 try:
                     probe.connect(("192.0.2.1", 9))  # sends nothing

@@ -1,4 +1,4 @@
-"""Jobs beyond the first: derived ones that skip what is kept, their log, and a copy of a service in use."""
+"""Jobs after the first: derived jobs that reuse stored stages, their log, and a backup of a service in use."""
 import concurrent.futures
 import json
 import shutil
@@ -41,7 +41,7 @@ class DerivedJobs(Case):
                 self.assertIn(f"stage {stage}", said)
             self.assertNotIn("stage scan kept", said)
             self.assertTrue(all(w.startswith("warning ") for w in said[said.index("stage inspection") + 1:-1]), said)
-        with server:  # what was kept outlives the service and its workers
+        with server:  # stored stages survive the service and its workers
             answer = self.derive(server, first, MOVED)
             self.assertEqual(answer.status, 202, answer)
             second = server.wait(answer.json["id"])
@@ -56,7 +56,7 @@ class DerivedJobs(Case):
                       for j in (first, second["id"])]
             self.assertNotEqual(*sheets)
 
-            # The command line does the same, and what it makes is what a run without anything kept makes.
+            # The command line does the same, and its results equal those of a run without stored stages.
             done = vacuform("submit", "--server", server.url, "--from", first, "--set", "pattern.offset_mm=[5,-3]",
                             "--wait", "--out", self.folder / "kept")
             self.assertEqual(done.returncode, 0, done.stderr)
@@ -65,14 +65,14 @@ class DerivedJobs(Case):
             self.assertEqual(fresh.returncode, 0, fresh.stderr)
             self.assertEqual((self.folder / "kept" / "print.svg").read_bytes(), (self.folder / "fresh" / "print.svg").read_bytes())
 
-            # A head is kept as long as a job names its scan, for its owner's eyes.
+            # A head is stored as long as a job names its scan, for its owner only.
             kept = list((server.data / "workers" / "kept").iterdir())
             self.assertEqual(len(kept), 1)
             self.assertRegex(kept[0].name, "^[0-9a-f]{64}$")
-            self.assertNotEqual(kept[0].name, second["inputs"]["scan"]["sha256"])  # it tells neither the scan nor the owner
+            self.assertNotEqual(kept[0].name, second["inputs"]["scan"]["sha256"])  # reveals neither scan nor owner
             self.assertEqual(kept[0].stat().st_mode & 0o777, 0o700)
 
-            # Another owner's job of the same scan finds nothing of it, and leaves nothing to it.
+            # A job of another owner with the same scan finds none of these stages, and adds none to them.
             made = curl("-d", '{"owner":"other","scopes":["submit","read"]}', "-H", "Content-Type: application/json", f"{server.api}/tokens").json
             other = ["-H", "Authorization: Bearer " + made["token"]]
             third = server.post(SCAN, RINGS, {"sheet": {"resolution_mm": 6}, "print": {"dpi": 72}}, *other).json["id"]
@@ -119,7 +119,7 @@ class Backups(Case):
             again = self.backup(server, self.folder / "restored" / "data")
             self.assertEqual(again.returncode, 2)
             self.assertIn("not an empty private folder", again.stderr)
-        # Tokens are in the copy, and no secret: whoever has one comes in with it.
+        # The copy contains tokens but no secrets: a client that has a token can use it on the copy.
         shutil.copy(server.token_file, self.folder / "restored" / "data")
         with Server(self.folder / "restored", workers=0) as copy:
             found = {j["id"]: j for j in copy.jobs()}

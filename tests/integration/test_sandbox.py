@@ -1,8 +1,9 @@
-"""A hostile program in the place of `vacuform`, with the real server and the real worker: everything at once, as jobs run.
+"""A hostile program in place of `vacuform`, with the real server and the real worker: all attacks at once, as jobs run.
 
-As root under deploy/start's arrangement (the server's own workers, as another user); as a service user under the calls and
-namespaces that the worker's unit allows, imposed by a filter, for no systemd runs here; in a container without namespaces; and on
-a kernel without Landlock, where a worker starts only when it is told that its best is enough.
+The cases: as root with the arrangement of deploy/start (the server's own workers, as another user); as a service user
+under the calls and namespaces that the worker's unit allows, imposed by a filter because systemd does not run here; in
+a container without namespaces; and on a kernel without Landlock, where a worker only starts if it is configured to
+accept less.
 """
 import json
 import os
@@ -24,7 +25,7 @@ SECRET = b"the bytes of somebody else"
 
 
 def as_nobody(filtered=None):
-    """What a child does before it becomes a program."""
+    """What a child does before it executes a program."""
     def change():
         os.setgroups([])
         os.setresgid(NOBODY.pw_gid, NOBODY.pw_gid, NOBODY.pw_gid)
@@ -35,7 +36,7 @@ def as_nobody(filtered=None):
 
 
 class Hostile(Case):
-    """The jobs and what is held against them; the classes below say how the worker runs."""
+    """The jobs and the checks on them; the subclasses define how the worker runs."""
 
     user = "nobody"
 
@@ -45,7 +46,7 @@ class Hostile(Case):
         self.scan, self.pattern = self.here / "scan.stl", self.here / "pattern.svg"
         self.scan.write_bytes(hostile.stl(hostile.dome_triangles()))
         self.pattern.write_bytes(hostile.GOOD_SVG)
-        self.secret = self.here / "secret"  # of root
+        self.secret = self.here / "secret"  # owned by root
         self.secret.write_bytes(SECRET)
         self.secret.chmod(0o600)
         self.listener = socket.socket()
@@ -63,7 +64,7 @@ class Hostile(Case):
         shutil.copy(BIN / "hostile_job", self.bin / "vacuform")
 
     def aims(self, *more):
-        """Tells the program what to attack; it is read anew by each job."""
+        """Sets what the program attacks; each job reads it again."""
         lines = [("secret", self.secret), ("port", self.listener.getsockname()[1]), ("abstract", f"vacuform-{os.getpid()}-{self._testMethodName}"), *more]
         copy = self.bin / "new"
         copy.write_bytes((BIN / "hostile_job").read_bytes() + b"\n#TARGETS\n" + "".join(f"{name} {value}\n" for name, value in lines).encode())
@@ -78,7 +79,7 @@ class Hostile(Case):
         return curl(f"{self.server.api}/jobs/{job['id']}/artifacts/{name}").body
 
     def programs(self):
-        """Every process that runs a program of this test's folder and its worker's work."""
+        """Every process that runs a program of this test's folder or of its worker's work folder."""
         found = []
         for process in pathlib.Path("/proc").glob("[0-9]*"):
             try:
@@ -89,7 +90,7 @@ class Hostile(Case):
         return found
 
     def hold_against(self, worker, work, foreign):
-        """All attacks in turn; `foreign` says which of what was done counts."""
+        """All attacks in turn; `foreign` selects the results that count."""
         before = self.secret.stat()
         tried = self.job(TRY_ALL)
         self.assertEqual(tried["state"], "succeeded", tried)
@@ -115,10 +116,10 @@ class Hostile(Case):
         good = self.job(GOOD)
         self.assertEqual(good["state"], "succeeded", good)
         self.assertEqual(self.artifact(good, "report.html"), b"mine")
-        self.assertIn((worker, "vacuform-worker"), self.programs())  # the same one as at first
+        self.assertIn((worker, "vacuform-worker"), self.programs())  # the same process as at the start
 
     def alone(self, filtered=None, *words):
-        """A server without workers, and a worker of nobody's beside it. Gives the worker."""
+        """A server without workers, and a worker beside it that runs as nobody. Returns the worker."""
         self.folder.chmod(0o711)
         self.server = Server(self.here, workers=0)
         self.addCleanup(self.server.stop)
@@ -140,7 +141,7 @@ class Hostile(Case):
         return worker
 
     def started(self):
-        """What the worker says of its sandbox."""
+        """The worker's own description of its sandbox."""
         def look():
             for line in self.log.read_text().splitlines():
                 if '"worker-started"' in line:
@@ -151,7 +152,7 @@ class Hostile(Case):
 
 class Unconfined(Hostile):
     def test_the_hostile_program_does_all_that_it_is_held_against(self):
-        """Or the tests below would show nothing."""
+        """Without the sandbox the attacks succeed; otherwise the tests below would prove nothing."""
         with subprocess.Popen(["sleep", "600"]) as bystander:
             self.addCleanup(bystander.kill)
             self.aims(("process", bystander.pid))
@@ -167,7 +168,7 @@ class Unconfined(Hostile):
 class AsRoot(Hostile):
     def test_the_server_s_own_workers(self):
         self.server = Server(self.here, workers=1, options=["--worker-user", "nobody", "--worker-program", self.bin / "vacuform-worker"])
-        self.folder.chmod(0o700)  # nobody cannot come here
+        self.folder.chmod(0o700)  # the user nobody cannot enter it
         (self.bin / "vacuform-worker").chmod(0o755)
         data = self.server.data
         self.aims(("folder", data), ("secret", data / "admin-token"), ("secret", data / "worker-token"), ("secret", data / "jobs.sqlite"),
@@ -175,7 +176,7 @@ class AsRoot(Hostile):
         self.server.start()
         self.addCleanup(self.server.stop)
         (worker,) = wait_for(lambda: children(self.server.program.pid), "the worker")
-        wait_for(lambda: os.stat(f"/proc/{worker}/mem").st_uid == 0 and  # nobody else may look into it
+        wait_for(lambda: os.stat(f"/proc/{worker}/mem").st_uid == 0 and  # no other user may read its memory
                  f"Uid:\t{NOBODY.pw_uid}\t" in pathlib.Path(f"/proc/{worker}/status").read_text(), "the worker's new user")
         self.assertEqual(data.stat().st_mode & 0o777, 0o700)
         self.assertEqual((data / "workers").stat().st_uid, NOBODY.pw_uid)
@@ -203,8 +204,8 @@ class AsService(Hostile):
     def test_without_landlock_the_best_effort_keeps_all_but_this_user_s_own_files(self):
         worker = self.alone(confine.without_landlock(), "--sandbox=best-effort")
         self.assertEqual(self.started(), (["namespaces", "seccomp"], ["landlock"]))
-        self.assertFalse((self.work / "kept").exists())  # nothing of other owners is there
-        token = str(self.here / "token")  # may be read and deleted by its user
+        self.assertFalse((self.work / "kept").exists())  # no files of other owners are there
+        token = str(self.here / "token")  # its user may read and delete it
         self.hold_against(worker.pid, self.work, lambda done: not (done.endswith(token) and done.split()[0] in ("read", "write", "link", "rename")))
 
 

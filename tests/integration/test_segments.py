@@ -1,5 +1,5 @@
-"""A picture on a figurine in segments: every one below its limit, seams that meet on the print, cuts where they are asked for;
-and a painted map of where the chart shall be least distorted."""
+"""A picture on a figurine in segments: the distortion of each is below its limit, seams meet on the print, cuts follow
+the request; and a weight image for the distortion of the chart."""
 import json
 import math
 import struct
@@ -12,7 +12,7 @@ from harness import Case, vacuform
 
 
 def gray_png(side, shade):
-    """A square picture of 8-bit gray; `shade` of a place in [-1, 1] squared, y up."""
+    """A square picture of 8-bit gray; `shade` of a point in [-1, 1] squared, y up."""
     rows = bytearray()
     for j in range(side):
         rows.append(0)
@@ -73,7 +73,8 @@ class Segments(Case):
         self.assertIn("preview-segments.png", [a["name"] for a in self.whole["artifacts"]])
 
     def test_the_formed_sheet_has_the_segments_coordinates(self):
-        """The figures of the report from formed.ply, whose faces have the coordinates of their own segment."""
+        """The figures of the report, computed from formed.ply, whose faces have the coordinates of their own
+        segment."""
         sheet = self.formed()
         self.assertGreater(len(sheet.points), self.whole["forming"]["vertices"])
         flat = list(zip(sheet.vertices["u"], sheet.vertices["v"]))
@@ -87,7 +88,7 @@ class Segments(Case):
         return meshes.Ply((self.folder / "whole/formed.ply").read_bytes())
 
     def test_cuts_are_made_where_they_are_asked_for(self):
-        """One cut over the whole part, and a limit that asks for no more."""
+        """One cut over the whole part, and a limit that needs no further cut."""
         sheet = self.formed()
         on_mold = [p for p, u in zip(sheet.points, sheet.vertices["u"]) if not math.isnan(u)]
         low, high = min(on_mold), max(on_mold)  # by x

@@ -161,7 +161,7 @@ class Service(Case):
         job = self.server.submit(scan, RINGS, COARSE)
         ended = self.server.wait(job)
         self.assertEqual(ended["state"], "succeeded")
-        # Neither the pattern nor what is made of it alone: other jobs have the same.
+        # Neither the pattern nor files made from it alone: other jobs have the same.
         shared = {"formed.mtl", "preview-pattern.png"}
         files = [file["sha256"] for file in [*ended["artifacts"], ended["inputs"]["scan"]] if file.get("name") not in shared]
         self.assertEqual(len(files), 18)
@@ -218,7 +218,7 @@ class Service(Case):
 
         def finished():
             text = curl(where).body.decode()
-            return None if 'http-equiv="refresh"' in text else text  # the page follows the job by itself
+            return None if 'http-equiv="refresh"' in text else text  # the page updates automatically
         text = wait_for(finished, "the job's last page")
         pictures = [html.unescape(src) for src in re.findall(r'<img[^>]*src="([^"]+)"', text)]
         self.assertEqual(len([p for p in pictures if "/preview-" in p]), 9)
@@ -238,17 +238,17 @@ class Service(Case):
 
 
 class Scans(Case):
-    """Every scan ends formed, or refused with a message that says what to do; what it says is then done."""
+    """Every scan is either formed, or refused with a message that says what to do; the test then does that."""
 
     SCANS = {"newborn.stl": made_scans.newborn, "adult.stl": made_scans.adult, "bust.obj": made_scans.bust,
              "damaged": made_scans.damaged, "figurine.stl": made_scans.figurine, "corrupt-head.glb": made_scans.corrupt}
-    # What the first attempt at default scan settings must end with: nothing, or these types of problem in turn.
-    REFUSALS = {"bust.obj": ["ambiguous-units"],  # no unit makes it plausible
+    # The expected ends of the first attempt at default scan settings: no problem, or these types of problem in turn.
+    REFUSALS = {"bust.obj": ["ambiguous-units"],  # it is implausible in every unit
                 "corrupt-head.glb": ["corrupt-file"]}
-    HEADS = {"newborn.stl", "adult.stl"}  # what triangles of 5 mm meet; a figurine they do not, and that is said
+    HEADS = {"newborn.stl", "adult.stl"}  # meet the gap limit with triangles of 5 mm; a figurine does not
 
     def follow(self, server, scan, settings):
-        """Submits, does what each refusal says, and gives the last job with the slugs of the refusals."""
+        """Submits, follows each refusal's advice, and returns the last job with the slugs of the refusals."""
         slugs = []
         while True:
             job = server.wait(server.submit(scan, RINGS, settings))

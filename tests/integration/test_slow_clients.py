@@ -1,8 +1,8 @@
-"""Clients that are slow on purpose, many at a time, against the running program: bodies that trickle in, answers that are not
-taken, heads that never end, and downloads of zips. Other clients' requests are answered within a second at the 99th
+"""Many deliberately slow clients at a time against the running program: bodies sent byte by byte, answers that are not
+read, heads that never end, and downloads of zips. Other clients' requests are answered within a second at the 99th
 percentile, with a token and without, and the server's memory stays below 300 MiB.
 
-Each attack lasts VACUFORM_ATTACK_SECONDS, 8 unless it is set; the long run is made with 60.
+Each attack lasts VACUFORM_ATTACK_SECONDS, by default 8; the long run uses 60.
 """
 import http.client
 import json
@@ -24,11 +24,11 @@ MANY = 200
 ARTIFACT_BYTES = 100 << 20  # two of them: the zip has 200 MiB
 ARTIFACTS = ("print.png print.svg print.pdf preview-pattern.png preview-print.png preview-without.png preview-with.png preview-views.png "
              "preview-anisotropy.png preview-area.png preview-thickness.png preview-findings.png formed.ply formed.obj formed.mtl "
-             "uv-map.obj mold.stl report.json report.html").split()  # that a print always has
+             "uv-map.obj mold.stl report.json report.html").split()  # which a print always has
 
 
 class Others(threading.Thread):
-    """A client who asks for one address again and again, each time by a new connection."""
+    """A client that requests one address repeatedly, each time over a new connection."""
 
     def __init__(self, port, path, token, status):
         super().__init__(daemon=True)
@@ -107,8 +107,8 @@ class SlowClients(Case):
                             *(["Authorization: Bearer " + token] if token else []), *lines, "", ""]).encode()
 
     def attack(self, text, trickle=b"", pause=1.0):
-        """Keeps MANY connections on which `text` was sent; whoever is closed comes again. Every `pause` each sends a byte more, or
-        takes a few."""
+        """Keeps MANY connections on which `text` was sent; a closed connection is opened again. Every `pause` each
+        sends one more byte, or reads a few."""
         def keep(share):
             mine = [None] * share
             while not self.stop.is_set():
@@ -138,7 +138,7 @@ class SlowClients(Case):
         return threads
 
     def hold(self, name, threads):
-        """The others' requests and the memory for as long as the attack lasts."""
+        """Measures the other clients' requests and the memory during the attack."""
         others = [Others(self.server.port, "/healthz", None, 200), Others(self.server.port, "/sign-in", None, 200),
                   Others(self.server.port, f"/api/v1/jobs/{self.job}", self.token, 200),
                   Others(self.server.port, "/api/v1/jobs?limit=5", self.token, 200)]
@@ -189,7 +189,7 @@ class SlowClients(Case):
         self.hold("half-open", self.attack(b"GET /healthz HTTP/1.1\r\nHo", b"s"))
 
     def zips(self, *words):
-        """64 clients take the zip of 200 MiB, again and again, at 8 MiB a second each."""
+        """64 clients download the zip of 200 MiB repeatedly, at 8 MiB per second each."""
         wrong, ended = [], []
 
         def take():

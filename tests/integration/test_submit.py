@@ -1,4 +1,4 @@
-"""vacuform submit against a scripted server: what it shows, what it fetches, and what it does not believe."""
+"""vacuform submit against a scripted server: what it shows, what it fetches, and which answers it rejects."""
 import hashlib
 import http.server
 import json
@@ -20,7 +20,7 @@ def artifact(name, body, sha256=None, size=None):
 
 
 class ScriptedServer(http.server.ThreadingHTTPServer):
-    """`jobs` are the answers for the job in turn, the last one for ever; a tuple is a status and a body."""
+    """`jobs` are the successive answers for the job, the last one is repeated; a tuple is a status and a body."""
 
     daemon_threads = True
 
@@ -96,7 +96,7 @@ class Submit(Case):
               "artifacts": [{"name": "report.json", "title": "The report"}]}
 
     def succeeded(self, *words, report=REPORT):
-        """A job that has a report, fetched with these words more."""
+        """A job that has a report, fetched with these additional arguments."""
         body = json.dumps(report).encode()
         self.server.jobs = [{"state": "succeeded", "artifacts": [artifact("print.png", PRINT), artifact("report.json", body)]}]
         self.server.files = {"print.png": PRINT, "report.json": body}
@@ -185,7 +185,7 @@ class Submit(Case):
 
 
 class Relay(threading.Thread):
-    """Passes connections on to a port of this machine; the first `broken` of them end before the answer."""
+    """Forwards connections to a port of this machine; the first `broken` of them end before the answer."""
 
     def __init__(self, port, broken):
         super().__init__(daemon=True)
@@ -212,7 +212,7 @@ class Relay(threading.Thread):
         try:
             while piece := near.recv(1 << 16):
                 far.sendall(piece)
-        except OSError:  # either side is gone
+        except OSError:  # one side has closed the connection
             pass
 
 

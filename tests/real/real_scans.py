@@ -1,6 +1,6 @@
-"""The real scans, which are not in the repository: scans.json says what they are, tests/fetch-scans gets them.
+"""The real scans, which are not in the repository: scans.json describes them, tests/fetch-scans downloads them.
 
-A test that needs a scan which is not there is skipped, or fails where VACUFORM_REQUIRE_REAL_SCANS=1.
+A test is skipped if its scan is missing, or fails if VACUFORM_REQUIRE_REAL_SCANS=1.
 """
 import json
 import os
@@ -27,7 +27,7 @@ def scan(file):
 
 
 class OnRealScan:
-    """Put before a test case, runs its tests on the real scan FILE, with the settings GIVEN where it takes any."""
+    """A class decorator: runs the tests of a test case on the real scan FILE, with the settings GIVEN if it has any."""
 
     FILE, GIVEN = "", None
 

@@ -26,7 +26,7 @@ using std::chrono::steady_clock;
 constexpr std::size_t longest_line = 16u << 10;
 constexpr std::size_t last_words_limit = 64u << 10;
 constexpr std::size_t longest_text = 2000;
-constexpr milliseconds grace{500};  // from SIGTERM to SIGKILL: stages look at their cancellation every 0.2 s
+constexpr milliseconds grace{500};  // from SIGTERM to SIGKILL: stages check for cancellation every 0.2 s
 
 struct Pipe {
   int read = -1, write = -1;
@@ -51,7 +51,7 @@ struct Pipe {
   }
 };
 
-// Cuts a text that may be far too long without cutting a UTF-8 sequence.
+// Cuts a text that may be much too long, without splitting a UTF-8 sequence.
 std::string cut(std::string text) {
   if (text.size() <= longest_text) return text;
   std::size_t end = longest_text;
@@ -67,7 +67,7 @@ bool limit(int resource, std::uint64_t soft, std::uint64_t hard) {
 
 constexpr int cannot_confine = 126;  // exit status of a child that cannot be confined or executed
 
-// Everything that the two new processes need: they may allocate nothing, for other threads may have held locks.
+// Everything that the two new processes need. They must not allocate, because other threads may have held locks.
 struct Start {
   char* const* argv;
   char* const* envp;
@@ -75,22 +75,23 @@ struct Start {
   const ChildLimits& limits;
   const Confinement& confinement;
   int out, err;               // to write to
-  int ended, worker_listens;  // the two ends of a pipe, for the program's status
+  int ended, worker_listens;  // the two ends of a pipe for the exit status of the program
 };
 
-// Without new namespaces the C library's own fork(), which sanitizers know; into new ones, and below them, a bare one.
+// Without new namespaces: the fork() of the C library, which sanitizers know. With them, and inside them: a bare
+// clone().
 pid_t split(bool bare, unsigned long namespaces) {
   return bare ? static_cast<pid_t>(::syscall(SYS_clone, namespaces | SIGCHLD, 0, 0, 0, 0)) : ::fork();
 }
 
-// Between fork and exec: only async-signal-safe calls. A step that fails ends it: no half sandbox.
+// Between fork and exec: only async-signal-safe calls. A step that fails ends the child: no partial sandbox.
 [[noreturn]] void become(const Start& start, pid_t supervisor) {
   for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP, SIGCHLD, SIGUSR1}) ::signal(number, SIG_DFL);
   sigset_t no_signals;
   ::sigemptyset(&no_signals);
   const ChildLimits& limits = start.limits;
   const Confinement& confinement = start.confinement;
-  // In a namespace of processes the count is the job's own; elsewhere it is that of all workers of this user.
+  // In a PID namespace the kernel counts the processes of the job, elsewhere those of all workers of this user.
   const std::uint64_t tasks = limits.tasks * (confinement.namespaces() ? 1 : 32);
   const int null = ::open("/dev/null", O_RDONLY);
   const bool ready =
@@ -112,7 +113,7 @@ void end_program(int) {
   if (supervised > 0) ::kill(supervised, SIGKILL);
 }
 
-// Kills the children of this process, and those that they leave to it, until none is left.
+// Kills the children of this process, and the orphans that it inherits from them, until none is left.
 void end_descendants() {
   for (;;) {
     const pid_t reaped = ::waitpid(-1, nullptr, WNOHANG);
@@ -132,11 +133,12 @@ void end_descendants() {
   }
 }
 
-// The process between the worker and the program. In a namespace of processes it is the first one, so that the kernel ends
-// all others with it; elsewhere it inherits the orphans and ends them itself. Then it tells how the program ended.
+// The supervisor: the process between the worker and the program. In a PID namespace it is the first process, so the
+// kernel ends all others with it. Elsewhere it inherits the orphans and ends them itself. Then it reports how the
+// program ended.
 [[noreturn]] void supervise(const Start& start) {
   const bool first = start.confinement.namespaces() != 0;
-  // What the worker sends to end everything, and what this process gets when the worker is gone.
+  // The signals that the worker sends to end everything, and the one that this process gets when the worker has exited.
   const int end_all = first ? SIGKILL : SIGUSR1;
   ::close(start.worker_listens);
   for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP})
@@ -151,7 +153,7 @@ void end_descendants() {
   const bool ready = ::setpgid(0, 0) == 0 && ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) == 0 &&
                      ::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0 &&
                      ::prctl(PR_SET_PDEATHSIG, end_all) == 0 &&
-                     ::poll(&worker, 1, 0) == 0;  // else the worker is dead already
+                     ::poll(&worker, 1, 0) == 0;  // otherwise the worker has already exited
   const pid_t self = ::getpid();
   supervised = ready ? split(first, 0) : -1;
   if (supervised < 0) ::_exit(cannot_confine);
@@ -171,7 +173,7 @@ void end_descendants() {
   ::_exit(0);
 }
 
-// Splits a stream into lines; a line that is too long is dropped whole.
+// Splits a stream into lines. Drops lines that are too long.
 class Lines {
  public:
   template <class F>
@@ -251,7 +253,7 @@ Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& com
   const pid_t pid = split(namespaces, confinement.namespaces());
   if (pid < 0) return tl::make_unexpected(no_process);
   if (pid == 0) supervise(start);
-  ::setpgid(pid, pid);  // whoever comes first
+  ::setpgid(pid, pid);  // in parent and child: the order does not matter
   out.close_write();
   err.close_write();
   ended.close_write();
@@ -304,7 +306,7 @@ Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& com
   int status = 0, supervisor_status = 0;
   ::waitpid(pid, &supervisor_status, 0);
   if (::read(ended.read, &status, sizeof status) != static_cast<ssize_t>(sizeof status))
-    status = supervisor_status;  // it was killed itself, or could not start the program
+    status = supervisor_status;  // the supervisor was killed, or could not start the program
   // What is still in the pipes, which hold 64 KiB each.
   for (int i = 0; i < 64 && (out.read >= 0 || err.read >= 0); ++i) {
     pollfd fds[2] = {{out.read, POLLIN, 0}, {err.read, POLLIN, 0}};
@@ -337,7 +339,7 @@ Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& com
 Sandbox strongest_sandbox(int program_file, const std::string& program, const std::filesystem::path& home,
                           const ChildLimits& limits) {
   const Sandbox all = Sandbox::all();
-  // From the strongest down: files and calls weigh more than namespaces, whose work seccomp does as well.
+  // From the strongest down: files and system calls matter more than namespaces, which seccomp also covers.
   const std::array choices{all,
                            Sandbox{false, all.landlock, true},
                            Sandbox{true, 0, true},

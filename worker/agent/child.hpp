@@ -1,9 +1,10 @@
-// One run of the pipeline in a process of its own, with nothing to lose: `vacuform run` with hard limits, in a sandbox, with no
-// inherited environment, no new privileges and no way to outlive its worker. What it writes is hostile until parsed.
+// One run of the pipeline in a separate process with nothing to lose: `vacuform run` with hard limits, in a sandbox,
+// with no inherited environment, no new privileges and no way to outlive its worker. Its output is untrusted until
+// parsed.
 //
-// Between the worker and the program is a supervisor, a copy of the worker that executes nothing. With a namespace of
-// processes it is the first process in it, and the kernel kills every other one when it ends. Without, it is the subreaper
-// of everything that the program starts, and kills that until nothing is left.
+// A supervisor runs between the worker and the program. It is a copy of the worker that executes nothing. With a PID
+// namespace it is the first process in it, and the kernel kills every other one when it ends. Without a namespace it is
+// the subreaper of everything that the program starts, and kills it until nothing is left.
 #pragma once
 
 #include <chrono>
@@ -24,7 +25,7 @@
 
 namespace vacuform {
 
-// Hard limits of a child; passing one ends it.
+// Hard limits of a child. A child that exceeds one is ended.
 struct ChildLimits {
   std::uint64_t address_space = job_limits.memory_bytes;  // bytes; 0: none (sanitizers reserve terabytes)
   std::uint64_t cpu_seconds = job_limits.cpu_seconds;
@@ -39,12 +40,13 @@ struct ChildLimits {
 struct ChildProgress {
   Stage stage;
   double fraction;    // of the stage, in [0, 1]
-  bool kept = false;  // the stage was not run: its result was there already
+  bool kept = false;  // the stage was not run: its result was already available
 };
 using ChildLine = std::variant<std::monostate, ChildProgress, Error>;
 
-// {"stage":"forming","progress":0.4}, with "kept":true where the stage was left out, or {"problem":{"code":"does-not-fit","what":...,"where":...,"fix":...}};
-// anything else is nothing. Texts are cut to 2000 bytes.
+// {"stage":"forming","progress":0.4}, with "kept":true if the stage was skipped, or
+// {"problem":{"code":"does-not-fit","what":...,"where":...,"fix":...}}; any other line returns nothing. Texts are cut
+// to 2000 bytes.
 ChildLine parse_child_line(std::string_view line);
 
 struct ChildEnd {
@@ -52,7 +54,7 @@ struct ChildEnd {
     exited,       // `number` is the exit status
     signalled,    // `number` is the signal
     out_of_time,  // a limit on time or on the size of a file ended it, as `problem` says
-    stopped,      // `stop` asked for it
+    stopped,      // `stop` returned true
   };
   How how = How::exited;
   int number = 0;
@@ -60,21 +62,21 @@ struct ChildEnd {
   std::string last_words;        // the end of its standard error, at most 64 KiB
 };
 
-// Runs the program of the descriptor `program_file` (opened with O_PATH) as `command` (its name, then its arguments) to its
-// end in the folder `home`, in its own process group, with stdin from /dev/null and only PATH, LANG and HOME in its
-// environment, in the sandbox; a measure of it that fails ends the child with exit status 126. `kept` is a second folder that
-// the sandbox lets the child use. `progress` is called for each progress line and `stop` at least every 0.1 s; when `stop`
-// gives true the program gets SIGTERM and, half a second later, SIGKILL. Nothing that it started is left when this
-// returns; without namespaces and without seccomp a program can end its supervisor, and then escape that. Call it from a
-// thread that lives at least as long as the child: the kernel ends the child when that thread ends. Errors: internal (no
-// process or sandbox could be made).
+// Runs the program of the descriptor `program_file` (opened with O_PATH) as `command` (its name, then its arguments) in
+// the folder `home` and waits for its end. The child has its own process group, stdin from /dev/null, only PATH, LANG
+// and HOME in its environment, and the sandbox. If a sandbox measure fails, the child exits with status 126. `kept` is
+// a second folder that the child may use. `progress` is called for each progress line and `stop` at least every 0.1 s;
+// when `stop` returns true the program gets SIGTERM and, half a second later, SIGKILL. No process that it started is
+// left when this returns. Exception: without namespaces and without seccomp a program can end its supervisor and then
+// escape. Call this from a thread that lives at least as long as the child: the kernel ends the child when that thread
+// ends. Errors: internal (the process or the sandbox cannot be created).
 Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& command,
                            const std::filesystem::path& home, const ChildLimits& limits,
                            const Sandbox& sandbox, const std::function<void(const ChildProgress&)>& progress,
                            const std::function<bool()>& stop, const std::filesystem::path& kept = {});
 
-// The strongest choice of measures under which `program --version` ends well in `home`: they are tried together, with the
-// program itself, as a job has them.
+// The strongest set of measures under which `program --version` succeeds in `home`. They are tried together, with the
+// program itself, as a job uses them.
 Sandbox strongest_sandbox(int program_file, const std::string& program, const std::filesystem::path& home,
                           const ChildLimits& limits);
 

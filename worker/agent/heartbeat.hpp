@@ -1,4 +1,4 @@
-// The signs of life of one leased job, sent from a thread of their own while the job is fetched, run and handed in.
+// The heartbeats of one leased job, sent from a separate thread while the job is fetched, run and handed in.
 #pragma once
 
 #include <atomic>
@@ -12,16 +12,16 @@
 
 namespace vacuform {
 
-// Tells the server once a second (sooner where it asks for that) how far the job is, and learns whether the user wants
-// it cancelled and whether the lease still holds. A server that is away is asked again; when the lease would have run
-// out by then it counts as lost, since the server may have given the job to another worker.
+// Reports the progress of the job to the server once a second (more often if the server asks for that). Learns whether
+// the user wants to cancel it and whether the lease is still valid. Retries while the server is away. When the lease
+// would have expired by then, it counts as lost, because the server may have given the job to another worker.
 class Heartbeat {
  public:
-  // `log` outlives it; its lines are sent with the signs of life.
+  // `log` outlives it. Heartbeats carry its lines.
   Heartbeat(WorkerClient client, const Lease& lease, JobLog& log);
-  ~Heartbeat();  // stops, and gives up a call under way
+  ~Heartbeat();  // stops, and aborts a call in progress
 
-  void at(Stage stage, double fraction);  // what to tell from now on
+  void at(Stage stage, double fraction);  // what to report from now on
 
   bool cancel_asked() const { return cancel_; }
   bool lost() const { return lost_; }

@@ -1,4 +1,4 @@
-// A file that a job's process left, opened so that nothing but a plain file of its own is ever read.
+// A file that the process of a job left, opened so that only a regular file in its folder is ever read.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ struct JobFile {
   std::uint64_t bytes = 0;
 };
 
-// Opens `name` in `folder`, a subfolder of the open folder `home`; nothing where there is no such entry. Call it when
-// every process of the job is dead. No link is followed, a FIFO does not block, and the file must be a regular one of
-// this user with a single name and at most `largest` bytes. Errors: internal (anything else has that name).
+// Opens `name` in `folder`, a subfolder of the open folder `home`; nothing if the entry does not exist. Call it after
+// every process of the job has ended. It follows no links and does not block on a FIFO. The file must be a regular one
+// of this user, with a single hard link and at most `largest` bytes. Errors: internal (anything else has that name).
 Result<std::optional<JobFile>> open_job_file(int home, const char* folder, const char* name,
                                              std::uint64_t largest);
 

@@ -1,4 +1,4 @@
-// The lines that a worker adds to the log of a job on the server: words of our own and codes, nothing out of a file.
+// The lines that a worker adds to the log of a job on the server: only fixed texts and codes, nothing from a file.
 #pragma once
 
 #include <mutex>
@@ -11,11 +11,11 @@
 
 namespace vacuform {
 
-// From any thread.
+// Thread safe.
 class JobLog {
  public:
   void say(std::string line);
-  // Sends what the server has not confirmed; a line that it has heard already it leaves out. Errors: those of the call.
+  // Sends what the server has not confirmed; skips lines that the server already has. Errors: those of the call.
   Result<void> send(WorkerClient& client, const Lease& lease, const Going& going = {});
 
  private:
@@ -24,10 +24,10 @@ class JobLog {
   std::size_t sent_ = 0;
 };
 
-// The warnings in a report.json or findings.json, which the child wrote and which may be anything.
+// The warnings in a report.json or findings.json. The child wrote the file, so it may contain anything.
 struct ReportedWarnings {
   std::vector<std::string> codes;  // those that look like codes, at most 50
-  std::optional<int> serious;      // how many of all; none when it is no report
+  std::optional<int> serious;      // how many of all; missing if the file is not a report
 };
 ReportedWarnings reported_warnings(const JobFile& report);
 

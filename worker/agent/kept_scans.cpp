@@ -21,7 +21,7 @@ bool is_digest(const std::string& name) {
   return name.size() == 64 && name.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-// A folder that nobody else may look into: made, or found as it should be.
+// A private folder: created, or found with the right owner and mode.
 bool private_folder(const fs::path& folder) {
   ::mkdir(folder.c_str(), 0700);
   struct stat info {};
@@ -34,7 +34,7 @@ Error unusable(const fs::path& folder) {
           "give --keep a folder of your own with mode 0700, or --no-keep"};
 }
 
-// A job leaves a few files here and no folders; what has more is no longer read, counted or kept.
+// A job leaves a few files here and no folders; a subfolder with more is not read, counted or kept any longer.
 TreeSize size_of(const fs::path& folder) {
   const Descriptor opened = open_folder(AT_FDCWD, folder.c_str(), true);
   TreeLimits limits;
@@ -49,7 +49,7 @@ Result<KeptScans> KeptScans::open(fs::path folder, std::uint64_t most_bytes, std
   std::error_code error;
   if (folder.is_absolute()) fs::create_directories(folder.parent_path().parent_path(), error);
   if (folder.has_parent_path())
-    ::mkdir(folder.parent_path().c_str(), 0700);  // the folder for work, where nobody made it yet
+    ::mkdir(folder.parent_path().c_str(), 0700);  // the work folder, if it does not exist yet
   if (!private_folder(folder)) return tl::make_unexpected(unusable(folder));
   return KeptScans(std::move(folder), most_bytes, longest);
 }

@@ -1,7 +1,7 @@
-// What jobs kept of their stages (kept_stages.hpp), in a folder of a worker with one subfolder for each owner and scan. Its
-// name is a key that the server gives with the lease, which shows neither. A job's child may use its own subfolder alone: a
-// scan that takes over a parser finds there what the same owner's jobs made of the same scan, and no other patient. What it
-// leaves there can mislead that owner's jobs of that very scan and no others.
+// The stages that jobs kept (kept_stages.hpp), in a folder of a worker with one subfolder for each owner and scan. The
+// name of the subfolder is a key that the server sends with the lease; it reveals neither owner nor scan. The child of
+// a job may use only its own subfolder. A scan that exploits a parser finds there what jobs of the same owner made from
+// the same scan, and no other patient. What it leaves there can only mislead the jobs of that owner for that scan.
 #pragma once
 
 #include <chrono>
@@ -16,16 +16,16 @@ namespace vacuform {
 // Several workers may share one folder.
 class KeptScans {
  public:
-  // The folder is made when absent, for this user alone. Errors: unreadable.
+  // Creates the folder if it is absent, for this user only. Errors: unreadable.
   static Result<KeptScans> open(std::filesystem::path folder, std::uint64_t most_bytes,
                                 std::chrono::hours longest);
 
-  // The subfolder for a key (64 hexadecimal digits), made when absent, and used from now on. Errors: unreadable, bad_usage
-  // (not a key).
+  // The subfolder for a key (64 hexadecimal digits), created if absent, and marked as used now. Errors: unreadable,
+  // bad_usage (not a key).
   Result<std::filesystem::path> of(const std::string& key) const;
-  // Deletes what holds a folder or more than most_files files, what was not used for longer than `longest`, and of the rest
-  // what was used the longest ago until no more than `most_bytes` are left. Gives the number of subfolders deleted, and logs
-  // those that could not be.
+  // Deletes subfolders that contain a folder or more than most_files files, and those not used for longer than
+  // `longest`. Then deletes the least recently used ones until at most `most_bytes` are left. Returns the number of
+  // subfolders deleted, and logs those that cannot be deleted.
   int make_room() const;
 
   static constexpr std::size_t most_files = 200;

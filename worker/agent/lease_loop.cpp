@@ -19,16 +19,16 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
-// The server may be away, or has a fault that passes: the same call may be made again.
+// The server may be away or have a temporary fault: the call may be retried.
 bool passing(const Error& error) {
   return error.code == Code::unavailable || error.code == Code::disk_full || error.code == Code::internal;
 }
 
 milliseconds longer(milliseconds pause) { return std::min(2 * pause, milliseconds(10000)); }
 
-constexpr std::chrono::hours tidy_every{1};  // of what is kept, besides after every job
+constexpr std::chrono::hours tidy_every{1};  // of the stages kept, in addition to after every job
 
-constexpr const char* out = "out";  // the folder of artifacts, in that of the job
+constexpr const char* out = "out";  // the folder of artifacts in the folder of the job
 constexpr TreeLimits most_left;     // in a job's folder
 
 // How a leased job ended, for this worker.
@@ -71,7 +71,7 @@ class LeasedJob {
     if (heartbeat_.lost() || worked.error().code == Code::lease_lost) return Verdict::lost;
     if (heartbeat_.cancel_asked()) return told(Verdict::cancelled, [&] { return client_.cancelled(lease_); });
     if (stop_.within(milliseconds(0))) {
-      // Once: if the server is away now, the lease runs out by itself.
+      // Only once: if the server is away now, the lease simply expires.
       const auto released = client_.release(lease_);
       return released ? Verdict::released : Verdict::lost;
     }
@@ -85,7 +85,7 @@ class LeasedJob {
     return !heartbeat_.lost() && !heartbeat_.cancel_asked() && !stop_.within(milliseconds(0));
   }
 
-  // Makes a call until it is answered, the lease is lost, or a lease's time has gone by.
+  // Retries a call until it is answered, the lease is lost, or the duration of a lease has passed.
   template <class Call>
   Result<void> persist(const Call& call) {
     const auto until = std::chrono::steady_clock::now() + lease_.seconds;
@@ -125,7 +125,7 @@ class LeasedJob {
       return fail(Code::internal, "the worker has no room for the job", "", "try again later");
     }
     const fs::path kept = kept_folder();
-    // The child's own working directory is a folder in ours.
+    // The working directory of the child is a folder in ours.
     if (!kept.empty())
       command.insert(command.end(), {"--keep", (kept.is_absolute() ? kept : ".." / kept).string()});
     const auto end = run_child(
@@ -160,7 +160,7 @@ class LeasedJob {
     return completed;
   }
 
-  // A file of the child's, now that it is dead.
+  // Reads a file that the child wrote. The child has ended.
   Result<std::optional<JobFile>> left(const std::string& name) {
     auto file = open_job_file(home_, out, name.c_str(), largest_artifact);
     if (!file) {
@@ -170,7 +170,7 @@ class LeasedJob {
     return file;
   }
 
-  // No limit of the kernel's bounds the number of files or their sum: looked at once a second, in bounded time.
+  // No kernel limit bounds the number of files or their sum, so both are checked once a second, in bounded time.
   bool has_too_much() {
     const auto now = std::chrono::steady_clock::now();
     if (now - measured_ < std::chrono::seconds(1)) return too_much_;
@@ -179,7 +179,7 @@ class LeasedJob {
     return too_much_;
   }
 
-  // Where this owner's stages of this scan are kept; empty: nowhere. A job does without rather than fail for it.
+  // The folder of kept stages for this owner and scan; empty: no folder. Without one the job still runs.
   fs::path kept_folder() const {
     if (!loop_.kept || lease_.keep.empty()) return {};
     return loop_.kept->of(lease_.keep).value_or(fs::path());
@@ -203,7 +203,7 @@ class LeasedJob {
     retry_ = refused                                                        ? Retry::never
              : end.how == ChildEnd::How::exited && end.number == no_sandbox ? Retry::after_fault
                                                                             : Retry::after_crash;
-    constexpr std::size_t told = 2000;  // the operator reads this; what a scan can write into it is bounded
+    constexpr std::size_t told = 2000;  // the operator reads this; limits what a scan can write into it
     log_event(
         "child-fault",
         {{"job", lease_.job},
@@ -247,7 +247,7 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
   while (!stop.within(milliseconds(0))) {
     if (const auto now = std::chrono::steady_clock::now(); now - tidied >= tidy_every) {
       if (kept) kept->make_room();
-      (void)sweep(work);  // what could not be deleted before
+      (void)sweep(work);  // what could not be deleted earlier
       tidied = now;
     }
     const auto lease = client.lease(name, sandbox.measures(true));

@@ -1,4 +1,4 @@
-// The worker's life: lease a job over HTTP, run it in a child, hand in its artifacts, and again.
+// The main loop of a worker: lease a job over HTTP, run it in a child, hand in its artifacts, repeat.
 #pragma once
 
 #include <chrono>
@@ -16,18 +16,18 @@ namespace vacuform {
 
 struct LeaseLoop {
   std::string server, token, name;   // name: how this worker appears in the server's log
-  std::filesystem::path work = ".";  // a folder of this user's own, for the jobs' private folders
+  std::filesystem::path work = ".";  // a private folder of this user, for the folders of the jobs
   std::filesystem::path program;     // `vacuform`, by its name
-  Descriptor program_file;           // and open, for jobs' processes: a new version on disk changes nothing
-  std::chrono::milliseconds poll{1000};  // between two questions for a job
+  Descriptor program_file;           // open, for the processes of jobs: a new version on disk changes nothing
+  std::chrono::milliseconds poll{1000};  // polling interval
   ChildLimits limits;
   Sandbox sandbox;
-  std::optional<KeptScans> kept;  // where jobs of the same scan find its formed sheet; none: nowhere
+  std::optional<KeptScans> kept;  // where jobs of the same scan find its formed sheet; may be absent
 
-  // Until `stop` says so: the running child is then ended and its job released. A server that is away is asked again, with
-  // a pause that grows to 10 s. A job that this program does not understand is released, and the loop ends. Errors:
-  // unauthorized or forbidden (the server does not take the token), conflict (it speaks another protocol), bad_usage (the
-  // address is no address; a job is not understood), unreadable (the folder for work).
+  // Runs until `stop` returns true: then the running child is ended and its job released. A server that is away is
+  // retried, with a pause that grows to 10 s. A job that this program does not understand is released, and the loop
+  // ends. Errors: unauthorized or forbidden (the server rejects the token), conflict (it uses another protocol),
+  // bad_usage (the address is invalid; a job is not understood), unreadable (the work folder).
   Result<void> run(const StopSignal& stop) const;
 };
 

@@ -1,5 +1,5 @@
-// Landlock: Documentation/userspace-api/landlock.rst of Linux; Debian 12's headers have only its first ABI, so the
-// numbers are here. seccomp: libseccomp builds the filter, the child installs it.
+// Landlock: Documentation/userspace-api/landlock.rst of Linux. The headers of Debian 12 have only its first ABI, so the
+// numbers are defined here. seccomp: libseccomp builds the filter, the child installs it.
 #include "worker/agent/sandbox.hpp"
 
 #include <fcntl.h>
@@ -66,7 +66,7 @@ bool allow(int ruleset, int fd, std::uint64_t rights) {
   return ::syscall(add_rule, ruleset, 1, &rule, 0) == 0;
 }
 
-// Allows rights beneath a path; what does not exist needs no rule.
+// Allows rights beneath a path. A path that does not exist needs no rule.
 bool allow(int ruleset, const char* path, std::uint64_t rights) {
   const int fd = ::open(path, O_PATH | O_CLOEXEC);
   if (fd < 0) return errno == ENOENT;
@@ -94,17 +94,17 @@ int make_ruleset(int abi, int program, const std::string& home, const std::strin
   return -1;
 }
 
-// What no pipeline needs. Landlock guards what files hold, and from its sixth ABI on signals and abstract sockets; modes,
-// owners, times, attributes and other processes are guarded here alone.
+// Calls that no pipeline needs. Landlock guards the contents of files, and from its sixth ABI signals and abstract
+// sockets. Modes, owners, times, attributes and other processes are guarded only here.
 constexpr std::array refused_calls{
     // the network
     "socket", "socketpair", "connect", "bind", "listen", "accept", "accept4", "sendto", "sendmsg", "sendmmsg",
-    // other processes, and processes of its own: a job is one process with threads
+    // other processes, and child processes: a job is one process with threads
     "fork", "vfork", "setsid", "setpgid", "ptrace", "process_vm_readv", "process_vm_writev",
     "process_madvise", "process_mrelease", "kcmp", "pidfd_open", "pidfd_getfd", "pidfd_send_signal", "kill",
     "tkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo", "migrate_pages", "move_pages", "setpriority",
     "ioprio_set", "sched_setscheduler", "sched_setparam", "sched_setattr", "sched_setaffinity", "execve",
-    // what files are besides their content
+    // metadata of files
     "chmod", "fchmod", "fchmodat", "chown", "fchown", "lchown", "fchownat", "setxattr", "lsetxattr",
     "fsetxattr", "removexattr", "lremovexattr", "fremovexattr", "getxattr", "lgetxattr", "fgetxattr",
     "listxattr", "llistxattr", "flistxattr", "truncate", "truncate64", "utime", "utimes", "futimesat",
@@ -134,29 +134,29 @@ std::vector<sock_filter> make_filter() {
   const auto add = [&](std::uint32_t action, int call, const auto&... arguments) {
     made = made && ::seccomp_rule_add(filter.get(), action, call, sizeof...(arguments), arguments...) == 0;
   };
-  for (const char* name : refused_calls)  // what the library does not know, this machine does not have
+  for (const char* name : refused_calls)  // calls unknown to the library do not exist on this machine
     if (const int call = ::seccomp_syscall_resolve_name(name); call != __NR_SCMP_ERROR) add(refuse, call);
-  // Threads alone. The flags of clone3 are in memory, where no filter sees them; without it the C library uses clone.
+  // Threads only. The flags of clone3 are in memory, where no filter sees them; without it the C library uses clone.
   add(refuse, SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0));
   for (const std::uint64_t space :
        {CLONE_NEWUSER, CLONE_NEWNET, CLONE_NEWNS, CLONE_NEWPID, CLONE_NEWIPC, CLONE_NEWUTS, CLONE_NEWCGROUP})
     add(refuse, SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, space, space));
   add(unknown, SCMP_SYS(clone3));
-  // One program: that of the descriptor, by an address that is gone with the old memory once it runs.
+  // Only the program of the descriptor, by an address that disappears with the old memory once it runs.
   const auto address = static_cast<scmp_datum_t>(reinterpret_cast<std::uintptr_t>(no_path));
   add(refuse, SCMP_SYS(execveat), SCMP_A0(SCMP_CMP_NE, program_number));
   add(refuse, SCMP_SYS(execveat), SCMP_A1(SCMP_CMP_NE, address));
   add(refuse, SCMP_SYS(execveat), SCMP_A4(SCMP_CMP_NE, AT_EMPTY_PATH));
-  // Emptying a file that is only read, which Landlock does not see before its third ABI.
+  // Truncating a file that is opened for reading, which Landlock does not see before its third ABI.
   constexpr std::uint64_t emptying = O_TRUNC | O_ACCMODE;
   add(refuse, SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, emptying, O_TRUNC | O_RDONLY));
 #ifdef __NR_open
   add(refuse, SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, emptying, O_TRUNC | O_RDONLY));
 #endif
   add(unknown, SCMP_SYS(openat2));
-  // Times of an open file of its own only.
+  // Only the times of files that it has open.
   add(refuse, SCMP_SYS(utimensat), SCMP_A1(SCMP_CMP_NE, 0));
-  // Limits of others, and signals that the kernel would send for it.
+  // Limits of other processes, and signals that the kernel would send for it.
   add(refuse, SCMP_SYS(prlimit64), SCMP_A0(SCMP_CMP_GT, 0));
   for (const int command : {F_SETOWN, F_SETOWN_EX, F_SETSIG})
     add(refuse, SCMP_SYS(fcntl), SCMP_A1(SCMP_CMP_MASKED_EQ, word, static_cast<scmp_datum_t>(command)));
@@ -178,7 +178,7 @@ bool install(const std::vector<sock_filter>& filter) {
 }
 
 // The rules that libseccomp cannot write: calls that are newer than its names, and a number that only the child knows.
-// The filter before this one has seen to the machine that the numbers are for.
+// The filter before this one has already checked the architecture that the numbers belong to.
 bool install_own_rules() {
   constexpr std::uint32_t first_argument =
       offsetof(seccomp_data, args) + (std::endian::native == std::endian::big ? 4 : 0);
@@ -242,7 +242,7 @@ unsigned long Confinement::namespaces() const { return sandbox_.namespaces ? own
 bool Confinement::leave_files() const { return ruleset_ < 0 || ::syscall(restrict_self, ruleset_, 0) == 0; }
 
 bool Confinement::hold_program() const {
-  // dup2() to the number that it has already would leave it to be closed.
+  // dup2() to the same number would leave the close-on-exec flag set.
   return ::dup2(program_, program_number) == program_number && ::fcntl(program_number, F_SETFD, 0) == 0 &&
          ::close_range(program_number + 1, ~0u, 0) == 0;
 }

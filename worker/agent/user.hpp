@@ -1,4 +1,4 @@
-// Giving up root's rights for those of a user without any.
+// Drops the rights of root and becomes an unprivileged user.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace vacuform {
 
-// Makes the folder `work` and what is above it where they are absent, and goes into it, so that it is in reach from then on
-// even where the user may not enter a folder above it. Then becomes the user `name`, for good; an empty name: stays who it is,
-// and then the folder must be this user's own. Needs root, unless it is that user already. Call it before any thread is
-// started, and open before it what only root may open. Errors: bad_usage (there is no such user, or not root); unreadable (the
-// folder).
+// Creates the folder `work` and its parents if they are absent, and makes it the current directory, so that it stays
+// reachable even if the user may not enter a parent folder. Then becomes the user `name` permanently. An empty name
+// keeps the current user, who must then own the folder. Needs root, unless the process already runs as that user. Call
+// it before any thread starts, and open what only root may open before it. Errors: bad_usage (the user does not exist,
+// or not root); unreadable (the folder).
 Result<void> settle(const std::string& work, const std::string& name);
 
 }  // namespace vacuform

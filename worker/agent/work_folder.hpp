@@ -1,4 +1,4 @@
-// A private folder for one job, gone when the job is: whatever a worker is killed by, the next one sweeps up.
+// A private folder for one job, deleted with the job. If a worker is killed, the next one deletes its folders.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,17 @@ namespace vacuform {
 
 class WorkFolder {
  public:
-  // Makes <parent>/job-XXXXXX, mode 0700, and locks it for as long as this object (or its process) lives.
+  // Creates <parent>/job-XXXXXX, mode 0700, and locks it for as long as this object (or its process) lives.
   // Errors: unreadable.
   static Result<WorkFolder> make(const std::filesystem::path& parent);
-  // Removes the folder with everything in it, whatever its permissions; logs what cannot be removed.
+  // Deletes the folder with all its contents, whatever its permissions; logs what cannot be deleted.
   ~WorkFolder();
   WorkFolder(WorkFolder&&) noexcept = default;
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  int descriptor() const { return lock_.number(); }  // of the folder itself, wherever it is moved
+  int descriptor() const { return lock_.number(); }  // of the folder itself, even if it is moved
 
  private:
   WorkFolder(std::filesystem::path path, Descriptor lock) : path_(std::move(path)), lock_(std::move(lock)) {}
@@ -28,8 +28,8 @@ class WorkFolder {
   Descriptor lock_;
 };
 
-// Makes `parent` (mode 0700) when absent and removes from it the folders whose workers are gone: those whose lock is
-// free. Gives the number of those that are gone. Errors: unreadable (it cannot be made, or belongs to someone else).
+// Creates `parent` (mode 0700) if absent and deletes the folders in it whose workers have ended, that is, whose lock is
+// free. Returns their number. Errors: unreadable (it cannot be created, or belongs to another user).
 Result<int> sweep(const std::filesystem::path& parent);
 
 }  // namespace vacuform

@@ -12,14 +12,14 @@ void add_run(CLI::App& app, int& exit_code);        // the whole pipeline, witho
 void add_inspect(CLI::App& app, int& exit_code);    // what is in a scan, without forming anything
 void add_layout(CLI::App& app, int& exit_code);     // an array of coils made for a scan, as a pattern
 void add_sample(CLI::App& app, int& exit_code);     // writes the bundled head form and coil pattern
-void add_submit(CLI::App& app, int& exit_code);     // the same as run, through a server
-void add_converge(CLI::App& app, int& exit_code);   // how far the result hangs on the grid
-void add_calibrate(CLI::App& app, int& exit_code);  // the machine's figures from a measured part
+void add_submit(CLI::App& app, int& exit_code);     // the same as run, but on a server
+void add_converge(CLI::App& app, int& exit_code);   // how much the result depends on the grid
+void add_calibrate(CLI::App& app, int& exit_code);  // machine parameters from a measured part
 
-// Prints the error and gives its exit code.
+// Prints the error and returns its exit code.
 int refuse(const Error& error);
 
-// What std::bad_alloc means to the user.
+// The error message for std::bad_alloc.
 Error out_of_memory();
 
 }  // namespace vacuform::cli

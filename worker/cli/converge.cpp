@@ -1,4 +1,4 @@
-// vacuform converge: how far the formed sheet hangs on the spacing of its grid.
+// vacuform converge: how much the formed sheet depends on the spacing of its grid.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -42,7 +42,7 @@ Result<void> converge_scan(const ConvergeOptions& o, const Context& context, Pro
   if (o.twice) factors.push_back(2);
   factors.insert(factors.end(), {1, 0.5});
   if (o.quarter) factors.push_back(0.25);
-  for (const double factor : factors) {  // every grid must be one that settings may ask for
+  for (const double factor : factors) {  // every grid must be valid in the settings
     nlohmann::json changed = to_json(study.settings);
     changed["sheet"]["resolution_mm"] = factor * study.settings.sheet.resolution_mm;
     VACUFORM_CHECK(settings_from_json(changed));

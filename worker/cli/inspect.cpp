@@ -1,4 +1,4 @@
-// vacuform inspect: what is in a scan and what mold it makes, in seconds and without forming anything.
+// vacuform inspect: what a scan contains and what mold it makes, in seconds and without forming.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -83,7 +83,7 @@ Result<void> inspect(const InspectOptions& o, const Context& context, ProgressBa
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
-  blank_names(scan, o.scan);  // as for a print, so that it finds the mold that is kept
+  blank_names(scan, o.scan);  // as for a print, so that the kept mold is found
   Inputs inputs{scan, o.scan, {}, {}, settings};
   inputs.kept = kept_stages(o.keep, o.progress);
   VACUFORM_TRY(inspection, inspect_scan(inputs, context));

@@ -20,7 +20,8 @@ CLI::Option* add_progress_option(CLI::App& command, ProgressAs& into);
 int run_interruptible(const std::function<Result<void>(const Context&, ProgressBar&)>& work,
                       ProgressAs progress = ProgressAs::bar);
 
-// Stages that an earlier run left in a folder, none where its name is empty; each one found is told as progress.
+// Stages that an earlier run left in a folder; no stages if its name is empty. Each stage found is reported as
+// progress.
 KeptStages kept_stages(const std::string& folder, ProgressAs progress);
 
 }  // namespace vacuform::cli

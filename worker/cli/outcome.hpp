@@ -21,11 +21,11 @@ struct OutcomeOptions {
 
 inline constexpr int with_serious_warnings = 3;  // exit code of --strict
 
-// The file as JSON; null where it cannot be read or is no JSON object.
+// The file as JSON; null if it cannot be read or is not a JSON object.
 nlohmann::ordered_json read_report(const std::filesystem::path& file);
 
 // Prints the summary of a report on standard output, as text or as JSON as the options say; `out` is where the files are.
-// Nothing is printed of what is no report.
+// Prints nothing if the file is not a report.
 void tell(const OutcomeOptions& options, const nlohmann::ordered_json& report, const std::string& out);
 
 // 3 with --strict where a warning of the report (or of findings.json) is serious, else 0.

@@ -21,9 +21,9 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   void show(Stage stage, double fraction);
-  void show(std::string_view what, double fraction);  // something that is no stage: "upload", "queued"
+  void show(std::string_view what, double fraction);  // not a stage: "upload", "queued"
 
-  // Takes the line away, so that something else can be printed.
+  // Clears the line, so that something else can be printed.
   void clear();
 
  private:
@@ -31,7 +31,7 @@ class ProgressBar {
 
   bool terminal_;
   Otherwise otherwise_;
-  std::string shown_;  // the line that stands on the terminal
+  std::string shown_;  // the current line on the terminal
   std::string stage_;  // the last name
 };
 

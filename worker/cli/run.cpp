@@ -28,7 +28,7 @@ Result<void> run(const RunOptions& o, const Context& context) {
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
   VACUFORM_TRY(pattern, read_file(o.pattern));
-  blank_names(scan, o.scan);  // as the service does, so that both make the same of a file
+  blank_names(scan, o.scan);  // as the service does, so that both make the same result from a file
   blank_names(pattern, o.pattern);
   Inputs inputs{scan, o.scan, pattern, o.pattern, settings};
   std::vector<std::uint8_t> temperature;

@@ -43,7 +43,7 @@ Result<nlohmann::json> read_object(const std::string& file) {
   if (!object.is_object())
     return fail(Code::bad_settings, "the settings are not a JSON object", file,
                 "write {\"print\": {\"dpi\": 300}}");
-  object.erase("calibration");  // what a machine profile says of itself is no setting
+  object.erase("calibration");  // the notes of a machine profile about itself are not settings
   return parsed;
 }
 

@@ -253,7 +253,7 @@ Result<SamplingDomain> domain_for(const ChartedSurface& charted, const ChartVert
     const Vector3d top = surface.place(charted.at_chart({0, 0}).point);
     out = about_middle(surface, out, middle_of(surface, out, top, wish.region), wish.count * cell);
   }
-  constexpr int rounds = 4;  // spacing and margin hang on each other
+  constexpr int rounds = 4;  // spacing and margin depend on each other
   for (int round = 0; round < rounds && !wish.diameter_mm; ++round) {
     spacing = std::sqrt(out.area / (hexagon * wish.count));
     out = sampling_domain(surface, vertices, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));

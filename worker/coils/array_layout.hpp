@@ -12,37 +12,36 @@ namespace vacuform {
 enum class ArrayRegion { dome, front, back };
 
 struct ArrayWish {
-  int count = 16;                     // of loops, 4 to 64
-  std::optional<double> diameter_mm;  // none: as large as covers the region
+  int count = 16;                     // number of loops, 4 to 64
+  std::optional<double> diameter_mm;  // if absent: large enough to cover the region
   ArrayRegion region = ArrayRegion::dome;
-  double trace_mm = 3;  // width of the loops' lines
+  double trace_mm = 3;  // line width of the loops
 };
 
 struct Array {
-  // Circles with the ids coil-1, coil-2... from the back to the front, around (0, 0): at the best flat picture of the
-  // array, whose neighbours are as far apart as on the surface, as nearly as the plane lets. Laid without an offset, and with
-  // coils.decouple, they come to lie where the array has them, as nearly again.
+  // Circles with the ids coil-1, coil-2... from the back to the front, around (0, 0). They form the best flat image of
+  // the array: their neighbours are as far apart as on the surface, as nearly as the plane allows. Laid without an
+  // offset, and with coils.decouple, they land on their places in the array with the same accuracy.
   Drawing drawing;
   std::vector<Eigen::Vector3d> centres;  // on the inked surface, mm
   double diameter_mm = 0;                // of the loops before decoupling changed their sizes
   double spacing_mm = 0;                 // mean geodesic distance of neighbours
-  double spacing_rms_mm = 0;             // of what differs from the mean
-  // The strongest pair of neighbours and of all loops, as indices into drawing.elements; nothing where the loops run off the
-  // sheet.
+  double spacing_rms_mm = 0;             // of the deviations from the mean
+  // The strongest pair of neighbours and of all loops, as indices into drawing.elements; nothing if the loops extend
+  // beyond the sheet.
   std::optional<StrongestPair> strongest_neighbours, strongest;
   int pairs = 0, off_head = 0;
 };
 
-// Loops of equal size: of a given diameter a piece of a hexagonal lattice about the middle of the region, fitted ones the
-// centres of a centroidal Voronoi tessellation of it (hexagons where it is flat, pentagons where the curvature needs
-// them); each way is tried where the other cannot be decoupled. Then moved to equal geodesic distances and decoupled with
-// sizes within coils.size_limit; strongest_neighbours says how well that went. Of `coils` decouple and stretch_limit do not
-// matter. Deterministic. Errors: unusable_surface (they do
-// not fit), cancelled.
+// Loops of equal size. With a given diameter: a piece of a hexagonal lattice about the middle of the region. Fitted:
+// the centres of a centroidal Voronoi tessellation of it (hexagons where it is flat, pentagons where the curvature
+// needs them). If one way cannot be decoupled, the other is tried. Then the loops are moved to equal geodesic distances
+// and decoupled with sizes within coils.size_limit; strongest_neighbours shows the result. The settings decouple and
+// stretch_limit of `coils` have no effect. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
 Result<Array> lay_out_array(const ChartedSurface& charted, const ArrayWish& wish, const CoilSettings& coils,
                             const Context& context);
 
-// The drawing as an SVG in millimetres, a group a coil.
+// The drawing as an SVG in millimetres, one group per coil.
 std::string svg_of_rings(const Drawing& drawing, const std::string& title);
 
 }  // namespace vacuform

@@ -1,4 +1,4 @@
-// How the neighbours of a placement couple, and what a person is told of it.
+// Coupling between the neighbours of a placement, and what is reported about it.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace vacuform {
 
-// Gives the pairs of the placement their couplings. With coils.decouple its coils are moved and resized between the two
-// (decoupling.hpp); "coils-moved" warns when that led a coil more than 10 mm away. `drawing` is what place() laid.
-// Deterministic. Errors: cancelled.
+// Computes the couplings of the pairs of the placement. With coils.decouple it computes them before and after the coils
+// are moved and resized (decoupling.hpp); "coils-moved" warns when a coil moved by more than 10 mm. `drawing` is what
+// place() laid out. Deterministic. Errors: cancelled.
 Result<void> add_couplings(const ChartedSurface& charted, const Drawing& drawing, const Settings& settings,
                            const Context& context, Placement& placement);
 
@@ -23,10 +23,10 @@ struct CoupledNeighbours {
   Eigen::Vector3d place{0, 0, 0};  // between the centres, mm
 };
 
-// Those of the pairs of a placement whose coupling is known, as they were placed.
+// The pairs of a placement whose coupling is known, as they were placed.
 std::vector<CoupledNeighbours> coupled_neighbours(const Placement& placement, const Drawing& drawing);
 
-// "coils-coupled" about those of the pairs that have |k| of 0.01 or more, strongest first; nothing where there are none.
+// "coils-coupled" for the pairs with |k| of 0.01 or more, strongest first; nothing if there are no such pairs.
 std::optional<Warning> coupling_warning(const std::vector<CoupledNeighbours>& pairs, bool decoupled);
 
 }  // namespace vacuform

@@ -1,8 +1,8 @@
-// The coupling of every loop of an array with every other, not of neighbours alone.
+// The coupling of every loop of an array with every other loop, not only with its neighbours.
 //
-// Overlap nulls neighbours only. What overlap leaves is in the far pairs: of coplanar circles at critical overlap
-// (1.516 radii apart) the pairs beside a neighbour (2.626 radii apart) couple by about -0.02, and no overlap can null them:
-// they do not touch.
+// Overlap nulls only neighbours. The remaining coupling is in the distant pairs: for coplanar circles at critical
+// overlap (1.516 radii apart) the next-nearest pairs (2.626 radii apart) couple by about -0.02. No overlap can null
+// them, because they do not touch.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,14 +14,14 @@
 
 namespace vacuform {
 
-// A closed polyline in space, mm, the last point joined to the first, and its own inductance (inductance.hpp).
-// Without points, or where the inductance is not above zero, the loop couples with nothing.
+// A closed polyline in space, mm, the last point joined to the first, and its self-inductance (inductance.hpp). Without
+// points, or if the inductance is not above zero, the loop couples with nothing.
 struct InductiveLoop {
   std::vector<Eigen::Vector3d> line;
   double self_nh = 0;
 };
 
-// Symmetric; k = M / sqrt(L1 L2), 1 of a loop with itself. NaN where one of the two couples with nothing.
+// Symmetric; k = M / sqrt(L1 L2), 1 on the diagonal. NaN if one of the two couples with nothing.
 class CouplingMatrix {
  public:
   explicit CouplingMatrix(int count = 0);
@@ -37,23 +37,24 @@ class CouplingMatrix {
   std::vector<double> k_;
 };
 
-// Loops whose middles are farther apart than this many times the larger one's reach (the distance from its middle to its
-// farthest point) count as magnetic dipoles.
+// Loops whose centres are farther apart than this many times the reach of the larger one (the distance from its centre
+// to its farthest point) count as magnetic dipoles.
 inline constexpr double dipole_distance = 10;
 
-// Neumann's integral for near pairs. Far ones (dipole_distance) are dipoles, M = mu0 / (4 pi) [3 (A.r)(B.r) / r^5 - A.B / r^3]
-// with the loops' vector areas A and B, which is off by less than 3e-5 in k. With two cores 64 loops of 120 points on a head
-// take a second, 256 of them seven. `fraction` is the progress that the stage reports meanwhile. Deterministic, whatever
-// the number of threads. Errors: cancelled.
+// Neumann's integral for near pairs. Far ones (dipole_distance) are dipoles, M = mu0 / (4 pi) [3 (A.r)(B.r) / r^5 - A.B
+// / r^3] with the vector areas A and B of the loops; the error in k is less than 3e-5. With two cores 64 loops of 120
+// points on a head take a second, 256 of them seven. `fraction` is the progress that the stage reports meanwhile.
+// Deterministic for any number of threads. Errors: cancelled.
 Result<CouplingMatrix> coupling_matrix(const std::vector<InductiveLoop>& loops, Stage stage, double fraction,
                                        const Context& context);
 
-// The strongest of some pairs of an array.
+// The pair with the strongest coupling among some pairs of an array.
 struct StrongestPair {
   int a = 0, b = 0;  // a < b
   double k = 0;      // with its sign
 };
-// The pair of the largest |k| among the loops that `counts` admits, the first of equals; nothing without such a pair.
+// The pair with the largest |k| among the loops that `counts` admits, the first one of equals; nothing if there is no
+// pair.
 std::optional<StrongestPair> strongest_pair(const CouplingMatrix& matrix,
                                             const std::function<bool(int)>& counts);
 

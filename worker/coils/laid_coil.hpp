@@ -9,10 +9,10 @@ namespace vacuform {
 
 struct LaidCoil {
   ElementOnSurface element;
-  double self_nh = 0;  // inductance of its loop; 0 without
+  double self_nh = 0;  // inductance of its loop; 0 without a loop
 };
 
-// Of the elements of a layout, in their order.
+// For the elements of a layout, in their order.
 std::vector<LaidCoil> with_inductances(const ElementLayout& layout, std::vector<ElementOnSurface> laid);
 
 // The elements of a layout where their centres are now; `rough` as in element_patch(). Errors: cancelled.

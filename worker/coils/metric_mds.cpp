@@ -25,7 +25,7 @@ std::vector<Vector2d> metric_mds(const std::vector<Vector2d>& start, const std::
     double moved = 0;
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (around[i].empty()) continue;
-      Vector2d to(0, 0);  // the mean of where each neighbour would have it
+      Vector2d to(0, 0);  // the mean of the places that the neighbours require
       for (const auto& [other, far] : around[i]) {
         const Vector2d way = places[i] - places[index(other)];
         to += (places[index(other)] + far / std::max(way.norm(), 1e-9) * way) /

@@ -5,9 +5,9 @@
 
 namespace vacuform {
 
-// Places in the plane whose distances are `mm` between the pairs, in the least squares sense, near `start`, with its
-// middle and its mean turn (stress majorization: Gansner, Koren, North, "Graph drawing by stress majorization", 2004, by
-// single steps). mm per pair. Deterministic.
+// Places in the plane with the distances `mm` between the pairs, in the least squares sense, near `start`, with its
+// centre and its mean rotation (stress majorization: Gansner, Koren, North, "Graph drawing by stress majorization",
+// 2004, by single steps). mm per pair. Deterministic.
 std::vector<Eigen::Vector2d> metric_mds(const std::vector<Eigen::Vector2d>& start,
                                         const std::vector<Neighbours>& pairs, const std::vector<double>& mm);
 

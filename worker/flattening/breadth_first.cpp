@@ -6,8 +6,8 @@ namespace vacuform {
 
 namespace {
 
-// Where the third corner comes to lie when the triangle is laid onto its first two: on the middle of the edge, whose
-// length in the chart may not be its own.
+// Position of the third corner when the triangle is laid onto its first two: centred on the edge, whose length in the
+// chart may differ from its true length.
 Eigen::Vector2d unfolded(const Chart& chart, int a, int b, int c) {
   const FlatTriangle f = flat_triangle(chart.inked[a], chart.inked[b], chart.inked[c]);
   const Eigen::Vector2d edge = chart.uv[b] - chart.uv[a];

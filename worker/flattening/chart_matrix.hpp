@@ -1,4 +1,4 @@
-// The symmetric matrices of a chart: D unknowns a vertex, coupled within every triangle.
+// The symmetric matrices of a chart: D unknowns per vertex, coupled within every triangle.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace vacuform {
 
-// Unknown D v + d is coordinate d of vertex v. The pattern is made once; where each entry of a triangle's own matrix
-// goes is remembered, so that filling is a walk through memory.
+// Unknown D v + d is coordinate d of vertex v. The pattern is made once. The target of each entry of a triangle matrix
+// is stored, so filling reads memory in order.
 template <int D>
 class ChartMatrix {
  public:
@@ -18,9 +18,9 @@ class ChartMatrix {
 
   explicit ChartMatrix(const Chart& chart);
 
-  // Zero but for the diagonal.
+  // Zero except for the diagonal.
   void reset(double diagonal);
-  // Adds a triangle's symmetric matrix, of which the lower half is read.
+  // Adds the symmetric matrix of a triangle. Only its lower half is read.
   void add(std::size_t triangle, const Local& local) {
     const auto& slot = slots_[triangle];
     for (int i = 0, k = 0; i < 3 * D; ++i)

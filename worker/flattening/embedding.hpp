@@ -1,16 +1,17 @@
-// Whether a chart lies in the plane without covering anything twice, and a map that does whatever the start.
+// Checks whether a chart covers no place of the plane twice, and makes a map with that property from any start.
 #pragma once
 
 #include "worker/flattening/chart.hpp"
 
 namespace vacuform {
 
-// How many pairs of the chart's border edges cross or touch, neighbours apart. A disk without triangles turned over and
-// without crossings covers no point of the plane twice.
+// How many pairs of border edges of the chart cross or touch, not counting adjacent edges. A disk without turned-over
+// triangles and without crossings covers no point of the plane twice.
 int border_crossings(const Chart& chart);
 
-// Tutte's embedding (1963) with the border on a circle, by its lengths, and the inked surface's area: in exact arithmetic
-// no triangle is turned over and nothing overlaps. False, and the chart as it was, when it is no disk.
+// Tutte's embedding (1963) with the border on a circle, by its lengths, and the area of the inked surface: in exact
+// arithmetic no triangle is turned over and nothing overlaps. Returns false and leaves the chart unchanged if it is not
+// a disk.
 bool embed_on_disk(Chart& chart);
 
 }  // namespace vacuform

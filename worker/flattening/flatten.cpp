@@ -1,5 +1,5 @@
-// The region of interest becomes one chart, the chart is flattened, and the flattening is laid so that its origin is
-// the top of the mold and it is turned as little as possible against the sheet; or onto its pins.
+// The region of interest becomes one chart. The chart is flattened and then placed: its origin is the top of the mold
+// and it is rotated as little as possible against the sheet, or it is placed by its pins.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ namespace {
 // The chart with its own numbering: sheet vertices in ascending order.
 struct Region {
   Chart chart;
-  std::vector<int> vertices;           // of the chart: which of the sheet's each is
+  std::vector<int> vertices;           // for each vertex of the chart, its index in the sheet
   std::vector<Eigen::Vector2d> start;  // the flat sheet
 };
 
@@ -47,7 +47,7 @@ Region chart_of(const InkedSurface& surface, const std::vector<int>& triangles) 
   return region;
 }
 
-// A spot of the sheet as a point of the chart, to be held at `target`.
+// A point of the sheet as a point of the chart, to be held at `target`.
 ChartPin pin_at(const Spot& spot, const std::vector<int>& triangles, const Eigen::Vector2d& target) {
   const auto at = std::lower_bound(triangles.begin(), triangles.end(), spot.triangle);
   return {static_cast<int>(at - triangles.begin()), spot.corners, target};
@@ -68,7 +68,7 @@ Result<std::vector<ChartPin>> find_pins(const FormedSheet& sheet, const std::vec
   return pins;
 }
 
-// Turns the chart by the least squares rotation towards the sheet's coordinates, weighted by formed area.
+// Rotates the chart by the least squares rotation towards the coordinates of the sheet, weighted by formed area.
 void turn_to_sheet(Chart& chart, const std::vector<Eigen::Vector2d>& start) {
   std::vector<double> weight(chart.uv.size(), 0);
   for (const Triangle& t : chart.triangles) {
@@ -81,13 +81,13 @@ void turn_to_sheet(Chart& chart, const std::vector<Eigen::Vector2d>& start) {
   for (auto& u : chart.uv) u = turn * u;
 }
 
-// Where the flattening comes to lie in the plane: by its pins, or with the top at the origin.
+// Places the flattening in the plane: by its pins, or with the top at the origin.
 class Place {
  public:
   Place(std::vector<Eigen::Vector2d> start, const ChartPin& top, std::vector<ChartPin> pins)
       : start_(std::move(start)), top_(top), pins_(std::move(pins)) {}
 
-  // Where the method begins: with two and more pins, as near to them as the flat sheet can.
+  // The start of the method: with two or more pins, the flat sheet moved as near to them as possible.
   void begin(Chart& chart) const {
     if (pins_.size() < 2) return;
     chart.pins = pins_;
@@ -114,7 +114,7 @@ Result<FlatteningOutcome> run(Chart& chart, const FlatteningSettings& settings, 
                               const Context& context) {
   switch (settings.method) {
     case FlatteningMethod::arap:
-      // Without any weight on areas the hybrid is the conformal map, which needs no iterations.
+      // Without a weight on areas the hybrid is the conformal map, which needs no iterations.
       return settings.lambda == 0.0 ? flatten_lscm(chart, context)
                                     : flatten_arap(chart, context, settings.lambda);
     case FlatteningMethod::symmetric_dirichlet:
@@ -137,7 +137,7 @@ bool by_coverage(FlatteningWeights weights) {
   return weights == FlatteningWeights::ink || weights == FlatteningWeights::painted;
 }
 
-// Flattens and lays the chart, by weights that may hang on the chart itself.
+// Flattens and places the chart, with weights that may depend on the chart itself.
 Result<FlatteningOutcome> flatten_weighted(Chart& chart, const FlatteningSettings& settings,
                                            const ChartPin& top, const Place& place,
                                            const InkCoverage& coverage, const Context& context) {
@@ -162,7 +162,7 @@ Result<FlatteningOutcome> flatten_weighted(Chart& chart, const FlatteningSetting
 
 // The triangles that the flattening turned over, the largest first.
 std::vector<Warning::Mark> flipped_marks(const Chart& chart) {
-  std::vector<std::pair<double, std::size_t>> flipped;  // less its size, and which
+  std::vector<std::pair<double, std::size_t>> flipped;  // negative size, and index
   for (std::size_t k = 0; k < chart.triangles.size(); ++k) {
     const Triangle& t = chart.triangles[k];
     const Eigen::Vector2d a = chart.uv[t[1]] - chart.uv[t[0]], b = chart.uv[t[2]] - chart.uv[t[0]];
@@ -209,7 +209,7 @@ void warn(Flattening& out, const Chart& chart, bool converged, double pins_misse
   }
 }
 
-// The part that the weights favour, and the energies in and out of it.
+// The part that the weights favour, and the energies inside and outside it.
 void split(Flattening& out, const Chart& chart, double weight) {
   if (chart.weight.empty()) return;
   out.weight = chart.weight;

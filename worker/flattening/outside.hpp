@@ -8,9 +8,10 @@
 
 namespace vacuform {
 
-// Constrained Delaunay triangles, counter-clockwise, of the convex hull of `points` without what the chart covers.
-// `loops` are the chart's border, indices into points, and must not cross themselves or each other. Points inside the
-// chart must not be among `points` other than on the loops; those outside, as of a circle around, may. Deterministic.
+// Constrained Delaunay triangles, counter-clockwise, of the convex hull of `points` minus the area of the chart.
+// `loops` are the border of the chart, indices into points, and must not cross themselves or each other. Points inside
+// the chart are only allowed on the loops; points outside, for example of a circle around it, are allowed.
+// Deterministic.
 std::vector<Triangle> triangles_outside(const std::vector<Eigen::Vector2d>& points,
                                         const std::vector<std::vector<int>>& loops,
                                         const std::vector<int>& around);

@@ -16,7 +16,7 @@ double area(const FormedSheet& sheet, int k) {
          (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm();
 }
 
-// Connected parts, across edges, of the triangles with inside[k] == wanted: a part number per triangle, else -1.
+// Connected parts, across edges, of the triangles with inside[k] == wanted: a part number per triangle, otherwise -1.
 std::vector<int> parts(const InkedSurface& surface, const std::vector<char>& inside, char wanted,
                        int& count) {
   std::vector<int> part(inside.size(), -1), stack;
@@ -53,7 +53,7 @@ std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface
   const int largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
   for (std::size_t k = 0; k < part.size(); ++k) inside[k] = count > 0 && part[k] == largest;
 
-  // What does not reach the sheet's border without crossing the region is a hole of it.
+  // A part that does not reach the border of the sheet without crossing the region is a hole of the region.
   const auto rest = parts(surface, inside, 0, count);
   std::vector<char> reaches_border(count, 0);
   for (std::size_t k = 0; k < rest.size(); ++k)

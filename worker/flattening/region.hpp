@@ -1,4 +1,4 @@
-// Which part of the formed sheet is laid flat.
+// The part of the formed sheet that is flattened.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace vacuform {
 
-// The largest connected part of the sheet that lies on the mold, with what it encloses: triangles, ascending. Empty when
+// The largest connected part of the sheet that lies on the mold, including its holes: triangles, ascending. Empty if
 // nothing lies on the mold.
 std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface& surface);
 
@@ -16,11 +16,11 @@ std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface
 struct Spot {
   int triangle = -1;  // of FormedSheet::triangles; -1: none
   Eigen::Vector3d corners;
-  bool exact = true;  // else the vertex of the region nearest to what was asked for
+  bool exact = true;  // false: the vertex of the region nearest to the requested point
 };
-// Where the vertical through `top` meets the region, at its highest.
+// Where the vertical through `top` meets the region, at the highest point.
 Spot spot_below(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector3d& top);
-// Where the region has the point `st` of the flat sheet.
+// The point of the region at `st` of the flat sheet.
 Spot spot_at_rest(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector2d& st);
 
 }  // namespace vacuform

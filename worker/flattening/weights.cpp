@@ -11,8 +11,8 @@ namespace vacuform {
 
 namespace {
 
-// The distance of corner c when a wave has reached a and b: from its source in the triangle's plane, if that is seen
-// through the edge a b, else along an edge.
+// The distance of corner c when a wave has reached a and b: straight from its source in the plane of the triangle if
+// the source is visible through the edge a b, otherwise along an edge.
 double through(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, double at_a,
                double at_b) {
   const FlatTriangle f = flat_triangle(a, b, c);
@@ -78,8 +78,8 @@ std::vector<double> center_weights(const Chart& chart, int triangle, const Eigen
 
 namespace {
 
-// `full` is the coverage from which on a triangle has all of the weight. A wider disk would favour triangles beside the
-// ink as well: on a newborn's head with nineteen rings that leaves the ink a gain of 3.8 in place of 4.3.
+// `full` is the coverage above which a triangle has the full weight. A wider disk would also favour triangles next to
+// the ink: on the head of a newborn with nineteen rings that leaves the ink a gain of 3.8 instead of 4.3.
 std::vector<double> weights_by(const Chart& chart, const InkCoverage& coverage, double weight, double full) {
   std::vector<double> weights;
   weights.reserve(chart.triangles.size());

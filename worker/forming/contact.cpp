@@ -7,7 +7,7 @@
 namespace vacuform {
 
 namespace {
-// A ray starts this much early, mm: a point that rests against the mold within rounding must still meet it.
+// A ray starts this much early, mm: a point that touches the mold within rounding must still hit it.
 constexpr double back_off = 0.02;
 }  // namespace
 
@@ -82,7 +82,7 @@ std::optional<double> SheetAsObstacle::stops(const Eigen::Vector3d& from, const 
   const Eigen::Vector3d way = 2 * (to - from);
   const double length = way.norm();
   if (length == 0) return std::nullopt;
-  // The ray starts off its own triangles, and goes on through parts that it meets from above.
+  // The ray starts away from its own triangles and passes through parts that it meets from above.
   double begun = std::min(1.0, back_off / length);
   for (int layer = 0; layer < 4; ++layer) {
     const auto hit = rays_.first_hit(from + begun * way, (1 - begun) * way);

@@ -36,7 +36,7 @@ void Equilibrium::hold(const std::vector<char>& held, const Points& x, bool fres
       active_.push_back(static_cast<int>(k));
   middle_ = static_cast<int>(active_.size()) / 2;
   if (free_.empty()) return;
-  constexpr int worth_a_factor = 25;  // iterations that take about as long as factoring anew
+  constexpr int worth_a_factor = 25;  // iterations that take about as long as a new factorization
   if (fresh || !preconditioner_.factored() || worn_ >= worth_a_factor) {
     preconditioner_.factor(held, x);
     worn_ = 0;
@@ -45,12 +45,12 @@ void Equilibrium::hold(const std::vector<char>& held, const Points& x, bool fres
 }
 
 double Equilibrium::energy(const Points& x, const Pull& pull, Points& gradient) {
-  // Two halves of the triangles, each summed in its order: the sums are the same on any number of threads.
+  // Two halves of the triangles, each summed in order: the sums are the same for any number of threads.
   const Eigen::Index n = static_cast<Eigen::Index>(free_.size());
   std::array<double, 2> energies{};
   const auto sum = [&](int half) {
     Points& into = halves_[half];
-    into.setZero(3, n + 1);  // the last column takes what is held
+    into.setZero(3, n + 1);  // the last column collects the held vertices
     const int end = half == 0 ? middle_ : static_cast<int>(active_.size());
     double total = 0;
     const auto add = [&](int triangle, const Eigen::Matrix3d& corners) {
@@ -111,7 +111,7 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limit
   double e = energy(x, pull, g);
   const auto largest = [](const Points& v) { return std::sqrt(v.colwise().squaredNorm().maxCoeff()); };
 
-  int still = 0;  // iterations that moved next to nothing
+  int still = 0;  // iterations that hardly moved
   for (;; ++outcome.iterations, ++worn_) {
     outcome.residual = largest(g);
     outcome.at_rest = outcome.residual <= limits.force || still >= 3;
@@ -129,7 +129,7 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limit
     d = -d;
     const double slope = d.cwiseProduct(g).sum();
     if (!(slope <
-          0)) {  // the memory no longer describes a descent: forget it, the preconditioner always does
+          0)) {  // the memory no longer gives a descent direction: discard it; the preconditioner always does
       if (pairs.empty()) return outcome;
       pairs.clear();
       continue;
@@ -144,7 +144,7 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limit
       trial_e = energy(x, pull, trial_g);
       const double rise = trial_g.cwiseProduct(d).sum();
       const bool decrease = trial_e <= e + 1e-4 * step * slope;
-      // Near rest the energies differ by rounding alone: judge by the slopes (Hager & Zhang 2005).
+      // Near equilibrium the energies differ only by rounding: compare the slopes (Hager & Zhang 2005).
       const bool flat = trial_e <= e + 1e-13 * std::abs(e) && rise <= -0.99 * slope;
       if (std::isfinite(trial_e) && (decrease || flat)) {
         accepted = true;

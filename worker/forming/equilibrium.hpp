@@ -17,13 +17,13 @@ class Equilibrium {
   // When a solve ends. Forces are in units of shear modulus x thickness x mm, lengths in mm.
   struct Limits {
     double force = 0;   // at rest: no nodal force on a free vertex is larger
-    double motion = 0;  // at rest as well: no vertex moved further in each of the last three iterations
+    double motion = 0;  // and: no vertex moved further in each of the last three iterations
     double stride = std::numeric_limits<double>::infinity();  // no vertex moves further in one iteration
     double range =
-        std::numeric_limits<double>::infinity();  // given up: a vertex is further from where it was
+        std::numeric_limits<double>::infinity();  // stop: a vertex is further from where it started
     int iterations = 0;
   };
-  // What pulls the sheet: a pressure, and the weight of its unit rest area along -z, both as Membrane counts them.
+  // The loads on the sheet: a pressure, and the weight of its unit rest area along -z, both as Membrane counts them.
   struct Pull {
     double pressure = 0, weight = 0;
   };
@@ -36,14 +36,14 @@ class Equilibrium {
 
   Equilibrium(const Membrane& membrane, const SheetGrid& grid);
 
-  // Declares which vertices are held from now on; none that was held is set free. `fresh`: the membrane's stiffness has
-  // changed in a way that the iterations since the last call do not tell.
+  // Declares which vertices are held from now on. A held vertex is never released. `fresh`: the stiffness of the
+  // membrane has changed in a way that the iterations since the last call do not show.
   void hold(const std::vector<char>& held, const Points& x, bool fresh = false);
 
-  // To be called after the rest shape of triangles changed.
+  // Call this after the rest shape of triangles has changed.
   void weigh();
 
-  // Moves the free vertices of x towards rest; looks at the cancellation at every iteration.
+  // Moves the free vertices of x towards equilibrium. Checks for cancellation at every iteration.
   Outcome solve(Points& x, const Pull& pull, const Limits& limits, const Context& context);
 
   // The force of the weight on a vertex, as a gradient.
@@ -60,10 +60,10 @@ class Equilibrium {
   std::vector<double> rest_area_;  // of each vertex
   std::vector<int> index_, free_;  // vertex to row among the free ones (-1: held) and back
   std::vector<int> active_;        // triangles with a free corner
-  int middle_ = 0;                 // of the active triangles: each half is summed by itself
-  std::array<Points, 2> halves_;   // their gradients, each with a column for what is held
+  int middle_ = 0;                 // of the active triangles: each half is summed separately
+  std::array<Points, 2> halves_;   // their gradients, each with a column for the held vertices
   Preconditioner preconditioner_;
-  int worn_ = 0;  // iterations since the preconditioner was factored
+  int worn_ = 0;  // iterations since the last factorization of the preconditioner
 };
 
 }  // namespace vacuform

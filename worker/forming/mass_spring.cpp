@@ -1,12 +1,12 @@
-// The net of springs on its way: the clamped sheet descends over the mold, then the vacuum draws it down.
+// The path of the net of springs: the clamped sheet descends over the mold, then the vacuum draws it down.
 //
-// The machine is slow against the sheet, whose waves cross it in hundredths of a second, so the way is a sequence of
-// states of rest. The machine's clock advances by small increments of the frame and of the pressure; after each the
-// net is brought to rest, the straight way of every free vertex from the last rest to this one is followed to its
-// first touch, and what touched sticks there for good. What decides where a vertex lands are thus places of rest, and
-// any integrator that finds them follows the same path: on a newborn's head on a 3 mm grid Verlet and implicit Euler
-// end 0.001 mm apart where they differ most. Increments of half the size move the sheet on the head by 0.014 mm in the
-// mean and by 0.083 mm at most.
+// The machine is slow compared to the sheet, whose waves cross it in hundredths of a second, so the path is a sequence
+// of states of rest. The clock of the machine advances by small increments of the frame and of the pressure. After each
+// increment the net is brought to rest, the straight path of every free vertex from the last rest to this one is
+// followed to its first contact, and vertices that touch stick there permanently. So only rest positions decide where a
+// vertex lands, and any integrator that finds them follows the same path: on the head of a newborn on a 3 mm grid
+// Verlet and implicit Euler differ by at most 0.001 mm. Increments of half the size move the sheet on the head by 0.014
+// mm on average and by 0.083 mm at most.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -22,16 +22,17 @@ namespace vacuform {
 
 namespace {
 
-constexpr double growth = 1.3;  // of the pressure, an increment
+constexpr double growth = 1.3;  // of the pressure, per increment
 
-// What the machine does, as increments end.
+// The state of the machine at the end of each increment.
 struct Moment {
   double frame_mm;  // height of the frame
   double vacuum_kpa;
   double contact_time;  // as FormedSheet::contact_time
 };
 
-// The frame descends by at most half the grid's spacing an increment, and the pressure grows from `first_kpa` on by at
+// The frame descends by at most half the grid spacing per increment, and the pressure grows from `first_kpa` by at most
+// `growth`.
 // most `growth`.
 std::vector<Moment> moments(const Process& process, double top_mm, double first_kpa) {
   const MachineSettings& m = process.machine;
@@ -68,8 +69,7 @@ class Forming {
         state_(state),
         context_(context),
         spacing_(process.sheet.resolution_mm),
-        // The pressure that begins to bulge the sheet; what is left out of balance at rest is next to nothing
-        // against it.
+        // The pressure that begins to bulge the sheet; the imbalance that remains at rest is negligible against it.
         first_kpa_(std::min(
             process.machine.vacuum_kpa,
             0.1 * process.modulus_kpa * process.sheet.thickness_mm / process.machine.window_width_mm)),
@@ -90,7 +90,7 @@ class Forming {
       done_ = static_cast<double>(k) / static_cast<double>(way.size());
       VACUFORM_TRY(touched, advance(way[k], from));
       from = way[k].contact_time;
-      // At the end of the ramp, until what has been touched draws nothing more along.
+      // At the end of the ramp, until new contacts draw nothing more along.
       for (int again = 0; k + 1 == way.size() && touched > 0; ++again) {
         if (again == most_rounds) return no_rest();
         VACUFORM_TRY(more, advance(way[k], from));
@@ -112,7 +112,7 @@ class Forming {
     return {};
   }
 
-  // Brings machine and sheet to the moment; returns how many vertices touched on the way.
+  // Advances machine and sheet to this moment; returns how many vertices touched on the way.
   Result<int> advance(const Moment& moment, double from) {
     const bool descends = moment.contact_time <= 1;
     load_.pressure = moment.vacuum_kpa * newtons_mm2;
@@ -132,7 +132,7 @@ class Forming {
     return touched;
   }
 
-  // The free sheet goes on as it went; at first all of it goes with the frame.
+  // The free sheet continues its last motion; at first all of it moves with the frame.
   Eigen::Vector3d guess(std::size_t i, const Moment& moment) const {
     if (state_.summary.drape_steps > 0) return 2 * state_.x.col(i) - before_.col(i);
     return state_.x.col(i) - Eigen::Vector3d(0, 0, state_.x.row(2).maxCoeff() - moment.frame_mm);
@@ -165,7 +165,7 @@ class Forming {
         "try another sheet.resolution_mm, a lower machine.vacuum_kpa, or forming.time_step_ms = auto");
   }
 
-  // What is left out of balance, and what the supports carry.
+  // The remaining imbalance, and the forces on the supports.
   void balance() {
     Points f;
     net_.forces(state_.x, Points::Zero(3, state_.x.cols()), load_.pressure, load_.gravity, f);
@@ -188,7 +188,7 @@ class Forming {
     s.pressure_kpa = load_.pressure / newtons_mm2;
   }
 
-  static constexpr double newtons_mm2 = 1e-3;  // of a kPa
+  static constexpr double newtons_mm2 = 1e-3;  // per kPa
   static constexpr int most_rounds = 1000;
 
   const Process& process_;
@@ -200,7 +200,7 @@ class Forming {
   Load load_;
   Points before_;
   double done_ = 0;
-  // The sheet as draped: the vacuum pulls it down from there, so no part of it ever comes through from below.
+  // The draped sheet: the vacuum pulls it down from there, so no part of it ever comes through from below.
   std::optional<SheetAsObstacle> ceiling_;
 };
 

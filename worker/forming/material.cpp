@@ -12,21 +12,22 @@ constexpr double forming_seconds = 1;
 
 }  // namespace
 
-// Sources. Density, heat capacity, conductivity, glass transition and forming window: Throne, Technology of Thermoforming
-// (Hanser 1996), and the makers' guides for sheet. The reflectance of plastics in the infrared is 4 to 10 %, hence 0.94.
-// Absorption: Throne, Thermal Radiant Absorption in Thin Semitransparent Plastics: clear sheet of 0.25 mm takes up 40 to
-// 60 % of what heaters radiate, which is 2 to 3.7 a millimetre; twice as much where pigment and rubber scatter.
+// Sources. Density, heat capacity, conductivity, glass transition and forming window: Throne, Technology of
+// Thermoforming (Hanser 1996), and the guides of sheet makers. Plastics reflect 4 to 10 % of infrared radiation, which
+// gives 0.94. Absorption: Throne, Thermal Radiant Absorption in Thin Semitransparent Plastics: clear sheet of 0.25 mm
+// absorbs 40 to 60 % of the heater radiation, which is 2 to 3.7 per millimetre; twice as much where pigment and rubber
+// scatter.
 //
-// Shift: a2 is the universal constant 51.6 K of Williams, Landel and Ferry (J. Am. Chem. Soc. 77, 1955), for styrene that
-// of BASF's Polystyrol 678 E as openInjMoldSim uses it (a1 25.74, a2 61.06 K at 100 C). Published Cross-WLF fits have a1 from 20 to
-// 36 with it; within that, ABS is set so that ten degrees in the middle of its window change the viscosity 2.7 times (2.5
-// to 2.9 are measured), PC 7.3 times (6 to 9). The viscosity itself is set so that the modulus in the middle of the
-// window is 230 to 510 kPa: that of hot sheet is 0.1 to 1 MPa (Throne). It moves no print, only its change over the
-// sheet does.
+// Shift: a2 is the universal constant 51.6 K of Williams, Landel and Ferry (J. Am. Chem. Soc. 77, 1955); for styrene it
+// is that of BASF's Polystyrol 678 E as openInjMoldSim uses it (a1 25.74, a2 61.06 K at 100 C). Published Cross-WLF
+// fits have a1 from 20 to 36 with it. Within that range, ABS is set so that ten degrees in the middle of its window
+// change the viscosity 2.7 times (measured: 2.5 to 2.9), PC 7.3 times (6 to 9). The viscosity itself is set so that the
+// modulus in the middle of the window is 230 to 510 kPa: the modulus of hot sheet is 0.1 to 1 MPa (Throne). The
+// viscosity does not move the print; only its variation over the sheet does.
 //
-// Plateau: Fetters, Lohse, Richter, Witten and Zirkel, Macromolecules 27 (1994): PET 3.1 MPa, PC 2.7 MPa. For ABS, HIPS and PVC
-// the entanglements alone would give less, rubber and crystallites more; 3 MPa stands for them. It only limits how stiff
-// sheet is that is too cold to be formed.
+// Plateau: Fetters, Lohse, Richter, Witten and Zirkel, Macromolecules 27 (1994): PET 3.1 MPa, PC 2.7 MPa. For ABS, HIPS
+// and PVC the entanglements alone would give less, rubber and crystallites more; 3 MPa is used for all of them. It only
+// limits the stiffness of sheet that is too cold to be formed.
 MaterialProfile material_profile(Material material) {
   switch (material) {
     case Material::petg:

@@ -2,17 +2,19 @@
 // everything rests.
 //
 // Quasi-static: after every small advance of the frame or of the vacuum the free sheet is brought to equilibrium, the
-// straight way of each free vertex is followed to its first touch, and what touched sticks there for good. What lands
-// decides how the rest moves on. So an advance of the vacuum is taken only as far as the contact spreads by one row of
-// vertices, or half a grid spacing if that is further; the next one goes on from there with those rows held. Where a
-// film is past its limit point (a balloon that snaps through at constant pressure) it moves on by half a spacing at a time.
+// straight path of each free vertex is followed to its first contact, and vertices that touch stick there permanently.
+// Each contact changes how the rest moves. So an advance of the vacuum is only taken as far as the contact spreads by
+// one row of vertices, or half a grid spacing if that is further; the next one continues from there with those rows
+// held. Where a film is past its limit point (a balloon that snaps through at constant pressure) it moves on by half a
+// spacing at a time.
 //
-// A fine sheet follows a coarse one: the descent is simulated on grids of four and two times the spacing first, and a
-// coarse sheet's motion in each step is the finer one's first guess. The result is the fine sheet's own equilibrium.
+// A fine sheet follows a coarse one: the descent is first simulated on grids of four and two times the spacing. The
+// motion of a coarse sheet in each step is the first guess for the finer one. The result is the equilibrium of the fine
+// sheet.
 //
-// A viscous sheet is an elastic one whose rest shape follows it: over dt it has the modulus viscosity / dt against the
-// shape that it had before, which is the incremental form of a Newtonian membrane. With a yield stress the sheet is
-// elastic, and what stress it has above that flows off.
+// A viscous sheet is an elastic one whose rest shape follows it: over dt it has the modulus viscosity / dt relative to
+// its previous shape, which is the incremental form of a Newtonian membrane. With a yield stress the sheet is elastic,
+// and the stress above the yield stress flows off.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,7 +36,7 @@ namespace {
 constexpr double gravity_m_s2 = 9.81;
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Where a sheet rested: at first, then after each step of the frame.
+// The rest positions of a sheet: at first, then after each step of the frame.
 struct Draped {
   const SheetGrid* grid;
   std::vector<Points> rests;
@@ -43,7 +45,8 @@ struct Draped {
 class Descent {
  public:
   // `guide` is a coarser sheet through the same descent, or null. `begin` and `end` are the progress of forming at the
-  // beginning and the end of the descent; the frame descends by at most step_mm at a time, or as the guide's did.
+  // beginning and the end of the descent; the frame descends by at most step_mm at a time, or by the steps of the
+  // guide.
   Descent(const Process& process, SheetState& state, const Draped* guide, double step_mm, double begin,
           double end, const Context& context)
       : process_(process),
@@ -76,7 +79,7 @@ class Descent {
     return draw();
   }
 
-  // The descent alone, as a guide for a finer sheet.
+  // Only the descent, as a guide for a finer sheet.
   Result<Draped> drape() {
     rests_.emplace();
     VACUFORM_CHECK(sag());
@@ -85,7 +88,7 @@ class Descent {
   }
 
  private:
-  // Where the process stands.
+  // The state of the process.
   struct Load {
     double frame_mm = 0;  // height of the clamp frame above the platform
     double seconds = 0;   // since the descent began
@@ -93,12 +96,13 @@ class Descent {
     double contact = 0;   // as FormedSheet::contact_time
   };
 
-  // The weight of the hot sheet pulls it down before it meets the mold; the frame starts so high that it just does not.
+  // The weight of the hot sheet pulls it down before it meets the mold; the frame starts just high enough to avoid
+  // contact.
   Result<void> sag() {
     if (!process_.forming.sag || viscous_) return {};
     const Load still;
     Points y = x_;
-    for (std::size_t i = 0; i < grid_.rest.size(); ++i)  // a shallow bowl: a flat sheet has no way to begin
+    for (std::size_t i = 0; i < grid_.rest.size(); ++i)  // a shallow bowl: a flat sheet cannot start
       y(2, i) -= 0.02 * machine_.window_width_mm * (1 - nearness_to_frame(grid_.rest[i], machine_));
     equilibrium_.hold(state_.held, y);
     VACUFORM_CHECK(solve(y, still, 0, {0, 0.1 * still_mm, stride(), unlimited, 1000}));
@@ -122,7 +126,7 @@ class Descent {
       const double frame = k == steps ? machine_.drape_height_mm : start - travel * k / steps;
       const double vacuum = std::max(0.0, vacuum_start - frame) / machine_.drape_speed_mm_s;
       const Load from = now_;
-      // A vacuum that rises fast is taken in smaller advances.
+      // A fast rising vacuum is applied in smaller advances.
       const int parts =
           vacuum > first_vacuum_s()
               ? std::max(1,
@@ -152,10 +156,10 @@ class Descent {
     const double load = std::max(pressure(to, to.seconds - now_.seconds), weight(to.seconds - now_.seconds));
     const double tension = drape_force * spacing_ * viscous_share(to.frame_mm - now_.frame_mm);
     const double force = load > 0 ? std::min(tension, ramp_force * load * spacing_ * spacing_) : tension;
-    // The stiffness is taken where the sheet last rested: in the guess it is still kinked at the frame.
+    // The stiffness is computed where the sheet last rested: in the guess it still has a kink at the frame.
     equilibrium_.hold(state_.held, viscous_ ? y : x_, viscous_);
-    // The first steps pull an all but flat sheet, which has next to no stiffness against its own plane: they need not
-    // settle, what they leave is evened out by the steps that follow.
+    // The first steps pull an almost flat sheet, which has almost no stiffness against its own plane. They need not
+    // converge: the steps that follow even out the remaining error.
     const double still = drape_still_mm * viscous_share(to.frame_mm - now_.frame_mm);
     const Equilibrium::Limits limits{force, still, stride(), unlimited, viscous_ ? 300 : 60};
     VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, limits));
@@ -164,7 +168,7 @@ class Descent {
     return {};
   }
 
-  // The vacuum ramps from nothing to its limit; under it a viscous sheet flows on until it rests or the hold is over.
+  // The vacuum ramps from zero to its limit. Under it a viscous sheet flows until it rests or the hold is over.
   Result<void> draw() {
     const double ramp = machine_.vacuum_seconds, hold = flows_ ? hold_ramps * ramp : ramp;
     const double first = std::min(ramp, first_vacuum_s());
@@ -231,7 +235,7 @@ class Descent {
     return to;
   }
 
-  // The modulus that forces are counted in, kPa: the sheet's own, or what a viscous sheet has over dt.
+  // The modulus used as unit of force, kPa: that of the sheet, or that of a viscous sheet over dt.
   double modulus(double dt) const {
     return viscous_ && dt > 0 ? process_.viscosity_kpa_s / dt : process_.modulus_kpa;
   }
@@ -240,19 +244,19 @@ class Descent {
     const double kpa = machine_.vacuum_kpa * std::min(1.0, at.vacuum_s / machine_.vacuum_seconds);
     return kpa / (modulus(dt) * process_.sheet.thickness_mm);
   }
-  // Of a square millimetre of the flat sheet, likewise.
+  // Of a square millimetre of the flat sheet, also in the units of Membrane.
   double weight(double dt) const {
     if (!process_.forming.sag) return 0;
     return 1e-6 * material_profile(process_.sheet.material).density_kg_m3 * gravity_m_s2 / modulus(dt);
   }
-  // When the vacuum first matters.
+  // When the vacuum first has an effect.
   double first_vacuum_s() const {
     const double part = 0.1 / machine_.window_width_mm * process_.modulus_kpa * process_.sheet.thickness_mm /
                         machine_.vacuum_kpa;
     return std::min(1.0, part) * machine_.vacuum_seconds;
   }
-  // A viscous sheet bears the strain of one step only and keeps whatever error it ends with: it is held to a share of what
-  // an elastic one is, the step's strain of a film as long as a quarter of the window.
+  // A viscous sheet carries the strain of one step only and keeps any error at the end of a step. So its tolerance is a
+  // share of that of an elastic sheet: the strain that the step causes in a film as long as a quarter of the window.
   double viscous_share(double step_mm) const {
     return viscous_ ? std::min(1.0, std::abs(step_mm) / (0.25 * machine_.window_width_mm)) : 1;
   }
@@ -270,14 +274,14 @@ class Descent {
     return outcome;
   }
 
-  // The free sheet moves on as it moved in the last advance, times a ratio.
+  // The free sheet repeats its motion of the last advance, times a ratio.
   Points extrapolated(double ratio) const {
     Points y = x_;
     for (std::size_t i = 0; i < state_.held.size(); ++i)
       if (!state_.held[i]) y.col(i) += ratio * (x_.col(i) - before_.col(i));
     return y;
   }
-  // The free sheet moves on as the coarser one did in this step.
+  // The free sheet moves as the coarser one did in this step.
   Points guided(int step) const {
     Points y = x_;
     const Points moved = guide_->rests[step] - guide_->rests[step - 1];
@@ -286,8 +290,8 @@ class Descent {
     return y;
   }
 
-  // Holds what touches on the way from x_ to y; returns how much does. A sheet that flows would keep the kinks that this
-  // leaves beside it: so it comes to rest again before it flows.
+  // Holds the vertices that touch on the way from x_ to y; returns their number. A sheet that flows would keep the
+  // kinks that this leaves next to them, so it is brought to rest again before it flows.
   Result<int> touch(Points& y, const Load& to, const Equilibrium::Limits& limits) {
     int touched = 0;
     for (int round = 0;; ++round) {
@@ -301,7 +305,7 @@ class Descent {
     }
   }
 
-  // Lets the sharp places of the mold hold the sheet; returns how many triangles they change.
+  // Lets the sharp places of the mold hold the sheet; returns how many triangles this changes.
   int meet_points(Points& y, const Load& to) {
     const std::vector<int> changed = points_.follow(process_, state_, y, now_.contact, to.contact);
     for (const int k : changed) membrane_.reshape(k, state_.rest);
@@ -332,7 +336,7 @@ class Descent {
     }
   }
 
-  // What is left out of balance, and what the supports carry.
+  // The remaining imbalance, and the forces on the supports.
   void balance(const Load& at, double dt) {
     const double p = pressure(at, dt);
     Points force(3, x_.cols());
@@ -353,15 +357,15 @@ class Descent {
     state_.summary.pressure_kpa = machine_.vacuum_kpa;
   }
 
-  // Out-of-balance forces, against the tension of a unit stretch while draping and against pressure times the
+  // Tolerances of the imbalance, relative to the tension of a unit stretch while draping, and to pressure times the
   // area of a cell on the ramp and at its end.
   static constexpr double drape_force = 1e-2, ramp_force = 1e-2, final_force = 1e-4;
   static constexpr double still_mm =
       0.01;  // a sheet that moves less in an iteration is at rest, but at the end
   static constexpr double drape_still_mm = 0.03;                    // the same while the frame descends
-  static constexpr double most_growth = 1.3, least_growth = 1.003;  // of the time under vacuum, an advance
+  static constexpr double most_growth = 1.3, least_growth = 1.003;  // of the time under vacuum, per advance
   static constexpr double hold_ramps =
-      10;  // a sheet that flows is held under vacuum for so many times the ramp
+      10;  // a sheet that flows is held under vacuum for this many times the ramp
   static constexpr int most_steps = 3000;
 
   const Process& process_;
@@ -382,14 +386,14 @@ class Descent {
   Load now_;
   ContactSpread spread_;
   PointContact points_;
-  // The sheet as draped: the vacuum pulls it down from there, so no part of it ever comes through from below.
+  // The draped sheet: the vacuum pulls it down from there, so no part of it ever comes through from below.
   std::optional<SheetAsObstacle> ceiling_;
 };
 
 }  // namespace
 
 Result<void> form_membrane(const Process& process, SheetState& state, const Context& context) {
-  // Of the whole work up to the end of the descent.
+  // Share of the whole work up to the end of the descent.
   constexpr double coarse_share = 0.05, fine_share = 0.5;
   // Two thirds of a grid spacing: then the error of the step is below that of the grid (bench_exact).
   const double step_mm =
@@ -398,7 +402,7 @@ Result<void> form_membrane(const Process& process, SheetState& state, const Cont
   std::optional<Draped> guide;
   double done = 0;
   for (double spacing : {4 * process.sheet.resolution_mm, 2 * process.sheet.resolution_mm}) {
-    constexpr double coarsest_mm = 8;  // what is coarser says little
+    constexpr double coarsest_mm = 8;  // coarser grids give little information
     if (spacing > coarsest_mm) continue;
     coarser.push_back(std::make_unique<Process>(process.on_grid(spacing)));
     SheetState draped(*coarser.back());

@@ -10,7 +10,7 @@ namespace vacuform {
 
 namespace {
 
-// An edge of the mesh with the faces beside it; -1 where there is none.
+// An edge of the mesh with the faces on its sides; -1 where there is no face.
 struct Edge {
   int a, b, left, right;
 };
@@ -50,14 +50,14 @@ MoldPoints::MoldPoints(const TriangleMesh& mold, double spacing_mm, double drop_
     normal.push_back(n.stableNormalized());
   }
   const double reach = spacing_mm / 2;
-  std::vector<int> edges(mold.vertices.size(), 0);  // sharp ones, at each vertex
+  std::vector<int> edges(mold.vertices.size(), 0);  // number of sharp edges at each vertex
   for (const Edge& e : edges_of(mold)) {
     const Eigen::Vector3d &a = mold.vertices[e.a], &b = mold.vertices[e.b];
     const double length = (b - a).norm();
     if (!(length > 0)) continue;
     if (e.right >= 0) {
       const Eigen::Vector3d &n = normal[e.left], &m = normal[e.right];
-      // Convex where the far corner of one face lies below the other face.
+      // Convex if the far corner of one face lies below the other face.
       const Triangle& t = mold.triangles[e.right];
       const int far = t[0] != e.a && t[0] != e.b ? t[0] : t[1] != e.a && t[1] != e.b ? t[1] : t[2];
       if (n.dot(mold.vertices[far] - a) >= 0) continue;

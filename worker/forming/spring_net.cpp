@@ -16,8 +16,7 @@ constexpr double isotropic = 0.75;
 constexpr double dashpot_ratio = 0.1;  // damping of the highest frequency by dashpots, over critical
 constexpr double shortest = 1e-6;      // mm: a spring that is crushed further has no direction
 
-// An edge of the triangulation, and what lies to its sides: the vertex opposite and the triangle's stiff area, or
-// -1 and 0.
+// An edge of the triangulation with its two sides: the opposite vertex and the stiff area of the triangle, or -1 and 0.
 struct Edge {
   int a, b;  // a < b
   int left = -1, right = -1;
@@ -47,7 +46,7 @@ std::vector<Edge> edges_of(const std::vector<Triangle>& triangles, const std::ve
   return edges;
 }
 
-// Whether the edge is the longest of both triangles beside it: the diagonal of a cell.
+// Whether the edge is the longest of both adjacent triangles: the diagonal of a cell.
 bool is_diagonal(const Edge& edge, const std::vector<Eigen::Vector2d>& rest) {
   const double own = (rest[edge.a] - rest[edge.b]).squaredNorm();
   const auto shorter = [&](int v) {
@@ -57,17 +56,17 @@ bool is_diagonal(const Edge& edge, const std::vector<Eigen::Vector2d>& rest) {
   return shorter(edge.left) && shorter(edge.right);
 }
 
-// A line of the grid, from the vertex that holds it.
+// A line of the grid, from the vertex that stores it.
 struct Line {
   int to;
   double area;
 };
 
-// From each neighbour of each vertex, over it, straight on to another.
+// From each neighbour of each vertex, across the vertex, straight on to another neighbour.
 std::vector<BendingSpring> bending_springs_of(const std::vector<std::vector<Line>>& lines,
                                               const std::vector<Eigen::Vector2d>& rest,
                                               double plate_stiffness) {
-  constexpr double straight = -0.9;  // cosine between the two ways from the middle
+  constexpr double straight = -0.9;  // cosine between the two directions from the middle
   std::vector<BendingSpring> springs;
   for (std::size_t middle = 0; middle < lines.size(); ++middle)
     for (std::size_t i = 0; i < lines[middle].size(); ++i)
@@ -75,7 +74,7 @@ std::vector<BendingSpring> bending_springs_of(const std::vector<std::vector<Line
         const Line &one = lines[middle][i], &other = lines[middle][j];
         const Eigen::Vector2d to = rest[one.to] - rest[middle], from = rest[middle] - rest[other.to];
         if (-to.dot(from) > straight * to.norm() * from.norm()) continue;
-        // Curvature is the ends' sum less twice the middle, over the square of the spacing.
+        // Curvature is the sum of the ends minus twice the middle, over the square of the spacing.
         const double spacing = 0.5 * (to + from).norm();
         springs.push_back({one.to, static_cast<int>(middle), other.to,
                            plate_stiffness * 0.5 * (one.area + other.area) / std::pow(spacing, 4)});
@@ -118,7 +117,7 @@ SpringNet::SpringNet(const SheetGrid& grid, const std::vector<double>& stiffness
       lines[e.b].push_back({e.a, e.area});
     }
   }
-  // In the order of the vertices, for the sake of the cache.
+  // In the order of the vertices, for cache locality.
   std::stable_sort(springs_.begin(), springs_.end(), [](const Spring& s, const Spring& t) {
     return std::pair(s.a, s.b) < std::pair(t.a, t.b);
   });

@@ -7,8 +7,8 @@
 
 namespace vacuform {
 
-// What a maker must be told of the temperatures of a formed sheet: "too-cold" and "too-hot", with the worst places, where
-// the plastic is outside of its forming window. What the clamp frame holds is not looked at.
+// Warnings about the temperatures of a formed sheet: "too-cold" and "too-hot", with the worst places, where the plastic
+// is outside its forming window. The part in the clamp frame is not checked.
 std::vector<Warning> temperature_findings(const FormedSheet& sheet, Material material);
 
 }  // namespace vacuform

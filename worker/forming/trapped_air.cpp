@@ -109,7 +109,7 @@ class MergeTree {
       regions_[v].vertices = {v};
       return;
     }
-    // The branch that began latest goes on; the others end in it.
+    // The branch that began latest continues; the others end in it.
     const auto later = [&](int a, int b) { return time_[a] != time_[b] ? time_[a] > time_[b] : a < b; };
     const int elder = *std::min_element(around.begin(), around.end(), later);
     Region& into = regions_[elder];
@@ -214,7 +214,7 @@ class MergeTree {
   std::vector<double> time_, area_;
   std::vector<int> root_;
   std::vector<char> inside_;     // scratch of depth()
-  std::vector<Vector3d> place_;  // likewise: the film
+  std::vector<Vector3d> place_;  // in the same order: the film
   std::map<int, Region> regions_;
   std::vector<Pocket> pockets_;
 };

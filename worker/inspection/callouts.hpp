@@ -1,9 +1,9 @@
-// preview-findings.png: warnings with a place, as numbered marks on a look at the formed sheet, with a legend. Internal
+// preview-findings.png: warnings with a place, as numbered marks on a view of the formed sheet, with a legend. Internal
 // to worker/inspection.
 //
-// Each code has a shape and a colour of its own; the colours are those of Okabe and Ito ("Color universal design", 2008),
-// which people without full colour vision tell apart, and two darker ones for heat. A mark's number is its place in the warning's list, worst first; a
-// ring shows its size, dashed where the sheet hides it.
+// Each code has its own shape and colour. The colours are those of Okabe and Ito ("Color universal design", 2008),
+// which people without full colour vision can distinguish, and two darker ones for heat. The number of a mark is its
+// place in the list of the warning, worst first; a ring shows its size, dashed where the sheet hides it.
 #pragma once
 
 #include <vector>
@@ -13,14 +13,14 @@
 
 namespace vacuform {
 
-// The marks of the warnings that have any: all vents, of others the six worst; more would hide the part.
+// The marks of the warnings that have any: all vents, and the six worst of the others; more would hide the part.
 class Callouts {
  public:
   explicit Callouts(const std::vector<Warning>& warnings);
 
-  // Takes out those that the sheet hides from the view, and returns them.
+  // Removes the marks that the sheet hides from the view, and returns them.
   Callouts take_hidden(const View& view);
-  // Takes out those that lie as deep behind the sheet from this view as from the one before, and returns them.
+  // Removes the marks that lie as deep behind the sheet from this view as from the previous one, and returns them.
   Callouts take_no_better(const View& view);
   void add(const Callouts& others);
   bool empty() const { return marks_.empty(); }
@@ -42,9 +42,9 @@ class Callouts {
   std::vector<Mark> marks_;
 };
 
-// Titles the picture, and lets it grow downwards by a legend of the warnings that have marks, in the place of its lower
-// caption. `behind`, where there is one, comes between: a second picture of the same width with `behind_top` rows for
-// its own title.
+// Titles the picture and extends it downwards by a legend of the warnings that have marks, in place of its lower
+// caption. `behind`, if present, comes between: a second picture of the same width with `behind_top` rows for its own
+// title.
 void write_findings(const std::vector<Warning>& warnings, Picture& picture, const Picture* behind);
 inline constexpr int behind_height = 760, behind_top = 56;
 

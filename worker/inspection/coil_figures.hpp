@@ -1,6 +1,5 @@
-// The figures for coils and for pairs of neighbours, measured on the inked surface, for the print itself and
-// for the plain drawing printed as it is. A *coil* is an element of the drawing with a
-// loop (coils/drawn_loop.hpp).
+// The figures for coils and for pairs of neighbours, measured on the inked surface, for the print itself and for the
+// plain drawing printed as it is. A *coil* is an element of the drawing with a loop (coils/drawn_loop.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -19,11 +18,11 @@ namespace vacuform {
 // One closed trace as it lies on the flat sheet, ready to be formed.
 struct FlatLoop {
   std::vector<Eigen::Vector2d>
-      line;  // closed polyline, sheet coordinates, mm; empty: the print does not have it whole
+      line;  // closed polyline, sheet coordinates, mm; empty: the print does not contain all of it
   Eigen::Vector2d near{0, 0};  // a point near its centre, sheet coordinates, mm
 };
 
-// What was asked for, in the drawing at pattern.scale, and both ways of printing it.
+// The target from the drawing at pattern.scale, and both ways of printing it.
 struct CoilLoops {
   std::string id;
   Eigen::Vector2d drawn_centre{0, 0};  // mm, at pattern.scale
@@ -38,8 +37,9 @@ struct CoilLoops {
   FlatLoop with, without;
 };
 
-// The drawing's coils: `with` from the print, `without` from the drawing laid flat on the sheet, its centre where the top
-// of the mold comes to lie, turned and moved by the settings. In the order of the drawing.
+// The coils of the drawing: `with` from the print, `without` from the drawing laid flat on the sheet. Its centre is
+// then on the point of the sheet that lands on the top of the mold, and the settings rotate and move it. In the order
+// of the drawing.
 std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& placement,
                                   const VectorPrint& print, const Flattening& flattening,
                                   const Alignment& alignment);
@@ -48,12 +48,12 @@ struct NeighbourLoops {
   int a = 0, b = 0;                // indices into the coils, a < b
   std::optional<double> k_before;  // coupling before decoupling moved and resized them
 };
-// The placement's pairs; without any, loops that overlap or nearly touch in the drawing: whose centres are no farther
-// apart than 1.15 times the sum of their radii.
+// The pairs of the placement; without any, loops that overlap or nearly touch in the drawing: their centres are at most
+// 1.15 times the sum of their radii apart.
 std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, const Placement& placement,
                                        const Drawing& drawing);
 
-// One way of printing it, formed. Errors are against the drawing at the coil's `size`.
+// One way of printing it, formed. Errors are relative to the drawing at the `size` of the coil.
 struct CoilFigures {
   bool on_head = false;             // all of it lies on the chart
   Eigen::Vector3d centre{0, 0, 0};  // on the inked surface, mm
@@ -73,7 +73,7 @@ struct Coil {
   bool smooth = true;
   std::optional<CoilFigures> with, without;  // nothing where it lies off the sheet, or is not printed whole
 
-  // Drawn as a circle: circularity says how well it came out. Other shapes are compared with themselves alone.
+  // Drawn as a circle: circularity shows the accuracy. Other shapes are only compared with themselves.
   bool round() const { return drawn_circularity < 0.005; }
 };
 
@@ -120,12 +120,12 @@ struct CoilTable {
   CoilSummary with, without;
   // Of all coils, by their index; NaN of coils that lack figures or an inductance.
   CouplingMatrix k_with, k_without;
-  // What the coils keep as drawn, and what shape_error therefore compares: their shape at the drawn area, or at the drawn
-  // distances from their centre along the surface. Nothing: laid on charts, which keep neither; compared by area.
+  // What the coils preserve, and what shape_error therefore compares: their shape at the drawn area, or at the drawn
+  // distances from their centre along the surface. Empty: laid on charts, which preserve neither; compared by area.
   std::optional<CoilKeep> keep;
 };
 
-// Geodesics are exact on the triangles of the sheet (exact_geodesics.hpp). Deterministic, whatever the number of threads.
+// Geodesics are exact on the triangles of the sheet (exact_geodesics.hpp). Deterministic for any number of threads.
 // Errors: cancelled.
 Result<CoilTable> measure_coils(const MeasuredSheet& sheet, const std::vector<CoilLoops>& loops,
                                 const std::vector<NeighbourLoops>& pairs, std::optional<CoilKeep> keep,

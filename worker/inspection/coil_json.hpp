@@ -1,4 +1,4 @@
-// Coils, pairs and traces as they stand in report.json. Internal to worker/inspection.
+// Coils, pairs and traces as in report.json. Internal to worker/inspection.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,5 @@
-// preview-pattern.png and preview-print.png: the drawing, and the print on the flat sheet with what will become of it.
-// Internal to worker/inspection.
+// preview-pattern.png and preview-print.png: the drawing, and the print on the flat sheet with the areas that forming
+// uses. Internal to worker/inspection.
 #pragma once
 
 #include "worker/inspection/sheet_picture.hpp"
@@ -10,8 +10,8 @@ namespace vacuform {
 // The drawing on its page, with a scale.
 Picture pattern_preview(const Finished& job, int side);
 
-// The whole sheet as it is printed (mirrored where the print is), the part of it that comes to lie on the mold tinted, and
-// the frame's window.
+// The whole sheet as it is printed (mirrored if the print is), with the part that lands on the mold tinted, and the
+// window of the frame.
 Picture print_preview(const Finished& job, const SheetPicture& print, int side);
 
 }  // namespace vacuform

@@ -1,4 +1,5 @@
-// The inspection stage: everything upstream in, figures, previews and the files that show the result out.
+// The inspection stage: takes the results of all earlier stages and makes figures, previews and the files that show the
+// result.
 #pragma once
 
 #include <array>
@@ -26,11 +27,11 @@ struct Distortion {
   Statistics anisotropy;  // sigma1 / sigma2 of J from pattern coordinates to the inked surface
   Statistics area_ratio;  // max(sigma1 sigma2, 1 / (sigma1 sigma2))
 };
-// What is measured of a print of vectors.
+// The measurements of a vector print.
 struct Measured {
   CoilTable coils;
   TraceFigures traces;
-  // Over the neighbourhoods of the elements that lie on the head; where the drawing has elements.
+  // Over the neighbourhoods of the elements that lie on the head, if the drawing has elements.
   struct Elements {
     Distortion with, without;
   };
@@ -42,7 +43,7 @@ Result<Measured> measure(const ChartedSurface& charted, const Drawing& drawing, 
                          const VectorPrint& print, const Alignment& alignment, const CoilSettings& settings,
                          const Context& context);
 
-// Everything that the stages made of one job, as inspection reads it.
+// The results of the stages for one job, as inspection reads them.
 struct Finished {
   const Settings& settings;
   const Mold& mold;
@@ -101,26 +102,26 @@ struct Bins {
   int count;
 };
 Bins even_bins(const std::vector<Weighted>& values, double low);
-// The share of the area in each; what lies above the last bin counts there.
+// The share of the area in each bin; the last bin includes all larger values.
 std::vector<double> shares(const std::vector<Weighted>& values, const Bins& bins);
 
 // Over the triangles `chart`, J from `uv`, which is parallel to them, to the inked surface.
 Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart, const CornersUv& uv);
 
-// The figures, findings and warnings as they stand in report.json, without the parts that only the caller of
-// the pipeline knows (hashes of the inputs, versions, seconds). Keys carry their units; numbers are rounded
-// to what is known of them; what does not exist is null.
+// The figures, findings and warnings as in report.json, without the parts that only the caller of the pipeline knows
+// (hashes of the inputs, versions, seconds). Keys contain their units; numbers are rounded to their accuracy; missing
+// values are null.
 nlohmann::ordered_json report(const Finished& job);
 
-// Whether this job makes the artifact: all do but preview-temperature.png, which an evenly warm sheet does not need,
-// preview-segments.png, which needs segments, and findings.json, whose content stands in report.json.
+// Whether this job makes the artifact. Every job makes all except preview-temperature.png, which an evenly warm sheet
+// does not need, preview-segments.png, which needs segments, and findings.json, whose content is in report.json.
 bool makes(const Finished& job, const ArtifactKind& kind);
 
 // All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a
 // display), formed.ply, formed.obj/.mtl, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context);
 
-// Of a mold that nothing is formed over yet: preview-findings.png and mold.stl. Errors: cancelled.
+// For a mold without a formed sheet: preview-findings.png and mold.stl. Errors: cancelled.
 Result<std::vector<Artifact>> inspection_artifacts(const Mold& mold, const Context& context);
 
 }  // namespace vacuform

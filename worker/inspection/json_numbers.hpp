@@ -1,4 +1,4 @@
-// Numbers as they stand in report.json: rounded to what is known of them, null where there is none.
+// Numbers as report.json contains them: rounded to their accuracy, null where the value is missing.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace vacuform {
 
-// Infinities and NaN have no place in JSON.
+// JSON cannot represent infinities and NaN.
 inline nlohmann::ordered_json rounded(double value, int places = 4) {
   if (!std::isfinite(value)) return nullptr;
   const double scale = std::pow(10.0, places), r = std::round(value * scale) / scale;
@@ -17,7 +17,7 @@ inline nlohmann::ordered_json rounded(const std::optional<double>& value, int pl
   return value ? rounded(*value, places) : nlohmann::ordered_json(nullptr);
 }
 
-// For errors and residuals, whose size counts and not their digits.
+// For errors and residuals, where the magnitude matters and not the digits.
 inline nlohmann::ordered_json significant(double value) {
   if (!std::isfinite(value)) return nullptr;
   if (value == 0) return 0.0;

@@ -1,8 +1,8 @@
-// A closed line that lies on the flat sheet, measured where the formed sheet carries it. Internal to worker/inspection.
+// A closed line on the flat sheet, measured where the formed sheet carries it. Internal to worker/inspection.
 //
-// The figures are those of the inked surface. A loop's centre is found, not assumed: it is the
-// point of the surface from which the geodesic radius of the loop varies least (least squares over the loop by its formed
-// length), so that whoever has the print and the formed sheet, and nothing else, finds the same.
+// The figures are those of the inked surface. The centre of a loop is found, not assumed: it is the point of the
+// surface from which the geodesic radius of the loop varies least (least squares over the loop by its formed length).
+// Anyone who has only the print and the formed sheet finds the same values.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace vacuform {
 
-// Measures lines on one formed sheet; keeps a reference to what it is made of.
+// Measures lines on one formed sheet; keeps a reference to its inputs.
 class MeasuredSheet {
  public:
   explicit MeasuredSheet(const ChartedSurface& charted)
@@ -40,30 +40,30 @@ struct LoopFigures {
   double area_mm2 = 0;                   // enclosed, on the surface
   double worst_stretch = 1;              // formed length / flat length of the worst millimetre
   std::vector<Eigen::Vector3d> outline;  // on the inked surface, mm, closed
-  // In the plane: directions and distances from its centre along the surface, mm, as they are or made true to area
-  // (shape_distance.hpp).
+  // In the plane: directions and distances from its centre along the surface, mm, unchanged or corrected to the true
+  // area (shape_distance.hpp).
   std::vector<Eigen::Vector2d> shape;
 };
 
-// `line` is a closed polyline in sheet coordinates, the last point joined to the first; `near` a point near its centre.
-// Its shape is what it keeps of the drawing (coils.keep): true to area, or with its distances from the centre as they are.
-// Nothing when a part of it is off the sheet, or its centre cannot be joined to it. Exact on the triangles of the sheet
-// for lengths and areas; the centre to 0.01 mm. Deterministic.
+// `line` is a closed polyline in sheet coordinates, the last point joined to the first; `near` is a point near its
+// centre. Its shape is true to area, or leaves the distances from the centre unchanged, as `keep` says (coils.keep).
+// Returns nothing if a part of it is off the sheet, or if no path joins its centre to it. Lengths and areas are exact
+// on the triangles of the sheet; the centre is accurate to 0.01 mm. Deterministic.
 std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::vector<Eigen::Vector2d>& line,
                                         const Eigen::Vector2d& near, CoilKeep keep = CoilKeep::area);
 
-// The same figures of a loop in the plane: circularity and diameter from its least squares centre.
+// The same figures for a loop in the plane: circularity and diameter from its least squares centre.
 struct PlaneLoopFigures {
   Eigen::Vector2d centre{0, 0};
   double diameter_mm = 0, circularity = 0, area_mm2 = 0;
 };
 PlaneLoopFigures measure_plane_loop(const std::vector<Eigen::Vector2d>& line);
 
-// Length of the shortest way over the surface, mm; NaN where there is none.
+// Length of the shortest path over the surface, mm; NaN if there is no path.
 double geodesic_distance(const MeasuredSheet& sheet, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 
-// The line with further points, so that none of its pieces is longer than `step_mm`. `closed`: the piece from the last
-// point to the first counts, and the last point is not repeated.
+// The line with additional points, so that no piece is longer than `step_mm`. `closed`: the piece from the last point
+// to the first counts, and the last point is not repeated.
 std::vector<Eigen::Vector2d> densified(const std::vector<Eigen::Vector2d>& line, double step_mm, bool closed);
 
 }  // namespace vacuform

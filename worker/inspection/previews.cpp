@@ -23,7 +23,7 @@ using Eigen::Vector2d;
 
 // One figure per vertex, with its range for colouring.
 struct Heat {
-  std::vector<double> values;  // NaN where there is none
+  std::vector<double> values;  // NaN where the value is missing
   Scale scale;
 };
 
@@ -49,8 +49,7 @@ std::vector<double> over_vertices(const Finished& job, Figure&& figure) {
   return sum;
 }
 
-// The scale ends at the 99th percentile, so that one crumpled triangle does not take the colours from all
-// others.
+// The scale ends at the 99th percentile, so that one crumpled triangle does not use up the colour range.
 Heat heat_of(std::vector<double> values, const Statistics& statistics, const std::string& quantity) {
   double largest = 1;
   for (const double v : values)
@@ -81,7 +80,7 @@ std::string figures_of(const Distortion& d) {
          decimal(d.anisotropy.p95, 3) + "     area ratio: mean " + decimal(d.area_ratio.mean, 3) +
          ", 95 % below " + decimal(d.area_ratio.p95, 3);
 }
-// Of the coils where there are any, else of the chart.
+// Of the coils if there are any, otherwise of the chart.
 std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const Distortion& chart) {
   if (!job.measured || job.measured->coils.coils.empty()) return figures_of(chart);
   return coils_caption(job.measured->coils, way);
@@ -97,7 +96,7 @@ Rgb inked(const Finished& job, const Ink& ink, const Seen& seen) {
   return seen.light * (plastic + ink.a * (colour - plastic)) + Rgb::Constant(seen.gloss);
 }
 
-// What one way of printing shows on the formed sheet: `ink_at` gives the ink at a place of the flat one.
+// What a way of printing shows on the formed sheet: `ink_at` gives the ink at a place of the flat sheet.
 class Inked {
  public:
   using InkAt = std::function<Ink(const Vector2d& rest, double blur_mm)>;
@@ -110,7 +109,7 @@ class Inked {
       for (std::size_t k = 0; k < 3; ++k)
         from[k] = job.sheet.rest[static_cast<std::size_t>(c[k])],
         to[k] = job.sheet.formed[static_cast<std::size_t>(c[k])];
-      // Millimetres of flat sheet for one of formed sheet, in the mean over directions.
+      // Millimetres of flat sheet for each of formed sheet, averaged over directions.
       const SingularValues s = singular_values(from, to);
       shrink_[t] = std::sqrt((1 / (s.largest * s.largest) + 1 / (s.smallest * s.smallest)) / 2);
     }
@@ -138,11 +137,11 @@ Rgb hot(const Finished& job, const Heat& heat, const Seen& seen) {
   double value = 0;
   for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * heat.values[static_cast<std::size_t>(c[k])];
   if (!std::isfinite(value)) return bare(seen);
-  // Lit more softly than the bare plastic, so that colours can be compared with the bar.
+  // Softer light than on the bare plastic, so that colours can be compared with the bar.
   return (0.5f + 0.52f * seen.light) * viridis((value - heat.scale.low) / (heat.scale.high - heat.scale.low));
 }
 
-// The segments' colours under the ink.
+// The colours of the segments under the ink.
 Rgb in_segments(const Finished& job, const SegmentColours& segments, const Inked& with, const Seen& seen) {
   const auto colour = segments(seen);
   if (!colour) return bare(seen);
@@ -163,7 +162,7 @@ std::string figures_of(const Placement& placement) {
          decimal(jump, 1) + " mm";
 }
 
-// The print on the head from five sides, each in a tile of its own; the last tile says what they show.
+// The print on the head from five sides, each in a separate tile; the last tile explains them.
 Result<Picture> views(const Finished& job, const Distortion& after, View& view, const Inked& with,
                       const Context& context) {
   constexpr int columns = 2, width = preview_side / columns, height = 400, label = 34;

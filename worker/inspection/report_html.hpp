@@ -1,4 +1,4 @@
-// report.html: the report for people, made of the same numbers as report.json and of the job's own pictures.
+// report.html: the report for people, with the same numbers as report.json and the pictures of the job.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,4 +1,4 @@
-// The sections of report.html, each from the part of report.json that it shows, and empty where that is not there.
+// The sections of report.html, each made from the part of report.json that it shows, and empty if that part is missing.
 // Internal to worker/inspection.
 #pragma once
 
@@ -13,22 +13,22 @@ namespace vacuform {
 using ReportJson = nlohmann::ordered_json;
 inline const std::string no_figure = "–";  // in a cell
 
-// The value at a path of keys; null where there is none.
+// The value at a path of keys; null if it is missing.
 const ReportJson& at(const ReportJson& json, std::initializer_list<const char*> path);
 
-// A number times `factor` as text, with `places` digits and the unit; an en dash where there is none.
+// A number times `factor` as text, with `places` digits and the unit; an en dash if it is missing.
 std::string number_text(const ReportJson& value, int places, const std::string& unit = "", double factor = 1);
 std::string percent_text(const ReportJson& value, int places = 2);         // of a ratio
 std::string signed_percent_text(const ReportJson& value, int places = 2);  // with its sign
 std::string text_of(const ReportJson& value);                              // of any value, as people read it
 
-// What it is, printed as drawn, printed with Vacuform; for people. What the report does not have is left out.
+// What it is, printed as drawn, printed with Vacuform; for people. Leaves out what the report does not contain.
 std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report);
 
-// One or two sentences of the strongest coupling: of neighbours, and of any two coils, by name with k and distance. Empty
-// where nothing couples.
+// One or two sentences about the strongest coupling: between neighbours, and between any two coils, by name with k and
+// distance. Empty if nothing couples.
 std::string coupling_text(const ReportJson& report);
-// Why the strongest pair stays coupled where that is no pair of neighbours; else empty.
+// Why the strongest pair stays coupled if it is not a pair of neighbours; otherwise empty.
 std::string what_geometry_allows(const ReportJson& report);
 
 std::string key_figures_section(const ReportJson& report);

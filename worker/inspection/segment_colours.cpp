@@ -8,7 +8,7 @@ namespace vacuform {
 
 namespace {
 
-// Pale, and told apart without colour vision by their lightness as well.
+// Pale, and distinguishable by lightness without colour vision.
 const std::array<Rgb, 7> colours{Rgb(0.68f, 0.85f, 0.93f), Rgb(0.98f, 0.86f, 0.62f), Rgb(0.72f, 0.88f, 0.70f),
                                  Rgb(0.95f, 0.75f, 0.72f), Rgb(0.82f, 0.77f, 0.92f), Rgb(0.93f, 0.93f, 0.72f),
                                  Rgb(0.80f, 0.80f, 0.80f)};

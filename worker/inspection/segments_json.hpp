@@ -1,4 +1,4 @@
-// Segments and their seams as they stand in report.json. Internal to worker/inspection.
+// Segments and their seams as in report.json. Internal to worker/inspection.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

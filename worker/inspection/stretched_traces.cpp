@@ -23,7 +23,7 @@ struct Piece {
   double stretch() const { return formed / flat; }
 };
 
-// About a millimetre each; what lies off the sheet is left out.
+// About a millimetre each; skips what lies off the sheet.
 std::vector<Piece> pieces_of(const MeasuredSheet& sheet, const Curve& curve) {
   std::vector<Vector2d> line;
   for (const CurvePoint& point : flatten(curve, {})) line.push_back(point.at);
@@ -31,7 +31,7 @@ std::vector<Piece> pieces_of(const MeasuredSheet& sheet, const Curve& curve) {
   std::vector<Piece> pieces;
   Piece piece;
   Vector3d last(0, 0, 0);
-  bool follows = false;  // `last` is the point before
+  bool follows = false;  // `last` is the previous point
   for (std::size_t i = 0; i < line.size(); ++i) {
     const auto at = sheet.find(line[i]);
     const Vector3d place = at ? sheet.place(*at) : Vector3d(0, 0, 0);

@@ -10,7 +10,7 @@ namespace vacuform {
 // `figures` are those of report.json; `coils` and `coils_on_head` are null where the drawing has no coils.
 nlohmann::ordered_json summary_json(const nlohmann::ordered_json& report, const std::string& out);
 
-// The same for people, in lines of their own, without colours. Ends with a line break.
+// The same for people, as separate lines, without colours. Ends with a line break.
 std::string summary_text(const nlohmann::ordered_json& report, const std::string& out);
 
 // Of report.json.

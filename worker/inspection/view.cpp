@@ -28,7 +28,7 @@ std::vector<Vector3d> vertex_normals(const TriangleMesh& mesh) {
   return normals;
 }
 
-// The foot: where the sheet turns from the wall to the platform, the grid makes steps that are no shape of the part.
+// The foot: where the sheet turns from the wall to the platform, the grid makes steps that the part does not have.
 constexpr double platform_mm = 0.3, foot_mm = 8;
 constexpr int foot_rounds = 6, sky_rounds = 3;
 

@@ -1,4 +1,4 @@
-// The least value of a convex quadratic function in a box.
+// The minimum of a convex quadratic function in a box.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,8 +1,8 @@
 // Sparse Cholesky factorization of the large symmetric positive definite matrices of flattening, on one thread.
 //
 // Multifrontal (Duff, Reid 1983; Liu 1992) on the supernodes that CHOLMOD's analysis finds (Chen et al. 2008): dense
-// blocks, factored by Eigen. CHOLMOD's own supernodal factorization asks a BLAS, and Debian's default one is no faster
-// than no supernodes at all; a tuned one rounds otherwise on another processor. This one is three to five times as
+// blocks, factored by Eigen. CHOLMOD's own supernodal factorization needs a BLAS, and Debian's default one is no faster
+// than no supernodes at all; a tuned one rounds differently on another processor. This code is three to five times as
 // fast as either without them and gives the same bytes everywhere.
 #pragma once
 

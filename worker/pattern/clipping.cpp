@@ -67,7 +67,7 @@ cInt height_at(cInt x, IntPoint a, IntPoint b) {
 
 enum class Side { left, right };
 
-// The part of the ring on one side of the line; what lies beyond it is pressed onto the line.
+// The part of the ring on one side of the line; points beyond it are moved onto the line.
 Path on_side(const Path& ring, cInt x, Side side) {
   const auto inside = [&](const IntPoint& p) { return side == Side::left ? p.X <= x : p.X >= x; };
   Path out;

@@ -20,7 +20,7 @@ using Eigen::Affine2d;
 using Eigen::AlignedBox2d;
 using Eigen::Vector2d;
 
-// A drawing beyond these is no coil pattern; they keep a hostile one within a second.
+// A drawing beyond these limits is not a coil pattern; they limit a hostile one to a second.
 constexpr std::size_t most_segments = 200'000;
 constexpr std::size_t most_work = 4'000'000;  // elements looked at, texts by 16 characters, rules tried
 constexpr int deepest = 256;

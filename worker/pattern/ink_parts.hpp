@@ -1,4 +1,5 @@
-// The elements of a picture: the connected parts of its ink, and where circular loops touch or overlap in one, the loops.
+// The elements of a picture: the connected parts of its ink, and the loops where circular loops touch or overlap in one
+// part.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +12,9 @@
 namespace vacuform {
 
 // On a grid of about a million points over the drawing, at least 0.1 mm apart. Points of half coverage and more that
-// touch, also by a corner, are one part; parts of less than 1 mm2 are specks and none. Where a part shows two rings or more
-// (ink_rings.hpp), these are the elements, which share the ink where they cross, and its ink in no ring is in no element.
-// Deterministic; O(points), and a tenth of a second a ring.
+// touch, also by a corner, form one part. Parts of less than 1 mm2 are specks and are ignored. If a part shows two or
+// more rings (ink_rings.hpp), the rings are the elements. They share the ink where they cross, and ink of the part in
+// no ring is in no element. Deterministic; O(points), and a tenth of a second per ring.
 class InkParts {
  public:
   explicit InkParts(const Pattern& pattern);
@@ -26,7 +27,7 @@ class InkParts {
   // smoothed edges go with it.
   bool holds(int element, const Eigen::Vector2d& uv) const;
 
-  // Loops may touch or overlap here that could not be told apart: a part with two holes or more, larger than its ink.
+  // Loops may touch or overlap here without being separated: a part with two holes or more, larger than its ink.
   bool entangled() const { return entangled_; }
 
  private:
@@ -53,9 +54,9 @@ class InkParts {
   std::vector<std::int32_t> labels_;  // part of each point of the grid; -1: none
 };
 
-// The parts of a picture where they are to be placed one by one: always with pattern.placement elements; with auto where
-// there are 2 to 128 and none is more than 150 mm across, as the coils of an array are. "ink-hangs-together" warns of loops
-// that then are laid as one.
+// The parts of a picture if they are to be placed one by one: always with pattern.placement elements; with auto if
+// there are 2 to 128 and none is more than 150 mm across, as for the coils of an array. "ink-hangs-together" warns of
+// loops that are then laid as one.
 std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement placement,
                                        std::vector<Warning>& warnings);
 

@@ -1,4 +1,4 @@
-// Circular loops that touch or overlap in a picture, told apart by the circles along which their ink ends.
+// Circular loops that touch or overlap in a picture, separated by the circles along which their ink ends.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@ struct InkRing {
   Eigen::Vector2d centre;  // pattern coordinates, mm
   double radius, half_width;
 
-  // Whether a point lies on the ring, or beside it by no more than `beyond` mm.
+  // Whether a point lies on the ring, or next to it by no more than `beyond` mm.
   bool holds(const Eigen::Vector2d& uv, double beyond) const {
     return std::abs((uv - centre).norm() - radius) <= half_width + beyond;
   }

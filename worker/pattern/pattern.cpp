@@ -1,6 +1,5 @@
-// The pyramid follows L. Williams 1983, "Pyramidal parametrics". A footprint of diameter d has the variance
-// of a box-filtered texel of side d / 2 seen through bilinear interpolation: that texel's level is the one
-// sampled.
+// The pyramid follows L. Williams 1983, "Pyramidal parametrics". A footprint of diameter d has the variance of a
+// box-filtered texel of side d / 2 seen through bilinear interpolation, so the level of that texel is sampled.
 #include "worker/pattern/pattern.hpp"
 
 #include <algorithm>
@@ -19,7 +18,7 @@ struct Level {
   std::vector<std::uint8_t> texels;
 };
 
-// Halves both sides. Beyond an odd edge there is no drawing, hence no ink.
+// Halves both sides. Beyond an odd edge there is no drawing and so no ink.
 Level halve(const Level& fine, int channels) {
   Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
   coarse.texels.resize(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height) *
@@ -40,7 +39,7 @@ Level halve(const Level& fine, int channels) {
   return coarse;
 }
 
-// Adds weight times the level's bilinear value at (x, y) in texels, the first texel's centre being at (0.5,
+// Adds weight times the bilinear value of the level at (x, y) in texels; the centre of the first texel is at (0.5,
 // 0.5).
 template <int channels>
 inline void add_bilinear(const Level& level, double x, double y, float weight, float* out) {
@@ -75,7 +74,7 @@ Format format_of(std::span<const std::uint8_t> bytes) {
   if (starts("\x89PNG\r\n\x1a\n")) return Format::png;
   if (starts("\xff\xd8\xff")) return Format::jpeg;
   if (starts("\x1f\x8b")) return Format::gzip;
-  // XML may begin with a mark of its encoding and white space.
+  // XML may begin with a byte order mark and white space.
   std::string_view head(reinterpret_cast<const char*>(bytes.data()),
                         std::min<std::size_t>(bytes.size(), 1 << 16));
   if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
@@ -92,7 +91,7 @@ Result<void> check_size(const Eigen::Vector2d& mm, const std::string& file_name)
               "give pattern.width_mm");
 }
 
-// Decodes with one channel where that holds the drawing, else with four.
+// Decodes with one channel if that can hold the drawing, otherwise with four.
 template <class Decode>
 Result<Raster> decode(Decode&& with_channels) {
   Result<Raster> raster = with_channels(1);
@@ -174,7 +173,7 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
   };
   auto picture = std::make_shared<Picture>();
   std::optional<Raster> decoded;
-  double wanted_dpi = dpi * settings.scale;  // of the drawing, for the print to show all that it can
+  double wanted_dpi = dpi * settings.scale;  // of the drawing, so that the print shows all that it can
 
   switch (format_of(bytes)) {
     case Format::png:
@@ -202,7 +201,7 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
                              ? Eigen::Vector2d(*settings.width_mm, *settings.width_mm / size.aspect)
                              : *size.size_mm;
       VACUFORM_CHECK(check_size(picture->size_mm, file_name));
-      // Finer than the print by the samples that it takes in each of its pixels.
+      // Finer than the print by the number of samples in each of its pixels.
       const double fine = std::max(2 * wanted_dpi, 300.0);
       const double pixels = (picture->size_mm / 25.4 * fine).prod();
       const double wanted = std::min(pixels, 0.98 * static_cast<double>(largest_raster));
@@ -229,7 +228,7 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
     return fail(Code::unusable_pattern, "the drawing is empty: all of it is white or transparent", file_name,
                 "give a drawing with ink in it");
   const double has_dpi = 25.4 / picture->texel_mm().maxCoeff();
-  // A print that is finer than its drawing loses nothing until the pixels can be seen.
+  // A print that is finer than its drawing loses nothing until the pixels become visible.
   if (has_dpi < (picture->format == "SVG" ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
     picture->warnings.push_back({"pattern-coarse",
                                  "The drawing has " + decimal(has_dpi, 0) +

@@ -1,4 +1,4 @@
-// The user's drawing: PNG, JPEG or SVG bytes in, a picture that can be sampled at physical positions out.
+// The drawing of the user: reads PNG, JPEG or SVG bytes and makes a picture that can be sampled at physical positions.
 //
 // *Ink* is what is not white: coverage = alpha * (1 - luminance), with the Rec. 709 luminance of the colour
 // as encoded. A white background, opaque or not, carries no ink.
@@ -25,13 +25,13 @@ struct Ink {
 
 class Pattern {
  public:
-  // Decodes the drawing; an SVG is drawn finely enough for prints at `dpi`, but with at most 64 million
-  // pixels, and fewer where more would take longer than about ten seconds of the processor (svg_work.hpp). The format is told by the first bytes, not by the name. Its physical size is, in this order:
-  // settings.width_mm; the SVG's width or height in absolute units (px are 1/96 in); the PNG's pHYs or the
-  // JPEG's density; else unusable_pattern with the fix "give pattern.width_mm". A JPEG's Exif orientation is
-  // honoured. Nothing but the bytes is read: an SVG that refers to other files is refused.
-  // Errors: unsupported_format, corrupt_file, too_large (above 64 million pixels, or too much
-  // work to draw), unusable_pattern (no ink or size).
+  // Decodes the drawing. An SVG is drawn finely enough for prints at `dpi`, but with at most 64 million pixels, and
+  // fewer if more would take longer than about ten seconds of processor time (svg_work.hpp). The first bytes determine
+  // the format, not the name. The physical size is, in this order: settings.width_mm; the width or height of the SVG in
+  // absolute units (px are 1/96 in); the pHYs of the PNG or the density of the JPEG; otherwise unusable_pattern with
+  // the fix "give pattern.width_mm". The Exif orientation of a JPEG is applied. Only the bytes are read: an SVG that
+  // refers to other files is rejected. Errors: unsupported_format, corrupt_file, too_large (above 64 million pixels, or
+  // too much work to draw), unusable_pattern (no ink or size).
   static Result<Pattern> read(std::span<const std::uint8_t> bytes, const std::string& file_name,
                               const PatternSettings& settings, int dpi);
   ~Pattern();
@@ -45,13 +45,13 @@ class Pattern {
   double ink_mm2() const;             // area of the drawing's ink, each pixel by its coverage; above 0
   const std::vector<Warning>& warnings() const;  // "pattern-coarse": fewer pixels than the print could show
 
-  // The drawing around `uv` (mm from its centre, v up), averaged over a disk-like footprint of diameter
-  // `blur_mm` (box-filtered pyramid, bilinear between and within levels). Of a grayscale drawing: black, at
-  // the opacity of its ink coverage. Thread safe and deterministic.
+  // The drawing around `uv` (mm from its centre, v up), averaged over a disk-like footprint of diameter `blur_mm`
+  // (box-filtered pyramid, bilinear between and within levels). A grayscale drawing gives black at the opacity of its
+  // ink coverage. Thread safe and deterministic.
   Ink sample(const Eigen::Vector2d& uv, double blur_mm) const;
 
-  // The same at `count` points start + k step, k = 0, 1, ..., for the inner loops: of a grayscale drawing one
-  // float a point, the coverage; else four, premultiplied red, green, blue and alpha.
+  // The same at `count` points start + k step, k = 0, 1, ..., for the inner loops. A grayscale drawing gives one float
+  // per point, the coverage; any other gives four, premultiplied red, green, blue and alpha.
   void sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
                    float* out) const;
 

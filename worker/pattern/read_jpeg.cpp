@@ -3,7 +3,7 @@
 #include <cstring>
 #include <new>
 
-// jpeglib.h needs stdio's types first.
+// jpeglib.h needs the types of stdio first.
 #include <jpeglib.h>
 
 #include "worker/pattern/raster.hpp"
@@ -11,8 +11,7 @@
 namespace vacuform {
 namespace {
 
-// libjpeg reports errors by a call that must not return: longjmp, out of methods that hold only trivial
-// locals.
+// libjpeg reports errors by a call that must not return: longjmp, out of methods with only trivial locals.
 class JpegReader {
  public:
   explicit JpegReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {
@@ -21,7 +20,7 @@ class JpegReader {
     errors_.error_exit = [](j_common_ptr d) { self(d).leave(d); };
     errors_.output_message = [](j_common_ptr) {};
     errors_.emit_message = [](j_common_ptr d, int level) {
-      // A warning means that pixels are made up: the drawing would be printed with a hole.
+      // A warning means that libjpeg made up pixels: the drawing would be printed with a hole.
       if (level < 0) self(d).leave(d);
     };
     // Progressive files can hold thousands of scans over one picture (the "JPEG bomb").
@@ -84,8 +83,7 @@ class JpegReader {
   char message_[JMSG_LENGTH_MAX] = "unknown fault";
 };
 
-// The orientation tag of the first image directory of an Exif block; 1 where there is none or it makes no
-// sense.
+// The orientation tag of the first image directory of an Exif block; 1 if it is missing or invalid.
 int exif_orientation(std::span<const std::uint8_t> block) {
   if (block.size() < 14 || std::memcmp(block.data(), "Exif\0\0", 6) != 0) return 1;
   const auto tiff = block.subspan(6);

@@ -1,4 +1,4 @@
-// What one shape of an SVG is: its curves, its fill, its line. Internal to worker/pattern.
+// The parts of one shape of an SVG: its curves, its fill, its line. Internal to worker/pattern.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -13,7 +13,7 @@
 
 namespace vacuform {
 
-// Why a drawing cannot be held as vectors, and how to fix it. The first reason stays.
+// Why a drawing cannot be represented as vectors, and how to fix it. The first reason is kept.
 class Refusal {
  public:
   void because(const std::string& what, const std::string& fix) {
@@ -29,17 +29,18 @@ class Refusal {
   std::string what_, fix_;
 };
 
-// A length among the node's attributes; nothing where it is absent, "auto" or refused.
+// A length among the attributes of the node; nothing if it is absent, "auto" or rejected.
 std::optional<double> length_of(const pugi::xml_node& node, const char* name, LengthOf of,
                                 const Eigen::Vector2d& viewport, Refusal& refusal);
 
-// In user units; of a path at most `most` segments and a few more. Empty for what is no shape, or draws nothing.
+// In user units; for a path at most `most` segments and a few more. Empty for anything that is not a shape, or draws
+// nothing.
 std::vector<Curve> curves_of(const pugi::xml_node& node, const Eigen::Vector2d& viewport, std::size_t most,
                              Refusal& refusal);
 
-// Nothing where nothing is painted. `opacity` is that of the element and what it lies in.
+// Nothing if nothing is painted. `opacity` is that of the element and its ancestors.
 std::optional<Colour> fill_of(const Style& style, double opacity, Refusal& refusal);
-// In pattern coordinates. Refused under a transform that would make a pen's round tip oval.
+// In pattern coordinates. Rejected under a transform that would make the round tip of a pen oval.
 std::optional<Stroke> stroke_of(const Style& style, double opacity, const Eigen::Affine2d& to_pattern,
                                 const Eigen::Vector2d& viewport, Refusal& refusal);
 

@@ -56,7 +56,7 @@ bool is_paint(std::string_view value) {
          value.starts_with("context-") || svg_colour(value) || svg_colour(first);
 }
 
-// A value that is not of its property's form is no declaration at all, and another one holds.
+// A value with invalid syntax for its property is not a declaration, and another one applies.
 bool valid(Property property, std::string_view value) {
   const Eigen::Vector2d viewport(1, 1);
   switch (property) {

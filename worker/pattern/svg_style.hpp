@@ -61,12 +61,12 @@ std::string_view local_name(const pugi::xml_node& node);
 // Texts are referred to, not copied: the document must outlive all styles.
 class StyleSheets {
  public:
-  // Reads every <style> of the document. Selectors are names, classes, ids, "*", and these joined without white space; what
-  // else selects makes complete() false, as does an @import or @media.
+  // Reads every <style> of the document. Supported selectors are names, classes, ids, "*", and these joined without
+  // white space. Any other selector, an @import or an @media makes complete() false.
   explicit StyleSheets(const pugi::xml_document& document);
   bool complete() const { return complete_; }
 
-  // Of an element under one with style `parent`. `work` grows by what was looked at.
+  // The style of an element whose parent has the style `parent`. `work` grows by the number of rules examined.
   Style of(const pugi::xml_node& node, const Style& parent, std::size_t& work) const;
 
  private:

@@ -1,4 +1,4 @@
-// What a job is made from.
+// The inputs of a job.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace vacuform {
 
-// A picture that says where the chart shall be least distorted, the more the darker: PNG, JPEG or SVG, read as the pattern
-// is and laid over the pattern's page, at its width and by its alignment, centre on centre.
+// The weight image (dark = less distortion of the chart): PNG, JPEG or SVG. It is read like the pattern and laid over
+// the page of the pattern, at its width and with its alignment, centre on centre.
 struct WeightsFile {
   std::span<const std::uint8_t> bytes;
   std::string name;  // for messages
@@ -27,10 +27,10 @@ struct Inputs {
   std::span<const std::uint8_t> pattern;
   std::string pattern_name;
   Settings settings;
-  std::optional<MeasuredFile> temperature = {};  // of the sheet; only and always with heat.source measured
-  std::optional<WeightsFile> weights = {};       // only and always with flattening.weights painted
-  bool sensitivity = false;  // report.json tells as well how far each coil lands off by errors of the machine
-  KeptStages kept = {};      // where to look for, and leave, what the scan and forming stages make
+  std::optional<MeasuredFile> temperature = {};  // of the sheet; if and only if heat.source is measured
+  std::optional<WeightsFile> weights = {};       // if and only if flattening.weights is painted
+  bool sensitivity = false;  // report.json also shows how far errors of the machine move each coil
+  KeptStages kept = {};      // where to look for and store the results of the scan and forming stages
 };
 
 // Reads a whole file. Errors: unreadable, too_large (above `limit` bytes).

@@ -1,9 +1,9 @@
-// What the scan and forming stages made, kept in a folder under the digest of what they made it from: a pattern that
-// is turned, moved or changed then prints without forming the head again.
+// The results of the scan and forming stages, kept in a folder under the digest of their inputs: a pattern that is
+// turned, moved or changed can then be printed without forming the head again.
 //
-// A result is only used by the very program that wrote it (its own digest is part of the name), and only when its
-// bytes are those that were written. A formed head identifies a person: files are made readable by their owner alone,
-// and whoever gives the folder deletes it.
+// A result is only used by the same program that wrote it (the digest of the program is part of the name), and only if
+// its bytes are unchanged. A formed head identifies a person: only the owner can read the files, and the caller that
+// provides the folder deletes it.
 #pragma once
 
 #include <filesystem>
@@ -22,16 +22,16 @@ class KeptStages {
  public:
   // Keeps nothing.
   KeptStages() = default;
-  // In a folder, which is made when it is absent. Beyond `most_bytes` the files used longest ago are deleted.
-  // `found` hears of every stage that need not be run.
+  // In a folder, which is created if it is absent. Above `most_bytes` the least recently used files are deleted.
+  // `found` is called for every stage that need not run.
   explicit KeptStages(std::filesystem::path folder, std::function<void(Stage)> found = {},
                       std::uint64_t most_bytes = 2'000'000'000);
 
-  // `made_from` is everything that the result depends on. None: not there, or not whole.
+  // `made_from` is everything that the result depends on. Returns nothing if the result is missing or damaged.
   std::optional<Mold> mold(const nlohmann::ordered_json& made_from) const;
   std::optional<FormedSheet> sheet(const nlohmann::ordered_json& made_from) const;
 
-  // A file is written beside its place and renamed. What cannot be written is not kept, and nothing else happens.
+  // Writes a file next to its final path and renames it. A result that cannot be written is not kept; this is no error.
   void keep(const nlohmann::ordered_json& made_from, const Mold& mold) const;
   void keep(const nlohmann::ordered_json& made_from, const FormedSheet& sheet) const;
 

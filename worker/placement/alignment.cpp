@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 struct Pair {
-  Vector2d drawn, chart;  // the drawing's point at its scale, and where it shall lie
+  Vector2d drawn, chart;  // the point of the drawing at its scale, and its target
 };
 
 Result<std::vector<Pair>> pairs(const ChartedSurface& charted, const PatternSettings& settings) {
@@ -58,7 +58,7 @@ Result<Alignment> align(const ChartedSurface& charted, const PatternSettings& se
     return fail(Code::bad_settings, "the points give the drawing no direction", "pattern.points",
                 "pick points that lie apart, in the drawing and on the mold");
   const double turn = met.size() > 1 ? fit.angle() * 180 / M_PI : 0;
-  // Of two points the first is the pivot: it meets exactly.
+  // With two points the first is the pivot: it matches exactly.
   const bool pivot = met.size() == 2;
   const Vector2d drawn = pivot ? met[0].drawn : fit.from(), chart = pivot ? met[0].chart : fit.to();
   Alignment out{turn + settings.rotate_deg, settings.scale, Vector2d::Zero()};

@@ -1,4 +1,4 @@
-// A neighbourhood's triangles cut smaller where a map of them bends. Internal to worker/placement.
+// Refines the triangles of a neighbourhood where a map of them bends. Internal to worker/placement.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace vacuform {
 
-// Triangles that lie in triangles of the surface, with their own numbers for the vertices.
+// Triangles that lie in triangles of the surface, with their own vertex numbers.
 struct BentMesh {
   std::vector<Triangle> triangles;
   std::vector<int> faces;  // per triangle: the one of the surface that it lies in
@@ -20,11 +20,11 @@ struct BentMesh {
   std::vector<Eigen::Vector2d> flat;                    // per vertex: linear in each triangle of the surface
   std::vector<double> radius;  // per vertex: not linear there, mm; infinite where unknown
 
-  // Where the map puts a vertex: in the direction of `flat`, so far.
+  // Where the map puts a vertex: in the direction of `flat`, at this distance.
   Eigen::Vector2d mapped(int vertex) const;
 };
 
-// Cuts edges in half whose middle the map puts more than `tolerance_mm` beside the middle of its ends, and again, up to
+// Halves edges whose midpoint the map puts more than `tolerance_mm` beside the midpoint of its ends. Repeats this up to
 // three times, as far as `reach_mm` from the origin. `radius_at` gives a new vertex its radius. No hanging vertices.
 void refine(BentMesh& mesh, const std::function<double(const SheetPoint&)>& radius_at, double reach_mm,
             double tolerance_mm);

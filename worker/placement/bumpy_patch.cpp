@@ -39,7 +39,7 @@ std::vector<int> around(const InkedSurface& surface, const SheetPoint& centre, d
   return out;
 }
 
-// The neighbourhood, `flat` its own flattening about the centre, as rigid as possible.
+// The neighbourhood; `flat` is its own flattening about the centre, as rigid as possible.
 Result<BentMesh> flattened(const InkedSurface& surface, const SheetPoint& centre, double reach_mm,
                            const Context& context) {
   BentMesh out;
@@ -61,7 +61,7 @@ Result<BentMesh> flattened(const InkedSurface& surface, const SheetPoint& centre
   }
   Chart chart;
   chart.triangles = out.triangles, chart.inked = out.inked, chart.uv = out.rest;
-  // Its progress is none of the job's.
+  // Its progress does not count for the job.
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   VACUFORM_CHECK(flatten_arap(chart, Context()));
   out.flat = std::move(chart.uv);
@@ -71,7 +71,7 @@ Result<BentMesh> flattened(const InkedSurface& surface, const SheetPoint& centre
   return out;
 }
 
-// The chart's turn against the geodesics' directions near the centre, radians.
+// The rotation of the chart relative to the directions of the geodesics near the centre, radians.
 double turn_of(const BentMesh& near, const PolarGrid& grid) {
   const PlaneLocator locator(near.triangles, near.rest);
   Vector2d sum(0, 0);
@@ -84,7 +84,7 @@ double turn_of(const BentMesh& near, const PolarGrid& grid) {
   return std::atan2(sum.y(), sum.x());
 }
 
-// Gives the vertices the shortest way from the centre over the surface for a radius, and refines within `ink_mm`.
+// Gives the vertices the shortest path from the centre over the surface as radius, and refines within `ink_mm`.
 void measure(const InkedSurface& surface, BentMesh& near, const SheetPoint& centre, double reach_mm,
              double ink_mm) {
   constexpr double tolerance_mm = 0.02;
@@ -104,7 +104,7 @@ void measure(const InkedSurface& surface, BentMesh& near, const SheetPoint& cent
   refine(near, radius_at, ink_mm, tolerance_mm);
 }
 
-// Whether a good part of what is within `mm` in the flattening lies off the chart.
+// Whether a large part of the flattening within `mm` lies off the chart.
 bool leaves_chart(const ChartedSurface& charted, const BentMesh& near, double mm) {
   constexpr double good_part = 0.1;
   double off = 0, all = 0;
@@ -128,7 +128,7 @@ double share_below(std::array<double, 3> f, double level) {
   return 1 - (f[2] - level) * (f[2] - level) / ((f[2] - f[1]) * (f[2] - f[0]));
 }
 
-// Radius of the plane's circle with the area where `radius` is below each of 0, step, 2 step...
+// Radius of the circle in the plane with the area where `radius` is below each of 0, step, 2 step...
 std::vector<double> flat_radii(const BentMesh& mesh, const std::vector<double>& radius, double step) {
   double most = 0;
   for (const double r : radius)
@@ -169,7 +169,7 @@ Result<ElementPatch> bumpy_patch(const ChartedSurface& charted, const SheetPoint
   const PolarGrid grid(charted, centre, axis, std::min(near_mm, ink_mm), keep);
   VACUFORM_TRY(near, flattened(surface, centre, reach, context));
   const double turn = turn_of(near, grid);
-  // Off the chart, on the folds at the foot of the mold, nothing is measured: the local flattening will do.
+  // Off the chart, on the folds at the foot of the mold, nothing is measured: the local flattening is good enough.
   const bool flattening_alone = leaves_chart(charted, near, ink_mm);
   near.radius.assign(near.rest.size(), 0);
   if (!flattening_alone) measure(surface, near, centre, 1.5 * reach, ink_mm);

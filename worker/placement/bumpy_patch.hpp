@@ -1,4 +1,4 @@
-// An element's patch where geodesics cross. Internal to worker/placement.
+// The patch of an element where geodesics cross. Internal to worker/placement.
 #pragma once
 
 #include "worker/placement/element_patch.hpp"

@@ -14,7 +14,7 @@ using Edge = std::pair<int, int>;  // vertices, the lower first
 using Faces = std::vector<int>;    // triangles of a region, ascending
 
 struct Region {
-  // Keeps a reference to the chart. Over the edges `cuts` (of its vertices; ascending) no piece passes.
+  // Keeps a reference to the chart. No piece crosses the edges `cuts` (of its vertices; ascending).
   Region(const Patch& of, const std::vector<Edge>& cuts);
 
   const Patch& chart;
@@ -24,14 +24,14 @@ struct Region {
   std::vector<double> area;
 };
 
-// The pieces of `faces` that hang together, in the order of their first triangles.
+// The connected pieces of `faces`, in the order of their first triangles.
 std::vector<Faces> connected(const Region& region, const Faces& faces);
 
-// Two pieces, or more where a half does not hang together: each triangle goes with the nearer of the two triangles
-// farthest from each other, which are moved to the halves' middles (Lloyd). Deterministic.
+// Two pieces, or more if a half is not connected: each triangle belongs to the nearer of the two triangles farthest
+// from each other, which are moved to the centres of the halves (Lloyd). Deterministic.
 std::vector<Faces> halves(const Region& region, const Faces& faces);
 
-// The part of the chart that these triangles are, in their order. A vertex on a cut is there once for each side of it.
+// The part of the chart with these triangles, in their order. A vertex on a cut occurs once for each side of the cut.
 Patch part_of(const Region& region, const Faces& faces);
 
 }  // namespace vacuform

@@ -1,4 +1,4 @@
-// The inked surface with the chart that the flattening lays on a part of it.
+// The inked surface with the chart that the flattening maps a part of it to.
 #pragma once
 
 #include "worker/flattening/flattening.hpp"
@@ -16,16 +16,16 @@ class ChartedSurface {
   bool on_chart(int t) const { return on_chart_[static_cast<std::size_t>(t)] != 0; }
   Eigen::Vector2d chart(const SheetPoint& p) const;  // chart coordinates, mm; NaN off the chart
 
-  // The point with the given chart coordinates, or, off the chart, the nearest one of the chart's border; of charts that
-  // overlap themselves the first triangle. Linear in the chart's triangles.
+  // The point with the given chart coordinates. Off the chart, the nearest point of its border. If the chart overlaps
+  // itself, the first triangle is used. Linear in the triangles of the chart.
   struct OnChart {
     SheetPoint point{};
     double off_mm = 0;  // distance from the chart, chart millimetres; 0 on it
   };
   OnChart at_chart(const Eigen::Vector2d& chart) const;
 
-  // The direction in the plane of the chart's triangle t that is the chart's u axis, by the rotation nearest to the
-  // flattening's map there. Off the chart the sheet's s axis stands in for u.
+  // The direction in the plane of triangle t of the chart that is the u axis of the chart, by the rotation nearest to
+  // the map of the flattening there. Off the chart the s axis of the sheet is used instead of u.
   Eigen::Vector3d axis(int t) const;
 
  private:

@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double near_vertex = 0.1;  // of an edge: a cut that passes so near goes through the vertex
+constexpr double near_vertex = 0.1;  // of an edge: a cut that passes this near goes through the vertex
 constexpr double farthest_mm = 20;   // of a row's places from the chart
 
 // A vertex as the corner of the first triangle that has it.
@@ -40,7 +40,7 @@ class Cutter {
       on_chart_[index(flat_.triangles[i])] = static_cast<int>(i);
   }
 
-  // The vertex there, made where there is none; nothing where the place is too far away.
+  // The vertex at this place, created if needed; nothing if the place is too far away.
   std::optional<int> vertex_at(const Vector3d& place) {
     const auto near = nearest_point(sheet_.triangles, inked_, flat_.triangles, place);
     if (!(near.distance_mm <= farthest_mm)) return std::nullopt;
@@ -101,7 +101,7 @@ class Cutter {
     return static_cast<int>(sheet_.rest.size()) - 1;
   }
 
-  // The vertex at a point of an edge, which divide() then divides there.
+  // The vertex at a point of an edge, which divide() then splits there.
   int on_edge(const PathPoint& p) {
     if (p.f < near_vertex || p.a == p.b) return p.a;
     if (p.f > 1 - near_vertex) return p.b;
@@ -116,7 +116,7 @@ class Cutter {
     return at->second;
   }
 
-  // Divides the triangles at whose edges there are new vertices.
+  // Splits the triangles that have new vertices on their edges.
   void divide() {
     if (middles_.empty()) return;
     const int count = static_cast<int>(sheet_.triangles.size());
@@ -128,7 +128,7 @@ class Cutter {
         if (const auto at = middles_.find(std::minmax(c[e], c[(e + 1) % 3])); at != middles_.end())
           middle[e] = at->second, ++divided;
       if (divided == 0) continue;
-      // Turned so that the divided edges come first.
+      // Rotated so that the split edges come first.
       std::size_t first = 0;
       while (divided < 3 && !(middle[first] >= 0 && middle[(first + 2) % 3] < 0)) ++first;
       const int a = c[first], b = c[(first + 1) % 3], d = c[(first + 2) % 3];
@@ -163,7 +163,7 @@ class Cutter {
   std::vector<Vector3d> inked_;
   Flattening flat_;
   std::vector<int> on_chart_;    // row in flat_.triangles of each triangle; -1 off the chart
-  std::map<Edge, int> middles_;  // new vertices, of edges that are not divided yet
+  std::map<Edge, int> middles_;  // new vertices of edges that are not split yet
   std::set<Edge> edges_;
 };
 

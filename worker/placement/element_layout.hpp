@@ -13,35 +13,36 @@ namespace vacuform {
 struct LaidElement {
   int element = 0;  // index into Drawing::elements
   Outline outline;  // at the drawing's scale
-  double size = 1;  // of the element, on top of that scale
+  double size = 1;  // of the element, in addition to that scale
 };
 
 struct ElementLayout {
   std::vector<LaidElement> elements;
   std::vector<Centre> centres;  // of the same elements
   std::vector<Neighbours> pairs;
-  std::vector<int> left_out;  // elements of the drawing that are nowhere near the chart
+  std::vector<int> left_out;  // elements of the drawing that are far from the chart
   CoilKeep keep = CoilKeep::area;
 };
 
-// The elements with an id where the chart puts their centres. A centre beyond the chart goes on straight from the chart's
-// nearest point; beyond it by more than its element reaches, the element is left out.
+// The elements with an id at the places that the chart gives their centres. A centre beyond the chart continues
+// straight from the nearest point of the chart. If it is beyond the chart by more than the reach of its element, the
+// element is left out.
 ElementLayout lay_by_chart(const ChartedSurface& charted, const Drawing& drawing, const Alignment& alignment);
 
 // An element once it lies on the surface.
 struct ElementOnSurface {
-  double turn = 0;  // of its centre's axis, radians (spacing.hpp)
+  double turn = 0;  // rotation of the axis of its centre, radians (spacing.hpp)
   ElementPatch patch;
   bool on_head = true;                // all of its curves lie on the chart
-  std::vector<Eigen::Vector3d> loop;  // in space, mm; empty without a loop, or where it runs off the sheet
+  std::vector<Eigen::Vector3d> loop;  // in space, mm; empty without a loop, or if it runs off the sheet
 };
 
-// The elements of a layout where their centres are now; `rough` as in element_patch(). Errors: cancelled.
+// The elements of a layout at the current places of their centres; `rough` as in element_patch(). Errors: cancelled.
 Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& charted,
                                                      const ElementLayout& layout, const Context& context,
                                                      bool rough = false);
 
-// The element's loop in space by flat coordinates, mm; empty where a part of it lies beyond the map. PolarGrid and
+// The loop of the element in space by flat coordinates, mm; empty if a part of it lies beyond the map. PolarGrid and
 // ElementMap are such maps.
 template <class Map>
 std::vector<Eigen::Vector3d> loop_in_space(const Map& map, const LaidElement& element) {

@@ -1,5 +1,6 @@
-// The surface around an element in flat coordinates of its own, mm: origin at its centre, direction 0 along the drawing's
-// u, and either the area within every radius around the centre or the radius itself as on the surface (polar_grid.hpp).
+// The surface around an element in its own flat coordinates, mm: origin at its centre, direction 0 along u of the
+// drawing. They preserve either the area within every radius around the centre or the radius on the surface
+// (polar_grid.hpp).
 #pragma once
 
 #include <optional>
@@ -17,11 +18,11 @@ struct ElementPatch {
   bool smooth = true;          // geodesics from the centre do not cross within the ink's reach
 };
 
-// Out to `ink_mm` (flat) and a margin. On a smooth surface the grid of geodesics itself, so that geodesic radii are the
-// drawn ones, but for the area where `keep` asks for that (PolarGrid). Where bumps make geodesics cross, the sheet's own triangles, with the
-// direction of a local flattening (as rigid as possible) and the radius of the shortest geodesic; where even that would
-// turn triangles over, as much of the local flattening's radius as it takes not to. With `rough` it is the grid in any
-// case, which is many times faster where geodesics cross. Errors: cancelled.
+// Extends to `ink_mm` (flat) and a margin. On a smooth surface it is the grid of geodesics, so that geodesic radii are
+// the drawn ones, unless `keep` requires the area (PolarGrid). Where bumps make geodesics cross, it consists of the
+// triangles of the sheet, with the direction of a local flattening (as rigid as possible) and the radius of the
+// shortest geodesic. If that would still turn triangles over, the radius of the local flattening is mixed in as far as
+// needed. With `rough` it is always the grid, which is many times faster where geodesics cross. Errors: cancelled.
 Result<ElementPatch> element_patch(const ChartedSurface& charted, const SheetPoint& centre,
                                    const Eigen::Vector3d& axis, double ink_mm, CoilKeep keep,
                                    const Context& context, bool rough = false);

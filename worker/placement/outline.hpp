@@ -1,4 +1,4 @@
-// What placement needs to know of an element: how far its ink reaches, and the loop that its coil is.
+// What placement needs to know about an element: how far its ink reaches, and the loop of its coil.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,10 @@ namespace vacuform {
 
 struct Outline {
   double reach_mm = 0;   // from the element's centre to its farthest ink
-  double radius_mm = 0;  // of the circle that has the loop's area; without a loop the reach
+  double radius_mm = 0;  // of the circle with the area of the loop; without a loop the reach
   double width_mm = 1;   // of the loop's line
-  // What drawn_loop() finds, else the largest closed curve, as a polyline about the element's centre, counter-clockwise
-  // and without its first point again; empty when there is neither.
+  // The result of drawn_loop(), otherwise the largest closed curve, as a polyline about the centre of the element,
+  // counter-clockwise and without repeating its first point; empty if there is neither.
   std::vector<Eigen::Vector2d> loop;
   std::vector<Eigen::Vector2d> points;  // of all curves, about the centre
 

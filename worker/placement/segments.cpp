@@ -20,13 +20,13 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::size_t smallest = 32;  // triangles that are not cut any more
-// How far joined segments may lie from where the chart has them (RMS): mm, or of the square root of their area.
+constexpr std::size_t smallest = 32;  // triangles: segments below this are not cut further
+// How far joined segments may lie from their place in the chart (RMS): mm, or of the square root of their area.
 constexpr double in_place_mm = 3, in_place = 0.05;
 constexpr int stitches = 200;    // rounds of moving the segments towards each other
-constexpr double anchor = 0.01;  // how much a segment's place in the chart counts against its seams
+constexpr double anchor = 0.01;  // weight of the place of a segment in the chart, relative to its seams
 
-// Where the chart has a segment's vertices.
+// The places of the vertices of a segment in the chart.
 std::vector<Vector2d> places_in_chart(const Region& region, const Segment& segment) {
   std::vector<Vector2d> out(segment.patch.uv.size());
   for (std::size_t i = 0; i < segment.triangles.size(); ++i)
@@ -36,8 +36,9 @@ std::vector<Vector2d> places_in_chart(const Region& region, const Segment& segme
   return out;
 }
 
-// Whether a segment, laid as near to the chart as it can be, lies about where the chart has it: a long strip around a dome
-// or a horn may be flattened without distortion, but opens, and what is drawn for the whole then falls elsewhere.
+// Whether a segment that is fitted rigidly to the chart lies about where the chart has it. A long strip around a dome
+// or a horn may be flattened without distortion, but it opens, and a drawing made for the whole then falls on other
+// places.
 bool stays_in_place(const Region& region, const Segment& segment, double scale) {
   const std::vector<Vector2d> places = places_in_chart(region, segment);
   RigidFit fit;
@@ -51,9 +52,9 @@ bool stays_in_place(const Region& region, const Segment& segment, double scale) 
   return off <= std::max(in_place_mm, in_place * std::sqrt(area));
 }
 
-// Whether the flattened patch lies over itself: a place of the drawing would then have two on the sheet.
+// Whether the flattened patch overlaps itself: a place of the drawing would then map to two places on the sheet.
 bool overlaps_itself(const Patch& patch) {
-  constexpr double little = 1e-3;  // of its area: rounding, and the sides of a slit that touch
+  constexpr double little = 1e-3;  // of its area: for rounding, and the sides of a slit that touch
   double area = 0;
   for (const Triangle& t : patch.triangles) {
     const Vector2d a = patch.uv[index(t[1])] - patch.uv[index(t[0])],
@@ -73,14 +74,14 @@ Result<Segment> flattened(const Region& region, Faces faces, double scale, const
   Segment out{part_of(region, faces), std::move(faces), 1};
   Chart chart{out.patch.triangles, {}, out.patch.uv};
   for (const Vector3d& p : out.patch.inked) chart.inked.push_back(p / scale);
-  VACUFORM_CHECK(flatten_arap(chart, Context()));  // its progress is none of the job's
+  VACUFORM_CHECK(flatten_arap(chart, Context()));  // its progress does not count for the job
   out.patch.uv = std::move(chart.uv);
   out.distortion = overlaps_itself(out.patch) ? std::numeric_limits<double>::infinity()
                                               : patch_distortion(out.patch, scale);
   return out;
 }
 
-// Below the limit, each from one piece of `open` or a part of it.
+// Segments below the limit, each from one piece of `open` or a part of it.
 Result<std::vector<Segment>> cut(const Region& region, std::vector<Faces> open, double scale, double limit,
                                  const Context& context) {
   std::vector<Segment> done;
@@ -103,7 +104,7 @@ struct Side {
   int triangle, beside;
   std::size_t edge;
   double mm;
-  bool cut;  // given, not ours
+  bool cut;  // by a given cut, not by this algorithm
 };
 using Borders = std::map<std::pair<int, int>, std::vector<Side>>;
 
@@ -137,10 +138,10 @@ std::vector<std::pair<double, std::pair<int, int>>> to_join(const Borders& borde
   return out;
 }
 
-// Joins neighbours, those with the longest seams first, where the two together stay below the limit and in their place.
+// Joins neighbours, longest seams first, if the two together stay below the limit and in their place.
 Result<void> join(const Region& region, std::vector<Segment>& segments, double scale, double limit,
                   const Context& context) {
-  std::map<std::pair<int, int>, bool> refused;  // by first triangles: these two do not go together
+  std::map<std::pair<int, int>, bool> refused;  // by first triangles: these two cannot be joined
   for (;;) {
     bool joined = false;
     for (const auto& [mm, key] : to_join(borders(region, segments))) {
@@ -169,10 +170,10 @@ Result<void> join(const Region& region, std::vector<Segment>& segments, double s
   }
 }
 
-// An end of a seam's edge: the vertex, and where its two sides have it in the pattern.
+// An end of an edge of a seam: the vertex, and where its two sides have it in the pattern.
 struct End {
   int vertex;
-  int a, b;  // in the patches of the seam's segments
+  int a, b;  // in the patches of the segments of the seam
   double weight;
 };
 std::vector<End> ends_of(const Region& region, const std::vector<Segment>& segments,
@@ -193,7 +194,7 @@ std::vector<End> ends_of(const Region& region, const std::vector<Segment>& segme
   return out;
 }
 
-// Moves each segment rigidly so that the sides of its seams come near those of its neighbours, tied weakly to the chart.
+// Moves each segment rigidly so that the sides of its seams approach those of its neighbours, tied weakly to the chart.
 void stitch(const Region& region, std::vector<Segment>& segments, const Borders& seams) {
   struct Tie {
     std::size_t other;
@@ -266,7 +267,7 @@ double patch_distortion(const Patch& patch, double scale) {
     const Eigen::Matrix2d map = flat * (scale * drawn).inverse();
     const double half = map.squaredNorm() / 2, det = map.determinant();
     const double root = std::sqrt(std::max(0.0, half * half - det * det));
-    const double s1 = std::sqrt(half + root), s2 = det > 0 ? det / s1 : 0;  // turned over: as bad as can be
+    const double s1 = std::sqrt(half + root), s2 = det > 0 ? det / s1 : 0;  // turned over: the worst value
     const double figure =
         s2 > 0 && std::isfinite(s1) ? std::max(s1, 1 / s2) : std::numeric_limits<double>::infinity();
     figures.emplace_back(figure, f.length * f.height / 2);

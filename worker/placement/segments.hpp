@@ -1,8 +1,8 @@
-// A region cut into charts of little distortion: for figurines, saddles, and pictures that no single chart can carry.
+// A region cut into charts of little distortion: for figurines, saddles, and pictures that no single chart can cover.
 //
-// Each segment is flattened by itself and laid in the pattern where the one chart of the whole region has it, so that a
-// drawing made for the region falls onto each segment nearly undistorted; across a seam it jumps, and by how much is
-// told. On the sheet neighbours meet without gap or overlap: they share the seam's edges.
+// Each segment is flattened separately and laid in the pattern where the one chart of the whole region has it, so a
+// drawing made for the region falls onto each segment nearly undistorted. Across a seam the drawing jumps, and the size
+// of the jump is reported. On the sheet neighbours meet without gap or overlap: they share the edges of the seam.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ struct Segment {
   double distortion = 1;       // see below
 };
 
-// An edge (0 1), (1 2) or (2 0) of a triangle of the region, and the same edge of the triangle beside it.
+// An edge (0 1), (1 2) or (2 0) of a triangle of the region, and the same edge of the triangle on its other side.
 struct SeamEdge {
   int triangle, edge, beside, beside_edge;
 };
@@ -35,18 +35,19 @@ struct Seam {
 struct Segments {
   std::vector<Segment> parts;  // in the order of their first triangles in the chart
   std::vector<Seam> seams;     // by a, then b
-  bool cuts_sufficed = true;   // no piece that the given cuts leave had to be cut further
+  bool cuts_sufficed = true;   // no piece that the given cuts leave needed another cut
 };
 
-// The distortion of a segment is infinite where it lies over itself in the pattern. Else, and that of a patch, it is the 95th percentile by inked area of max(s1, 1 / s2), s1 >= s2 the singular values of
-// the map from the pattern to the surface, at `scale` surface millimetres a millimetre of pattern; 1 is none.
+// The distortion of a segment is infinite if the segment overlaps itself in the pattern. Otherwise, and for a patch, it
+// is the 95th percentile by inked area of max(s1, 1 / s2), where s1 >= s2 are the singular values of the map from the
+// pattern to the surface, at `scale` surface millimetres per millimetre of pattern; 1 means no distortion.
 double patch_distortion(const Patch& patch, double scale);
 
-// Cuts along `cuts` (edges of the chart's vertices, ascending), and then until every segment is below `limit` or has fewer
-// than 32 triangles: into halves, as long as needed; then neighbours are joined again where the two together stay below the
-// limit and about where the chart has them, but never over a given cut. Each segment is flattened as rigidly as possible from the chart's own
-// coordinates and moved rigidly so that the seams' sides come near each other (least squares). About a second for a
-// head at 1.5 mm. Deterministic. Errors: cancelled.
+// Cuts along `cuts` (edges of the vertices of the chart, ascending), then halves each segment until it is below `limit`
+// or has fewer than 32 triangles. Then joins neighbours again where the two together stay below the limit and about
+// where the chart has them, but never over a given cut. Flattens each segment as rigidly as possible from the
+// coordinates of the chart and moves it rigidly so that the sides of the seams come near each other (least squares).
+// Takes about a second for a head at 1.5 mm. Deterministic. Errors: cancelled.
 Result<Segments> cut_into_segments(const Patch& chart, double scale, double limit,
                                    const std::vector<Edge>& cuts, const Context& context);
 

@@ -1,4 +1,4 @@
-// Centres on the surface, who is whose neighbour, and the least squares that gives neighbours their distances.
+// Centres on the surface, which elements are neighbours, and the least squares that sets the distances of neighbours.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace vacuform {
 
-// A centre with the direction of the drawing's u axis there, carried along parallel as the centre moves.
+// A centre with the direction of the u axis of the drawing there, transported in parallel as the centre moves.
 struct Centre {
   SheetPoint point{};
   Eigen::Vector3d axis{1, 0, 0};  // unit, in the plane of the point's triangle
@@ -17,7 +17,8 @@ struct Centre {
   double radius_mm = 0;           // of the loop
 };
 
-// Moves the centre by geodesics: mm along the axis and across it (counter-clockwise). Stops at the border of the sheet.
+// Moves the centre along geodesics: mm along the axis and across it (counter-clockwise). Stops at the border of the
+// sheet.
 void move(const InkedSurface& surface, Centre& centre, const Eigen::Vector2d& by);
 
 struct Neighbours {
@@ -25,21 +26,21 @@ struct Neighbours {
   double drawn_mm = 0;
 };
 
-// Which elements are neighbours in the drawing: those nearest in units of the sum of their radii, and all up to 1.25 times
-// as far, as either of the two sees it, if that is within 1.25 of the sum. So a hexagonal array (0.76 of the sum between
-// neighbours) gives its nearest pairs and not the next (1.31), and coils drawn with a gap of a quarter of their
-// size still are neighbours. In the order of a, then b.
+// Which elements are neighbours in the drawing: the nearest ones in units of the sum of their radii, and all up to 1.25
+// times as far, as seen from either of the two, if that is within 1.25 of the sum. So a hexagonal array (0.76 of the
+// sum between neighbours) gives its nearest pairs and not the next (1.31), and coils drawn with a gap of a quarter of
+// their size are still neighbours. In the order of a, then b.
 std::vector<Neighbours> neighbours(const std::vector<Centre>& centres);
 
-// Moves the centres so that the geodesic distances of neighbours are the drawn ones, in the least squares sense: Gauss and
-// Newton's method, whose gradients are the directions in which the geodesics arrive. The array as a whole neither drifts
-// nor turns: the moves, taken in the drawing, have no mean and no mean moment about the middle of the centres. What no
-// pair holds stays where it is. Until no centre moves by a micrometre. Deterministic. Errors: cancelled.
+// Moves the centres so that the geodesic distances of neighbours are the drawn ones, in the least squares sense: the
+// Gauss-Newton method, whose gradients are the directions in which the geodesics arrive. The array as a whole neither
+// drifts nor rotates: the moves, in the drawing, have no mean and no mean moment about the centroid of the centres. A
+// centre without pairs stays in place. Ends when no centre moves by a micrometre. Deterministic. Errors: cancelled.
 Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& centres,
                            const std::vector<Neighbours>& pairs, const Context& context);
 
-// The turn of each centre's axis, radians, that brings the drawn directions to its neighbours nearest to the directions
-// on the surface (Procrustes); 0 without neighbours.
+// The rotation of the axis of each centre, radians, that brings the drawn directions to its neighbours nearest to the
+// directions on the surface (Procrustes); 0 without neighbours.
 std::vector<double> turns(const ChartedSurface& charted, const std::vector<Centre>& centres,
                           const std::vector<Neighbours>& pairs);
 

@@ -12,7 +12,7 @@ namespace vacuform {
 
 class LaidInk {
  public:
-  // The grid that a source has to be made for: the sheet's size, at most 2000 pixels a side.
+  // The grid that a source must use: the size of the sheet, at most 2000 pixels per side.
   struct Grid {
     int width, height;
     double pixel_mm;
@@ -21,7 +21,7 @@ class LaidInk {
   // `channels` of the source: 1 gray on white, 4 RGBA.
   LaidInk(const RowSource& source, const Grid& grid, int channels);
 
-  // Of the ink, by its area on the formed surface, the share that lies on the chart; 1 without any ink.
+  // The share of the ink, by its area on the formed surface, that lies on the chart; 1 without any ink.
   double share_on(const ChartedSurface& charted) const;
   // Whether there is ink closer than `mm` to a place of the sheet.
   bool any_near(const Eigen::Vector2d& rest, double mm) const;

@@ -1,6 +1,6 @@
-// The marks around a print: everything that tells a person at the press which side is up, whose print this is
-// and whether its scale is true. They are laid out once, as strokes and texts in print millimetres, and then
-// drawn both into the rows of print.png and as vectors and text into print.svg.
+// The marks around a print: they show a person at the press which side is up, whose print this is and whether its scale
+// is correct. They are laid out once, as strokes and texts in print millimetres, and then drawn both into the rows of
+// print.png and as vectors and text into print.svg.
 //
 // Print coordinates: mm, origin the sheet's centre, x to the right and y up *as the print is read*, mirrored
 // or not.
@@ -26,7 +26,7 @@ struct MarkCircle {
   bool dashed = false;
 };
 struct Text {
-  Eigen::Vector2d at;                     // the baseline's start or middle
+  Eigen::Vector2d at;                     // start or middle of the baseline
   double size;                            // mm, of the letters' em
   bool centred = false, upwards = false;  // upwards: reads from below to above
   std::string text;
@@ -48,7 +48,8 @@ struct Marks {
 // pattern. `label` must be printable ASCII.
 //
 // `outline`: where the plastic leaves the mold, lines in print coordinates clear of the ink: the formed part is cut or
-// checked along it. Every sheet is laid with its extrusion direction along +t, as the arrow says, so that what it does of
+// checked along it. The arrow makes the operator lay every sheet with its extrusion direction along +t, so that effects
+// of the sheet itself repeat from sheet to sheet.
 // its own repeats from sheet to sheet.
 Marks lay_out_marks(const Settings& settings, const std::string& label,
                     const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline = {});

@@ -9,8 +9,8 @@
 
 namespace vacuform {
 
-// The borders of the chart, given as closed rings in sheet coordinates, without the steps of a grid of `grid_mm`. The lines
-// stop 2 mm from the ink: what is printed with the drawing must not join its traces. Sheet coordinates, dashed.
+// The borders of the chart, given as closed rings in sheet coordinates, without the steps of a grid of `grid_mm`. The
+// lines stop 2 mm from the ink, because they must not join the traces of the drawing. Sheet coordinates, dashed.
 std::vector<Line> mold_outline(const std::vector<std::vector<Eigen::Vector2d>>& rings, double grid_mm,
                                const LaidInk& ink);
 

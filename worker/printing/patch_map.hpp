@@ -11,7 +11,7 @@
 
 namespace vacuform {
 
-// The patch's border: rings of vertices, along the edges that only one triangle has.
+// The border of the patch: rings of vertices, along the edges with only one triangle.
 std::vector<std::vector<int>> border_of(const Patch& patch);
 
 // Keeps a reference to its patch.
@@ -19,11 +19,11 @@ class PatchMap {
  public:
   explicit PatchMap(const Patch& patch);
 
-  // Where `uv` lies on the flat sheet; nothing where it is off the patch by more than `beyond_mm`. Up to there the nearest
-  // triangle's map runs on. Where the patch is folded, the first triangle in order holds.
+  // The place of `uv` on the flat sheet; nothing if it is off the patch by more than `beyond_mm`. Up to that distance
+  // the map of the nearest triangle is extended. Where the patch is folded, the first triangle in order is used.
   std::optional<Eigen::Vector2d> rest_at(const Eigen::Vector2d& uv, double beyond_mm = 1e-3) const;
 
-  // What the patch covers in pattern coordinates.
+  // The area of the patch in pattern coordinates.
   const Area& outline() const { return outline_; }
   bool is_border_vertex(const Eigen::Vector2d& uv) const;
   // Whether all of the box is inside: then nothing in it needs to be cut.

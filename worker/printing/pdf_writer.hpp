@@ -21,7 +21,7 @@ class PdfWriter {
   int object(const std::string& body);
   // `dictionary` holds the entries besides Length. `bytes` are written as they are.
   int stream(const std::string& dictionary, std::span<const std::uint8_t> bytes);
-  // The same, deflated here.
+  // The same, but compressed here.
   int deflated_stream(const std::string& dictionary, const std::string& text);
 
   std::vector<std::uint8_t> finish(int catalogue);  // once, after every object

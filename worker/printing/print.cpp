@@ -195,7 +195,7 @@ class PictureFiles {
   std::vector<std::uint8_t> rgb_, alpha_;  // a row each; at the end the files
 };
 
-// False where there are no shades to make up for.
+// False if there are no shades to compensate.
 bool compensate(std::vector<RasterLayer>& layers, const Pattern& pattern) {
   std::vector<const Patch*> patches;
   for (const RasterLayer& layer : layers) patches.push_back(layer.patch);

@@ -1,5 +1,5 @@
-// The printing stage: the placed drawing in, the pre-distorted print in sheet coordinates out: lines where the drawing has
-// them, pixels where it has not.
+// The printing stage: takes the placed drawing and makes the pre-distorted print in sheet coordinates, with lines where
+// the drawing has lines, and pixels elsewhere.
 //
 // The pixel grid is centred on the sheet's centre: with pixels of d = 25.4 / dpi mm, width W = ceil(sheet
 // width / d) and height H likewise, the centre of pixel (i, j) (column, row from the top) lies at
@@ -23,24 +23,24 @@
 namespace vacuform {
 
 struct Print {
-  // Parallel to Flattening::triangles: pattern coordinates of the corners, mm, as the placement's charts have them.
-  // Triangles that share a vertex differ there across a seam alone.
+  // Parallel to Flattening::triangles: pattern coordinates of the corners, mm, from the charts of the placement.
+  // Triangles that share a vertex have different coordinates there only across a seam.
   std::vector<std::array<Eigen::Vector2d, 3>> pattern_uv;
-  // Of each of the placement's seams: how far its two sides lie apart on the flat sheet, at most, mm.
+  // For each seam of the placement: the largest distance between its two sides on the flat sheet, mm.
   std::vector<double> seam_gap_mm;
-  // The whole sheet, exact dpi in pHYs, mirrored when the inner face is inked. A grayscale drawing gives
-  // 8-bit gray on white, another 8-bit RGB on white, or RGBA where settings.print.background is transparent. With marks where settings.print.marks asks for
-  // them.
+  // The whole sheet, exact dpi in pHYs, mirrored if the inner face is inked. A grayscale drawing gives 8-bit gray on
+  // white, any other 8-bit RGB on white, or RGBA if settings.print.background is transparent. With marks if
+  // settings.print.marks is set.
   std::vector<std::uint8_t> png;
   int width = 0, height = 0;  // pixels
   double pixel_mm = 0;
-  // The same at 1:1: user units mm, origin the sheet's centre, x = s, y = -t. Layer "pattern", under scale(-1 1) when
-  // mirrored, holds each element in a group with its id, painted outlines and unpainted centre lines of class
-  // "centreline"; of a drawing without lines, the chart's part as an image. Layer "marks": vectors and text.
+  // The same at 1:1: user units mm, origin the centre of the sheet, x = s, y = -t. Layer "pattern", under scale(-1 1)
+  // if mirrored, holds each element in a group with its id, painted outlines and unpainted centre lines of class
+  // "centreline"; for a drawing without lines, the part on the chart as an image. Layer "marks": vectors and text.
   std::string svg;
-  // The same on a page of the sheet's size, vectors or an image embedded without loss, texts as texts, in two layers.
+  // The same on a page of the size of the sheet, vectors or a losslessly embedded image, texts as texts, in two layers.
   std::vector<std::uint8_t> pdf;
-  std::optional<VectorPrint> vectors;  // what the three are made of, where the drawing is one of vectors
+  std::optional<VectorPrint> vectors;  // the source of the three files, for a vector drawing
   bool mirrored = false;
   double ink_area_mm2 = 0;  // of the drawing
   double ink_printed = 0;   // the fraction of it that lies on the chart or on its element's patch, in [0, 1]
@@ -48,21 +48,22 @@ struct Print {
   // "ink-off-chart" (with the loss), "marks-left-out", "ink-not-compensated", and the pattern's own
   std::vector<Warning> warnings;
 
-  // Where on the picture sheet coordinates lie, as a fraction of its width from the left and its height from
+  // The position of sheet coordinates on the picture, as a fraction of its width from the left and its height from
   // below.
   Eigen::Vector2d picture_uv(const Eigen::Vector2d& st) const {
     return {0.5 + (mirrored ? -st.x() : st.x()) / (width * pixel_mm), 0.5 + st.y() / (height * pixel_mm)};
   }
 };
 
-// `drawing` is what read_drawing() made of the pattern's file, null where that is a picture; `placement` is what place()
-// made of it, or of the drawing of parts_to_place(): each part of a picture is then printed through its own patch. Lines are pulled back as vectors and drawn anti-aliased. Of a picture every pixel is the mean of 4 to 16
-// samples, each filtered by the footprint that its triangle gives it, so that edges are smooth, also the chart's own.
-// With settings.print.compensate_ink, shades of gray are printed darker where the sheet stretches more (see
-// ink_compensation.hpp). Memory is that of the files made plus a band of rows, whatever the dpi. `label` is the readable
-// name of the job on the print (the digest of its inputs, so that bytes repeat); what is not printable ASCII in it becomes
-// '?'. Pure and deterministic, whatever the number of threads.
-// Errors: cancelled; unusable_pattern (no ink falls onto the chart); too_large (more than 32,000 pixels a side).
+// `drawing` is the result of read_drawing() for the file of the pattern, null for a picture. `placement` is the result
+// of place() for it, or for the drawing of parts_to_place(): each part of a picture is then printed through its own
+// patch. Lines are pulled back as vectors and drawn anti-aliased. For a picture every pixel is the mean of 4 to 16
+// samples, each filtered by the footprint that its triangle gives it, so that edges are smooth, including those of the
+// chart. With settings.print.compensate_ink, shades of gray are printed darker where the sheet stretches more (see
+// ink_compensation.hpp). Memory is that of the resulting files plus a band of rows, for any dpi. `label` is the
+// readable name of the job on the print (the digest of its inputs, so that bytes repeat); characters that are not
+// printable ASCII become '?'. Pure and deterministic for any number of threads. Errors: cancelled; unusable_pattern (no
+// ink falls onto the chart); too_large (more than 32,000 pixels per side).
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
                          const Placement& placement, const Settings& settings, const std::string& label,
                          const Context& context);

@@ -11,7 +11,7 @@
 
 namespace vacuform {
 
-// What the page of a print is, whatever the file.
+// The page of a print, for any file format.
 struct PrintPage {
   Eigen::Vector2d size_mm{0, 0};  // of the sheet
   bool mirrored = false;
@@ -24,9 +24,9 @@ struct PlacedPicture {
   std::span<const std::uint8_t> png;
 };
 
-// Layer "pattern" holds the vectors, each element in a group with its id, or else the picture, under scale(-1 1) when
-// mirrored; layer "marks" the marks as vectors and text. Where an element has the id of a layer, the layer is called
-// "pattern-layer" or "marks-layer". Coordinates to 1e-4 mm.
+// Layer "pattern" holds the vectors, each element in a group with its id, or otherwise the picture, under scale(-1 1)
+// if mirrored; layer "marks" holds the marks as vectors and text. If an element has the id of a layer, the layer is
+// called "pattern-layer" or "marks-layer". Coordinates to 1e-4 mm.
 std::string make_svg(const PrintPage& page, const VectorPrint* vectors, const PlacedPicture* picture,
                      const Marks& marks);
 

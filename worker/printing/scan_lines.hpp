@@ -1,6 +1,6 @@
-// Triangles to scan lines by the shared-edge rule: a sample belongs to a triangle when its centre lies
-// inside, and of two triangles that share an edge exactly one owns each sample on it, because both compute
-// the edge's crossing with the scan line from the same end points in the same order.
+// Converts triangles to scan lines by the shared-edge rule: a sample belongs to a triangle if its centre lies inside.
+// Of two triangles that share an edge exactly one owns each sample on it, because both compute the crossing of the edge
+// with the scan line from the same end points in the same order.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@ namespace vacuform {
 
 // Calls span(row, begin, end) for each of the rows [first_row, last_row) in which the triangle owns samples,
 // columns [begin, end) within [0, columns). Sample (column, row) has its centre at (column + 0.5, row + 0.5).
-// Either turn of the triangle is allowed; a triangle with a coordinate that is not finite owns nothing.
+// Either orientation of the triangle is allowed; a triangle with a coordinate that is not finite owns nothing.
 template <class Span>
 void scan_triangle(const std::array<Eigen::Vector2d, 3>& p, int columns, int first_row, int last_row,
                    Span&& span) {

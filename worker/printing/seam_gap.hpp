@@ -7,9 +7,9 @@
 
 namespace vacuform {
 
-// Of each of the placement's seams, mm: points along it, a tenth of an edge apart, are taken to the pattern by the segment
-// on either side and from there to the sheet, as what is drawn is; the largest distance between the two. Infinite where a
-// segment's own coordinates lead nowhere.
+// For each seam of the placement, mm: the segments on both sides map points along it, a tenth of an edge apart, to the
+// pattern and from there to the sheet, as they map the drawing. The result is the largest distance between the two.
+// Infinite where the coordinates of a segment have no place on the sheet.
 std::vector<double> seam_gaps(const Placement& placement);
 
 }  // namespace vacuform

@@ -29,7 +29,7 @@ SheetRaster::SheetRaster(const std::vector<RasterLayer>& layers, const InkParts*
       width_(print.width),
       height_(print.height),
       channels_(pattern.grayscale() ? 1 : 4),
-      // Coarse prints need more samples for edges as smooth to the eye as those of fine ones.
+      // Coarse prints need more samples for edges that look as smooth as those of fine prints.
       samples_(std::clamp((600 + dpi - 1) / dpi, 2, 4)),
       band_(std::clamp(1'000'000 / print.width, 16, 256)) {
   const double n = samples_;
@@ -55,8 +55,8 @@ SheetRaster::SheetRaster(const std::vector<RasterLayer>& layers, const InkParts*
       piece.across = map.col(0);
       piece.down = map.col(1);
       piece.origin = uv[0] - map * piece.corners[0];
-      // A unit square has the variance of a disk of diameter 2 / sqrt(3); a stretched one is taken as round,
-      // with the same variance in the mean.
+      // A unit square has the variance of a disk of diameter 2 / sqrt(3); a stretched one is treated as round, with the
+      // same mean variance.
       piece.blur = 2 / std::sqrt(3.0) * map.norm() / std::sqrt(2.0);
       piece.gain = layer.gain.empty() ? 1.0f : static_cast<float>(layer.gain[t]);
       piece.part = layer.part;

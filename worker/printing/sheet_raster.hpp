@@ -10,7 +10,7 @@
 
 namespace vacuform {
 
-// A patch through which the drawing is looked at.
+// A patch through which the drawing is sampled.
 struct RasterLayer {
   static constexpr int whole = -2;
   const Patch* patch;
@@ -19,14 +19,14 @@ struct RasterLayer {
       gain;  // for the ink of each triangle, up to full coverage; empty: 1. Of a grayscale drawing only
 };
 
-// A picture is seen through its parts' own patches, and what is in no part through the charts. They point into the placement.
+// A picture is sampled through the patches of its parts, and ink in no part through the charts. They point into the
+// placement.
 std::vector<RasterLayer> layers_of(const Placement& placement);
 
-// Keeps references to what it is made of. Pixels are those of the print before any mirroring; the box is around all
-// patches.
+// Keeps references to its inputs. Pixels are those of the print before any mirroring; the box encloses all patches.
 class SheetRaster : public RowSource {
  public:
-  // Of `print`, the size and the pixel are read. `parts` may be null where every layer shows the whole.
+  // Only the size and the pixel of `print` are used. `parts` may be null if every layer shows the whole.
   SheetRaster(const std::vector<RasterLayer>& layers, const InkParts* parts, const Print& print,
               const Pattern& pattern, int dpi);
 

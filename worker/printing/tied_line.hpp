@@ -1,4 +1,4 @@
-// Lines that join elements: each end lies where its element's patch puts it, the way between follows the chart. Internal
+// Lines that join elements: the patch of an element places each end, and the line between follows the chart. Internal
 // to worker/printing.
 #pragma once
 
@@ -17,22 +17,22 @@ double distance(const Eigen::Vector2d& p, const Area& area);
 // Keeps references to the maps.
 class TiedLine {
  public:
-  // `start` and `end` are the maps of the elements that the ends of `line` touch, null where an end is free.
+  // `start` and `end` are the maps of the elements that the ends of `line` touch; null for a free end.
   TiedLine(std::vector<CurvePoint> line, double width_mm, const PatchMap& chart, const PatchMap* start,
            const PatchMap* end);
 
-  // Of a point on the line or beside it. Nothing off the chart.
+  // For a point on the line or beside it. Nothing off the chart.
   std::optional<Eigen::Vector2d> rest_at(const Eigen::Vector2d& uv) const;
 
  private:
   struct Tie {
     const PatchMap* map = nullptr;
-    double reach = 0;  // along the line, mm: there the chart has taken over
+    double reach = 0;  // along the line, mm: beyond this only the chart counts
   };
   struct Nearest {
     double square = 0, along = 0;
   };
-  double along(const Eigen::Vector2d& uv) const;  // of the line's nearest point
+  double along(const Eigen::Vector2d& uv) const;  // of the nearest point of the line
   // Pieces [first, last) below `node` of the tree of boxes.
   void build(std::size_t node, std::size_t first, std::size_t last);
   void look(std::size_t node, std::size_t first, std::size_t last, const Eigen::Vector2d& uv,

@@ -1,5 +1,5 @@
-// The drawing pulled back to the flat sheet as vectors: what print.svg, print.pdf and print.png are made of when the
-// pattern is one of vectors.
+// The drawing pulled back to the flat sheet as vectors: the source of print.svg, print.pdf and print.png if the pattern
+// is a vector drawing.
 #pragma once
 
 #include <string>
@@ -31,19 +31,20 @@ struct PrintedElement {
 
 struct VectorPrint {
   std::vector<PrintedElement>
-      elements;  // in the order of painting; what lies off its patch altogether has no areas
-  // Areas in pattern coordinates, each by the coverage of its ink (white: nothing): all, and what lies off the patches.
+      elements;  // in the order of painting; elements entirely off their patch have no areas
+  // Areas in pattern coordinates, each by the coverage of its ink (white: nothing): all, and those off the patches.
   double painted_mm2 = 0, lost_mm2 = 0;
 };
 
 // Strokes become areas in the pattern, with their caps, joins and dashes, and the areas are pulled back, so that every
-// line has its drawn width once formed (times settings.pattern.scale; a coil that was resized keeps it). Curves lie within
-// 0.02 mm of the exact pull-back. What lies off its patch is cut off along the patch's border, what sticks out of the
-// drawing's page along the page's. Where elements are placed, one that is not is lost; without any, all lie on the chart.
+// line has its drawn width once formed (times settings.pattern.scale; a resized coil keeps its line width). Curves lie
+// within 0.02 mm of the exact pull-back. Areas are cut off at the border of their patch and at the border of the page
+// of the drawing. If elements are placed, an element that is not placed is lost; without placed elements, all lie on
+// the chart.
 //
-// A line that belongs to no element and ends on an element's ink, or within half its own width of it, is tied to it: its
-// end lies where the element's patch puts it, and along the first 20 mm, or half its length, the line passes over to the
-// chart. Deterministic, on any number of threads. Errors: cancelled.
+// A line in no element that ends on the ink of an element, or within half its own width of it, is tied to it: the patch
+// of the element places its end, and along the first 20 mm, or half its length, the line moves over to the chart.
+// Deterministic, on any number of threads. Errors: cancelled.
 Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement, const Settings& settings,
                               const Context& context);
 

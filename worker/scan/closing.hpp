@@ -1,4 +1,5 @@
-// Closing a skin: scraps around broken edges removed, holes filled, the opening over the platform walled in.
+// Closes a skin: removes scraps around broken edges, fills holes, and builds walls around the opening over the
+// platform.
 #pragma once
 
 #include "worker/surface/triangle_mesh.hpp"
@@ -13,16 +14,15 @@ struct Closing {
   bool sound = false;
 };
 
-// Closes an upright, oriented skin. An opening counts as large when it measures more than a quarter of the
-// skin across, and as lying over the platform when its missing face would look down by at least 30 degrees;
-// such openings get walls straight down to 1 mm below the skin's lowest point and a flat cap there. Every
-// other opening is filled. Pieces of which two or more are open widely are patches of one surface: they are
-// not closed but left to be wrapped. Triangles at edges that more than two share, or that two run along in
-// the same direction, are removed first.
+// Closes an upright, oriented skin. An opening is large if it measures more than a quarter of the skin across. It lies
+// over the platform if its missing face would look down by at least 30 degrees. Openings with both properties get walls
+// straight down to 1 mm below the lowest point of the skin and a flat cap there. Every other opening is filled. If two
+// or more pieces are widely open, they are patches of one surface: they are not closed but left to be wrapped.
+// Triangles at edges that more than two share, or that two run along in the same direction, are removed first.
 Closing close_skin(const TriangleMesh& skin);
 
-// Triangles that fill a loop (the direction of border_loops). Uses only the loop's vertices. Empty when there
-// is no such filling. Liepa 2003, "Filling holes in meshes", as CGAL implements it.
+// Triangles that fill a loop (the direction of border_loops). Uses only the vertices of the loop. Empty if no such
+// filling exists. Liepa 2003, "Filling holes in meshes", as CGAL implements it.
 std::vector<Triangle> fill_hole(const std::vector<Eigen::Vector3d>& vertices, const std::vector<int>& loop);
 
 }  // namespace vacuform

@@ -1,6 +1,6 @@
-// GLB, the binary container of glTF 2.0 (ISO/IEC 12113): the meshes of every node of the scene, in world
-// coordinates. Positions are floats; data outside of the file, sparse accessors and required extensions that
-// change the geometry (Draco, meshopt, quantization) are refused by name.
+// GLB, the binary container of glTF 2.0 (ISO/IEC 12113): the meshes of every node of the scene, in world coordinates.
+// Positions are floats. Data outside the file, sparse accessors and required extensions that change the geometry
+// (Draco, meshopt, quantization) are rejected by name.
 #include <Eigen/Geometry>
 #include <bit>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint32_t most_json_bytes = 16u << 20;  // parsed, it takes up to twenty times its bytes
+constexpr std::uint32_t most_json_bytes = 16u << 20;  // parsed, it needs up to twenty times its bytes
 
 std::uint32_t u32(Bytes bytes, std::uint64_t at) {
   return std::uint32_t{bytes[at]} | std::uint32_t{bytes[at + 1]} << 8 | std::uint32_t{bytes[at + 2]} << 16 |
@@ -101,7 +101,7 @@ struct Reader {
   Result<void> primitive(const json& p, const Eigen::Affine3d& transform) {
     const auto mode = whole(p, "mode", 4);
     if (!mode || *mode > 6) return corrupt("a primitive of the GLB file has no known mode", where);
-    if (*mode < 4) return {};  // points and lines are no skin
+    if (*mode < 4) return {};  // points and lines are not a surface
     const auto attributes = p.find("attributes");
     if (attributes == p.end() || !attributes->is_object())
       return corrupt("a primitive of the GLB file has no attributes", where);
@@ -202,7 +202,7 @@ struct Reader {
   Result<void> nodes() {
     const auto list = root.find("nodes");
     if (list == root.end() || !list->is_array()) return corrupt("the GLB file has no nodes", where);
-    std::vector<char> state(list->size(), 0);  // 1: some other node's child, or a root already walked
+    std::vector<char> state(list->size(), 0);  // 1: child of another node, or a root already visited
     std::vector<std::pair<std::uint64_t, Eigen::Affine3d>> open;
     const auto push = [&](const json& children, const Eigen::Affine3d& transform) {
       if (!children.is_array()) return false;
@@ -218,7 +218,7 @@ struct Reader {
     bool sound = true;
     if (scene && scene->contains("nodes")) {
       sound = push((*scene)["nodes"], Eigen::Affine3d::Identity());
-    } else {  // no scene: every node that is no child is a root
+    } else {  // no scene: every node that is not a child is a root
       std::vector<char> is_child(list->size(), 0);
       for (const auto& node : *list)
         if (node.is_object() && node.contains("children") && node["children"].is_array())

@@ -93,7 +93,7 @@ Result<TriangleMesh> offset(const TriangleMesh& mesh, double clearance_mm, const
   return wrap(mesh, 2.5 * alpha, clearance_mm, progress, budget);
 }
 
-// The upright scan as a closed mesh; what lies below z = 0 is there to be cut off.
+// The upright scan as a closed mesh; the part below z = 0 is to be cut off.
 Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mold,
                            const ScanProgress& progress) {
   auto closing = skin.soup ? Closing{} : close_skin(skin.mesh);

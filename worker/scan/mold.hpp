@@ -1,16 +1,16 @@
 // The scan stage: bytes of a scan in, a mold on the platform out.
 //
 // A scan is read (STL, OBJ, PLY, OFF, GLB), welded, reduced to its outer skin, turned right side out, scaled to
-// millimetres, turned with its up axis to +Z, closed, offset by the clearance, trimmed, and placed on the platform:
-// z = 0 is the platform, and the middle of the smallest circle around the mold, seen from above, lies at x = y = 0: the
-// mold fits the smallest round window, and stays where it is when it is turned.
+// millimetres, turned with its up axis to +Z, closed, offset by the clearance, trimmed, and placed on the platform. z =
+// 0 is the platform. The centre of the smallest circle around the mold, seen from above, lies at x = y = 0: the mold
+// fits the smallest round window, and stays in place when it is turned.
 //
 // The automatic trim is the lowest cut above which no undercut is deeper than R / 70 and larger than R^2 / 300, where R
-// is the radius of the smallest circle around the scan seen from above: 1.5 mm and 36 mm2 on an adult's head. On a sphere
-// that is 0.17 R below the equator, on a noisy scan well below the first grain that overhangs. It does not depend on how
-// the scan is turned about the vertical axis, mirrored or shifted, and grows with its size. Where it leaves less than a
-// third of the scan's height it is warned of, where less than a twentieth refused; a trim that was given is kept.
-// Undercuts half as deep again are reported when they are larger than R^2 / 2500.
+// is the radius of the smallest circle around the scan seen from above: 1.5 mm and 36 mm2 on an adult head. On a sphere
+// that is 0.17 R below the equator; on a noisy scan it is well below the first grain that overhangs. It does not change
+// if the scan is turned about the vertical axis, mirrored or shifted, and it scales with the size of the scan. If it
+// leaves less than a third of the height of the scan, a warning is given; less than a twentieth is rejected. A given
+// trim is kept. Undercuts half as deep again are reported if they are larger than R^2 / 2500.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct Undercut {
   double area_mm2;        // its area seen from above
 };
 
-// What was found in the file and what was done about it, for people and for report.json.
+// What was found in the file and how it was repaired, for people and for report.json.
 struct ScanFindings {
   std::string format;  // "STL (binary)", "PLY (ASCII)", ...
   std::int64_t triangles_read = 0;
@@ -50,11 +50,11 @@ struct ScanFindings {
   bool turned_inside_out = false;  // the skin was inside out and has been turned
   int holes_closed = 0;            // small holes filled
   int holes_capped = 0;            // large openings closed by the platform
-  bool rebuilt = false;            // the skin was beyond repair and was wrapped anew (CGAL's alpha wrap)
+  bool rebuilt = false;            // the skin was beyond repair and was wrapped again (CGAL's alpha wrap)
   Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();  // of the whole scan, upright, before trimming
   double trim_mm = 0;        // height above the scan's lowest point at which it was cut
   bool trim_chosen = false;  // by Vacuform, where undercuts would begin
-  int crumbs_dropped = 0;  // pieces that the cut left beside the mold, each below a thousandth of its volume
+  int crumbs_dropped = 0;  // pieces that the cut left next to the mold, each below a thousandth of its volume
 };
 
 struct Mold {
@@ -72,13 +72,13 @@ struct Mold {
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,
                        const ScanSettings& settings, const Context& context);
 
-// Whether the mold fits the sheet and the machine's window, with room to draw; does_not_fit says by how much not.
+// Whether the mold fits the sheet and the window of the machine, with room to draw; does_not_fit says what is missing.
 Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine);
 
-// What to say of a mold that fits, with place and size: "window-close" where the sheet between mold and frame, which
-// must follow the mold's side down, thins below `thin_limit` of its thickness (size: the gap); "deep-draw" at the top
-// (size: the draw) when the draw is more than half of the window's shorter side, or more than the mold's own width;
-// "clamp-narrow" at the sheet's edge when less than 5 mm of the sheet lie in the clamp (size: what does).
+// Warnings for a mold that fits, with place and size: "window-close" if the sheet between mold and frame, which must
+// follow the side of the mold down, thins below `thin_limit` of its thickness (size: the gap); "deep-draw" at the top
+// (size: the draw) if the draw is more than half of the shorter side of the window, or more than the width of the mold;
+// "clamp-narrow" at the edge of the sheet if less than 5 mm of the sheet lie in the clamp (size: those mm).
 std::vector<Warning> fit_findings(const Mold& mold, const SheetSettings& sheet,
                                   const MachineSettings& machine, double thin_limit);
 

@@ -30,7 +30,7 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
       int corners = 0;
       while (true) {
         auto corner = take_word(line);
-        if (corner == "\\") {  // the face goes on in the next line
+        if (corner == "\\") {  // the face continues in the next line
           if (!text.next_line(line)) break;
           continue;
         }

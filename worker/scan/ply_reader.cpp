@@ -58,7 +58,7 @@ struct Element {
   std::vector<Property> properties;
 };
 
-// Values one after the other, from any of the three encodings. False: the bytes end, or a word is no number.
+// Consecutive values, from any of the three encodings. False: the bytes end, or a word is not a number.
 class Values {
  public:
   Values(Bytes bytes, bool ascii, bool big) : bytes_(bytes), text_(bytes), ascii_(ascii), big_(big) {}

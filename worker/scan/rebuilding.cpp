@@ -11,13 +11,13 @@ constexpr double plate_depth_mm = 0.5;
 constexpr double kept_volume = 0.7;       // of what the widest bridging encloses
 constexpr int most_fine_steps = 150'000;  // a head's outside takes 105,000 at the narrowest
 
-// Of all wraps together, 5 s for a scan of 1 MiB: loosened heads of 4,000, 8,500 and 27,000 triangles take 20, 28 and 48
-// million.
+// For all wraps together, 5 s for a scan of 1 MiB: loosened heads of 4,000, 8,500 and 27,000 triangles need 20, 28 and
+// 48 million.
 std::int64_t most_tests(const TriangleMesh& skin) {
   return 25'000'000 + 1000 * static_cast<std::int64_t>(skin.triangles.size());
 }
 
-// A plate a little below the platform, as wide as the scan: the cut at the platform takes it off again.
+// A plate a little below the platform, as wide as the scan: the cut at the platform removes it again.
 TriangleMesh with_plate(TriangleMesh skin) {
   const Box box = bounds(skin);
   const int first = static_cast<int>(skin.vertices.size());
@@ -32,11 +32,12 @@ TriangleMesh with_plate(TriangleMesh skin) {
 
 }  // namespace
 
-// A wide bridging finds out what volume the scan encloses, and whether it is open below. Then the narrowest
-// that keeps the volume is taken: one that is too narrow slips through the scan's gaps and wraps its inside
-// too. A wrap of both sides, in and out of every crevice, costs many times one of the outside alone, hence from
-// wide to narrow: what slips is not made narrower still, and ends where no outside would. So does what is too dear:
-// where long thin triangles meet, the narrowest wrap that the budget allows is taken.
+// A wide bridging finds the volume that the scan encloses, and whether it is open below. Then the narrowest bridging
+// that keeps the volume is used: one that is too narrow slips through the gaps of the scan and also wraps its inside. A
+// wrap of both sides, in and out of every crevice, costs many times as much as one of the outside alone. So the search
+// goes from wide to narrow: it stops at a bridging that slips through, and the wrap ends at a cost that no outside
+// reaches. The same holds for a wrap that costs too much: where long thin triangles meet, the narrowest wrap within the
+// budget is used.
 Result<TriangleMesh> rebuild(const TriangleMesh& skin, const ScanProgress& progress) {
   const double size = bounds(skin).size().norm();
   WrapBudget budget{most_tests(skin)};

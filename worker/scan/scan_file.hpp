@@ -1,8 +1,8 @@
-// Reading scan files: untrusted bytes in, triangles in the file's own unit and axes out.
+// Reads scan files: takes untrusted bytes and gives triangles in the unit and axes of the file.
 //
-// Every reader checks each offset and count in 64 bits before it is used, allocates only in proportion to
-// bytes that exist, validates every index and refuses coordinates that are not finite or absurd. Polygons
-// become fans. One reader a format, in a file of its own; this is the door in front of them.
+// Every reader checks each offset and count in 64 bits before it is used, allocates only in proportion to bytes that
+// exist, validates every index and rejects coordinates that are not finite or absurd. Polygons become fans. Each format
+// has one reader in a separate file; this is their common interface.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace vacuform {
 
-// What no scan may pass. A scan beyond is refused with Code::too_large and the figure.
+// Limits of a scan. A scan beyond them is rejected with Code::too_large and the figure.
 struct ScanLimits {
   std::uint64_t bytes = std::uint64_t{1} << 30;
   std::uint64_t triangles = job_limits.scan_triangles;
@@ -31,9 +31,9 @@ struct ScanFile {
   bool y_up = false;   // the format itself says that +Y is up (glTF)
 };
 
-// Recognises the format by the bytes and, where they do not tell, by the extension of `file_name`; then reads
-// it. Errors: unsupported_format, corrupt_file, too_large, unusable_scan (no triangles), cancelled. Messages
-// name the line, the byte or the element.
+// Detects the format by the bytes and, if they are not conclusive, by the extension of `file_name`; then reads it.
+// Errors: unsupported_format, corrupt_file, too_large, unusable_scan (no triangles), cancelled. Messages name the line,
+// the byte or the element.
 Result<ScanFile> read_scan(std::span<const std::uint8_t> bytes, const std::string& file_name,
                            const ScanProgress& progress);
 
@@ -46,12 +46,11 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
 Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgress& progress);
 Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress);
 
-// If the bytes of a binary file show that it went through a text-mode copy, a sentence that says how; else
-// empty. Looks for bytes replaced by U+FFFD, for line feeds that all became CR LF and for Latin-1 turned into
-// UTF-8.
+// If the bytes of a binary file show that it went through a text-mode copy, a sentence that says how; otherwise empty.
+// Looks for bytes replaced by U+FFFD, for line feeds that all became CR LF and for Latin-1 turned into UTF-8.
 std::string text_mode_damage(Bytes bytes);
 
-// Refusals that every reader shares.
+// Error checks that every reader shares.
 inline tl::unexpected<Error> corrupt(std::string what, const std::string& where) {
   return fail(Code::corrupt_file, std::move(what), where, "export the scan again, as binary STL for example");
 }

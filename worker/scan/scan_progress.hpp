@@ -1,5 +1,4 @@
-// Progress of the scan stage: the steps of the stage say how far it is, whatever runs long within a step only
-// ticks.
+// Progress of the scan stage: the steps of the stage report how far it is; long operations within a step only tick.
 #pragma once
 
 #include "worker/stage/context.hpp"
@@ -15,7 +14,7 @@ class ScanProgress {
     fraction_ = fraction;
     return tick();
   }
-  // Still there: looks at the cancellation and shows the listener a sign of life.
+  // Checks for cancellation and tells the listener that the stage is still running.
   Result<void> tick() const { return context_.step(Stage::scan, fraction_); }
 
  private:

@@ -14,8 +14,7 @@ class TextCursor {
   explicit TextCursor(std::span<const std::uint8_t> bytes)
       : at_(reinterpret_cast<const char*>(bytes.data())), begin_(at_), end_(at_ + bytes.size()) {}
 
-  // The next line without its end (LF, CR LF or a lone CR); false at the end of the text. The last line needs
-  // no end.
+  // The next line without its end (LF, CR LF or a lone CR); false at the end of the text. The last line needs no end.
   bool next_line(std::string_view& line) {
     if (at_ == end_) return false;
     const char* start = at_;
@@ -26,7 +25,7 @@ class TextCursor {
     return true;
   }
 
-  // The next word of the text, over line ends; empty at the end.
+  // The next word of the text, across line ends; empty at the end.
   std::string_view next_word() {
     while (at_ != end_ && is_space(*at_)) {
       if (*at_ == '\n') ++line_number_;
@@ -50,7 +49,7 @@ class TextCursor {
   std::uint64_t line_number_ = 0;
 };
 
-// Takes the first word off a line; empty when there is none.
+// Takes the first word off a line; empty when there is no word.
 inline std::string_view take_word(std::string_view& line) {
   std::size_t i = 0;
   while (i < line.size() && TextCursor::is_space(line[i])) ++i;
@@ -61,8 +60,8 @@ inline std::string_view take_word(std::string_view& line) {
   return word;
 }
 
-// The whole word must be the number. "nan" and "inf" parse; callers check for finite values. A number too
-// small for a double is 0, one too large is infinite.
+// The whole word must be the number. "nan" and "inf" parse; callers check for finite values. A number too small for a
+// double becomes 0, one too large becomes infinite.
 inline bool parse_number(std::string_view word, double& value) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);

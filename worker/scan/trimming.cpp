@@ -22,7 +22,7 @@ constexpr double reported_depth_share =
     1.5 / 70;  // shallower ones lie within the grid of what the trim allows
 constexpr double reported_area_share = 1.0 / 2500;  // smaller ones are a ray between two facets
 
-constexpr double flat = 0.01;           // height over the radius from above: less is no body
+constexpr double flat = 0.01;           // height over the radius from above: less is not a body
 constexpr double least_kept = 0.05;     // of the height: less is refused
 constexpr double usual_kept = 1.0 / 3;  // heads with face and neck keep two fifths
 constexpr double wanted_kept = 0.4;     // another axis is proposed when it keeps this much

@@ -1,4 +1,4 @@
-// The height at which a closed, upright scan is cut, and what its undercuts are above it.
+// The height at which a closed, upright scan is cut, and its undercuts above the cut.
 #pragma once
 
 #include <optional>
@@ -14,10 +14,10 @@ struct Trim {
   std::optional<Warning> warning;   // trim-discards; its mark is a place on the cut
 };
 
-// The height that was given, or the lowest that leaves no undercut, by the limits that mold.hpp names. `closed` stands on
-// z = 0 (what lies below does not count) and its principal axes lie along x and y; `from_file` turned the file's axes to
-// its own. Errors: cancelled; unusable_scan where less than a twentieth of the height would be left, with a trim and, if
-// there is one, an up axis that leave more.
+// The given height, or the lowest one without undercuts, by the limits in mold.hpp. `closed` stands on z = 0 (anything
+// below is ignored) and its principal axes lie along x and y; `from_file` is the rotation from the axes of the file to
+// its axes. Errors: cancelled; unusable_scan if less than a twentieth of the height would be left. The error names a
+// trim and, if there is one, an up axis that leave more.
 Result<Trim> choose_trim(const TriangleMesh& closed, const ScanSettings& settings,
                          const ScanFindings& findings, const Eigen::Matrix3d& from_file,
                          const std::string& file_name, const ScanProgress& progress);

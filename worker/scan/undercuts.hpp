@@ -1,10 +1,9 @@
-// Undercuts: what the sheet, coming from above, cannot reach. A grid of vertical rays finds the empty space
-// that something overhangs; columns side by side whose empty spans meet are one pocket.
+// Undercuts: what the sheet, coming from above, cannot reach. A grid of vertical rays finds the empty space below an
+// overhang; adjacent columns whose empty spans meet form one pocket.
 //
-// The depth at a place is the horizontal distance to the nearest column that nothing overhangs at that
-// height, less half a grid cell; a pocket's depth is its greatest. Pits without a roof are no undercuts, and
-// neither is space that is walled in on all sides: the inside of a hollow shell that stands on the platform
-// is as good as solid.
+// The depth at a place is the horizontal distance to the nearest column without an overhang at that height, minus half
+// a grid cell; the depth of a pocket is the largest of these. Pits without a roof are not undercuts. Space that is
+// walled in on all sides is not either: the inside of a hollow shell that stands on the platform counts as solid.
 #pragma once
 
 #include <memory>
@@ -17,14 +16,14 @@
 
 namespace vacuform {
 
-// The columns of a closed, outwards oriented mesh, seen along some axis.
+// The columns of a closed, outwards oriented mesh, seen along a given axis.
 class CoveredSpace {
  public:
-  // Casts the rays, `spacing` mm apart, down onto the mesh as `turn` turns it, which stands on z = floor. The middle
-  // of its bounding box lies halfway between rays, so that a mirrored mesh is measured alike.
-  // `caster` is of the same mesh, unturned: one serves every turn. Heights, places and planes are those of
-  // the turned mesh. Cost: columns times surfaces crossed; where the rays would cross more than 2.5 million they are
-  // cast wider apart. Errors: cancelled; unusable_scan where fifty layers lie above each other on average.
+  // Casts the rays, `spacing` mm apart, down onto the mesh as `turn` turns it, which stands on z = floor. The centre of
+  // its bounding box lies halfway between rays, so that a mirrored mesh is measured alike. `caster` belongs to the same
+  // mesh, unturned: one serves every turn. Heights, places and planes are those of the turned mesh. Cost: columns times
+  // surfaces crossed; if the rays would cross more than 2.5 million they are cast further apart. Errors: cancelled;
+  // unusable_scan if on average fifty layers lie above each other.
   static Result<CoveredSpace> measure(const TriangleMesh& mesh, std::shared_ptr<const RayCaster> caster,
                                       const Eigen::Matrix3d& turn, double floor, double spacing,
                                       const ScanProgress& progress);
@@ -38,14 +37,13 @@ class CoveredSpace {
   // then order on the grid). Spans lower than two fifths of the spacing are left out.
   std::vector<Undercut> undercuts(double floor) const;
 
-  // The lowest plane above which no undercut is deeper than `depth` and larger than `area` (seen from above),
-  // to a fiftieth of the spacing; the floor given to measure() when there is none. On a sphere of radius R that is sqrt(2 R
-  // depth - depth^2) below the equator.
+  // The lowest plane above which no undercut is deeper than `depth` and larger than `area` (seen from above), to a
+  // fiftieth of the spacing; the floor given to measure() if there is no such undercut. On a sphere of radius R that is
+  // sqrt(2 R depth - depth^2) below the equator.
   double lowest_cut(double depth, double area) const;
 
-  // How much of what stands above z = floor is a dome seen from above: the share of its columns that are no
-  // lower than the mean of their neighbours `reach` mm away on either side, along x and along y. 1 for
-  // anything convex.
+  // How much of the mesh above z = floor is a dome seen from above: the share of its columns that are not lower than
+  // the mean of their neighbours `reach` mm away on either side, along x and along y. 1 for anything convex.
   double domed_share(double floor, double reach) const;
 
  private:
@@ -78,8 +76,8 @@ class CoveredSpace {
   std::vector<Level> pyramid_;  // from k = 1 on
 };
 
-// What a maker is told about them ("undercut"), with place and depth of the twenty deepest as its marks. At least one,
-// deepest first.
+// The warnings about them ("undercut"), with place and depth of the twenty deepest as marks. At least one, deepest
+// first.
 Warning undercut_warning(const std::vector<Undercut>& undercuts);
 
 }  // namespace vacuform

@@ -1,4 +1,4 @@
-// What a scan file does not tell: its unit and which way is up.
+// Properties that a scan file does not state: its unit and which way is up.
 #pragma once
 
 #include <string>
@@ -14,17 +14,17 @@ double millimetres(Unit unit);  // in one unit
 // Whether a scan may be that large: 10 to 4000 mm.
 bool usable_side(double mm);
 
-// The unit in which the longest side measures 80 to 400 mm. Error: ambiguous_units when none does or more
-// than one, naming the candidates, the sizes that they would give and a setting that is accepted.
+// The unit in which the longest side measures 80 to 400 mm. Error: ambiguous_units if no unit or more than one fits. It
+// names the candidates, the resulting sizes and a setting that is accepted.
 Result<Unit> guess_unit(double longest_side, const std::string& where);
 
-// Where another unit would make the scan a little smaller or larger than guess_unit() takes for plausible, a figurine or a
-// large bust, one sentence for people; else empty.
+// If another unit would make the scan a little smaller or larger than guess_unit() accepts as plausible (a figurine or
+// a large bust), one sentence for people; otherwise empty.
 std::string unit_doubt(double longest_side, Unit guessed);
 
 struct UpGuess {
   UpAxis axis = UpAxis::plus_z;
-  bool told = false;  // the shape told; otherwise the user must be asked to look
+  bool told = false;  // the shape was conclusive; otherwise the user must be asked to look
   std::string why;    // one clause for people
 };
 
@@ -38,15 +38,17 @@ struct UpGuess {
 //    exporters use;
 //    Of a body with several flat sides only those are compared;
 // 4. where no axis leaves a mold, +z.
-// The last two are guesses, and so is all that a broken skin tells. An opening only tells where one border is most of it: the holes of a broken skin point
-// anywhere, and what is guessed of such a skin is guessed of a wrap around it. Error: cancelled.
+// The last two are guesses, and so is every result for a broken skin. An opening is only used where one border is most
+// of it: the holes of a broken skin point anywhere, and a guess about such a skin is made from a wrap around it. Error:
+// cancelled.
 Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress);
 
-// The turn that brings `up` to +z: about the single axis that needs the least turn. Then roll, pitch and yaw
+// The rotation that brings `up` to +z: about the single axis that needs the smallest angle. Then roll, pitch and yaw
 // about the fixed axes x, y and z, in this order.
 Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, double yaw_deg);
 
-// All that the settings do to a scan whose up axis is known: up, mirrored in x = 0, roll, pitch, the front to +y, yaw.
+// All that the settings apply to a scan whose up axis is known: up, mirrored in x = 0, roll, pitch, the front to +y,
+// yaw.
 Eigen::Matrix3d scan_turn(const ScanSettings& settings, UpAxis up);
 
 }  // namespace vacuform

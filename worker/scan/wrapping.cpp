@@ -1,4 +1,4 @@
-// The one user of CGAL's alpha wrap.
+// The only use of CGAL's alpha wrap.
 #include "worker/scan/wrapping.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -17,8 +17,8 @@ struct Stopped {
   bool cancelled;
 };
 
-// What the wrap on this thread may still cost, in tests. CGAL's search tree makes its own kernels, so that a kernel cannot
-// bring the count along.
+// The remaining cost of the wrap on this thread, in tests. The search tree of CGAL makes its own kernels, so a kernel
+// cannot carry the count.
 thread_local std::int64_t tests_left = 0;
 
 template <class Test>
@@ -33,7 +33,7 @@ struct Counted : Test {
   }
 };
 
-// Counts what the search tree asks of triangles.
+// Counts the queries of the search tree about triangles.
 struct Kernel : Exact {
   using Do_intersect_3 = Counted<Exact::Do_intersect_3>;
   using Construct_projected_point_3 = Counted<Exact::Construct_projected_point_3>;
@@ -44,12 +44,12 @@ struct Kernel : Exact {
 };
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
-// CGAL calls this between its steps; leaving by an exception is the one way out that both 5.5 and 6 know.
+// CGAL calls this between its steps; an exception is the only way out that works in both 5.5 and 6.
 struct Watch {
   const ScanProgress* progress;
   int most_steps;
   int steps = 0;
-  std::int64_t shown_at = tests_left;  // when the listener was last shown a sign of life
+  std::int64_t shown_at = tests_left;  // when the listener was last notified
 
   template <class W>
   void on_alpha_wrapping_begin(const W&) {}
@@ -76,8 +76,8 @@ struct Watch {
   void after_Steiner_point_insertion(const W&, V) {}
 };
 
-// The search tree halves triangles, over their longest edge, until none is longer than 3 alpha. Takes off what the pieces
-// cost in time and memory: as much as forty tests each. Lengths are squared.
+// The search tree halves triangles, over their longest edge, until none is longer than 3 alpha. Subtracts what the
+// pieces cost in time and memory: as much as forty tests each. Lengths are squared.
 void charge_pieces(double a, double b, double c, double longest) {
   if (a < b) std::swap(a, b);
   if (a < c) std::swap(a, c);
@@ -113,7 +113,7 @@ Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
       charge_pieces(CGAL::squared_distance(points[f[0]], points[f[1]]),
                     CGAL::squared_distance(points[f[1]], points[f[2]]),
                     CGAL::squared_distance(points[f[2]], points[f[0]]), 9 * alpha * alpha);
-    // CGAL 5.5 looks for the visitor among the parameters of the output, 6 among those of the input.
+    // CGAL 5.5 expects the visitor among the parameters of the output, 6 among those of the input.
     CGAL::alpha_wrap_3(points, faces, alpha, offset, surface,
                        CGAL::parameters::visitor(watch).geom_traits(Kernel()),
                        CGAL::parameters::visitor(watch));

@@ -31,7 +31,7 @@ class Context {
     if (state_->listener) state_->listener(stage, fraction);
   }
 
-  // Reports and looks at the cancellation in one call.
+  // Reports progress and checks for cancellation in one call.
   Result<void> step(Stage stage, double fraction) const {
     if (cancelled()) return fail(Code::cancelled, "cancelled");
     report(stage, fraction);

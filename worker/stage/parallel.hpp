@@ -10,8 +10,8 @@
 
 namespace vacuform {
 
-// Calls work(begin, end) over disjoint ranges that cover [first, last), each on a thread of its own, and waits.
-// An exception of any range is thrown on.
+// Calls work(begin, end) over disjoint ranges that cover [first, last), each on a separate thread, and waits. An
+// exception in any range is rethrown.
 template <class Work>
 void in_parallel(int first, int last, Work&& work) {
   const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1,
@@ -32,7 +32,7 @@ void in_parallel(int first, int last, Work&& work) {
     try {
       for (; started < threads; ++started) others.emplace_back(range, started);
     } catch (const std::system_error&) {
-      // Under a limit on threads the caller's own does the rest.
+      // If the number of threads is limited, the calling thread does the rest.
     }
     range(0);
     for (int i = started; i < threads; ++i) range(i);

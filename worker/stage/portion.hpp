@@ -5,8 +5,8 @@
 
 namespace vacuform {
 
-// Hands `whole` on as the context of one of several runs: every stage that the run reports moves the whole's `stage`
-// between the fractions `from` and `to`, and a cancellation of the whole cancels the run at its next report.
+// Passes `whole` on as the context of one of several runs: every stage that the run reports moves the `stage` of the
+// whole between the fractions `from` and `to`, and a cancellation of the whole cancels the run at its next report.
 class Portion {
  public:
   Portion(const Context& whole, Stage stage, double from, double to)

@@ -24,10 +24,10 @@ constexpr std::string_view name(Severity severity) {
 struct WarningKind {
   std::string_view code;  // stable, for machines: "undercut"
   Severity severity;
-  std::string_view fix;  // what to do, where a warning has no fix of its own
+  std::string_view fix;  // what to do, if a warning has no fix
 };
 std::span<const WarningKind> warning_kinds();            // sorted by code
-const WarningKind& warning_kind(std::string_view code);  // of any other code: a bug, which ends the program
+const WarningKind& warning_kind(std::string_view code);  // any other code is a bug, which ends the program
 
 struct Warning {
   std::string code;
@@ -39,7 +39,7 @@ struct Warning {
     double size_mm = 0;              // across; 0: a point
   };
   std::vector<Mark> marks = {};
-  // The number behind it, and the limit that it breaks.
+  // The measured value, and the limit that it exceeds.
   struct Figure {
     double value;
     std::string unit;  // "mm", "%", or empty for a ratio

@@ -1,13 +1,13 @@
 // Bayesian least squares of a response surface to measured points.
 //
 // The measured places, moved rigidly, are y = f(t) + noise + error. The noise has the same variance everywhere,
-// estimated from the residual. The error is the simulation's own (ResponseSurface::errors): it is shared by all points,
-// so it does not average out over them. The points then know the parameters t through J't's projection with the
-// covariance M = s2 A + B, where A = J' W J, B is the error's covariance in the same projection, and W are Huber's
-// weights ("Robust estimation of a location parameter", Ann. Math. Stat. 35, 1964). Their information is A M^-1 A; that
-// of the prior adds to it (Tarantola, "Inverse Problem Theory", 2005, chapter 3). The six parameters of the rigid motion
-// are projected out of J, which is the same as marginalising them with no prior. What chance in the slopes adds to A is
-// taken off it: it would count as information that is not there.
+// estimated from the residual. The error is that of the simulation (ResponseSurface::errors): all points share it, so
+// it does not average out over them. The points then determine the parameters t through the projection J't with the
+// covariance M = s2 A + B, where A = J' W J, B is the covariance of the error in the same projection, and W are Huber's
+// weights ("Robust estimation of a location parameter", Ann. Math. Stat. 35, 1964). Their information is A M^-1 A; the
+// information of the prior is added to it (Tarantola, "Inverse Problem Theory", 2005, chapter 3). The six parameters of
+// the rigid motion are projected out of J, which is the same as marginalising them with no prior. The contribution of
+// chance in the slopes to A is subtracted: it would count as information that does not exist.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,7 +19,7 @@ namespace vacuform {
 
 struct FitProblem {
   std::vector<Eigen::Vector3d> measured;  // mm
-  bool registered = false;                // measured in the machine's frame: no motion is fitted
+  bool registered = false;                // measured in the frame of the machine: no motion is fitted
   Eigen::VectorXd centre, half_width;     // of the surface's design: u = (t - centre) / half_width
   Eigen::VectorXd low, high;              // of t; the design reaches 1.25 half widths at most
   Eigen::VectorXd prior_mean, prior_sd;
@@ -27,27 +27,28 @@ struct FitProblem {
 
 struct BayesianFit {
   Eigen::VectorXd t;
-  Eigen::MatrixXd information;  // of the points alone, about t; singular where they do not tell
+  Eigen::MatrixXd information;  // of the points alone, about t; singular where they contain no information
   Eigen::MatrixXd covariance;   // with the prior
   Eigen::VectorXd freedom;  // degrees of freedom behind each variance; hundreds unless the error dominates
   double noise_mm = 0;      // one standard deviation of a measured coordinate
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  // from the measured frame to the machine's
-  std::vector<double> weights;                               // of the points: 1, less for wild ones
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  // from the measured frame to that of the machine
+  std::vector<double> weights;                               // of the points: 1, less for outliers
   bool converged = false;
 };
 
-// Gauss and Newton's method with the weights and the motion found anew at each step. Deterministic.
+// Gauss-Newton method; the weights and the motion are recomputed at each step. Deterministic.
 BayesianFit bayesian_fit(const FitProblem& problem, const ResponseSurface& surface);
 
-// The motion and the weights that lay the measured points onto `places` (x, y, z each), and each point's distance, mm.
+// The motion and the weights that fit the measured points to `places` (x, y, z each), and the distance of each point,
+// mm.
 struct Laid {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   std::vector<double> weights, lengths;
 };
 Laid lay_points(const FitProblem& problem, const Eigen::VectorXd& places);
 
-// Half width of the interval that holds 95 %, in standard deviations, by Student's t (Abramowitz and Stegun, 26.7.5;
-// better than 1 % from 4 degrees of freedom).
+// Half width of the 95 % interval, in standard deviations, by Student's t (Abramowitz and Stegun, 26.7.5; better than 1
+// % from 4 degrees of freedom).
 double interval_95(double freedom);
 
 }  // namespace vacuform

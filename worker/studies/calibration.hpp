@@ -1,13 +1,14 @@
-// Calibration: the few machine settings that matter, from one formed grid that was measured.
+// Calibration: fits the few machine settings that matter to one measured formed grid.
 //
-// Fitted are the height at which the frame stops, the opening of its window (width and height; a circle's diameter) and
-// the stiffness of the sheet at the frame against its centre. A measured point is compared with the place of the same
-// point of the sheet on the face that carries the ink (pattern.inked_face). The measured points are in whatever frame
-// the measuring machine has: the rigid motion into the machine's frame is fitted too, unless the points are registered.
+// The fitted parameters are the height at which the frame stops, the opening of its window (width and height; diameter
+// for a circle) and the stiffness of the sheet at the frame relative to its centre. A measured point is compared with
+// the place of the same point of the sheet on the face that carries the ink (pattern.inked_face). The measured points
+// are in the frame of the measuring machine: the rigid motion into the frame of the forming machine is fitted too,
+// unless the points are registered.
 //
-// Points on a head hardly tell some of these apart, so each parameter has a prior: normal about the setting as given,
+// Points on a head hardly distinguish some of these, so each parameter has a prior: normal about the given setting,
 // with a standard deviation of 10 mm for the drape height and 5 mm for the window, and log-normal with 0.3 for the
-// stiffness (a factor of 1.35). Where the points do not tell, the result stays at the prior.
+// stiffness (a factor of 1.35). Where the points contain no information, the result stays at the prior.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -21,8 +22,8 @@
 
 namespace vacuform {
 
-// Errors are one standard deviation, in the parameter's unit; of the stiffness, whose error is a factor, the value
-// times the error of its logarithm.
+// Errors are one standard deviation, in the unit of the parameter; for the stiffness, whose error is a factor, they are
+// the value times the error of its logarithm.
 struct FittedParameter {
   std::string name;           // of the setting: "machine.drape_height_mm"
   double value = 0;           // with the prior
@@ -32,10 +33,10 @@ struct FittedParameter {
   double low95 = 0, high95 = 0;       // the interval that holds the truth in 95 of 100 cases, with the prior
   double prior = 0, prior_error = 0;  // of the logarithm where `logarithmic`
   bool logarithmic = false;
-  bool at_bound = false;  // the best value lies at or beyond the end of what was searched
+  bool at_bound = false;  // the best value lies at or beyond the end of the search range
 };
 
-// A combination of parameters that the points know less than twice as well as the prior.
+// A combination of parameters whose error from the points is more than half of that of the prior.
 struct Unresolved {
   std::vector<double> share;   // of each parameter, in prior standard deviations; the squares sum to 1
   double points_to_prior = 0;  // standard error by the points alone over that of the prior; may be infinite
@@ -77,12 +78,12 @@ Result<Calibration> calibrate(const Prepared& prepared, const Settings& settings
                               const std::vector<MeasuredPoint3>& points, const CalibrationOptions& options,
                               const Context& context);
 
-// A machine profile: `given` (settings as they were written, without defaults) with the fitted values, and under
-// "calibration" the figures, which are no settings and are skipped where the file is read as such. Of `given`, the
-// groups "machine" and "forming" alone.
+// A machine profile: `given` (settings as written, without defaults) with the fitted values, and the figures under
+// "calibration". The figures are not settings and are skipped when the file is read as settings. Only the groups
+// "machine" and "forming" of `given` are included.
 nlohmann::ordered_json profile_json(const Calibration& calibration, const nlohmann::json& given);
 
-// The same for people: a table of the values, the correlations, what the points do not tell, the residual.
+// The same for people: a table of the values, the correlations, the unresolved parameters, the residual.
 std::string text_of(const Calibration& calibration);
 
 }  // namespace vacuform

@@ -1,4 +1,4 @@
-// What a calibration found, for programs and for people.
+// The results of a calibration, for programs and for people.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

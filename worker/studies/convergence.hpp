@@ -9,7 +9,8 @@
 
 namespace vacuform {
 
-// Of distances, mm. A percentile is the smallest of them such that at least its share is no larger. All 0 of none.
+// Statistics of distances, mm. A percentile is the smallest distance such that at least its share is no larger. All 0
+// if empty.
 struct DistanceStatistics {
   std::size_t count = 0;
   double mean = 0, rms = 0, p95 = 0, p99 = 0, max = 0;
@@ -29,12 +30,12 @@ struct Refinement {
 
 struct Convergence {
   std::vector<Refinement> refinements;  // from the coarsest pair to the finest
-  // log2 of the ratio of the last two mean distances on the head; where there are two, and they tell.
+  // log2 of the ratio of the last two mean distances on the head; present if there are two and they are conclusive.
   std::optional<double> order;
 };
 
-// Forms the sheet on the settings' grid and on grids of the other factors of its spacing; each grid is compared with
-// the next finer one. `factors` descend, and hold at least two. Memory is that of two formings. Deterministic.
+// Forms the sheet on the grid of the settings and on grids of the other factors of its spacing; each grid is compared
+// with the next finer one. `factors` descend, with at least two entries. Memory is that of two formings. Deterministic.
 // Errors: those of form().
 Result<Convergence> converge(const Prepared& prepared, const Settings& settings,
                              const std::vector<double>& factors, const Context& context);

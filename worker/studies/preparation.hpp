@@ -1,4 +1,4 @@
-// What every study of forming begins with: the mold and the warm sheet, as vacuform run makes them.
+// The common start of all forming studies: the mold and the warm sheet, as vacuform run makes them.
 #pragma once
 
 #include <optional>

@@ -69,7 +69,7 @@ ResponseSurface::ResponseSurface(const std::vector<DesignPoint>& design, const M
   square_ = levels.bottomRows(n).transpose();
   level_ = (levels.row(0) + to_no_spacing * levels.row(1)).transpose();
 
-  // At the centre of the design; further out it is no better known, but the search ends near the centre.
+  // At the centre of the design. Further out the error is not smaller, but the search ends near the centre.
   const MatrixXd odd_rest = odd_y - odd * slopes, even_rest = even_y - even * levels;
   const auto odd_freedom = static_cast<double>(pairs - n), even_freedom = static_cast<double>(grids - n - 2);
   VectorXd here = VectorXd::Zero(n + 2);

@@ -33,10 +33,10 @@ class Geodesics {
     double length;          // mm, exact but for rounding
     Eigen::Vector3d start;  // unit vector in which it leaves the source; 0 where it has no length
   };
-  // Nothing where the target is farther than the reach.
+  // Nothing if the target is farther than the reach.
   std::optional<Path> to(const SheetPoint& target) const;
-  // Where the path to a vertex meets edges and vertices, from behind the source to the vertex itself; of a source on a
-  // vertex also edges that begin there, at it. Nothing where to() gives nothing.
+  // The points where the path to a vertex meets edges and vertices, from behind the source to the vertex itself; for a
+  // source on a vertex also edges that begin there, at it. Nothing if to() gives nothing.
   std::vector<PathPoint> trace(int vertex) const;
 
  private:

@@ -43,7 +43,7 @@ Connection shoot(const InkedSurface& surface, const SheetPoint& a, const SheetPo
       least = off.norm();
       best.leaving = leaving;
       best.mm = walked + ahead + aside * aside / (2 * std::max(walked, 1e-9));
-      // What the plane of the last triangle holds is as good as that of b's own, a step away at most.
+      // The plane of the last triangle is as accurate as that of the triangle of b, which is at most a step away.
       best.arriving = in_plane(surface, b.triangle, walk.along());
     }
     if (off.norm() < 1e-7 || walk.ended()) break;

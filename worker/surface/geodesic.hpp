@@ -1,20 +1,19 @@
 // Straightest geodesics over the triangles of the inked surface (Polthier and Schmies, "Straightest geodesics on
-// polyhedral surfaces", 1998): straight within a triangle, and unfolded straight over an edge. Where nothing folds the
-// ways from a point together, they are the shortest ways too.
+// polyhedral surfaces", 1998): straight within a triangle, and unfolded straight over an edge. Where the surface does
+// not fold the paths from a point together, they are also the shortest paths.
 #pragma once
 
 #include "worker/surface/inked_surface.hpp"
 
 namespace vacuform {
 
-// A walker on a geodesic. A way that meets a vertex to within a billionth of an edge passes beside it, on the side where
-// it is.
+// Traces a geodesic. A path that meets a vertex to within a billionth of an edge passes beside it, on its current side.
 class GeodesicWalk {
  public:
   // `along`: a direction in the plane of the point's triangle, of any length but zero.
   GeodesicWalk(const InkedSurface& surface, const SheetPoint& start, const Eigen::Vector3d& along);
 
-  // Walks on, and gives the millimetres walked: fewer than asked for at the border of the sheet, where it stays.
+  // Moves on, and returns the millimetres moved: fewer than requested at the border of the sheet, where it stops.
   double advance(double mm);
 
   const SheetPoint& at() const { return at_; }
@@ -36,8 +35,8 @@ Eigen::Vector3d turned(const InkedSurface& surface, int t, const Eigen::Vector3d
 double angle_between(const InkedSurface& surface, int t, const Eigen::Vector3d& from,
                      const Eigen::Vector3d& to);
 
-// The shortest geodesic from a to b, found by shooting from a at b from three sides. `found` is false where none came
-// within a hundredth of the distance: the rest then holds the straight line in space.
+// The shortest geodesic from a to b, found by shooting from a at b from three sides. `found` is false if none came
+// within a hundredth of the distance: then the other members hold the straight line in space.
 struct Connection {
   double mm = 0;
   // Unit directions at a and, onward, at b; zero where the points coincide, or the direction is normal to the triangle.

@@ -16,9 +16,9 @@ class PlaneLocator {
   PlaneLocator(const std::vector<Triangle>& triangles, const std::vector<Eigen::Vector2d>& plane,
                const std::vector<int>& which);
 
-  // The triangle that holds the point; nothing where none does. Of several the first.
+  // The first triangle that contains the point, or nothing.
   std::optional<SheetPoint> find(const Eigen::Vector2d& point) const;
-  // The same, or else the nearest triangle that is off by no more than `beyond`, with weights as its plane runs on.
+  // The same, otherwise the nearest triangle within `beyond`, with weights extrapolated in its plane.
   std::optional<SheetPoint> nearest(const Eigen::Vector2d& point, double beyond) const;
 
  private:

@@ -1,4 +1,4 @@
-// A point of a triangulated surface, and what is linear in its triangles there.
+// A point of a triangulated surface, and linear interpolation in its triangles.
 #pragma once
 
 #include <Eigen/Core>

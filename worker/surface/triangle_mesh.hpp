@@ -1,4 +1,4 @@
-// The triangle mesh that every stage speaks.
+// The triangle mesh that every stage uses.
 #pragma once
 
 #include <Eigen/Core>

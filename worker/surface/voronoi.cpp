@@ -53,7 +53,7 @@ Tessellation tessellate(const InkedSurface& surface, const std::vector<int>& ver
     const double d = (surface.inked()[index(vertices[i])] - sites[cell[i]]).squaredNorm();
     if (d < least[cell[i]]) least[cell[i]] = d, out.sites[cell[i]] = vertices[i];
   }
-  constexpr int shortest_border = 3;  // edges: cells that meet in little more than a point are no neighbours
+  constexpr int shortest_border = 3;  // edges: cells that meet in little more than a point are not neighbours
   std::map<std::pair<int, int>, int> edges;
   for (const Triangle& t : surface.triangles())
     for (std::size_t k = 0; k < 3; ++k) {

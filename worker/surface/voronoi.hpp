@@ -14,7 +14,7 @@ struct Tessellation {
   std::vector<std::pair<int, int>> touch;  // cells with a common border, a < b
 };
 
-// `vertices` and their areas; `sites`: where to start, in space, and where to stay unless `settle`. Deterministic.
+// `vertices` and their areas; `sites`: the start, in space, which stays fixed unless `settle`. Deterministic.
 Tessellation tessellate(const InkedSurface& surface, const std::vector<int>& vertices,
                         const std::vector<double>& areas, std::vector<Eigen::Vector3d> sites, bool settle);
 

@@ -1,5 +1,5 @@
-// The disk is full at every call of the store in turn, for a moment and for good: nothing that was answered is lost, nothing
-// half is kept, and as soon as there is room everything works again.
+// Fills the disk at every call of the store in turn, once or permanently. Nothing that was confirmed is lost, no
+// partial data is kept, and everything works again as soon as there is space.
 #include "full_disk.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class Text : public http::Body {
 
 class FullDisk : public testing::Test {
  protected:
-  // What clients were told.
+  // The confirmations that clients received.
   struct Told {
     std::map<std::string, JobState> jobs;
     std::set<std::string> removed;
@@ -62,7 +62,7 @@ class FullDisk : public testing::Test {
     return options;
   }
 
-  // SQLite does not say why it could not make a file.
+  // SQLite does not report why it could not create a file.
   static void expect_full(const Error& error) {
     EXPECT_TRUE(error.code == Code::disk_full || error.code == Code::unavailable) << error.text();
   }
@@ -93,7 +93,7 @@ class FullDisk : public testing::Test {
     return uploads.append(upload, offset, request, false);
   }
 
-  // Everything that clients and workers do. `crashed` gets the files as they are before the store is closed.
+  // Everything that clients and workers do. `crashed` gets a copy of the files before the store is closed.
   Told use(const fs::path& data, const fs::path& crashed) {
     Told told;
     const auto opened = open_store(data, options());
@@ -114,7 +114,7 @@ class FullDisk : public testing::Test {
       if (done(store.cancel(second->id))) told.jobs[second->id] = JobState::cancelled;
       if (told.jobs[second->id] == JobState::cancelled) {
         told.jobs.erase(
-            second->id);  // a refused change of which the disk has all may come back after a crash
+            second->id);  // a refused change that is complete on the disk may reappear after a crash
         if (done(store.remove(second->id))) told.removed.insert(second->id);
       }
     }
@@ -135,7 +135,7 @@ class FullDisk : public testing::Test {
     done(store.expire());
     hit_ = empty_disk();
     fs::copy(data, crashed, fs::copy_options::recursive);
-    if (!hit_ || mode_ == Full::from_then_on) fill_disk_at(1, mode_);  // closing meets it, too
+    if (!hit_ || mode_ == Full::from_then_on) fill_disk_at(1, mode_);  // closing meets the full disk, too
     return told;
   }
 
@@ -152,7 +152,7 @@ class FullDisk : public testing::Test {
     return count;
   }
 
-  // With room again: all that was told holds, and everything can be done and deleted.
+  // With space again: all confirmed changes are there, and everything can be done and deleted.
   static void expect_all(const fs::path& data, const Told& told) {
     auto opened = open_store(data, options());
     ASSERT_TRUE(opened) << opened.error().text();
@@ -210,7 +210,7 @@ class FullDisk : public testing::Test {
     ASSERT_TRUE(store.expire());
     opened_uploads->reset();
     opened->reset();
-    auto last = open_store(data, options());  // sweeps what nobody was told of
+    auto last = open_store(data, options());  // removes what no client was told about
     ASSERT_TRUE(last);
     if (!told.upload) return;
     EXPECT_EQ(files_in(data / "blobs") + files_in(data / "incoming") + files_in(data / "uploads"), 0u);
@@ -257,7 +257,7 @@ TEST_F(FullDisk, ATransactionThatFindsItFullIsTriedAgainWithTheReserve) {
   EXPECT_EQ(fs::file_size(folder_ / "data" / "reserve"), 1u << 20);
 }
 
-// 4 MiB are kept: 3 for submissions, 2 for jobs that begin, 1 for what they make.
+// 4 MiB are reserved: 3 for submissions, 2 for jobs that start, 1 for their artifacts.
 TEST_F(FullDisk, NewFilesLeaveRoomForTheRest) {
   const auto store = std::move(*open_store(folder_ / "data", options()));
   const std::string id = create(*store, "a scan")->id, other = create(*store, "a scan")->id;
@@ -279,7 +279,7 @@ TEST_F(FullDisk, NewFilesLeaveRoomForTheRest) {
   ASSERT_TRUE(second && *second);
   ASSERT_TRUE(store->release({(*second)->job.id, (*second)->token}));
   say_free((2 << 20) - 1);
-  EXPECT_FALSE(*store->lease("worker"));  // it waits: what it makes could not be kept
+  EXPECT_FALSE(*store->lease("worker"));  // the job waits: its artifacts could not be stored
   EXPECT_TRUE(put(*store, key, "mold.stl"));
   say_free((1 << 20) - 1);
   EXPECT_EQ(put(*store, key, "mold.stl").error().code, Code::disk_full);

@@ -1,4 +1,4 @@
-// What a hostile or broken client can send to a real server, byte by byte.
+// Input that a hostile or broken client can send to a real server, byte by byte.
 #include <atomic>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -12,7 +12,7 @@ using nlohmann::json;
 
 class ServerLimits : public ServerTest {
  protected:
-  // Every refusal is a complete problem.
+  // Every refusal is a complete problem document.
   void expect_problem(const Answer& answer, int status, const std::string& what) {
     EXPECT_EQ(answer.status, status) << answer.body;
     EXPECT_EQ(answer.header("Content-Type"), "application/problem+json");
@@ -26,7 +26,7 @@ class ServerLimits : public ServerTest {
   int jobs() { return static_cast<int>(store_->list(100, "")->jobs.size()); }
 };
 
-// With limits on time that a test can wait for.
+// With time limits short enough for a test.
 class ServerPatience : public ServerLimits {
  protected:
   http::Limits limits() const override {
@@ -87,7 +87,7 @@ TEST_F(ServerPatience, ASlowBodyIsEndedAndLeavesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(data_ / "incoming"));
 }
 
-// One that is too long for memory is read by its route, and a form on a page answers with a page of its own.
+// The route reads a body that is too long for memory; a form on a page answers with an HTML page.
 TEST_F(ServerPatience, ASlowLargeBodyIsEndedAndLeavesNothing) {
   for (const char* path : {"/api/v1/jobs", "/jobs", "/api/v1/scans"}) {
     const int socket = connected();
@@ -115,7 +115,7 @@ TEST_F(ServerPatience, ABodyThatTricklesIsEnded) {
   }
 }
 
-// Who takes an answer byte by byte is closed, and costs no thread meanwhile.
+// A client that reads its answer byte by byte is disconnected, and occupies no thread meanwhile.
 TEST_F(ServerLimits, AClientThatTakesItsAnswerTooSlowlyIsClosed) {
   Blob blob;
   {
@@ -193,7 +193,7 @@ TEST_F(ServerLimits, AFormThatAnnouncesTooMuchIsRefusedBeforeItsBytes) {
                  413, "the body is larger than 1409 MiB");
 }
 
-// By its Content-Length alone, on every route, whoever asks.
+// A request is refused by its Content-Length alone, on every route and for every client.
 TEST_F(ServerLimits, EveryRouteBoundsItsBodyBeforeItsBytes) {
   const std::string lease = "/api/v1/leases/" + std::string(26, '0');
   for (const auto& [line, most] : {std::pair<std::string, std::string>{"POST /sign-in", "4096 bytes"},
@@ -250,7 +250,7 @@ TEST_F(ServerLimits, SettingsAreBounded) {
   EXPECT_EQ(jobs(), 0);
 }
 
-// The bytes behind a refused or unread body must never become a request.
+// The bytes after a refused or unread body must never be parsed as a request.
 TEST_F(ServerLimits, NothingBehindARequestIsReadAsAnother) {
   const std::string second =
       "POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type;
@@ -281,16 +281,16 @@ TEST_F(ServerLimits, AConnectionServesOneRequestAfterAnother) {
     const Answer answer = parsed(receive_one(socket));
     EXPECT_EQ(answer.status, 200);
     EXPECT_EQ(answer.header("Connection"), "");
-    send_all(socket, post + "GET ");  // the body is not the next request, read by the route or not
+    send_all(socket, post + "GET ");  // the body is not the next request, whether the route reads it or not
     EXPECT_EQ(parsed(receive_one(socket)).status, 404);
   }
   send_all(socket, get + "Connection: close\r\n\r\n");
-  const Answer last = parsed(receive_all(socket));  // all, until it is closed
+  const Answer last = parsed(receive_all(socket));  // all bytes, until the connection is closed
   EXPECT_EQ(last.body, "{\"status\":\"ok\"}\n");
   EXPECT_EQ(last.header("Connection"), "close");
 }
 
-// Whatever makes it doubtful where the next request begins closes the connection.
+// The connection is closed if it is unclear where the next request begins.
 TEST_F(ServerLimits, AConnectionIsClosedAfterARequestOfDoubtfulForm) {
   const std::string host_line = "Host: " + host() + "\r\n";
   for (const std::string& text :
@@ -340,7 +340,8 @@ TEST_F(ServerLimits, MethodsThatAPathDoesNotKnow) {
   EXPECT_EQ(answer.header("Allow"), "POST, GET, HEAD");
 }
 
-// More large bodies than there is room for: the first ones hold it, the others are told so, and all else goes on.
+// More large bodies than the limit allows: the first ones are accepted, the others are refused, and other requests
+// still work.
 TEST_F(ServerLimits, StalledUploadsHoldOnlyTheirOwnRoom) {
   http::ServerOptions options;
   options.refuse = refuse;
@@ -355,7 +356,7 @@ TEST_F(ServerLimits, StalledUploadsHoldOnlyTheirOwnRoom) {
     stalled.push_back(connected_to(**server));
     send_all(stalled.back(), upload + "Expect: 100-continue\r\n\r\n");
     char interim[100];
-    EXPECT_GT(::recv(stalled.back(), interim, sizeof interim, 0), 0);  // it has its room
+    EXPECT_GT(::recv(stalled.back(), interim, sizeof interim, 0), 0);  // it has its share of the limit
   }
   const auto answer = [&](const std::string& text) {
     const int socket = connected_to(**server);
@@ -371,7 +372,7 @@ TEST_F(ServerLimits, StalledUploadsHoldOnlyTheirOwnRoom) {
     EXPECT_EQ(answer(std::string("GET ") + path + " HTTP/1.1\r\nHost: localhost\r\n" + bearer(user_) + "\r\n")
                   .status,
               200);
-  // Later the slowest makes room for a new one.
+  // Later the slowest upload is dropped for a new one.
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   const std::string body = part("scan", "a.stl", std::string(1000000, '-')).substr(0, 1000000);
   EXPECT_EQ(answer(upload + "\r\n" + body).status, 400);  // read to its end, where the form is cut off

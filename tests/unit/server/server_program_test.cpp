@@ -1,4 +1,4 @@
-// The program itself: which configurations it accepts, what it leaves behind, how it starts, stops and dies.
+// The program itself: which configurations it accepts, which files it leaves, how it starts, stops and is killed.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ class ServerProgram : public testing::Test {
       ::_exit(126);
     }
   }
-  // On a free port; returns when the server answers.
+  // Uses a free port; returns when the server answers.
   void serve(const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments{"--listen", "127.0.0.1:0", "--data",
                                        data(),     "--port-file", folder_ / "port"};
@@ -111,7 +111,7 @@ class ServerProgram : public testing::Test {
     EXPECT_EQ(::stat(path.c_str(), &status), 0) << path;
     return status.st_mode & 0777;
   }
-  // Ended, also when nobody has collected its status yet.
+  // True for an ended process, even if its status was not collected yet.
   static bool gone(pid_t process) {
     std::string line;
     std::ifstream file("/proc/" + std::to_string(process) + "/stat");
@@ -148,7 +148,7 @@ TEST_F(ServerProgram, ListensOnLoopbackOrNotAtAll) {
   start({"--workers", "1", "--worker-program", folder_ / "none", "--data", data()});
   EXPECT_EQ(wait(), 2);
   EXPECT_NE(said().find("there is no worker program"), std::string::npos) << said();
-  EXPECT_FALSE(fs::exists(data()));  // nothing was begun
+  EXPECT_FALSE(fs::exists(data()));  // no data folder was created
 }
 
 TEST_F(ServerProgram, KeepsItsFilesToItselfAndStopsWhenAsked) {
@@ -168,7 +168,7 @@ TEST_F(ServerProgram, KeepsItsFilesToItselfAndStopsWhenAsked) {
   EXPECT_EQ(stop(SIGINT), 0);
 }
 
-// The command works beside a running server and without one; a token is shown once and stands nowhere.
+// The command works with and without a running server; a token is shown once and is stored nowhere.
 TEST_F(ServerProgram, MakesListsAndRevokesTokens) {
   const auto command = [&](std::vector<std::string> words) {
     words.insert(words.begin(), "token");
@@ -185,7 +185,7 @@ TEST_F(ServerProgram, MakesListsAndRevokesTokens) {
     return answer.substr(9, 3);
   };
   const std::vector<std::string> first{"create", "--owner", "local", "--scopes", "submit,read", "--out", out};
-  for (const std::vector<std::string>& words : {first, {"list"}}) {  // a mistyped folder begins no store
+  for (const std::vector<std::string>& words : {first, {"list"}}) {  // a mistyped folder creates no store
     EXPECT_EQ(command(words), 2);
     EXPECT_NE(said().find("there is no job store in this folder"), std::string::npos) << said();
     EXPECT_FALSE(fs::exists(data()));
@@ -211,7 +211,7 @@ TEST_F(ServerProgram, MakesListsAndRevokesTokens) {
   EXPECT_EQ(stop(SIGTERM), 0);
 }
 
-// A backup holds the row of the administrator's token and not its file.
+// A backup contains the row of the administrator's token, but not its file.
 TEST_F(ServerProgram, MakesAnotherAdminTokenWhereTheFileIsMissing) {
   serve();
   EXPECT_EQ(stop(SIGTERM), 0);
@@ -301,7 +301,7 @@ TEST_F(ServerProgram, StartsItsWorkersAgainAndTakesThemAlong) {
   ASSERT_TRUE(soon([&] { return pids().size() == 3; })) << said();
   EXPECT_EQ(times_said("\"worker-ended\""), 1);
   EXPECT_EQ(stop(SIGKILL), -SIGKILL);
-  EXPECT_TRUE(soon([&] { return gone(pids()[1]) && gone(pids()[2]); }));  // none outlives its server
+  EXPECT_TRUE(soon([&] { return gone(pids()[1]) && gone(pids()[2]); }));  // no worker outlives its server
 }
 
 }  // namespace

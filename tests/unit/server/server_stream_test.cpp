@@ -1,4 +1,4 @@
-// Responses that stream or wait: how they end, and that they take nothing from the others.
+// Responses that stream or wait: how they end, and that they do not block other requests.
 #include <atomic>
 #include <semaphore>
 #include <thread>
@@ -29,7 +29,7 @@ class ServerStream : public ServerTest {
       return streamed(
           [n = 0]() mutable -> std::optional<std::string> {
             if (n++ == 6) return std::nullopt;
-            return n % 2 ? "piece " : "";  // nothing came in the meantime
+            return n % 2 ? "piece " : "";  // no data in the meantime
           },
           "a third one");
     });
@@ -162,7 +162,7 @@ TEST_F(ServerStream, MoreThanThereArePlacesAreRefusedAndOthersGoOn) {
   }
   EXPECT_EQ(get("/quick").body, "quick");
   const Answer head = get("/silent", "HEAD");
-  EXPECT_EQ(head.status, 200);  // a head alone takes no place
+  EXPECT_EQ(head.status, 200);  // a HEAD request occupies no slot
   EXPECT_EQ(head.header("Content-Length"), "");
   known_.release();
   EXPECT_EQ(parsed(receive_all(sockets[2])).body, "it is known");

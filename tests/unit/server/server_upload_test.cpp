@@ -1,4 +1,4 @@
-// Uploads in pieces (tus 1.0.0), and what becomes of them: scans and inputs of jobs; profiles.
+// Resumable uploads (tus 1.0.0) and their uses: scans and inputs of jobs; profiles.
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -55,7 +55,7 @@ TEST_F(ServerUpload, FromItsBeginningToAJob) {
   EXPECT_EQ(last.header("Upload-Offset"), "10");
   const json upload = json::parse(ask("GET", place).body);
   EXPECT_EQ(upload["offset"], 10);
-  EXPECT_EQ(upload["sha256"], text_hash("solid     "));  // the name is blanked
+  EXPECT_EQ(upload["sha256"], text_hash("solid     "));  // the name is replaced by spaces
   EXPECT_TRUE(std::filesystem::is_empty(data_ / "uploads"));
   for (int i = 0; i < 2; ++i) {
     const Answer made = submit_with(part("scan_upload", "", id_of(place)));
@@ -130,7 +130,7 @@ TEST_F(ServerUpload, GoesOnWhereItBrokeOffAlsoInAnotherProcess) {
   ::shutdown(socket, SHUT_WR);
   EXPECT_EQ(parsed(receive_all(socket)).status, 400);
   EXPECT_EQ(offset(place), "300");
-  // Another process finds the same on the disk.
+  // Another process finds the same upload on the disk.
   const auto fresh = Uploads::open(*store_, data_ / "uploads");
   ASSERT_TRUE(fresh);
   EXPECT_EQ(*(*fresh)->offset(*store_->find_upload(id_of(place))), 300u);
@@ -140,7 +140,7 @@ TEST_F(ServerUpload, GoesOnWhereItBrokeOffAlsoInAnotherProcess) {
 }
 
 TEST_F(ServerUpload, OneRequestAtATime) {
-  const std::string place = begun(100'000);  // too long to be held in memory until it is whole
+  const std::string place = begun(100'000);  // too long to be kept in memory until it is complete
   const int socket = connected();
   send_all(socket, "PATCH " + place + " HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + piece +
                        "Upload-Offset: 0\r\nContent-Length: 100000\r\n\r\nabc");
@@ -271,7 +271,7 @@ TEST_F(ServerUpload, WhatAnInspectionFindsStandsWithItsScan) {
   EXPECT_EQ(inspection["findings"], json::parse(R"({"fits":true})"));
   EXPECT_FALSE(json::parse(ask("GET", "/api/v1/scans").body)["scans"][0]["inspection"].contains("findings"));
 
-  // A print from it has its scan; what it lacks is said.
+  // A print from the profile has its scan; the message lists what is missing.
   const std::string from = part("from", "", job["id"].get<std::string>());
   EXPECT_EQ(post(from).status, 400);
   const Answer print = post(from + part("pattern", "p.svg", "<svg/>"));
@@ -280,7 +280,7 @@ TEST_F(ServerUpload, WhatAnInspectionFindsStandsWithItsScan) {
   EXPECT_EQ(json::parse(print.body)["inputs"]["scan"], job["inputs"]["scan"]);
 }
 
-// Findings come from a process that read somebody's file.
+// Findings come from a process that read an untrusted file.
 TEST_F(ServerUpload, FindingsThatNobodyCanReadAreNone) {
   const Answer made = ask("POST", "/api/v1/scans", form_type, part("scan", "a.stl", "solid") + "--XX--\r\n");
   const std::string id = json::parse(made.body)["id"];
@@ -339,7 +339,7 @@ TEST_F(ServerUpload, AProfileIsTheBaseOfAJobsSettings) {
     return json::parse(answer.body)["settings"];
   };
   EXPECT_EQ(settings("")["sheet"]["width_mm"], 450);
-  // What fits the profile's sheet alone is taken, too.
+  // Settings that only fit the profile's sheet are accepted, too.
   const json changed = settings(part("settings", "", R"({"machine":{"window_width_mm":400}})") +
                                 part("machine.window_height_mm", "", "250"));
   EXPECT_EQ(changed["sheet"]["width_mm"], 450);

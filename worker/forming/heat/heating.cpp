@@ -15,7 +15,7 @@ namespace vacuform {
 
 namespace {
 
-// Thick sheet is far from even through its thickness, thin sheet never.
+// The temperature of thick sheet varies much through its thickness, that of thin sheet never does.
 std::size_t layers_of(double thickness_mm) {
   return static_cast<std::size_t>(std::clamp(std::lround(thickness_mm / 0.1), 8l, 24l));
 }
@@ -60,7 +60,7 @@ class SheetOfSlabs {
       }
   }
 
-  // What the heaters radiate onto each place.
+  // The radiation from the heaters onto each place.
   Result<void> light(const MachineSettings& machine, const Context& context) {
     const Irradiance above(machine, heat_, Irradiance::Side::above);
     const Irradiance below(machine, heat_, Irradiance::Side::below);
@@ -89,7 +89,7 @@ class SheetOfSlabs {
     return {};
   }
 
-  // In equal steps, and away from the heaters.
+  // In equal steps, away from the heaters.
   Result<void> transfer(double seconds, const Context& context) {
     const int steps = seconds > 0 ? steps_for(seconds, steps_of_transfer) : 0;
     for (int i = 0; i < steps; ++i) VACUFORM_CHECK(advance(seconds / steps, false, context));
@@ -157,8 +157,8 @@ class SheetOfSlabs {
   std::vector<double> celsius_;       // `layers_` a place, from the top
 };
 
-// Heats on from `seconds` until the mean is `aim`; the last step is cut so as to end there. Errors: bad_settings when
-// that would take too long at the rate it now warms, which only falls.
+// Continues heating from `seconds` until the mean is `aim`; the last step is shortened to end there. Errors:
+// bad_settings when that would take too long at the current rate of warming, which only falls.
 Result<void> heat_to(SheetOfSlabs& slabs, double aim, double step, double& seconds, const Context& context) {
   double mean = slabs.mean();
   while (std::abs(aim - mean) > aim_within / 10 && mean < aim) {
@@ -183,7 +183,7 @@ Result<void> heat_to(SheetOfSlabs& slabs, double aim, double step, double& secon
   return {};
 }
 
-// Until the mean is the wanted one after the transfer: aims higher in the measure in which the last try cooled down.
+// Until the mean has the wanted value after the transfer: aims higher by the amount that the last try cooled down.
 Result<double> heat_automatically(SheetOfSlabs& slabs, const HeatSettings& heat, double wanted,
                                   const Context& context) {
   if (heat.ambient_c >= wanted)

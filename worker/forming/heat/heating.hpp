@@ -1,5 +1,5 @@
-// The sheet under the machine's heaters: what each place receives, how warm it becomes through its thickness, and how it
-// cools on the way to the mold.
+// The sheet under the heaters of the machine: the radiation that each place receives, its temperature through the
+// thickness, and how it cools on the way to the mold.
 #pragma once
 
 #include "api/settings.hpp"
@@ -14,10 +14,10 @@ struct HeatedSheet {
   double through_thickness;  // largest difference in temperature between layers of one place, then
 };
 
-// On a raster of about 5 mm (at most 121 a side), each place a slab of its own. What lies under the clamp frame gets the
-// temperature of the nearest place that does not. heat.seconds auto heats until the mean over the window will be
-// heat.temperature_c on the mold, to 0.05 degrees. Deterministic on any number of threads.
-// Errors: bad_settings when the heaters never reach the temperature; cancelled.
+// On a raster of about 5 mm (at most 121 per side), each place is a separate slab. Places under the clamp frame get the
+// temperature of the nearest place that is not under it. heat.seconds auto heats until the mean over the window will be
+// heat.temperature_c on the mold, to 0.05 degrees. Deterministic on any number of threads. Errors: bad_settings if the
+// heaters never reach the temperature; cancelled.
 Result<HeatedSheet> heat_sheet(const SheetSettings& sheet, const MachineSettings& machine,
                                const HeatSettings& heat, const Context& context);
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t largest_file = 64u << 20;
 constexpr std::size_t most_values = 4'000'000, most_points = 200'000;
-constexpr double coldest = -50, hottest = 500;  // what a sheet of plastic can be
+constexpr double coldest = -50, hottest = 500;  // the possible range of a plastic sheet
 
 // A text of separated values, line by line.
 class Table {
@@ -27,7 +27,7 @@ class Table {
     separator_ = has(';') ? ';' : has(',') ? ',' : ' ';
   }
 
-  // The next line that is neither empty nor a remark; false at the end.
+  // The next line that is neither empty nor a comment; false at the end.
   bool next() {
     while (text_.next_line(line_)) {
       line_ = trimmed(line_);
@@ -36,7 +36,7 @@ class Table {
     return false;
   }
 
-  // Takes the next cell off the line; false when none is left.
+  // Takes the next cell from the line; false when none is left.
   bool cell(std::string_view& cell) {
     if (line_.empty()) return false;
     if (separator_ == ' ') {
@@ -117,7 +117,7 @@ Result<TemperatureField> read_rows(Table& table, const SheetSettings& sheet) {
                           TemperatureField::Samples::in_cells);
 }
 
-// The columns of s, t and celsius in a header; nothing when it is none.
+// The columns of s, t and celsius in a header; nothing when the line is not a header.
 Result<std::array<std::size_t, 3>> read_header(Table& table) {
   constexpr std::array<std::string_view, 3> names{"s", "t", "celsius"};
   std::array<std::size_t, 3> columns{};

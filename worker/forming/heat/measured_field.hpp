@@ -15,7 +15,7 @@ struct MeasuredFile {
   std::string name;  // for messages
 };
 
-// One of, told apart by their content:
+// One of these formats, detected by content:
 //  - text of rows of degrees Celsius that tile the sheet, seen from above, the first row along its upper edge (t most),
 //    each row from the left (s least); every value is that of the middle of its cell;
 //  - text with a header of the columns s, t (mm from the sheet's centre) and celsius, in any order, then one point a

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int most_newton_steps = 50;
 constexpr double newton_within =
-    1e-2;  // of a step, kelvin; the next would be the square of that, hence round-off
+    1e-2;  // of a step, kelvin; the next would be the square of this, which is round-off
 constexpr std::size_t most_layers = 64;
 
 }  // namespace
@@ -30,7 +30,7 @@ Slab::Slab(const SlabMaterial& m, double thickness_mm, int layers)
 double Slab::solve_stage(std::span<double> u, std::span<const double> start, double step, const Exposure& top,
                          const Exposure& bottom) const {
   const std::size_t n = from_top_.size();
-  // Air meets the outer layers through half of their thickness.
+  // The air exchanges heat with the outer layers through half of their thickness.
   const auto to_air = [&](double h) { return h > 0 ? 1 / (1 / h + 0.5 / conductance_) : 0.0; };
   const double air_top = to_air(top.convection_w_m2k), air_bottom = to_air(bottom.convection_w_m2k);
   const double ratio = step / capacity_;

@@ -1,4 +1,4 @@
-// Leases, and what becomes of a job whose worker or pipeline fails.
+// Leases, and the fate of a job whose worker or pipeline fails.
 #include "tests/unit/server/store/store_fixture.hpp"
 
 namespace vacuform {
@@ -206,7 +206,7 @@ TEST_P(StoreTest, AJobRestsLongerWithEveryFault) {
   const LeaseKey key = lease();
   EXPECT_FALSE(job(id).not_before);
   ASSERT_TRUE(store_->release(key));
-  EXPECT_FALSE(job(id).not_before);  // given back unharmed
+  EXPECT_FALSE(job(id).not_before);  // returned without an error
   lease();
   now_ += 30'001;
   ASSERT_EQ(store_->expire()->size(), 1u);
@@ -216,7 +216,7 @@ TEST_P(StoreTest, AJobRestsLongerWithEveryFault) {
 TEST_P(StoreTest, ARestartLeavesRunningJobsAWholeLeaseMore) {
   const std::string id = create().id;
   const LeaseKey key = lease();
-  now_ += 60'000;  // the server was away
+  now_ += 60'000;  // the server was down
   crash();
   EXPECT_EQ(job(id).state, JobState::running);
   now_ += 29'000;
@@ -251,7 +251,7 @@ TEST_P(StoreTest, SettingTheClockNeitherEndsNorExtendsARest) {
   clock_set_ = 86'400'000;
   EXPECT_FALSE(*store_->lease("early"));
   clock_set_ = -86'400'000;
-  open();  // the clock was set back while no server ran
+  open();  // the clock was set back while no server was running
   now_ += longest_rest;
   EXPECT_TRUE(*store_->lease("in time"));
 }

@@ -1,4 +1,4 @@
-// Turns, bounds and cancels of the queue; the log, news and lists of jobs.
+// Order, limits and cancellation in the queue; log, events and lists of jobs.
 #include "tests/unit/server/store/store_fixture.hpp"
 
 namespace vacuform {
@@ -12,20 +12,20 @@ TEST_P(StoreTest, OwnersTakeTurns) {
     return store_->create(std::move(job))->id;
   };
   const auto next = [&] { return lease().job; };
-  // One submits many at once, the others do not wait for all of them.
+  // One owner submits many jobs at once; the other owners do not wait for all of them.
   const std::string a1 = submit("a"), a2 = submit("a"), a3 = submit("a"), a4 = submit("a");
   const std::string b1 = submit("b"), b2 = submit("b", -1), b3 = submit("b"), c1 = submit("c");
   EXPECT_EQ(next(), a1);
-  EXPECT_EQ(next(), b1);  // a runs one
+  EXPECT_EQ(next(), b1);  // a has one running job
   EXPECT_EQ(next(), c1);
-  EXPECT_EQ(next(), a2);  // each runs one: a was served the longest ago
+  EXPECT_EQ(next(), a2);  // each has one running job: a was served the longest ago
   EXPECT_EQ(next(), b3);  // which its owner put before b2
   const std::string c2 = submit("c");
-  EXPECT_EQ(next(), c2);  // c runs one, a and b two
+  EXPECT_EQ(next(), c2);  // c has one running job, a and b have two
   const std::string a5 = submit("a", 3), b4 = submit("b", 5);
-  EXPECT_EQ(next(), b4);  // raised, whoever's turn it is
+  EXPECT_EQ(next(), b4);  // a raised priority comes first, regardless of the owner
   EXPECT_EQ(next(), a5);
-  EXPECT_EQ(next(), b2);  // a and b run three each, and b was served before a
+  EXPECT_EQ(next(), b2);  // a and b have three running jobs each, and b was served before a
   EXPECT_EQ(next(), a3);
   EXPECT_EQ(next(), a4);
   EXPECT_FALSE(store_->lease("idle").value().has_value());
@@ -45,14 +45,14 @@ TEST_P(StoreTest, TheQueueIsBounded) {
   const std::string first = submit("a", "key-0001")->id;
   ASSERT_TRUE(submit("a") && submit("a"));
   EXPECT_EQ(submit("a").error().code, Code::busy);
-  EXPECT_EQ(submit("a", "key-0001")->id, first);  // which it has taken already
+  EXPECT_EQ(submit("a", "key-0001")->id, first);  // which was accepted already
   ASSERT_TRUE(submit("b") && submit("b"));
   EXPECT_EQ(submit("b").error().what, "the queue is full: 5 jobs wait");
   ASSERT_TRUE(store_->cancel(first));
   reopen();
   EXPECT_TRUE(submit("b"));
   lease();
-  EXPECT_TRUE(submit("c"));  // what runs does not wait
+  EXPECT_TRUE(submit("c"));  // running jobs do not count as waiting
 }
 
 TEST_P(StoreTest, CancellingAQueuedJobIsDoneAtOnce) {
@@ -124,7 +124,7 @@ TEST_P(StoreTest, AWorkersLinesAreWrittenOnceAndAreBounded) {
   const LeaseKey key = lease();
   const auto before = store_->log_after(id, 0, 1000)->size();
   ASSERT_TRUE(store_->log(key, 0, {"a", "b"}));
-  ASSERT_TRUE(store_->log(key, 0, {"a", "b", "c"}));  // whose answer was lost
+  ASSERT_TRUE(store_->log(key, 0, {"a", "b", "c"}));  // the answer to this call was lost
   ASSERT_TRUE(store_->log(key, 2, {"c"}));
   ASSERT_TRUE(store_->log(key, 5, {"out of order"}));
   const auto lines = store_->log_after(id, static_cast<std::int64_t>(before), 1000).value();
@@ -168,7 +168,7 @@ TEST_P(StoreTest, EveryVisibleChangeGivesAJobAGreaterVersion) {
 TEST_P(StoreTest, WaitsForNewsOfAJob) {
   using namespace std::chrono_literals;
   const Job made = create(), other = create();
-  EXPECT_EQ(store_->wait_for_change(made.id, 0, 1h)->version, made.version);  // what is known is no news
+  EXPECT_EQ(store_->wait_for_change(made.id, 0, 1h)->version, made.version);  // a known one is no change
   EXPECT_EQ(store_->wait_for_change(made.id, made.version, 0ms)->version, made.version);
   EXPECT_EQ(store_->wait_for_change("nobody", 0, 1h).error().code, Code::not_found);
   std::thread worker([&] {

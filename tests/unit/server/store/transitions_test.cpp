@@ -1,4 +1,4 @@
-// Every state of a job and every event.
+// Every state of a job with every event.
 #include "server/store/transitions.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@ namespace vacuform {
 namespace {
 
 constexpr RetryLimits limits{3, 2, 2'000};
-constexpr std::uint32_t half = 1u << 23;  // of the chance: a rest is as long as it is meant
+constexpr std::uint32_t half = 1u << 23;  // of the random range: a pause has its nominal length
 
 Job job_in(JobState state) {
   Job job;
@@ -29,13 +29,13 @@ std::vector<StoredArtifact> all_artifacts(JobKind kind) {
 const Error refusal{Code::unusable_scan, "no mold", "scan", "look at it"};
 const auto artifacts = all_artifacts(JobKind::print);
 
-// What an event makes of a job that has lost no attempt yet.
+// The result of an event for a job that has not lost an attempt yet.
 using Event = std::function<Result<Transition>(const Job&)>;
 struct NamedEvent {
   const char* name;
   Event event;
-  // By state: queued, running, succeeded, failed, cancelling, cancelled. "=" stays, a state is the next one,
-  // anything else the code of the refusal.
+  // By state: queued, running, succeeded, failed, cancelling, cancelled. "=" means unchanged, a state is the next one,
+  // anything else is the code of the refusal.
   std::array<std::string_view, 6> next;
 };
 
@@ -134,7 +134,7 @@ TEST(Transitions, CountFaultsUpToTheirLimits) {
   EXPECT_EQ(lost->error->what, "3 workers were lost while they ran this job");
   EXPECT_EQ(lost->line, "failed: internal");
   const auto given_back = when_given_back(job, {2, 1});
-  EXPECT_EQ(given_back->state, JobState::queued);  // nobody's fault
+  EXPECT_EQ(given_back->state, JobState::queued);  // the attempt does not count as a failure
   EXPECT_EQ(given_back->faults.losses, 2);
 }
 

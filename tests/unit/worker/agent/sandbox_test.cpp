@@ -1,4 +1,4 @@
-// The sandbox of a job's child: each measure against a child that tries, alone and with the others.
+// The sandbox of a job's child process: each measure against a child that tries to break it, alone and combined.
 #include "worker/agent/sandbox.hpp"
 
 #include <fcntl.h>
@@ -44,7 +44,7 @@ class InSandbox : public testing::Test {
     EXPECT_TRUE(end);
     return end->how == ChildEnd::How::signalled ? -end->number : end->number;
   }
-  // One measure alone, if the machine has it.
+  // One measure alone, if the machine supports it.
   Sandbox only(bool Sandbox::*measure) const {
     Sandbox one;
     one.*measure = all.*measure;
@@ -62,7 +62,7 @@ class InSandbox : public testing::Test {
   fs::path folder, home;
 };
 
-// A socket of ours that listens on loopback: what a child could reach without the sandbox.
+// A socket of the test that listens on loopback: a child could reach it without the sandbox.
 struct Listener {
   Listener() {
     sockaddr_in address{};
@@ -84,10 +84,10 @@ TEST_F(InSandbox, HonestWorkIsDone) {
   EXPECT_TRUE(fs::exists(home / "out" / "out.txt"));
   EXPECT_EQ(attempt(all, "read", "scan.stl"), 0);
   EXPECT_EQ(attempt(all, "read", "/etc/fonts/fonts.conf"), 0);
-  EXPECT_EQ(attempt(all, "abort"), -SIGABRT);  // a fault still shows as one
+  EXPECT_EQ(attempt(all, "abort"), -SIGABRT);  // a crash is still reported as a crash
 }
 
-// Everything below would be done without the sandbox, or the tests would show nothing.
+// Everything below succeeds without the sandbox; otherwise the tests would prove nothing.
 TEST_F(InSandbox, WithoutItAllIsOpen) {
   const Listener listener;
   EXPECT_EQ(attempt(none, "read", folder / "secret"), 0);
@@ -155,7 +155,7 @@ TEST_F(InSandbox, SeccompRefusesWhatNoPipelineNeeds) {
   EXPECT_EQ(attempt(calls, "exec", VACUFORM_SANDBOX_PROBE), EPERM);
 }
 
-// What Landlock does not know, or not on every kernel.
+// Operations that Landlock does not restrict, or not on every kernel.
 TEST_F(InSandbox, SeccompRefusesToChangeWhatFilesAreBesidesTheirContent) {
   if (!all.seccomp) GTEST_SKIP() << "this kernel has no seccomp filters";
   const Sandbox calls = only(&Sandbox::seccomp);
@@ -166,7 +166,7 @@ TEST_F(InSandbox, SeccompRefusesToChangeWhatFilesAreBesidesTheirContent) {
   for (const char* what : {"fchmodat2", "setxattrat"})
     EXPECT_EQ(attempt(calls, what, secret), ENOSYS) << what;
   EXPECT_EQ(fs::file_size(secret), 7u);
-  EXPECT_EQ(attempt(none, "chmod", secret), 0);  // it would be done
+  EXPECT_EQ(attempt(none, "chmod", secret), 0);  // it succeeds without the sandbox
   EXPECT_EQ(attempt(none, "empty", secret), 0);
   EXPECT_EQ(fs::file_size(secret), 0u);
 }
@@ -186,7 +186,7 @@ TEST_F(InSandbox, AJobNeedsLandlockAndSeccomp) {
   EXPECT_FALSE((Sandbox{true, 7, false}).is_enough());
 }
 
-// An old ABI forbids less by itself; together with seccomp it forbids the same.
+// An old ABI alone forbids less; together with seccomp it forbids the same.
 TEST_F(InSandbox, EveryAbiOfLandlockIsEnoughWithSeccomp) {
   if (!all.is_enough()) GTEST_SKIP() << "this kernel has no Landlock or no seccomp filters";
   for (int abi = 1; abi <= all.landlock; ++abi) {

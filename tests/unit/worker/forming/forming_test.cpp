@@ -45,7 +45,7 @@ TEST(Obstacles, TouchIsTheFirstPlaceOnTheWay) {
   EXPECT_FALSE(obstacles.first_touch({0, 0, 60}, {0, 0, 60}));
 }
 
-// A flat sheet at z = 10: what comes from below is stopped, half way if the sheet comes as far; from above nothing is.
+// A flat sheet at z = 10: motion from below is stopped, half way if the sheet moves as far; motion from above is not.
 TEST(SheetAsObstacle, StopsWhatComesFromBelow) {
   Points x(3, 4);
   x << 0, 20, 20, 0, 0, 0, 20, 20, 10, 10, 10, 10;
@@ -57,12 +57,12 @@ TEST(SheetAsObstacle, StopsWhatComesFromBelow) {
   EXPECT_FALSE(sheet.stops({5, 8, 4}, {5, 8, 6.9}));
   EXPECT_FALSE(sheet.stops({5, 8, 12}, {5, 8, 4}));
   EXPECT_FALSE(SheetAsObstacle::possible(x, triangles, {0, 0, 0, 0}));
-  x.col(3) << 30, 0, 5;  // the second triangle hangs over
+  x.col(3) << 30, 0, 5;  // the second triangle overhangs
   EXPECT_TRUE(SheetAsObstacle::possible(x, triangles, {0, 0, 0, 0}));
   EXPECT_FALSE(SheetAsObstacle::possible(x, triangles, {1, 1, 1, 1}));
 }
 
-// A mushroom: its sheet is drawn under the cap from all sides, and stays below where it was draped.
+// A mushroom: the sheet is drawn under the cap from all sides, and stays below the height where it was draped.
 TEST(Forming, UndercutsDoNotLetTheSheetOut) {
   Mold mushroom = hemisphere(50);
   for (auto& p : mushroom.mesh.vertices) p.z() += 40;
@@ -152,7 +152,7 @@ TEST(Forming, HemisphereLandsWhereTheReferenceSays) {
   EXPECT_LT(s.force_error, 1e-4);
   EXPECT_NEAR(s.pressure_kpa, 85, 1e-9);
 
-  // What is said to touch touches, and the plastic is all there by the vertex values too.
+  // The vertices marked as touching do touch, and the thicknesses at the vertices add up to all the plastic.
   double plastic = 0;
   for (std::size_t i = 0; i < formed->formed.size(); ++i) {
     const auto& p = formed->formed[i];
@@ -193,7 +193,7 @@ TEST(Forming, KeepsTheSymmetryOfMoldAndFrame) {
       }
 }
 
-// A frame that stops above the mold touches nothing until the vacuum; the sheet is drawn down all the same.
+// A frame that stops above the mold touches nothing until the vacuum; the sheet is still drawn down.
 TEST(Forming, DrapeHeightAboveTheMoldStillForms) {
   MachineSettings machine;
   machine.drape_height_mm = 70;
@@ -226,7 +226,8 @@ TEST(Forming, CancelEndsWithinASecond) {
   EXPECT_LT(took, std::chrono::milliseconds(300) + std::chrono::seconds(2));
 }
 
-// With stick, a uniform viscosity sets the clock and not the map; the sheet flows where the elastic one stretches.
+// With stick, a uniform viscosity changes the time scale and not the map; the sheet flows where the elastic one
+// stretches.
 TEST(Forming, AViscousSheetLandsAtAnyUniformViscosity) {
   FormingSettings viscous;
   viscous.model = FormingModel::viscoplastic;
@@ -249,7 +250,7 @@ TEST(Forming, AViscousSheetLandsAtAnyUniformViscosity) {
   EXPECT_LT(warm_one->summary.force_error, 1e-3);
 }
 
-// Below its yield stress the sheet is the elastic one.
+// Below its yield stress the sheet equals the elastic one.
 TEST(Forming, AHighYieldStressLeavesTheSheetElastic) {
   FormingSettings firm;
   firm.model = FormingModel::viscoplastic;
@@ -269,7 +270,7 @@ TEST(Forming, AHighYieldStressLeavesTheSheetElastic) {
   EXPECT_LT(furthest, 0.5);
 }
 
-// The weight of the sheet is that of a pressure of density x gravity x thickness while the sag is shallow.
+// While the sag is shallow, the weight of the sheet acts like a pressure of density x gravity x thickness.
 TEST(Forming, AHotSheetSagsAndTheFrameStartsHigher) {
   FormingSettings heavy;
   heavy.sag = true;

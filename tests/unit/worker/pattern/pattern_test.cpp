@@ -33,7 +33,7 @@ std::string svg(const std::string& attributes, const std::string& body = "<rect 
          ">" + body + "</svg>";
 }
 
-// Dark left half and a darker quadrant at the top right: every turn and flip of it is another picture.
+// Dark left half and a darker quadrant at the top right: every rotation and reflection gives a different picture.
 int quadrants(int x, int y, int width, int height) { return 2 * x < width ? 200 : 2 * y < height ? 0 : 255; }
 
 TEST(Pattern, ReadsThePhysicalSizeOfAnSvgInEveryAbsoluteUnit) {
@@ -162,7 +162,7 @@ TEST(Pattern, ReadsProgressiveJpegButNotThousandsOfScans) {
       64, 32, 1, [](int x, int, int) { return x < 32 ? 0 : 255; }, 0, true);
   ASSERT_TRUE(read(bytes));
   EXPECT_NEAR(read(bytes)->ink_mm2(), 3.2 * 3.2, 0.05);
-  // The last scan again and again, each of which would be decoded over the whole picture.
+  // The last scan repeated many times; each copy would be decoded over the whole picture.
   const std::array<std::uint8_t, 2> start_of_scan{0xff, 0xda};
   const auto last = std::find_end(bytes.begin(), bytes.end(), start_of_scan.begin(), start_of_scan.end());
   const Bytes scan(last, bytes.end() - 2);
@@ -217,17 +217,17 @@ TEST(Pattern, TurnsAJpegUprightByItsOrientation) {
 }
 
 TEST(Pattern, SamplesTheMeanOfItsFootprint) {
-  // Lines of 1 pixel, half ink: from afar, half coverage everywhere, at any place and blur.
+  // Lines of 1 pixel, half ink: from a distance, half coverage everywhere, at any position and blur.
   const auto lines = read(gray_png(512, 512, 10000, [](int x, int) { return x % 2 ? 0 : 255; }));
   ASSERT_TRUE(lines);
   for (const double blur : {0.8, 1.1, 3.0, 7.7})
     for (const double u : {0.0, 0.03, 1.234})
       EXPECT_NEAR(lines->sample({u, 0.017}, blur).coverage(), 0.5, 0.01) << blur;
-  // Unblurred, exact at the pixels' centres and linear between them.
+  // Unblurred, it is exact at the pixels' centres and linear between them.
   EXPECT_NEAR(lines->sample({0.05, 0.05}, 0).coverage(), 0, 1e-6);
   EXPECT_NEAR(lines->sample({0.15, 0.05}, 0).coverage(), 1, 1e-6);
   EXPECT_NEAR(lines->sample({0.10, 0.05}, 0).coverage(), 0.5, 1e-6);
-  // Off the drawing there is nothing, and nowhere is no place at all.
+  // There is no ink off the drawing, and no sample at an invalid position.
   EXPECT_EQ(lines->sample({26, 0}, 0.1).a, 0);
   EXPECT_EQ(lines->sample({NAN, 0}, 0.1).a, 0);
   EXPECT_EQ(lines->sample({1e300, -1e300}, 1).a, 0);
@@ -277,7 +277,7 @@ TEST(Pattern, AHugeDrawingIsDrawnAtTheLimitAndSaysSo) {
   EXPECT_EQ(pattern->warnings()[0].code, "pattern-coarse");
 }
 
-// One row a refusal: the bytes, the code and the message.
+// One refusal per row: the bytes, the code and the message.
 struct Refusal {
   const char* what;
   Bytes bytes;
@@ -397,7 +397,7 @@ TEST(Pattern, RefusesWhatItCannotTrustAndSaysWhy) {
   }
 }
 
-// Groups of ten copies of the group before, `levels` deep.
+// Groups of ten copies of the previous group, `levels` deep.
 std::string copies_of_copies(int levels) {
   std::string body = "<defs><g id='g0'><circle cx='9' cy='9' r='5'/></g>";
   for (int i = 1; i <= levels; ++i) {
@@ -494,7 +494,7 @@ TEST(Pattern, EntitiesThatGrowWithoutEndAreRefusedQuickly) {
 TEST(Pattern, AnEntityCannotReadAFile) {
   const auto pattern = read("<!DOCTYPE svg [<!ENTITY f SYSTEM 'file:///etc/hostname'>]>" +
                             svg("width='90mm' height='90mm'", "<text y='20'>&f;</text>"));
-  // Either the document is refused, or nothing of the file is drawn, which leaves it empty.
+  // Either the document is refused, or nothing of the file is drawn and the drawing is empty.
   ASSERT_FALSE(pattern);
   EXPECT_TRUE(pattern.error().code == Code::corrupt_file || pattern.error().code == Code::unusable_pattern);
 }

@@ -57,7 +57,7 @@ TEST_F(KeptStagesTest, AMoldComesBackAsItWas) {
   EXPECT_EQ(back->warnings[0].marks[0].size_mm, 4);
   EXPECT_FALSE(kept.mold({{"scan", "b"}}));
   EXPECT_FALSE(kept.sheet({{"scan", "a"}}));
-  // A head is for its owner's eyes alone.
+  // Only the owner may read a head.
   EXPECT_EQ(fs::status(folder).permissions(), fs::perms::owner_all);
   EXPECT_EQ(fs::status(files()[0]).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
@@ -84,7 +84,7 @@ TEST_F(KeptStagesTest, ASheetComesBackAsItWas) {
   EXPECT_EQ(back->warnings.size(), formed->warnings.size());
 }
 
-// Cut anywhere, or with any byte changed, a file is as good as absent.
+// A file that is cut anywhere, or has any byte changed, counts as missing.
 TEST_F(KeptStagesTest, ADamagedFileIsNotUsed) {
   mold.mesh.vertices.resize(3), mold.mesh.triangles = {{0, 1, 2}};
   const KeptStages kept(folder);
@@ -121,7 +121,7 @@ TEST_F(KeptStagesTest, TheOldestMakeRoom) {
   for (const fs::path& path : files())
     if (fs::last_write_time(path) > fs::file_time_type::clock::now() - std::chrono::hours(1))
       hours_ago(path, 2);
-  ASSERT_TRUE(room.mold({{"scan", "a"}}));  // used: now the younger
+  ASSERT_TRUE(room.mold({{"scan", "a"}}));  // used: now the more recent one
   const KeptStages tight(folder, {}, 2 * size + 1);
   tight.keep({{"scan", "c"}}, mold);
   EXPECT_TRUE(tight.mold({{"scan", "a"}}));

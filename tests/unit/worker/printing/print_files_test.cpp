@@ -1,4 +1,4 @@
-// The files of a print that is made of lines: what is in them, and that they show the same.
+// The files of a print made of lines: their content, and that they show the same.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -77,8 +77,8 @@ TEST(PrintFiles, TheSvgHasThePatternsElementsAsLines) {
   EXPECT_NEAR(made.print.ink_printed, 1, 1e-12);
 }
 
-// Of blocks of a third of a millimetre, the share of ink that differs. What lies in the strips in front and at the back,
-// where texts are spaced by other rules, is left out.
+// The share of blocks of a third of a millimetre whose ink differs. The strips at the front and back are skipped: texts
+// are spaced by other rules there.
 double difference(const Print& print, const Pattern& drawn) {
   const Decoded image = decode_png(print.png);
   const int strip = static_cast<int>(10 / print.pixel_mm);
@@ -145,7 +145,7 @@ TEST(PrintFiles, ColoursAndOpacitiesAreKept) {
   EXPECT_NE(made.print.svg.find("fill=\"#c8640a\" fill-opacity=\"0.5\""), std::string::npos);
 }
 
-// Round trip: whoever looks at the formed print sees the drawing. The dome's map from chart to sheet is known.
+// Round trip: a viewer of the formed print sees the drawing. The dome's map from chart to sheet is known.
 TEST(PrintFiles, ReturnsToTheDrawingThroughTheFormedPart) {
   Sample x = hand_made::dome(100);
   x.settings.print.marks = false;
@@ -182,7 +182,7 @@ TEST(PrintFiles, EachPartOfAPictureIsPrintedThroughItsOwnPatch) {
     PlacedElement placed;
     placed.element = part;
     placed.patch = placement.charts[0].patch;
-    // The first goes 7 mm up, the second 7 mm down.
+    // The first moves 7 mm up, the second 7 mm down.
     for (Vector2d& st : placed.patch.rest) st.y() += part == 0 ? 7 : -7;
     placement.elements.push_back(placed);
   }
@@ -246,7 +246,7 @@ TEST(PrintFiles, ThePdfIsAPageOfTheSheetWithLinesAndTexts) {
         4);
     EXPECT_EQ(content.find("-1 0 0 1 0 0 cm") != content.npos, face == InkedFace::inner);
     EXPECT_NE(content.find("(Vacuform 3f9a12c4   \xb7   sheet 200 \xd7 180 \xd7 1 mm PETG"), content.npos);
-    // Every object stands where the table says.
+    // Every object is at the offset that the table gives.
     const auto table = static_cast<std::size_t>(std::stoul(pdf.substr(pdf.rfind("startxref\n") + 10)));
     std::istringstream lines(pdf.substr(table));
     std::string line;
@@ -295,7 +295,7 @@ TEST(PrintFiles, RepeatTheirBytes) {
 }
 
 TEST(PrintFiles, ShadesAreKeptWhereTheSheetStretches) {
-  // Left of the middle the sheet keeps its size, right of it it is stretched to 1.6 times its area.
+  // Left of the middle the sheet keeps its size; right of it the sheet is stretched to 1.6 times its area.
   Sample x = hand_made::grid(120, 24);
   x.settings.print.marks = false;
   x.settings.print.compensate_ink = true;
@@ -313,7 +313,7 @@ TEST(PrintFiles, ShadesAreKeptWhereTheSheetStretches) {
   const auto [light_left, light_right] = left_and_right(255 - 100);
   EXPECT_NEAR(light_left, 100, 1);
   EXPECT_NEAR(light_right, 160, 1);
-  // Darker than full ink cannot be: all is made lighter alike.
+  // Nothing can be darker than full ink, so everything is lightened by the same factor.
   const auto [dark_left, dark_right] = left_and_right(255 - 200);
   EXPECT_NEAR(dark_right, 255, 1);
   EXPECT_NEAR(dark_left, 255 / 1.6, 1);

@@ -29,7 +29,7 @@ Pattern svg_pattern(const std::string& body, double side, const Settings& settin
                "mm' viewBox='" + half + " " + half + " " + mm + " " + mm + "'>" + body + "</svg>"),
       settings);
 }
-// Of the pattern as a picture.
+// Settings for a pattern that is a picture.
 Result<Print> try_print(const Sample& x, const Pattern& pattern, const std::string& label = "3f9a12c4",
                         const Context& context = Context()) {
   const auto placement = place(hand_made::Charted(x), nullptr, x.settings, Context());
@@ -42,7 +42,7 @@ Print print_of(const Sample& x, const Pattern& pattern) {
   return std::move(*print);
 }
 
-// Ink of a picture: its area and middle in sheet coordinates, and its extent.
+// Ink of a picture: its area and centre in sheet coordinates, and its extent.
 struct Extent {
   double area = 0, s = 0, t = 0, left = 1e9, right = -1e9, low = 1e9, high = -1e9;
 };
@@ -64,7 +64,7 @@ Extent extent(const Print& print) {
 }
 
 TEST(Print, AFlatSheetGivesTheDrawingBack) {
-  // 100 mm of drawing in pixels of 0.1 mm on 120 mm of sheet at the same resolution: pixel falls on pixel.
+  // 100 mm of drawing in pixels of 0.1 mm on 120 mm of sheet at the same resolution: the pixels coincide.
   Sample x = hand_made::flat(120, 24);
   x.settings.print.dpi = 254;
   x.settings.print.marks = false;
@@ -106,7 +106,7 @@ TEST(Print, PutsTheExactResolutionIntoTheFile) {
 }
 
 TEST(Print, AStretchIsUndone) {
-  // The sheet doubles along s when it is formed: a round drawing is printed half as wide.
+  // The sheet doubles along s when it is formed, so a round drawing is printed half as wide.
   Eigen::Matrix2d stretch;
   stretch << 2, 0, 0, 1.25;
   Sample x = hand_made::stretched(120, 30, stretch);
@@ -178,7 +178,7 @@ TEST(Print, TheInnerFaceIsTheOuterMirrored) {
 }
 
 TEST(Print, HasNoSeamsAndASmoothBorder) {
-  // Black all over: inside the chart every pixel is black, and the ink's area is the chart's.
+  // All black: inside the chart every pixel is black, and the ink's area is the chart's area.
   Sample x = hand_made::flat(120, 37, 40);
   x.settings.print.marks = false;
   double chart = 0;
@@ -226,7 +226,7 @@ TEST(Print, ColourLiesOnWhite) {
       black += image.at(i, j, 0) == 0;
     }
   EXPECT_GT(white, 0.9 * image.width * image.height);
-  EXPECT_LT(black, 0.04 * image.width * image.height);  // the marks
+  EXPECT_LT(black, 0.04 * image.width * image.height);  // only the marks
 }
 
 TEST(Print, ColourIsKeptAndTheRestIsTransparentWhereThatIsAskedFor) {
@@ -247,7 +247,7 @@ TEST(Print, ColourIsKeptAndTheRestIsTransparentWhereThatIsAskedFor) {
 TEST(Print, TellsHowMuchInkFallsOffTheChart) {
   Sample x = hand_made::flat(80, 20);
   x.settings.print.marks = false;
-  // A bar through the middle, of which the sheet takes 80 of 100 mm.
+  // A bar through the middle; the sheet covers 80 of its 100 mm.
   const Print print =
       print_of(x, svg_pattern("<rect x='-50' y='-1' width='100' height='2'/>", 110, x.settings));
   EXPECT_NEAR(print.ink_area_mm2, 200, 0.5);
@@ -272,12 +272,12 @@ TEST(Print, DrawsTheMoldsOutlineAlsoWhereTheDrawingCrossesIt) {
   const Print print =
       print_of(x, svg_pattern("<rect x='-60' y='-1' width='120' height='2'/>", 125, x.settings));
   EXPECT_NE(print.svg.find("mark-mold-outline"), std::string::npos);
-  EXPECT_EQ(print.ink_on_head, print.ink_printed);  // a picture on the chart is printed nowhere else
+  EXPECT_EQ(print.ink_on_head, print.ink_printed);  // a picture on the chart is printed only there
 }
 
 TEST(Print, ReturnsToTheDrawingThroughTheFormedPart) {
-  // Round trip over a dome: whoever looks at the formed print sees the drawing. Every point of the drawing is
-  // looked up where it lies on the sheet (known in closed form for this dome) and compared there.
+  // Round trip over a dome: a viewer of the formed print sees the drawing. Every point of the drawing is looked up at
+  // its position on the sheet (known in closed form for this dome) and compared.
   Sample x = hand_made::dome(60);
   x.settings.print.marks = false;
   const Pattern pattern = pattern_of(ring_file("rings-7x40mm.svg"), x.settings);
@@ -314,7 +314,7 @@ TEST(Print, MarksKeepOffThePatternAndTheMargin) {
                    t = (0.5 * image.height - j - 0.5) * marked.pixel_mm;
       if (image.at(i, j) == bare.at(i, j)) continue;
       ++added;
-      // But for the mold's outline, between the pattern and the marks.
+      // Except for the mold's outline, between the pattern and the marks.
       if (std::hypot(s, t) > 50 && std::hypot(s, t) < 60.2) {
         ++outline;
         continue;
@@ -401,7 +401,7 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
                                       : "outer face, seen from above") +
                           "   ·   scale 1:1, check with the ruler");
 
-    // Its picture is the chart's part of print.png, at its place.
+    // Its picture is the chart's part of print.png, in the same position.
     const Decoded part = embedded(svg), whole = decode_png(print.png);
     const pugi::xml_node image = pattern.child("image");
     const double left = image.attribute("x").as_double(), top = image.attribute("y").as_double();
@@ -416,7 +416,7 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
         const int column = face == InkedFace::inner ? whole.width - 1 - (i0 + i) : i0 + i;
         ASSERT_EQ(part.at(i, j), whole.at(column, j0 + j));
       }
-    // The ruler is as long as it says.
+    // The ruler has the length that it states.
     const std::string baseline =
         marks.find_child_by_attribute("g", "id", "mark-ruler").child("path").attribute("d").value();
     EXPECT_TRUE(baseline.starts_with("M-50.000,")) << baseline;
@@ -425,7 +425,7 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
 }
 
 TEST(Print, TheSvgLooksLikeThePng) {
-  // Drawn by librsvg, marks and texts included, both mirrored and not.
+  // Rendered by librsvg, including marks and texts, both mirrored and not.
   for (const InkedFace face : {InkedFace::outer, InkedFace::inner}) {
     Sample made = hand_made::flat(200, 40, 60);
     made.settings.pattern.inked_face = face;
@@ -433,8 +433,8 @@ TEST(Print, TheSvgLooksLikeThePng) {
     const Decoded image = decode_png(print.png);
     const auto drawn = Pattern::read(bytes_of(print.svg), "print.svg", PatternSettings{}, 300);
     ASSERT_TRUE(drawn) << drawn.error().text();
-    // In blocks of a third of a millimetre: edges may be drawn a little softer, but everything lies at its
-    // place. The texts in front and at the back are spaced by other rules there.
+    // In blocks of a third of a millimetre: edges may be drawn slightly softer, but everything is in its position. The
+    // texts at the front and back are spaced by other rules there.
     const int strip = static_cast<int>(10 / print.pixel_mm);
     constexpr int block = 4;
     double differing = 0, inked = 0;

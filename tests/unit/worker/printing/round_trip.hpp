@@ -1,4 +1,4 @@
-// Round trip over a head: whoever looks at the formed print sees the drawing.
+// Round trip over a head: a viewer of the formed print sees the drawing.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ inline std::vector<Sample> samples_of(const Head& head, int t) {
   return out;
 }
 
-// Between the pixels: their edges are smooth.
+// Interpolates between the pixels: their edges are smooth.
 inline double ink_at(const Decoded& image, const Vector2d& seen) {
   const double x = seen.x() * image.width - 0.5, y = (1 - seen.y()) * image.height - 0.5;
   const int i = static_cast<int>(x), j = static_cast<int>(y);
@@ -74,9 +74,9 @@ inline double ink_at(const Decoded& image, const Vector2d& seen) {
   return 1 - ((j + 1 - y) * row(j) + (y - j) * row(j + 1)) / 255;
 }
 
-// Seven rings of 40 mm, 3 mm wide, at 300 dpi. A place of the formed surface shall have ink where as much surface lies nearer
-// to a ring's centre, along the surface, as in the drawing lies within its line's edges: a ring on a dome keeps its area.
-// The print is looked up where that place was on the flat sheet.
+// Seven rings of 40 mm, 3 mm wide, at 300 dpi. The map of a ring on a dome keeps areas: a point of the formed surface
+// has ink if the area nearer to the ring's centre, measured along the surface, is within the areas of the line's edges
+// in the drawing. The print is looked up at the position of that point on the flat sheet.
 inline void expect_round_rings(const Bytes& scan, std::optional<double> trim_mm) {
   const Head head = formed_head(scan, trim_mm);
   const ChartedSurface charted(head.surface, head.flattening);

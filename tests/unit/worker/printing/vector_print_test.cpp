@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// A sphere of 60 mm: its pole lies in the sheet's middle, and the sheet was stretched evenly along each meridian.
+// A sphere of 60 mm: its pole is in the sheet's middle, and the sheet was stretched evenly along each meridian.
 constexpr double R = 60, shrink = 0.8;
 
 Vector2d rest_of(const Vector3d& p) {
@@ -209,14 +209,14 @@ TEST(VectorPrint, TheIdentityGivesTheDrawingBack) {
   const Curve& dot = print.elements[0].areas[0].outlines[0];
   EXPECT_LT(hausdorff(dot, points_of(circle({-20, -25}, 10))), 0.012);
   EXPECT_NEAR(total(print.elements[1]), square_mm(fill_area(star.curves, true, 1e-3)), 0.01);
-  // Corners stay corners, straight sides one segment each.
+  // Corners stay corners, and straight sides have one segment each.
   EXPECT_EQ(print.elements[2].areas[0].outlines[0].points.size(), 3 * 8 + 1u);
   EXPECT_LT(hausdorff(print.elements[2].centrelines[0].curve, points_of(zigzag.curves[0])), 1e-5);
   EXPECT_EQ(print.elements[2].centrelines[0].curve.points.size(), 3 * 3 + 1u);
 }
 
 TEST(VectorPrint, AFormedLineHasItsDrawnWidth) {
-  // Measured on the sphere: across the ring, between the pulled-back outlines sent back through the exact map.
+  // Measured on the sphere: the width of the ring, between the pulled-back outlines after the exact map.
   Placement placement;
   PlacedElement placed;
   placed.patch = patch_of({0, 0}, 40, 1.5, [](const Vector2d& uv) { return exponential(0.9, uv); });
@@ -224,7 +224,7 @@ TEST(VectorPrint, AFormedLineHasItsDrawnWidth) {
   placement.elements.push_back(placed);
   Settings settings;
   for (const double size : {1.0, 1.04}) {
-    // A coil that was resized: its patch puts it farther out, its line stays as wide.
+    // A coil that was resized: its patch moves it outwards, its line keeps its width.
     placement.elements[0].size = size;
     for (Vector2d& uv : placement.elements[0].patch.uv) uv /= size;
     const VectorPrint print =
@@ -263,7 +263,7 @@ TEST(VectorPrint, WhatLeavesThePatchIsCutAlongItsBorder) {
   EXPECT_LT((centre.front() - Vector2d(-30, 3)).norm(), 2e-3);
   EXPECT_LT((centre.back() - Vector2d(20, 3)).norm(), 1e-6);
   EXPECT_NEAR(total(print.elements[1]), M_PI * 8, 0.05);
-  ASSERT_EQ(print.elements[1].centrelines.size(), 1u);  // one arc, through where the circle is drawn from
+  ASSERT_EQ(print.elements[1].centrelines.size(), 1u);  // one arc, through the start point of the circle
   EXPECT_FALSE(print.elements[1].centrelines[0].curve.closed);
   EXPECT_TRUE(print.elements[2].areas.empty());
   EXPECT_NEAR(print.lost_mm2, 40 + M_PI * 8 + M_PI * 9, 0.1);
@@ -282,7 +282,7 @@ TEST(VectorPrint, ThePageCutsToo) {
 }
 
 TEST(VectorPrint, AJoiningLineEndsWhereItsElementsLie) {
-  // Two rings that were moved apart by 2 mm each, and turned; the line between follows.
+  // Two rings that were moved apart by 2 mm each, and rotated; the line between them follows.
   Placement placement;
   placement.charts = {whole(identity(60, 2))};
   for (const int side : {-1, 1}) {
@@ -310,7 +310,7 @@ TEST(VectorPrint, AJoiningLineEndsWhereItsElementsLie) {
   EXPECT_LT((lines[0].curve.points.front() - start).norm(), 1e-6);
   EXPECT_LT((lines[0].curve.points.back() - end).norm(), 1e-6);
   EXPECT_LT(hausdorff(lines[1].curve, points_of(line({{-5, 20}, {5, 20}}))), 1e-6);
-  // In the middle the chart alone holds, and nowhere does the line turn sharply.
+  // In the middle only the chart applies, and the line turns sharply nowhere.
   const auto points = points_of(lines[0].curve);
   EXPECT_LT(distance_to(points, {0, 0}), 1e-3);
   const auto smooth = flatten(lines[0].curve, {.tolerance_mm = 1e-4, .turn = 0.05, .longest_mm = 0.5});
@@ -330,7 +330,7 @@ TEST(VectorPrint, TheSameBytesOnOneThreadAndOnMore) {
   const Drawing drawing = drawing_of(elements);
   const VectorPrint a = pull(drawing, placement), b = pull(drawing, placement);
   for (std::size_t e = 0; e < 9; ++e) {
-    // One element alone is one thread's work.
+    // One element is the work of one thread.
     const VectorPrint alone = pull(drawing_of({elements[e]}), placement);
     EXPECT_EQ(a.elements[e].areas[0].outlines[0].points, b.elements[e].areas[0].outlines[0].points);
     EXPECT_EQ(a.elements[e].areas[0].outlines[0].points, alone.elements[0].areas[0].outlines[0].points);
@@ -345,7 +345,7 @@ TEST(VectorPrint, CanBeCancelled) {
   EXPECT_EQ(print.error().code, Code::cancelled);
 }
 
-// A stroke's area against what its formula says.
+// The area of a stroke compared with its formula.
 TEST(Area, StrokesCoverWhatSvgSays) {
   Stroke s;
   s.width_mm = 4;
@@ -364,7 +364,7 @@ TEST(Area, StrokesCoverWhatSvgSays) {
   EXPECT_NEAR(area(bar), 136, 1e-3);
   s.cap = LineCap::butt;
   EXPECT_NEAR(area(circle({0, 0}, 10)), M_PI * 2 * 10 * 4, 0.03);
-  // Wider than the circle is: a disk without a hole.
+  // Wider than the circle: a disk without a hole.
   s.width_mm = 24;
   EXPECT_NEAR(area(circle({0, 0}, 10)), M_PI * 22 * 22, 0.1);
   s.width_mm = 2;
@@ -373,7 +373,7 @@ TEST(Area, StrokesCoverWhatSvgSays) {
   EXPECT_NEAR(area(line({{0, 0}, {30, 0}})), 2 * (5 + 5 + 5 + 5), 1e-3);
   s.dashes_mm = {M_PI, M_PI};
   s.dash_offset_mm = 1;
-  EXPECT_EQ(stroke_area({circle({0, 0}, 10)}, s, 0.001).size(), 10u);  // the dash over the start is one
+  EXPECT_EQ(stroke_area({circle({0, 0}, 10)}, s, 0.001).size(), 10u);  // the dash over the start is one piece
 }
 
 TEST(CurveFit, FollowsACircleWithFewSegments) {
@@ -389,8 +389,8 @@ TEST(CurveFit, FollowsACircleWithFewSegments) {
   EXPECT_TRUE(fit_curve({{{1, 1}, true}, {{1, 1}, false}}, false, 0.01).points.empty());
 }
 
-// A black page over a dome in segments, whose coordinates jump at the seams: on the sheet there is neither a gap nor an
-// overlap, since the painted area is all of the sheet's and its holes are narrower than a tenth of a millimetre.
+// A black page over a dome in segments, whose coordinates jump at the seams. The sheet has neither gaps nor overlaps:
+// the painted area equals the sheet's area, and its holes are narrower than a tenth of a millimetre.
 TEST(VectorPrint, SegmentsMeetOnTheSheet) {
   const Patch dome = patch_of({0, 0}, 40, 2, [](const Vector2d& uv) { return exponential(0, uv); });
   const auto cut = cut_into_segments(dome, 1, 1.02, {}, Context{});
@@ -415,7 +415,7 @@ TEST(VectorPrint, SegmentsMeetOnTheSheet) {
   page.elements.push_back({"", {0, 0}, {black}});
   const auto print = pull_back(page, placement, Settings(), Context());
   ASSERT_TRUE(print);
-  ASSERT_EQ(print->elements[0].areas.size(), 1u);  // one area: nothing shows between its pieces
+  ASSERT_EQ(print->elements[0].areas.size(), 1u);  // one area: no gap between its pieces
   const PaintedArea& area = print->elements[0].areas[0];
   ASSERT_EQ(area.outlines.size(), cut->parts.size());
 
@@ -436,9 +436,9 @@ TEST(VectorPrint, SegmentsMeetOnTheSheet) {
   }
   for (const Seam& seam : cut->seams) seams += seam.length_mm;
   const double together = square_mm(union_of(rings));
-  EXPECT_LT((pieces - together) / seams, 0.002);  // twice covered, mm beside the seams in the mean
+  EXPECT_LT((pieces - together) / seams, 0.002);  // covered twice, mean width in mm along the seams
   EXPECT_LT((sheet - together) / seams, 0.002);   // not covered
-  // Where a ring of 0.05 mm around each piece is ink too, no hole is left.
+  // If a ring of 0.05 mm around each piece is ink too, no hole is left.
   std::vector<Curve> lines;
   for (const Ring& ring : rings) {
     Curve line{{ring[0]}, true};

@@ -19,7 +19,7 @@ TEST(Geodesic, OnAFlatSheetIsAStraightLineAlsoThroughVerticesAndAlongEdges) {
   const Sample x = hand_made::flat(100, 20);
   const hand_made::Charted charted(x);
   const InkedSurface& surface = charted.surface;
-  // From a vertex along a row of edges, along diagonals through vertices, and askew.
+  // From a vertex along a row of edges, along diagonals through vertices, and obliquely.
   for (const Vector2d& way : {Vector2d(40, 0), Vector2d(-30, 30), Vector2d(17, -33)}) {
     GeodesicWalk walk(surface, at(charted, {0, 0}), {way.x(), way.y(), 0});
     EXPECT_DOUBLE_EQ(walk.advance(way.norm()), way.norm());
@@ -119,7 +119,8 @@ TEST(ElementPatch, OnABumpKeepsRadiiAndTurnsNothingOver) {
       EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 0);
     }
   }
-  // Behind the centre, radii feel nothing but the area that the bump adds, which makes them smaller all around.
+  // Behind the centre, the only effect on radii is the area that the bump adds, which makes them smaller in all
+  // directions.
   const ElementMap map(*patch);
   double least = 1e9, most = 0;
   for (int i = 0; i < 60; ++i) {
@@ -159,7 +160,7 @@ TEST(ExactGeodesics, OnAFlatSheetAreStraightAndEndAtTheReach) {
     EXPECT_NEAR(geodesics.to(at(charted, way))->length, way.norm(), 1e-6);
 }
 
-// The length of the line through the points of a path that was begun at `from`.
+// The length of the line through the points of a path that starts at `from`.
 double traced(const PathMesh& mesh, const Geodesics& geodesics, int from, int to) {
   double mm = 0;
   Vector3d last = mesh.place(from);
@@ -173,7 +174,8 @@ double traced(const PathMesh& mesh, const Geodesics& geodesics, int from, int to
   return mm;
 }
 
-// The unit cube, two triangles a face: from a corner to the opposite one it is the diagonal of two faces unfolded.
+// The unit cube, two triangles per face: the path from a corner to the opposite one is the diagonal of two unfolded
+// faces.
 TEST(ExactGeodesics, OverACubeAreThoseOfItsUnfolding) {
   std::vector<Vector3d> places;
   for (int i = 0; i < 8; ++i) places.emplace_back(i & 1, i >> 1 & 1, i >> 2);
@@ -191,7 +193,7 @@ TEST(ExactGeodesics, OverACubeAreThoseOfItsUnfolding) {
   EXPECT_NEAR(traced(mesh, geodesics, 0, 7), std::sqrt(5), 1e-6);
 }
 
-// A flat L of three squares: around its inner corner paths bend.
+// A flat L of three squares: paths bend around its inner corner.
 TEST(ExactGeodesics, BendAtAnInnerCorner) {
   const std::vector<Vector3d> places{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0},
                                      {1, 1, 0}, {2, 1, 0}, {0, 2, 0}, {1, 2, 0}};
@@ -206,7 +208,7 @@ TEST(ExactGeodesics, BendAtAnInnerCorner) {
 }
 
 TEST(ExactGeodesics, AreTracedAsLongAsTheyAre) {
-  // A flat sheet, straight over edges, along them and through vertices.
+  // A flat sheet: straight over edges, along edges and through vertices.
   const Sample flat = hand_made::flat(100, 10);
   const InkedSurface sheet = hand_made::inked(flat.sheet);
   Geodesics on_sheet(sheet.path_mesh());
@@ -241,7 +243,7 @@ TEST(ExactGeodesics, AreTracedAsLongAsTheyAre) {
                 1e-6);
 }
 
-// The trees of two sources have nothing in common but the length of the path between them.
+// The trees of two sources share only the length of the path between them.
 TEST(ExactGeodesics, AreAsLongThereAsBackAlsoOverBumps) {
   const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
   const hand_made::Charted charted(x);
