@@ -331,7 +331,7 @@ class Server::Loop {
     request.body = &client.connection;
     request.by_front = through_front(request, options_.front_host);
     request.beyond_loopback = !is_loopback_socket(client.connection.socket());
-    if (auto refusal = inadmissible(client)) return answer(client, std::move(refusal));
+    if (const auto refusal = inadmissible(client)) return answer(client, refusal);
     if (client.connection.body_arrived()) return handle(client);
     if (const auto admitted = admit(client); !admitted)
       return answer(client, Refusal{meaning(admitted.error().code).http_status, admitted.error()});
@@ -472,7 +472,7 @@ class Server::Loop {
     answered.seconds = std::chrono::duration<double>(steady_clock::now() - client.request_begun).count();
     if (options_.observe) options_.observe(answered);
     if (response.stream && !request.head_only)
-      stream(client, std::move(response));
+      stream(client, response);
     else
       give(client, std::move(response));
   }
@@ -544,7 +544,7 @@ class Server::Loop {
   }
 
   // Occupies its thread; sends no length, so the end of the connection marks the end of the body.
-  void stream(Client& client, Response response) {
+  void stream(Client& client, const Response& response) {
     client.keep = false;
     bool sent = client.connection.write(response_head(client.request, response, false));
     const Going on = going(client);
