@@ -1,0 +1,74 @@
+// Bundles the web application: node build.mjs [--out DIR] [--watch]
+//
+// DIR receives index.html and files whose names carry a hash of their content, each also compressed (.gz). Fails if a
+// message is missing in a language, or if everything together exceeds the budget.
+import {build, context} from 'esbuild';
+import {mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {dirname, join} from 'node:path';
+import {fileURLToPath} from 'node:url';
+import {gzipSync} from 'node:zlib';
+import {checkMessages} from './messages.mjs';
+
+const budget = 200_000;  // bytes of all files, compressed
+const here = dirname(fileURLToPath(import.meta.url));
+const option = (name) => process.argv.includes(name) ? process.argv[process.argv.indexOf(name) + 1] : undefined;
+const out = option('--out') ?? join(here, 'dist');
+
+const options = {
+  absWorkingDir: here,
+  entryPoints: {app: 'src/main.ts', style: 'style/main.css', 'read-worker': 'src/read/worker.ts'},
+  bundle: true,
+  splitting: true,
+  minify: true,
+  format: 'esm',
+  target: ['chrome109', 'firefox115'],
+  supported: {'top-level-await': true},
+  outdir: out,
+  entryNames: '[name]-[hash]',
+  chunkNames: '[name]-[hash]',
+  assetNames: '[name]-[hash]',
+  loader: {'.svg': 'file', '.png': 'file'},
+  publicPath: '/app',
+  metafile: true,
+  legalComments: 'none',
+  logLevel: 'warning',
+};
+
+// The names of the built entry points, and the page that refers to them.
+function writePage(metafile) {
+  const named = (entry) => {
+    const [file] = Object.entries(metafile.outputs).find(([, output]) => output.entryPoint === entry);
+    return file.split('/').pop();
+  };
+  const page = readFileSync(join(here, 'index.html'), 'utf8')
+    .replace('{{style}}', `/app/${named('style/main.css')}`)
+    .replace('{{app}}', `/app/${named('src/main.ts')}`)
+    .replace('{{read-worker}}', `/app/${named('src/read/worker.ts')}`);
+  writeFileSync(join(out, 'index.html'), page);
+}
+
+function compress() {
+  let all = 0;
+  for (const name of readdirSync(out).sort()) {
+    const bytes = gzipSync(readFileSync(join(out, name)), {level: 9});
+    bytes[9] = 255;  // the operating system in the header of gzip: unknown, so that the bytes are the same everywhere
+    writeFileSync(join(out, name + '.gz'), bytes);
+    all += bytes.length;
+    console.log(String(bytes.length).padStart(8), name);
+  }
+  console.log(String(all).padStart(8), `bytes in all, of ${budget}`);
+  if (all > budget) throw new Error(`the web application has ${all} bytes, more than its budget of ${budget}`);
+}
+
+const watching = process.argv.includes('--watch');
+checkMessages(join(here, 'lang'), join(here, 'src'), !watching);
+rmSync(out, {recursive: true, force: true});
+mkdirSync(out, {recursive: true});
+if (watching) {
+  const building = await context({...options, minify: false, sourcemap: 'inline', plugins: [{
+    name: 'page', setup: (b) => b.onEnd((result) => { if (result.metafile) writePage(result.metafile); })}]});
+  await building.watch();
+} else {
+  writePage((await build(options)).metafile);
+  compress();
+}

@@ -1,0 +1,4 @@
+// The print that is being prepared.
+export interface DraftState {}
+
+export const initialDraft: DraftState = {};

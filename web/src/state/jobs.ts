@@ -1,0 +1,4 @@
+// The list of jobs.
+export interface JobsState {}
+
+export const initialJobs: JobsState = {};

@@ -1,0 +1,4 @@
+// The job that is shown.
+export interface ResultState {}
+
+export const initialResult: ResultState = {};

@@ -1,0 +1,10 @@
+import {el, type Children} from '../dom';
+import {t} from '../text';
+import {View} from '../view';
+
+class NewPrint extends View {
+  protected build(): Children {
+    return [el('h1', null, t('shell.not_found')), el('p', null, t('shell.not_found_help'))];
+  }
+}
+customElements.define('vf-new-print', NewPrint);
