@@ -1,4 +1,4 @@
-// Bundles the web application: node build.mjs [--out DIR] [--watch]
+// Bundles the web application: node build.mjs [--out DIR] [--watch] [--quiet]
 //
 // DIR receives index.html and files whose names carry a hash of their content, each also compressed (.gz). Fails if a
 // message is missing in a language, or if everything together exceeds the budget.
@@ -7,7 +7,8 @@ import {mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync} from 'node:
 import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {gzipSync} from 'node:zlib';
-import {checkMessages} from './messages.mjs';
+import {checkMessages, messages} from './messages.mjs';
+import {leanThree} from './three.mjs';
 
 const budget = 200_000;  // bytes of all files, compressed
 const here = dirname(fileURLToPath(import.meta.url));
@@ -29,6 +30,7 @@ const options = {
   assetNames: '[name]-[hash]',
   loader: {'.svg': 'file', '.png': 'file'},
   publicPath: '/app',
+  plugins: [leanThree(here), messages(join(here, 'lang'))],
   metafile: true,
   legalComments: 'none',
   logLevel: 'warning',
@@ -54,18 +56,19 @@ function compress() {
     bytes[9] = 255;  // the operating system in the header of gzip: unknown, so that the bytes are the same everywhere
     writeFileSync(join(out, name + '.gz'), bytes);
     all += bytes.length;
-    console.log(String(bytes.length).padStart(8), name);
+    if (!quiet) console.log(String(bytes.length).padStart(8), name);
   }
-  console.log(String(all).padStart(8), `bytes in all, of ${budget}`);
+  if (!quiet) console.log(String(all).padStart(8), `bytes in all, of ${budget}`);
   if (all > budget) throw new Error(`the web application has ${all} bytes, more than its budget of ${budget}`);
 }
 
+const quiet = process.argv.includes('--quiet');
 const watching = process.argv.includes('--watch');
 checkMessages(join(here, 'lang'), join(here, 'src'), !watching);
 rmSync(out, {recursive: true, force: true});
 mkdirSync(out, {recursive: true});
 if (watching) {
-  const building = await context({...options, minify: false, sourcemap: 'inline', plugins: [{
+  const building = await context({...options, minify: false, sourcemap: 'inline', plugins: [...options.plugins, {
     name: 'page', setup: (b) => b.onEnd((result) => { if (result.metafile) writePage(result.metafile); })}]});
   await building.watch();
 } else {

@@ -12,6 +12,24 @@ export function readMessages(folder) {
   return all;
 }
 
+// An esbuild plugin: "messages:keys" is the list of all keys, "messages:en" that of the English texts in their order. So no
+// key is in the bundle twice.
+export function messages(lang) {
+  const keys = () => [...new Set(readdirSync(lang).flatMap((language) => Object.keys(readMessages(join(lang, language)))))].sort();
+  return {
+    name: 'messages',
+    setup(build) {
+      build.onResolve({filter: /^messages:/}, ({path}) => ({path: path.slice('messages:'.length), namespace: 'messages'}));
+      build.onLoad({filter: /./, namespace: 'messages'}, ({path}) => {
+        const folder = join(lang, path), texts = path === 'keys' ? {} : readMessages(folder);
+        const list = path === 'keys' ? keys() : keys().map((key) => texts[key] ?? 0);
+        return {contents: `export default ${JSON.stringify(list)};`, watchDirs: path === 'keys' ? [] : [folder],
+                watchFiles: path === 'keys' ? [] : readdirSync(folder).map((name) => join(folder, name))};
+      });
+    },
+  };
+}
+
 const values = (text) => [...text.matchAll(/\{(\w+)/g)].map((match) => match[1]).sort().join(' ');
 
 function sources(folder) {

@@ -11,6 +11,9 @@ struct Asset {
 };
 std::span<const Asset> assets();
 
+// The web application and the files of the sample, each compressed with gzip under its name with ".gz".
+std::span<const Asset> app_files();
+
 // The bytes of the file of that name. Throws std::logic_error if there is no such file.
 std::string_view asset(std::string_view name);
 

@@ -11,6 +11,13 @@ namespace vacuform {
 
 using nlohmann::ordered_json;
 
+void set_page_headers(http::Response& response) {
+  response.set("X-Frame-Options", "DENY");
+  response.set("Referrer-Policy", "same-origin");  // "no-referrer" would take the Origin off our own forms
+  response.set("Cross-Origin-Opener-Policy", "same-origin");
+  response.set("Cache-Control", "no-store");
+}
+
 http::Response html_response(const Page& page) {
   const std::string text =
       rendered("document",
@@ -26,11 +33,8 @@ http::Response html_response(const Page& page) {
           "; object-src 'none'; img-src 'self' data:; form-action 'self'; base-uri 'none'; frame-ancestors "
           "'none'");
   response.set("X-Content-Type-Options", "nosniff");
-  response.set("X-Frame-Options", "DENY");
-  response.set("Referrer-Policy", "same-origin");  // "no-referrer" would take the Origin off our own forms
-  response.set("Cross-Origin-Opener-Policy", "same-origin");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
-  response.set("Cache-Control", "no-store");
+  set_page_headers(response);
   set_retry_after(response);
   return response;
 }

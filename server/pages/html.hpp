@@ -21,6 +21,9 @@ struct Page {
 // The whole document with the headers that keep scripts, frames and other origins out of it.
 http::Response html_response(const Page& page);
 
+// The headers of every page, whatever loads into it.
+void set_page_headers(http::Response& response);
+
 // "See the result there" (303): after a form.
 http::Response see_other(const std::string& place);
 

@@ -4,6 +4,7 @@
 #include "api/problem.hpp"
 #include "api/settings.hpp"
 #include "server/http/problem.hpp"
+#include "server/pages/app_files.hpp"
 #include "server/pages/assets.hpp"
 #include "server/pages/pages.hpp"
 #include "server/routes/guard.hpp"
@@ -43,6 +44,15 @@ void add_about_routes(http::Router& router) {
     if (!code) return fail(Code::not_found, "there is no such problem type", {}, "see /problems/");
     return html_response(problem_page(*code));
   });
+  // The names of these files change with their content.
+  add_public(router, "GET", "/app/{name}", [](Request& request) -> Result<Response> {
+    VACUFORM_TRY(response, app_file(request, request.at("name")));
+    response.set("Cache-Control", "public, max-age=31536000, immutable");
+    return response;
+  });
+  add_public(router, "GET", "/sample/head.stl", [](Request& request) { return app_file(request, "head.stl"); });
+  add_public(router, "GET", "/sample/pattern.svg",
+             [](Request& request) { return app_file(request, "pattern.svg"); });
   add_public(router, "GET", "/job.js",
              [](Request&) { return asset_response("text/javascript; charset=utf-8", "job.js"); });
   add_public(router, "GET", "/style.css",

@@ -3,6 +3,7 @@
 #include "server/http/problem.hpp"
 #include "server/jobs/json_artifact.hpp"
 #include "server/jobs/submission.hpp"
+#include "server/pages/app_files.hpp"
 #include "server/pages/pages.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/job_changes.hpp"
@@ -59,14 +60,14 @@ void add_page_routes(http::Router& router, Service& service) {
                        std::uint64_t most_body = http::small_body) {
     add_guarded(router, service, scope, method, pattern, handler, most_body);
   };
-  add(Scope::read, "GET", "/", show_form);
-  add(Scope::read, "GET", "/jobs",
-      [](Service&, Request&, const Caller&) -> Result<Response> { return see_other("/"); });
+  add(Scope::read, "GET", "/",
+      [](Service&, Request& request, const Caller&) -> Result<Response> { return app_page(request); });
+  add(Scope::read, "GET", "/jobs", show_form);
   add(Scope::submit, "POST", "/jobs", submit, largest_form());
   add(Scope::read, "GET", "/jobs/{id}", show_job);
   add(Scope::submit, "POST", "/jobs/{id}/cancel",
       cancelling([](const Job& job) { return see_other("/jobs/" + job.id); }));
-  add(Scope::submit, "POST", "/jobs/{id}/delete", deleting([](const Job&) { return see_other("/"); }));
+  add(Scope::submit, "POST", "/jobs/{id}/delete", deleting([](const Job&) { return see_other("/jobs"); }));
 }
 
 }  // namespace vacuform

@@ -16,7 +16,7 @@ void add_upload_routes(http::Router& router, Service& service);  // /api/v1/uplo
 void add_scan_routes(http::Router& router, Service& service);    // /api/v1/scans...
 void add_profile_routes(http::Router& router, Service& service);  // /api/v1/profiles...
 void add_limits_routes(http::Router& router, Service& service);   // /api/v1/limits
-void add_page_routes(http::Router& router, Service& service);     // /, /jobs/{id}: HTML
+void add_page_routes(http::Router& router, Service& service);     // /, /jobs, /jobs/{id}: HTML
 void add_sign_in_routes(http::Router& router, Service& service);  // /sign-in, /sign-out: HTML
 void add_about_routes(http::Router& router);                      // what is about the service itself
 void add_backup_routes(http::Router& router, Service& service);   // /api/v1/backup, for administrators

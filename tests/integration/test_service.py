@@ -202,7 +202,7 @@ class Service(Case):
             self.assertEqual((answer.status, answer.json["type"]), (400, "/problems/bad-usage"))
 
     def test_page_works_without_javascript(self):
-        front = curl(self.server.url + "/")
+        front = curl(self.server.url + "/jobs")
         self.assertEqual(front.status, 200)
         page = front.body.decode()
         self.assertNotIn("<script", page)

@@ -4,6 +4,7 @@ import {routeOf} from './route';
 import {store} from './state';
 import {chosenLanguage, loadLanguage} from './text';
 import {applyTheme} from './parts/theme';
+import {startShell} from './views/shell';
 
 const keptPlace = 'vacuform.place';
 
@@ -18,7 +19,6 @@ sessionStorage.removeItem(keptPlace);
 if (place && !location.hash) location.replace(place);
 window.addEventListener('hashchange', () => store.set({route: routeOf(location.hash)}));
 store.set({route: routeOf(location.hash)});
-const {startShell} = await import('./views/shell');
 startShell(document.body);
 
 async function readSession(): Promise<void> {

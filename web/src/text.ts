@@ -1,5 +1,6 @@
 // Every text by its key, in the language of the person. "{name}" stands for a value; "{count, one: coil, other: coils}"
 // chooses by the plural rules of the language.
+import keys from 'messages:keys';
 import type shell from '../lang/en/shell.json';
 import type jobs from '../lang/en/jobs.json';
 import type print from '../lang/en/new.json';
@@ -35,8 +36,8 @@ export function chooseLanguage(wanted: Language): void {
 }
 
 export async function loadLanguage(wanted: Language): Promise<void> {
-  const loaded = wanted === 'de' ? await import('../lang/de') : await import('../lang/en');
-  useMessages(wanted, loaded.messages);
+  const {default: texts} = wanted === 'de' ? await import('messages:de') : await import('messages:en');
+  useMessages(wanted, Object.fromEntries(keys.flatMap((key, i) => texts[i] ? [[key, texts[i]]] : [])));
   document.documentElement.lang = wanted;
 }
 

@@ -119,7 +119,8 @@ TEST_F(ServerAccess, ThePublicRoutesAreThese) {
   for (const auto& route : routers[1].routes()) EXPECT_TRUE(is_public(route)) << route.pattern;
   EXPECT_EQ(open, (std::set<std::string>{"GET /healthz", "GET /readyz", "GET /metrics", "GET /sign-in",
                                          "POST /sign-in", "POST /sign-out", "GET /problems/",
-                                         "GET /problems/{slug}", "GET /style.css", "GET /job.js",
+                                         "GET /problems/{slug}", "GET /style.css", "GET /job.js", "GET /app/{name}",
+                                         "GET /sample/head.stl", "GET /sample/pattern.svg",
                                          "GET /api/v1/openapi.yaml", "GET /api/v1/settings-schema",
                                          "OPTIONS /api/v1/uploads", "OPTIONS /api/v1/uploads/{id}"}));
   for (const char* path : {"/", "/api/v1/jobs", "/api/v1/tokens", "/jobs/none"})
@@ -234,7 +235,7 @@ TEST_F(ServerAccess, EachSeesHisOwnJobsAndTheAdministratorAll) {
   }
   EXPECT_EQ(ask("GET", "/jobs/" + his).status, 404);
   EXPECT_EQ(ask("POST", "/jobs/" + his + "/cancel").status, 404);
-  EXPECT_EQ(ask("GET", "/").body.find(his), std::string::npos);
+  EXPECT_EQ(ask("GET", "/jobs").body.find(his), std::string::npos);
   EXPECT_EQ(ask("POST", "/api/v1/jobs/" + his + "/cancel", bearer(admin_)).status, 200);
 }
 
@@ -288,7 +289,7 @@ TEST_F(ServerAccess, ABrowserSignsInAndOut) {
             std::string::npos);  // a browser never holds the token
 
   const std::string session = signed_in(user_);
-  EXPECT_NE(ask("GET", "/", session).body.find("Sign out"), std::string::npos);
+  EXPECT_NE(ask("GET", "/jobs", session).body.find("Sign out"), std::string::npos);
   const Answer made = ask("POST", "/jobs", session + origin() + form_type, form);
   EXPECT_EQ(made.status, 303) << made.body;
   EXPECT_EQ(ask("GET", made.header("Location"), session).status, 200);

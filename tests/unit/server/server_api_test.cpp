@@ -268,7 +268,7 @@ TEST_F(ServerApi, CancellingThroughApiAndPage) {
   EXPECT_EQ(page.status, 303);
   EXPECT_EQ(page.header("Location"), "/jobs/" + second);
   EXPECT_EQ(show(second)["state"], "cancelled");
-  EXPECT_EQ(ask("POST", "/jobs/" + second + "/delete").header("Location"), "/");
+  EXPECT_EQ(ask("POST", "/jobs/" + second + "/delete").header("Location"), "/jobs");
   EXPECT_EQ(ask("GET", "/jobs/" + second, "Accept: text/html\r\n").status, 404);
 }
 
@@ -447,7 +447,7 @@ TEST_F(ServerApi, ABackupNeedsAnEmptyFolderOfTheServersOwn) {
 }
 
 TEST_F(ServerApi, EverySettingHasALabelledField) {
-  const std::string page = ask("GET", "/").body;
+  const std::string page = ask("GET", "/jobs").body;
   const json schema = json::parse(ask("GET", "/api/v1/settings-schema").body);
   int fields = 0;
   for (const auto& [group, description] : schema["properties"].items())
@@ -468,6 +468,43 @@ TEST_F(ServerApi, ServesItsDescriptionAndEveryProblemPage) {
   EXPECT_EQ(ask("GET", "/problems/none").status, 404);
   EXPECT_EQ(ask("GET", "/nowhere", "Accept: text/html\r\n").header("Content-Type"),
             "text/html; charset=utf-8");
+}
+
+// The addresses of the built-in files that a page names.
+std::vector<std::string> app_files_of(const std::string& page) {
+  std::vector<std::string> files;
+  for (std::size_t at = 0; (at = page.find("/app/", at)) != std::string::npos;) {
+    const std::size_t end = page.find('"', at);
+    files.push_back(page.substr(at, end - at));
+    at = end;
+  }
+  return files;
+}
+
+TEST_F(ServerApi, TheApplicationLoadsFilesOfThisServerAlone) {
+  const Answer page = ask("GET", "/");
+  ASSERT_EQ(page.status, 200) << page.body;
+  EXPECT_EQ(page.header("Cache-Control"), "no-store");
+  const std::string policy = page.header("Content-Security-Policy");
+  for (const char* rule : {"default-src 'none'", "script-src 'self';", "style-src 'self';", "frame-ancestors 'none'",
+                           "require-trusted-types-for 'script'"})
+    EXPECT_NE(policy.find(rule), std::string::npos) << rule << " in " << policy;
+  EXPECT_EQ(policy.find("unsafe"), std::string::npos) << policy;
+  const auto files = app_files_of(page.body);
+  EXPECT_EQ(files.size(), 3u);  // the program, its worker, the style
+  for (const auto& file : files) {
+    const Answer plain = ask("GET", file), packed = ask("GET", file, "Accept-Encoding: br, gzip;q=0.5\r\n"),
+                 refused = ask("GET", file, "Accept-Encoding: gzip;q=0\r\n");
+    EXPECT_EQ(plain.status, 200) << file;
+    EXPECT_EQ(plain.header("Cache-Control"), "public, max-age=31536000, immutable");
+    EXPECT_EQ(plain.header("Content-Encoding"), "");
+    EXPECT_EQ(packed.header("Content-Encoding"), "gzip");
+    EXPECT_TRUE(packed.body.starts_with("\x1f\x8b")) << file;
+    EXPECT_EQ(refused.body, plain.body);
+  }
+  EXPECT_EQ(ask("GET", "/app/none.js").status, 404);
+  EXPECT_EQ(ask("GET", "/sample/head.stl").header("Content-Type"), "model/stl");
+  EXPECT_NE(ask("GET", "/sample/pattern.svg").body.find("<svg"), std::string::npos);
 }
 
 // The choices of an enumeration among the schemas of api/openapi.yaml.

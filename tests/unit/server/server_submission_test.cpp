@@ -104,7 +104,7 @@ TEST_F(ServerSubmission, AQueryThatTheRouteDoesNotTakeIsRefusedByName) {
 
 TEST_F(ServerSubmission, AFormThatIsSentTwiceCreatesOneJob) {
   const auto key = [&] {
-    const std::string page = ask("GET", "/").body, field = "name=\"idempotency_key\" value=\"";
+    const std::string page = ask("GET", "/jobs").body, field = "name=\"idempotency_key\" value=\"";
     const std::size_t at = page.find(field);
     return at == std::string::npos ? "" : page.substr(at + field.size(), 32);
   };

@@ -51,10 +51,10 @@ export async function problemOf(response: Response): Promise<Problem> {
 
 const read = async <T>(path: string, signal?: AbortSignal): Promise<T> =>
   await (await ask(path, signal ? {signal} : {})).json() as T;
-const send = async (method: string, path: string, body?: unknown): Promise<Response> =>
+const send = async (method: string, path: string, body?: unknown, headers: Record<string, string> = {}): Promise<Response> =>
   ask(path, body === undefined
-                ? {method}
-                : {method, headers: {'Content-Type': 'application/json'}, body: JSON.stringify(body)});
+                ? {method, headers}
+                : {method, headers: {'Content-Type': 'application/json', ...headers}, body: JSON.stringify(body)});
 
 const v1 = '/api/v1';
 export const jobPath = (id: string): string => `${v1}/jobs/${encodeURIComponent(id)}`;
@@ -93,8 +93,13 @@ export const api = {
   schema: (): Promise<SettingsSchema> => read(`${v1}/settings-schema`),
   limits: (): Promise<Record<string, unknown>> => read(`${v1}/limits`),
   profiles: (): Promise<{profiles: Profile[]; next: string | null}> => read(`${v1}/profiles?limit=100`),
-  putProfile: (name: string, settings: unknown): Promise<Response> =>
-    send('PUT', `${v1}/profiles/${encodeURIComponent(name)}`, settings),
+  // `condition`: {'If-None-Match': '*'} creates and never replaces; {'If-Match': ETag} replaces only what was read.
+  putProfile: (name: string, settings: unknown, condition: Record<string, string> = {}): Promise<Response> =>
+    send('PUT', `${v1}/profiles/${encodeURIComponent(name)}`, settings, condition),
+  profile: async (name: string): Promise<{profile: Profile; etag: string}> => {
+    const response = await ask(`${v1}/profiles/${encodeURIComponent(name)}`);
+    return {profile: await response.json() as Profile, etag: response.headers.get('ETag') ?? ''};
+  },
   removeProfile: (name: string): Promise<Response> => send('DELETE', `${v1}/profiles/${encodeURIComponent(name)}`),
   tokens: (): Promise<{tokens: TokenInfo[]}> => read(`${v1}/tokens`),
   createToken: async (body: {owner: string; scopes: string[]; days?: number}): Promise<TokenInfo & {token: string}> =>

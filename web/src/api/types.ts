@@ -104,6 +104,25 @@ export interface TokenInfo {
   revoked: string | null;
 }
 
+export interface Worker {
+  worker: string;
+  last_seen: string;
+  job: string | null;
+  sandbox: string[] | null;  // null: not known
+  lacks: string[] | null;
+}
+
+export interface Service {
+  version: string;
+  uptime_seconds: number;
+  schema: number;
+  jobs: Record<string, number>;
+  queue: {length: number; oldest_seconds: number | null};
+  workers: Worker[];
+  disk: {total_bytes: number; free_bytes: number; kept_free_bytes: number};
+  last_backup: string | null;
+}
+
 // The JSON Schema of the settings, as far as the form uses it.
 export interface FieldSchema {
   type?: string;
@@ -114,6 +133,7 @@ export interface FieldSchema {
   minimum?: number;
   maximum?: number;
   items?: FieldSchema;
+  maxItems?: number;
   oneOf?: FieldSchema[];
   'x-unit'?: string;
 }

@@ -1,4 +1,283 @@
-// The print that is being prepared.
-export interface DraftState {}
+// The print that is being prepared: pure functions over one value. It outlives a reload of the page in the storage of the tab,
+// without any byte of a scan.
+import type {Transfer} from '../api/upload';
+import type {Problem} from '../api/client';
+import type {FieldSchema, Input, JobKind, Plan, ProblemBody, Profile, Settings, SettingsSchema} from '../api/types';
 
-export const initialDraft: DraftState = {};
+// A file that this page sends to the server, or has sent.
+export interface SentFile {
+  upload: string;   // its id; empty before the server has given one
+  whole: boolean;   // the server has all of it
+  name: string;     // stays in this tab
+  bytes: number;
+  mark: string;     // tells whether a chosen file is the same
+}
+
+export interface Pattern extends SentFile {
+  kind: 'svg' | 'picture';
+  width: number | null;   // mm, as the file says
+  height: number | null;
+  aspect: number | null;
+  layout: string;         // the job that made it; empty for a drawing of the person
+}
+
+// What undo goes back and forth over.
+export interface Form {
+  settings: Settings;     // what differs from the defaults
+  profile: string;        // chosen last; empty for none
+  reference: string;
+  note: string;
+  pattern: Pattern | null;
+}
+
+// The job that this print starts from.
+export interface Origin {
+  job: string;
+  kind: JobKind;
+  scan: Input;
+  pattern: Input | null;
+  settings: Settings;     // what differs from the defaults
+}
+
+// What the page found out about the chosen scan.
+export interface ScanFacts {
+  plausible: boolean;     // its size is one of a head
+  mirrored: boolean;      // it may be a mirror image
+}
+
+export interface Draft {
+  tab: string;
+  form: Form;
+  scan: SentFile | null;
+  facts: ScanFacts | null;
+  from: Origin | null;
+  inspection: {job: string; scan: string} | null;  // and the settings of the scan that it was made with
+  layout: string;                                  // a running job that makes a pattern
+  accepted: string[];                              // doubts that the person has answered
+  attempt: {key: string; content: string} | null;  // the start that may have reached the server
+}
+
+export interface DraftState extends Draft {
+  past: Form[];
+  future: Form[];
+  faults: Record<string, string>;          // settings whose text cannot be used, by group.key
+  transfers: {scan: Transfer | null; pattern: Transfer | null};
+  plan: Plan | null;                       // the server's answer to what the form says now
+  problem: ProblemBody | null;             // what it finds wrong instead
+  checking: boolean;
+  schema: SettingsSchema | null;           // null before the server has sent it
+  profiles: Profile[] | null;
+  unread: Problem | null;                  // why it could not
+}
+
+export const emptyForm: Form = {settings: {}, profile: '', reference: '', note: '', pattern: null};
+
+export function emptyDraft(tab: string): DraftState {
+  return {
+    tab, form: emptyForm, scan: null, facts: null, from: null, inspection: null, layout: '', accepted: [], attempt: null,
+    past: [], future: [], faults: {}, transfers: {scan: null, pattern: null}, plan: null, problem: null, checking: false,
+    schema: null, profiles: null, unread: null};
+}
+
+const deepest = 100;  // steps of undo
+
+export function changed(draft: DraftState, change: Partial<Form>): Partial<DraftState> {
+  const form = {...draft.form, ...change};
+  return JSON.stringify(form) === JSON.stringify(draft.form)
+    ? {} : {form, past: [...draft.past, draft.form].slice(-deepest), future: []};
+}
+
+export function undone(draft: DraftState): Partial<DraftState> {
+  const form = draft.past.at(-1);
+  return form ? {form, past: draft.past.slice(0, -1), future: [draft.form, ...draft.future], faults: {}} : {};
+}
+
+export function redone(draft: DraftState): Partial<DraftState> {
+  const form = draft.future[0];
+  return form ? {form, past: [...draft.past, draft.form], future: draft.future.slice(1), faults: {}} : {};
+}
+
+// Settings
+
+export const sameValue = (a: unknown, b: unknown): boolean => JSON.stringify(a) === JSON.stringify(b);
+export const settingOf = (settings: Settings, id: string): unknown => {
+  const [group = '', key = ''] = id.split('.');
+  return settings[group]?.[key];
+};
+export const fieldOf = (schema: SettingsSchema, id: string): FieldSchema | undefined => {
+  const [group = '', key = ''] = id.split('.');
+  return schema.properties[group]?.properties[key];
+};
+export const valueOf = (schema: SettingsSchema, settings: Settings, id: string): unknown =>
+  settingOf(settings, id) ?? fieldOf(schema, id)?.default;
+export const idsOf = (schema: SettingsSchema): string[] =>
+  Object.entries(schema.properties).flatMap(([group, {properties}]) => Object.keys(properties).map((key) => `${group}.${key}`));
+
+// Without a value, the default.
+export function withSetting(settings: Settings, id: string, value: unknown): Settings {
+  const [group = '', key = ''] = id.split('.');
+  const {[key]: _, ...rest} = settings[group] ?? {};
+  const members = value === undefined ? rest : {...rest, [key]: value};
+  const {[group]: __, ...others} = settings;
+  return Object.keys(members).length > 0 ? {...others, [group]: members} : others;
+}
+
+export function withSettings(settings: Settings, changes: Settings, schema: SettingsSchema | null): Settings {
+  for (const [group, members] of Object.entries(changes))
+    for (const [key, value] of Object.entries(members)) {
+      const id = `${group}.${key}`;
+      if (schema && !fieldOf(schema, id)) continue;  // of another version of the service
+      const isDefault = schema && sameValue(fieldOf(schema, id)?.default, value);
+      settings = withSetting(settings, id, isDefault ? undefined : value);
+    }
+  return settings;
+}
+
+export const withoutDefaults = (settings: Settings, schema: SettingsSchema): Settings => withSettings({}, settings, schema);
+
+// Another profile: what the former one set goes back to the default, then the new one counts.
+export function withProfile(settings: Settings, former: Settings, next: Settings, schema: SettingsSchema): Settings {
+  for (const [group, members] of Object.entries(former))
+    for (const key of Object.keys(members)) settings = withSetting(settings, `${group}.${key}`, undefined);
+  return withSettings(settings, next, schema);
+}
+
+// Whether all that a profile says is in the settings.
+export const follows = (settings: Settings, profile: Settings, schema: SettingsSchema): boolean =>
+  Object.entries(profile).every(([group, members]) => Object.entries(members).every(
+    ([key, value]) => sameValue(valueOf(schema, settings, `${group}.${key}`), value)));
+
+function without(settings: Settings, group: string): Settings {
+  const {[group]: _, ...rest} = settings;
+  return rest;
+}
+
+// Submission
+
+export const hasScan = (draft: Draft): boolean => draft.scan ? draft.scan.whole : draft.from !== null;
+export const hasPattern = (draft: Draft): boolean =>
+  draft.form.pattern ? draft.form.pattern.whole : draft.from?.pattern != null;
+
+// The fields of the form that makes this job, as the API names them. From another job every setting is sent, so that one which
+// went back to its default counts too.
+export function submission(draft: Draft, kind: JobKind, schema: SettingsSchema): [string, string][] {
+  let {settings} = draft.form;
+  if (draft.from)
+    for (const id of idsOf(schema)) if (settingOf(settings, id) === undefined) settings = withSetting(settings, id, fieldOf(schema, id)?.default);
+  if (kind !== 'layout') settings = without(settings, 'layout');  // a print refuses them
+  const fields: [string, string][] = [['kind', kind], ['settings', JSON.stringify(settings)]];
+  if (draft.from) fields.push(['from', draft.from.job]);
+  if (draft.scan) fields.push(['scan_upload', draft.scan.upload]);
+  if (kind === 'print' && draft.form.pattern) fields.push(['pattern_upload', draft.form.pattern.upload]);
+  if (draft.form.reference) fields.push(['reference', draft.form.reference]);
+  if (kind === 'print' && draft.form.note) fields.push(['note', draft.form.note]);
+  return fields;
+}
+
+// The key of this start: the same as long as the same is started, so that it makes one job however often it is sent.
+export function attemptFor(draft: Draft, fields: [string, string][], newKey: () => string): {key: string; content: string} {
+  const content = JSON.stringify(fields);
+  return draft.attempt?.content === content ? draft.attempt : {key: newKey(), content};
+}
+
+// What the scan's findings depend on.
+export function scanSettings(draft: Draft): string {
+  const {scan, sheet, machine} = draft.form.settings;
+  const {left_side: _, ...placed} = scan ?? {};
+  const {width_mm, height_mm} = sheet ?? {};
+  const frame = Object.entries(machine ?? {}).filter(([key]) => /window|plug|drape_height/.test(key)).sort();
+  return JSON.stringify([draft.scan?.upload ?? draft.from?.job, Object.entries(placed).sort(), width_mm, height_mm, frame]);
+}
+
+// The state of the four sections
+
+export type Section = 'scan' | 'pattern' | 'machine' | 'check';
+export const sections: Section[] = ['scan', 'pattern', 'machine', 'check'];
+export type Status = 'done' | 'open' | 'working' | 'defaults' | 'ready' | 'problem';
+
+export function sectionOf(where: string): Section {
+  const [group = ''] = where.split('.');
+  if (group === 'scan' || group === 'scan_upload') return 'scan';
+  if (group === 'pattern' || group === 'pattern_upload' || group === 'layout') return 'pattern';
+  return group === 'reference' || group === 'note' ? 'check' : 'machine';
+}
+
+export function statusOf(draft: DraftState, section: Section): Status {
+  if (section === 'check')
+    return draft.problem && hasScan(draft) && hasPattern(draft) ? 'problem'
+      : draft.plan && Object.keys(draft.faults).length === 0 ? 'ready' : 'open';
+  if (Object.keys(draft.faults).some((id) => sectionOf(id) === section)) return 'problem';
+  if (draft.problem?.where && sectionOf(draft.problem.where) === section && hasScan(draft) && hasPattern(draft)) return 'problem';
+  switch (section) {
+    case 'scan':
+      if (draft.transfers.scan?.state === 'failed') return 'problem';
+      return hasScan(draft) ? 'done' : draft.scan ? 'working' : 'open';
+    case 'pattern':
+      if (draft.transfers.pattern?.state === 'failed') return 'problem';
+      return hasPattern(draft) ? 'done' : draft.form.pattern || draft.layout ? 'working' : 'open';
+    case 'machine': {
+      const {sheet, machine} = draft.form.settings;
+      return draft.form.profile || draft.from || sheet || machine ? 'done' : 'defaults';
+    }
+  }
+}
+
+// What a person has to look at once before the job starts.
+export type Doubt = 'mirror' | 'size' | 'side';
+export function doubtsOf(draft: Draft, schema: SettingsSchema, findings: readonly string[]): Doubt[] {
+  const doubts: Doubt[] = [];
+  if (draft.facts?.mirrored || findings.includes('inside-out') || findings.includes('mirrored-or-turned')) doubts.push('mirror');
+  if (draft.facts?.plausible === false || findings.includes('units-guessed')) doubts.push('size');
+  if (fieldOf(schema, 'scan.left_side') && (valueOf(schema, draft.form.settings, 'scan.left_side') === 'unknown')) doubts.push('side');
+  const scan = draft.scan?.mark ?? draft.from?.scan.sha256 ?? '';
+  return doubts.filter((doubt) => !draft.accepted.includes(`${doubt} ${scan}`));
+}
+export function accepting(draft: Draft, doubts: readonly Doubt[]): string[] {
+  const scan = draft.scan?.mark ?? draft.from?.scan.sha256 ?? '';
+  return [...draft.accepted, ...doubts.map((doubt) => `${doubt} ${scan}`)];
+}
+
+// The job whose result no longer shows what the form says, or null: its downloads are out of date.
+export function staleJob(draft: DraftState): string | null {
+  const {from, form, scan} = draft;
+  if (!from || from.kind !== 'print') return null;
+  return scan || form.pattern || !sameSettings(form.settings, from.settings) ? from.job : null;
+}
+const sameSettings = (a: Settings, b: Settings): boolean => {
+  const text = (settings: Settings): string => JSON.stringify(Object.entries(settings).flatMap(
+    ([group, members]) => Object.entries(members).map(([key, value]) => `${group}.${key}=${JSON.stringify(value)}`)).sort());
+  return text(a) === text(b);
+};
+
+// Storage
+
+const format = 1;
+
+export function saved(draft: Draft): string {
+  const {tab, form, scan, facts, from, inspection, layout, accepted, attempt} = draft;
+  return JSON.stringify({format, tab, form, scan, facts, from, inspection, layout, accepted, attempt});
+}
+
+export function restored(text: string | null, tab: string): DraftState {
+  const empty = emptyDraft(tab);
+  try {
+    const kept = JSON.parse(text ?? '') as Draft & {format: number};
+    if (kept.format !== format) return empty;
+    const {format: _, ...draft} = kept;
+    return {...empty, ...draft, form: {...emptyForm, ...draft.form}};
+  } catch {
+    return empty;
+  }
+}
+
+// For a second tab with a copy of the storage: its own draft, with files that only one tab may go on sending left out.
+export function separated(draft: DraftState, tab: string): DraftState {
+  const {pattern} = draft.form;
+  return {
+    ...draft, tab, attempt: null, layout: '', scan: draft.scan?.whole ? draft.scan : null,
+    form: {...draft.form, pattern: pattern?.whole ? pattern : null}};
+}
+
+export const storedUnder = 'vacuform.draft';
+const stored = typeof sessionStorage === 'undefined' ? null : sessionStorage.getItem(storedUnder);
+export const initialDraft: DraftState = restored(stored, Math.random().toString(36).slice(2));

@@ -6,19 +6,16 @@ import {toAdmin, toHelp, toJobs, toNew, type Route} from '../route';
 import {store} from '../state';
 import {chooseLanguage, currentLanguage, languages, t} from '../text';
 import {follow, live, View} from '../view';
+import './admin';
+import './compare';
+import './help';
+import './job';
+import './jobs';
+import './new-print';
+import './not-found';
+import './result';
 
 const languageNames = {en: 'English', de: 'Deutsch'};
-
-// Views are loaded when they are first shown.
-const views: Record<Route['view'], () => Promise<unknown>> = {
-  jobs: () => import('./jobs'),
-  new: () => import('./new-print'),
-  job: () => import('./job'),
-  compare: () => import('./compare'),
-  admin: () => import('./admin'),
-  help: () => import('./help'),
-  none: () => import('./not-found'),
-};
 
 function menuLink(href: string, name: IconName, text: string, current: boolean): HTMLElement {
   return el('li', null, el('a', {href, 'aria-current': current && 'page'}, icon(name), el('span', null, text)));
@@ -60,12 +57,9 @@ class Shell extends View {
       if (place === shown) return;  // the query belongs to the view
       const first = shown === '';
       shown = place;
-      void views[route.view]().then(() => {
-        if (shown !== place) return;
-        main.replaceChildren(document.createElement(tag));
-        if (!first) main.focus();
-        scrollTo(0, 0);
-      });
+      main.replaceChildren(document.createElement(tag));
+      if (!first) main.focus();
+      scrollTo(0, 0);
     });
     const offline = live((state) => state.online, (online) =>
       !online && el('p', {class: 'notice', role: 'alert'}, icon('warning'), t('problem.no_server'), ' ',

@@ -1,0 +1,52 @@
+// The coils with their figures: the worst first, sortable, one of them selected.
+import {el, replace} from '../dom';
+import {columns, sorted, type Coil, type Column} from '../state/result';
+import {number, percent, t} from '../text';
+import {icon} from './icon';
+
+export interface CoilTable {
+  element: HTMLElement;
+  select(id: string): void;
+}
+
+export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void): CoilTable {
+  let by: Column = 'round', down = true, selected = '';
+  const body = el('tbody');
+  const heads = columns.map((column) => el('th', {scope: 'col', class: column === 'id' ? '' : 'number'},
+    el('button', {type: 'button', class: 'plain', onclick: () => {
+      down = by === column ? !down : column !== 'id';
+      by = column;
+      fill();
+    }}, t(`result.coil_${column}`), icon('sort'))));
+  const signed = (share: number): string => (share > 0 ? '+' : '') + percent(share, 1);
+  const row = (coil: Coil): HTMLElement =>
+    el('tr', {'aria-selected': String(coil.id === selected), onclick: () => chosen(coil)},
+      el('th', {scope: 'row'}, el('button', {type: 'button', id: `row-${coil.id}`, class: 'plain', 'aria-pressed': String(coil.id === selected)}, coil.id),
+        !coil.onHead && el('span', {class: 'state'}, t('result.off_head'))),
+      el('td', {class: 'number'}, t('result.diameter_of', {made: number(coil.diameter, 1), drawn: number(coil.drawn, 1)})),
+      el('td', {class: 'number'}, percent(coil.round, 1), coil.roundWithout !== null &&
+        el('span', {class: 'quiet'}, ' ', t('result.instead_of', {value: percent(coil.roundWithout, 1)}))),
+      el('td', {class: 'number'}, signed(coil.areaError), el('span', {class: 'quiet'}, ` ${number(coil.area, 0)} mm²`)),
+      el('td', {class: 'number'}, signed(coil.stretch)),
+      el('td', {class: 'number'}, number(coil.inductance, 1)),
+      el('td', {class: 'number neighbours'}, ...(coil.neighbours.length === 0 ? ['–'] : coil.neighbours.map(({id, k}) =>
+        el('span', null, el('span', {class: 'quiet'}, id), ` ${number(k, 3)}`)))));
+  function fill(): void {
+    heads.forEach((head, i) => {
+      if (columns[i] === by) head.setAttribute('aria-sort', down ? 'descending' : 'ascending');
+      else head.removeAttribute('aria-sort');
+    });
+    replace(body, sorted(coils, by, down).map(row));
+  }
+  fill();
+  return {
+    element: el('div', null, el('p', {class: 'small quiet'}, t('result.coils_caption')),
+      el('div', {class: 'wide', tabindex: 0, role: 'region', 'aria-label': t('result.coils')},
+        el('table', {class: 'coil-table', 'aria-label': t('result.coils')}, el('thead', null, el('tr', null, ...heads)), body))),
+    select(id) {
+      if (id === selected) return;
+      selected = id;
+      fill();
+    },
+  };
+}

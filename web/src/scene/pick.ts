@@ -1,0 +1,63 @@
+// What lies under a ray or next to a place of the formed sheet. A ray is tried on every triangle, which takes some
+// milliseconds for 200,000 of them: no index has to be built or loaded.
+import type {Formed} from '../read/formed';
+import {distance, type Point, type SurfacePoint} from './measure';
+
+export interface Spot extends SurfacePoint {
+  normal: Point;
+  sheet: [number, number];           // (s, t) mm
+  pattern: [number, number] | null;  // (u, v) mm; null off the chart
+  thickness: number;
+  temperature: number;
+  shape: number | null;
+  area: number | null;
+  contact: number;                   // of the nearest vertex
+}
+
+// Along `direction` from `origin`. Möller and Trumbore 1997.
+export function under(formed: Formed, origin: Point, direction: Point): Spot | null {
+  const {positions: p, indices} = formed, [dx, dy, dz] = direction;
+  let nearest = Infinity, face = -1, u = 0, v = 0;
+  for (let i = 0; i < indices.length; i += 3) {
+    const a = 3 * indices[i]!, b = 3 * indices[i + 1]!, c = 3 * indices[i + 2]!;
+    const ax = p[a]!, ay = p[a + 1]!, az = p[a + 2]!;
+    const ex = p[b]! - ax, ey = p[b + 1]! - ay, ez = p[b + 2]! - az, fx = p[c]! - ax, fy = p[c + 1]! - ay, fz = p[c + 2]! - az;
+    const hx = dy * fz - dz * fy, hy = dz * fx - dx * fz, hz = dx * fy - dy * fx, det = ex * hx + ey * hy + ez * hz;
+    if (det === 0) continue;
+    const sx = origin[0] - ax, sy = origin[1] - ay, sz = origin[2] - az, s = (sx * hx + sy * hy + sz * hz) / det;
+    if (s < 0 || s > 1) continue;
+    const qx = sy * ez - sz * ey, qy = sz * ex - sx * ez, qz = sx * ey - sy * ex, t = (dx * qx + dy * qy + dz * qz) / det;
+    if (t < 0 || s + t > 1) continue;
+    const far = (fx * qx + fy * qy + fz * qz) / det;
+    if (far > 0 && far < nearest) [nearest, face, u, v] = [far, i / 3, s, t];
+  }
+  return face < 0 ? null : spotOf(formed, face, [1 - u - v, u, v]);
+}
+
+// The vertex that is nearest to a place.
+export function nearest(formed: Formed, place: Point): Spot {
+  const {positions: p, indices} = formed;
+  let best = 0, least = Infinity;
+  for (let i = 0; i < p.length / 3; ++i) {
+    const far = distance(place, [p[3 * i]!, p[3 * i + 1]!, p[3 * i + 2]!]);
+    if (far < least) [least, best] = [far, i];
+  }
+  const at = Math.max(0, indices.indexOf(best)), shares: [number, number, number] = [0, 0, 0];
+  shares[at % 3] = 1;
+  return spotOf(formed, Math.floor(at / 3), shares);
+}
+
+function spotOf(formed: Formed, face: number, shares: readonly [number, number, number]): Spot {
+  const vertices = [0, 1, 2].map((k) => formed.indices[3 * face + k]!);
+  const mean = (values: Float32Array, size = 1, which = 0): number =>
+    shares.reduce((sum, share, k) => sum + share * values[size * vertices[k]! + which]!, 0);
+  const pair = (values: Float32Array): [number, number] => [mean(values, 2, 0), mean(values, 2, 1)];
+  const three = (values: Float32Array): [number, number, number] => [mean(values, 3, 0), mean(values, 3, 1), mean(values, 3, 2)];
+  const onChart = vertices.every((i) => formed.chart[i] === 1), normal = three(formed.normals), length = Math.hypot(...normal) || 1;
+  return {
+    face, point: three(formed.positions), normal: [normal[0] / length, normal[1] / length, normal[2] / length], sheet: pair(formed.sheet),
+    pattern: onChart ? pair(formed.pattern) : null, thickness: mean(formed.thickness), temperature: mean(formed.temperature),
+    shape: onChart ? mean(formed.shape) : null, area: onChart ? mean(formed.area) : null,
+    contact: formed.contact[vertices[shares.indexOf(Math.max(...shares))]!]!,
+  };
+}

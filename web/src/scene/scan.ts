@@ -1,0 +1,130 @@
+// A scan that stands in the machine, before it is sent.
+import {BoxGeometry, BufferAttribute, BufferGeometry, DoubleSide, GLSL3, type Group, Matrix4, Mesh, ShaderMaterial} from 'three';
+import type {ShownMesh} from '../read/cluster';
+import type {Placed} from '../read/place';
+import type {ReadScan} from '../read/prepare';
+import {flat} from './flat';
+import {machine, segments, type Frame, type Lines} from './machine';
+import {createViewer, type LeftSide, type Viewer} from './viewer';
+
+export {NoWebGl} from './viewer';
+export type {Frame} from './machine';
+
+export interface Standing {
+  placed: Placed;
+  plug: number;       // mm: the cut is at this height
+  frame: Frame;
+  left: LeftSide;
+  outline: boolean;   // of an average adult head
+}
+export interface ScanScene {
+  readonly viewer: Viewer;
+  update(standing: Standing): void;
+  mark(place: readonly number[]): void;  // a place in the machine, in mm
+}
+
+const vertexShader = `
+out vec3 n; out vec3 eye; out float height;
+void main() {
+  vec4 world = modelMatrix * vec4(position, 1.0), view = viewMatrix * world;
+  height = world.z;
+  n = mat3(viewMatrix) * mat3(modelMatrix) * normal;
+  eye = -view.xyz;
+  gl_Position = projectionMatrix * view;
+}`;
+// Light from the camera and from above. What is cut away is shown as stripes.
+const fragmentShader = `
+in vec3 n; in vec3 eye; in float height;
+out vec4 colour;
+uniform float cut;
+uniform vec3 away;
+void main() {
+  vec3 u = normalize(n), v = normalize(eye);
+  if (dot(u, v) < 0.0) u = -u;
+  float light = 0.42 + 0.42 * dot(u, v) + 0.16 * u.y;
+  colour = vec4(vec3(0.86, 0.84, 0.80) * light, 1.0);
+  if (height < cut - 0.05) {
+    if (mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 6.0) discard;
+    colour = vec4(away, 1.0);
+  }
+}`;
+
+function geometryOf(mesh: ShownMesh): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(mesh.positions, 3));
+  const normals = new Int8Array(mesh.normals);
+  geometry.setAttribute('normal', new BufferAttribute(normals, 4, true));
+  geometry.setIndex(new BufferAttribute(mesh.indices, 1));
+  return geometry;
+}
+
+// The upper half of an average adult head, 150 mm wide, 190 mm long and 230 mm from chin to vertex, in dashes that shine
+// through the scan.
+function headOutline(viewer: Viewer): Lines {
+  const points: number[] = [], half = [75, 95, 115];
+  for (const [i, j] of [[0, 1], [0, 2], [1, 2]] as const)
+    for (let k = 0; k < (j === 2 ? 96 : 192); ++k)
+      if (k % 3 < 2)
+        for (const step of [k, k + 1]) {
+          const a = 2 * Math.PI * step / 192, p = [0, 0, 0];
+          p[i] = half[i]! * Math.cos(a);
+          p[j] = half[j]! * Math.sin(a);
+          points.push(...p);
+        }
+  const lines = segments(points, '--accent', viewer, true);
+  lines.renderOrder = 1;
+  return lines;
+}
+
+// Throws NoWebGl.
+export function scanScene(scan: ReadScan, options: {label: string; failed: () => void}): ScanScene {
+  const viewer = createViewer(options);
+  const fine = geometryOf(scan.shown), coarse = scan.coarse ? geometryOf(scan.coarse) : fine;
+  const material = new ShaderMaterial({
+    glslVersion: GLSL3, vertexShader, fragmentShader, side: DoubleSide,
+    uniforms: {cut: {value: 0}, away: {value: viewer.colour('--warn')}}});
+  const body = new Mesh(fine, material);
+  body.matrixAutoUpdate = false;
+  viewer.root.add(body);
+  const pin = new Mesh(new BoxGeometry(5, 5, 5), flat(viewer.colour('--bad'), {through: true}));
+  pin.visible = false;
+  pin.rotation.set(Math.PI / 4, Math.atan(Math.SQRT1_2), 0);  // it stands on a corner
+  pin.renderOrder = 1;
+  viewer.root.add(pin);
+  const outline = headOutline(viewer);
+  let group: Group | null = null, last: Standing | null = null, drawn = '';
+
+  viewer.on('quality', () => { body.geometry = viewer.quality.coarse ? coarse : fine; });
+  viewer.on('theme', () => {
+    material.uniforms['away']!.value = viewer.colour('--warn');
+    pin.material.uniforms['colour']!.value = viewer.colour('--bad');
+    outline.material.uniforms['colour']!.value = viewer.colour('--accent');
+    drawn = '';
+    if (last) update(last);
+  });
+  viewer.root.add(outline);
+
+  function update(standing: Standing): void {
+    const {placed, plug, frame, left} = last = standing;
+    const [a, b, c, d, e, f, g, h, i] = placed.turn as [number, number, number, number, number, number, number, number, number];
+    const [x, y, z] = placed.shift;
+    body.matrix = new Matrix4(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
+    body.matrixWorldNeedsUpdate = true;
+    material.uniforms['cut']!.value = plug;
+    outline.visible = standing.outline;
+    outline.position.z = placed.height - 115;
+    pin.visible = false;
+    const wanted = JSON.stringify([frame, left]);
+    if (wanted !== drawn) group = machine(viewer, frame, left, group);
+    drawn = wanted;
+    viewer.setSides(left);
+    const [w, l] = frame.window, top = placed.height, low = Math.min(0, top - placed.size[2]), [sx, sy] = placed.half;
+    viewer.fit([-w / 2, -l / 2, 0, w / 2, l / 2, 0, -sx, -sy, low, sx, sy, low, -sx, -sy, top, sx, sy, top]);
+    viewer.invalidate();
+  }
+  return {viewer, update, mark([x = 0, y = 0, z = 0]) {
+    pin.position.set(x, y, z);
+    pin.visible = true;
+    viewer.turnTo(x, y, z);
+  }};
+}

@@ -1,0 +1,204 @@
+// The formed sheet in 3D: the print on it, heat maps, and what is marked on it.
+import {BufferAttribute, BufferGeometry, CanvasTexture, Color, DataTexture, DoubleSide, GLSL3, type Group, LinearFilter, LinearMipmapLinearFilter,
+        Matrix3, Mesh, NoColorSpace, ShaderMaterial, Texture, Vector3} from 'three';
+import type {Formed} from '../read/formed';
+import type {MapName} from '../state/result';
+import {colourAt, isHeat, noValue, type Range, touches, touchesNot} from './colour';
+import {Surface, type Point} from './measure';
+import {nearest, under, type Spot} from './pick';
+import {fragmentShader, mapNumbers, vertexShader} from './sheet.glsl';
+import {letters} from './machine';
+import {release, type LeftSide, type Viewer} from './viewer';
+
+export {createViewer, NoWebGl, type Viewer} from './viewer';
+export type {Spot} from './pick';
+
+export interface Shown {
+  map: MapName;
+  range: Range | null;        // of a heat map
+  isolines: boolean;
+  cut: number;                // share of the width that is printed as drawn, from the left
+  sideBySide: boolean;
+  place: readonly number[] | null;  // rows of a 3 x 3 matrix from the drawing (mm) to the pictures: shows the drawing there
+}
+
+export interface Sheet {
+  readonly picture: {size: [number, number]; origin: [number, number]};  // where the sheet lies on the pictures, see picturePlace
+  show(what: Shown): void;
+  // Draws on the sheet, in millimetres of sheet coordinates, t up.
+  draw(paint: (context: CanvasRenderingContext2D) => void): void;
+  under(event?: {clientX: number; clientY: number}): Spot | null;  // without an event: at the centre of the view
+  nearest(place: Point): Spot;
+  // The shortest way over the surface: its length and where it runs on the sheet.
+  way(a: Spot, b: Spot): {length: number; sheet: [number, number][]} | null;
+  turnTo(place: Point): void;  // so that one looks at it straight on
+}
+
+const overlaySize = 1024;
+
+async function picture(blob: Blob): Promise<Texture> {
+  const texture = new Texture(await createImageBitmap(blob, {colorSpaceConversion: 'none', premultiplyAlpha: 'none'}));
+  texture.flipY = false;
+  texture.colorSpace = NoColorSpace;
+  texture.minFilter = LinearMipmapLinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+function ramp(map: 'shape' | 'thickness'): DataTexture {
+  const bytes = new Uint8Array(256 * 4);
+  for (let i = 0; i < 256; ++i) bytes.set([...colourAt(map, i / 255).map((part) => Math.round(255 * part)), 255], 4 * i);
+  const texture = new DataTexture(bytes, 256, 1);
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+// Pairs and fours of numbers in one attribute.
+function woven(...values: Float32Array[]): BufferAttribute {
+  const size = values.length, all = new Float32Array(size * (values[0]?.length ?? 0));
+  values.forEach((one, k) => one.forEach((value, i) => { all[size * i + k] = value; }));
+  return new BufferAttribute(all, size);
+}
+
+// `left`: on which side the patient's left is.
+export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide): Promise<Sheet> {
+  const [printed, drawn] = await Promise.all([picture(formed.printed), picture(formed.drawn)]);
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(formed.positions, 3));
+  geometry.setAttribute('normal', new BufferAttribute(formed.normals, 3));
+  geometry.setAttribute('uv', new BufferAttribute(formed.texture, 2));
+  geometry.setAttribute('pattern', new BufferAttribute(formed.pattern, 2));
+  geometry.setAttribute('figures', woven(formed.thickness, formed.temperature, formed.shape, formed.area));
+  geometry.setAttribute('marks', woven(formed.contact, formed.chart));
+  const fine = new BufferAttribute(formed.indices, 1), few = coarse(formed), rough = few && new BufferAttribute(few, 1);
+  geometry.setIndex(fine);
+
+  const ramps = {distortion: ramp('shape'), plain: ramp('thickness')};
+  const canvas = document.createElement('canvas');
+  canvas.width = canvas.height = overlaySize;
+  const overlay = new CanvasTexture(canvas);
+  overlay.flipY = false;
+  overlay.premultiplyAlpha = true;
+  overlay.colorSpace = NoColorSpace;
+  const uniforms = {
+    map: {value: 0}, cut: {value: 0}, moved: {value: false}, place: {value: new Matrix3()}, range: {value: new Vector3()},
+    outline: {value: new Color()}, noValue: {value: new Vector3(...noValue)}, touches: {value: new Vector3(...touches)},
+    touchesNot: {value: new Vector3(...touchesNot)}, printed: {value: printed}, drawn: {value: drawn}, ramp: {value: ramps.plain},
+    overlay: {value: overlay},
+  };
+  const material = new ShaderMaterial({uniforms, vertexShader, fragmentShader, glslVersion: GLSL3, side: DoubleSide});
+  const mesh = new Mesh(geometry, material);
+  mesh.frustumCulled = false;
+  viewer.root.add(mesh);
+
+  const [size, origin] = picturePlace(formed);
+
+  const onMold: number[] = [];
+  for (let i = 0; i < formed.contact.length; ++i)
+    if (formed.contact[i] === 1) onMold.push(...formed.positions.subarray(3 * i, 3 * i + 3));
+  const fitted = onMold.length > 0 ? onMold : formed.positions;
+  viewer.fit(fitted);
+  viewer.setSides(left);
+  // The letters stand around what touches the mold.
+  const half: [number, number] = [0, 0];
+  for (let i = 0; i < fitted.length; i += 3)
+    for (const k of [0, 1] as const) half[k] = Math.max(half[k], Math.abs(fitted[i + k]!));
+  let sides: Group | null = null;
+  const setSides = (): void => {
+    if (sides) release(sides);
+    viewer.root.add(sides = letters(viewer, half, 0, 0.12 * Math.max(...half), left));
+  };
+  setSides();
+
+  // Against the ground for the heat maps, whose ends are as dark or as bright as it; on the sheet itself for the print.
+  const setOutline = (): void => {
+    uniforms.outline.value = uniforms.map.value === 0 ? new Color(0.13, 0.17, 0.2) : viewer.colour('--text');
+  };
+  viewer.on('theme', () => {
+    setOutline();
+    setSides();
+  });
+  viewer.on('quality', () => {
+    geometry.setIndex(viewer.quality.coarse && rough ? rough : fine);
+    for (const texture of [printed, drawn]) {
+      if (texture.anisotropy >= viewer.quality.anisotropy) continue;  // each change sends the picture again
+      texture.anisotropy = viewer.quality.anisotropy;
+      texture.needsUpdate = true;
+    }
+  });
+
+  let surface: Surface | null = null;
+  return {
+    picture: {size, origin},
+    show(what) {
+      uniforms.map.value = mapNumbers[what.map];
+      setOutline();
+      uniforms.ramp.value = what.map === 'shape' || what.map === 'area' ? ramps.distortion : ramps.plain;
+      if (what.range) uniforms.range.value.set(what.range.low, what.range.high, what.isolines && isHeat(what.map) ? what.range.step : 0);
+      uniforms.moved.value = what.place !== null;
+      if (what.place) uniforms.place.value.set(...what.place as [number, number, number, number, number, number, number, number, number]);
+      viewer.halves = what.sideBySide ? (half) => { uniforms.cut.value = half === 0 ? 2 : -1; } : null;
+      uniforms.cut.value = what.cut;
+      viewer.invalidate(true);
+    },
+    draw(paint) {
+      const context = canvas.getContext('2d');
+      if (!context) return;
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      context.clearRect(0, 0, overlaySize, overlaySize);
+      context.setTransform(overlaySize / size[0], 0, 0, overlaySize / size[1], overlaySize * origin[0], overlaySize * origin[1]);
+      paint(context);
+      overlay.needsUpdate = true;
+      viewer.invalidate();
+    },
+    under(event) {
+      const {origin, direction} = viewer.ray(event);
+      return under(formed, origin.toArray(), direction.toArray());
+    },
+    nearest: (place) => nearest(formed, place),
+    way(a, b) {
+      surface ??= new Surface(formed.positions, formed.indices);
+      const way = surface.way(a, b);
+      const at = (vertex: number, k: 0 | 1): number => formed.sheet[2 * vertex + k]!;
+      return way && {length: way.length, sheet: [a.sheet, ...way.crossed.map(([from, to, share]): [number, number] =>
+        [at(from, 0) + share * (at(to, 0) - at(from, 0)), at(from, 1) + share * (at(to, 1) - at(from, 1))]), b.sheet]};
+    },
+    turnTo(place) {
+      const spot = nearest(formed, place), [x, y, z] = spot.normal, [turned = '0', , zoom = '1'] = viewer.camera.split('_');
+      // On top, where the normal points to no side, the side that one looks from stays.
+      const azimuth = Math.hypot(x, y) < 0.3 ? turned : Math.atan2(-x, y) * 180 / Math.PI;
+      viewer.camera = [azimuth, Math.min(70, Math.max(-20, Math.asin(z) * 180 / Math.PI)), Math.max(1.5, Number(zoom)), ...spot.point].join('_');
+    },
+  };
+}
+
+// The triangles of every second row and column, where the sheet is a regular grid; otherwise null.
+export function coarse({sheet, indices}: Pick<Formed, 'sheet' | 'indices'>): Uint32Array | null {
+  const count = sheet.length / 2, row = sheet[1] === sheet[3] ? 1 : 0;  // the coordinate that stays along a row
+  let across = 1;
+  while (across < count && sheet[2 * across + row] === sheet[row]) ++across;
+  const rows = count / across, few: number[] = [];
+  if (!Number.isInteger(rows) || indices.length !== 6 * (across - 1) * (rows - 1)) return null;
+  for (let j = 0; j < rows - 1; j += 2)
+    for (let i = 0; i < across - 1; i += 2) {
+      const right = Math.min(i + 2, across - 1) - i, a = j * across + i, up = (Math.min(j + 2, rows - 1) - j) * across;
+      few.push(a, a + right, a + right + up, a, a + right + up, a + up);
+    }
+  return Uint32Array.from(few);
+}
+
+// Width and height of the pictures in mm, the height negative since t goes up, and the shares at which s and t are 0.
+export function picturePlace({sheet, texture}: Pick<Formed, 'sheet' | 'texture'>): [[number, number], [number, number]] {
+  const axis = (k: 0 | 1): [number, number] => {
+    let low = 0, high = 0;
+    for (let i = 0; i < sheet.length / 2; ++i) {
+      if (sheet[2 * i + k]! < sheet[2 * low + k]!) low = i;
+      if (sheet[2 * i + k]! > sheet[2 * high + k]!) high = i;
+    }
+    const size = (sheet[2 * high + k]! - sheet[2 * low + k]!) / (texture[2 * high + k]! - texture[2 * low + k]!);
+    return [size, texture[2 * low + k]! - sheet[2 * low + k]! / size];
+  };
+  const [s, t] = [axis(0), axis(1)];
+  return [[s[0], t[0]], [s[1], t[1]]];
+}

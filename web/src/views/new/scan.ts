@@ -1,0 +1,369 @@
+// Section 1 of a new print: the scan. It is read in this browser, shown in the machine and placed there, before the server
+// has it. Without WebGL the figures and fields do the same.
+//
+// Properties: `settings` (scan, sheet, machine: what differs from the defaults), `inspected` (what the service found).
+// Events: "file" {file, facts}, "facts" {plausible, mirrored}, "change" {settings}. `show(place)` marks a place in mm.
+import {el, newId, replace, type Children} from '../../dom';
+import type {Settings} from '../../api/types';
+import {dropZone} from '../../parts/drop-zone';
+import {icon} from '../../parts/icon';
+import {numberField, type NumberField} from '../../parts/number-field';
+import {readScanFile, ScanFault} from '../../parts/reader';
+import {axes, inMillimetres, plausible, sizesOf, unitOf, units, type Axis, type Unit} from '../../read/facts';
+import {place, type Placed, type Placement} from '../../read/place';
+import type {ReadScan} from '../../read/prepare';
+import type {LeftSide} from '../../scene/orbit';
+import type {Frame, ScanScene} from '../../scene/scan';
+import {announce} from '../../state';
+import {bytes, duration, number, t} from '../../text';
+import {onEnd, View} from '../../view';
+
+export interface Suspicions {
+  plausible: boolean;  // the size, in the chosen unit, is one of a head
+  mirrored: boolean;   // the scan may be a mirror image
+}
+type Values = Record<string, unknown>;
+
+const extensions = ['.stl', '.obj', '.ply', '.off', '.glb'];
+const fronts = ['+y', '+x', '-y', '-x'] as const;  // by quarter turns
+const hopeless = ['empty', 'foreign', 'unknown', 'damaged'];  // the server would refuse them too
+
+const millimetres = (values: readonly number[]): string => `${values.map((value) => number(value, 0)).join(' × ')} mm`;
+const choice = <T extends string>(value: unknown, of: readonly T[], fallback: T): T => of.find((one) => one === value) ?? fallback;
+const longest = ({facts}: ReadScan): number => Math.max(...facts.low.map((value, k) => facts.high[k]! - value));
+const likeHead = ({like}: {like: string}): boolean => like === 'adult' || like === 'newborn';
+const keptUnder = 'vacuform.scan';  // tells whether a file that is chosen after a reload is the same
+
+class ScanSection extends View {
+  #settings: Settings = {};
+  #scan: {file: File; read: ReadScan; ms: number} | null = null;
+  #scene: ScanScene | null = null;
+  #flat = false;                       // there is no WebGL
+  #outline = true;
+  #trim: number | null = null;         // the height at which the service cuts
+  #reading = new AbortController();
+  #update = (): void => {};
+
+  get settings(): Settings { return this.#settings; }
+  set settings(settings: Settings) {
+    this.#settings = settings;
+    this.#update();
+  }
+  set inspected(found: {trim_mm?: number} | null) {
+    this.#trim = found?.trim_mm ?? null;
+    this.#update();
+  }
+  show(mm: readonly number[]): void {
+    this.#scene?.mark(mm);
+    this.#scene?.viewer.element.scrollIntoView({block: 'nearest'});
+    if (!this.#scene) announce(t('scan.place', {x: mm[0] ?? 0, y: mm[1] ?? 0, z: mm[2] ?? 0}));
+  }
+
+  // --- the settings as this section uses them
+  #value(group: string, key: string): unknown { return this.#settings[group]?.[key]; }
+  #number(group: string, key: string, fallback: number): number {
+    const value = this.#value(group, key);
+    return typeof value === 'number' ? value : fallback;
+  }
+  get #unit(): Unit | undefined { return units.find((unit) => unit === this.#value('scan', 'units')); }
+  get #up(): Axis { return choice(this.#value('scan', 'up'), axes, this.#scan?.read.facts.up.axis ?? '+z'); }
+  get #front(): Placement['front'] { return choice(this.#value('scan', 'front'), fronts, '+y'); }
+  get #left(): LeftSide { return choice(this.#value('scan', 'left_side'), ['minus_x', 'plus_x', 'unknown'], 'unknown'); }
+  get #mirror(): 'yes' | 'no' | 'auto' { return choice(this.#value('scan', 'mirror'), ['yes', 'no', 'auto'], 'auto'); }
+  get #plug(): number { return this.#number('machine', 'plug_height_mm', 0); }
+
+  #scale(read: ReadScan): number {
+    const side = longest(read), given = this.#value('scan', 'size_mm');
+    if (typeof given === 'number') return given / side;
+    // without a unit the scan is shown as large as a head
+    return this.#unit ? inMillimetres(this.#unit) : 200 / side;
+  }
+  #frame(): Frame {
+    const width = this.#number('machine', 'window_width_mm', 280), round = this.#value('machine', 'window') === 'circle';
+    return {sheet: [this.#number('sheet', 'width_mm', 300), this.#number('sheet', 'height_mm', 300)], round,
+            window: [width, round ? width : this.#number('machine', 'window_height_mm', 280)],
+            height: this.#number('machine', 'drape_height_mm', 0)};
+  }
+  #placed(read: ReadScan): Placed {
+    const angle = (key: string): number => this.#number('scan', key, 0);
+    return place(read.shown.positions, {
+      scale: this.#scale(read), up: this.#up, mirror: this.#mirror === 'yes', roll: angle('roll_deg'), pitch: angle('pitch_deg'),
+      front: this.#front, yaw: angle('yaw_deg')}, this.#number('scan', 'trim_mm', this.#trim ?? 0), this.#plug);
+  }
+  #suspicions(read: ReadScan): Suspicions {
+    const known = this.#unit !== undefined || typeof this.#value('scan', 'size_mm') === 'number';
+    return {plausible: known && plausible(longest(read) * this.#scale(read)),
+            mirrored: this.#left === 'plus_x' || (read.facts.insideOut && this.#mirror === 'auto')};
+  }
+
+  // --- what goes out
+  #change(values: Values): void {
+    // a scan that stands differently needs a new look at its sides
+    const turns = ['up', 'front', 'mirror'].some((key) => key in values) ||
+      ['yaw_deg', 'roll_deg', 'pitch_deg'].some((key) => typeof values[key] === 'number' && Math.abs(Number(values[key]) - this.#number('scan', key, 0)) >= 45);
+    if (turns && this.#left !== 'unknown' && !('left_side' in values)) values = {...values, left_side: 'unknown'};
+    this.#settings = {...this.#settings, scan: {...this.#settings['scan'], ...values}};
+    this.#update();
+    this.dispatchEvent(new CustomEvent('change', {detail: {settings: {scan: values}}, bubbles: true}));
+    if (this.#scan) this.dispatchEvent(new CustomEvent('facts', {detail: this.#suspicions(this.#scan.read), bubbles: true}));
+  }
+  #send(file: File, facts: Suspicions | null): void {
+    this.dispatchEvent(new CustomEvent('file', {detail: {file, facts}, bubbles: true}));
+  }
+
+  protected build(): Children {
+    const news = el('div', {class: 'scan-news'}), stage = el('div', {class: 'scan-stage'});
+    const body = el('div', {class: 'scan-body'}, stage, this.#fields());
+    const zone = dropZone({
+      id: 'scan-file', label: t('scan.choose'), hint: t('scan.drop_hint'), accept: extensions, everywhere: true,
+      take: (file) => void this.#take(file, news, stage),
+      refused: (name) => replace(news, el('p', {class: 'fault', role: 'alert'}, t('scan.other_kind', {name})))});
+    const follow = this.#update;
+    this.#update = () => {
+      body.hidden = !this.#scan && !this.#settings['scan'];
+      follow();
+      this.#standing();
+    };
+    onEnd(() => {
+      zone.end();
+      this.#reading.abort();
+      this.#scene?.viewer.dispose();
+    });
+    this.#update();
+    return [zone.element, news, body];
+  }
+
+  async #take(file: File, news: HTMLElement, stage: HTMLElement): Promise<void> {
+    this.#reading.abort();
+    const {signal} = this.#reading = new AbortController();
+    const bar = el('progress', {max: 1, value: 0, 'aria-label': t('scan.reading', {name: file.name})});
+    replace(news, el('div', {class: 'row', role: 'status'}, el('span', null, t('scan.reading', {name: file.name})), bar,
+      el('button', {type: 'button', onclick: () => { this.#reading.abort(); replace(news, null); }}, icon('cancel'), t('shell.cancel'))));
+    const began = performance.now();
+    try {
+      const read = await readScanFile(file, (share) => { bar.value = share; }, signal);
+      this.#scan = {file, read, ms: performance.now() - began};
+      this.#trim = null;
+      replace(news, null);
+      this.#scene?.viewer.dispose();
+      this.#scene = null;
+      const mark = [file.name, file.size, file.lastModified].join(' '), again = sessionStorage.getItem(keptUnder) === mark;
+      sessionStorage.setItem(keptUnder, mark);
+      // What is shown is what is sent: unit and axis are set, also where they are guesses.
+      const values: Values = again && this.#settings['scan'] ? {} : {
+        units: unitOf(read.facts) ?? 'auto', up: read.facts.up.axis, left_side: 'unknown', size_mm: 'auto', front: 'auto', mirror: 'auto',
+        yaw_deg: 0, roll_deg: 0, pitch_deg: 0, trim_mm: 'auto'};
+      this.#settings = {...this.#settings, scan: {...this.#settings['scan'], ...values}};
+      this.#send(file, this.#suspicions(read));
+      this.#change(values);
+      announce(t('scan.read', {triangles: read.facts.triangles}));
+      await this.#stand(stage);
+    } catch (error) {
+      if (signal.aborted) return;
+      if (!(error instanceof ScanFault)) throw error;
+      this.#scan = null;
+      replace(stage, null);
+      replace(news, this.#faultBox(file, error));
+      this.#update();
+    }
+  }
+
+  #faultBox(file: File, {body: {fault, where, detail}}: ScanFault): HTMLElement {
+    const id = newId('scan-fault');
+    return el('section', {class: 'problem', role: 'alert', 'aria-labelledby': id},
+      el('h2', {id}, icon('error'), t('scan.unread')),
+      el('p', null, t(`scan.fault_${fault}`, {detail})),
+      el('p', null, t('problem.where', {where: where ? `${file.name}, ${t(`scan.at_${where.unit}`, {at: where.at})}` : file.name})),
+      el('p', null, t('problem.fix', {fix: t(`scan.fix_${fault}`)})),
+      !hopeless.includes(fault) && el('p', null, el('button', {type: 'button', onclick: (event: Event) => {
+        (event.currentTarget as HTMLElement).remove();
+        this.#send(file, null);
+      }}, icon('upload'), t('scan.send_anyway'))));
+  }
+
+  // Builds the 3D view.
+  async #stand(stage: HTMLElement): Promise<void> {
+    const scan = this.#scan;
+    if (!scan) return;
+    const flat = (): void => {
+      this.#flat = true;
+      this.#scene = null;
+      replace(stage, el('p', {class: 'notice', role: 'status'}, icon('info'), t('scan.no_3d')));
+      this.#update();
+    };
+    if (this.#flat) return flat();
+    const {scanScene, NoWebGl} = await import('../../scene/scan');
+    if (this.#scan !== scan || !this.isConnected) return;
+    try {
+      this.#scene = scanScene(scan.read, {label: t('scan.view'), failed: flat});
+      replace(stage, this.#scene.viewer.element);
+      this.#update();
+    } catch (error) {
+      if (!(error instanceof NoWebGl)) throw error;
+      flat();
+    }
+  }
+  #standing(): void {
+    if (!this.#scene || !this.#scan) return;
+    const placed = this.#placed(this.#scan.read);
+    this.#scene.update({placed, plug: this.#plug, frame: this.#frame(), left: this.#left, outline: this.#outline});
+    this.#scene.viewer.setSummary(t('scan.summary', {size: millimetres(placed.size), view: this.#scene.viewer.viewWords()}));
+  }
+
+  // --- the fields; each adds what it does when the settings change to `follows`
+  #fields(): HTMLElement {
+    const follows: (() => void)[] = [];
+    this.#update = () => { for (const follow of follows) follow(); };
+    const host = (build: () => Children): HTMLElement => {
+      const element = el('div', {class: 'live'});
+      follows.push(() => {  // only what changed: an alert is not to be spoken again
+        const next = el('div', null, build());
+        if (next.innerHTML !== element.innerHTML) replace(element, [...next.childNodes]);
+      });
+      return element;
+    };
+    const angle = (key: string, label: string): HTMLElement => {
+      const row = this.#numberRow(follows, key, label, -180, 180, '°');
+      row.lastElementChild?.firstElementChild?.append(...[-5, 5].map((by) =>
+        el('button', {type: 'button', 'aria-label': t('scan.turn_by', {by, label}), onclick: () => {
+          this.#change({[key]: (this.#number('scan', key, 0) + by + 540) % 360 - 180});
+        }}, `${by < 0 ? '−' : '+'}5°`)));
+      return row;
+    };
+    return el('div', {class: 'scan-fields'},
+      host(() => this.#factList()),
+      this.#unitChoice(follows, host),
+      el('fieldset', null, el('legend', null, t('scan.up')), host(() => this.#upHint()),
+        el('div', {class: 'axes'}, axes.map((axis) => {
+          const button = el('button', {type: 'button', class: 'axis', 'aria-label': t('scan.up_axis', {axis}), onclick: () => this.#change({up: axis})}, axis.replace('-', '−'));
+          follows.push(() => button.setAttribute('aria-pressed', String(this.#up === axis)));
+          return button;
+        }))),
+      el('fieldset', null, el('legend', null, t('scan.front')), el('p', {class: 'hint'}, t('scan.front_hint')),
+        el('div', {class: 'row'},
+          ([['undo', 1, t('scan.turn_left')], ['redo', -1, t('scan.turn_right')]] as const).map(([name, by, text]) =>
+            el('button', {type: 'button', onclick: () => {
+              this.#change({front: fronts[(fronts.indexOf(this.#front) + by + 4) % 4]});
+              announce(t('scan.turned', {front: this.#front}));
+            }}, icon(name), text)))),
+      angle('yaw_deg', t('scan.yaw')),
+      this.#trimRow(follows),
+      this.#sides(follows, host),
+      el('details', null, el('summary', null, t('scan.more')),
+        angle('roll_deg', t('scan.roll')), angle('pitch_deg', t('scan.pitch')),
+        this.#select(follows, 'mirror', t('scan.mirror'), t('scan.mirror_hint'), [['auto', t('scan.mirror_auto')], ['no', t('scan.mirror_no')], ['yes', t('scan.mirror_yes')]]),
+        this.#select(follows, 'front', t('scan.front_side'), '', [['auto', t('settings.automatic')], ...fronts.map((side): [string, string] => [side, side])]),
+        this.#select(follows, 'up', t('scan.up'), '', [['auto', t('settings.automatic')], ...axes.map((side): [string, string] => [side, side])]),
+        this.#outlineBox()));
+  }
+
+  #outlineBox(): HTMLElement {
+    const box = el('input', {type: 'checkbox', checked: this.#outline, onchange: () => {
+      this.#outline = box.checked;
+      this.#standing();
+    }});
+    return el('label', {class: 'choice'}, box, t('scan.outline'));
+  }
+
+  #factList(): Children {
+    const scan = this.#scan;
+    if (!scan) return el('p', {class: 'hint'}, t('scan.fields_only'));
+    const {facts} = scan.read, placed = this.#placed(scan.read), frame = this.#frame(), doubt = this.#suspicions(scan.read);
+    const row = (name: string, value: string): Children => [el('dt', null, name), el('dd', null, value)];
+    const [w, h] = frame.window, wide = placed.half[0] > w / 2 || placed.half[1] > h / 2;
+    const warning = (text: string): HTMLElement => el('p', {class: 'notice'}, icon('warning'), el('span', null, text));
+    return [
+      el('dl', {class: 'facts'}, row(t('scan.name'), scan.file.name),
+        row(t('scan.file'), `${facts.format}, ${bytes(scan.file.size)}`),
+        row(t('scan.triangles'), number(facts.triangles)),
+        row(t('scan.size'), this.#unit || this.#value('scan', 'size_mm') ? millimetres(placed.size) : t('scan.size_unknown')),
+        row(t('scan.time'), duration(Math.max(1, scan.ms / 1000)))),
+      wide && doubt.plausible && warning(t('scan.too_wide', {window: millimetres(frame.round ? [w] : frame.window)})),
+      facts.insideOut && doubt.mirrored && warning(t('scan.inside_out'))];
+  }
+
+  #upHint(): Children {
+    const up = this.#scan?.read.facts.up;
+    return el('p', {class: 'hint'}, t(up && !up.told && up.axis === this.#up ? 'scan.up_guess' : 'scan.up_hint'));
+  }
+
+  #unitChoice(follows: (() => void)[], host: (build: () => Children) => HTMLElement): HTMLElement {
+    const name = newId('unit');
+    const cards = units.map((unit) => {
+      const input = el('input', {type: 'radio', name, value: unit, onchange: () => this.#change({units: unit, size_mm: 'auto'})});
+      const size = el('span', {class: 'quiet small'}), verdict = el('span', {class: 'verdict small'});
+      const card = el('label', {class: 'unit-card'}, el('span', {class: 'choice'}, input, t(`scan.unit_${unit}`)), size, verdict);
+      follows.push(() => {
+        input.checked = this.#unit === unit;
+        const guess = this.#scan && sizesOf(this.#scan.read.facts).find((one) => one.unit === unit);
+        const fits = guess ? likeHead(guess) : false;
+        card.classList.toggle('fits', fits);
+        size.textContent = guess ? guess.mm.some((mm) => mm >= 10_000) ? t('scan.huge') : `${guess.mm.map((mm) => number(mm, mm < 10 ? 1 : 0)).join(' × ')} mm` : '';
+        replace(verdict, guess ? [fits && icon('check'), t(`scan.like_${guess.like}`)] : null);
+      });
+      return card;
+    });
+    return el('fieldset', null, el('legend', null, t('scan.unit')), el('p', {class: 'hint'}, t('scan.unit_hint')),
+      el('div', {class: 'unit-cards'}, cards),
+      host(() => {
+        const read = this.#scan?.read;
+        if (!read || typeof this.#value('scan', 'size_mm') === 'number') return null;
+        const fitting = sizesOf(read.facts).filter(likeHead);
+        const text = this.#unit ? !this.#suspicions(read).plausible && t('scan.unit_implausible')
+          : fitting.length === 0 ? t('scan.unit_none') : t('scan.unit_choose');
+        return text && el('p', {class: 'notice', role: 'alert'}, icon('warning'), el('span', null, text));
+      }),
+      this.#numberRow(follows, 'size_mm', t('scan.longest'), 10, 2000, 'mm', () => typeof this.#value('scan', 'size_mm') === 'number' || (this.#scan !== null && !unitOf(this.#scan.read.facts))));
+  }
+
+  #numberRow(follows: (() => void)[], key: string, label: string, min: number, max: number, unit: string, needed = (): boolean => true): HTMLElement {
+    const id = `scan-section-${key}`;
+    const field: NumberField = numberField({id, label, named: true, unit, min, max, change: (value) => { if (value !== null) this.#change({[key]: value}); }});
+    const row = el('div', {class: 'field'}, el('label', {for: id}, label), field.element);
+    follows.push(() => {
+      row.hidden = !needed();
+      const value = this.#value('scan', key);
+      field.show(typeof value === 'number' ? value : unit === '°' ? 0 : null);
+    });
+    return row;
+  }
+
+  #trimRow(follows: (() => void)[]): HTMLElement {
+    const row = this.#numberRow(follows, 'trim_mm', t('scan.trim'), 0, 2000, 'mm');
+    const auto = el('input', {type: 'checkbox', onchange: () => this.#change({trim_mm: auto.checked ? 'auto' : Math.round(this.#trim ?? 30)})});
+    const hint = el('p', {class: 'hint'});
+    follows.push(() => {
+      auto.checked = typeof this.#value('scan', 'trim_mm') !== 'number';
+      row.hidden = auto.checked;
+      hint.textContent = !auto.checked ? t('scan.trim_hint') : this.#trim === null ? t('scan.trim_auto_hint') : t('scan.trim_found', {trim: Math.round(this.#trim)});
+    });
+    return el('fieldset', null, el('legend', null, t('scan.cut')), el('label', {class: 'choice'}, auto, t('scan.trim_auto')), hint, row);
+  }
+
+  // Seen from the front, +x is on the left of the picture.
+  #sides(follows: (() => void)[], host: (build: () => Children) => HTMLElement): HTMLElement {
+    const answer = (value: 'minus_x' | 'plus_x' | 'unknown', text: string): HTMLElement => {
+      const input = el('input', {type: 'radio', name: 'scan-left', value, onchange: () => {
+        this.#change(value === 'unknown' ? {left_side: value} : {left_side: value, front: this.#front, up: this.#up});
+      }});
+      follows.push(() => { input.checked = this.#left === value; });
+      return el('label', {class: 'choice'}, input, text);
+    };
+    return el('fieldset', {class: 'sides'}, el('legend', null, t('scan.left')), el('p', {class: 'hint'}, t('scan.left_hint')),
+      host(() => this.#scene && el('p', null, el('button', {type: 'button', id: 'scan-front-view', onclick: () => this.#scene?.viewer.setView('front')}, icon('view'), t('scan.left_view')))),
+      answer('minus_x', t('scan.left_in_right')), answer('plus_x', t('scan.left_in_left')), answer('unknown', t('scan.left_unknown')),
+      host(() => this.#left === 'plus_x'
+        ? el('div', {class: 'notice', role: 'alert'}, icon('warning'), el('div', null, el('p', null, t('scan.mirror_warning')),
+            el('button', {type: 'button', onclick: () => this.#change({mirror: this.#mirror === 'yes' ? 'no' : 'yes'})}, t('scan.mirror_now'))))
+        : this.#left === 'minus_x' ? el('p', {class: 'notice good'}, icon('check'), t('scan.left_confirmed')) : null));
+  }
+
+  #select(follows: (() => void)[], key: string, label: string, hint: string, options: [string, string][]): HTMLElement {
+    const id = `scan-section-${key}`;
+    const box = el('select', {id, 'aria-describedby': hint && `${id}-hint`, onchange: () => this.#change({[key]: box.value})},
+      options.map(([value, text]) => el('option', {value}, text)));
+    follows.push(() => { box.value = String(this.#value('scan', key) ?? 'auto'); });
+    return el('div', {class: 'field'}, el('label', {for: id}, label), hint && el('p', {class: 'hint', id: `${id}-hint`}, hint), box);
+  }
+}
+customElements.define('vf-scan-section', ScanSection);

@@ -1,0 +1,107 @@
+// A print that has succeeded: its figures, the formed sheet in 3D, its coils, and the flat print.
+// Event "stale" {stale}: the drawing was moved, so the files of the job do not match what is shown.
+import {el, replace, type Children} from '../dom';
+import {api} from '../api/client';
+import type {Job} from '../api/types';
+import {coilTable} from '../parts/coil-table';
+import {problemBox} from '../parts/problem';
+import {store} from '../state';
+import {coilsOf, resultOf, type PrintReport} from '../state/result';
+import {t} from '../text';
+import {onEnd, View} from '../view';
+import {adjustView} from './result/adjust';
+import {keyFigures} from './result/figures';
+import {partView, setResult, type Part} from './result/part';
+import {printSheet} from './result/print-sheet';
+
+export class ResultView extends View {
+  #job: Job | null = null;
+  #part: Part | null = null;
+
+  get job(): Job | null {
+    return this.#job;
+  }
+  set job(job: Job | null) {
+    if (job?.id === this.#job?.id) return;
+    this.#job = job;
+    if (!this.isConnected) return;
+    this.disconnectedCallback();
+    this.connectedCallback();
+  }
+  // Shows a place of the mold, in mm.
+  showPlace(x: number, y: number, z: number): void {
+    setResult({tab: 'part'});
+    this.#part?.showPlace([x, y, z]);
+  }
+
+  protected build(): Children {
+    const job = this.#job;
+    if (!job) return [];
+    const ends: (() => void)[] = [];
+    onEnd(() => {
+      this.#part = null;
+      for (const end of ends.splice(0).reverse()) end();
+    });
+    const place = (event: Event): void => {
+      const {x, y, z} = (event as CustomEvent<{x: number; y: number; z: number}>).detail;
+      this.showPlace(x, y, z);
+    };
+    this.addEventListener('show-place', place);
+    onEnd(() => this.removeEventListener('show-place', place));
+    setResult(resultOf(store.get().route.query));
+    const host = el('div', {class: 'result'}, el('p', {class: 'quiet', role: 'status'}, t('shell.loading')));
+    let over = false;
+    ends.push(() => { over = true; });
+    const load = (): void => void api.artifactJson<PrintReport>(job.id, 'report.json').then(
+      (report) => { if (!over) replace(host, this.#content(job, report, ends)); },
+      (error: unknown) => { if (!over) replace(host, problemBox(error, load)); });
+    load();
+    return host;
+  }
+
+  #content(job: Job, report: PrintReport, ends: (() => void)[]): Children {
+    const coils = coilsOf(report);
+    const part = this.#part = partView(job, report, coils, ends);
+    const table = coils.length > 0 ? coilTable(coils, ({id}) => setResult({coil: store.get().result.coil === id ? '' : id})) : null;
+    const stale = (now: boolean): void => void this.dispatchEvent(new CustomEvent('stale', {detail: {stale: now}, bubbles: true}));
+    const panels = {
+      part: el('div', {id: 'panel-part', role: 'tabpanel', 'aria-labelledby': 'tab-part', class: 'stack'},
+        part.element,
+        el('details', {class: 'card'}, el('summary', null, t('result.adjust')), adjustView(job, report, part, stale)),
+        table && el('section', {class: 'card'}, el('h3', null, t('result.coils')), table.element)),
+      sheet: el('div', {id: 'panel-sheet', role: 'tabpanel', 'aria-labelledby': 'tab-sheet'}),
+    };
+    const names = ['part', 'sheet'] as const;
+    const tabs = names.map((name) => el('button', {
+      type: 'button', role: 'tab', id: `tab-${name}`, 'aria-controls': `panel-${name}`, onclick: () => setResult({tab: name}),
+      onkeydown: (event) => {
+        if (event.key !== 'ArrowRight' && event.key !== 'ArrowLeft') return;
+        const other = names[1 - names.indexOf(name)] ?? 'part';
+        setResult({tab: other});
+        document.getElementById(`tab-${other}`)?.focus();
+      }}, t(`result.tab_${name}`)));
+    const apply = (): void => {
+      const {tab, coil} = store.get().result;
+      names.forEach((name, i) => {
+        const chosen = name === tab;
+        tabs[i]?.setAttribute('aria-selected', String(chosen));
+        tabs[i]?.setAttribute('tabindex', chosen ? '0' : '-1');
+        panels[name].hidden = !chosen;
+      });
+      if (tab === 'sheet' && !panels.sheet.hasChildNodes()) panels.sheet.append(printSheet(job, report, ends));
+      table?.select(coil);
+    };
+    apply();
+    ends.push(store.subscribe(apply));
+    return [
+      keyFigures(report),
+      el('div', {role: 'tablist', class: 'tabs', 'aria-label': t('result.tabs')}, ...tabs),
+      panels.part, panels.sheet];
+  }
+}
+customElements.define('vf-result', ResultView);
+declare global {
+  interface HTMLElementTagNameMap {
+    'vf-result': ResultView;
+  }
+}

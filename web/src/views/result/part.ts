@@ -1,0 +1,367 @@
+// The formed sheet in 3D with its maps, and everything that is read off it. Without WebGL: the pictures of the server.
+import {el, newId, replace} from '../../dom';
+import {api, artifactPath} from '../../api/client';
+import type {Job} from '../../api/types';
+import {identityOf, nameOf} from '../../parts/band';
+import {titleOf} from '../../parts/downloads';
+import {icon, type IconName} from '../../parts/icon';
+import {kindsLegend, legend, type Legend} from '../../parts/legend';
+import {problemBox} from '../../parts/problem';
+import {split} from '../../parts/split';
+import {readFormed} from '../../read/formed';
+import {toJob} from '../../route';
+import {announce, store} from '../../state';
+import {centreLines, maps, modes, queryOf, type Coil, type Line, type MapName, type PrintReport, type ResultState} from '../../state/result';
+import {colourAt, css, isHeat, marksOf, noValue, rangeOf, touches, touchesNot, type HeatName, type Range} from '../../scene/colour';
+import type {Sheet, Spot, Viewer} from '../../scene/sheet';
+import {number, t, withUnit} from '../../text';
+import {coilsAt, readings, readout} from './readout';
+import {framed} from './picture';
+
+type Place = readonly [number, number, number];
+type Scene = typeof import('../../scene/sheet');
+
+export interface Part {
+  element: HTMLElement;
+  showPlace(place: Place): void;
+  // Shows the drawing where `place` puts it; null: the print. Empty until the 3D view is there.
+  preview: ((place: ((picture: Sheet['picture']) => readonly number[]) | null) => void);
+}
+
+export const setResult = (change: Partial<ResultState>): void => store.set((state) => ({result: {...state.result, ...change}}));
+const units: Record<HeatName, string> = {shape: '', area: '', thickness: 'mm', temperature: '°C'};
+const hasValue: Record<HeatName, (spot: Spot) => number | null> = {
+  shape: (spot) => spot.shape, area: (spot) => spot.area, thickness: (spot) => spot.thickness, temperature: (spot) => spot.temperature};
+
+function pictures(job: Job, identity: string): HTMLElement {
+  const files = job.artifacts.filter((file) => /^preview-(?!pattern|print)/.test(file.name));
+  return el('div', {class: 'result-pictures'}, ...files.map((file) => el('figure', {class: 'card', 'data-file': file.name},
+    el('img', {src: artifactPath(job.id, file.name), alt: t('result.picture_of', {title: titleOf(file), identity}), loading: 'lazy'}),
+    el('figcaption', null, titleOf(file)))));
+}
+
+export function partView(job: Job, report: PrintReport, coils: readonly Coil[], ends: (() => void)[]): Part {
+  const identity = identityOf(job, report);
+  const group = (name: string): Record<string, unknown> => job.settings[name] ?? {};
+  const tolerances = {
+    thickness: report.thickness.initial_mm, thinLimit: Number(group('forming')['thin_limit'] ?? 0.3),
+    distortionLimit: Number(group('pattern')['distortion_limit'] ?? 1.1), material: String(group('sheet')['material'] ?? '')};
+  const range = (map: MapName): Range | null => isHeat(map) ? rangeOf(map, tolerances) : null;
+  const host = el('div', {class: 'result-view'}, el('p', {class: 'quiet', role: 'status'}, t('result.loading_3d')));
+  const reading = readout();
+  const legendHost = el('div', {class: 'legend-host'});
+  let bar: Legend | null = null;
+  let viewer: Viewer | null = null, sheet: Sheet | null = null, over = false;
+  let lines: ReadonlyMap<string, Line[]> = new Map();
+  let place: ((picture: Sheet['picture']) => readonly number[]) | null = null;
+  let last: Spot | null = null;           // what the readout shows
+  let marked: Spot | null = null;         // the place of a warning
+  let measuring = false, still = false;
+  const points: Spot[] = [];
+  let way: [number, number][] = [];
+  ends.push(() => {
+    over = true;
+    viewer?.dispose();
+  });
+
+  // ---- the choices beside the view
+  const choice = (value: MapName): HTMLElement => el('option', {value}, t(`result.map_${value}`));
+  const map = el('select', {id: 'result-map', onchange: () => setResult({map: maps.find((one) => one === map.value) ?? 'print'})},
+                 ...maps.map(choice));
+  const isolines = el('input', {type: 'checkbox', id: 'result-lines', onchange: () => setResult({isolines: isolines.checked})});
+  const isolinesField = el('label', {class: 'choice', for: 'result-lines'}, isolines, t('result.isolines'));
+  const modeButtons = modes.map((mode) => el('button', {type: 'button', onclick: () => setResult({mode})}, t(`result.mode_${mode}`)));
+  const modeGroup = el('div', {class: 'row segments', role: 'group', 'aria-label': t('result.mode')}, ...modeButtons);
+  const previewNote = el('p', {class: 'notice', role: 'status', hidden: true}, icon('info'), t('result.preview_shown'));
+
+  const divider = split({
+    label: t('result.split'), left: t('result.mode_drawn'), right: t('result.mode_with'),
+    spoken: (share) => t('result.split_value', {share: Math.round(100 * (1 - share))}),
+    change: (cut) => setResult({cut}),
+  });
+  const sideLabels = el('div', {class: 'side-labels'}, el('span', null, t('result.mode_drawn')), el('span', null, t('result.mode_with')));
+  const keysId = newId('result-keys');
+  const cross = el('div', {class: 'crosshair', 'aria-hidden': 'true'});
+
+  // ---- measuring
+  const measured = el('p', {class: 'measured', role: 'status'});
+  const measureButton = el('button', {type: 'button', 'aria-pressed': 'false', onclick: () => {
+    measuring = !measuring;
+    measureButton.setAttribute('aria-pressed', String(measuring));
+    if (!measuring) points.length = way.length = 0;
+    measured.textContent = measuring ? t('result.measure_how') : '';
+    paint();
+  }}, t('result.measure'));
+  function addPoint(spot: Spot | null): void {
+    if (!spot || !sheet) return;
+    if (points.length < 2) points.push(spot);
+    else {  // the nearer end moves
+      const [a, b] = points.map(({point}) => Math.hypot(...point.map((v, k) => v - spot.point[k]!)));
+      points[a! < b! ? 0 : 1] = spot;
+    }
+    const [a, b] = points;
+    way = [];
+    if (a && b) {
+      const found = sheet.way(a, b);
+      way = found?.sheet ?? [];
+      const straight = Math.hypot(...a.point.map((v, k) => v - b.point[k]!));
+      measured.textContent = found ? t('result.measured', {length: withUnit(found.length, 'mm', 1), straight: withUnit(straight, 'mm', 1)})
+                                   : t('result.no_way');
+    } else measured.textContent = t('result.measure_second');
+    paint();
+  }
+
+  // ---- what is marked on the sheet
+  function paint(): void {
+    const {coil} = store.get().result;
+    sheet?.draw((context) => {
+      const style = getComputedStyle(host), accent = style.getPropertyValue('--mark').trim() || '#005eb8';
+      const stroke = (trace: () => void, dashed = false): void => {
+        for (const [colour, width] of [['#fff', 2.6], [accent, 1.4]] as const) {
+          context.strokeStyle = colour;
+          context.lineWidth = width;
+          context.setLineDash(dashed && colour !== '#fff' ? [4, 3] : []);
+          context.beginPath();
+          trace();
+          context.stroke();
+        }
+      };
+      const along = (line: readonly (readonly [number, number])[]): void => line.forEach(([s, u], i) => i ? context.lineTo(s, u) : context.moveTo(s, u));
+      const ring = ({sheet: [s, u]}: Spot, radius: number): void => stroke(() => context.arc(s, u, radius, 0, 7));
+      context.lineJoin = context.lineCap = 'round';
+      if (coil && !place) stroke(() => lines.get(coil)?.forEach(along));
+      if (marked) for (const radius of [4, 9]) ring(marked, radius);
+      if (way.length > 1) stroke(() => along(way), true);
+      for (const point of points) ring(point, 1.6);
+    });
+  }
+
+  function read(spot: Spot | null, aloud = false): void {
+    if (!spot) {
+      if (aloud) announce(t('result.nothing_there'));
+      bar?.mark(null);
+      return;
+    }
+    last = spot;
+    const rows = readings(spot, lines), {map: shown} = store.get().result;
+    reading.show(rows);
+    bar?.mark(isHeat(shown) ? hasValue[shown](spot) : null);
+    if (aloud) announce(rows.map(([name, value]) => `${name}: ${value}`).join('; '));
+  }
+
+  // ---- following the state
+  function showLegend(shown: MapName): void {
+    const now = range(shown);
+    bar = null;
+    if (now && isHeat(shown)) {
+      const unit = units[shown], least = shown === 'shape' || shown === 'area';
+      bar = legend({
+        title: t(`result.legend_${shown}`), unit, low: now.low, high: now.high, marks: marksOf(now), limit: now.limit,
+        limitText: now.limit === undefined ? '' : t('result.limit', {value: number(now.limit, 2)}),
+        colours: Array.from({length: 11}, (_, i) => css(colourAt(shown, i / 10))),
+        below: least ? '' : t('result.below', {value: withUnit(now.low, unit)}),
+        above: t('result.above', {value: unit ? withUnit(now.high, unit) : number(now.high)})});
+    }
+    legendHost.replaceChildren(...(bar ? [bar.element] : shown === 'contact'
+      ? [kindsLegend(t('result.map_contact'), [{text: t('result.contact_mold'), colour: css(touches)},
+                                               {text: t('result.contact_free'), colour: css(touchesNot), hatched: true},
+                                               {text: t('result.contact_elsewhere'), colour: css(noValue)}])] : []));
+    if (last && bar && isHeat(shown)) bar.mark(hasValue[shown](last));
+  }
+  let before: ResultState | null = null;
+  function apply(now: ResultState): void {
+    if (before?.map !== now.map) showLegend(now.map);
+    map.value = now.map;
+    isolines.checked = now.isolines;
+    isolinesField.hidden = !isHeat(now.map);
+    modeButtons.forEach((button, i) => button.setAttribute('aria-pressed', String(modes[i] === now.mode)));
+    const moved = place !== null;
+    previewNote.hidden = !moved || !sheet;
+    modeGroup.hidden = moved;
+    divider.element.hidden = moved || now.mode !== 'split';
+    sideLabels.hidden = moved || now.mode !== 'side';
+    sheet?.show({
+      map: now.map, range: range(now.map), isolines: now.isolines, sideBySide: !moved && now.mode === 'side',
+      cut: now.mode === 'drawn' ? 1 : now.mode === 'split' ? now.cut : 0, place: place && sheet ? place(sheet.picture) : null});
+    if (before?.mode !== now.mode && now.mode === 'split') divider.set(now.cut);
+    if (before && before.coil !== now.coil) {
+      paint();
+      const coil = coils.find(({id}) => id === now.coil);
+      if (coil && !still) sheet?.turnTo(coil.centre);
+    }
+    viewer?.setSummary(summary(now));
+    before = now;
+    keepAddress();
+  }
+  function summary(now: ResultState): string {
+    const worst = Math.max(0, ...coils.filter((coil) => coil.onHead).map((coil) => coil.round));
+    return [t('result.summary', {map: t(`result.map_${now.map}`), thinnest: withUnit(report.thickness.least_mm, 'mm', 2)}),
+            coils.length > 0 && t('result.summary_coils', {count: coils.length, worst: `${number(100 * worst, 1)} %`})].filter(Boolean).join(' ');
+  }
+  // The address always restores the view, also after a reload.
+  function keepAddress(): void {
+    const route = store.get().route;
+    if (over || route.view !== 'job' || route.id !== job.id) return;
+    history.replaceState(null, '', toJob(job.id, queryOf({...store.get().result, camera: viewer?.camera ?? store.get().result.camera})));
+  }
+
+  // ---- link and picture
+  const linkField = el('input', {type: 'text', readonly: true, hidden: true, 'aria-label': t('result.link')});
+  async function copyLink(): Promise<void> {
+    keepAddress();
+    try {
+      await navigator.clipboard.writeText(location.href);
+      announce(t('result.link_copied'));
+    } catch {  // pages without TLS may not use the clipboard
+      linkField.value = location.href;
+      linkField.hidden = false;
+      linkField.select();
+    }
+  }
+  async function savePicture(): Promise<void> {
+    if (!viewer) return;
+    const {map: shown, mode, cut} = store.get().result, now = range(shown), unit = isHeat(shown) ? units[shown] : '';
+    const names: [string, string] = [t('result.mode_drawn'), t('result.mode_with')];
+    const blob = await framed(viewer.snapshot(), {
+      identity, view: [t('viewer.spoken', {view: viewer.viewWords()}), way.length > 0 && measured.textContent].filter(Boolean).join(' '),
+      title: place ? t('result.preview_title') : shown === 'print' && mode !== 'split' && mode !== 'side' ? t(`result.mode_${mode}`) : t(`result.map_${shown}`),
+      ...(mode === 'side' && !place && {halves: names}),
+      ...(mode === 'split' && !place && {cut: {share: cut, left: names[0], right: names[1]}}),
+      ...(now && isHeat(shown) && {colours: {
+        css: Array.from({length: 21}, (_, i) => css(colourAt(shown, i / 20))), unit,
+        marks: marksOf(now).map((mark) => [(mark - now.low) / (now.high - now.low), number(mark)] as const)}}),
+    });
+    const url = URL.createObjectURL(blob);
+    el('a', {href: url, download: `${nameOf(job).replace(/[^\w.-]+/g, '-')}-${shown}.png`}).click();
+    setTimeout(() => URL.revokeObjectURL(url), 10_000);
+    announce(t('result.picture_saved'));
+  }
+  const tool = (name: IconName, text: string, act: () => void): HTMLButtonElement =>
+    el('button', {type: 'button', onclick: act}, icon(name), text);
+
+  // ---- loading
+  const fallback = (why: string): void => {
+    viewer = sheet = null;
+    host.replaceChildren(el('p', {class: 'notice'}, icon('info'), why), pictures(job, identity));
+    element.classList.add('flat');
+  };
+  async function load(): Promise<void> {
+    if (!job.artifacts.some((file) => file.name === 'formed.glb')) return fallback(t('result.no_formed'));
+    try {
+      const [scene, file] = await Promise.all([
+        import('../../scene/sheet') as Promise<Scene>,
+        api.artifact(job.id, 'formed.glb').then((answer) => answer.arrayBuffer())]);
+      if (over) return;
+      try {
+        viewer = scene.createViewer({label: t('result.view_label', {job: nameOf(job)}), failed: () => fallback(t('result.lost_3d'))});
+      } catch (error) {
+        if (!(error instanceof scene.NoWebGl)) throw error;
+        return fallback(t('result.no_webgl'));
+      }
+      const {camera} = store.get().result;
+      replace(host, viewer.element);
+      const side = group('scan')['left_side'];
+      const made = await scene.createSheet(viewer, readFormed(file), side === 'minus_x' || side === 'plus_x' ? side : 'unknown');
+      if (over) return;
+      sheet = made;
+      viewer.frame.append(divider.element, sideLabels, cross);
+      viewer.camera = camera || viewer.camera.replace(/^[^_]*_[^_]*/, '25_38');
+      before = null;
+      apply(store.get().result);
+      listen(viewer, made);
+    } catch (error) {
+      if (over) return;
+      viewer?.dispose();
+      replace(host, [problemBox(error, () => void load()), pictures(job, identity)]);
+    }
+  }
+  // The centre lines come from the print itself; without them coils cannot be outlined.
+  async function loadLines(): Promise<void> {
+    if (coils.length === 0) return;
+    const svg = await (await api.artifact(job.id, 'print.svg')).text();
+    lines = centreLines(svg, report.print.mirrored);
+    paint();
+  }
+
+  function listen(view: Viewer, made: Sheet): void {
+    const {canvas} = view;
+    canvas.setAttribute('aria-describedby', `${canvas.getAttribute('aria-describedby') ?? ''} ${keysId}`.trim());
+    let pending: PointerEvent | null = null, down: [number, number] = [0, 0];
+    canvas.addEventListener('pointermove', (event) => {
+      if (event.buttons !== 0 || event.pointerType === 'touch') return;
+      if (!pending) requestAnimationFrame(() => {
+        if (pending && !over) read(made.under(pending));
+        pending = null;
+      });
+      pending = event;
+    });
+    canvas.addEventListener('pointerleave', () => { pending = null; });
+    canvas.addEventListener('pointerdown', (event) => { down = [event.clientX, event.clientY]; });
+    canvas.addEventListener('click', (event) => {
+      if (Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;  // a drag
+      const spot = made.under(event);
+      read(spot);
+      if (measuring) return addPoint(spot);
+      const hit = spot ? coilsAt(spot, lines) : [], {coil} = store.get().result;
+      if (hit.length > 0) choose(hit[(hit.indexOf(coil) + 1) % hit.length] ?? '');
+    });
+    canvas.addEventListener('keydown', (event) => {
+      if (event.ctrlKey || event.altKey || event.metaKey) return;
+      const key = event.key.toLowerCase(), {mode} = store.get().result;
+      if (key === 'i') read(made.under(), true);
+      else if (key === 'b') setResult({mode: mode === 'with' ? 'drawn' : 'with'});
+      else if (key === 'm') {
+        if (!measuring) measureButton.click();
+        addPoint(made.under());
+      } else return;
+      event.preventDefault();
+    });
+    view.on('rest', keepAddress);
+    view.on('theme', paint);
+  }
+  // Without turning the view: the coil is where the person clicked.
+  function choose(id: string): void {
+    still = true;
+    setResult({coil: id});
+    still = false;
+  }
+
+  const element = el('div', {class: 'result-part'},
+    el('div', {class: 'result-main'}, modeGroup, previewNote, host),
+    el('div', {class: 'result-side'},
+      el('section', {class: 'card'},
+        el('label', {for: 'result-map'}, t('result.map')), map, isolinesField, legendHost),
+      reading.element,
+      el('section', {class: 'card stack'},
+        el('h3', null, t('result.tools')),
+        el('div', {class: 'row'}, measureButton, tool('download', t('result.save_picture'), () => void savePicture()),
+          tool('copy', t('result.copy_link'), () => void copyLink())),
+        measured, linkField, el('p', {class: 'small quiet', id: keysId}, t('result.keys')))));
+  ends.push(store.subscribe((state) => {
+    if (!over && state.result !== before) apply(state.result);
+  }));
+  apply(store.get().result);
+  void load();
+  void loadLines().catch(() => {});
+
+  return {
+    element,
+    showPlace(at) {
+      if (!sheet || !viewer) {  // the picture has the places of all warnings
+        host.querySelector('[data-file="preview-findings.png"]')?.scrollIntoView({block: 'nearest'});
+        return;
+      }
+      marked = sheet.nearest(at);
+      sheet.turnTo(at);
+      paint();
+      read(marked, true);
+      viewer.element.scrollIntoView({block: 'nearest'});
+      viewer.canvas.focus({preventScroll: true});
+    },
+    preview(now) {
+      place = now;
+      paint();
+      apply(store.get().result);
+    },
+  };
+}

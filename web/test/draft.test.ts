@@ -1,0 +1,130 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import type {SettingsSchema} from '../src/api/types';
+import {
+  accepting, attemptFor, changed, doubtsOf, emptyDraft, redone, restored, saved, scanSettings, separated, staleJob, statusOf, submission,
+  undone, withProfile, withSetting, withSettings, type DraftState, type Origin, type Pattern, type SentFile} from '../src/state/draft';
+
+const schema: SettingsSchema = {properties: {
+  scan: {properties: {units: {type: 'string', enum: ['auto', 'mm'], default: 'auto'}, left_side: {type: 'string', default: 'unknown'}}},
+  sheet: {properties: {width_mm: {type: 'number', default: 300}, height_mm: {type: 'number', default: 300}}},
+  layout: {properties: {count: {type: 'number', default: 16}}},
+  print: {properties: {dpi: {type: 'integer', default: 300}}}}};
+const scan: SentFile = {upload: 'u1', whole: true, name: 'Meier.stl', bytes: 10, mark: '10-ab'};
+const pattern: Pattern = {...scan, upload: 'u2', name: 'rings.svg', mark: '9-cd', kind: 'svg', width: 10, height: 5, aspect: 2, layout: ''};
+const from: Origin = {
+  job: 'j1', kind: 'print', settings: {print: {dpi: 600}},
+  scan: {bytes: 1, sha256: 'aa', extension: 'stl'}, pattern: {bytes: 1, sha256: 'bb', extension: 'svg'}};
+const draft = (change: Partial<DraftState> = {}): DraftState => ({...emptyDraft('tab'), ...change});
+const fields = (of: DraftState, kind: 'print' | 'inspection' | 'layout' = 'print'): Record<string, string> =>
+  Object.fromEntries(submission(of, kind, schema));
+
+test('undo and redo go over the whole form', () => {
+  let now = draft();
+  now = {...now, ...changed(now, {reference: 'CASE-1'})};
+  now = {...now, ...changed(now, {settings: {print: {dpi: 600}}})};
+  assert.deepEqual(changed(now, {reference: 'CASE-1'}), {});
+  now = {...now, ...undone(now)};
+  assert.deepEqual([now.form.reference, now.form.settings], ['CASE-1', {}]);
+  now = {...now, ...undone(now)};
+  assert.equal(now.form.reference, '');
+  assert.deepEqual(undone(now), {});
+  now = {...now, ...redone(now)};
+  now = {...now, ...redone(now)};
+  assert.deepEqual([now.form.reference, now.form.settings, now.future.length], ['CASE-1', {print: {dpi: 600}}, 0]);
+  now = {...now, ...undone(now)};
+  now = {...now, ...changed(now, {note: 'new'})};
+  assert.equal(now.future.length, 0);
+});
+
+test('settings hold only what differs from the defaults', () => {
+  assert.deepEqual(withSettings({}, {print: {dpi: 300}, sheet: {width_mm: 450}}, schema), {sheet: {width_mm: 450}});
+  assert.deepEqual(withSetting({sheet: {width_mm: 450}}, 'sheet.width_mm', undefined), {});
+  assert.deepEqual(withSettings({}, {scan: {other: 1}}, schema), {}, 'a setting that this service lacks is left out');
+});
+
+test('another profile takes back what the former one set', () => {
+  const small = {sheet: {width_mm: 210}}, wide = {sheet: {height_mm: 450}};
+  const first = withProfile({print: {dpi: 600}}, {}, small, schema);
+  assert.deepEqual(first, {print: {dpi: 600}, sheet: {width_mm: 210}});
+  assert.deepEqual(withProfile(first, small, wide, schema), {print: {dpi: 600}, sheet: {height_mm: 450}});
+});
+
+test('a new print names its uploads and no file name', () => {
+  const now = draft({scan, form: {...draft().form, pattern, reference: 'CASE-1', note: 'thin', settings: {layout: {count: 9}, print: {dpi: 600}}}});
+  assert.deepEqual(fields(now), {
+    kind: 'print', settings: '{"print":{"dpi":600}}', scan_upload: 'u1', pattern_upload: 'u2', reference: 'CASE-1', note: 'thin'});
+  assert.ok(!JSON.stringify(fields(now)).includes('Meier'));
+  assert.deepEqual(fields(now, 'layout')['settings'], '{"layout":{"count":9},"print":{"dpi":600}}');
+  assert.equal(fields(now, 'inspection')['pattern_upload'], undefined);
+});
+
+test('a print from a job sends every setting, so that one can go back to its default', () => {
+  const now = draft({from, form: {...draft().form, settings: {}}});
+  assert.equal(fields(now)['from'], 'j1');
+  assert.equal(fields(now)['scan_upload'], undefined);
+  assert.deepEqual(JSON.parse(fields(now)['settings'] ?? ''), {
+    scan: {units: 'auto', left_side: 'unknown'}, sheet: {width_mm: 300, height_mm: 300}, print: {dpi: 300}});
+});
+
+test('the key stays until something else is started', () => {
+  let count = 0;
+  const newKey = (): string => `key-${++count}`;
+  const first = attemptFor(draft(), [['kind', 'print']], newKey);
+  const again = attemptFor(draft({attempt: first}), [['kind', 'print']], newKey);
+  const other = attemptFor(draft({attempt: first}), [['kind', 'layout']], newKey);
+  assert.deepEqual([first.key, again.key, other.key], ['key-1', 'key-1', 'key-2']);
+});
+
+test('a reload restores the draft, and nothing of what was on its way', () => {
+  const now = draft({scan: {...scan, whole: false}, form: {...draft().form, pattern, settings: {print: {dpi: 600}}}, accepted: ['side x'],
+    attempt: {key: 'k', content: 'c'}, faults: {'print.dpi': 'x'}, past: [draft().form]});
+  const kept = restored(saved(now), 'other');
+  assert.deepEqual([kept.tab, kept.form, kept.scan, kept.attempt, kept.accepted], [now.tab, now.form, now.scan, now.attempt, now.accepted]);
+  assert.deepEqual([kept.faults, kept.past], [{}, []]);
+  for (const text of [null, '', '{', '{"format":0}', '[]']) assert.equal(restored(text, 'new').tab, 'new');
+});
+
+test('a second tab has its own draft without unfinished uploads and without the key', () => {
+  const now = draft({scan: {...scan, whole: false}, attempt: {key: 'k', content: 'c'}, form: {...draft().form, pattern, note: 'n'}});
+  const copy = separated(now, 'two');
+  assert.deepEqual([copy.tab, copy.scan, copy.attempt, copy.form], ['two', null, null, now.form]);
+});
+
+test('sections say what is missing', () => {
+  const form = {...draft().form, pattern};
+  const statuses = (of: DraftState): string => (['scan', 'pattern', 'machine', 'check'] as const).map((one) => statusOf(of, one)).join(' ');
+  assert.equal(statuses(draft()), 'open open defaults open');
+  assert.equal(statuses(draft({scan: {...scan, whole: false}})), 'working open defaults open');
+  assert.equal(statuses(draft({scan, form: {...form, profile: 'a'}})), 'done done done open');
+  assert.equal(statuses(draft({scan, form, plan: {kind: 'print', settings: {}, inputs: {}}})), 'done done defaults ready');
+  assert.equal(statuses(draft({scan, form, faults: {'sheet.width_mm': 'no number'}})), 'done done problem open');
+  assert.equal(statuses(draft({scan, form, problem: {type: 'bad-settings', title: '', status: 422, where: 'pattern.scale'}})), 'done problem defaults problem');
+  assert.equal(statuses(draft({from})), 'done done done open');
+});
+
+test('a doubt is raised once for each scan', () => {
+  const now = draft({scan, facts: {plausible: false, mirrored: true}});
+  assert.deepEqual(doubtsOf(now, schema, []), ['mirror', 'size', 'side']);
+  const accepted = accepting(now, ['mirror', 'size', 'side']);
+  assert.deepEqual(doubtsOf({...now, accepted}, schema, []), []);
+  assert.deepEqual(doubtsOf({...now, accepted, scan: {...scan, mark: 'another'}}, schema, []), ['mirror', 'size', 'side']);
+  const confirmed = draft({scan, form: {...draft().form, settings: {scan: {left_side: 'minus_x'}}}});
+  assert.deepEqual(doubtsOf(confirmed, schema, []), []);
+  assert.deepEqual(doubtsOf(confirmed, schema, ['inside-out']), ['mirror']);
+});
+
+test('a result is out of date when the draft from it differs', () => {
+  const form = {...draft().form, settings: {print: {dpi: 600}}};
+  assert.equal(staleJob(draft()), null);
+  assert.equal(staleJob(draft({from, form})), null);
+  assert.equal(staleJob(draft({from, form: {...form, settings: {}}})), 'j1');
+  assert.equal(staleJob(draft({from, form: {...form, pattern}})), 'j1');
+});
+
+test('findings belong to the placement of the scan, not to its sides or the print', () => {
+  const at = (settings: DraftState['form']['settings']): string => scanSettings(draft({scan, form: {...draft().form, settings}}));
+  assert.equal(at({scan: {up: '+z', units: 'mm'}}), at({scan: {units: 'mm', left_side: 'minus_x', up: '+z'}, print: {dpi: 600}}));
+  assert.notEqual(at({}), at({scan: {up: '-z'}}));
+  assert.notEqual(at({}), at({machine: {window_width_mm: 100}}));
+});
