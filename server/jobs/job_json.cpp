@@ -70,7 +70,7 @@ ordered_json inputs_json(const Job& job) {
 ordered_json job_json(const Job& job, Detail detail) {
   ordered_json all = ordered_json::object();
   // One by one: a list of braces would make each value twice, and lists show many jobs.
-  all.get_ref<ordered_json::object_t&>().reserve(20);
+  all.get_ref<ordered_json::object_t&>().reserve(24);
   all["id"] = job.id;
   all["kind"] = name(job.kind);
   all["state"] = name(job.state);
@@ -80,6 +80,8 @@ ordered_json job_json(const Job& job, Detail detail) {
   all["attempt"] = job.attempt;
   all["priority"] = job.priority;
   all["owner"] = job.owner;
+  all["reference"] = job.reference;
+  all["note"] = job.note;
   all["derived_from"] = job.derived_from ? ordered_json(*job.derived_from) : ordered_json();
   all["version"] = job.version;
   all["created"] = rfc3339(job.created);

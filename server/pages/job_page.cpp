@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "api/job_text.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/pages/findings.hpp"
 #include "server/pages/pages.hpp"
@@ -104,6 +105,9 @@ ordered_json print_form_values(const Job& job) {
   const InputKind& pattern = *input_kind("pattern");
   return {{"title", pattern.title},
           {"extensions", pattern.extensions},
+          {"reference", job.reference},
+          {"reference_hint", reference_hint},
+          {"longest_reference", std::to_string(longest_reference)},
           {"waits", job.input("pattern") != nullptr}};
 }
 
@@ -165,6 +169,8 @@ Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log)
                        {"print_form", print_form_values(job)},
                        {"downloads", files_values(job, false)},
                        {"created", rfc3339(job.created)},
+                       {"reference", job.reference},
+                       {"note", job.note},
                        {"inputs", inputs_values(job)},
                        {"derived_from", job.derived_from.value_or("")},
                        {"priority", job.priority != 0 ? std::to_string(job.priority) : ""},

@@ -46,9 +46,9 @@ Result<Job> SqliteStore::create(NewJob job, bool* repeated) {
     if (!job.client_key.empty()) client_key = key_of(job);
     VACUFORM_CHECK(Query(db_,
                          "INSERT INTO job(id, kind, client_key, state, created, settings, request, owner,"
-                         " priority, derived_from) VALUES(?,?,?,'queued',?,?,?,?,?,?)",
+                         " priority, derived_from, reference, note) VALUES(?,?,?,'queued',?,?,?,?,?,?,?,?)",
                          id, name(job.kind), client_key, now, job.settings, job.request, job.owner,
-                         job.priority, job.derived_from)
+                         job.priority, job.derived_from, job.reference, job.note)
                        .run());
     for (std::size_t i = 0; i < blobs.size(); ++i) {
       VACUFORM_CHECK(keep(job.inputs[i], blobs[i]));
@@ -92,6 +92,7 @@ Result<std::optional<Job>> SqliteStore::made_before(const NewJob& job, const std
   VACUFORM_TRY(earlier, find(query.text(0)));
   bool same = earlier.kind == job.kind && earlier.settings == job.settings &&
               earlier.priority == job.priority && earlier.derived_from == job.derived_from &&
+              earlier.reference == job.reference && earlier.note == job.note &&
               earlier.inputs.size() == blobs.size();
   for (std::size_t i = 0; same && i < blobs.size(); ++i) {
     const Input* input = earlier.input(job.inputs[i].name);
@@ -108,7 +109,7 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
       db_,
       "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
       " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings,"
-      " serious_warnings"
+      " serious_warnings, reference, note"
       " FROM job WHERE id=?",
       id);
   VACUFORM_TRY(found, query.row());
@@ -136,6 +137,8 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
   if (!query.null(16)) job.not_before = query.integer(16);
   job.version = query.integer(17);
   if (!query.null(20)) job.serious_warnings = static_cast<int>(query.integer(20));
+  job.reference = query.text(21);
+  job.note = query.text(22);
   if (detail == Detail::brief) return job;
   job.settings = query.text(19);
   Query inputs(db_, "SELECT name, blob, bytes, extension FROM input WHERE job=?", id);

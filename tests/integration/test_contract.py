@@ -190,7 +190,8 @@ class Exchanges(Case):
         jobs = self.server.api + "/jobs"
         form = ["-F", f"scan=@{self.scan}", "-F", f"pattern=@{self.pattern}", "-F", 'settings={"print": {"dpi": 100}}']
         self.taken(*form, "-F", "print.dpi=150", self.server.api + "/validate")
-        first = self.taken("-H", "Idempotency-Key: 12345678", *form, jobs, status=202).json["id"]
+        texts = ["-F", "reference=CASE-12", "-F", "note=first\nsecond"]
+        first = self.taken("-H", "Idempotency-Key: 12345678", *form, *texts, jobs, status=202).json["id"]
         for _ in range(4):
             self.taken(*OF_JSON, "-d", json.dumps({"from": first, "priority": -1}), jobs, status=202)
         worker, lease = self.lease()

@@ -95,7 +95,9 @@ std::string reading() {
 }  // namespace
 
 std::string report_html(const ReportJson& report, const std::vector<Artifact>& files) {
-  const std::string label = escaped(text_of(at(report, {"label"})));
+  const ReportJson& reference = at(report, {"reference"});
+  const std::string label = escaped(text_of(at(report, {"label"})) +
+                                    (reference.is_string() ? ", reference " + text_of(reference) : ""));
   std::string out =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Vacuform report " +

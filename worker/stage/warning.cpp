@@ -43,6 +43,8 @@ constexpr WarningKind kinds[] = {
     {"pierced", Severity::serious, "Use a finer sheet.resolution_mm, or remove thin parts from the scan."},
     {"pins-not-met", Severity::warning, "Move the pins closer to where the chart puts them, or remove some."},
     {"rebuilt", Severity::warning, "Compare mold.stl with the scan, or repair the scan in a mesh editor."},
+    {"reference-incomplete", Severity::warning,
+     "Write the missing characters onto the print by hand, or use Latin letters and digits."},
     {"seams-not-enough", Severity::note, "Add cuts to pattern.seams."},
     {"segment-distorted", Severity::warning,
      "Keep ink away from the segment, or use a finer sheet.resolution_mm."},

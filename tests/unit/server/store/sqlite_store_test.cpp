@@ -148,6 +148,15 @@ TEST_F(SqliteStoreTest, TakesOverTheQueueOfAStoreOfVersionFive) {
   EXPECT_TRUE((*store)->log_after("0004", 0, 10)->empty());
 }
 
+// Before version twelve, jobs had no reference.
+TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionEleven) {
+  old_store(11, "INSERT INTO job(id, state, created, settings) VALUES('0001', 'queued', 7, '{}')");
+  const auto store = open_store(data_);
+  ASSERT_TRUE(store) << store.error().text();
+  const Job job = (*store)->job("0001").value();
+  EXPECT_EQ(job.reference + job.note, "");
+}
+
 // The work of a request does not grow with the queue: counted in steps of SQLite, since seconds differ from run to run.
 TEST_F(SqliteStoreTest, ALongQueueSlowsNothingDown) {
   const std::string hash = blob("a scan");

@@ -473,6 +473,26 @@ TEST_P(StoreTest, OneKeyMakesOneJob) {
   EXPECT_EQ(store_->list(100, "")->jobs.size(), 4u);
 }
 
+TEST_P(StoreTest, KeepsReferenceAndNoteAsPartOfASubmission) {
+  const auto submit = [&](const std::string& reference, const std::string& note,
+                          const std::string& key = "key-0001") {
+    NewJob job = submission("a scan", "a pattern", key);
+    job.reference = reference;
+    job.note = note;
+    return store_->create(std::move(job));
+  };
+  const auto made = submit("CASE-12 ä", "two\nlines");
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->reference, "CASE-12 ä");
+  reopen();
+  EXPECT_EQ(job(made->id).note, "two\nlines");
+  EXPECT_EQ(submit("CASE-12 ä", "two\nlines")->id, made->id);
+  EXPECT_EQ(submit("CASE-13", "two\nlines").error().code, Code::conflict);
+  EXPECT_EQ(submit("CASE-12 ä", "").error().code, Code::conflict);
+  const Job listed = store_->list(1, "", {}, Detail::brief)->jobs.at(0);
+  EXPECT_EQ(listed.reference + "/" + listed.note, "CASE-12 ä/two\nlines");
+}
+
 INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Sqlite", open_store}),
                          [](const auto& backend) { return backend.param.name; });
 
