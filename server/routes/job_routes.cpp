@@ -5,6 +5,7 @@
 
 #include "server/http/problem.hpp"
 #include "server/http/range.hpp"
+#include "server/jobs/download_name.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/jobs/submission.hpp"
 #include "server/jobs/zip.hpp"
@@ -123,6 +124,7 @@ Result<Response> get_artifact(Service& service, const Request& request, const Ca
     VACUFORM_TRY(file, service.store.open(artifact.blob));
     VACUFORM_TRY(response, http::file_response(request, std::move(file), std::string(kind->media_type),
                                                artifact.blob.sha256, artifact.blob.sha256));
+    response.set("Content-Disposition", content_disposition("inline", job, artifact.name));
     response.set("X-Content-Type-Options", "nosniff");
     // An SVG opened on its own must not run what a pattern brought along.
     response.set("Content-Security-Policy",
@@ -163,7 +165,7 @@ Result<Response> get_zip(Service& service, Checksums& checksums, const Request& 
                                    [&store = service.store](const Blob& blob) { return store.open(blob); });
   const std::uint64_t bytes = zip->bytes();
   VACUFORM_TRY(response, http::source_response(request, std::move(zip), bytes, "application/zip", etag));
-  response.set("Content-Disposition", "attachment; filename=\"vacuform-" + job.id + ".zip\"");
+  response.set("Content-Disposition", content_disposition("attachment", job, "artifacts.zip"));
   response.set("X-Content-Type-Options", "nosniff");
   return response;
 }

@@ -212,6 +212,27 @@ TEST_F(ServerApi, DownloadsKnowRangesAndEntityTags) {
   EXPECT_TRUE(head.body.empty());
 }
 
+TEST_F(ServerApi, DownloadsAreNamedForPeople) {
+  const auto named = [&](const std::string& more, const std::string& name) {
+    const std::string id = json::parse(submit(more).body)["id"];
+    const json held = lease();
+    finish({held["job"], held["lease"]});
+    const std::string disposition = ask("GET", "/api/v1/jobs/" + id + name).header("Content-Disposition");
+    EXPECT_EQ(ask("HEAD", "/api/v1/jobs/" + id + name).header("Content-Disposition"), disposition);
+    return std::pair(id.substr(18), disposition);
+  };
+  EXPECT_EQ(named(part("reference", "", "CASE-12"), "/artifacts/print.pdf").second,
+            "inline; filename=\"CASE-12-outer-print.pdf\"");
+  EXPECT_EQ(
+      named(part("reference", "", "Köln 7") + part("pattern.inked_face", "", "inner"), "/artifacts/print.svg")
+          .second,
+      "inline; filename=\"K-ln-7-inner-print.svg\"; filename*=UTF-8''K%C3%B6ln%207-inner-print.svg");
+  const auto [id, mold] = named("", "/artifacts/mold.stl");
+  EXPECT_EQ(mold, "inline; filename=\"" + id + "-mold.stl\"");
+  EXPECT_EQ(named(part("reference", "", "CASE-12"), "/artifacts.zip").second,
+            "attachment; filename=\"CASE-12-artifacts.zip\"");
+}
+
 TEST_F(ServerApi, AFailureReachesTheUserWithItsReason) {
   const std::string id = created();
   const json held = lease();
