@@ -193,7 +193,8 @@ class Service:
         return self.request("GET", "/jobs/" + id).json
 
     def jobs(self, **filters):
-        """All jobs that this token may see, newest first. Filters: state, kind, owner, created_after, created_before."""
+        """All jobs that this token may see, newest first. Filters: state, kind, owner, created_after,
+        created_before, text."""
         query = {"limit": 100, **filters}
         while True:
             page = self.request("GET", "/jobs?" + urllib.parse.urlencode(query)).json

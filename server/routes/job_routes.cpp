@@ -3,6 +3,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "api/base/text.hpp"
+#include "api/base/utf8.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/range.hpp"
 #include "server/jobs/download_name.hpp"
@@ -21,6 +23,8 @@ using http::Response;
 using nlohmann::ordered_json;
 
 namespace {
+
+constexpr std::size_t longest_searched = 100;  // characters
 
 Result<Response> no_room(Service& service, const Caller& caller, const Error& error) {
   VACUFORM_TRY(seconds, service.store.seconds_until_room(caller.owner));
@@ -93,6 +97,12 @@ Result<JobFilter> filter_of(const Request& request, const Caller& caller) {
   VACUFORM_TRY(before, time_of(request, "created_before"));
   filter.created_after = after;
   filter.created_before = before;
+  filter.text = std::string(trimmed(request.query_value("text")));
+  const auto points = code_points(filter.text);
+  if (!points || points->size() > longest_searched)
+    return fail(Code::bad_usage,
+                "the text is not UTF-8, or longer than " + std::to_string(longest_searched) + " characters",
+                "text", "give a part of the reference, the note or the id");
   return filter;
 }
 
@@ -191,7 +201,7 @@ void add_job_routes(http::Router& router, Service& service) {
   };
   add(Scope::submit, "POST", "", submit_job, largest_form());
   add_guarded(router, service, Scope::submit, "POST", "/api/v1/validate", validate_job, largest_form());
-  add(Scope::read, "GET", "?limit&cursor&state&kind&owner&created_after&created_before&full", list_jobs);
+  add(Scope::read, "GET", "?limit&cursor&state&kind&owner&created_after&created_before&text&full", list_jobs);
   add(Scope::read, "GET", "/{id}/log?after&limit", get_log);
   add(Scope::submit, "POST", "/{id}/cancel",
       cancelling([](const Job& job) { return json_response(job_json(job)); }));

@@ -2,6 +2,7 @@
 #include <functional>
 #include <limits>
 
+#include "api/base/utf8.hpp"
 #include "api/problem.hpp"
 #include "server/store/job_id.hpp"
 #include "server/store/sqlite_store.hpp"
@@ -228,17 +229,34 @@ Result<JobPage> SqliteStore::list(int limit, const std::string& cursor, const Jo
                                   Detail detail) {
   const std::lock_guard hold(commits_.lock());
   limit = std::clamp(limit, 1, 100);
-  VACUFORM_TRY(ids, ids_of(limit + 1, cursor.empty() ? "~" : cursor, filter));
+  const int looked_at = filter.text.empty() ? limit : most_searched;
+  VACUFORM_TRY(ids, ids_of(looked_at + 1, cursor.empty() ? "~" : cursor, filter));
+  const bool more = ids.size() > static_cast<std::size_t>(looked_at);
+  if (more) ids.pop_back();
+  const std::u32string text = folded(filter.text);
   JobPage page;
-  if (ids.size() > static_cast<std::size_t>(limit)) {
-    ids.pop_back();
-    page.next = ids.back();
-  }
   for (const auto& id : ids) {
+    if (!filter.text.empty()) {
+      VACUFORM_TRY(found, has_text(id, text));
+      if (!found) continue;
+    }
+    if (page.jobs.size() == static_cast<std::size_t>(limit)) {  // one more than the page takes
+      page.next = page.jobs.back().id;
+      return page;
+    }
     VACUFORM_TRY(job, find(id, detail));
     page.jobs.push_back(std::move(job));
   }
+  if (more) page.next = ids.back();
   return page;
+}
+
+Result<bool> SqliteStore::has_text(const std::string& id, const std::u32string& folded_text) {
+  if (folded(id).find(folded_text) != std::u32string::npos) return true;
+  Query query(db_, "SELECT reference, note FROM job WHERE id=?", id);
+  VACUFORM_TRY(found, query.row());
+  return found && (folded(query.text(0)).find(folded_text) != std::u32string::npos ||
+                   folded(query.text(1)).find(folded_text) != std::u32string::npos);
 }
 
 Result<std::optional<Job>> SqliteStore::newest_inspection(const StoredScan& scan) {

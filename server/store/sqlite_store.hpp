@@ -132,6 +132,7 @@ class SqliteStore : public Store {
   // The caller of all these holds the lock; those that change data are called inside write().
   Result<Job> find(const std::string& id, Detail detail = Detail::full);
   Result<std::vector<std::string>> ids_of(int count, const std::string& before, const JobFilter& filter);
+  Result<bool> has_text(const std::string& id, const std::u32string& folded_text);
   Result<Token> find_token(const std::string& id);
   Result<StoredUpload> upload_row(const std::string& id);
   Result<StoredScan> scan_row(const std::string& id);

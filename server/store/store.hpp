@@ -55,6 +55,7 @@ struct JobFilter {
   std::vector<JobState> states = {};  // any of these; empty: all
   std::optional<JobKind> kind = {};
   std::optional<Millis> created_after = {}, created_before = {};  // neither includes the time itself
+  std::string text = {};  // UTF-8, part of the reference, the note or the id, in any case; empty: all
 };
 
 // How much of a job a list contains: brief omits settings, inputs and artifacts, which are most of the work.
@@ -118,7 +119,8 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // ended within the last quarter of an hour: 1 to 600 seconds, and 60 if too few have ended for an estimate.
   virtual Result<std::int64_t> seconds_until_room(const std::string& owner) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
-  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor starts with the newest.
+  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor starts with the newest. A filter
+  // by text looks at most_searched jobs for a page, which may therefore have fewer jobs and still a `next`.
   virtual Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter = {},
                                Detail detail = Detail::full) = 0;
   // The owner's newest inspection of these bytes with that extension, or nullopt.
@@ -185,6 +187,7 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
                                       const std::function<bool()>& going) = 0;
 };
 
+inline constexpr int most_searched = 2000;  // jobs
 inline constexpr int most_log_lines = 500, longest_log_line = 200;
 
 struct StoreOptions {

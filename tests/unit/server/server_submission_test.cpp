@@ -170,6 +170,28 @@ TEST_F(ServerSubmission, AJobFromAnotherTakesItsReferenceAndNotItsNote) {
   EXPECT_EQ(other["note"], "new");
 }
 
+TEST_F(ServerSubmission, JobsAreFoundByAPartOfTheirText) {
+  const std::string koeln = json::parse(submit(part("reference", "", "KÖLN 100%")).body)["id"],
+                    plus = json::parse(submit(part("note", "", "a+b_c")).body)["id"];
+  const auto found = [&](const std::string& query, const std::string& headers = "") {
+    const Answer answer = ask("GET", "/api/v1/jobs?" + query, headers);
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    std::vector<std::string> ids;
+    for (const json& job : json::parse(answer.body)["jobs"]) ids.push_back(job["id"]);
+    return ids;
+  };
+  using Ids = std::vector<std::string>;
+  EXPECT_EQ(found("text=k%C3%B6ln+100%25"), Ids{koeln});
+  EXPECT_EQ(found("text=_"), Ids{plus});
+  EXPECT_EQ(found("text=A%2Bb"), Ids{plus});
+  EXPECT_EQ(found("text=" + koeln.substr(18)), Ids{koeln});
+  EXPECT_EQ(found("text=+"), (Ids{plus, koeln}));
+  EXPECT_EQ(found("text=k%C3%B6ln&state=failed"), Ids{});
+  EXPECT_EQ(found("text=k%C3%B6ln", bearer(token("station-2", {Scope::read}))), Ids{});  // of another owner
+  EXPECT_EQ(ask("GET", "/api/v1/jobs?text=" + std::string(101, 'a')).status, 400);
+  EXPECT_EQ(json::parse(ask("GET", "/api/v1/jobs?text=%FF").body)["where"], "text");
+}
+
 TEST_F(ServerSubmission, AReferenceIsPartOfWhatAKeyNames) {
   const auto send = [&](const std::string& reference) {
     return ask("POST", "/api/v1/jobs", form_type + std::string("Idempotency-Key: 12345678\r\n"),

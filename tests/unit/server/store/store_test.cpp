@@ -493,6 +493,47 @@ TEST_P(StoreTest, KeepsReferenceAndNoteAsPartOfASubmission) {
   EXPECT_EQ(listed.reference + "/" + listed.note, "CASE-12 ä/two\nlines");
 }
 
+TEST_P(StoreTest, ListsJobsByTheirText) {
+  const auto make = [&](const std::string& reference, const std::string& note,
+                        const std::string& owner = "a") {
+    NewJob job = submission();
+    job.reference = reference;
+    job.note = note;
+    job.owner = owner;
+    return store_->create(std::move(job))->id;
+  };
+  const std::string koeln = make("KÖLN 100%", ""), under = make("A_1", "second scan\nurgent"),
+                    plain = make("A-1", "", "b");
+  const auto found = [&](const std::string& text, JobFilter filter = {}) {
+    filter.text = text;
+    std::vector<std::string> ids;
+    for (const Job& job : store_->list(10, "", filter)->jobs) ids.push_back(job.id);
+    return ids;
+  };
+  using Ids = std::vector<std::string>;
+  EXPECT_EQ(found("köln"), Ids{koeln});
+  EXPECT_EQ(found("KOLN"), Ids{});
+  EXPECT_EQ(found("%"), Ids{koeln});
+  EXPECT_EQ(found("_"), Ids{under});
+  EXPECT_EQ(found("*"), Ids{});
+  EXPECT_EQ(found("a"), (Ids{plain, under}));
+  EXPECT_EQ(found("SCAN\nUrg"), Ids{under});
+  EXPECT_EQ(found("1", {.owner = "b"}), Ids{plain});
+  EXPECT_EQ(found("a", {.states = {JobState::failed}}), Ids{});
+  EXPECT_EQ(found("a", {.kind = JobKind::print}), (Ids{plain, under}));
+  std::string end = koeln.substr(18);
+  for (char& c : end) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+  EXPECT_EQ(found(end), Ids{koeln});
+  // In pages: the cursor stands between two that are found.
+  const JobPage first = store_->list(1, "", {.text = "a"}).value();
+  ASSERT_EQ(first.jobs.size(), 1u);
+  EXPECT_EQ(first.jobs[0].id, plain);
+  const JobPage second = store_->list(1, first.next.value(), {.text = "a"}).value();
+  ASSERT_EQ(second.jobs.size(), 1u);
+  EXPECT_EQ(second.jobs[0].id, under);
+  EXPECT_FALSE(second.next);
+}
+
 INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Sqlite", open_store}),
                          [](const auto& backend) { return backend.param.name; });
 
