@@ -17,6 +17,7 @@ http::Router all_routes(Service& service) {
   add_scan_routes(router, service);
   add_profile_routes(router, service);
   add_token_routes(router, service);
+  add_session_routes(router, service);
   add_limits_routes(router, service);
   add_backup_routes(router, service);
   add_page_routes(router, service);

@@ -15,6 +15,7 @@ void add_event_routes(http::Router& router, Service& service);   // /api/v1/jobs
 void add_upload_routes(http::Router& router, Service& service);  // /api/v1/uploads...: tus
 void add_scan_routes(http::Router& router, Service& service);    // /api/v1/scans...
 void add_profile_routes(http::Router& router, Service& service);  // /api/v1/profiles...
+void add_session_routes(http::Router& router, Service& service);  // /api/v1/session
 void add_limits_routes(http::Router& router, Service& service);   // /api/v1/limits
 void add_page_routes(http::Router& router, Service& service);     // /, /jobs/{id}: HTML
 void add_sign_in_routes(http::Router& router, Service& service);  // /sign-in, /sign-out: HTML

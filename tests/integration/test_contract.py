@@ -144,7 +144,7 @@ class Exchanges(Case):
             self.assertEqual(CONTRACT.all_operations() - CONTRACT.taken, set())
 
     def say_what_the_service_is(self):
-        for path in ("/healthz", "/api/v1/limits", "/api/v1/settings-schema", "/api/v1/openapi.yaml"):
+        for path in ("/healthz", "/api/v1/limits", "/api/v1/session", "/api/v1/settings-schema", "/api/v1/openapi.yaml"):
             self.taken(self.server.url + path)
         copy = self.folder / "copy"
         copy.mkdir(mode=0o700)
