@@ -9,7 +9,7 @@ namespace vacuform {
 
 namespace {
 
-constexpr std::size_t longest = 160;  // bytes of a reference in a name: file systems take 255 in all
+constexpr std::size_t longest_part = 160;  // bytes of a reference in a name: file systems take 255 in all
 
 bool is_plain(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
@@ -27,7 +27,7 @@ std::string whole_part(const std::string& reference) {
   std::u32string points = code_points(reference).value_or(std::u32string());
   for (char32_t& c : points)
     if (c < ' ' || std::u32string_view(U"/\\:*?\"<>|%").find(c) != std::u32string_view::npos) c = '-';
-  while (utf8(points).size() > longest) points.pop_back();
+  while (utf8(points).size() > longest_part) points.pop_back();
   return std::string(without_ends(utf8(points)));
 }
 
