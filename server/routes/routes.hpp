@@ -20,6 +20,7 @@ void add_limits_routes(http::Router& router, Service& service);   // /api/v1/lim
 void add_page_routes(http::Router& router, Service& service);     // /, /jobs/{id}: HTML
 void add_sign_in_routes(http::Router& router, Service& service);  // /sign-in, /sign-out: HTML
 void add_about_routes(http::Router& router);                      // what is about the service itself
+void add_service_routes(http::Router& router, Service& service);  // /api/v1/service, for administrators
 void add_backup_routes(http::Router& router, Service& service);   // /api/v1/backup, for administrators
 http::Router all_routes(Service& service);
 

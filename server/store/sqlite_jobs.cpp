@@ -273,6 +273,10 @@ Result<std::optional<Job>> SqliteStore::newest_inspection(const StoredScan& scan
 
 Result<JobCounts> SqliteStore::counts() {
   const std::lock_guard hold(commits_.lock());
+  return counts_now();
+}
+
+Result<JobCounts> SqliteStore::counts_now() {
   JobCounts counts{};
   Query query(db_, "SELECT state, count(*) FROM job GROUP BY state");
   for (;;) {

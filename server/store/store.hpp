@@ -41,6 +41,7 @@
 #include "api/base/clock.hpp"
 #include "api/base/error.hpp"
 #include "api/retry.hpp"
+#include "server/store/disk_room.hpp"
 #include "server/store/job.hpp"
 #include "server/store/profiles.hpp"
 #include "server/store/scans.hpp"
@@ -97,6 +98,22 @@ struct BackupReport {
       damaged;  // hashes of blobs that were left out, since their bytes are no longer theirs
 };
 
+// A worker that holds a job.
+struct WorkingWorker {
+  std::string name, job;
+  Millis heard = 0;  // of its last heartbeat
+};
+
+// The state of the store, for administrators.
+struct StoreStatus {
+  std::int64_t schema = 0;  // version of the tables
+  JobCounts counts{};
+  std::optional<Millis> oldest_queued;  // when the job was created that waits the longest
+  std::optional<Millis> last_backup;
+  DiskSpace disk;
+  std::vector<WorkingWorker> working;  // in the order of their jobs
+};
+
 // A job whose lease ran out, for the log.
 struct Expired {
   std::string job;
@@ -128,6 +145,7 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // The number of jobs in each state, by the state's number. A job whose lease has expired counts in its next state:
   // queued, or cancelled.
   virtual Result<JobCounts> counts() = 0;
+  virtual Result<StoreStatus> status() = 0;
   // A queued job is cancelled at once, a running one when its worker reports it; a cancelled one stays cancelled.
   // `allowed`, if given, gets the job in its state at the change, and may refuse with false; the same applies to
   // remove(). Errors: not_found; conflict if it has succeeded or failed, or `allowed` refused.
@@ -181,7 +199,7 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   virtual Result<std::vector<Expired>> bury(const std::string& worker) = 0;
 
   // Copies everything into an empty folder while the store is in use: rows from one moment, blobs as hard links if the
-  // disk is the same, each checked against its hash. open_store() opens the copy. `going` may cancel it. Errors:
+  // disk is the same, each checked against its hash. open_store() opens the copy. `going` may cancel it. status() tells when it was done. Errors:
   // bad_usage (not an empty folder of this user), unavailable (disk full), cancelled.
   virtual Result<BackupReport> backup(const std::filesystem::path& to,
                                       const std::function<bool()>& going) = 0;

@@ -149,6 +149,7 @@ class Exchanges(Case):
         copy = self.folder / "copy"
         copy.mkdir(mode=0o700)
         self.taken(*OF_JSON, "-d", json.dumps({"to": str(copy)}), self.server.api + "/backup")
+        self.assertIsNotNone(self.taken(self.server.api + "/service").json["last_backup"])
 
     def use_profiles_and_tokens(self):
         place = self.server.api + "/profiles/house"

@@ -467,6 +467,40 @@ TEST_F(ServerApi, ABackupNeedsAnEmptyFolderOfTheServersOwn) {
   EXPECT_EQ((*open_store(to))->list(10, "")->jobs.size(), 1u);
 }
 
+TEST_F(ServerApi, AdministratorsSeeTheStateOfTheService) {
+  EXPECT_EQ(ask("GET", "/api/v1/service").status, 403);
+  const auto service = [&] { return json::parse(ask("GET", "/api/v1/service", bearer(admin_)).body); };
+  const json empty = service();
+  EXPECT_EQ(empty["version"], VACUFORM_VERSION);
+  EXPECT_GE(empty["uptime_seconds"], 0);
+  EXPECT_LT(empty["uptime_seconds"], 600);
+  EXPECT_GE(empty["schema"], 12);
+  EXPECT_EQ(empty["queue"], (json{{"length", 0}, {"oldest_seconds", nullptr}}));
+  EXPECT_EQ(empty["workers"], json::array());
+  EXPECT_EQ(empty["last_backup"], nullptr);
+  EXPECT_GT(empty["disk"]["total_bytes"], empty["disk"]["kept_free_bytes"]);
+
+  const std::string id = created();
+  created();
+  EXPECT_EQ(
+      ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"w1","protocol":2,"sandbox":["seccomp"]})")
+          .status,
+      200);
+  const auto held = store_->lease("w0");  // by a worker that has not asked this server
+  ASSERT_TRUE(held && *held);
+  const json busy = service();
+  EXPECT_EQ(busy["jobs"]["running"], 2);
+  EXPECT_EQ(busy["jobs"]["queued"], 0);
+  ASSERT_EQ(busy["workers"].size(), 2u);
+  EXPECT_EQ(busy["workers"][0]["worker"], "w0");
+  EXPECT_EQ(busy["workers"][0]["job"], (*held)->job.id);
+  EXPECT_EQ(busy["workers"][0]["sandbox"], nullptr);
+  EXPECT_EQ(busy["workers"][1]["job"], id);
+  EXPECT_EQ(busy["workers"][1]["sandbox"], json{"seccomp"});
+  EXPECT_EQ(busy["workers"][1]["lacks"], (json{"namespaces", "landlock"}));
+  EXPECT_TRUE(from_rfc3339(busy["workers"][1]["last_seen"].get<std::string>()));
+}
+
 TEST_F(ServerApi, EverySettingHasALabelledField) {
   const std::string page = ask("GET", "/").body;
   const json schema = json::parse(ask("GET", "/api/v1/settings-schema").body);

@@ -534,6 +534,40 @@ TEST_P(StoreTest, ListsJobsByTheirText) {
   EXPECT_FALSE(second.next);
 }
 
+TEST_P(StoreTest, TellsAdministratorsHowItDoes) {
+  const StoreStatus empty = store_->status().value();
+  EXPECT_FALSE(empty.oldest_queued || empty.last_backup);
+  EXPECT_GT(empty.disk.total, empty.disk.free);
+  EXPECT_EQ(empty.disk.kept_free, 3u << 18);  // three quarters of what the test keeps free
+
+  create();
+  const LeaseKey key = lease();
+  const Millis first = now_ += 1000;
+  create();
+  now_ += 5000;
+  create();
+  ASSERT_TRUE(store_->heartbeat(key, std::nullopt, 0));
+  now_ += 2000;
+  const StoreStatus status = store_->status().value();
+  EXPECT_EQ(status.counts[static_cast<std::size_t>(JobState::queued)], 2);
+  EXPECT_EQ(status.oldest_queued, first);
+  ASSERT_EQ(status.working.size(), 1u);
+  EXPECT_EQ(status.working[0].name, "tester");
+  EXPECT_EQ(status.working[0].job, key.job);
+  EXPECT_EQ(status.working[0].heard, now_ - 2000);
+  now_ += 60'000;  // the lease is over
+  EXPECT_TRUE(store_->status()->working.empty());
+
+  const fs::path copy = folder_ / "copy";
+  fs::create_directory(copy);
+  fs::permissions(copy, fs::perms::owner_all);
+  ASSERT_TRUE(store_->backup(copy, [] { return true; }));
+  EXPECT_EQ(store_->status()->last_backup, now_);
+  ASSERT_FALSE(store_->backup(copy, [] { return true; }));  // not empty
+  reopen();
+  EXPECT_EQ(store_->status()->last_backup, now_);
+}
+
 INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Sqlite", open_store}),
                          [](const auto& backend) { return backend.param.name; });
 
