@@ -29,7 +29,11 @@ ordered_json all_workers_json(const Workers& workers, const StoreStatus& status)
   for (const WorkingWorker& worker : status.working) {
     ordered_json& object = all[worker.name];
     if (object.is_null())
-      object = {{"worker", worker.name}, {"last_seen", ""}, {"job", nullptr}, {"sandbox", nullptr}, {"lacks", nullptr}};
+      object = {{"worker", worker.name},
+                {"last_seen", ""},
+                {"job", nullptr},
+                {"sandbox", nullptr},
+                {"lacks", nullptr}};
     object["last_seen"] = std::max(object["last_seen"].get<std::string>(), rfc3339(worker.heard));
     object["job"] = worker.job;
   }
@@ -41,21 +45,23 @@ ordered_json all_workers_json(const Workers& workers, const StoreStatus& status)
 Result<Response> show_service(Service& service, Request&, const Caller&) {
   VACUFORM_TRY(status, service.store.status());
   ordered_json jobs = ordered_json::object();
-  for (std::size_t i = 0; i < status.counts.size(); ++i) jobs[std::string(job_state_names[i])] = status.counts[i];
+  for (std::size_t i = 0; i < status.counts.size(); ++i)
+    jobs[std::string(job_state_names[i])] = status.counts[i];
   const auto queued = status.counts[static_cast<std::size_t>(JobState::queued)];
   ordered_json oldest;
   if (status.oldest_queued) oldest = std::max<Millis>(0, wall_clock() - *status.oldest_queued) / 1000;
-  return json_response({{"version", version},
-                        {"uptime_seconds", (boot_clock() - service.started) / 1000},
-                        {"schema", status.schema},
-                        {"jobs", std::move(jobs)},
-                        {"queue", {{"length", queued}, {"oldest_seconds", std::move(oldest)}}},
-                        {"workers", all_workers_json(service.workers, status)},
-                        {"disk",
-                         {{"total_bytes", status.disk.total},
-                          {"free_bytes", status.disk.free},
-                          {"kept_free_bytes", status.disk.kept_free}}},
-                        {"last_backup", status.last_backup ? ordered_json(rfc3339(*status.last_backup)) : ordered_json()}});
+  return json_response(
+      {{"version", version},
+       {"uptime_seconds", (boot_clock() - service.started) / 1000},
+       {"schema", status.schema},
+       {"jobs", std::move(jobs)},
+       {"queue", {{"length", queued}, {"oldest_seconds", std::move(oldest)}}},
+       {"workers", all_workers_json(service.workers, status)},
+       {"disk",
+        {{"total_bytes", status.disk.total},
+         {"free_bytes", status.disk.free},
+         {"kept_free_bytes", status.disk.kept_free}}},
+       {"last_backup", status.last_backup ? ordered_json(rfc3339(*status.last_backup)) : ordered_json()}});
 }
 
 }  // namespace

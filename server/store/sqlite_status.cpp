@@ -24,7 +24,8 @@ Result<StoreStatus> SqliteStore::status() {
   VACUFORM_TRY(made, backup.row());
   if (made) status.last_backup = backup.integer(0);
   const Millis elapsed = options_.elapsed(), now = options_.clock();
-  Query running(db_, "SELECT coalesce(worker, ''), id FROM job WHERE state IN ('running','cancelling') ORDER BY id");
+  Query running(
+      db_, "SELECT coalesce(worker, ''), id FROM job WHERE state IN ('running','cancelling') ORDER BY id");
   for (;;) {
     VACUFORM_TRY(more, running.row());
     if (!more) return status;
@@ -37,7 +38,9 @@ Result<StoreStatus> SqliteStore::status() {
 
 Result<void> SqliteStore::remember_backup() {
   return write([&] {
-    return Query(db_, "INSERT OR REPLACE INTO remembered(name, value) VALUES(?,?)", last_backup, options_.clock()).run();
+    return Query(db_, "INSERT OR REPLACE INTO remembered(name, value) VALUES(?,?)", last_backup,
+                 options_.clock())
+        .run();
   });
 }
 

@@ -62,6 +62,10 @@ std::string summary(const ReportJson& r) {
   text += from_top == "0.0, 0.0" ? "on the top of the mold" : "the top of the mold";
   text += ", turned by " + text_of(at(s, {"pattern", "rotate_deg"})) + " degrees, at " +
           text_of(at(s, {"pattern", "scale"})) + " times its size.";
+  const std::string left = text_of(at(r, {"scan", "left_side"}));
+  if (left == "minus_x" || left == "plus_x")
+    text += std::string(" The patient's left is at ") + (left == "minus_x" ? "-x" : "+x") +
+            ", confirmed by a person.";
   return "<p>" + escaped(text) + "</p>\n";
 }
 

@@ -634,6 +634,7 @@ TEST(Pages, ListWhatWasLeftOutOfTheScan) {
                 {{"format", "STL"},
                  {"front", "+x"},
                  {"front_assumed", false},
+                 {"left_side", "plus_x"},
                  {"mirrored", true},
                  {"outliers_dropped", 2},
                  {"crumbs_dropped", 3}}}};
@@ -644,6 +645,7 @@ TEST(Pages, ListWhatWasLeftOutOfTheScan) {
     const std::string html = job_page(job, made).main;
     EXPECT_NE(html.find(left_out), std::string::npos) << html;
     EXPECT_NE(html.find("<dt>Face</dt><dd>+x, mirrored</dd>"), std::string::npos) << html;
+    EXPECT_NE(html.find("left</dt><dd>+x, confirmed by a person</dd>"), std::string::npos) << html;
     EXPECT_EQ(html.find("Fits the machine"), std::string::npos);
   }
   made["fits"] = true;
