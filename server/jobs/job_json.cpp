@@ -105,4 +105,13 @@ ordered_json job_json(const Job& job, Detail detail) {
   return all;
 }
 
+ordered_json job_json(const Job& job, const Outlook& outlook) {
+  ordered_json all = job_json(job);
+  all["queue_position"] = outlook.queue_position ? ordered_json(*outlook.queue_position) : ordered_json();
+  all["seconds_expected"] = outlook.seconds_expected
+                                ? ordered_json(std::round(*outlook.seconds_expected * 10) / 10)
+                                : ordered_json();
+  return all;
+}
+
 }  // namespace vacuform

@@ -98,6 +98,15 @@ struct BackupReport {
       damaged;  // hashes of blobs that were left out, since their bytes are no longer theirs
 };
 
+// What a person who waits for a job wants to know. Both are estimates.
+struct Outlook {
+  // 1: the next; of a queued job. As the queue is now: later jobs, rests after faults, and jobs that end meanwhile change
+  // it.
+  std::optional<std::int64_t> queue_position;
+  // From the start of the job to its end, by the last jobs of its kind; none if it has ended, or none has succeeded yet.
+  std::optional<double> seconds_expected;
+};
+
 // A worker that holds a job.
 struct WorkingWorker {
   std::string name, job;
@@ -136,6 +145,8 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // ended within the last quarter of an hour: 1 to 600 seconds, and 60 if too few have ended for an estimate.
   virtual Result<std::int64_t> seconds_until_room(const std::string& owner) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
+  // Of the job as the store gave it.
+  virtual Result<Outlook> outlook(const Job& job) = 0;
   // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor starts with the newest. A filter
   // by text looks at most_searched jobs for a page, which may therefore have fewer jobs and still a `next`.
   virtual Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter = {},
