@@ -252,6 +252,7 @@ Result<void> check_together(const Settings& s) {
 std::string_view name(Unit value) { return name_of(value); }
 std::string_view name(UpAxis value) { return name_of(value); }
 std::string_view name(FrontSide value) { return name_of(value); }
+std::string_view name(LeftSide value) { return name_of(value); }
 std::string_view name(Material value) { return name_of(value); }
 std::string_view name(CoilKeep value) { return name_of(value); }
 std::string_view name(InkedFace value) { return name_of(value); }

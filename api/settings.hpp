@@ -17,6 +17,7 @@ namespace vacuform {
 enum class Unit { automatic, mm, cm, m, in };
 enum class UpAxis { automatic, plus_x, minus_x, plus_y, minus_y, plus_z, minus_z };
 enum class FrontSide { automatic, plus_x, minus_x, plus_y, minus_y };
+enum class LeftSide { unknown, minus_x, plus_x };
 enum class Mirror { automatic, no, yes };
 enum class Material { petg, pc, abs, hips, pvc };
 enum class WindowShape { rectangle, circle };
@@ -40,7 +41,8 @@ struct ScanSettings {
       Mirror::automatic;  // of the upright scan in x = 0; automatic: not, with a warning where it might be
   double roll_deg = 0, pitch_deg = 0, yaw_deg = 0;  // then turned about x, y, z, in this order
   FrontSide front =
-      FrontSide::automatic;       // of the scan before its yaw: comes to +y; automatic: is taken to be there
+      FrontSide::automatic;  // of the scan before its yaw: comes to +y; automatic: is taken to be there
+  LeftSide left_side = LeftSide::unknown;  // of the placed mold, where a person saw the patient's left
   std::optional<double> trim_mm;  // height above the scan's lowest point; none: where undercuts begin
   double clearance_mm = 0;        // offset skin for padding or hair
 };
@@ -176,6 +178,7 @@ nlohmann::ordered_json settings_schema();
 std::string_view name(Unit);
 std::string_view name(UpAxis);
 std::string_view name(FrontSide);
+std::string_view name(LeftSide);
 std::string_view name(Material);
 std::string_view name(CoilKeep);
 std::string_view name(InkedFace);

@@ -14,6 +14,7 @@ namespace vacuform {
 inline constexpr std::array<std::string_view, 5> unit_names{"auto", "mm", "cm", "m", "in"};
 inline constexpr std::array<std::string_view, 7> up_names{"auto", "+x", "-x", "+y", "-y", "+z", "-z"};
 inline constexpr std::array<std::string_view, 5> side_names{"auto", "+x", "-x", "+y", "-y"};
+inline constexpr std::array<std::string_view, 3> left_names{"unknown", "minus_x", "plus_x"};
 inline constexpr std::array<std::string_view, 3> mirror_names{"auto", "no", "yes"};
 inline constexpr std::array<std::string_view, 5> material_names{"petg", "pc", "abs", "hips", "pvc"};
 inline constexpr std::array<std::string_view, 2> window_names{"rectangle", "circle"};
@@ -33,6 +34,7 @@ inline constexpr std::array<std::string_view, 2> background_names{"white", "tran
 inline std::span<const std::string_view> names_of(Unit) { return unit_names; }
 inline std::span<const std::string_view> names_of(UpAxis) { return up_names; }
 inline std::span<const std::string_view> names_of(FrontSide) { return side_names; }
+inline std::span<const std::string_view> names_of(LeftSide) { return left_names; }
 inline std::span<const std::string_view> names_of(Mirror) { return mirror_names; }
 inline std::span<const std::string_view> names_of(Material) { return material_names; }
 inline std::span<const std::string_view> names_of(WindowShape) { return window_names; }
@@ -90,6 +92,10 @@ void describe(S& s, V& v) {
           "The side of the upright scan that is the face; it is turned to +y, before the yaw. Auto takes it "
           "to be +y");
   v.field("yaw_deg", s.scan.yaw_deg, {-180, 180, "deg"}, "Turn about the vertical axis, after the pitch");
+  v.field(
+      "left_side", s.scan.left_side,
+      "The side of the placed mold on which a person saw the patient's left; the report says so. It changes "
+      "neither mold nor print");
   v.field("trim_mm", s.scan.trim_mm, {0, 2000, "mm"},
           "Height above the scan's lowest point at which it is cut; auto cuts where undercuts begin");
   v.field("clearance_mm", s.scan.clearance_mm, {0, 30, "mm"},

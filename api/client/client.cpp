@@ -14,6 +14,7 @@
 #include "api/base/json_text.hpp"
 #include "api/base/log.hpp"
 #include "api/base/sha256.hpp"
+#include "api/job_text.hpp"
 #include "api/problem.hpp"
 #include "api/version.hpp"
 #include "api/worker_protocol.hpp"
@@ -156,16 +157,16 @@ Result<Client> Client::to(const std::string& server, const std::string& token) {
   return Client(std::move(http));
 }
 
-Result<RemoteJob> Client::submit(const std::map<std::string, std::filesystem::path>& files,
-                                 const std::string& settings_json, const std::string& from,
-                                 const std::function<bool(double)>& uploaded) {
+Result<RemoteJob> Client::submit(const JobRequest& job, const std::function<bool(double)>& uploaded) {
   HttpRequest request;
   request.method = "POST";
   request.path = "/api/v1/jobs";
   request.headers = {{"Idempotency-Key", random_key()}};
-  request.form = {{"settings", {}, settings_json}};
-  if (!from.empty()) request.form.push_back({"from", {}, from});
-  for (const auto& [name, file] : files) {
+  request.form = {{"settings", {}, job.settings}};
+  for (const auto& [name, value] :
+       {std::pair("from", job.from), std::pair("reference", job.reference), std::pair("note", job.note)})
+    if (!value.empty()) request.form.push_back({name, {}, value});
+  for (const auto& [name, file] : job.files) {
     if (::access(file.c_str(), R_OK) != 0 || !std::filesystem::is_regular_file(file))
       return vacuform::fail(Code::unreadable, "the file cannot be read", file.string(),
                             "check its name and permissions");
@@ -245,6 +246,7 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
       static_cast<int>(std::clamp(number_of(object, "heartbeat_seconds", 10), 1.0, 3600.0)));
   const auto settings = object.find("settings");
   lease.settings = settings == object.end() || settings->is_null() ? "{}" : settings->dump();
+  lease.reference = clean_reference(text_of(object, "reference")).value_or("");
   lease.keep = text_of(object, "keep");
   const auto inputs = object.find("inputs");
   const bool with_inputs = inputs != object.end() && inputs->is_object();

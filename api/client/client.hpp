@@ -38,18 +38,23 @@ struct RemoteJob {
   std::optional<Error> problem;  // of a failed job
 };
 
+// A job to create.
+struct JobRequest {
+  std::map<std::string, std::filesystem::path> files;  // by the name of their kind of input
+  std::string settings;                                // JSON text
+  std::string from = {};  // the id of a job whose other files are shared; may be empty
+  std::string reference = {}, note = {};
+};
+
 // What a user does with jobs.
 class Client {
  public:
   // `token` goes with every request; empty: none.
   static Result<Client> to(const std::string& server, const std::string& token);
 
-  // Creates a job; the files, by the name of their kind of input, are streamed. `uploaded` receives the fraction sent
-  // and may cancel. `from`, if not empty, is the id of a job whose other files are shared. An interrupted request is
-  // sent again, up to three times within half a minute; its Idempotency-Key prevents a second job.
-  Result<RemoteJob> submit(const std::map<std::string, std::filesystem::path>& files,
-                           const std::string& settings_json, const std::string& from,
-                           const std::function<bool(double)>& uploaded);
+  // Creates a job; the files are streamed. `uploaded` receives the fraction sent and may cancel. An interrupted request
+  // is sent again, up to three times within half a minute; its Idempotency-Key prevents a second job.
+  Result<RemoteJob> submit(const JobRequest& job, const std::function<bool(double)>& uploaded);
   Result<RemoteJob> job(const std::string& id, const Going& going = {});
   // Into `folder`, under the artifact's name: written beside it, checked against its SHA-256, then renamed.
   Result<void> download(const std::string& id, const RemoteArtifact& artifact,
@@ -76,6 +81,7 @@ struct Lease {
   std::chrono::seconds seconds{30};    // from a heartbeat to the end of the lease
   std::chrono::seconds heartbeat{10};  // longest interval that the server accepts
   std::string settings;                // JSON text
+  std::string reference;               // of the job, for the label of the print; may be empty
   std::string request;                 // the id of the request that made the job, for the log; may be empty
   std::vector<LeasedInput> inputs;     // in the order of input_kinds, with all that the kind of job needs
   std::string

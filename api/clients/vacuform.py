@@ -146,7 +146,8 @@ class Service:
 
     def submit(self, scan=None, pattern=None, settings=None, **fields):
         """The new job. `scan` and `pattern` are paths; other fields are those of the form, for example kind="inspection",
-        profile="studio", scan_id=..., or from_job=ID for the files and settings of another job."""
+        profile="studio", reference="CASE-12" (an order or case number, never a name), note=..., scan_id=..., or
+        from_job=ID for the files and settings of another job."""
         if "from_job" in fields:
             fields["from"] = fields.pop("from_job")
         files = []
@@ -192,7 +193,8 @@ class Service:
         return self.request("GET", "/jobs/" + id).json
 
     def jobs(self, **filters):
-        """All jobs that this token may see, newest first. Filters: state, kind, owner, created_after, created_before."""
+        """All jobs that this token may see, newest first. Filters: state, kind, owner, created_after,
+        created_before, text."""
         query = {"limit": 100, **filters}
         while True:
             page = self.request("GET", "/jobs?" + urllib.parse.urlencode(query)).json
@@ -269,6 +271,8 @@ def main():
     parser.add_argument("--pattern", metavar="FILE", help="without one, the job inspects the scan")
     parser.add_argument("--settings", metavar="FILE", help="settings as JSON")
     parser.add_argument("--profile", metavar="NAME", help="settings that the service stores")
+    parser.add_argument("--reference", metavar="TEXT", help="Order or case number. Do not type a name.")
+    parser.add_argument("--note", metavar="TEXT", help="a remark. Do not type a name.")
     parser.add_argument("--cafile", metavar="FILE", help="certificates to trust, as PEM")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the results")
     options = parser.parse_args()
@@ -284,8 +288,9 @@ def main():
         service = Service(options.server, pathlib.Path(options.token_file).read_text().strip(), cafile=options.cafile)
         settings = json.loads(pathlib.Path(options.settings).read_text()) if options.settings else None
         fields = {"kind": "print" if options.pattern else "inspection"}
-        if options.profile:
-            fields["profile"] = options.profile
+        for name in ("profile", "reference", "note"):
+            if getattr(options, name):
+                fields[name] = getattr(options, name)
         job = service.submit(options.scan, options.pattern, settings, **fields)
         job = service.wait(job["id"], show)
         if job["state"] != "succeeded":

@@ -55,39 +55,40 @@ std::optional<std::string> Caller::only() const {
 }
 
 Result<Caller> Access::check(const http::Request& request, Scope wanted) {
-  auto token = token_of(request);
-  if (!token) return tl::make_unexpected(std::move(token.error()));
-  if (!token->scopes.allow(wanted))
-    return fail(Code::forbidden, "the token has not the scope " + std::string(name(wanted)), token->id,
+  auto caller = caller_of(request);
+  if (caller && !caller->scopes.allow(wanted))
+    return fail(Code::forbidden, "the token has not the scope " + std::string(name(wanted)), caller->token,
                 "use a token that has it");
-  return Caller{token->id, token->owner, token->scopes};
+  return caller;
 }
 
-Result<Token> Access::token_of(const http::Request& request) {
+Result<Caller> Access::caller_of(const http::Request& request) {
   constexpr std::string_view scheme = "Bearer ";
   const std::string_view shown = request.header("Authorization");
   if (equal_ignoring_case(shown.substr(0, scheme.size()), scheme)) {
     auto token = usable_token(store_, shown.substr(scheme.size()), clock_);
     if (!token) return tl::make_unexpected(refused(std::move(token.error())));
-    return token;
+    return Caller{token->id, token->owner, token->scopes, token->expires};
   }
   if (!shown.empty() || cookie_of(request).empty()) return tl::make_unexpected(no_token());
-  return token_of_session(request);
+  return caller_of_session(request);
 }
 
-Result<Token> Access::token_of_session(const http::Request& request) {
+Result<Caller> Access::caller_of_session(const http::Request& request) {
   if (request.method != "GET" && request.header("Origin").empty())
     return fail(Code::bad_usage, "a request by cookie that changes something has no Origin", "Origin",
                 "use the pages of this server, or a token in Authorization");
-  std::string id;
+  Session session;
   {
     const std::lock_guard hold(mutex_);
-    const auto session = sessions_.find(text_hash(cookie_of(request)));
-    if (session != sessions_.end() && clock_() < session->second.ends) id = session->second.token;
+    const auto found = sessions_.find(text_hash(cookie_of(request)));
+    if (found != sessions_.end() && clock_() < found->second.ends) session = found->second;
   }
-  const auto token = id.empty() ? fail(Code::not_found, "") : store_.token(id);
-  if (token && usable(*token, clock_())) return token;
-  if (!token && token.error().code != Code::not_found) return token;
+  const auto token = session.token.empty() ? fail(Code::not_found, "") : store_.token(session.token);
+  if (token && usable(*token, clock_()))
+    return Caller{token->id, token->owner, token->scopes, token->expires,
+                  std::min(session.ends, token->expires.value_or(session.ends))};
+  if (!token && token.error().code != Code::not_found) return tl::make_unexpected(token.error());
   return fail(Code::unauthorized, "the session has ended", "Cookie", "sign in again at /sign-in");
 }
 

@@ -18,6 +18,8 @@ struct Caller {
   std::string token;  // its id, for the log
   std::string owner;
   Scopes scopes;
+  std::optional<Millis> expires = {};       // of the token
+  std::optional<Millis> session_ends = {};  // by sign-in: the session, or the token if that is earlier
 
   bool sees_of(const std::string& other) const { return scopes.has(Scope::admin) || other == owner; }
   // The owner whose jobs a list shows; none: everybody's.
@@ -43,8 +45,8 @@ class Access {
     std::string token;  // id
     Millis ends = 0;
   };
-  Result<Token> token_of(const http::Request& request);
-  Result<Token> token_of_session(const http::Request& request);
+  Result<Caller> caller_of(const http::Request& request);
+  Result<Caller> caller_of_session(const http::Request& request);
   Error refused(Error error);
   void make_room_for_session(const std::string& token);
 

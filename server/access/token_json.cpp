@@ -18,13 +18,17 @@ ordered_json time_or_null(const std::optional<Millis>& time) {
 
 }  // namespace
 
-ordered_json token_json(const Token& token) {
-  ordered_json scopes = ordered_json::array();
+ordered_json scopes_json(const Scopes& scopes) {
+  ordered_json names = ordered_json::array();
   for (std::size_t i = 0; i < scope_names.size(); ++i)
-    if (token.scopes.has(static_cast<Scope>(i))) scopes.push_back(scope_names[i]);
+    if (scopes.has(static_cast<Scope>(i))) names.push_back(scope_names[i]);
+  return names;
+}
+
+ordered_json token_json(const Token& token) {
   return {{"id", token.id},
           {"owner", token.owner},
-          {"scopes", scopes},
+          {"scopes", scopes_json(token.scopes)},
           {"created", rfc3339(token.created)},
           {"expires", time_or_null(token.expires)},
           {"revoked", time_or_null(token.revoked)}};

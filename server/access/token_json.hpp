@@ -7,6 +7,8 @@
 
 namespace vacuform {
 
+nlohmann::ordered_json scopes_json(const Scopes& scopes);
+
 // Without its secret and its hash.
 nlohmann::ordered_json token_json(const Token& token);
 

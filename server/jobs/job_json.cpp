@@ -70,7 +70,7 @@ ordered_json inputs_json(const Job& job) {
 ordered_json job_json(const Job& job, Detail detail) {
   ordered_json all = ordered_json::object();
   // One by one: a list of braces would make each value twice, and lists show many jobs.
-  all.get_ref<ordered_json::object_t&>().reserve(20);
+  all.get_ref<ordered_json::object_t&>().reserve(24);
   all["id"] = job.id;
   all["kind"] = name(job.kind);
   all["state"] = name(job.state);
@@ -80,6 +80,8 @@ ordered_json job_json(const Job& job, Detail detail) {
   all["attempt"] = job.attempt;
   all["priority"] = job.priority;
   all["owner"] = job.owner;
+  all["reference"] = job.reference;
+  all["note"] = job.note;
   all["derived_from"] = job.derived_from ? ordered_json(*job.derived_from) : ordered_json();
   all["version"] = job.version;
   all["created"] = rfc3339(job.created);
@@ -100,6 +102,15 @@ ordered_json job_json(const Job& job, Detail detail) {
                   {"zip", self + "/artifacts.zip"},
                   {"log", self + "/log"},
                   {"cancel", self + "/cancel"}};
+  return all;
+}
+
+ordered_json job_json(const Job& job, const Outlook& outlook) {
+  ordered_json all = job_json(job);
+  all["queue_position"] = outlook.queue_position ? ordered_json(*outlook.queue_position) : ordered_json();
+  all["seconds_expected"] = outlook.seconds_expected
+                                ? ordered_json(std::round(*outlook.seconds_expected * 10) / 10)
+                                : ordered_json();
   return all;
 }
 

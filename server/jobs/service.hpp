@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "api/base/clock.hpp"
 #include "server/access/access.hpp"
 #include "server/jobs/uploads.hpp"
 #include "server/jobs/workers.hpp"
@@ -21,6 +22,7 @@ struct Service {
   int lease_seconds = 30;
   int heartbeat_seconds = 1;
   KeptFolder* kept = nullptr;  // none: workers keep nothing
+  Millis started = boot_clock();
 };
 
 // What has that id, if the caller may see it; not_found otherwise, so that nobody learns of another's.

@@ -7,6 +7,7 @@
 
 #include "api/base/log.hpp"
 #include "api/base/text.hpp"
+#include "api/job_text.hpp"
 #include "api/settings.hpp"
 #include "server/jobs/formats.hpp"
 #include "server/jobs/submission_form.hpp"
@@ -90,7 +91,7 @@ Result<std::string> client_key_of(const http::Request& request) {
 // create one job, different ones create another job.
 std::string key_of_form(const std::string& page, NewJob& job) {
   std::string text = page + "\n" + std::string(name(job.kind)) + "\n" + job.settings + "\n" +
-                     job.derived_from.value_or("") + "\n";
+                     job.derived_from.value_or("") + "\n" + job.reference + "\n" + text_hash(job.note) + "\n";
   for (NewInput& input : job.inputs) {
     auto* upload = std::get_if<Upload>(&input.file);
     text += input.name + " " + (upload ? upload->digest() : std::get<Blob>(input.file)).sha256 + "\n";
@@ -172,6 +173,15 @@ Result<std::string> base_of(Service& service, const SubmissionForm& form, const 
   return profile.settings;
 }
 
+// An empty field counts as not sent: then the reference of the source job is taken, and no note.
+Result<void> read_texts(const SubmissionForm& form, const std::optional<Job>& from, NewJob& job) {
+  VACUFORM_TRY(reference, clean_reference(form.field("reference")));
+  VACUFORM_TRY(note, clean_note(form.field("note")));
+  job.reference = reference.empty() && from ? from->reference : std::move(reference);
+  job.note = std::move(note);
+  return {};
+}
+
 Result<std::optional<Job>> origin_of(Service& service, const SubmissionForm& form, const Caller& caller) {
   const std::string id = form.field("from");
   if (id.empty()) return std::optional<Job>();
@@ -200,6 +210,7 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   job.kind = kind;
   VACUFORM_CHECK(add_inputs(service, caller, form, job));
   VACUFORM_TRY(from, origin_of(service, form, caller));
+  VACUFORM_CHECK(read_texts(form, from, job));
   VACUFORM_TRY(base, base_of(service, form, from));
   VACUFORM_TRY(settings, merged_settings(base, form.settings, fields));
   if (from) {
@@ -245,6 +256,8 @@ Result<nlohmann::ordered_json> plan_of(NewJob& job, Store& store) {
           {"bytes", blob.bytes}, {"sha256", blob.sha256}, {"extension", input.extension}, {"format", format}};
     }
   return nlohmann::ordered_json{{"kind", name(job.kind)},
+                                {"reference", job.reference},
+                                {"note", job.note},
                                 {"settings", nlohmann::ordered_json::parse(job.settings)},
                                 {"inputs", std::move(inputs)}};
 }

@@ -1,7 +1,7 @@
 // A new job as submitted in a form: a file for each kind of input (api/job.hpp) or the id of an existing one (scan_id
 // of a scan; scan_upload, pattern_upload... of a complete upload), kind (print by default, or inspection), profile (the
 // name of the base settings), settings (JSON text), from (the id of a job whose files and settings are the default),
-// priority, and fields named group.key as the HTML form sends them.
+// priority, reference, note, and fields named group.key as the HTML form sends them.
 #pragma once
 
 #include <map>

@@ -10,8 +10,8 @@ namespace vacuform {
 
 namespace {
 
-constexpr std::array<std::string_view, 5> plain_fields{"kind", "from", "priority", "profile",
-                                                       "idempotency_key"};
+constexpr std::array<std::string_view, 7> plain_fields{"kind",      "from", "priority",       "profile",
+                                                       "reference", "note", "idempotency_key"};
 
 bool known(const std::string& field) {
   return SubmissionForm::is_file(field) ||
@@ -91,8 +91,9 @@ Result<void> SubmissionForm::take(const nlohmann::json& object) {
   for (const auto& [name, value] : object.items()) {
     const bool is_settings = name == "settings", is_number = name == "priority";
     if (!is_settings && !known(name))
-      return tl::make_unexpected(
-          unknown("member", name, "send settings, kind, from, priority, profile, scan_id or ids of uploads"));
+      return tl::make_unexpected(unknown(
+          "member", name,
+          "send settings, kind, from, priority, profile, reference, note, scan_id or ids of uploads"));
     if (is_settings ? !value.is_object() : is_number ? !value.is_number_integer() : !value.is_string())
       return fail(Code::bad_usage,
                   std::string("not ") + (is_settings ? "an object"

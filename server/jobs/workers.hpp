@@ -3,6 +3,7 @@
 
 #include <map>
 #include <mutex>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,11 @@ namespace vacuform {
 struct SeenWorker {
   std::string name;
   std::vector<std::string> sandbox;  // measures that are taken
+  Millis at = 0;                     // when it asked last
 };
+
+// {sandbox: the measures that are taken, lacks: the others}.
+nlohmann::ordered_json sandbox_json(const SeenWorker& worker);
 
 // From any thread. Holds 256 names at most: those that were heard of last.
 class Workers {

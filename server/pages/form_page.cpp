@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/base/secrets.hpp"
+#include "api/job_text.hpp"
 #include "api/problem.hpp"
 #include "api/settings.hpp"
 #include "server/jobs/job_json.hpp"
@@ -50,12 +51,17 @@ ordered_json choices(const std::vector<std::string>& values, const std::string& 
   return {{"nothing", nothing}, {"choices", std::move(list)}};
 }
 
+// What a refused form had in a field.
+std::string filled_in(const std::map<std::string, std::string>& fields, const std::string& name) {
+  const auto found = fields.find(name);
+  return found == fields.end() ? std::string() : found->second;
+}
+
 // One setting: a label, the control that its schema asks for, and its description.
 ordered_json field_values(const std::string& name, const std::string& key, const ordered_json& schema,
                           const std::map<std::string, std::string>& fields) {
   const std::string fallback = plain(schema.at("default")), type = schema.value("type", "");
-  const auto filled = fields.find(name);
-  const std::string value = filled == fields.end() ? "" : filled->second;
+  const std::string value = filled_in(fields, name);
   const ordered_json* innermost = schema.contains("oneOf") ? &schema["oneOf"][0] : &schema;
   while (innermost->contains("items")) innermost = &(*innermost)["items"];  // of rows of numbers
   const ordered_json& numeric = *innermost;
@@ -137,6 +143,7 @@ ordered_json recent_values(const std::vector<Job>& recent) {
     jobs.push_back({{"created", time},
                     {"shown", time.substr(0, 10) + " " + time.substr(11, 5) + " UTC"},
                     {"id", job.id},
+                    {"reference", job.reference},
                     {"inspection", job.kind == JobKind::inspection},
                     {"state", name(job.state)},
                     {"serious", serious_text(job)},
@@ -150,8 +157,7 @@ ordered_json profile_values(const std::vector<Profile>& profiles,
   if (profiles.empty()) return nullptr;
   std::vector<std::string> names;
   for (const Profile& profile : profiles) names.push_back(profile.name);
-  const auto chosen = fields.find("profile");
-  return choices(names, chosen == fields.end() ? "" : chosen->second, "(none)");
+  return choices(names, filled_in(fields, "profile"), "(none)");
 }
 
 }  // namespace
@@ -166,6 +172,12 @@ Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profi
                                 {"problem", problem_values(error)},
                                 {"key", random_hex(16)},
                                 {"files", files_values()},
+                                {"reference", filled_in(fields, "reference")},
+                                {"reference_hint", reference_hint},
+                                {"longest_reference", std::to_string(longest_reference)},
+                                {"note", filled_in(fields, "note")},
+                                {"note_hint", note_hint},
+                                {"longest_note", std::to_string(longest_note)},
                                 {"profile", profile_values(profiles, fields)},
                                 {"groups", groups_values(fields)},
                                 {"recent", recent_values(recent)}});

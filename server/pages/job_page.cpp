@@ -1,6 +1,8 @@
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "api/job_text.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/pages/findings.hpp"
 #include "server/pages/pages.hpp"
@@ -13,14 +15,27 @@ using nlohmann::ordered_json;
 
 namespace {
 
-ordered_json progress_values(const Job& job) {
+// "Number 3 in the queue. Such a job usually takes 2 minutes."
+std::string outlook_text(const Outlook& outlook) {
+  std::string text;
+  if (outlook.queue_position) text += "Number " + std::to_string(*outlook.queue_position) + " in the queue.";
+  if (!outlook.seconds_expected) return text;
+  const auto seconds = static_cast<int>(std::ceil(*outlook.seconds_expected));
+  const int minutes = (seconds + 30) / 60;
+  return text + (text.empty() ? "" : " ") + "Such a job usually takes " +
+         (seconds < 90 ? std::to_string(seconds) + " seconds" : std::to_string(minutes) + " minutes") + ".";
+}
+
+ordered_json progress_values(const Job& job, const Outlook& outlook) {
   if (ended(job.state)) return nullptr;
   std::string text = "Waiting for a worker.";
   if (job.state == JobState::running)
     text = job.stage ? "Stage: " + std::string(name(*job.stage)) + "." : "A worker has taken the job.";
   if (job.state == JobState::cancelling) text = "The worker is told to stop.";
   if (job.attempt > 1) text += " Attempt " + std::to_string(job.attempt) + ".";
-  return {{"text", text}, {"percent", std::to_string(static_cast<int>(100 * whole_progress(job)))}};
+  return {{"text", text},
+          {"outlook", outlook_text(outlook)},
+          {"percent", std::to_string(static_cast<int>(100 * whole_progress(job)))}};
 }
 
 // "6 of 19 coils and 41 % of the drawing's ink lie on the head."
@@ -104,6 +119,9 @@ ordered_json print_form_values(const Job& job) {
   const InputKind& pattern = *input_kind("pattern");
   return {{"title", pattern.title},
           {"extensions", pattern.extensions},
+          {"reference", job.reference},
+          {"reference_hint", reference_hint},
+          {"longest_reference", std::to_string(longest_reference)},
           {"waits", job.input("pattern") != nullptr}};
 }
 
@@ -142,7 +160,7 @@ std::string serious_text(const Job& job) {
   return std::to_string(count) + " serious warning" + (count == 1 ? "" : "s");
 }
 
-Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log) {
+Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log, const Outlook& outlook) {
   const std::string state(name(job.state));
   const std::string what = job.kind == JobKind::print ? "Job" : "Inspection";
   Page page;
@@ -156,7 +174,7 @@ Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log)
                        {"state", state},
                        {"serious", serious_text(job)},
                        {"inspection", job.kind == JobKind::inspection},
-                       {"progress", progress_values(job)},
+                       {"progress", progress_values(job, outlook)},
                        {"problem", problem_values(job.error)},
                        {"findings", findings_values(made)},
                        {"warnings", warnings_values(made)},
@@ -165,6 +183,8 @@ Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log)
                        {"print_form", print_form_values(job)},
                        {"downloads", files_values(job, false)},
                        {"created", rfc3339(job.created)},
+                       {"reference", job.reference},
+                       {"note", job.note},
                        {"inputs", inputs_values(job)},
                        {"derived_from", job.derived_from.value_or("")},
                        {"priority", job.priority != 0 ? std::to_string(job.priority) : ""},

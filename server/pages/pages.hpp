@@ -20,8 +20,9 @@ Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profi
 
 // A job: progress while it runs, then previews, figures and downloads; the content of the scan, and after an inspection
 // a form that makes the print. `made` is report.json or findings.json, or null; missing parts are omitted. `log` is the
-// beginning of the job's log.
-Page job_page(const Job& job, const nlohmann::json& made, const std::vector<LogLine>& log = {});
+// beginning of the job's log, `outlook` what those who wait are told.
+Page job_page(const Job& job, const nlohmann::json& made, const std::vector<LogLine>& log = {},
+              const Outlook& outlook = {});
 
 // Text next to the state of a job, on its page and in lists: "2 serious warnings", or empty.
 std::string serious_text(const Job& job);

@@ -31,10 +31,10 @@ constexpr auto longest_stream = 10min;  // then the client comes again, with a t
 constexpr int lines_at_once = 200;
 
 // The JSON of jobs that are asked for again and again, one version of each. It is much more work to write than the job is to
-// read. From any thread.
+// read. That of a queued job is not kept: its place in the queue changes without it. From any thread.
 class Shown {
  public:
-  std::string of(const Job& job) {
+  Result<std::string> of(Store& store, const Job& job) {
     {
       const std::lock_guard hold(mutex_);
       const auto found = texts_.find(job.id);
@@ -42,7 +42,9 @@ class Shown {
           found->second.artifacts == job.artifacts.size())
         return found->second.text;
     }
-    std::string text = dump(job_json(job));
+    VACUFORM_TRY(outlook, store.outlook(job));
+    std::string text = dump(job_json(job, outlook));
+    if (job.state == JobState::queued) return text;
     const std::lock_guard hold(mutex_);
     if (texts_.size() >= most) texts_.clear();
     texts_[job.id] = {job.version, job.artifacts.size(), text};
@@ -60,8 +62,9 @@ class Shown {
   std::unordered_map<std::string, Text> texts_;
 };
 
-Response job_response(const Job& job, Shown& shown) {
-  Response response = json_text_response(shown.of(job));
+Result<Response> job_response(Store& store, const Job& job, Shown& shown) {
+  VACUFORM_TRY(text, shown.of(store, job));
+  Response response = json_text_response(std::move(text));
   response.set("ETag", etag_of(job));
   return response;
 }
@@ -80,7 +83,8 @@ Result<Response> get_job(Service& service, const std::shared_ptr<Shown>& shown, 
   VACUFORM_TRY(seconds, query_number(request, "wait", 0, 0, most_wait_seconds));
   if (auto refusal = http::unmet_precondition(request, etag_of(job)))
     return http::refused_response(std::move(*refusal));
-  if (!http::names_etag(request.header("If-None-Match"), etag_of(job))) return job_response(job, *shown);
+  if (!http::names_etag(request.header("If-None-Match"), etag_of(job)))
+    return job_response(service.store, job, *shown);
   if (seconds == 0 || ended(job.state)) return unchanged(job);
   Response response;
   response.party = caller.owner;
@@ -89,7 +93,7 @@ Result<Response> get_job(Service& service, const std::shared_ptr<Shown>& shown, 
                              std::chrono::seconds(seconds)](const http::Going& going) -> Result<Response> {
     while (going() && steady_clock::now() < until) {
       VACUFORM_TRY(now, store.wait_for_change(job.id, job.version, slice));
-      if (now.version > job.version) return job_response(now, *shown);
+      if (now.version > job.version) return job_response(store, now, *shown);
     }
     return unchanged(job);
   };

@@ -3,8 +3,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "api/base/text.hpp"
+#include "api/base/utf8.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/range.hpp"
+#include "server/jobs/download_name.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/jobs/submission.hpp"
 #include "server/jobs/zip.hpp"
@@ -20,6 +23,8 @@ using http::Response;
 using nlohmann::ordered_json;
 
 namespace {
+
+constexpr std::size_t longest_searched = 100;  // characters
 
 Result<Response> no_room(Service& service, const Caller& caller, const Error& error) {
   VACUFORM_TRY(seconds, service.store.seconds_until_room(caller.owner));
@@ -92,6 +97,12 @@ Result<JobFilter> filter_of(const Request& request, const Caller& caller) {
   VACUFORM_TRY(before, time_of(request, "created_before"));
   filter.created_after = after;
   filter.created_before = before;
+  filter.text = std::string(trimmed(request.query_value("text")));
+  const auto points = code_points(filter.text);
+  if (!points || points->size() > longest_searched)
+    return fail(Code::bad_usage,
+                "the text is not UTF-8, or longer than " + std::to_string(longest_searched) + " characters",
+                "text", "give a part of the reference, the note or the id");
   return filter;
 }
 
@@ -123,6 +134,7 @@ Result<Response> get_artifact(Service& service, const Request& request, const Ca
     VACUFORM_TRY(file, service.store.open(artifact.blob));
     VACUFORM_TRY(response, http::file_response(request, std::move(file), std::string(kind->media_type),
                                                artifact.blob.sha256, artifact.blob.sha256));
+    response.set("Content-Disposition", content_disposition("inline", job, artifact.name));
     response.set("X-Content-Type-Options", "nosniff");
     // An SVG opened on its own must not run what a pattern brought along.
     response.set("Content-Security-Policy",
@@ -163,7 +175,7 @@ Result<Response> get_zip(Service& service, Checksums& checksums, const Request& 
                                    [&store = service.store](const Blob& blob) { return store.open(blob); });
   const std::uint64_t bytes = zip->bytes();
   VACUFORM_TRY(response, http::source_response(request, std::move(zip), bytes, "application/zip", etag));
-  response.set("Content-Disposition", "attachment; filename=\"vacuform-" + job.id + ".zip\"");
+  response.set("Content-Disposition", content_disposition("attachment", job, "artifacts.zip"));
   response.set("X-Content-Type-Options", "nosniff");
   return response;
 }
@@ -189,7 +201,7 @@ void add_job_routes(http::Router& router, Service& service) {
   };
   add(Scope::submit, "POST", "", submit_job, largest_form());
   add_guarded(router, service, Scope::submit, "POST", "/api/v1/validate", validate_job, largest_form());
-  add(Scope::read, "GET", "?limit&cursor&state&kind&owner&created_after&created_before&full", list_jobs);
+  add(Scope::read, "GET", "?limit&cursor&state&kind&owner&created_after&created_before&text&full", list_jobs);
   add(Scope::read, "GET", "/{id}/log?after&limit", get_log);
   add(Scope::submit, "POST", "/{id}/cancel",
       cancelling([](const Job& job) { return json_response(job_json(job)); }));

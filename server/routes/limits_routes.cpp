@@ -1,9 +1,7 @@
 // What the service takes, how long it waits, and what its workers' jobs are kept from.
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "api/job_limits.hpp"
-#include "api/sandbox_measures.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/server.hpp"
 #include "server/jobs/submission.hpp"
@@ -22,11 +20,9 @@ namespace {
 ordered_json workers_json(const Workers& workers) {
   ordered_json list = ordered_json::array();
   for (const SeenWorker& worker : workers.lately(wall_clock())) {
-    ordered_json lacks = ordered_json::array();
-    for (const std::string_view measure : sandbox_measures)
-      if (std::find(worker.sandbox.begin(), worker.sandbox.end(), measure) == worker.sandbox.end())
-        lacks.push_back(measure);
-    list.push_back({{"worker", worker.name}, {"sandbox", worker.sandbox}, {"lacks", lacks}});
+    ordered_json object = {{"worker", worker.name}};
+    object.update(sandbox_json(worker));
+    list.push_back(std::move(object));
   }
   return list;
 }

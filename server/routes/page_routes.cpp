@@ -50,7 +50,8 @@ Result<Response> show_job(Service& service, const Request& request, const Caller
   VACUFORM_TRY(log, service.store.log_after(job.id, 0, longest_shown_log));
   const auto made =
       json_artifact(service.store, job, job.kind == JobKind::print ? "report.json" : "findings.json");
-  return html_response(job_page(job, made, log));
+  VACUFORM_TRY(outlook, service.store.outlook(job));
+  return html_response(job_page(job, made, log, outlook));
 }
 
 }  // namespace

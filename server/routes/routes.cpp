@@ -17,7 +17,9 @@ http::Router all_routes(Service& service) {
   add_scan_routes(router, service);
   add_profile_routes(router, service);
   add_token_routes(router, service);
+  add_session_routes(router, service);
   add_limits_routes(router, service);
+  add_service_routes(router, service);
   add_backup_routes(router, service);
   add_page_routes(router, service);
   add_sign_in_routes(router, service);

@@ -15,10 +15,12 @@ void add_event_routes(http::Router& router, Service& service);   // /api/v1/jobs
 void add_upload_routes(http::Router& router, Service& service);  // /api/v1/uploads...: tus
 void add_scan_routes(http::Router& router, Service& service);    // /api/v1/scans...
 void add_profile_routes(http::Router& router, Service& service);  // /api/v1/profiles...
+void add_session_routes(http::Router& router, Service& service);  // /api/v1/session
 void add_limits_routes(http::Router& router, Service& service);   // /api/v1/limits
 void add_page_routes(http::Router& router, Service& service);     // /, /jobs, /jobs/{id}: HTML
 void add_sign_in_routes(http::Router& router, Service& service);  // /sign-in, /sign-out: HTML
 void add_about_routes(http::Router& router);                      // what is about the service itself
+void add_service_routes(http::Router& router, Service& service);  // /api/v1/service, for administrators
 void add_backup_routes(http::Router& router, Service& service);   // /api/v1/backup, for administrators
 http::Router all_routes(Service& service);
 

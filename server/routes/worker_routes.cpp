@@ -108,6 +108,7 @@ Result<Response> take_lease(Service& service, Request& request) {
                         {"lease_seconds", service.lease_seconds},
                         {"heartbeat_seconds", service.heartbeat_seconds},
                         {"request", job.request},
+                        {"reference", job.reference},
                         {"keep", service.kept && scan ? service.kept->key(job.owner, scan->blob.sha256) : ""},
                         {"settings", ordered_json::parse(job.settings)},
                         {"inputs", std::move(inputs)}});

@@ -35,6 +35,9 @@ std::uint64_t kept_of(std::uint64_t disk) {
   return std::min(std::clamp(disk / 20, 16 * mebibyte, 256 * mebibyte), disk / 4);
 }
 
+// What each use must leave free.
+std::uint64_t least_free(std::uint64_t kept, Use use) { return kept / 4 * static_cast<std::uint64_t>(use); }
+
 }  // namespace
 
 DiskRoom::DiskRoom(std::filesystem::path data, std::uint64_t kept, File reserve)
@@ -62,10 +65,15 @@ std::shared_ptr<DiskRoom> DiskRoom::open(const std::filesystem::path& data,
 Result<void> DiskRoom::check(Use use, std::uint64_t bytes) const {
   const auto space = space_of(data_);
   if (!space) return {};
-  const std::uint64_t least = kept_ / 4 * static_cast<std::uint64_t>(use);
+  const std::uint64_t least = least_free(kept_, use);
   if (space->free >= least && space->free - least >= bytes && space->free_files >= least_files) return {};
   return fail(Code::disk_full, "the server's disk has no room for this", {},
               "delete jobs, scans or uploads that are no longer needed, or free some space on the disk");
+}
+
+DiskSpace DiskRoom::space() const {
+  const Space space = space_of(data_).value_or(Space());
+  return {space.bytes, space.free, least_free(kept_, Use::submission)};
 }
 
 bool DiskRoom::give_up() {

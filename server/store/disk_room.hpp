@@ -20,6 +20,12 @@ namespace vacuform {
 // The uses of the disk, by the quarters of the reserve that must stay free.
 enum class Use { artifact = 1, begin_job = 2, submission = 3 };
 
+// Bytes.
+struct DiskSpace {
+  std::uint64_t total = 0, free = 0;  // 0: the system does not tell
+  std::uint64_t kept_free = 0;        // that a submission must leave free
+};
+
 // From any thread.
 class DiskRoom {
  public:
@@ -30,6 +36,7 @@ class DiskRoom {
 
   // Whether enough space is left after `bytes` more. Errors: disk_full.
   Result<void> check(Use use, std::uint64_t bytes = 0) const;
+  DiskSpace space() const;
   // Empties the reserve. False when it was empty already.
   bool give_up();
   // Allocates the space of the reserve again, if the disk has it. Call it regularly.

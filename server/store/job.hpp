@@ -47,6 +47,7 @@ struct Job {
   std::string request;                      // the id of the request that made it; may be empty
   std::string owner;                        // of the token that made it; empty: made before there were tokens
   std::optional<std::string> derived_from;  // the job whose inputs it shares, which may be deleted since
+  std::string reference, note;              // as clean_reference() and clean_note() give them
   std::vector<StoredArtifact> artifacts;    // in the order of artifact_kinds
   std::int64_t version = 0;                 // grows with everything about the job that anybody can see
 
@@ -77,6 +78,7 @@ struct NewJob {
   int priority = 0;
   std::optional<std::string> derived_from = {};
   JobKind kind = JobKind::print;
+  std::string reference = {}, note = {};
 
   void add(std::string name, std::variant<Upload, Blob> file, std::string extension);
 };

@@ -145,6 +145,12 @@ ALTER TABLE job ADD COLUMN serious_warnings INTEGER;
     R"sql(
 ALTER TABLE job RENAME COLUMN error_mend TO error_fix;
 )sql",
+    // 11: jobs had no reference and no note, and nobody remembered when the last backup was made
+    R"sql(
+ALTER TABLE job ADD COLUMN reference TEXT NOT NULL DEFAULT '';
+ALTER TABLE job ADD COLUMN note TEXT NOT NULL DEFAULT '';
+CREATE TABLE remembered(name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace

@@ -3,6 +3,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
+#include "api/base/log.hpp"
 #include "server/store/sqlite_store.hpp"
 
 namespace vacuform {
@@ -91,6 +94,8 @@ Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function
       report.damaged.push_back(sha256);
   }
   VACUFORM_CHECK(sync_directory(to));
+  if (const auto remembered = remember_backup(); !remembered)  // the copy is good all the same
+    log_event("store-failed", {{"problem", remembered.error().text()}});
   return report;
 }
 

@@ -2,6 +2,7 @@
 #include <functional>
 #include <limits>
 
+#include "api/base/utf8.hpp"
 #include "api/problem.hpp"
 #include "server/store/job_id.hpp"
 #include "server/store/sqlite_store.hpp"
@@ -46,9 +47,9 @@ Result<Job> SqliteStore::create(NewJob job, bool* repeated) {
     if (!job.client_key.empty()) client_key = key_of(job);
     VACUFORM_CHECK(Query(db_,
                          "INSERT INTO job(id, kind, client_key, state, created, settings, request, owner,"
-                         " priority, derived_from) VALUES(?,?,?,'queued',?,?,?,?,?,?)",
+                         " priority, derived_from, reference, note) VALUES(?,?,?,'queued',?,?,?,?,?,?,?,?)",
                          id, name(job.kind), client_key, now, job.settings, job.request, job.owner,
-                         job.priority, job.derived_from)
+                         job.priority, job.derived_from, job.reference, job.note)
                        .run());
     for (std::size_t i = 0; i < blobs.size(); ++i) {
       VACUFORM_CHECK(keep(job.inputs[i], blobs[i]));
@@ -92,6 +93,7 @@ Result<std::optional<Job>> SqliteStore::made_before(const NewJob& job, const std
   VACUFORM_TRY(earlier, find(query.text(0)));
   bool same = earlier.kind == job.kind && earlier.settings == job.settings &&
               earlier.priority == job.priority && earlier.derived_from == job.derived_from &&
+              earlier.reference == job.reference && earlier.note == job.note &&
               earlier.inputs.size() == blobs.size();
   for (std::size_t i = 0; same && i < blobs.size(); ++i) {
     const Input* input = earlier.input(job.inputs[i].name);
@@ -108,7 +110,7 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
       db_,
       "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"
       " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings,"
-      " serious_warnings"
+      " serious_warnings, reference, note"
       " FROM job WHERE id=?",
       id);
   VACUFORM_TRY(found, query.row());
@@ -136,6 +138,8 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
   if (!query.null(16)) job.not_before = query.integer(16);
   job.version = query.integer(17);
   if (!query.null(20)) job.serious_warnings = static_cast<int>(query.integer(20));
+  job.reference = query.text(21);
+  job.note = query.text(22);
   if (detail == Detail::brief) return job;
   job.settings = query.text(19);
   Query inputs(db_, "SELECT name, blob, bytes, extension FROM input WHERE job=?", id);
@@ -225,17 +229,34 @@ Result<JobPage> SqliteStore::list(int limit, const std::string& cursor, const Jo
                                   Detail detail) {
   const std::lock_guard hold(commits_.lock());
   limit = std::clamp(limit, 1, 100);
-  VACUFORM_TRY(ids, ids_of(limit + 1, cursor.empty() ? "~" : cursor, filter));
+  const int looked_at = filter.text.empty() ? limit : most_searched;
+  VACUFORM_TRY(ids, ids_of(looked_at + 1, cursor.empty() ? "~" : cursor, filter));
+  const bool more = ids.size() > static_cast<std::size_t>(looked_at);
+  if (more) ids.pop_back();
+  const std::u32string text = folded(filter.text);
   JobPage page;
-  if (ids.size() > static_cast<std::size_t>(limit)) {
-    ids.pop_back();
-    page.next = ids.back();
-  }
   for (const auto& id : ids) {
+    if (!filter.text.empty()) {
+      VACUFORM_TRY(found, has_text(id, text));
+      if (!found) continue;
+    }
+    if (page.jobs.size() == static_cast<std::size_t>(limit)) {  // one more than the page takes
+      page.next = page.jobs.back().id;
+      return page;
+    }
     VACUFORM_TRY(job, find(id, detail));
     page.jobs.push_back(std::move(job));
   }
+  if (more) page.next = ids.back();
   return page;
+}
+
+Result<bool> SqliteStore::has_text(const std::string& id, const std::u32string& folded_text) {
+  if (folded(id).find(folded_text) != std::u32string::npos) return true;
+  Query query(db_, "SELECT reference, note FROM job WHERE id=?", id);
+  VACUFORM_TRY(found, query.row());
+  return found && (folded(query.text(0)).find(folded_text) != std::u32string::npos ||
+                   folded(query.text(1)).find(folded_text) != std::u32string::npos);
 }
 
 Result<std::optional<Job>> SqliteStore::newest_inspection(const StoredScan& scan) {
@@ -252,6 +273,10 @@ Result<std::optional<Job>> SqliteStore::newest_inspection(const StoredScan& scan
 
 Result<JobCounts> SqliteStore::counts() {
   const std::lock_guard hold(commits_.lock());
+  return counts_now();
+}
+
+Result<JobCounts> SqliteStore::counts_now() {
   JobCounts counts{};
   Query query(db_, "SELECT state, count(*) FROM job GROUP BY state");
   for (;;) {

@@ -3,7 +3,8 @@
 // exclusive locking stops every other program.
 //
 // sqlite_store.cpp opens it and stores the blobs, sqlite_jobs.cpp has the operations of users on jobs,
-// sqlite_leases.cpp those of workers, sqlite_tokens.cpp the tokens, sqlite_backup.cpp the copy of everything.
+// sqlite_leases.cpp those of workers, sqlite_status.cpp what administrators see, sqlite_outlook.cpp
+// estimates, sqlite_tokens.cpp the tokens, sqlite_backup.cpp the copy of everything.
 #pragma once
 
 #include <exception>
@@ -46,9 +47,11 @@ class SqliteStore : public Store {
   Result<Job> create(NewJob job, bool* repeated = nullptr) override;
   Result<std::int64_t> seconds_until_room(const std::string& owner) override;
   Result<Job> job(const std::string& id) override;
+  Result<Outlook> outlook(const Job& job) override;
   Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter, Detail detail) override;
   Result<std::optional<Job>> newest_inspection(const StoredScan& scan) override;
   Result<JobCounts> counts() override;
+  Result<StoreStatus> status() override;
   Result<Job> cancel(const std::string& id, const JobGuard& allowed) override;
   Result<void> remove(const std::string& id, const JobGuard& allowed) override;
   Result<std::vector<LogLine>> log_after(const std::string& id, std::int64_t number, int limit) override;
@@ -132,6 +135,10 @@ class SqliteStore : public Store {
   // The caller of all these holds the lock; those that change data are called inside write().
   Result<Job> find(const std::string& id, Detail detail = Detail::full);
   Result<std::vector<std::string>> ids_of(int count, const std::string& before, const JobFilter& filter);
+  Result<JobCounts> counts_now();
+  Result<std::int64_t> queue_position(const Job& job);
+  Result<std::optional<double>> seconds_expected(const Job& job);
+  Result<bool> has_text(const std::string& id, const std::u32string& folded_text);
   Result<Token> find_token(const std::string& id);
   Result<StoredUpload> upload_row(const std::string& id);
   Result<StoredScan> scan_row(const std::string& id);
@@ -153,6 +160,7 @@ class SqliteStore : public Store {
   Result<std::vector<Expired>> expire_now();
   // The clock of rests: the wall clock at the time when the store was opened, plus the time elapsed since.
   Millis steady_now() const { return opened_ + options_.elapsed() - opened_elapsed_; }
+  Result<void> remember_backup();  // that one is done now
   // Adds a line to the job's log, and notifies its waiters.
   Result<void> note(const std::string& job, std::string_view text);
   Result<void> tell(const std::string& job);  // notifies without a line

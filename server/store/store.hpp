@@ -41,6 +41,7 @@
 #include "api/base/clock.hpp"
 #include "api/base/error.hpp"
 #include "api/retry.hpp"
+#include "server/store/disk_room.hpp"
 #include "server/store/job.hpp"
 #include "server/store/profiles.hpp"
 #include "server/store/scans.hpp"
@@ -55,6 +56,7 @@ struct JobFilter {
   std::vector<JobState> states = {};  // any of these; empty: all
   std::optional<JobKind> kind = {};
   std::optional<Millis> created_after = {}, created_before = {};  // neither includes the time itself
+  std::string text = {};  // UTF-8, part of the reference, the note or the id, in any case; empty: all
 };
 
 // How much of a job a list contains: brief omits settings, inputs and artifacts, which are most of the work.
@@ -96,6 +98,31 @@ struct BackupReport {
       damaged;  // hashes of blobs that were left out, since their bytes are no longer theirs
 };
 
+// What a person who waits for a job wants to know. Both are estimates.
+struct Outlook {
+  // 1: the next; of a queued job. As the queue is now: later jobs, rests after faults, and jobs that end meanwhile change
+  // it.
+  std::optional<std::int64_t> queue_position;
+  // From the start of the job to its end, by the last jobs of its kind; none if it has ended, or none has succeeded yet.
+  std::optional<double> seconds_expected;
+};
+
+// A worker that holds a job.
+struct WorkingWorker {
+  std::string name, job;
+  Millis heard = 0;  // of its last heartbeat
+};
+
+// The state of the store, for administrators.
+struct StoreStatus {
+  std::int64_t schema = 0;  // version of the tables
+  JobCounts counts{};
+  std::optional<Millis> oldest_queued;  // when the job was created that waits the longest
+  std::optional<Millis> last_backup;
+  DiskSpace disk;
+  std::vector<WorkingWorker> working;  // in the order of their jobs
+};
+
 // A job whose lease ran out, for the log.
 struct Expired {
   std::string job;
@@ -118,7 +145,10 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // ended within the last quarter of an hour: 1 to 600 seconds, and 60 if too few have ended for an estimate.
   virtual Result<std::int64_t> seconds_until_room(const std::string& owner) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
-  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor starts with the newest.
+  // Of the job as the store gave it.
+  virtual Result<Outlook> outlook(const Job& job) = 0;
+  // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor starts with the newest. A filter
+  // by text looks at most_searched jobs for a page, which may therefore have fewer jobs and still a `next`.
   virtual Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter = {},
                                Detail detail = Detail::full) = 0;
   // The owner's newest inspection of these bytes with that extension, or nullopt.
@@ -126,6 +156,7 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   // The number of jobs in each state, by the state's number. A job whose lease has expired counts in its next state:
   // queued, or cancelled.
   virtual Result<JobCounts> counts() = 0;
+  virtual Result<StoreStatus> status() = 0;
   // A queued job is cancelled at once, a running one when its worker reports it; a cancelled one stays cancelled.
   // `allowed`, if given, gets the job in its state at the change, and may refuse with false; the same applies to
   // remove(). Errors: not_found; conflict if it has succeeded or failed, or `allowed` refused.
@@ -179,12 +210,13 @@ class Store : public UploadTable, public ScanTable, public ProfileTable {
   virtual Result<std::vector<Expired>> bury(const std::string& worker) = 0;
 
   // Copies everything into an empty folder while the store is in use: rows from one moment, blobs as hard links if the
-  // disk is the same, each checked against its hash. open_store() opens the copy. `going` may cancel it. Errors:
+  // disk is the same, each checked against its hash. open_store() opens the copy. `going` may cancel it. status() tells when it was done. Errors:
   // bad_usage (not an empty folder of this user), unavailable (disk full), cancelled.
   virtual Result<BackupReport> backup(const std::filesystem::path& to,
                                       const std::function<bool()>& going) = 0;
 };
 
+inline constexpr int most_searched = 2000;  // jobs
 inline constexpr int most_log_lines = 500, longest_log_line = 200;
 
 struct StoreOptions {

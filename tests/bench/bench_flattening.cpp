@@ -153,7 +153,7 @@ class Bench {
     const auto placement = place(ChartedSurface(surface, *flat), nullptr, settings, Context{});
     if (!placement) stop(placement.error().text());
     const auto print = make_print(ChartedSurface(surface, *flat), pattern, nullptr, *placement, settings,
-                                  "benchmark", Context{});
+                                  {"benchmark"}, Context{});
     if (!print) stop(print.error().text());
     Row row;
     row.surface = "neonate-40w", row.side = side, row.triangles = flat->triangles.size();

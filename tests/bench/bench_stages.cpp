@@ -109,7 +109,7 @@ class Bench {
     });
     rows.back().made = count(placement.elements.size(), "elements");
     const auto print = measure(head, "printing", [&] {
-      return make_print(charted, pattern, lines ? &*lines : nullptr, placement, settings, "benchmark",
+      return make_print(charted, pattern, lines ? &*lines : nullptr, placement, settings, {"benchmark"},
                         context);
     });
     rows.back().made = count(print.png.size() / 1024, "KiB of print.png");

@@ -144,11 +144,12 @@ class Exchanges(Case):
             self.assertEqual(CONTRACT.all_operations() - CONTRACT.taken, set())
 
     def say_what_the_service_is(self):
-        for path in ("/healthz", "/api/v1/limits", "/api/v1/settings-schema", "/api/v1/openapi.yaml"):
+        for path in ("/healthz", "/api/v1/limits", "/api/v1/session", "/api/v1/settings-schema", "/api/v1/openapi.yaml"):
             self.taken(self.server.url + path)
         copy = self.folder / "copy"
         copy.mkdir(mode=0o700)
         self.taken(*OF_JSON, "-d", json.dumps({"to": str(copy)}), self.server.api + "/backup")
+        self.assertIsNotNone(self.taken(self.server.api + "/service").json["last_backup"])
 
     def use_profiles_and_tokens(self):
         place = self.server.api + "/profiles/house"
@@ -190,7 +191,8 @@ class Exchanges(Case):
         jobs = self.server.api + "/jobs"
         form = ["-F", f"scan=@{self.scan}", "-F", f"pattern=@{self.pattern}", "-F", 'settings={"print": {"dpi": 100}}']
         self.taken(*form, "-F", "print.dpi=150", self.server.api + "/validate")
-        first = self.taken("-H", "Idempotency-Key: 12345678", *form, jobs, status=202).json["id"]
+        texts = ["-F", "reference=CASE-12", "-F", "note=first\nsecond"]
+        first = self.taken("-H", "Idempotency-Key: 12345678", *form, *texts, jobs, status=202).json["id"]
         for _ in range(4):
             self.taken(*OF_JSON, "-d", json.dumps({"from": first, "priority": -1}), jobs, status=202)
         worker, lease = self.lease()

@@ -48,6 +48,9 @@ void print_text(const ScanInspection& inspection) {
   line("up", std::string(name(f.up)) + (f.up_guessed ? " (guessed)" : " (given)"));
   line("front",
        std::string(name(f.front)) + " of the upright scan" + (f.front_assumed ? " (assumed)" : " (given)"));
+  if (f.left_side != LeftSide::unknown)
+    line("left", std::string(f.left_side == LeftSide::minus_x ? "-x" : "+x") +
+                     " of the mold (confirmed by a person)");
   line("size", box(scan["size_mm"]) + " upright");
   std::string pieces = count(f.components, "piece", "pieces");
   if (f.components_dropped > 0)

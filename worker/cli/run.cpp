@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "api/job_text.hpp"
 #include "api/redaction/names.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
@@ -16,7 +17,7 @@ namespace vacuform::cli {
 namespace {
 
 struct RunOptions {
-  std::string scan, pattern, temperature, weights, keep, out;
+  std::string scan, pattern, temperature, weights, keep, out, reference;
   ProgressAs progress = ProgressAs::bar;
   bool sensitivity = false;
   OutcomeOptions outcome;
@@ -48,6 +49,8 @@ Result<void> run(const RunOptions& o, const Context& context) {
     weights = std::move(painted);
     inputs.weights = WeightsFile{weights, o.weights};
   }
+  VACUFORM_TRY(reference, clean_reference(o.reference));
+  inputs.reference = std::move(reference);
   inputs.sensitivity = o.sensitivity;
   inputs.kept = kept_stages(o.keep, o.progress);
   return run_pipeline(inputs, o.out, context);
@@ -104,6 +107,10 @@ void add_run(CLI::App& app, int& exit_code) {
                    "prints without "
                    "forming the head again. It holds heads; delete it when they are done")
       ->type_name("DIR");
+  command
+      ->add_option("--reference", options->reference,
+                   std::string(reference_hint) + " The print and the report show it")
+      ->type_name("TEXT");
   options->settings.add_to(*command);
   command->add_flag(
       "--sensitivity", options->sensitivity,

@@ -13,6 +13,7 @@
 
 #include "api/client/client.hpp"
 #include "api/client/token.hpp"
+#include "api/job_text.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/outcome.hpp"
 #include "worker/cli/progress_bar.hpp"
@@ -30,7 +31,7 @@ extern "C" void interrupt(int) { interrupted.store(true); }
 bool going() { return !interrupted.load(); }
 
 struct SubmitOptions {
-  std::string server = "http://127.0.0.1:8080", job, from, out, token_file;
+  std::string server = "http://127.0.0.1:8080", job, from, out, token_file, reference, note;
   std::array<std::string, input_kinds.size()> files;  // in the order of input_kinds
   SettingsOptions settings;
   OutcomeOptions outcome;
@@ -45,10 +46,14 @@ bool lacks_files(const SubmitOptions& o) {
 
 Result<RemoteJob> create(Client& client, const SubmitOptions& o, ProgressBar& bar) {
   VACUFORM_TRY(settings, o.settings.read());
-  std::map<std::string, std::filesystem::path> files;
+  JobRequest job{{}, settings.dump(), o.from};
+  VACUFORM_TRY(reference, clean_reference(o.reference));
+  VACUFORM_TRY(note, clean_note(o.note));
+  job.reference = std::move(reference);
+  job.note = std::move(note);
   for (std::size_t i = 0; i < input_kinds.size(); ++i)
-    if (!o.files[i].empty()) files[std::string(input_kinds[i].name)] = o.files[i];
-  return client.submit(files, settings.dump(), o.from, [&](double fraction) {
+    if (!o.files[i].empty()) job.files[std::string(input_kinds[i].name)] = o.files[i];
+  return client.submit(job, [&](double fraction) {
     bar.show("upload", fraction);
     return going();
   });
@@ -206,6 +211,10 @@ void add_submit(CLI::App& app, int& exit_code) {
                      std::string(input_kinds[i].title) + " (" + std::string(input_kinds[i].extensions) + ")")
         ->type_name("FILE")
         ->excludes(job);
+  command->add_option("--reference", options->reference, std::string(reference_hint))
+      ->type_name("TEXT")
+      ->excludes(job);
+  command->add_option("--note", options->note, std::string(note_hint))->type_name("TEXT")->excludes(job);
   auto* wait = command->add_flag("--wait", options->wait, "Wait until the job has ended");
   command->add_option("--out", options->out, "Folder for the artifacts")->type_name("DIR")->needs(wait);
   const auto added = options->outcome.add_to(*command);

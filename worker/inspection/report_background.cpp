@@ -107,6 +107,8 @@ std::string sensitivity_section(const ReportJson& report) {
 std::string repeat_section(const ReportJson& report) {
   Facts facts{{"Vacuform", text_of(at(report, {"vacuform"}))},
               {"Label on the print", text_of(at(report, {"label"}))}};
+  if (const ReportJson& reference = at(report, {"reference"}); reference.is_string())
+    facts.emplace_back("Reference", text_of(reference));
   if (at(report, {"sha256"}).is_object())
     for (const auto& [input, digest] : at(report, {"sha256"}).items())
       facts.emplace_back("SHA-256 of the " + input, text_of(digest));

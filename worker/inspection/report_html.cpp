@@ -62,6 +62,10 @@ std::string summary(const ReportJson& r) {
   text += from_top == "0.0, 0.0" ? "on the top of the mold" : "the top of the mold";
   text += ", turned by " + text_of(at(s, {"pattern", "rotate_deg"})) + " degrees, at " +
           text_of(at(s, {"pattern", "scale"})) + " times its size.";
+  const std::string left = text_of(at(r, {"scan", "left_side"}));
+  if (left == "minus_x" || left == "plus_x")
+    text += std::string(" The patient's left is at ") + (left == "minus_x" ? "-x" : "+x") +
+            ", confirmed by a person.";
   return "<p>" + escaped(text) + "</p>\n";
 }
 
@@ -95,7 +99,9 @@ std::string reading() {
 }  // namespace
 
 std::string report_html(const ReportJson& report, const std::vector<Artifact>& files) {
-  const std::string label = escaped(text_of(at(report, {"label"})));
+  const ReportJson& reference = at(report, {"reference"});
+  const std::string label = escaped(text_of(at(report, {"label"})) +
+                                    (reference.is_string() ? ", reference " + text_of(reference) : ""));
   std::string out =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Vacuform report " +

@@ -73,6 +73,7 @@ ReportJson summary_json(const ReportJson& report, const std::string& out) {
   for (const ReportJson& file : at(report, {"artifacts"})) files.push_back(at(file, {"name"}));
   const ReportJson& coils = at(report, {"coils"});
   return {{"label", at(report, {"label"})},
+          {"reference", at(report, {"reference"})},
           {"out", out},
           {"coils", coils.is_array() && !coils.empty() ? ReportJson(coils.size()) : ReportJson()},
           {"coils_on_head", coils_on_head(report)},
@@ -86,7 +87,9 @@ ReportJson summary_json(const ReportJson& report, const std::string& out) {
 
 std::string summary_text(const ReportJson& report, const std::string& out) {
   const ReportJson& size = at(report, {"pattern", "size_mm"});
-  std::string text = "Print " + text_of(at(report, {"label"})) + ", for the " +
+  const ReportJson& reference = at(report, {"reference"});
+  std::string text = "Print " + text_of(at(report, {"label"})) +
+                     (reference.is_string() ? ", reference " + text_of(reference) : "") + ", for the " +
                      text_of(at(report, {"print", "inked_face"})) + " face" +
                      (at(report, {"print", "mirrored"}) == true ? " (mirrored)" : "");
   if (size.is_array() && size.size() == 2)

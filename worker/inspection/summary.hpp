@@ -6,7 +6,7 @@
 
 namespace vacuform {
 
-// {label, out, coils, coils_on_head, ink_printed, ink_on_head, figures {without, with}, warnings, serious_warnings, files}.
+// {label, reference, out, coils, coils_on_head, ink_printed, ink_on_head, figures {without, with}, warnings, serious_warnings, files}.
 // `figures` are those of report.json; `coils` and `coils_on_head` are null where the drawing has no coils.
 nlohmann::ordered_json summary_json(const nlohmann::ordered_json& report, const std::string& out);
 

@@ -30,7 +30,9 @@ struct Inputs {
   std::optional<MeasuredFile> temperature = {};  // of the sheet; if and only if heat.source is measured
   std::optional<WeightsFile> weights = {};       // if and only if flattening.weights is painted
   bool sensitivity = false;  // report.json also shows how far errors of the machine move each coil
-  KeptStages kept = {};      // where to look for and store the results of the scan and forming stages
+  std::string reference =
+      {};  // of the job (api/job_text.hpp): on the print and in the report, with no other effect
+  KeptStages kept = {};  // where to look for and store the results of the scan and forming stages
 };
 
 // Reads a whole file. Errors: unreadable, too_large (above `limit` bytes).

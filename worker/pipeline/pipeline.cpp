@@ -145,7 +145,8 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   const Drawing* const laid = parts ? &parts->drawing() : lines;
   VACUFORM_TRY(placement, place(charted, laid, s, placing.context(), cut.edges));
   if (laid) VACUFORM_CHECK(add_couplings(charted, *laid, s, decoupling.context(), placement));
-  VACUFORM_TRY(print, make_print(charted, pattern, lines, placement, s, identity.label, printing.context()));
+  VACUFORM_TRY(print, make_print(charted, pattern, lines, placement, s, {identity.label, inputs.reference},
+                                 printing.context()));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   VACUFORM_TRY(alignment, align(charted, s.pattern));
@@ -165,7 +166,10 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
   nlohmann::ordered_json whole = {
-      {"vacuform", version}, {"label", identity.label}, {"sha256", identity.sha256}};
+      {"vacuform", version},
+      {"label", identity.label},
+      {"reference", inputs.reference.empty() ? nlohmann::ordered_json() : inputs.reference},
+      {"sha256", identity.sha256}};
   whole.update(report(job));
   if (inputs.sensitivity) {
     auto coils = printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv);

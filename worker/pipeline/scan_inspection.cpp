@@ -7,6 +7,7 @@
 #include "api/version.hpp"
 #include "worker/pipeline/artifact_files.hpp"
 #include "worker/scan/findings_json.hpp"
+#include "worker/scan/left_side.hpp"
 #include "worker/scan/plug.hpp"
 #include "worker/stage/warning_json.hpp"
 
@@ -15,13 +16,17 @@ namespace vacuform {
 using Json = nlohmann::ordered_json;
 
 Json mold_made_from(const Inputs& inputs) {
+  Json scan = to_json(inputs.settings)["scan"];
+  scan.erase("left_side");
   return {{"scan", sha256_hex(inputs.scan)},
           {"type", std::filesystem::path(inputs.scan_name).extension().string()},
-          {"settings", to_json(inputs.settings)["scan"]},
+          {"settings", std::move(scan)},
           {"plug_height_mm", inputs.settings.machine.plug_height_mm}};
 }
 
-Result<Mold> mold_of(const Inputs& inputs, const Context& context) {
+namespace {
+
+Result<Mold> made_or_kept(const Inputs& inputs, const Context& context) {
   const Json made_from = mold_made_from(inputs);
   if (auto kept = inputs.kept.mold(made_from)) {
     VACUFORM_CHECK(context.step(Stage::scan, 1));
@@ -30,6 +35,16 @@ Result<Mold> mold_of(const Inputs& inputs, const Context& context) {
   VACUFORM_TRY(cut, make_mold(inputs.scan, inputs.scan_name, inputs.settings.scan, context));
   VACUFORM_TRY(mold, on_plug(std::move(cut), inputs.settings.machine.plug_height_mm));
   inputs.kept.keep(made_from, mold);
+  return mold;
+}
+
+}  // namespace
+
+Result<Mold> mold_of(const Inputs& inputs, const Context& context) {
+  VACUFORM_TRY(mold, made_or_kept(inputs, context));
+  const ScanSettings& settings = inputs.settings.scan;
+  mold.findings.left_side = settings.left_side;
+  if (auto warning = left_side_warning(settings)) mold.warnings.push_back(std::move(*warning));
   return mold;
 }
 

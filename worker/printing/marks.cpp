@@ -167,7 +167,7 @@ std::string coordinates(double x, double y) { return decimal(x, 3) + "," + decim
 
 }  // namespace
 
-Marks lay_out_marks(const Settings& settings, const std::string& label,
+Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
                     const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline) {
   const auto& sheet = settings.sheet;
   const auto& machine = settings.machine;
@@ -211,10 +211,11 @@ Marks lay_out_marks(const Settings& settings, const std::string& label,
   const bool mirrored = settings.pattern.inked_face == InkedFace::inner;
   const std::string side = mirrored ? "inner face, MIRRORED: print on the side that touches the mold"
                                     : "outer face, seen from above";
-  std::vector<std::string> job{"Vacuform " + label, "sheet " + short_decimal(sheet.width_mm) + " × " +
-                                                        short_decimal(sheet.height_mm) + " × " +
-                                                        short_decimal(sheet.thickness_mm) + " mm " +
-                                                        upper_case(name(sheet.material))};
+  std::vector<std::string> job{"Vacuform " + label.job, "sheet " + short_decimal(sheet.width_mm) + " × " +
+                                                            short_decimal(sheet.height_mm) + " × " +
+                                                            short_decimal(sheet.thickness_mm) + " mm " +
+                                                            upper_case(name(sheet.material))};
+  if (!label.reference.empty()) job.insert(job.begin(), "reference " + label.reference);
   if (margin > 0) job.push_back("frame " + short_decimal(margin) + " mm inside the sheet's edge");
   std::vector<std::string> lines = wrapped({side, "scale 1:1, check with the ruler"}, room);
   for (auto& line : wrapped(job, room)) lines.push_back(std::move(line));

@@ -38,6 +38,12 @@ struct Mark {
   std::vector<Text> texts;
 };
 
+// What the print says of whose it is.
+struct PrintLabel {
+  std::string job;             // the digest of its inputs
+  std::string reference = {};  // UTF-8; may be empty
+};
+
 struct Marks {
   std::vector<Mark> marks;
   std::vector<Warning> warnings;  // "marks-left-out"
@@ -45,13 +51,13 @@ struct Marks {
 
 // Lays the marks out along the sheet's edge, print.margin_mm from it. A mark that would touch one of `taken`
 // (the boxes of the chart's triangles, print coordinates) is left out with a warning: marks never lie on the
-// pattern. `label` must be printable ASCII.
+// pattern. `label` must be as printable() gives it.
 //
 // `outline`: where the plastic leaves the mold, lines in print coordinates clear of the ink: the formed part is cut or
 // checked along it. The arrow makes the operator lay every sheet with its extrusion direction along +t, so that effects
 // of the sheet itself repeat from sheet to sheet.
 // its own repeats from sheet to sheet.
-Marks lay_out_marks(const Settings& settings, const std::string& label,
+Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
                     const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline = {});
 
 // How much of each pixel the marks cover, 0 to 255, in `rows` rows of `width` pixels of `pixel_mm`; the pixel

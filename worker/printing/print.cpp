@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/base/decimal.hpp"
+#include "api/base/utf8.hpp"
 #include "worker/pattern/curve.hpp"
 #include "worker/png/png_writer.hpp"
 #include "worker/printing/ink_compensation.hpp"
@@ -26,10 +27,26 @@ namespace {
 using Eigen::Vector2d;
 constexpr double largest_side = 32'000;  // cairo's own limit is 32,767
 
-std::string printable(std::string label) {
-  for (char& c : label)
-    if (c < ' ' || c > '~') c = '?';
-  return label;
+// Helvetica of a PDF has the characters of Latin-1 and few more. All three files show the same text. `lost` counts the
+// characters that it cannot show.
+std::string in_latin_1(const std::string& text, int& lost) {
+  std::u32string points = code_points(text).value_or(std::u32string(text.begin(), text.end()));
+  for (char32_t& c : points)
+    if (!(c >= ' ' && c <= '~') && !(c > 0xa0 && c <= 0xff)) c = '?', ++lost;
+  return utf8(points);
+}
+
+PrintLabel printable(const PrintLabel& label, std::vector<Warning>& warnings) {
+  int of_job = 0, lost = 0;
+  const PrintLabel shown{in_latin_1(label.job, of_job), in_latin_1(label.reference, lost)};
+  if (lost > 0)
+    warnings.push_back(
+        {.code = "reference-incomplete",
+         .text = "The print shows ? for characters of the reference that its fonts lack; the report "
+                 "has the whole reference",
+         .figure = Warning::Figure{static_cast<double>(lost), "characters", 0.0},
+         .place = "the label of the print"});
+  return shown;
 }
 
 // Lays the marks over a row of the print, as black ink.
@@ -229,7 +246,7 @@ void on_white(const std::vector<std::uint8_t>& rgba, std::vector<std::uint8_t>& 
 
 // Draws the rows, and makes the files of them.
 Result<void> draw(const RowSource& source, const Marks& marks, const Settings& settings, int channels,
-                  const std::string& label, double from, const Context& context, Print& print) {
+                  const PrintLabel& label, double from, const Context& context, Print& print) {
   const PixelBox box = source.box();
   const bool opaque = channels == 4 && settings.print.background == Background::white;
   PngWriter whole(print.width, print.height, opaque ? 3 : channels, settings.print.dpi);
@@ -275,7 +292,7 @@ Result<void> draw(const RowSource& source, const Marks& marks, const Settings& s
 }  // namespace
 
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
-                         const Placement& placement, const Settings& settings, const std::string& label,
+                         const Placement& placement, const Settings& settings, const PrintLabel& label,
                          const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   Print print;
@@ -305,9 +322,10 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
          .text = "print.compensate_ink has nothing to act on: the drawing has no shades of gray",
          .place = "print.compensate_ink"});
   Marks marks;
+  const PrintLabel shown = printable(label, print.warnings);
   if (settings.print.marks) {
     const Patch region = whole_region(charted, print);
-    marks = lay_out_marks(settings, printable(label), taken_by(region, print),
+    marks = lay_out_marks(settings, shown, taken_by(region, print),
                           outline_of_mold(region, settings.sheet.resolution_mm, ink, print.mirrored));
     print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
   }
@@ -319,8 +337,8 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
   else
     source =
         std::make_unique<SheetRaster>(layers, parts ? &*parts : nullptr, print, pattern, settings.print.dpi);
-  VACUFORM_CHECK(draw(*source, marks, settings, pattern.grayscale() ? 1 : 4, printable(label),
-                      drawing ? 0.2 : 0, context, print));
+  VACUFORM_CHECK(
+      draw(*source, marks, settings, pattern.grayscale() ? 1 : 4, shown, drawing ? 0.2 : 0, context, print));
   VACUFORM_CHECK(context.step(Stage::printing, 1));
   return print;
 }

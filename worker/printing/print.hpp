@@ -17,6 +17,7 @@
 #include "api/settings.hpp"
 #include "worker/pattern/pattern.hpp"
 #include "worker/placement/placement.hpp"
+#include "worker/printing/marks.hpp"
 #include "worker/printing/vector_print.hpp"
 #include "worker/stage/context.hpp"
 
@@ -61,11 +62,11 @@ struct Print {
 // samples, each filtered by the footprint that its triangle gives it, so that edges are smooth, including those of the
 // chart. With settings.print.compensate_ink, shades of gray are printed darker where the sheet stretches more (see
 // ink_compensation.hpp). Memory is that of the resulting files plus a band of rows, for any dpi. `label` is the
-// readable name of the job on the print (the digest of its inputs, so that bytes repeat); characters that are not
-// printable ASCII become '?'. Pure and deterministic for any number of threads. Errors: cancelled; unusable_pattern (no
+// name of the job on the print (the digest of its inputs, so that bytes repeat) and its reference. The fonts of the print
+// show Latin-1: other characters become '?', with the warning "reference-incomplete" for those of the reference. Pure and deterministic for any number of threads. Errors: cancelled; unusable_pattern (no
 // ink falls onto the chart); too_large (more than 32,000 pixels per side).
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
-                         const Placement& placement, const Settings& settings, const std::string& label,
+                         const Placement& placement, const Settings& settings, const PrintLabel& label,
                          const Context& context);
 
 }  // namespace vacuform

@@ -94,10 +94,9 @@ std::string make_svg(const PrintPage& page, const VectorPrint* vectors, const Pl
       "xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"" +
       w + "mm\" height=\"" + h + "mm\" viewBox=\"" + decimal(-page.size_mm.x() / 2, 3) + " " +
       decimal(-page.size_mm.y() / 2, 3) + " " + w + " " + h + "\">\n";
-  std::string safe = page.label;
-  for (char& c : safe)
-    if (c == '&' || c == '<' || c == '>') c = '?';
-  svg += std::string("  <title>Vacuform print ") + safe + "</title>\n";
+  svg += std::string("  <title>Vacuform print ") + escaped(page.label.job) +
+         (page.label.reference.empty() ? std::string() : ", reference " + escaped(page.label.reference)) +
+         "</title>\n";
   svg += std::string("  <desc>Pre-distorted print at 1:1 for the ") +
          (page.mirrored ? "inner face, mirrored: print on the side that touches the mold"
                         : "outer face, seen from above") +

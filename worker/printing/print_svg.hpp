@@ -15,7 +15,7 @@ namespace vacuform {
 struct PrintPage {
   Eigen::Vector2d size_mm{0, 0};  // of the sheet
   bool mirrored = false;
-  std::string label;  // printable ASCII
+  PrintLabel label;  // as printable() gives it
 };
 
 // A picture on the page, before any mirroring.

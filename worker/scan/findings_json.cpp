@@ -29,6 +29,7 @@ Json scan_json(const ScanFindings& f) {
           {"front", name(f.front)},
           {"front_assumed", f.front_assumed},
           {"mirrored", f.mirrored},
+          {"left_side", name(f.left_side)},
           {"outliers_dropped", f.outliers_dropped},
           {"components", f.components},
           {"components_dropped", f.components_dropped},

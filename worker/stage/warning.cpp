@@ -36,6 +36,10 @@ constexpr WarningKind kinds[] = {
      "swapped."},
     {"large-hole", Severity::warning, "Scan the place again, or check the mold there."},
     {"marks-left-out", Severity::warning, "Use a larger sheet, or another print.margin_mm."},
+    {"mirrored-or-turned", Severity::warning,
+     "Compare mold.stl with the patient: set scan.mirror=yes if left and right are swapped, or set "
+     "scan.front to "
+     "the side of the face."},
     {"not-reached", Severity::warning, "Drill a vent there, or raise machine.vacuum_kpa."},
     {"outliers", Severity::warning, "Look at the mold there, or remove the named vertices from the scan."},
     {"pattern-as-picture", Severity::note, "Change the named part of the SVG to keep its lines exact."},
@@ -43,6 +47,8 @@ constexpr WarningKind kinds[] = {
     {"pierced", Severity::serious, "Use a finer sheet.resolution_mm, or remove thin parts from the scan."},
     {"pins-not-met", Severity::warning, "Move the pins closer to where the chart puts them, or remove some."},
     {"rebuilt", Severity::warning, "Compare mold.stl with the scan, or repair the scan in a mesh editor."},
+    {"reference-incomplete", Severity::warning,
+     "Write the missing characters onto the print by hand, or use Latin letters and digits."},
     {"seams-not-enough", Severity::note, "Add cuts to pattern.seams."},
     {"segment-distorted", Severity::warning,
      "Keep ink away from the segment, or use a finer sheet.resolution_mm."},

@@ -59,7 +59,7 @@ class ServerAccess : public ServerTest {
 Scope needed(const http::Route& route) {
   if (route.pattern.starts_with("/api/v1/leases")) return Scope::work;
   if (route.pattern.starts_with("/api/v1/tokens")) return Scope::admin;
-  if (route.pattern == "/api/v1/backup") return Scope::admin;
+  if (route.pattern == "/api/v1/backup" || route.pattern == "/api/v1/service") return Scope::admin;
   if (route.pattern.starts_with("/api/v1/profiles") && route.method != "GET") return Scope::admin;
   if (route.pattern.starts_with("/api/v1/uploads")) return Scope::submit;
   return route.method == "GET" ? Scope::read : Scope::submit;
@@ -311,6 +311,36 @@ TEST_F(ServerAccess, TheSignInPageSaysWhenToTryAgain) {
 }
 
 // The prefix makes a browser accept the cookie only by TLS and for this host alone.
+TEST_F(ServerAccess, TellsWhoAsksAndUntilWhen) {
+  const auto session = [&](const std::string& headers) {
+    const Answer answer = ask("GET", "/api/v1/session", headers);
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    return json::parse(answer.body);
+  };
+  const json by_token = session(bearer(user_));
+  EXPECT_EQ(by_token["owner"], "station-1");
+  EXPECT_EQ(by_token["token"], user_.substr(4, 16));
+  EXPECT_EQ(by_token["scopes"], (json{"submit", "read"}));
+  EXPECT_EQ(by_token["expires"], nullptr);
+  EXPECT_EQ(by_token["session_ends"], nullptr);
+
+  constexpr Millis minute = 60'000, hour = 60 * minute;
+  const Millis before = wall_clock();
+  const json by_cookie = session(signed_in(user_));
+  EXPECT_EQ(by_cookie["owner"], "station-1");
+  EXPECT_EQ(by_cookie["expires"], nullptr);
+  const Millis ends = from_rfc3339(by_cookie["session_ends"].get<std::string>()).value();
+  EXPECT_GE(ends, before + 12 * hour - 1000);
+  EXPECT_LE(ends, wall_clock() + 12 * hour);
+
+  // A token that ends before its session ends the session, too.
+  const auto brief = make_token(*store_, {"station-2", {Scope::read}, before + 5 * minute});
+  const json short_one = session(signed_in(brief->text));
+  EXPECT_EQ(short_one["expires"], rfc3339(before + 5 * minute));
+  EXPECT_EQ(short_one["session_ends"], short_one["expires"]);
+  EXPECT_EQ(ask("GET", "/api/v1/session", anonymous).status, 401);
+}
+
 TEST_F(ServerAccess, TheCookieIsForTlsAloneBehindAFront) {
   http::ServerOptions options;
   options.refuse = refuse;

@@ -212,6 +212,27 @@ TEST_F(ServerApi, DownloadsKnowRangesAndEntityTags) {
   EXPECT_TRUE(head.body.empty());
 }
 
+TEST_F(ServerApi, DownloadsAreNamedForPeople) {
+  const auto named = [&](const std::string& more, const std::string& name) {
+    const std::string id = json::parse(submit(more).body)["id"];
+    const json held = lease();
+    finish({held["job"], held["lease"]});
+    const std::string disposition = ask("GET", "/api/v1/jobs/" + id + name).header("Content-Disposition");
+    EXPECT_EQ(ask("HEAD", "/api/v1/jobs/" + id + name).header("Content-Disposition"), disposition);
+    return std::pair(id.substr(18), disposition);
+  };
+  EXPECT_EQ(named(part("reference", "", "CASE-12"), "/artifacts/print.pdf").second,
+            "inline; filename=\"CASE-12-outer-print.pdf\"");
+  EXPECT_EQ(
+      named(part("reference", "", "Köln 7") + part("pattern.inked_face", "", "inner"), "/artifacts/print.svg")
+          .second,
+      "inline; filename=\"K-ln-7-inner-print.svg\"; filename*=UTF-8''K%C3%B6ln%207-inner-print.svg");
+  const auto [id, mold] = named("", "/artifacts/mold.stl");
+  EXPECT_EQ(mold, "inline; filename=\"" + id + "-mold.stl\"");
+  EXPECT_EQ(named(part("reference", "", "CASE-12"), "/artifacts.zip").second,
+            "attachment; filename=\"CASE-12-artifacts.zip\"");
+}
+
 TEST_F(ServerApi, AFailureReachesTheUserWithItsReason) {
   const std::string id = created();
   const json held = lease();
@@ -446,6 +467,40 @@ TEST_F(ServerApi, ABackupNeedsAnEmptyFolderOfTheServersOwn) {
   EXPECT_EQ((*open_store(to))->list(10, "")->jobs.size(), 1u);
 }
 
+TEST_F(ServerApi, AdministratorsSeeTheStateOfTheService) {
+  EXPECT_EQ(ask("GET", "/api/v1/service").status, 403);
+  const auto service = [&] { return json::parse(ask("GET", "/api/v1/service", bearer(admin_)).body); };
+  const json empty = service();
+  EXPECT_EQ(empty["version"], VACUFORM_VERSION);
+  EXPECT_GE(empty["uptime_seconds"], 0);
+  EXPECT_LT(empty["uptime_seconds"], 600);
+  EXPECT_GE(empty["schema"], 12);
+  EXPECT_EQ(empty["queue"], (json{{"length", 0}, {"oldest_seconds", nullptr}}));
+  EXPECT_EQ(empty["workers"], json::array());
+  EXPECT_EQ(empty["last_backup"], nullptr);
+  EXPECT_GT(empty["disk"]["total_bytes"], empty["disk"]["kept_free_bytes"]);
+
+  const std::string id = created();
+  created();
+  EXPECT_EQ(
+      ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"w1","protocol":2,"sandbox":["seccomp"]})")
+          .status,
+      200);
+  const auto held = store_->lease("w0");  // by a worker that has not asked this server
+  ASSERT_TRUE(held && *held);
+  const json busy = service();
+  EXPECT_EQ(busy["jobs"]["running"], 2);
+  EXPECT_EQ(busy["jobs"]["queued"], 0);
+  ASSERT_EQ(busy["workers"].size(), 2u);
+  EXPECT_EQ(busy["workers"][0]["worker"], "w0");
+  EXPECT_EQ(busy["workers"][0]["job"], (*held)->job.id);
+  EXPECT_EQ(busy["workers"][0]["sandbox"], nullptr);
+  EXPECT_EQ(busy["workers"][1]["job"], id);
+  EXPECT_EQ(busy["workers"][1]["sandbox"], json{"seccomp"});
+  EXPECT_EQ(busy["workers"][1]["lacks"], (json{"namespaces", "landlock"}));
+  EXPECT_TRUE(from_rfc3339(busy["workers"][1]["last_seen"].get<std::string>()));
+}
+
 TEST_F(ServerApi, EverySettingHasALabelledField) {
   const std::string page = ask("GET", "/jobs").body;
   const json schema = json::parse(ask("GET", "/api/v1/settings-schema").body);
@@ -616,6 +671,7 @@ TEST(Pages, ListWhatWasLeftOutOfTheScan) {
                 {{"format", "STL"},
                  {"front", "+x"},
                  {"front_assumed", false},
+                 {"left_side", "plus_x"},
                  {"mirrored", true},
                  {"outliers_dropped", 2},
                  {"crumbs_dropped", 3}}}};
@@ -626,6 +682,7 @@ TEST(Pages, ListWhatWasLeftOutOfTheScan) {
     const std::string html = job_page(job, made).main;
     EXPECT_NE(html.find(left_out), std::string::npos) << html;
     EXPECT_NE(html.find("<dt>Face</dt><dd>+x, mirrored</dd>"), std::string::npos) << html;
+    EXPECT_NE(html.find("left</dt><dd>+x, confirmed by a person</dd>"), std::string::npos) << html;
     EXPECT_EQ(html.find("Fits the machine"), std::string::npos);
   }
   made["fits"] = true;

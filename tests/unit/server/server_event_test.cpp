@@ -64,6 +64,30 @@ TEST_F(ServerEvent, AnEntityTagNamesTheStateOfAJob) {
   EXPECT_EQ(ask("GET", path_ + "?wait=61", known).status, 400);
 }
 
+TEST_F(ServerEvent, TellsTheFrontOfTheQueueAndTheUsualTime) {
+  const auto shown = [&] { return json::parse(ask("GET", path_).body); };
+  json job = shown();
+  EXPECT_EQ(job["queue_position"], 1);
+  EXPECT_EQ(job["seconds_expected"], nullptr);
+  EXPECT_NE(ask("GET", "/jobs/" + id_).body.find("Number 1 in the queue."), std::string::npos);
+  // A job that goes first moves it, without a change of its own.
+  const std::string tag = ask("GET", path_).header("ETag");
+  const json raised = json::parse(
+      ask("POST", "/api/v1/jobs", bearer(admin_), json{{"from", id_}, {"priority", 5}}.dump()).body);
+  EXPECT_EQ(shown()["queue_position"], 2);
+  EXPECT_EQ(ask("GET", path_).header("ETag"), tag);
+  const json held = lease();
+  ASSERT_EQ(held["job"], raised["id"]);
+  finish({held["job"], held["lease"]});
+  job = shown();
+  EXPECT_EQ(job["queue_position"], 1);
+  EXPECT_TRUE(job["seconds_expected"].is_number());
+  EXPECT_NE(ask("GET", "/jobs/" + id_).body.find("Such a job usually takes"), std::string::npos);
+  lease();
+  EXPECT_EQ(shown()["queue_position"], nullptr);
+  EXPECT_FALSE(json::parse(ask("GET", "/api/v1/jobs").body)["jobs"][0].contains("queue_position"));
+}
+
 TEST_F(ServerEvent, AnEntityTagThatMustMatchIsLookedAt) {
   const std::string tag = ask("GET", path_).header("ETag");
   for (const std::string& good : {tag, std::string("*"), "\"0\", " + tag})

@@ -118,7 +118,89 @@ TEST_F(ServerSubmission, AFormThatIsSentTwiceCreatesOneJob) {
   EXPECT_EQ(send(first), job);                               // a second click
   EXPECT_NE(send(first, part("print.dpi", "", "72")), job);  // back, changed, sent again
   EXPECT_NE(send(key()), job);                               // the page loaded again
-  EXPECT_EQ(store_->list(10, "")->jobs.size(), 3u);
+  EXPECT_NE(send(first, part("reference", "", "CASE-12")), job);
+  EXPECT_EQ(store_->list(10, "")->jobs.size(), 4u);
+}
+
+TEST_F(ServerSubmission, AReferenceAndANoteStandWithTheJob) {
+  const std::string texts =
+      part("reference", "", " CASE-12 <ä> ") + part("note", "", "first\r\nsecond & last");
+  const json plan = json::parse(validate(texts).body);
+  EXPECT_EQ(plan["reference"], "CASE-12 <ä>");
+  EXPECT_EQ(plan["note"], "first\nsecond & last");
+  expect_nothing_kept();
+  const json job = json::parse(submit(texts).body);
+  EXPECT_EQ(job["reference"], "CASE-12 <ä>");
+  EXPECT_EQ(job["note"], "first\nsecond & last");
+  const json listed = json::parse(ask("GET", "/api/v1/jobs").body)["jobs"][0];
+  EXPECT_EQ(listed["reference"], job["reference"]);
+  EXPECT_EQ(listed["note"], job["note"]);
+  const std::string page = ask("GET", "/jobs/" + job["id"].get<std::string>()).body;
+  EXPECT_NE(page.find("<dd>CASE-12 &lt;ä&gt;</dd>"), std::string::npos) << page;
+  EXPECT_NE(page.find("first\nsecond &amp; last</dd>"), std::string::npos);
+  EXPECT_NE(ask("GET", "/").body.find("CASE-12 &lt;ä&gt;"), std::string::npos);
+  const json lease =
+      json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test","protocol":2})").body);
+  EXPECT_EQ(lease["reference"], "CASE-12 <ä>");
+  EXPECT_FALSE(lease.contains("note"));
+
+  for (const std::string& wrong :
+       {part("reference", "", std::string(65, 'x')), part("reference", "", "two\nlines"),
+        part("note", "", "bell\a"), part("note", "", std::string(501, 'x'))}) {
+    const Answer refused = submit(wrong);
+    EXPECT_EQ(refused.status, 400) << wrong;
+    EXPECT_EQ(json::parse(refused.body)["fix"].get<std::string>().empty(), false);
+  }
+  const Answer form = submit(part("reference", "", "\"A\" <1>\a"), "/jobs");
+  EXPECT_EQ(form.status, 400);
+  EXPECT_NE(form.body.find("name=\"reference\" value=\"&quot;A&quot; &lt;1&gt;"), std::string::npos);
+}
+
+TEST_F(ServerSubmission, AJobFromAnotherTakesItsReferenceAndNotItsNote) {
+  const json first =
+      json::parse(submit(part("reference", "", "CASE-12") + part("note", "", "a remark")).body);
+  const auto derive = [&](json body) {
+    body["from"] = first["id"];
+    return json::parse(ask("POST", "/api/v1/jobs", "", body.dump()).body);
+  };
+  const json same = derive({{"reference", ""}}), other = derive({{"reference", "CASE-13"}, {"note", "new"}});
+  EXPECT_EQ(same["reference"], "CASE-12");
+  EXPECT_EQ(same["note"], "");
+  EXPECT_EQ(other["reference"], "CASE-13");
+  EXPECT_EQ(other["note"], "new");
+}
+
+TEST_F(ServerSubmission, JobsAreFoundByAPartOfTheirText) {
+  const std::string koeln = json::parse(submit(part("reference", "", "KÖLN 100%")).body)["id"],
+                    plus = json::parse(submit(part("note", "", "a+b_c")).body)["id"];
+  const auto found = [&](const std::string& query, const std::string& headers = "") {
+    const Answer answer = ask("GET", "/api/v1/jobs?" + query, headers);
+    EXPECT_EQ(answer.status, 200) << answer.body;
+    std::vector<std::string> ids;
+    for (const json& job : json::parse(answer.body)["jobs"]) ids.push_back(job["id"]);
+    return ids;
+  };
+  using Ids = std::vector<std::string>;
+  EXPECT_EQ(found("text=k%C3%B6ln+100%25"), Ids{koeln});
+  EXPECT_EQ(found("text=_"), Ids{plus});
+  EXPECT_EQ(found("text=A%2Bb"), Ids{plus});
+  EXPECT_EQ(found("text=" + koeln.substr(18)), Ids{koeln});
+  EXPECT_EQ(found("text=+"), (Ids{plus, koeln}));
+  EXPECT_EQ(found("text=k%C3%B6ln&state=failed"), Ids{});
+  EXPECT_EQ(found("text=k%C3%B6ln", bearer(token("station-2", {Scope::read}))), Ids{});  // of another owner
+  EXPECT_EQ(ask("GET", "/api/v1/jobs?text=" + std::string(101, 'a')).status, 400);
+  EXPECT_EQ(json::parse(ask("GET", "/api/v1/jobs?text=%FF").body)["where"], "text");
+}
+
+TEST_F(ServerSubmission, AReferenceIsPartOfWhatAKeyNames) {
+  const auto send = [&](const std::string& reference) {
+    return ask("POST", "/api/v1/jobs", form_type + std::string("Idempotency-Key: 12345678\r\n"),
+               part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") +
+                   part("reference", "", reference) + "--XX--\r\n");
+  };
+  const json first = json::parse(send("CASE-12").body);
+  EXPECT_EQ(json::parse(send(" CASE-12 ").body)["id"], first["id"]);
+  EXPECT_EQ(send("CASE-13").status, 422);
 }
 
 TEST_F(ServerSubmission, AJsonBodyIsReadStrictly) {

@@ -148,6 +148,42 @@ TEST_F(SqliteStoreTest, TakesOverTheQueueOfAStoreOfVersionFive) {
   EXPECT_TRUE((*store)->log_after("0004", 0, 10)->empty());
 }
 
+// Before version twelve, jobs had no reference.
+TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionEleven) {
+  old_store(11, "INSERT INTO job(id, state, created, settings) VALUES('0001', 'queued', 7, '{}')");
+  const auto store = open_store(data_);
+  ASSERT_TRUE(store) << store.error().text();
+  const Job job = (*store)->job("0001").value();
+  EXPECT_EQ(job.reference + job.note, "");
+}
+
+// A search looks at a part of the jobs for each page, and goes on with the next.
+TEST_F(SqliteStoreTest, ASearchThroughManyJobsIsDoneInPages) {
+  old_store(newest_schema,
+            "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n WHERE i<5000)"
+            " INSERT INTO job(id, state, created, settings, owner, reference)"
+            " SELECT printf('%026d', i), iif(i % 2, 'failed', 'succeeded'), i, '{}', 'a', iif(i=10, "
+            "'needle', 'hay')"
+            " FROM n");
+  const auto opened = open_store(data_);
+  auto& store = dynamic_cast<SqliteStore&>(**opened);
+  const std::int64_t before = store.steps();
+  JobPage page = store.list(20, "", {.text = "Needle"}, Detail::brief).value();
+  EXPECT_TRUE(page.jobs.empty());
+  const std::int64_t steps = store.steps() - before;
+  EXPECT_LT(steps, 40 * most_searched);
+  int pages = 1;
+  for (; page.jobs.empty() && page.next; ++pages)
+    page = store.list(20, *page.next, {.text = "Needle"}, Detail::brief).value();
+  ASSERT_EQ(page.jobs.size(), 1u);
+  EXPECT_EQ(page.jobs[0].reference, "needle");
+  EXPECT_EQ(pages, 3);
+  EXPECT_FALSE(page.next);
+  const JobPage full = store.list(100, "", {.text = "HAY"}, Detail::brief).value();
+  EXPECT_EQ(full.jobs.size(), 100u);
+  EXPECT_EQ(full.next, full.jobs.back().id);
+}
+
 // The work of a request does not grow with the queue: counted in steps of SQLite, since seconds differ from run to run.
 TEST_F(SqliteStoreTest, ALongQueueSlowsNothingDown) {
   const std::string hash = blob("a scan");

@@ -31,6 +31,69 @@ TEST_P(StoreTest, OwnersTakeTurns) {
   EXPECT_FALSE(store_->lease("idle").value().has_value());
 }
 
+TEST_P(StoreTest, TellsThePlaceInTheQueue) {
+  const auto submit = [&](const std::string& owner, int priority = 0) {
+    NewJob job = submission();
+    job.owner = owner;
+    job.priority = priority;
+    return store_->create(std::move(job))->id;
+  };
+  const auto place = [&](const std::string& id) { return store_->outlook(job(id))->queue_position; };
+  std::vector<std::string> waiting;
+  for (const char* owner : {"a", "a", "a", "a", "b", "b", "c"}) waiting.push_back(submit(owner));
+  waiting.push_back(submit("b", -1));
+  // One worker, which ends each job before it takes the next.
+  while (!waiting.empty()) {
+    std::map<std::int64_t, std::string> order;
+    for (const std::string& id : waiting) order[place(id).value()] = id;
+    ASSERT_EQ(order.size(), waiting.size());
+    EXPECT_EQ(order.begin()->first, 1);
+    EXPECT_EQ(order.rbegin()->first, static_cast<std::int64_t>(waiting.size()));
+    const LeaseKey key = lease();
+    EXPECT_EQ(key.job, order.begin()->second);
+    EXPECT_FALSE(place(key.job));
+    ASSERT_TRUE(store_->fail_job(key, {Code::unusable_scan, "it is flat"}, Retry::never));
+    EXPECT_FALSE(place(key.job));
+    std::erase(waiting, key.job);
+  }
+  const std::string usual = submit("a"), second = submit("b", 1), first = submit("b", 2),
+                    third = submit("c", 1);
+  EXPECT_EQ(place(first), 1);
+  EXPECT_EQ(place(second), 2);
+  EXPECT_EQ(place(third), 3);
+  EXPECT_EQ(place(usual), 4);
+}
+
+TEST_P(StoreTest, TellsHowLongAJobMayTake) {
+  const auto expected = [&](const std::string& scan, JobKind kind = JobKind::print) {
+    NewJob job = submission(scan);
+    job.kind = kind;
+    const Job made = store_->create(std::move(job)).value();
+    const auto seconds = store_->outlook(made)->seconds_expected;
+    EXPECT_TRUE(store_->cancel(made.id));
+    EXPECT_FALSE(store_->outlook(this->job(made.id))->seconds_expected);  // it has ended
+    return seconds;
+  };
+  const auto run = [&](const std::string& scan, Millis time) {
+    create(scan);
+    const LeaseKey key = lease();
+    now_ += time;
+    ASSERT_TRUE(complete(key));
+  };
+  const std::string small(100, 's'), large(1000, 'l');
+  EXPECT_FALSE(expected(small));
+  for (const Millis time : {9000, 1000, 2000}) run(small, time);
+  EXPECT_EQ(expected(small), 2.0);
+  EXPECT_EQ(expected(std::string(400, 's')), 2.0);
+  EXPECT_EQ(expected(large), 2.0);  // none of its size: all of its kind
+  run(large, 20'000);
+  EXPECT_EQ(expected(large), 20.0);
+  EXPECT_EQ(expected(small), 2.0);
+  EXPECT_FALSE(expected(small, JobKind::inspection));
+  for (int i = 0; i < 20; ++i) run(small, 5000);
+  EXPECT_EQ(expected(small), 5.0);  // the last twenty alone
+}
+
 TEST_P(StoreTest, TheQueueIsBounded) {
   StoreOptions small = options();
   small.most_queued = 5;

@@ -473,6 +473,101 @@ TEST_P(StoreTest, OneKeyMakesOneJob) {
   EXPECT_EQ(store_->list(100, "")->jobs.size(), 4u);
 }
 
+TEST_P(StoreTest, KeepsReferenceAndNoteAsPartOfASubmission) {
+  const auto submit = [&](const std::string& reference, const std::string& note,
+                          const std::string& key = "key-0001") {
+    NewJob job = submission("a scan", "a pattern", key);
+    job.reference = reference;
+    job.note = note;
+    return store_->create(std::move(job));
+  };
+  const auto made = submit("CASE-12 ä", "two\nlines");
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->reference, "CASE-12 ä");
+  reopen();
+  EXPECT_EQ(job(made->id).note, "two\nlines");
+  EXPECT_EQ(submit("CASE-12 ä", "two\nlines")->id, made->id);
+  EXPECT_EQ(submit("CASE-13", "two\nlines").error().code, Code::conflict);
+  EXPECT_EQ(submit("CASE-12 ä", "").error().code, Code::conflict);
+  const Job listed = store_->list(1, "", {}, Detail::brief)->jobs.at(0);
+  EXPECT_EQ(listed.reference + "/" + listed.note, "CASE-12 ä/two\nlines");
+}
+
+TEST_P(StoreTest, ListsJobsByTheirText) {
+  const auto make = [&](const std::string& reference, const std::string& note,
+                        const std::string& owner = "a") {
+    NewJob job = submission();
+    job.reference = reference;
+    job.note = note;
+    job.owner = owner;
+    return store_->create(std::move(job))->id;
+  };
+  const std::string koeln = make("KÖLN 100%", ""), under = make("A_1", "second scan\nurgent"),
+                    plain = make("A-1", "", "b");
+  const auto found = [&](const std::string& text, JobFilter filter = {}) {
+    filter.text = text;
+    std::vector<std::string> ids;
+    for (const Job& job : store_->list(10, "", filter)->jobs) ids.push_back(job.id);
+    return ids;
+  };
+  using Ids = std::vector<std::string>;
+  EXPECT_EQ(found("köln"), Ids{koeln});
+  EXPECT_EQ(found("KOLN"), Ids{});
+  EXPECT_EQ(found("%"), Ids{koeln});
+  EXPECT_EQ(found("_"), Ids{under});
+  EXPECT_EQ(found("*"), Ids{});
+  EXPECT_EQ(found("a"), (Ids{plain, under}));
+  EXPECT_EQ(found("SCAN\nUrg"), Ids{under});
+  EXPECT_EQ(found("1", {.owner = "b"}), Ids{plain});
+  EXPECT_EQ(found("a", {.states = {JobState::failed}}), Ids{});
+  EXPECT_EQ(found("a", {.kind = JobKind::print}), (Ids{plain, under}));
+  std::string end = koeln.substr(18);
+  for (char& c : end) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+  EXPECT_EQ(found(end), Ids{koeln});
+  // In pages: the cursor stands between two that are found.
+  const JobPage first = store_->list(1, "", {.text = "a"}).value();
+  ASSERT_EQ(first.jobs.size(), 1u);
+  EXPECT_EQ(first.jobs[0].id, plain);
+  const JobPage second = store_->list(1, first.next.value(), {.text = "a"}).value();
+  ASSERT_EQ(second.jobs.size(), 1u);
+  EXPECT_EQ(second.jobs[0].id, under);
+  EXPECT_FALSE(second.next);
+}
+
+TEST_P(StoreTest, TellsAdministratorsHowItDoes) {
+  const StoreStatus empty = store_->status().value();
+  EXPECT_FALSE(empty.oldest_queued || empty.last_backup);
+  EXPECT_GT(empty.disk.total, empty.disk.free);
+  EXPECT_EQ(empty.disk.kept_free, 3u << 18);  // three quarters of what the test keeps free
+
+  create();
+  const LeaseKey key = lease();
+  const Millis first = now_ += 1000;
+  create();
+  now_ += 5000;
+  create();
+  ASSERT_TRUE(store_->heartbeat(key, std::nullopt, 0));
+  now_ += 2000;
+  const StoreStatus status = store_->status().value();
+  EXPECT_EQ(status.counts[static_cast<std::size_t>(JobState::queued)], 2);
+  EXPECT_EQ(status.oldest_queued, first);
+  ASSERT_EQ(status.working.size(), 1u);
+  EXPECT_EQ(status.working[0].name, "tester");
+  EXPECT_EQ(status.working[0].job, key.job);
+  EXPECT_EQ(status.working[0].heard, now_ - 2000);
+  now_ += 60'000;  // the lease is over
+  EXPECT_TRUE(store_->status()->working.empty());
+
+  const fs::path copy = folder_ / "copy";
+  fs::create_directory(copy);
+  fs::permissions(copy, fs::perms::owner_all);
+  ASSERT_TRUE(store_->backup(copy, [] { return true; }));
+  EXPECT_EQ(store_->status()->last_backup, now_);
+  ASSERT_FALSE(store_->backup(copy, [] { return true; }));  // not empty
+  reopen();
+  EXPECT_EQ(store_->status()->last_backup, now_);
+}
+
 INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Sqlite", open_store}),
                          [](const auto& backend) { return backend.param.name; });
 

@@ -40,7 +40,7 @@ struct Job {
                                "drawing", sample.settings.pattern, sample.settings.print.dpi)),
         print(*make_print(hand_made::Charted(sample), pattern, nullptr,
                           *place(hand_made::Charted(sample), nullptr, sample.settings, Context()),
-                          sample.settings, "3f9a12c4", Context())) {}
+                          sample.settings, {"3f9a12c4"}, Context())) {}
   Finished finished() const {
     return {sample.settings, sample.mold, sample.sheet, surface, sample.flattening, pattern, print};
   }

@@ -199,6 +199,24 @@ TEST(Summary, HasTheSameAsJson) {
   EXPECT_EQ(summary_json(none, "out")["coils_on_head"], nullptr);
 }
 
+TEST(ReportHtml, SaysWhoseItIsAndWhichSideIsConfirmed) {
+  ReportJson report = small_report();
+  const std::string before = report_html(report, {});
+  EXPECT_EQ(before.find("reference"), std::string::npos);
+  EXPECT_EQ(before.find("confirmed by a person"), std::string::npos);
+  report["label"] = "3f9a12c4";
+  report["reference"] = "Köln <12> & \"7\"";
+  report["scan"]["left_side"] = "minus_x";
+  const std::string page = report_html(report, {});
+  EXPECT_NE(page.find("<h1>Vacuform report 3f9a12c4, reference Köln &lt;12&gt; &amp; &quot;7&quot;</h1>"),
+            std::string::npos)
+      << page;
+  EXPECT_NE(page.find("The patient&#39;s left is at -x, confirmed by a person."), std::string::npos);
+  EXPECT_NE(summary_text(report, "out").find("Print 3f9a12c4, reference Köln <12> & \"7\", for the"),
+            std::string::npos);
+  EXPECT_EQ(summary_json(report, "out")["reference"], report["reference"]);
+}
+
 TEST(ReportHtml, ShowsSeverityPlaceAndFixOfAWarning) {
   const std::string page = report_html(small_report(), {});
   EXPECT_NE(page.find("<li class=\"serious\"><b>serious</b> coil-3 lies off.<br><span class=\"soft\">Where: "

@@ -36,7 +36,7 @@ Made make(const Sample& x, const Bytes& bytes, bool as_lines = true) {
   auto placement = place(hand_made::Charted(x), lines, x.settings, Context());
   if (!placement) throw std::runtime_error(placement.error().text());
   auto print =
-      make_print(hand_made::Charted(x), *pattern, lines, *placement, x.settings, "3f9a12c4", Context());
+      make_print(hand_made::Charted(x), *pattern, lines, *placement, x.settings, {"3f9a12c4"}, Context());
   if (!print) throw std::runtime_error(print.error().text());
   return {std::move(*pattern), std::move(drawing), std::move(*placement), std::move(*print)};
 }
@@ -187,7 +187,7 @@ TEST(PrintFiles, EachPartOfAPictureIsPrintedThroughItsOwnPatch) {
     placement.elements.push_back(placed);
   }
   const auto print =
-      make_print(hand_made::Charted(x), *pattern, nullptr, placement, x.settings, "", Context());
+      make_print(hand_made::Charted(x), *pattern, nullptr, placement, x.settings, {""}, Context());
   ASSERT_TRUE(print) << print.error().text();
   const Decoded image = decode_png(print->png);
   Vector2d sums[2]{{0, 0}, {0, 0}};

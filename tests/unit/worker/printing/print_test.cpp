@@ -30,7 +30,7 @@ Pattern svg_pattern(const std::string& body, double side, const Settings& settin
       settings);
 }
 // Settings for a pattern that is a picture.
-Result<Print> try_print(const Sample& x, const Pattern& pattern, const std::string& label = "3f9a12c4",
+Result<Print> try_print(const Sample& x, const Pattern& pattern, const PrintLabel& label = {"3f9a12c4"},
                         const Context& context = Context()) {
   const auto placement = place(hand_made::Charted(x), nullptr, x.settings, Context());
   if (!placement) throw std::runtime_error(placement.error().text());
@@ -459,11 +459,53 @@ TEST(Print, TheSvgLooksLikeThePng) {
 TEST(Print, ALabelCannotBreakTheSvg) {
   const Sample x = hand_made::flat(200, 20, 60);
   const Pattern pattern = svg_pattern("<circle r='30'/>", 70, x.settings);
-  const auto print = try_print(x, pattern, "</text><script>&\"\n\xff");
+  const std::string hostile = "</text><script>&\"\n\xff";
+  for (const PrintLabel& label : {PrintLabel{hostile}, PrintLabel{"3f9a12c4", hostile}}) {
+    const auto print = try_print(x, pattern, label);
+    ASSERT_TRUE(print);
+    pugi::xml_document svg;
+    ASSERT_TRUE(svg.load_string(print->svg.c_str()));
+    EXPECT_FALSE(svg.find_node([](const auto& n) { return std::string(n.name()) == "script"; }));
+  }
+}
+
+std::string legend_of(const Print& print) {
+  pugi::xml_document svg;
+  EXPECT_TRUE(svg.load_string(print.svg.c_str()));
+  const auto legend =
+      svg.find_node([](const auto& n) { return std::string(n.attribute("id").value()) == "mark-legend"; });
+  std::string text;
+  for (const auto& line : legend.children("text")) text += std::string(line.child_value()) + "\n";
+  return text;
+}
+
+TEST(Print, SaysTheReferenceOfTheJob) {
+  const Sample x = hand_made::flat(200, 20, 60);
+  const Pattern pattern = svg_pattern("<circle r='30'/>", 70, x.settings);
+  const Print without = print_of(x, pattern);
+  const auto print = try_print(x, pattern, {"3f9a12c4", "Köln (2) <&> \\ 7"});
   ASSERT_TRUE(print);
   pugi::xml_document svg;
   ASSERT_TRUE(svg.load_string(print->svg.c_str()));
-  EXPECT_FALSE(svg.find_node([](const auto& n) { return std::string(n.name()) == "script"; }));
+  EXPECT_STREQ(svg.child("svg").child_value("title"), "Vacuform print 3f9a12c4, reference Köln (2) <&> \\ 7");
+  EXPECT_NE(legend_of(*print).find("reference Köln (2) <&> \\ 7   ·   Vacuform 3f9a12c4"), std::string::npos)
+      << legend_of(*print);
+  EXPECT_EQ(legend_of(without).find("reference"), std::string::npos);
+  EXPECT_NE(print->png, without.png);
+  EXPECT_NE(print->pdf, without.pdf);
+  EXPECT_EQ(print->warnings.size(), without.warnings.size());
+}
+
+TEST(Print, WarnsOfCharactersThatItsFontsLack) {
+  const Sample x = hand_made::flat(200, 20, 60);
+  const Pattern pattern = svg_pattern("<circle r='30'/>", 70, x.settings);
+  const auto print = try_print(x, pattern, {"3f9a12c4", "北京 12 ü"});
+  ASSERT_TRUE(print);
+  EXPECT_NE(legend_of(*print).find("reference ?? 12 ü "), std::string::npos) << legend_of(*print);
+  const auto warning = std::find_if(print->warnings.begin(), print->warnings.end(),
+                                    [](const Warning& w) { return w.code == "reference-incomplete"; });
+  ASSERT_NE(warning, print->warnings.end());
+  EXPECT_EQ(warning->figure->value, 2);
 }
 
 TEST(Print, GivesTheSameBytesTwice) {
@@ -493,7 +535,7 @@ TEST(Print, CanBeCancelled) {
   const Sample x = hand_made::flat(100, 10);
   Context context;
   context.cancel();
-  const auto print = try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings), "", context);
+  const auto print = try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings), {""}, context);
   ASSERT_FALSE(print);
   EXPECT_EQ(print.error().code, Code::cancelled);
 }
@@ -506,7 +548,7 @@ TEST(Print, ReportsProgressThatNeverFalls) {
     EXPECT_GE(fraction, last);
     last = fraction;
   });
-  ASSERT_TRUE(try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings), "", context));
+  ASSERT_TRUE(try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings), {""}, context));
   EXPECT_EQ(last, 1);
 }
 

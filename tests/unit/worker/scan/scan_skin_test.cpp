@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/worker/scan/scan_shapes.hpp"
+#include "worker/scan/left_side.hpp"
 #include "worker/scan/outliers.hpp"
 #include "worker/scan/shells.hpp"
 #include "worker/scan/upright.hpp"
@@ -149,6 +150,35 @@ TEST(Front, TheNamedSideComesToTheFront) {
     EXPECT_EQ(mold->findings.front, side);
     EXPECT_FALSE(mold->findings.front_assumed);
     EXPECT_NEAR((bounds(mold->mesh).high - bounds(assumed->mesh).high).norm(), 0, 1e-3) << name(side);
+  }
+}
+
+TEST(LeftSide, WarnsOnlyWhereTheFaceIsKnown) {
+  struct Row {
+    FrontSide front;
+    double yaw_deg;
+    LeftSide left;
+    bool warns;
+  };
+  for (const Row& row : {Row{FrontSide::automatic, 0, LeftSide::plus_x, false},
+                         Row{FrontSide::plus_y, 0, LeftSide::unknown, false},
+                         Row{FrontSide::plus_y, 0, LeftSide::minus_x, false},
+                         Row{FrontSide::plus_y, 0, LeftSide::plus_x, true},
+                         Row{FrontSide::minus_x, 20, LeftSide::plus_x, true},
+                         Row{FrontSide::plus_y, 180, LeftSide::plus_x, false},
+                         Row{FrontSide::plus_y, 180, LeftSide::minus_x, true},
+                         Row{FrontSide::plus_y, 90, LeftSide::minus_x, false},
+                         Row{FrontSide::plus_y, -90, LeftSide::plus_x, false}}) {
+    ScanSettings settings;
+    settings.front = row.front;
+    settings.yaw_deg = row.yaw_deg;
+    settings.left_side = row.left;
+    const auto warning = left_side_warning(settings);
+    EXPECT_EQ(warning.has_value(), row.warns)
+        << name(row.front) << " " << row.yaw_deg << " " << name(row.left);
+    if (!warning) continue;
+    EXPECT_EQ(warning->severity(), Severity::warning);
+    EXPECT_NE(warning->what_to_do().find("scan.mirror=yes"), std::string::npos);
   }
 }
 

@@ -1,0 +1,73 @@
+// How the service does, for administrators.
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "api/version.hpp"
+#include "server/http/problem.hpp"
+#include "server/routes/guard.hpp"
+#include "server/routes/lists.hpp"
+#include "server/routes/routes.hpp"
+
+namespace vacuform {
+
+using http::Request;
+using http::Response;
+using nlohmann::ordered_json;
+
+namespace {
+
+// The workers that asked for a job lately, and those that hold one. Of the second, if the server was started since they
+// asked, the sandbox is not known.
+ordered_json all_workers_json(const Workers& workers, const StoreStatus& status) {
+  std::map<std::string, ordered_json> all;
+  for (const SeenWorker& worker : workers.lately(wall_clock())) {
+    ordered_json object = {{"worker", worker.name}, {"last_seen", rfc3339(worker.at)}, {"job", nullptr}};
+    object.update(sandbox_json(worker));
+    all[worker.name] = std::move(object);
+  }
+  for (const WorkingWorker& worker : status.working) {
+    ordered_json& object = all[worker.name];
+    if (object.is_null())
+      object = {{"worker", worker.name},
+                {"last_seen", ""},
+                {"job", nullptr},
+                {"sandbox", nullptr},
+                {"lacks", nullptr}};
+    object["last_seen"] = std::max(object["last_seen"].get<std::string>(), rfc3339(worker.heard));
+    object["job"] = worker.job;
+  }
+  ordered_json list = ordered_json::array();
+  for (auto& [name, object] : all) list.push_back(std::move(object));
+  return list;
+}
+
+Result<Response> show_service(Service& service, Request&, const Caller&) {
+  VACUFORM_TRY(status, service.store.status());
+  ordered_json jobs = ordered_json::object();
+  for (std::size_t i = 0; i < status.counts.size(); ++i)
+    jobs[std::string(job_state_names[i])] = status.counts[i];
+  const auto queued = status.counts[static_cast<std::size_t>(JobState::queued)];
+  ordered_json oldest;
+  if (status.oldest_queued) oldest = std::max<Millis>(0, wall_clock() - *status.oldest_queued) / 1000;
+  return json_response(
+      {{"version", version},
+       {"uptime_seconds", (boot_clock() - service.started) / 1000},
+       {"schema", status.schema},
+       {"jobs", std::move(jobs)},
+       {"queue", {{"length", queued}, {"oldest_seconds", std::move(oldest)}}},
+       {"workers", all_workers_json(service.workers, status)},
+       {"disk",
+        {{"total_bytes", status.disk.total},
+         {"free_bytes", status.disk.free},
+         {"kept_free_bytes", status.disk.kept_free}}},
+       {"last_backup", status.last_backup ? ordered_json(rfc3339(*status.last_backup)) : ordered_json()}});
+}
+
+}  // namespace
+
+void add_service_routes(http::Router& router, Service& service) {
+  add_guarded(router, service, Scope::admin, "GET", "/api/v1/service", show_service);
+}
+
+}  // namespace vacuform
