@@ -60,7 +60,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 22> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 23> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -79,6 +79,7 @@ inline constexpr std::array<ArtifactKind, 22> artifact_kinds{{
     {"formed.ply", "application/octet-stream", "The formed sheet with sheet and pattern coordinates"},
     {"formed.obj", "model/obj", "The formed sheet, textured with the print"},
     {"formed.mtl", "model/mtl", "The material of formed.obj"},
+    {"formed.glb", "model/gltf-binary", "The formed sheet for 3D viewers, with and without pre-distortion"},
     {"uv-map.obj", "model/obj", "The formed surface, textured with the pattern"},
     {"mold.stl", "model/stl", "The mold as placed and trimmed, watertight"},
     {"findings.json", "application/json",

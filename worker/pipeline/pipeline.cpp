@@ -161,7 +161,7 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   }
   const Finished job{s,         formed.mold, sheet,       cut.surface, flattening,
                      pattern,   print,       formed.heat, alignment,   measured ? &*measured : nullptr,
-                     &placement};
+                     &placement, identity.label};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
   nlohmann::ordered_json whole = {

@@ -287,7 +287,7 @@ TEST_P(StoreTest, AJobSucceedsOnlyWithItsArtifactsAndShowsThemOnlyThen) {
       EXPECT_TRUE(job(id).artifacts.empty());
     }
     EXPECT_EQ(store_->complete(key)->state, JobState::succeeded);
-    EXPECT_EQ(job(id).artifacts.size(), kind == JobKind::print ? 19u : 3u);
+    EXPECT_EQ(job(id).artifacts.size(), kind == JobKind::print ? 20u : 3u);
   }
 }
 
