@@ -156,14 +156,14 @@ Result<Client> Client::to(const std::string& server, const std::string& token) {
   return Client(std::move(http));
 }
 
-Result<RemoteJob> Client::submit(const std::map<std::string, std::filesystem::path>& files,
+Result<RemoteJob> Client::submit(JobKind kind, const std::map<std::string, std::filesystem::path>& files,
                                  const std::string& settings_json, const std::string& from,
                                  const std::function<bool(double)>& uploaded) {
   HttpRequest request;
   request.method = "POST";
   request.path = "/api/v1/jobs";
   request.headers = {{"Idempotency-Key", random_key()}};
-  request.form = {{"settings", {}, settings_json}};
+  request.form = {{"kind", {}, std::string(name(kind))}, {"settings", {}, settings_json}};
   if (!from.empty()) request.form.push_back({"from", {}, from});
   for (const auto& [name, file] : files) {
     if (::access(file.c_str(), R_OK) != 0 || !std::filesystem::is_regular_file(file))

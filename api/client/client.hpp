@@ -44,10 +44,10 @@ class Client {
   // `token` goes with every request; empty: none.
   static Result<Client> to(const std::string& server, const std::string& token);
 
-  // Creates a job; the files, by the name of their kind of input, are streamed. `uploaded` receives the fraction sent
+  // Creates a job of a kind; the files, by the name of their kind of input, are streamed. `uploaded` receives the fraction sent
   // and may cancel. `from`, if not empty, is the id of a job whose other files are shared. An interrupted request is
   // sent again, up to three times within half a minute; its Idempotency-Key prevents a second job.
-  Result<RemoteJob> submit(const std::map<std::string, std::filesystem::path>& files,
+  Result<RemoteJob> submit(JobKind kind, const std::map<std::string, std::filesystem::path>& files,
                            const std::string& settings_json, const std::string& from,
                            const std::function<bool(double)>& uploaded);
   Result<RemoteJob> job(const std::string& id, const Going& going = {});

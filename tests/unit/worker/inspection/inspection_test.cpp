@@ -305,9 +305,9 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
   const auto r = report(finished);
   EXPECT_EQ(r["heat"].dump(), R"({"source":"heaters","least_c":120.0,"mean_c":140.0,"most_c":160.0,)"
                               R"("seconds":31.25,"through_thickness_c":2.5})");
-  // The two reports are made of the whole; findings.json is an inspection's.
-  ASSERT_EQ(files->size() + 3, artifact_kinds.size());
-  ASSERT_EQ(r["artifacts"].size() + 1, artifact_kinds.size());
+  // The two reports are made of the whole; findings.json is an inspection's, pattern.svg and layout.json a layout's.
+  ASSERT_EQ(files->size() + 5, artifact_kinds.size());
+  ASSERT_EQ(r["artifacts"].size() + 3, artifact_kinds.size());
   for (std::size_t i = 0; i < files->size(); ++i) EXPECT_EQ((*files)[i].name, artifact_kinds[i].name);
   for (const char* name : {"preview-temperature.png", "preview-segments.png"})
     EXPECT_EQ(decode_png(file(*files, name)).width, 1000);
