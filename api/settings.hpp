@@ -142,7 +142,8 @@ struct LayoutSettings {
   int count = 16;
   double diameter_mm = 0;  // 10 to 300; 0: large enough to cover the region
   ArrayRegion region = ArrayRegion::dome;
-  double overlap = 0;  // distance of neighbouring centres over the diameter, 0.5 to 1.5; 0: neighbours are decoupled
+  double overlap =
+      0;  // distance of neighbouring centres over the diameter, 0.5 to 1.5; 0: neighbours are decoupled
 };
 
 struct PrintSettings {

@@ -125,9 +125,10 @@ int submit(const SubmitOptions& o) {
   auto client = Client::to(o.server, *token);
   if (!client) return refuse(client.error());
   if (o.job.empty() && o.from.empty() && lacks_files(o))
-    return refuse({Code::bad_usage,
-                   "submit needs a scan and, for a print, a pattern; or a job to begin with or to come back to", "",
-                   "give --scan FILE and --pattern FILE, or --from ID, or --job ID"});
+    return refuse(
+        {Code::bad_usage,
+         "submit needs a scan and, for a print, a pattern; or a job to begin with or to come back to", "",
+         "give --scan FILE and --pattern FILE, or --from ID, or --job ID"});
 
   struct sigaction action {};
   action.sa_handler = interrupt;  // no SA_RESTART: waiting ends at once

@@ -19,7 +19,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double critical = 0.75;           // spacing over diameter that decouples: 0.758 on a plane, 0.736 on a small head
+constexpr double critical =
+    0.75;  // spacing over diameter that decouples: 0.758 on a plane, 0.736 on a small head
 const double hexagon = std::sqrt(3.0) / 2;  // area of a cell over its spacing squared
 
 // Vertices of the chart that may take a centre, with their areas.
@@ -233,7 +234,8 @@ Drawing drawing_of(const ElementLayout& layout, const std::vector<Vector2d>& pic
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const double radius = layout.elements[i].size * layout.elements[i].outline.radius_mm;
     out.elements.push_back(ring("coil-" + std::to_string(i + 1), picture[i], radius));
-    out.size_mm = out.size_mm.cwiseMax(2 * (picture[i].cwiseAbs() + Vector2d::Constant(radius + loop_trace_mm)));
+    out.size_mm =
+        out.size_mm.cwiseMax(2 * (picture[i].cwiseAbs() + Vector2d::Constant(radius + loop_trace_mm)));
   }
   return out;
 }
@@ -279,7 +281,8 @@ double nearest_two(const InkedSurface& surface, const ElementLayout& layout) {
 
 // Loops of one size, evenly spread.
 Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices& vertices,
-                             const LayoutSettings& wish, double extra_mm, bool settle, const Context& context) {
+                             const LayoutSettings& wish, double extra_mm, bool settle,
+                             const Context& context) {
   const InkedSurface& surface = charted.surface();
   VACUFORM_TRY(where, domain_for(charted, vertices, wish, extra_mm));
   const Tessellation cells =
@@ -345,8 +348,9 @@ Result<std::optional<StrongestPair>> strongest_of_all(const Trial& trial, const 
 }
 
 // Spread, and decoupled unless the wish sets the overlap.
-Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertices, const LayoutSettings& wish,
-                      const CoilSettings& coils, bool settle, const Context& context) {
+Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertices,
+                      const LayoutSettings& wish, const CoilSettings& coils, bool settle,
+                      const Context& context) {
   VACUFORM_TRY(layout, spread(charted, vertices, wish, 0, settle, context));
   layout.keep = coils.keep;
   VACUFORM_TRY(laid, lay_coils(charted, layout, context));
@@ -394,8 +398,8 @@ Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementL
 
 }  // namespace
 
-Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish, const CoilSettings& coils,
-                            const Context& context) {
+Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
+                            const CoilSettings& coils, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   const InkedSurface& surface = charted.surface();
   const ChartVertices vertices = chart_vertices(charted);
@@ -428,8 +432,7 @@ Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings&
     out.centres.push_back(surface.place(c.point));
     start.push_back(charted.on_chart(c.point.triangle) ? charted.chart(c.point) : c.drawn);
   }
-  VACUFORM_TRY(drawing,
-               picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm), context));
+  VACUFORM_TRY(drawing, picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm), context));
   out.drawing = std::move(drawing);
   return out;
 }

@@ -97,9 +97,8 @@ GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer
   out["TEXCOORD_0"] = of_vertices(
       2, [&](std::size_t v, Eigen::Index k) { return texture_place(job.print, sheet.rest[v])[k]; });
   out["_SHEET"] = of_vertices(2, [&](std::size_t v, Eigen::Index k) { return sheet.rest[v][k]; });
-  out["_PATTERN"] = buffer.add_attribute(count, 2, [&](std::size_t i, std::size_t k) {
-    return all.uv[i][static_cast<Eigen::Index>(k)];
-  });
+  out["_PATTERN"] = buffer.add_attribute(
+      count, 2, [&](std::size_t i, std::size_t k) { return all.uv[i][static_cast<Eigen::Index>(k)]; });
   out["_THICKNESS"] = of_values(sheet.thickness);
   out["_TEMPERATURE"] = of_values(sheet.temperature);
   out["_CONTACT"] =
@@ -148,8 +147,7 @@ Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const Context&
   const auto shown_by = [](int variant) {
     return GltfJson{{"material", variant}, {"variants", GltfJson::array({variant})}};
   };
-  primitive["extensions"]["KHR_materials_variants"]["mappings"] =
-      GltfJson::array({shown_by(0), shown_by(1)});
+  primitive["extensions"]["KHR_materials_variants"]["mappings"] = GltfJson::array({shown_by(0), shown_by(1)});
   const GltfJson images =
       GltfJson::array({buffer.add_png(with, print_texture(job)), buffer.add_png(without, drawn)});
   const auto texture = [](int image) { return GltfJson{{"sampler", 0}, {"source", image}}; };

@@ -194,8 +194,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
       distortion(job.surface, job.flattening.triangles, corners_of(job.print, alignment));
   const Heat anisotropy =
       heat_of(anisotropy_of_vertices(job), before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
-  const Heat area =
-      heat_of(area_ratio_of_vertices(job), before.area_ratio, "area ratio (1: undistorted)");
+  const Heat area = heat_of(area_ratio_of_vertices(job), before.area_ratio, "area ratio (1: undistorted)");
   const Heat thickness = thickness_heat(job);
   const bool uneven = job.heat.source != HeatSource::uniform;
   const Heat temperature = uneven ? temperature_heat(job) : Heat{};

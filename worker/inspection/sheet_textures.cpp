@@ -12,7 +12,8 @@ namespace {
 
 int texture_width(const Print& print) {
   const std::int64_t longer = std::max(print.width, print.height);
-  return std::max(1, static_cast<int>(print.width * std::min<std::int64_t>(longer, largest_texture) / longer));
+  return std::max(1,
+                  static_cast<int>(print.width * std::min<std::int64_t>(longer, largest_texture) / longer));
 }
 
 std::uint8_t on_white(float colour, float opacity) {

@@ -113,8 +113,8 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
     if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
       print.warnings.push_back(std::move(*coupled));
   }
-  const Finished job{s,         formed.mold, sheet,       cut.surface, flattening,
-                     pattern,   print,       formed.heat, alignment,   measured ? &*measured : nullptr,
+  const Finished job{s,          formed.mold,   sheet,       cut.surface, flattening,
+                     pattern,    print,         formed.heat, alignment,   measured ? &*measured : nullptr,
                      &placement, identity.label};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 

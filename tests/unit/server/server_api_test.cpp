@@ -610,10 +610,10 @@ TEST(Pages, ShowTheCoilsOfALayoutAndOfferItsPrint) {
                      {"strongest_neighbours", {{"a", "coil-1"}, {"b", "coil-2"}, {"k", -0.0012}}},
                      {"strongest", nullptr}};
   const std::string html = job_page(job, made).main;
-  for (const char* shown : {"<h1>Layout ", "<dd>9, 1 of them not wholly on the head</dd>", "<dd>40.0 mm</dd>",
-                            "<dd>30.17 mm, 0.50 mm rms over 16 pairs</dd>",
-                            "<dd>coil-1 and coil-2, k = -0.0012</dd>", "<dd>- and -, k = -</dd>",
-                            "name=\"from\" value=\"x\""})
+  for (const char* shown :
+       {"<h1>Layout ", "<dd>9, 1 of them not wholly on the head</dd>", "<dd>40.0 mm</dd>",
+        "<dd>30.17 mm, 0.50 mm rms over 16 pairs</dd>", "<dd>coil-1 and coil-2, k = -0.0012</dd>",
+        "<dd>- and -, k = -</dd>", "name=\"from\" value=\"x\""})
     EXPECT_NE(html.find(shown), std::string::npos) << shown << "\n" << html;
   EXPECT_EQ(job_page(job, json()).main.find("The coils"), std::string::npos);
   EXPECT_NE(form_page({job}, {}).main.find("</a>, layout</td>"), std::string::npos);

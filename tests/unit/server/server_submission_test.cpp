@@ -111,7 +111,9 @@ TEST_F(ServerSubmission, TheSettingsOfALayoutAreForLayoutsAlone) {
   EXPECT_EQ(print["settings"]["print"]["dpi"], 72);
   EXPECT_EQ(post(from + part("kind", "", "layout"))["settings"]["layout"]["count"], 9);
 
-  ASSERT_EQ(ask("PUT", "/api/v1/profiles/array", bearer(admin_) + json_type, R"({"layout":{"count":9}})").status, 201);
+  ASSERT_EQ(
+      ask("PUT", "/api/v1/profiles/array", bearer(admin_) + json_type, R"({"layout":{"count":9}})").status,
+      201);
   const std::string scan = part("scan", "a.stl", "solid") + part("profile", "", "array");
   EXPECT_EQ(post(scan + part("pattern", "p.svg", "<svg/>"))["settings"]["layout"]["count"], 16);
   EXPECT_EQ(post(scan + part("kind", "", "layout"))["settings"]["layout"]["count"], 9);

@@ -11,7 +11,8 @@ namespace {
 using Eigen::Vector3d;
 using hand_made::Sample;
 
-LayoutSettings wish(int count, double diameter_mm, ArrayRegion region = ArrayRegion::dome, double overlap = 0) {
+LayoutSettings wish(int count, double diameter_mm, ArrayRegion region = ArrayRegion::dome,
+                    double overlap = 0) {
   LayoutSettings w;
   w.count = count;
   w.diameter_mm = diameter_mm;

@@ -29,8 +29,8 @@ struct Glb {
 
   explicit Glb(const Bytes& file) {
     const auto word = [&](std::size_t at) {
-      return std::size_t{file.at(at)} | std::size_t{file.at(at + 1)} << 8 | std::size_t{file.at(at + 2)} << 16 |
-             std::size_t{file.at(at + 3)} << 24;
+      return std::size_t{file.at(at)} | std::size_t{file.at(at + 1)} << 8 |
+             std::size_t{file.at(at + 2)} << 16 | std::size_t{file.at(at + 3)} << 24;
     };
     if (std::string(file.begin(), file.begin() + 4) != "glTF" || word(4) != 2 || word(8) != file.size())
       throw std::runtime_error("no header of glTF 2.0");
@@ -154,8 +154,7 @@ TEST(FormedGlb, HasTheVerticesAndTrianglesOfThePly) {
       const bool on_chart = !std::isnan(number(i, 5));
       off_chart += !on_chart;
       ASSERT_EQ(chart[i], on_chart ? 1.0f : 0.0f);
-      for (std::size_t k = 0; k < 2; ++k)
-        ASSERT_EQ(pattern[2 * i + k], on_chart ? number(i, 5 + k) : 0.0f);
+      for (std::size_t k = 0; k < 2; ++k) ASSERT_EQ(pattern[2 * i + k], on_chart ? number(i, 5 + k) : 0.0f);
       ASSERT_EQ(thickness[i], number(i, 7));
       ASSERT_EQ(temperature[i], number(i, 8));
       ASSERT_EQ(contact[i], ply[body + 37 * i + 36]);
