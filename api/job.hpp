@@ -8,10 +8,10 @@
 
 namespace vacuform {
 
-// The result of a job: the print, through all the stages, or the findings about a scan, which need only its first
-// stage.
-enum class JobKind { print, inspection };
-inline constexpr std::array<std::string_view, 2> job_kind_names{"print", "inspection"};
+// The result of a job: the print, through all the stages; the findings about a scan, which need only its first stage;
+// or an array of coils laid out on the formed head.
+enum class JobKind { print, inspection, layout };
+inline constexpr std::array<std::string_view, 3> job_kind_names{"print", "inspection", "layout"};
 constexpr std::string_view name(JobKind kind) { return job_kind_names[static_cast<std::size_t>(kind)]; }
 std::optional<JobKind> job_kind_from(std::string_view name);
 
@@ -48,9 +48,14 @@ inline constexpr std::array<InputKind, 4> input_kinds{{
 }};
 // nullptr when no input has that name.
 const InputKind* input_kind(std::string_view name);
-// Whether every job of that kind needs the input. Others are stored with an inspection for a later print made from it.
+// Whether every job of that kind needs the input. Others are stored with the job for a later print made from it.
 constexpr bool needs(JobKind job, const InputKind& input) {
   return input.always && (job == JobKind::print || input.name == "scan");
+}
+// Whether a job of that kind reads the input if it has it.
+constexpr bool uses(JobKind job, const InputKind& input) {
+  return job == JobKind::print || needs(job, input) ||
+         (job == JobKind::layout && input.name == "temperature");
 }
 
 // The artifacts of a job: the same names from the command line, the API and the web page.
@@ -60,7 +65,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 22> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 25> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -79,18 +84,34 @@ inline constexpr std::array<ArtifactKind, 22> artifact_kinds{{
     {"formed.ply", "application/octet-stream", "The formed sheet with sheet and pattern coordinates"},
     {"formed.obj", "model/obj", "The formed sheet, textured with the print"},
     {"formed.mtl", "model/mtl", "The material of formed.obj"},
+    {"formed.glb", "model/gltf-binary", "The formed sheet for 3D viewers, with and without pre-distortion"},
     {"uv-map.obj", "model/obj", "The formed surface, textured with the pattern"},
     {"mold.stl", "model/stl", "The mold as placed and trimmed, watertight"},
     {"findings.json", "application/json",
      "What is in the scan and what mold it makes, of an inspection alone", false},
+    {"pattern.svg", "image/svg+xml", "The coils of a layout, as a drawing to print", false},
+    {"layout.json", "application/json", "The figures of a layout: sizes, distances, couplings", false},
     {"report.json", "application/json", "What was asked, what was done, the figures, the warnings"},
     {"report.html", "text/html; charset=utf-8", "The report for people: figures, pictures, all settings"},
 }};
 // Whether every job of that kind that succeeds has the artifact.
 constexpr bool due(JobKind job, const ArtifactKind& artifact) {
   if (job == JobKind::print) return artifact.always;
+  if (job == JobKind::layout) return artifact.name == "pattern.svg" || artifact.name == "layout.json";
   return artifact.name == "findings.json" || artifact.name == "preview-findings.png" ||
          artifact.name == "mold.stl";
+}
+// The artifact with the figures and warnings of a job of that kind.
+constexpr std::string_view report_of(JobKind job) {
+  switch (job) {
+    case JobKind::print:
+      return "report.json";
+    case JobKind::inspection:
+      return "findings.json";
+    case JobKind::layout:
+      break;
+  }
+  return "layout.json";
 }
 // nullptr when no artifact has that name.
 const ArtifactKind* artifact_kind(std::string_view name);

@@ -235,6 +235,12 @@ Result<void> check_together(const Settings& s) {
                 "give a window of at most " + number(s.sheet.width_mm) + " x " + number(s.sheet.height_mm) +
                     " mm, or a larger sheet");
   VACUFORM_CHECK(check_heat(s));
+  if (s.layout.diameter_mm > 0 && s.layout.diameter_mm < 10)
+    return fail(Code::bad_settings, "the coils would be smaller than 10 mm", "layout.diameter_mm",
+                "give 10 to 300 mm, or 0 to fit them to the region");
+  if (s.layout.overlap > 0 && s.layout.overlap < 0.5)
+    return fail(Code::bad_settings, "the centres would be closer than half a diameter", "layout.overlap",
+                "give 0.5 to 1.5, or 0 to decouple neighbours");
   if (s.flattening.weights == FlatteningWeights::ink && !s.pattern.points.empty())
     return fail(Code::bad_settings, "where the ink lies is known by pattern.offset_mm, not by pattern.points",
                 "flattening.weights",
@@ -271,6 +277,21 @@ Result<Settings> settings_from_json(const json& object) {
   if (parser.error) return tl::make_unexpected(*parser.error);
   VACUFORM_CHECK(check_together(settings));
   return settings;
+}
+
+Result<void> check_for(JobKind kind, const Settings& settings) {
+  if (kind == JobKind::layout) {
+    const FlatteningWeights weights = settings.flattening.weights;
+    if (weights != FlatteningWeights::ink && weights != FlatteningWeights::painted) return {};
+    return fail(Code::bad_settings, "a layout has no drawing that could weigh the flattening",
+                "flattening.weights", "give uniform or center");
+  }
+  const auto given = to_json(settings)["layout"], defaults = to_json(Settings{})["layout"];
+  for (const auto& [key, value] : given.items())
+    if (value != defaults[key])
+      return fail(Code::bad_settings, "the setting is for layouts, and this job is not one", "layout." + key,
+                  "leave it out, or make a layout: send kind=layout, or run vacuform layout");
+  return {};
 }
 
 Result<json> settings_json(std::string_view text) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "api/base/error.hpp"
+#include "api/job.hpp"
 
 namespace vacuform {
 
@@ -29,6 +30,8 @@ enum class FlatteningMethod { arap, symmetric_dirichlet, lscm, cgal_arap, bfs };
 enum class FlatteningWeights { uniform, ink, center, painted };
 enum class PatternPlacement { automatic, elements, chart, segments };
 enum class CoilKeep { area, diameter };
+// Front is the half of the formed part towards +y, back the other; scan.yaw_deg turns the head.
+enum class ArrayRegion { dome, front, back };
 enum class InkedFace { outer, inner };
 enum class Background { white, transparent };
 
@@ -136,6 +139,15 @@ struct CoilSettings {
   double stretch_limit = 0.2;  // of a trace, at which its ink fails
 };
 
+// An array of loops of one size, for jobs of kind layout.
+struct LayoutSettings {
+  int count = 16;
+  double diameter_mm = 0;  // 10 to 300; 0: large enough to cover the region
+  ArrayRegion region = ArrayRegion::dome;
+  double overlap =
+      0;  // distance of neighbouring centres over the diameter, 0.5 to 1.5; 0: neighbours are decoupled
+};
+
 struct PrintSettings {
   int dpi = 300;
   bool marks = true;
@@ -153,6 +165,7 @@ struct Settings {
   FlatteningSettings flattening;
   PatternSettings pattern;
   CoilSettings coils;
+  LayoutSettings layout;
   PrintSettings print;
 };
 
@@ -164,6 +177,10 @@ Result<Settings> settings_from_text(
     std::string_view text);  // the same from JSON text; an empty text is all defaults
 // JSON text as strict_json() reads it, before its groups and keys are looked at. Errors: bad_settings.
 Result<nlohmann::json> settings_json(std::string_view text);
+
+// What only shows when the kind of the job is known: the group layout is for layouts alone, and a layout has no drawing
+// that could weigh the flattening. Errors: bad_settings, naming the setting.
+Result<void> check_for(JobKind kind, const Settings& settings);
 
 // Applies one "group.key=value" to a JSON object of settings that is parsed later. The value is read as JSON where
 // it is JSON (3, true, "auto", [1, 2]) and as a string otherwise (petg). Refuses a text without a dot or '='.

@@ -28,6 +28,7 @@ inline constexpr std::array<std::string_view, 5> method_names{"arap", "symmetric
 inline constexpr std::array<std::string_view, 4> weights_names{"uniform", "ink", "center", "painted"};
 inline constexpr std::array<std::string_view, 4> placement_names{"auto", "elements", "chart", "segments"};
 inline constexpr std::array<std::string_view, 2> keep_names{"area", "diameter"};
+inline constexpr std::array<std::string_view, 3> region_names{"dome", "front", "back"};
 inline constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
 inline constexpr std::array<std::string_view, 2> background_names{"white", "transparent"};
 
@@ -46,6 +47,7 @@ inline std::span<const std::string_view> names_of(FlatteningMethod) { return met
 inline std::span<const std::string_view> names_of(FlatteningWeights) { return weights_names; }
 inline std::span<const std::string_view> names_of(PatternPlacement) { return placement_names; }
 inline std::span<const std::string_view> names_of(CoilKeep) { return keep_names; }
+inline std::span<const std::string_view> names_of(ArrayRegion) { return region_names; }
 inline std::span<const std::string_view> names_of(InkedFace) { return face_names; }
 inline std::span<const std::string_view> names_of(Background) { return background_names; }
 
@@ -205,6 +207,17 @@ void describe(S& s, V& v) {
   v.field("decouple", s.coils.decouple, "Move and resize loops until neighbours no longer couple");
   v.field("size_limit", s.coils.size_limit, {0, 0.5, "1"}, "Largest change of a loop's size by decoupling");
   v.field("stretch_limit", s.coils.stretch_limit, {0, 5, "1"}, "Stretch at which the ink of a trace fails");
+
+  v.group("layout", "Layout: an array of coils made for a scan, for jobs of kind layout");
+  v.field("count", s.layout.count, {4, 64, "1"}, "Number of coils");
+  v.field("diameter_mm", s.layout.diameter_mm, {0, 300, "mm"},
+          "Diameter of the coils, at least 10 mm; 0 fits them to the region");
+  v.field("region", s.layout.region,
+          "The whole dome, or its front half (towards +y of the mold; scan.yaw_deg turns the head), or its "
+          "back half");
+  v.field("overlap", s.layout.overlap, {0, 1.5, "1"},
+          "Distance of neighbouring centres over the diameter, at least 0.5, without decoupling; 0 decouples "
+          "neighbours");
 
   v.group("print", "Print: the file for the printer");
   v.field("dpi", s.print.dpi, {72, 1200, "1/in"}, "Resolution of print.png");

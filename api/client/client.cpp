@@ -162,7 +162,7 @@ Result<RemoteJob> Client::submit(const JobRequest& job, const std::function<bool
   request.method = "POST";
   request.path = "/api/v1/jobs";
   request.headers = {{"Idempotency-Key", random_key()}};
-  request.form = {{"settings", {}, job.settings}};
+  request.form = {{"kind", {}, std::string(name(job.kind))}, {"settings", {}, job.settings}};
   for (const auto& [name, value] :
        {std::pair("from", job.from), std::pair("reference", job.reference), std::pair("note", job.note)})
     if (!value.empty()) request.form.push_back({name, {}, value});

@@ -145,9 +145,9 @@ class Service:
             pause = min(2 * pause, 30)
 
     def submit(self, scan=None, pattern=None, settings=None, **fields):
-        """The new job. `scan` and `pattern` are paths; other fields are those of the form, for example kind="inspection",
-        profile="studio", reference="CASE-12" (an order or case number, never a name), note=..., scan_id=..., or
-        from_job=ID for the files and settings of another job."""
+        """The new job. `scan` and `pattern` are paths; other fields are those of the form, for example kind="inspection" or
+        kind="layout", profile="studio", reference="CASE-12" (an order or case number, never a name), note=..., scan_id=...,
+        or from_job=ID for the files and settings of another job."""
         if "from_job" in fields:
             fields["from"] = fields.pop("from_job")
         files = []
@@ -269,6 +269,7 @@ def main():
     parser.add_argument("--token-file", required=True, metavar="FILE", help="file with the token")
     parser.add_argument("--scan", metavar="FILE", required=True)
     parser.add_argument("--pattern", metavar="FILE", help="without one, the job inspects the scan")
+    parser.add_argument("--kind", choices=("print", "inspection", "layout"), help="what to make; layout: a pattern of coils for the scan")
     parser.add_argument("--settings", metavar="FILE", help="settings as JSON")
     parser.add_argument("--profile", metavar="NAME", help="settings that the service stores")
     parser.add_argument("--reference", metavar="TEXT", help="Order or case number. Do not type a name.")
@@ -287,7 +288,7 @@ def main():
     try:
         service = Service(options.server, pathlib.Path(options.token_file).read_text().strip(), cafile=options.cafile)
         settings = json.loads(pathlib.Path(options.settings).read_text()) if options.settings else None
-        fields = {"kind": "print" if options.pattern else "inspection"}
+        fields = {"kind": options.kind or ("print" if options.pattern else "inspection")}
         for name in ("profile", "reference", "note"):
             if getattr(options, name):
                 fields[name] = getattr(options, name)

@@ -13,9 +13,22 @@ using nlohmann::ordered_json;
 namespace {
 
 // Where each stage begins in the progress of the whole, by the seconds that they take on a head at default
-// settings. An inspection has the first and the last of them.
+// settings. An inspection has the first and the last of them, a layout all but the last.
 using StageBegins = std::array<double, stage_names.size() + 1>;
-constexpr StageBegins of_print{0, 0.1, 0.55, 0.65, 0.8, 1}, of_inspection{0, 0.7, 0.7, 0.7, 0.7, 1};
+constexpr StageBegins of_print{0, 0.1, 0.55, 0.65, 0.8, 1}, of_inspection{0, 0.7, 0.7, 0.7, 0.7, 1},
+    of_layout{0, 0.1, 0.6, 0.7, 1, 1};
+
+const StageBegins& stage_begins_of(JobKind kind) {
+  switch (kind) {
+    case JobKind::print:
+      return of_print;
+    case JobKind::inspection:
+      return of_inspection;
+    case JobKind::layout:
+      break;
+  }
+  return of_layout;
+}
 
 ordered_json time_or_null(const std::optional<Millis>& time) {
   return time ? ordered_json(rfc3339(*time)) : ordered_json();
@@ -35,7 +48,7 @@ double whole_progress(const Job& job) {
   if (job.state == JobState::succeeded) return 1;
   if (!job.stage) return 0;
   const auto stage = static_cast<std::size_t>(*job.stage);
-  const StageBegins& stage_begins = job.kind == JobKind::print ? of_print : of_inspection;
+  const StageBegins& stage_begins = stage_begins_of(job.kind);
   return stage_begins[stage] + job.stage_progress * (stage_begins[stage + 1] - stage_begins[stage]);
 }
 

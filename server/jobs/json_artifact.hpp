@@ -9,7 +9,7 @@
 
 namespace vacuform {
 
-// report.json or findings.json of a job. Null if it is missing, cannot be read, is above 4 MiB, is not a JSON object,
+// report.json, findings.json or layout.json of a job. Null if it is missing, cannot be read, is above 4 MiB, is not a JSON object,
 // or is nested deeper than 16.
 nlohmann::ordered_json json_artifact(Store& store, const Job& job, std::string_view name);
 

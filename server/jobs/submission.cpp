@@ -143,7 +143,7 @@ Result<JobKind> kind_of(const SubmissionForm& form) {
   if (text.empty()) return JobKind::print;
   if (const auto kind = job_kind_from(text)) return *kind;
   return fail(Code::bad_usage, "there is no such kind of job: " + text.substr(0, 64), "kind",
-              "send print or inspection");
+              "send print, inspection or layout");
 }
 
 Result<int> priority_of(const SubmissionForm& form, const Caller& caller) {
@@ -161,16 +161,23 @@ Result<int> priority_of(const SubmissionForm& form, const Caller& caller) {
   return priority;
 }
 
-// The base settings.
-Result<std::string> base_of(Service& service, const SubmissionForm& form, const std::optional<Job>& from) {
+// The base settings. Those of the group layout count for layouts alone: a print begins with others.
+Result<std::string> base_of(Service& service, const SubmissionForm& form, JobKind kind,
+                            const std::optional<Job>& from) {
   const std::string named = form.field("profile");
   if (from && !named.empty())
     return fail(Code::bad_usage, "both another job and a profile are given to begin with", "profile",
                 "give one of them");
-  if (from) return from->settings;
-  if (named.empty()) return std::string("{}");
-  VACUFORM_TRY(profile, service.store.find_profile(named));
-  return profile.settings;
+  std::string base("{}");
+  if (from) base = from->settings;
+  if (!named.empty()) {
+    VACUFORM_TRY(profile, service.store.find_profile(named));
+    base = std::move(profile.settings);
+  }
+  if (base == "{}" || kind == JobKind::layout) return base;
+  nlohmann::json settings = nlohmann::json::parse(base);
+  settings.erase("layout");
+  return settings.dump();
 }
 
 // An empty field counts as not sent: then the reference of the source job is taken, and no note.
@@ -211,7 +218,7 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   VACUFORM_CHECK(add_inputs(service, caller, form, job));
   VACUFORM_TRY(from, origin_of(service, form, caller));
   VACUFORM_CHECK(read_texts(form, from, job));
-  VACUFORM_TRY(base, base_of(service, form, from));
+  VACUFORM_TRY(base, base_of(service, form, kind, from));
   VACUFORM_TRY(settings, merged_settings(base, form.settings, fields));
   if (from) {
     share_inputs(*from, settings, job);
@@ -221,6 +228,7 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   VACUFORM_TRY(priority, priority_of(form, caller));
   job.priority = priority;
   VACUFORM_CHECK(match_files(job, settings));
+  VACUFORM_CHECK(check_for(kind, settings));
   job.settings = to_json(settings).dump();
   job.request = request.id;
   job.owner = caller.owner;

@@ -43,8 +43,8 @@ bool takes_gzip(const Request& request) {
     std::erase(entry, ' ');
     const std::string_view coding = std::string_view(entry).substr(0, entry.find(';'));
     const std::size_t quality = entry.find("q=");
-    const bool refused = quality != std::string::npos &&
-                         entry.find_first_not_of("0.", quality + 2) == std::string::npos;
+    const bool refused =
+        quality != std::string::npos && entry.find_first_not_of("0.", quality + 2) == std::string::npos;
     if (coding == "gzip" || coding == "*") return !refused;
   }
   return false;
@@ -79,8 +79,8 @@ Result<Response> app_file(const Request& request, std::string_view name) {
   if (found == all.end())
     return fail(Code::not_found, "the application has no such file", {}, "load the page again");
   const bool packed = takes_gzip(request);
-  Response response = http::text_response(media_type_of(name),
-                                          packed ? std::string(found->bytes) : inflated(found->bytes));
+  Response response =
+      http::text_response(media_type_of(name), packed ? std::string(found->bytes) : inflated(found->bytes));
   if (packed) response.set("Content-Encoding", "gzip");
   response.set("Vary", "Accept-Encoding");
   response.set("X-Content-Type-Options", "nosniff");
@@ -90,10 +90,11 @@ Result<Response> app_file(const Request& request, std::string_view name) {
 
 Result<Response> app_page(const Request& request) {
   VACUFORM_TRY(response, app_file(request, "index.html"));
-  response.set("Content-Security-Policy",
-               "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; img-src 'self' blob: "
-               "data:; connect-src 'self'; font-src 'self'; form-action 'self'; base-uri 'none'; "
-               "frame-ancestors 'none'; require-trusted-types-for 'script'; trusted-types vacuform");
+  response.set(
+      "Content-Security-Policy",
+      "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; img-src 'self' blob: "
+      "data:; connect-src 'self'; font-src 'self'; form-action 'self'; base-uri 'none'; "
+      "frame-ancestors 'none'; require-trusted-types-for 'script'; trusted-types vacuform");
   set_page_headers(response);
   return response;
 }

@@ -57,6 +57,26 @@ ordered_json findings_values(const json& findings) {
   return {{"rows", std::move(rows)}};
 }
 
+ordered_json layout_values(const json& layout) {
+  if (!at(layout, {"pairs"}).is_number()) return nullptr;
+  const auto figure = [&](const char* key, int places) { return number(at(layout, {key}), places); };
+  const auto coupling = [&](const char* key) {
+    const json& pair = at(layout, {key});
+    return text(at(pair, {"a"})) + " and " + text(at(pair, {"b"})) + ", k = " + number(at(pair, {"k"}), 4);
+  };
+  ordered_json rows = ordered_json::array();
+  const auto row = [&](const char* title, const std::string& value) {
+    rows.push_back({{"title", title}, {"value", value}});
+  };
+  row("Coils", figure("count", 0) + ", " + figure("off_head", 0) + " of them not wholly on the head");
+  row("Diameter", figure("diameter_mm", 1) + " mm");
+  row("Distance of neighbours", figure("spacing_mm", 2) + " mm, " + figure("spacing_rms_mm", 2) +
+                                    " mm rms over " + figure("pairs", 0) + " pairs");
+  row("Strongest coupling of neighbours", coupling("strongest_neighbours"));
+  row("Strongest coupling of any two", coupling("strongest"));
+  return {{"rows", std::move(rows)}};
+}
+
 const json& at(const json& object, std::initializer_list<const char*> keys) {
   static const json nothing;
   const json* here = &object;

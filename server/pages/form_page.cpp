@@ -18,8 +18,8 @@ using nlohmann::ordered_json;
 namespace {
 
 // The groups as a user meets them: what changes from job to job first.
-constexpr std::array<std::string_view, 9> group_order{"pattern", "coils", "scan",       "sheet",  "machine",
-                                                      "heat",    "print", "flattening", "forming"};
+constexpr std::array<std::string_view, 10> group_order{"pattern", "coils", "layout", "scan",       "sheet",
+                                                       "machine", "heat",  "print",  "flattening", "forming"};
 
 // "window_width_mm" -> "Window width"; the unit is shown beside the field.
 std::string label_of(std::string key) {
@@ -144,7 +144,7 @@ ordered_json recent_values(const std::vector<Job>& recent) {
                     {"shown", time.substr(0, 10) + " " + time.substr(11, 5) + " UTC"},
                     {"id", job.id},
                     {"reference", job.reference},
-                    {"inspection", job.kind == JobKind::inspection},
+                    {"kind", job.kind == JobKind::print ? "" : name(job.kind)},
                     {"state", name(job.state)},
                     {"serious", serious_text(job)},
                     {"percent", running ? std::to_string(static_cast<int>(100 * whole_progress(job))) : ""}});

@@ -113,9 +113,9 @@ ordered_json files_values(const Job& job, bool previews) {
   return {{"files", std::move(files)}};
 }
 
-// A form that makes the print of an inspection that has succeeded, of its scan and with its settings.
+// A form that makes the print of an inspection or a layout that has succeeded, of its scan and with its settings.
 ordered_json print_form_values(const Job& job) {
-  if (job.kind != JobKind::inspection || job.state != JobState::succeeded) return nullptr;
+  if (job.kind == JobKind::print || job.state != JobState::succeeded) return nullptr;
   const InputKind& pattern = *input_kind("pattern");
   return {{"title", pattern.title},
           {"extensions", pattern.extensions},
@@ -123,6 +123,18 @@ ordered_json print_form_values(const Job& job) {
           {"reference_hint", reference_hint},
           {"longest_reference", std::to_string(longest_reference)},
           {"waits", job.input("pattern") != nullptr}};
+}
+
+const char* title_of(JobKind kind) {
+  switch (kind) {
+    case JobKind::print:
+      return "Job";
+    case JobKind::inspection:
+      return "Inspection";
+    case JobKind::layout:
+      break;
+  }
+  return "Layout";
 }
 
 ordered_json inputs_values(const Job& job) {
@@ -162,7 +174,7 @@ std::string serious_text(const Job& job) {
 
 Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log, const Outlook& outlook) {
   const std::string state(name(job.state));
-  const std::string what = job.kind == JobKind::print ? "Job" : "Inspection";
+  const std::string what = title_of(job.kind);
   Page page;
   page.title = what + " " + state + (job.serious_warnings.value_or(0) > 0 ? " with serious warnings" : "");
   page.signed_in = true;
@@ -177,6 +189,7 @@ Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log,
                        {"progress", progress_values(job, outlook)},
                        {"problem", problem_values(job.error)},
                        {"findings", findings_values(made)},
+                       {"layout", layout_values(made)},
                        {"warnings", warnings_values(made)},
                        {"previews", files_values(job, true)},
                        {"figures", figures_values(made)},

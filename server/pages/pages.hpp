@@ -18,9 +18,9 @@ Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profi
                const std::optional<Error>& error = std::nullopt,
                const std::map<std::string, std::string>& fields = {});
 
-// A job: progress while it runs, then previews, figures and downloads; the content of the scan, and after an inspection
-// a form that makes the print. `made` is report.json or findings.json, or null; missing parts are omitted. `log` is the
-// beginning of the job's log, `outlook` what those who wait are told.
+// A job: progress while it runs, then previews, figures and downloads; the content of the scan, the coils of a layout,
+// and after these two a form that makes the print. `made` is the job's artifact report_of(kind), or null; missing parts
+// are omitted. `log` is the beginning of the job's log, `outlook` what those who wait are told.
 Page job_page(const Job& job, const nlohmann::json& made, const std::vector<LogLine>& log = {},
               const Outlook& outlook = {});
 

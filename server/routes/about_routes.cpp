@@ -50,7 +50,8 @@ void add_about_routes(http::Router& router) {
     response.set("Cache-Control", "public, max-age=31536000, immutable");
     return response;
   });
-  add_public(router, "GET", "/sample/head.stl", [](Request& request) { return app_file(request, "head.stl"); });
+  add_public(router, "GET", "/sample/head.stl",
+             [](Request& request) { return app_file(request, "head.stl"); });
   add_public(router, "GET", "/sample/pattern.svg",
              [](Request& request) { return app_file(request, "pattern.svg"); });
   add_public(router, "GET", "/job.js",

@@ -92,7 +92,7 @@ Result<JobFilter> filter_of(const Request& request, const Caller& caller) {
   const std::string kind = request.query_value("kind");
   if (!kind.empty() && !(filter.kind = job_kind_from(kind)))
     return fail(Code::bad_usage, "there is no such kind of job: " + kind.substr(0, 64), "kind",
-                "give print or inspection");
+                "give print, inspection or layout");
   VACUFORM_TRY(after, time_of(request, "created_after"));
   VACUFORM_TRY(before, time_of(request, "created_before"));
   filter.created_after = after;

@@ -48,8 +48,7 @@ Result<Response> show_form(Service& service, const Request&, const Caller& calle
 Result<Response> show_job(Service& service, const Request& request, const Caller& caller) {
   VACUFORM_TRY(job, job_for(service, request.at("id"), caller));
   VACUFORM_TRY(log, service.store.log_after(job.id, 0, longest_shown_log));
-  const auto made =
-      json_artifact(service.store, job, job.kind == JobKind::print ? "report.json" : "findings.json");
+  const auto made = json_artifact(service.store, job, report_of(job.kind));
   VACUFORM_TRY(outlook, service.store.outlook(job));
   return html_response(job_page(job, made, log, outlook));
 }

@@ -97,8 +97,8 @@ Result<Response> take_lease(Service& service, Request& request) {
   }
   const Job& job = lease->job;
   ordered_json inputs = inputs_json(job);
-  for (const InputKind& kind : input_kinds)  // what waits for a print is not the inspection's business
-    if (job.kind == JobKind::inspection && !needs(job.kind, kind)) inputs.erase(std::string(kind.name));
+  for (const InputKind& kind : input_kinds)  // a worker gets no files that wait for a later print
+    if (!uses(job.kind, kind)) inputs.erase(std::string(kind.name));
   const Input* scan = job.input("scan");
   log_event("job-leased", {{"job", job.id}, {"attempt", job.attempt}});
   return json_response({{"job", job.id},

@@ -26,8 +26,8 @@ PATIENCE = 240  # seconds that any operation may take on a busy machine
 # The artifacts that every successful print has.
 DUE_ARTIFACTS = {"print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png",
                  "preview-with.png", "preview-views.png", "preview-anisotropy.png", "preview-area.png", "preview-thickness.png",
-                 "preview-findings.png", "formed.ply", "formed.obj", "formed.mtl", "uv-map.obj", "mold.stl", "report.json",
-                 "report.html"}
+                 "preview-findings.png", "formed.ply", "formed.obj", "formed.mtl", "formed.glb", "uv-map.obj", "mold.stl",
+                 "report.json", "report.html"}
 
 
 PORTS = pathlib.Path(tempfile.gettempdir()) / "vacuform-test-ports"  # one locked file for each port that a test uses

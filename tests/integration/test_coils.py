@@ -223,13 +223,18 @@ class Decoupled(CoilCase):
         self.assertLess(sum(c["area_error"] for c in measured["coils"]) / 7, -0.002)
 
     def test_an_array_laid_out_from_the_scan_alone(self):
-        pattern = self.folder / "array.svg"
-        done = vacuform("layout", *self.given, "--count", "9", "--diameter_mm", "40", "--out", pattern)
+        out = self.folder / "array"
+        done = vacuform("layout", *self.given, "--count", "9", "--diameter_mm", "40", "--out", out)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("9 coils, 40.0 mm", done.stdout)
         self.assertRegex(done.stdout, r"\nstrongest coupling of neighbours: coil-\d and coil-\d, k = -?0\.00\d+\n"
                                       rf"strongest coupling of any two coils: coil-\d and coil-\d, k = {self.strongest}\n\Z")
-        report, measured = self.run_decoupled(pattern)
+        layout = json.loads((out / "layout.json").read_text())
+        self.assertEqual((layout["count"], layout["diameter_mm"], layout["off_head"]), (9, 40, 0))
+        self.assertEqual(layout["settings"]["layout"], {"count": 9, "diameter_mm": 40, "region": "dome", "overlap": 0})
+        told = re.findall(r"(coil-\d) and (coil-\d), k = (.+)", done.stdout)
+        self.assertEqual(told, [(p["a"], p["b"], f"{p['k']:.4f}") for p in (layout["strongest_neighbours"], layout["strongest"])])
+        report, measured = self.run_decoupled(out / "pattern.svg")
         self.assertEqual([c["id"] for c in report["coils"]], [f"coil-{i}" for i in range(1, 10)])
         self.assertTrue(all(c["with"]["on_head"] for c in report["coils"]))
         self.assertGreaterEqual(len(measured["pairs"]), 12)
@@ -238,10 +243,16 @@ class Decoupled(CoilCase):
 
     def test_a_layout_of_too_few_or_too_many_is_refused(self):
         for count in "3", "65":
-            done = vacuform("layout", *self.given, "--count", count, "--out", self.folder / "none.svg")
+            done = vacuform("layout", *self.given, "--count", count, "--out", self.folder / "none")
             self.assertEqual(done.returncode, 2)
             self.assertIn("--count", done.stderr)
-        self.assertFalse((self.folder / "none.svg").exists())
+        self.assertFalse((self.folder / "none").exists())
+
+    def test_a_print_refuses_the_settings_of_a_layout(self):
+        done = vacuform("run", *self.given, "--pattern", PATTERN, "--set", "layout.count=9", "--out", self.folder / "none")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("layout.count", done.stderr)
+        self.assertFalse((self.folder / "none").exists())
 
 
 if __name__ == "__main__":

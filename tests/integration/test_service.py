@@ -18,7 +18,7 @@ COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
 FINE = {"sheet": {"resolution_mm": 1}}  # long enough to be interrupted
 ARTIFACTS = ["print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png", "preview-views.png",
              "preview-anisotropy.png", "preview-area.png", "preview-thickness.png", "preview-findings.png", "formed.ply", "formed.obj",
-             "formed.mtl", "uv-map.obj", "mold.stl", "report.json", "report.html"]
+             "formed.mtl", "formed.glb", "uv-map.obj", "mold.stl", "report.json", "report.html"]
 
 
 def coarse(**groups):
@@ -164,7 +164,7 @@ class Service(Case):
         # Neither the pattern nor files made from it alone: other jobs have the same.
         shared = {"formed.mtl", "preview-pattern.png"}
         files = [file["sha256"] for file in [*ended["artifacts"], ended["inputs"]["scan"]] if file.get("name") not in shared]
-        self.assertEqual(len(files), 18)
+        self.assertEqual(len(files), 19)
         for sha256 in files:
             self.assertEqual(len(self.files_kept(sha256)), 1)
         self.assertEqual(curl("-X", "DELETE", f"{self.server.api}/jobs/{job}").status, 204)

@@ -31,6 +31,19 @@ constexpr std::chrono::hours tidy_every{1};  // of the stages kept, in addition 
 constexpr const char* out = "out";  // the folder of artifacts in the folder of the job
 constexpr TreeLimits most_left;     // in a job's folder
 
+// The command of vacuform that makes a job of this kind.
+const char* command_of(JobKind kind) {
+  switch (kind) {
+    case JobKind::print:
+      return "run";
+    case JobKind::inspection:
+      return "inspect";
+    case JobKind::layout:
+      break;
+  }
+  return "layout";
+}
+
 // How a leased job ended, for this worker.
 enum class Verdict { completed, failed, cancelled, released, lost };
 
@@ -106,9 +119,8 @@ class LeasedJob {
   Result<void> work() {
     const fs::path settings = folder_ / "settings.json";
     const auto alive = [this] { return going(); };
-    const bool inspection = lease_.kind == JobKind::inspection;
     std::vector<std::string> command{loop_.program.string(),
-                                     inspection ? "inspect" : "run",
+                                     command_of(lease_.kind),
                                      "--settings",
                                      settings.filename().string(),
                                      "--out",
@@ -151,7 +163,7 @@ class LeasedJob {
         VACUFORM_CHECK(persist(
             [&] { return client_.upload(lease_, name, file->descriptor.number(), file->bytes, alive); }));
     }
-    VACUFORM_TRY(report, left(lease_.kind == JobKind::print ? "report.json" : "findings.json"));
+    VACUFORM_TRY(report, left(std::string(report_of(lease_.kind))));
     const ReportedWarnings warnings = report ? reported_warnings(*report) : ReportedWarnings{};
     for (const std::string& code : warnings.codes) log_.say("warning " + code);
     VACUFORM_CHECK(persist([&] { return log_.send(client_, lease_, alive); }));

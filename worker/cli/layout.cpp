@@ -1,74 +1,71 @@
 // vacuform layout: an array of coils made for a scan, as a pattern that a person can edit.
-#include <charconv>
 #include <cstdio>
-#include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
-#include "api/base/decimal.hpp"
+#include "api/redaction/names.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
-#include "worker/cli/study_options.hpp"
-#include "worker/coils/array_layout.hpp"
-#include "worker/forming/inked_face.hpp"
+#include "worker/cli/settings_options.hpp"
+#include "worker/pipeline/scan_layout.hpp"
 
 namespace vacuform::cli {
 
 namespace {
 
 struct LayoutOptions {
-  StudyOptions study;
-  std::string out, region = "dome", diameter = "fitted";
-  int count = 16;
+  std::string scan, temperature, keep, out;
+  ProgressAs progress = ProgressAs::bar;
+  SettingsOptions settings;
 };
 
-Result<ArrayWish> wish_of(const LayoutOptions& o) {
-  ArrayWish wish;
-  wish.count = o.count;
-  wish.region = o.region == "front"  ? ArrayRegion::front
-                : o.region == "back" ? ArrayRegion::back
-                                     : ArrayRegion::dome;
-  if (o.diameter == "fitted") return wish;
-  double mm = 0;
-  const char* end = o.diameter.data() + o.diameter.size();
-  const auto read = std::from_chars(o.diameter.data(), end, mm);
-  if (read.ec != std::errc() || read.ptr != end || !(mm >= 10 && mm <= 300))
-    return fail(Code::bad_usage, "the diameter is not a number from 10 to 300", "--diameter_mm",
-                "give 10 to 300, or fitted");
-  wish.diameter_mm = mm;
-  return wish;
+void print_coupling(const char* of_what, const nlohmann::ordered_json& pair) {
+  if (pair.is_null()) return;
+  std::printf("strongest coupling of %s: %s and %s, k = %.4f\n", of_what,
+              pair["a"].get_ref<const std::string&>().c_str(),
+              pair["b"].get_ref<const std::string&>().c_str(), pair["k"].get<double>());
 }
 
-void print_coupling(const char* of_what, const std::optional<StrongestPair>& pair, const Array& array) {
-  if (!pair) return;
-  const auto id = [&](int i) { return array.drawing.elements[static_cast<std::size_t>(i)].id; };
-  std::printf("strongest coupling of %s: %s and %s, k = %.4f\n", of_what, id(pair->a).c_str(),
-              id(pair->b).c_str(), pair->k);
+void print_text(const ScanLayout& layout) {
+  const Array& array = layout.array;
+  std::printf("%s on the head, spacing %.2f mm rms over %d pairs\n", title_of(array).c_str(),
+              array.spacing_rms_mm, array.pairs);
+  print_coupling("neighbours", layout.report["strongest_neighbours"]);
+  print_coupling("any two coils", layout.report["strongest"]);
+  if (array.off_head > 0) std::printf("%d of them do not lie wholly on the formed part\n", array.off_head);
 }
 
 Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar& bar) {
-  VACUFORM_TRY(wish, wish_of(o));
-  VACUFORM_TRY(study, o.study.read());
-  const Settings& s = study.settings;
-  VACUFORM_TRY(prepared, o.study.prepare(study, context));
-  VACUFORM_TRY(sheet, form(prepared.mold, s.sheet, s.machine, s.forming, prepared.temperature, context));
-  const InkedSurface surface = inked_surface(sheet, s.pattern.inked_face);
-  VACUFORM_TRY(flattening, flatten(sheet, surface, prepared.mold, s.flattening, context));
-  VACUFORM_TRY(array, lay_out_array(ChartedSurface(surface, flattening), wish, s.coils, context));
-  const std::string what = std::to_string(o.count) + " coils, " + decimal(array.diameter_mm, 1) +
-                           " mm, centres " + decimal(array.spacing_mm, 2) + " mm apart";
-  std::ofstream out(o.out, std::ios::binary | std::ios::trunc);
-  out << svg_of_rings(array.drawing, what);
-  out.close();
-  if (!out)
-    return fail(Code::unreadable, "the file cannot be written", o.out,
-                "check the folder's permissions and the free space");
+  VACUFORM_TRY(object, o.settings.read());
+  VACUFORM_TRY(settings, settings_from_json(object));
+  VACUFORM_TRY(scan, read_file(o.scan));
+  blank_names(scan, o.scan);  // as for a print, so that the kept head is found
+  Inputs inputs{scan, o.scan, {}, {}, settings};
+  std::vector<std::uint8_t> temperature;
+  if (!o.temperature.empty()) {
+    if (settings.heat.source == HeatSource::uniform) inputs.settings.heat.source = HeatSource::measured;
+    VACUFORM_TRY(measured, read_file(o.temperature));
+    blank_names(measured, o.temperature);
+    temperature = std::move(measured);
+    inputs.temperature = MeasuredFile{temperature, o.temperature};
+  }
+  inputs.kept = kept_stages(o.keep, o.progress);
+  VACUFORM_TRY(layout, lay_out_scan(inputs, context));
+  VACUFORM_CHECK(write_layout(layout, o.out));
   bar.clear();
-  std::printf("%s on the head, spacing %.2f mm rms over %d pairs\n", what.c_str(), array.spacing_rms_mm,
-              array.pairs);
-  print_coupling("neighbours", array.strongest_neighbours, array);
-  print_coupling("any two coils", array.strongest, array);
-  if (array.off_head > 0) std::printf("%d of them do not lie wholly on the formed part\n", array.off_head);
+  if (o.progress == ProgressAs::bar) print_text(layout);
   return {};
+}
+
+// An option that is a short form of a setting of the group layout.
+CLI::Option* add_short_form(CLI::App& command, LayoutOptions& options, const std::string& key,
+                            const std::string& text) {
+  return command.add_option_function<std::string>(
+      "--" + key,
+      [&options, key](const std::string& value) {
+        options.settings.assignments.push_back("layout." + key + "=" + (value == "fitted" ? "0" : value));
+      },
+      text);
 }
 
 }  // namespace
@@ -76,22 +73,29 @@ Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar
 void add_layout(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<LayoutOptions>();
   CLI::App* command = app.add_subcommand(
-      "layout", "Make a pattern of decoupled coils for a scan: use it with --set coils.decouple=true");
-  options->study.add_to(*command);
-  command->add_option("--count", options->count, "Number of coils")->required()->check(CLI::Range(4, 64));
-  command
-      ->add_option("--diameter_mm", options->diameter,
-                   "Of the coils, or fitted: as large as covers the region")
+      "layout", "Make a pattern of coils for a scan: print it with --set coils.decouple=true");
+  command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("FILE");
+  options->settings.add_to(*command);
+  add_short_form(*command, *options, "count", "Number of coils: layout.count")->check(CLI::Range(4, 64));
+  add_short_form(*command, *options, "diameter_mm",
+                 "Of the coils, or fitted: as large as covers the region: layout.diameter_mm")
       ->type_name("D|fitted");
-  command
-      ->add_option(
-          "--region", options->region,
-          "The whole dome, or its front (towards +y of the mold; scan.yaw_deg turns the head) or back half")
+  add_short_form(*command, *options, "region",
+                 "The whole dome, or its front (towards +y of the mold; scan.yaw_deg turns the head) or back "
+                 "half: layout.region")
       ->check(CLI::IsMember({"dome", "front", "back"}));
-  command->add_option("--out", options->out, "SVG file for the pattern")->required()->type_name("FILE");
+  command->add_option("--temperature", options->temperature, "Measured temperature, as for vacuform run")
+      ->type_name("FILE");
+  command->add_option("--keep", options->keep, "Folder for the mold and the sheet, as for vacuform run")
+      ->type_name("DIR");
+  command->add_option("--out", options->out, "Folder for pattern.svg and layout.json; made when absent")
+      ->required()
+      ->type_name("DIR");
+  add_progress_option(*command, options->progress);
   command->callback([options, &exit_code] {
     exit_code = run_interruptible(
-        [&](const Context& context, ProgressBar& bar) { return lay_out(*options, context, bar); });
+        [&](const Context& context, ProgressBar& bar) { return lay_out(*options, context, bar); },
+        options->progress);
   });
 }
 

@@ -32,15 +32,18 @@ bool going() { return !interrupted.load(); }
 
 struct SubmitOptions {
   std::string server = "http://127.0.0.1:8080", job, from, out, token_file, reference, note;
+  std::string kind{name(JobKind::print)};
   std::array<std::string, input_kinds.size()> files;  // in the order of input_kinds
   SettingsOptions settings;
   OutcomeOptions outcome;
   bool wait = false;
 };
 
+JobKind kind_of(const SubmitOptions& o) { return job_kind_from(o.kind).value_or(JobKind::print); }
+
 bool lacks_files(const SubmitOptions& o) {
   for (std::size_t i = 0; i < input_kinds.size(); ++i)
-    if (input_kinds[i].always && o.files[i].empty()) return true;
+    if (needs(kind_of(o), input_kinds[i]) && o.files[i].empty()) return true;
   return false;
 }
 
@@ -53,6 +56,7 @@ Result<RemoteJob> create(Client& client, const SubmitOptions& o, ProgressBar& ba
   job.note = std::move(note);
   for (std::size_t i = 0; i < input_kinds.size(); ++i)
     if (!o.files[i].empty()) job.files[std::string(input_kinds[i].name)] = o.files[i];
+  job.kind = kind_of(o);
   return client.submit(job, [&](double fraction) {
     bar.show("upload", fraction);
     return going();
@@ -90,11 +94,11 @@ Result<void> download_all(Client& client, const RemoteJob& job, const std::strin
   return {};
 }
 
-// The report of a print, or what an inspection found; null where the job has neither.
+// The figures and warnings of a job, whatever its kind; null if it has none.
 const RemoteArtifact* report_of(const RemoteJob& job) {
-  for (const char* name : {"report.json", "findings.json"})
+  for (const JobKind kind : {JobKind::print, JobKind::inspection, JobKind::layout})
     for (const RemoteArtifact& artifact : job.artifacts)
-      if (artifact.name == name) return &artifact;
+      if (artifact.name == vacuform::report_of(kind)) return &artifact;
   return nullptr;
 }
 
@@ -127,9 +131,10 @@ int submit(const SubmitOptions& o) {
   auto client = Client::to(o.server, *token);
   if (!client) return refuse(client.error());
   if (o.job.empty() && o.from.empty() && lacks_files(o))
-    return refuse({Code::bad_usage,
-                   "submit needs a scan and a pattern, or a job to begin with or to come back to", "",
-                   "give --scan FILE and --pattern FILE, or --from ID, or --job ID"});
+    return refuse(
+        {Code::bad_usage,
+         "submit needs a scan and, for a print, a pattern; or a job to begin with or to come back to", "",
+         "give --scan FILE and --pattern FILE, or --from ID, or --job ID"});
 
   struct sigaction action {};
   action.sa_handler = interrupt;  // no SA_RESTART: waiting ends at once
@@ -204,6 +209,12 @@ void add_submit(CLI::App& app, int& exit_code) {
       ->add_option("--from", options->from,
                    "Begin with the files and settings of this job; what is given as well replaces them")
       ->type_name("ID")
+      ->excludes(job);
+  command
+      ->add_option("--kind", options->kind,
+                   "What to make: the print, an inspection of the scan, or a layout of coils for it")
+      ->check(CLI::IsMember(std::vector<std::string>(job_kind_names.begin(), job_kind_names.end())))
+      ->capture_default_str()
       ->excludes(job);
   for (std::size_t i = 0; i < input_kinds.size(); ++i)
     command

@@ -19,7 +19,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double critical = 0.75;           // spacing over diameter: 0.758 on a plane, 0.736 on a small head
+constexpr double critical =
+    0.75;  // spacing over diameter that decouples: 0.758 on a plane, 0.736 on a small head
 const double hexagon = std::sqrt(3.0) / 2;  // area of a cell over its spacing squared
 
 // Vertices of the chart that may take a centre, with their areas.
@@ -78,9 +79,12 @@ SamplingDomain sampling_domain(const InkedSurface& surface, const ChartVertices&
   return out;
 }
 
+// Spacing over diameter.
+double ratio_of(const LayoutSettings& wish) { return wish.overlap > 0 ? wish.overlap : critical; }
+
 // A loop's centre stays half a cell from the border of what is tessellated, and its line reaches farther.
-double margin_for(double spacing_mm, double trace_mm) {
-  return (0.5 / critical - 0.5) * spacing_mm + trace_mm / 2 + 1;
+double margin_for(double spacing_mm, double ratio) {
+  return (0.5 / ratio - 0.5) * spacing_mm + loop_trace_mm / 2 + 1;
 }
 
 // The part of the domain about its middle that holds an area; `middle` in space.
@@ -127,7 +131,7 @@ std::vector<Vector3d> lattice(const ChartedSurface& charted, const SamplingDomai
   return out;
 }
 
-LaidElement loop_of(int number, double radius, double trace_mm) {
+LaidElement loop_of(int number, double radius) {
   LaidElement out{number, {}, 1};
   constexpr int points = 96;
   for (int i = 0; i < points; ++i)
@@ -135,8 +139,8 @@ LaidElement loop_of(int number, double radius, double trace_mm) {
                                Vector2d(std::cos(2 * M_PI * i / points), std::sin(2 * M_PI * i / points)));
   out.outline.points = out.outline.loop;
   out.outline.radius_mm = radius;
-  out.outline.reach_mm = radius + trace_mm;
-  out.outline.width_mm = trace_mm;
+  out.outline.reach_mm = radius + loop_trace_mm;
+  out.outline.width_mm = loop_trace_mm;
   return out;
 }
 
@@ -210,7 +214,7 @@ bool find_pairs(const InkedSurface& surface, ElementLayout& layout, double spaci
   return !same;
 }
 
-Element ring(const std::string& id, const Vector2d& centre, double radius, double trace_mm) {
+Element ring(const std::string& id, const Vector2d& centre, double radius) {
   const double k = 0.5522847498307936 * radius, r = radius;
   Curve circle;
   circle.closed = true;
@@ -221,32 +225,34 @@ Element ring(const std::string& id, const Vector2d& centre, double radius, doubl
   Shape shape;
   shape.curves.push_back(std::move(circle));
   shape.stroke = Stroke{};
-  shape.stroke->width_mm = trace_mm;
+  shape.stroke->width_mm = loop_trace_mm;
   return {id, centre, {shape}};
 }
 
-Drawing drawing_of(const ElementLayout& layout, const std::vector<Vector2d>& picture, double trace_mm) {
+Drawing drawing_of(const ElementLayout& layout, const std::vector<Vector2d>& picture) {
   Drawing out;
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const double radius = layout.elements[i].size * layout.elements[i].outline.radius_mm;
-    out.elements.push_back(ring("coil-" + std::to_string(i + 1), picture[i], radius, trace_mm));
-    out.size_mm = out.size_mm.cwiseMax(2 * (picture[i].cwiseAbs() + Vector2d::Constant(radius + trace_mm)));
+    out.elements.push_back(ring("coil-" + std::to_string(i + 1), picture[i], radius));
+    out.size_mm =
+        out.size_mm.cwiseMax(2 * (picture[i].cwiseAbs() + Vector2d::Constant(radius + loop_trace_mm)));
   }
   return out;
 }
 
 // The region's domain for the wish, `extra_mm` farther from the border than the loops need.
 Result<SamplingDomain> domain_for(const ChartedSurface& charted, const ChartVertices& vertices,
-                                  const ArrayWish& wish, double extra_mm) {
+                                  const LayoutSettings& wish, double extra_mm) {
   const InkedSurface& surface = charted.surface();
   const auto refuse = [&](const std::string& fix) {
     return fail(Code::unusable_surface, std::to_string(wish.count) + " loops do not fit on the region",
-                "--count", fix);
+                "layout.count", fix);
   };
-  double spacing = wish.diameter_mm.value_or(0) * critical;
+  const bool fitted = wish.diameter_mm == 0;
+  double spacing = wish.diameter_mm * ratio_of(wish);
   SamplingDomain out =
-      sampling_domain(surface, vertices, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));
-  if (wish.diameter_mm) {
+      sampling_domain(surface, vertices, wish.region, extra_mm + margin_for(spacing, ratio_of(wish)));
+  if (!fitted) {
     const double cell = hexagon * spacing * spacing;
     if (out.area < wish.count * cell)
       return refuse("about " + std::to_string(static_cast<int>(out.area / cell)) + " of this diameter fit");
@@ -254,9 +260,9 @@ Result<SamplingDomain> domain_for(const ChartedSurface& charted, const ChartVert
     out = about_middle(surface, out, middle_of(surface, out, top, wish.region), wish.count * cell);
   }
   constexpr int rounds = 4;  // spacing and margin depend on each other
-  for (int round = 0; round < rounds && !wish.diameter_mm; ++round) {
+  for (int round = 0; fitted && round < rounds; ++round) {
     spacing = std::sqrt(out.area / (hexagon * wish.count));
-    out = sampling_domain(surface, vertices, wish.region, extra_mm + margin_for(spacing, wish.trace_mm));
+    out = sampling_domain(surface, vertices, wish.region, extra_mm + margin_for(spacing, ratio_of(wish)));
   }
   if (out.vertices.size() < 4 * index(wish.count))
     return refuse("give fewer, or a finer sheet.resolution_mm");
@@ -275,7 +281,8 @@ double nearest_two(const InkedSurface& surface, const ElementLayout& layout) {
 
 // Loops of one size, evenly spread.
 Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices& vertices,
-                             const ArrayWish& wish, double extra_mm, bool settle, const Context& context) {
+                             const LayoutSettings& wish, double extra_mm, bool settle,
+                             const Context& context) {
   const InkedSurface& surface = charted.surface();
   VACUFORM_TRY(where, domain_for(charted, vertices, wish, extra_mm));
   const Tessellation cells =
@@ -285,10 +292,10 @@ Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices&
   drop_distant(surface, layout);
   double sum = 0;
   for (const Neighbours& n : layout.pairs) sum += distance(surface, layout, n);
-  const double diameter =
-      wish.diameter_mm.value_or(sum / std::max(1.0, static_cast<double>(layout.pairs.size())) / critical);
+  const double ratio = ratio_of(wish), mean = sum / std::max(1.0, static_cast<double>(layout.pairs.size())),
+               diameter = wish.diameter_mm > 0 ? wish.diameter_mm : mean / ratio;
   for (int i = 0; i < wish.count; ++i) {
-    layout.elements.push_back(loop_of(i, diameter / 2, wish.trace_mm));
+    layout.elements.push_back(loop_of(i, diameter / 2));
     layout.centres[index(i)].radius_mm = diameter / 2;
   }
   // Where the centres have moved, others may be neighbours. Where no distances are equal, least squares may fold the array
@@ -296,15 +303,15 @@ Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices&
   constexpr int rounds = 4;
   constexpr double least_apart = 0.8;
   for (int round = 0; round < rounds; ++round) {
-    for (Neighbours& n : layout.pairs) n.drawn_mm = critical * diameter;
+    for (Neighbours& n : layout.pairs) n.drawn_mm = ratio * diameter;
     const std::vector<Centre> before = layout.centres;
     VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context));
     for (Centre& c : layout.centres) c.moved.setZero();
-    if (nearest_two(surface, layout) < least_apart * critical * diameter) {
+    if (nearest_two(surface, layout) < least_apart * ratio * diameter) {
       layout.centres = before;
       break;
     }
-    if (!find_pairs(surface, layout, critical * diameter)) break;
+    if (!find_pairs(surface, layout, ratio * diameter)) break;
   }
   return layout;
 }
@@ -340,9 +347,10 @@ Result<std::optional<StrongestPair>> strongest_of_all(const Trial& trial, const 
   return strongest_pair(matrix, [](int) { return true; });
 }
 
-// Spread and decoupled.
-Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertices, const ArrayWish& wish,
-                      const CoilSettings& coils, bool settle, const Context& context) {
+// Spread, and decoupled unless the wish sets the overlap.
+Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertices,
+                      const LayoutSettings& wish, const CoilSettings& coils, bool settle,
+                      const Context& context) {
   VACUFORM_TRY(layout, spread(charted, vertices, wish, 0, settle, context));
   layout.keep = coils.keep;
   VACUFORM_TRY(laid, lay_coils(charted, layout, context));
@@ -358,21 +366,21 @@ Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertic
     layout = std::move(*next);
     laid = std::move(next_laid);
   }
-  VACUFORM_CHECK(decouple(charted, layout, laid, coils.size_limit, context));
+  if (wish.overlap == 0) VACUFORM_CHECK(decouple(charted, layout, laid, coils.size_limit, context));
   return Trial{std::move(layout), std::move(laid)};
 }
 
 // The picture, shifted loop by loop until the least squares of the drawn distances (spacing.hpp) put each centre where
 // the layout has it; the best one met.
 Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementLayout& layout,
-                                   std::vector<Vector2d> picture, double trace_mm, const Context& context) {
+                                   std::vector<Vector2d> picture, const Context& context) {
   const InkedSurface& surface = charted.surface();
   constexpr int rounds = 12;
   constexpr double share = 0.7;
   Drawing best;
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
-    const Drawing drawing = drawing_of(layout, picture, trace_mm);
+    const Drawing drawing = drawing_of(layout, picture);
     ElementLayout landed = lay_by_chart(charted, drawing, {});
     if (landed.centres.size() != picture.size()) break;  // some have left the chart
     VACUFORM_CHECK(multilaterate(charted, landed.centres, landed.pairs, context));
@@ -385,21 +393,21 @@ Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementL
     }
     if (off < least) least = off, best = drawing;
   }
-  return best.elements.empty() ? drawing_of(layout, picture, trace_mm) : best;
+  return best.elements.empty() ? drawing_of(layout, picture) : best;
 }
 
 }  // namespace
 
-Result<Array> lay_out_array(const ChartedSurface& charted, const ArrayWish& wish, const CoilSettings& coils,
-                            const Context& context) {
+Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
+                            const CoilSettings& coils, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   const InkedSurface& surface = charted.surface();
   const ChartVertices vertices = chart_vertices(charted);
   // A given size is laid as the lattice is; a fitted one as the region asks. What cannot be decoupled is tried the other way.
-  VACUFORM_TRY(best, try_out(charted, vertices, wish, coils, !wish.diameter_mm, context));
+  VACUFORM_TRY(best, try_out(charted, vertices, wish, coils, wish.diameter_mm == 0, context));
   constexpr double required_k = 0.01;
-  if (worst_coupling(best) >= required_k) {
-    auto other = try_out(charted, vertices, wish, coils, wish.diameter_mm.has_value(), context);
+  if (wish.overlap == 0 && worst_coupling(best) >= required_k) {
+    auto other = try_out(charted, vertices, wish, coils, wish.diameter_mm > 0, context);
     if (!other && other.error().code == Code::cancelled) return tl::make_unexpected(other.error());
     if (other && worst_coupling(*other) < worst_coupling(best)) best = std::move(*other);
   }
@@ -424,8 +432,7 @@ Result<Array> lay_out_array(const ChartedSurface& charted, const ArrayWish& wish
     out.centres.push_back(surface.place(c.point));
     start.push_back(charted.on_chart(c.point.triangle) ? charted.chart(c.point) : c.drawn);
   }
-  VACUFORM_TRY(drawing, picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm),
-                                           wish.trace_mm, context));
+  VACUFORM_TRY(drawing, picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm), context));
   out.drawing = std::move(drawing);
   return out;
 }

@@ -1,22 +1,16 @@
-// An array of loops made for one formed head: spread evenly over a region, critically overlapped, decoupled on the surface.
+// An array of loops made for one formed head: spread evenly over a region, and overlapped critically and decoupled on the
+// surface, or as much as the settings ask for.
 #pragma once
 
 #include <optional>
 
+#include "api/settings.hpp"
 #include "worker/coils/coupling_matrix.hpp"
 #include "worker/placement/placement.hpp"
 
 namespace vacuform {
 
-// Front is the half of the formed part towards +y, back the other; scan.yaw_deg turns the head.
-enum class ArrayRegion { dome, front, back };
-
-struct ArrayWish {
-  int count = 16;                     // number of loops, 4 to 64
-  std::optional<double> diameter_mm;  // if absent: large enough to cover the region
-  ArrayRegion region = ArrayRegion::dome;
-  double trace_mm = 3;  // line width of the loops
-};
+inline constexpr double loop_trace_mm = 3;  // line width of the loops
 
 struct Array {
   // Circles with the ids coil-1, coil-2... from the back to the front, around (0, 0). They form the best flat image of
@@ -35,11 +29,12 @@ struct Array {
 
 // Loops of equal size. With a given diameter: a piece of a hexagonal lattice about the middle of the region. Fitted:
 // the centres of a centroidal Voronoi tessellation of it (hexagons where it is flat, pentagons where the curvature
-// needs them). If one way cannot be decoupled, the other is tried. Then the loops are moved to equal geodesic distances
-// and decoupled with sizes within coils.size_limit; strongest_neighbours shows the result. The settings decouple and
-// stretch_limit of `coils` have no effect. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
-Result<Array> lay_out_array(const ChartedSurface& charted, const ArrayWish& wish, const CoilSettings& coils,
-                            const Context& context);
+// needs them). Then the loops are moved to equal geodesic distances. With wish.overlap that is all. Otherwise they are
+// decoupled with sizes within coils.size_limit; if one way cannot be decoupled, the other is tried;
+// strongest_neighbours shows the result. The settings decouple and stretch_limit of `coils` have no effect.
+// Deterministic. Errors: unusable_surface (they do not fit), cancelled.
+Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
+                            const CoilSettings& coils, const Context& context);
 
 // The drawing as an SVG in millimetres, one group per coil.
 std::string svg_of_rings(const Drawing& drawing, const std::string& title);

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "worker/inspection/findings_preview.hpp"
+#include "worker/inspection/formed_glb.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/mesh_files.hpp"
 #include "worker/inspection/mold_marks.hpp"
@@ -28,6 +29,8 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
   files.push_back({"formed.ply", formed_ply(job)});
   files.push_back({"formed.obj", formed_obj(job)});
   files.push_back({"formed.mtl", formed_mtl()});
+  VACUFORM_TRY(glb, formed_glb(job, context));
+  files.push_back({"formed.glb", std::move(glb)});
   files.push_back({"uv-map.obj", uv_map_obj(job)});
   files.push_back({"mold.stl", stl_bytes(marked_mold(job.mold.mesh))});
   VACUFORM_CHECK(context.step(Stage::inspection, 1));

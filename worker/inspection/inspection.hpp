@@ -56,6 +56,7 @@ struct Finished {
   Alignment alignment = {};              // of the drawing on the chart
   const Measured* measured = nullptr;    // where the print is one of vectors
   const Placement* placement = nullptr;  // how the drawing is laid; none: on the one chart
+  std::string label = {};                // of the print, as its marks say it
 };
 inline bool in_segments(const Finished& job) {
   return job.placement && job.settings.pattern.placement == PatternPlacement::segments;
@@ -118,7 +119,7 @@ nlohmann::ordered_json report(const Finished& job);
 bool makes(const Finished& job, const ArtifactKind& kind);
 
 // All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a
-// display), formed.ply, formed.obj/.mtl, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
+// display), formed.ply, formed.obj/.mtl, formed.glb, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context);
 
 // For a mold without a formed sheet: preview-findings.png and mold.stl. Errors: cancelled.

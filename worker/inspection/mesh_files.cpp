@@ -1,13 +1,10 @@
 #include "worker/inspection/mesh_files.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cstring>
-#include <limits>
-#include <numeric>
 #include <string>
 
 #include "api/base/decimal.hpp"
+#include "worker/inspection/little_endian.hpp"
+#include "worker/inspection/unfolded_sheet.hpp"
 
 namespace vacuform {
 namespace {
@@ -15,13 +12,6 @@ namespace {
 using Eigen::Vector2d;
 
 std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
-
-void append(std::vector<std::uint8_t>& out, std::uint32_t bits) {
-  for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<std::uint8_t>(bits >> shift));
-}
-void append(std::vector<std::uint8_t>& out, double value) {
-  append(out, std::bit_cast<std::uint32_t>(static_cast<float>(value)));
-}
 
 void append_vertex(std::string& out, const Eigen::Vector3d& p) {
   out += "v " + decimal(p.x(), 5) + ' ' + decimal(p.y(), 5) + ' ' + decimal(p.z(), 5) + '\n';
@@ -37,39 +27,6 @@ void append_face(std::string& out, int a, int b, int c) {
     out += ' ' + number + '/' + number;
   }
   out += '\n';
-}
-
-// The formed sheet's corners with pattern coordinates: a vertex where several charts meet is there once for each of the
-// coordinates that it has, the first under its own number and the others after all vertices.
-struct Unfolded {
-  std::vector<int> vertex;        // of the sheet
-  std::vector<Vector2d> uv;       // NaN off the charts
-  std::vector<Triangle> corners;  // of all triangles of the sheet
-};
-Unfolded unfolded(const Finished& job) {
-  const std::size_t count = job.sheet.formed.size();
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  Unfolded out{std::vector<int>(count), std::vector<Vector2d>(count, Vector2d(nan, nan)),
-               job.sheet.triangles};
-  std::iota(out.vertex.begin(), out.vertex.end(), 0);
-  std::vector<std::vector<int>> more(count);  // further copies of each vertex
-  for (std::size_t i = 0; i < job.flattening.triangles.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
-      int& v = out.corners[static_cast<std::size_t>(job.flattening.triangles[i])][k];
-      const auto first = static_cast<std::size_t>(v);
-      const Vector2d& uv = job.print.pattern_uv[i][k];
-      const auto is_it = [&](int copy) { return out.uv[static_cast<std::size_t>(copy)] == uv; };
-      if (out.uv[first].hasNaN()) out.uv[first] = uv;
-      if (is_it(v)) continue;
-      auto copy = std::find_if(more[first].begin(), more[first].end(), is_it);
-      if (copy == more[first].end()) {
-        copy = more[first].insert(copy, static_cast<int>(out.vertex.size()));
-        out.vertex.push_back(v);
-        out.uv.push_back(uv);
-      }
-      v = *copy;
-    }
-  return out;
 }
 
 }  // namespace

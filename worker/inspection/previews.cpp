@@ -14,6 +14,7 @@
 #include "worker/inspection/flat_previews.hpp"
 #include "worker/inspection/picture_png.hpp"
 #include "worker/inspection/segment_colours.hpp"
+#include "worker/inspection/vertex_figures.hpp"
 #include "worker/inspection/view.hpp"
 
 namespace vacuform {
@@ -26,28 +27,6 @@ struct Heat {
   std::vector<double> values;  // NaN where the value is missing
   Scale scale;
 };
-
-// Per vertex the mean over its triangles, weighted by formed area: heat maps without facets.
-template <class Figure>
-std::vector<double> over_vertices(const Finished& job, Figure&& figure) {
-  std::vector<double> sum(job.sheet.formed.size(), 0), weight(sum.size(), 0);
-  for (const int t : job.flattening.triangles) {
-    std::array<Vector2d, 3> from;
-    std::array<Eigen::Vector3d, 3> to;
-    const auto& corners = job.sheet.triangles[static_cast<std::size_t>(t)];
-    for (std::size_t k = 0; k < 3; ++k) {
-      from[k] = job.sheet.rest[static_cast<std::size_t>(corners[k])];
-      to[k] = job.surface.inked()[static_cast<std::size_t>(corners[k])];
-    }
-    const double area = (to[1] - to[0]).cross(to[2] - to[0]).norm() / 2;
-    const double value = figure(singular_values(from, to));
-    if (!std::isfinite(value)) continue;
-    for (const int v : corners)
-      sum[static_cast<std::size_t>(v)] += area * value, weight[static_cast<std::size_t>(v)] += area;
-  }
-  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = weight[i] > 0 ? sum[i] / weight[i] : NAN;
-  return sum;
-}
 
 // The scale ends at the 99th percentile, so that one crumpled triangle does not use up the colour range.
 Heat heat_of(std::vector<double> values, const Statistics& statistics, const std::string& quantity) {
@@ -213,14 +192,9 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
                                        corners_of(job.sheet, job.flattening, job.sheet.rest));
   const Distortion after =
       distortion(job.surface, job.flattening.triangles, corners_of(job.print, alignment));
-  const Heat anisotropy = heat_of(over_vertices(job, [](SingularValues s) { return s.largest / s.smallest; }),
-                                  before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
-  const Heat area = heat_of(over_vertices(job,
-                                          [](SingularValues s) {
-                                            const double a = s.largest * s.smallest;
-                                            return std::max(a, 1 / a);
-                                          }),
-                            before.area_ratio, "area ratio (1: undistorted)");
+  const Heat anisotropy =
+      heat_of(anisotropy_of_vertices(job), before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
+  const Heat area = heat_of(area_ratio_of_vertices(job), before.area_ratio, "area ratio (1: undistorted)");
   const Heat thickness = thickness_heat(job);
   const bool uneven = job.heat.source != HeatSource::uniform;
   const Heat temperature = uneven ? temperature_heat(job) : Heat{};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/stage/parallel.hpp"
+#include "worker/surface/vertex_normals.hpp"
 
 namespace vacuform {
 namespace {
@@ -16,17 +17,6 @@ constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspectiv
 const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
 
 const Vector3d& at(const std::vector<Vector3d>& points, int i) { return points[static_cast<std::size_t>(i)]; }
-
-std::vector<Vector3d> vertex_normals(const TriangleMesh& mesh) {
-  std::vector<Vector3d> normals(mesh.vertices.size(), Vector3d::Zero());
-  for (const auto& t : mesh.triangles) {
-    const Vector3d& from = at(mesh.vertices, t[0]);
-    const Vector3d normal = (at(mesh.vertices, t[1]) - from).cross(at(mesh.vertices, t[2]) - from);
-    for (const int v : t) normals[static_cast<std::size_t>(v)] += normal;
-  }
-  for (auto& n : normals) n = n.squaredNorm() > 0 ? n.normalized() : Vector3d(0, 0, 1);
-  return normals;
-}
 
 // The foot: where the sheet turns from the wall to the platform, the grid makes steps that the part does not have.
 constexpr double platform_mm = 0.3, foot_mm = 8;
@@ -56,7 +46,7 @@ void smooth(const TriangleMesh& mesh, std::vector<Value>& values, int rounds, Pa
 }
 
 std::vector<Vector3d> shading_normals(const TriangleMesh& mesh) {
-  std::vector<Vector3d> normals = vertex_normals(mesh);
+  std::vector<Vector3d> normals = vertex_normals(mesh.vertices, mesh.triangles);
   const double low = lowest(mesh);
   smooth(mesh, normals, foot_rounds, [&](std::size_t v) { return mesh.vertices[v].z() < low + foot_mm; });
   for (Vector3d& n : normals) n = n.squaredNorm() > 0 ? n.normalized() : Vector3d(0, 0, 1);

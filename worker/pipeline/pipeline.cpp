@@ -6,18 +6,15 @@
 #include "api/version.hpp"
 #include "worker/coils/coupled_neighbours.hpp"
 #include "worker/flattening/flattening.hpp"
-#include "worker/forming/heat/sheet_temperature.hpp"
 #include "worker/forming/inked_face.hpp"
-#include "worker/forming/temperature_findings.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
 #include "worker/pattern/drawing.hpp"
 #include "worker/pattern/ink_parts.hpp"
 #include "worker/pipeline/artifact_files.hpp"
-#include "worker/pipeline/scan_inspection.hpp"
+#include "worker/pipeline/formed_head.hpp"
 #include "worker/placement/cut_lines.hpp"
 #include "worker/stage/portion.hpp"
-#include "worker/studies/sensitivity.hpp"
 
 namespace vacuform {
 
@@ -49,50 +46,6 @@ Result<std::optional<Pattern>> weights_of(const Inputs& inputs, const Pattern& p
   return std::optional(std::move(picture));
 }
 
-Result<FormedSheet> sheet_of(const Inputs& inputs, const nlohmann::ordered_json& made_from, const Mold& mold,
-                             const TemperatureField& temperature, const Context& context) {
-  if (auto kept = inputs.kept.sheet(made_from)) {
-    VACUFORM_CHECK(context.step(Stage::forming, 1));
-    return *std::move(kept);
-  }
-  const Settings& s = inputs.settings;
-  VACUFORM_TRY(sheet, form(mold, s.sheet, s.machine, s.forming, temperature, context));
-  inputs.kept.keep(made_from, sheet);
-  return sheet;
-}
-
-struct Formed {
-  Mold mold;
-  FormedSheet sheet;  // with the warnings of everything up to it
-  HeatSummary heat;
-  std::vector<Variant> variants;  // where the sensitivity is asked for
-};
-
-Result<Formed> form_head(const Inputs& inputs, const Context& context) {
-  const Settings& s = inputs.settings;
-  const nlohmann::ordered_json all = to_json(s);
-  VACUFORM_TRY(mold, mold_of(inputs, context));
-  VACUFORM_CHECK(check_fit(mold, s.sheet, s.machine));
-  VACUFORM_TRY(warmth, sheet_temperature(s.sheet, s.machine, s.heat, inputs.temperature, context));
-  const double share = inputs.sensitivity ? 0.15 : 1;  // of the forming stage's work
-  const Portion nominal(context, Stage::forming, 0, share), changed(context, Stage::forming, share, 1);
-  const nlohmann::ordered_json of_sheet = {
-      {"mold", mold_made_from(inputs)},
-      {"settings", {all["sheet"], all["machine"], all["heat"], all["forming"]}},
-      {"temperature", inputs.temperature ? sha256_hex(inputs.temperature->bytes) : std::string()}};
-  VACUFORM_TRY(sheet, sheet_of(inputs, of_sheet, mold, warmth.field, nominal.context()));
-  std::vector<Variant> variants;
-  if (inputs.sensitivity) {
-    VACUFORM_TRY(formed, form_variants(mold, s, warmth.field, changed.context()));
-    variants = std::move(formed);
-  }
-  const auto of_fit = fit_findings(mold, s.sheet, s.machine, s.forming.thin_limit);
-  sheet.warnings.insert(sheet.warnings.begin(), of_fit.begin(), of_fit.end());
-  for (Warning& w : warmth.warnings) sheet.warnings.push_back(std::move(w));
-  for (Warning& w : temperature_findings(sheet, s.sheet.material)) sheet.warnings.push_back(std::move(w));
-  return Formed{std::move(mold), std::move(sheet), warmth.summary, std::move(variants)};
-}
-
 // The same inputs, settings and version make the same print: the digest of all of them is its name.
 struct Identity {
   std::string label;
@@ -117,6 +70,7 @@ Identity identity_of(const Inputs& inputs) {
 
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
   const Settings& s = inputs.settings;
+  VACUFORM_CHECK(check_for(JobKind::print, s));
   VACUFORM_CHECK(check_together(inputs));
   VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
   VACUFORM_TRY(weights, weights_of(inputs, pattern));
@@ -160,9 +114,9 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
     if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
       print.warnings.push_back(std::move(*coupled));
   }
-  const Finished job{s,         formed.mold, sheet,       cut.surface, flattening,
-                     pattern,   print,       formed.heat, alignment,   measured ? &*measured : nullptr,
-                     &placement};
+  const Finished job{s,          formed.mold,   sheet,       cut.surface, flattening,
+                     pattern,    print,         formed.heat, alignment,   measured ? &*measured : nullptr,
+                     &placement, identity.label};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
   nlohmann::ordered_json whole = {

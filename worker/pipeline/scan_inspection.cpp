@@ -50,6 +50,7 @@ Result<Mold> mold_of(const Inputs& inputs, const Context& context) {
 
 Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context) {
   const Settings& s = inputs.settings;
+  VACUFORM_CHECK(check_for(JobKind::inspection, s));
   VACUFORM_TRY(mold, mold_of(inputs, context));
   const auto fit = check_fit(mold, s.sheet, s.machine);
   if (!fit) return ScanInspection{std::move(mold), fit.error()};

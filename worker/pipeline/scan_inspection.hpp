@@ -20,7 +20,7 @@ struct ScanInspection {
   Mold mold;                    // with the warnings of its fit
   std::optional<Error> misfit;  // why it cannot be formed
 };
-// A mold that does not fit is not an error. Errors: those of mold_of().
+// A mold that does not fit is not an error. Errors: those of mold_of(); bad_settings (of a layout).
 Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context);
 
 // findings.json: scan and mold as in report.json, "fits" with its "problem", "warnings" (warning_json.hpp).

@@ -74,6 +74,13 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"scan": {"trim_mm": "automatic"}})", "scan.trim_mm", "auto"},
         Refusal{R"({"scan": {"units": "furlong"}})", "scan.units", "auto, mm, cm, m, in"},
         Refusal{R"({"coils": {"keep": "radius"}})", "coils.keep", "area, diameter"},
+        Refusal{R"({"layout": {"count": 3}})", "layout.count", "from 4 to 64"},
+        Refusal{R"({"layout": {"count": 65}})", "layout.count", "from 4 to 64"},
+        Refusal{R"({"layout": {"diameter_mm": 9.9}})", "layout.diameter_mm", "10 to 300"},
+        Refusal{R"({"layout": {"diameter_mm": 301}})", "layout.diameter_mm", "from 0 to 300"},
+        Refusal{R"({"layout": {"overlap": 0.49}})", "layout.overlap", "0.5 to 1.5"},
+        Refusal{R"({"layout": {"overlap": 1.51}})", "layout.overlap", "from 0 to 1.5"},
+        Refusal{R"({"layout": {"region": "side"}})", "layout.region", "dome, front, back"},
         Refusal{R"({"pattern": {"offset_mm": [1]}})", "pattern.offset_mm", "[u, v]"},
         Refusal{R"({"pattern": {"offset_mm": [1, 1e9]}})", "pattern.offset_mm", "out of range"},
         Refusal{R"({"scan": {"units": "cm", "size_mm": 200}})", "scan.size_mm", "give one of them"},
@@ -104,6 +111,39 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"[[[[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]]]]", "settings", "nested"},
         Refusal{R"({"print": {"dpi": 1e999}})", "settings", "too large"},
         Refusal{R"({"print": {"dpi": 72}, "print": {}})", "settings", "twice"}));
+
+TEST(Settings, OfALayoutAreRefusedInOtherJobs) {
+  for (const char* text : {R"({"layout": {"count": 9}})", R"({"layout": {"diameter_mm": 40}})",
+                           R"({"layout": {"region": "back"}})", R"({"layout": {"overlap": 0.5}})"}) {
+    const auto settings = settings_from_text(text);
+    ASSERT_TRUE(settings) << settings.error().text();
+    EXPECT_TRUE(check_for(JobKind::layout, *settings));
+    for (const JobKind kind : {JobKind::print, JobKind::inspection}) {
+      const auto checked = check_for(kind, *settings);
+      ASSERT_FALSE(checked);
+      EXPECT_EQ(checked.error().code, Code::bad_settings);
+      const std::string key = nlohmann::json::parse(text)["layout"].begin().key();
+      EXPECT_EQ(checked.error().where, "layout." + key);
+    }
+  }
+  const auto defaults = settings_from_text(R"({"layout": {"count": 16, "overlap": 0}})");
+  for (const JobKind kind : {JobKind::print, JobKind::inspection, JobKind::layout})
+    EXPECT_TRUE(check_for(kind, *defaults));
+}
+
+TEST(Settings, ALayoutHasNoDrawingToWeighTheFlatteningBy) {
+  for (const auto& [weights, accepted] : {std::pair{FlatteningWeights::uniform, true},
+                                          {FlatteningWeights::center, true},
+                                          {FlatteningWeights::ink, false},
+                                          {FlatteningWeights::painted, false}}) {
+    Settings settings;
+    settings.flattening.weights = weights;
+    const auto checked = check_for(JobKind::layout, settings);
+    EXPECT_EQ(checked.has_value(), accepted);
+    if (!checked) EXPECT_EQ(checked.error().where, "flattening.weights");
+    EXPECT_TRUE(check_for(JobKind::print, settings));
+  }
+}
 
 TEST(Settings, SetReadsJsonAndBareWords) {
   nlohmann::json object;

@@ -119,8 +119,8 @@ TEST_F(ServerAccess, ThePublicRoutesAreThese) {
   for (const auto& route : routers[1].routes()) EXPECT_TRUE(is_public(route)) << route.pattern;
   EXPECT_EQ(open, (std::set<std::string>{"GET /healthz", "GET /readyz", "GET /metrics", "GET /sign-in",
                                          "POST /sign-in", "POST /sign-out", "GET /problems/",
-                                         "GET /problems/{slug}", "GET /style.css", "GET /job.js", "GET /app/{name}",
-                                         "GET /sample/head.stl", "GET /sample/pattern.svg",
+                                         "GET /problems/{slug}", "GET /style.css", "GET /job.js",
+                                         "GET /app/{name}", "GET /sample/head.stl", "GET /sample/pattern.svg",
                                          "GET /api/v1/openapi.yaml", "GET /api/v1/settings-schema",
                                          "OPTIONS /api/v1/uploads", "OPTIONS /api/v1/uploads/{id}"}));
   for (const char* path : {"/", "/api/v1/jobs", "/api/v1/tokens", "/jobs/none"})

@@ -541,8 +541,8 @@ TEST_F(ServerApi, TheApplicationLoadsFilesOfThisServerAlone) {
   ASSERT_EQ(page.status, 200) << page.body;
   EXPECT_EQ(page.header("Cache-Control"), "no-store");
   const std::string policy = page.header("Content-Security-Policy");
-  for (const char* rule : {"default-src 'none'", "script-src 'self';", "style-src 'self';", "frame-ancestors 'none'",
-                           "require-trusted-types-for 'script'"})
+  for (const char* rule : {"default-src 'none'", "script-src 'self';", "style-src 'self';",
+                           "frame-ancestors 'none'", "require-trusted-types-for 'script'"})
     EXPECT_NE(policy.find(rule), std::string::npos) << rule << " in " << policy;
   EXPECT_EQ(policy.find("unsafe"), std::string::npos) << policy;
   const auto files = app_files_of(page.body);
@@ -687,6 +687,31 @@ TEST(Pages, ListWhatWasLeftOutOfTheScan) {
   }
   made["fits"] = true;
   EXPECT_NE(job_page(job, made).main.find("<dt>Fits the machine</dt><dd>yes</dd>"), std::string::npos);
+}
+
+TEST(Pages, ShowTheCoilsOfALayoutAndOfferItsPrint) {
+  Job job;
+  job.id = "x";
+  job.kind = JobKind::layout;
+  job.state = JobState::succeeded;
+  job.settings = "{}";
+  const json made = {{"count", 9},
+                     {"diameter_mm", 40.0},
+                     {"spacing_mm", 30.17},
+                     {"spacing_rms_mm", 0.5},
+                     {"pairs", 16},
+                     {"off_head", 1},
+                     {"strongest_neighbours", {{"a", "coil-1"}, {"b", "coil-2"}, {"k", -0.0012}}},
+                     {"strongest", nullptr}};
+  const std::string html = job_page(job, made).main;
+  for (const char* shown :
+       {"<h1>Layout ", "<dd>9, 1 of them not wholly on the head</dd>", "<dd>40.0 mm</dd>",
+        "<dd>30.17 mm, 0.50 mm rms over 16 pairs</dd>", "<dd>coil-1 and coil-2, k = -0.0012</dd>",
+        "<dd>- and -, k = -</dd>", "name=\"from\" value=\"x\""})
+    EXPECT_NE(html.find(shown), std::string::npos) << shown << "\n" << html;
+  EXPECT_EQ(job_page(job, json()).main.find("The coils"), std::string::npos);
+  EXPECT_NE(form_page({job}, {}).main.find("</a>, layout</td>"), std::string::npos);
+  EXPECT_NE(form_page({}, {}).main.find("name=\"kind\" value=\"layout\""), std::string::npos);
 }
 
 TEST(Pages, TheFormOffersFrontMirrorAndWhatACoilKeeps) {

@@ -88,6 +88,49 @@ TEST_F(ServerSubmission, ValidatedOnlyRefusesWhatASubmissionWould) {
   expect_nothing_kept();
 }
 
+// A layout needs the scan alone. Its settings are refused in a print, and not taken over by one.
+TEST_F(ServerSubmission, TheSettingsOfALayoutAreForLayoutsAlone) {
+  const std::string nine = part("layout.count", "", "9");
+  for (const std::string& other : {std::string(), part("kind", "", "inspection")}) {
+    const Answer refused = submit(nine + other);
+    EXPECT_EQ(refused.status, 422);
+    EXPECT_EQ(json::parse(refused.body)["where"], "layout.count");
+  }
+  const auto post = [&](const std::string& parts) {
+    const Answer answer = ask("POST", "/api/v1/jobs", form_type, parts + "--XX--\r\n");
+    EXPECT_EQ(answer.status, 202) << answer.body;
+    return json::parse(answer.body);
+  };
+  const json layout = post(part("kind", "", "layout") + part("scan", "a.stl", "solid") + nine);
+  EXPECT_EQ(layout["kind"], "layout");
+  EXPECT_EQ(layout["settings"]["layout"]["count"], 9);
+  const std::string from = part("from", "", layout["id"].get<std::string>());
+  const json print = post(from + part("pattern", "p.svg", "<svg/>") + part("print.dpi", "", "72"));
+  EXPECT_EQ(print["kind"], "print");
+  EXPECT_EQ(print["settings"]["layout"]["count"], 16);
+  EXPECT_EQ(print["settings"]["print"]["dpi"], 72);
+  EXPECT_EQ(post(from + part("kind", "", "layout"))["settings"]["layout"]["count"], 9);
+
+  ASSERT_EQ(
+      ask("PUT", "/api/v1/profiles/array", bearer(admin_) + json_type, R"({"layout":{"count":9}})").status,
+      201);
+  const std::string scan = part("scan", "a.stl", "solid") + part("profile", "", "array");
+  EXPECT_EQ(post(scan + part("pattern", "p.svg", "<svg/>"))["settings"]["layout"]["count"], 16);
+  EXPECT_EQ(post(scan + part("kind", "", "layout"))["settings"]["layout"]["count"], 9);
+}
+
+// A worker gets what the job reads: for a layout the scan and the temperature.
+TEST_F(ServerSubmission, AWorkerGetsTheFilesThatALayoutReads) {
+  ASSERT_EQ(submit(part("kind", "", "layout") + part("temperature", "t.csv", "140,141")).status, 202);
+  const json lease = json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"protocol":2})").body);
+  EXPECT_EQ(lease["kind"], "layout");
+  EXPECT_TRUE(lease["inputs"].contains("scan") && lease["inputs"].contains("temperature"));
+  EXPECT_FALSE(lease["inputs"].contains("pattern"));
+  const Answer refused = submit(part("kind", "", "layout") + part("weights", "w.svg", "<svg/>"));
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_EQ(json::parse(refused.body)["where"], "flattening.weights");
+}
+
 TEST_F(ServerSubmission, AQueryThatTheRouteDoesNotTakeIsRefusedByName) {
   for (const char* query : {"?validate-only=true", "?validate_only=true", "?limit=1"}) {
     const Answer answer = submit("", std::string("/api/v1/jobs") + query);

@@ -36,7 +36,7 @@ TEST(Templates, AllPagesAreRendered) {
   job.id = "x";
   job.settings = "{}";
   for (std::size_t i = 0; i < job_state_names.size(); ++i)
-    for (const JobKind kind : {JobKind::print, JobKind::inspection}) {
+    for (const JobKind kind : {JobKind::print, JobKind::inspection, JobKind::layout}) {
       job.state = static_cast<JobState>(i);
       job.kind = kind;
       EXPECT_TRUE(html_response(job_page(job, json())).text.ends_with("</html>\n"));

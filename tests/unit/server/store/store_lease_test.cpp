@@ -272,7 +272,7 @@ TEST_P(StoreTest, AnEndedLeaseDoesNotCountAsRunning) {
 }
 
 TEST_P(StoreTest, AJobSucceedsOnlyWithItsArtifactsAndShowsThemOnlyThen) {
-  for (const JobKind kind : {JobKind::print, JobKind::inspection}) {
+  for (const JobKind kind : {JobKind::print, JobKind::inspection, JobKind::layout}) {
     NewJob wanted = submission();
     wanted.kind = kind;
     const std::string id = store_->create(std::move(wanted))->id;
@@ -287,7 +287,7 @@ TEST_P(StoreTest, AJobSucceedsOnlyWithItsArtifactsAndShowsThemOnlyThen) {
       EXPECT_TRUE(job(id).artifacts.empty());
     }
     EXPECT_EQ(store_->complete(key)->state, JobState::succeeded);
-    EXPECT_EQ(job(id).artifacts.size(), kind == JobKind::print ? 19u : 3u);
+    EXPECT_EQ(job(id).artifacts.size(), kind == JobKind::print ? 20u : kind == JobKind::inspection ? 3u : 2u);
   }
 }
 

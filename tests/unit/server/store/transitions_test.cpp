@@ -167,7 +167,7 @@ TEST(Transitions, ALostLeaseIsForgottenAndAnEndingMayBeRepeated) {
 }
 
 TEST(Transitions, AJobSucceedsWithAllItsArtifactsAlone) {
-  for (const JobKind kind : {JobKind::print, JobKind::inspection}) {
+  for (const JobKind kind : {JobKind::print, JobKind::inspection, JobKind::layout}) {
     Job job = job_in(JobState::running);
     job.kind = kind;
     auto made = all_artifacts(kind);

@@ -11,11 +11,13 @@ namespace {
 using Eigen::Vector3d;
 using hand_made::Sample;
 
-ArrayWish wish(int count, std::optional<double> diameter_mm, ArrayRegion region = ArrayRegion::dome) {
-  ArrayWish w;
+LayoutSettings wish(int count, double diameter_mm, ArrayRegion region = ArrayRegion::dome,
+                    double overlap = 0) {
+  LayoutSettings w;
   w.count = count;
   w.diameter_mm = diameter_mm;
   w.region = region;
+  w.overlap = overlap;
   return w;
 }
 
@@ -44,7 +46,7 @@ TEST(ArrayLayout, OfSevenOnASphereIsAFlowerThatLandsWhereItWasLaid) {
 TEST(ArrayLayout, FitsTheFrontHalfAndRefusesWhatHasNoRoom) {
   const Sample x = hand_made::sphere(80, 260, 90, 110);
   const auto array =
-      lay_out_array(hand_made::Charted(x), wish(5, {}, ArrayRegion::front), CoilSettings(), Context());
+      lay_out_array(hand_made::Charted(x), wish(5, 0, ArrayRegion::front), CoilSettings(), Context());
   ASSERT_TRUE(array) << array.error().text();
   EXPECT_EQ(array->centres.size(), 5u);
   for (const Vector3d& c : array->centres) EXPECT_GT(c.y(), 0);
@@ -53,6 +55,30 @@ TEST(ArrayLayout, FitsTheFrontHalfAndRefusesWhatHasNoRoom) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Code::unusable_surface);
   EXPECT_NE(refused.error().fix.find("of this diameter fit"), std::string::npos);
+}
+
+// All of one size, their centres as far apart as asked for; printed without decoupling they land there.
+TEST(ArrayLayout, KeepsTheOverlapThatIsAskedFor) {
+  const Sample x = hand_made::sphere(80, 260, 90, 110);
+  const hand_made::Charted charted(x);
+  for (const double overlap : {0.6, 1.1}) {
+    const auto array =
+        lay_out_array(charted, wish(7, 35, ArrayRegion::dome, overlap), CoilSettings(), Context());
+    ASSERT_TRUE(array) << array.error().text();
+    EXPECT_EQ(array->pairs, 12);
+    EXPECT_NEAR(array->spacing_mm, overlap * 35, 0.3);
+    EXPECT_LT(array->spacing_rms_mm, 0.3);
+    ASSERT_TRUE(array->strongest_neighbours);
+    // Closer loops couple with the sense of their currents, loops beside each other against it.
+    EXPECT_GT(overlap < 0.75 ? array->strongest_neighbours->k : -array->strongest_neighbours->k, 0.01);
+    for (const Element& e : array->drawing.elements)
+      EXPECT_NEAR((e.shapes[0].curves[0].points[0] - e.centre).norm(), 17.5, 1e-9);
+    const auto placed = place(charted, &array->drawing, Settings(), Context());
+    ASSERT_TRUE(placed);
+    ASSERT_EQ(placed->elements.size(), 7u);
+    for (std::size_t i = 0; i < 7; ++i)
+      EXPECT_LT((placed->elements[i].centre - array->centres[i]).norm(), 0.5);
+  }
 }
 
 TEST(ArrayLayout, IsWrittenAsAGroupACoil) {

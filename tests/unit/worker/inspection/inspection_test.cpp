@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "tests/unit/fixtures/drawing_files.hpp"
-#include "tests/unit/fixtures/hand_made_sheets.hpp"
+#include "tests/unit/fixtures/printed_jobs.hpp"
 #include "worker/inspection/callouts.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/previews.hpp"
@@ -23,39 +23,10 @@ namespace vacuform {
 namespace {
 
 using namespace drawing_files;
+using namespace printed_jobs;
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using hand_made::Sample;
-
-// A job with its pattern and print.
-struct Job {
-  explicit Job(Sample made,
-               const std::string& body = "<circle r='20' fill='none' stroke='#000' stroke-width='3'/>")
-      : sample(std::move(made)),
-        surface(hand_made::inked(sample.sheet)),
-        pattern(*Pattern::read(bytes_of("<svg xmlns='http://www.w3.org/2000/svg' width='60mm' height='50mm' "
-                                        "viewBox='-30 -25 60 50'>" +
-                                        body + "</svg>"),
-                               "drawing", sample.settings.pattern, sample.settings.print.dpi)),
-        print(*make_print(hand_made::Charted(sample), pattern, nullptr,
-                          *place(hand_made::Charted(sample), nullptr, sample.settings, Context()),
-                          sample.settings, {"3f9a12c4"}, Context())) {}
-  Finished finished() const {
-    return {sample.settings, sample.mold, sample.sheet, surface, sample.flattening, pattern, print};
-  }
-
-  Sample sample;
-  InkedSurface surface;
-  Pattern pattern;
-  Print print;
-};
-
-Job small_dome() {
-  Sample x = hand_made::dome(40);
-  x.settings.print.dpi = 100;
-  return Job(std::move(x));
-}
 
 const Bytes& file(const std::vector<Artifact>& files, const std::string& name) {
   const auto found =
@@ -334,9 +305,9 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
   const auto r = report(finished);
   EXPECT_EQ(r["heat"].dump(), R"({"source":"heaters","least_c":120.0,"mean_c":140.0,"most_c":160.0,)"
                               R"("seconds":31.25,"through_thickness_c":2.5})");
-  // The two reports are made of the whole; findings.json is an inspection's.
-  ASSERT_EQ(files->size() + 3, artifact_kinds.size());
-  ASSERT_EQ(r["artifacts"].size() + 1, artifact_kinds.size());
+  // The two reports are made of the whole; findings.json is an inspection's, pattern.svg and layout.json a layout's.
+  ASSERT_EQ(files->size() + 5, artifact_kinds.size());
+  ASSERT_EQ(r["artifacts"].size() + 3, artifact_kinds.size());
   for (std::size_t i = 0; i < files->size(); ++i) EXPECT_EQ((*files)[i].name, artifact_kinds[i].name);
   for (const char* name : {"preview-temperature.png", "preview-segments.png"})
     EXPECT_EQ(decode_png(file(*files, name)).width, 1000);
