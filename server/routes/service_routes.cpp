@@ -6,7 +6,6 @@
 #include "api/version.hpp"
 #include "server/http/problem.hpp"
 #include "server/routes/guard.hpp"
-#include "server/routes/lists.hpp"
 #include "server/routes/routes.hpp"
 
 namespace vacuform {

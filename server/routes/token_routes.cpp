@@ -16,10 +16,10 @@ using nlohmann::ordered_json;
 
 namespace {
 
-constexpr std::uint64_t largest_message = 4 << 10;
+constexpr std::uint64_t largest_token_message = 4 << 10;
 
 Result<Response> create_token(Service& service, Request& request, const Caller& caller) {
-  VACUFORM_TRY(body, read_object(request, largest_message));
+  VACUFORM_TRY(body, read_object(request, largest_token_message));
   VACUFORM_TRY(wanted, new_token_from(body, wall_clock()));
   VACUFORM_TRY(made, make_token(service.store, wanted));
   log_event("token-created",

@@ -6,7 +6,7 @@ namespace vacuform {
 
 namespace {
 
-constexpr const char* last_backup = "last_backup";
+constexpr std::string_view last_backup = "last_backup";
 
 }  // namespace
 

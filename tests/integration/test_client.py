@@ -35,7 +35,8 @@ class Client(Case):
 
     def test_submits_waits_and_downloads_what_the_job_made(self):
         seen = []
-        job = self.service.submit(self.scan, self.pattern, COARSE)
+        job = self.service.submit(self.scan, self.pattern, COARSE, reference="CASE-12 ä", note="first\nsecond")
+        self.assertEqual((job["reference"], job["note"]), ("CASE-12 ä", "first\nsecond"))
         job = self.service.wait(job["id"], lambda j: seen.append(j["state"]))
         self.assertEqual(job["state"], "succeeded", job)
         self.assertEqual(seen[-1], "succeeded")
@@ -46,7 +47,8 @@ class Client(Case):
         turned = self.service.submit(settings={"pattern": {"rotate_deg": 10}}, from_job=job["id"])
         self.assertEqual(turned["settings"]["sheet"]["resolution_mm"], 6)
         self.assertEqual(self.service.cancel(turned["id"])["id"], turned["id"])
-        self.assertIn(job["id"], [j["id"] for j in self.service.jobs(state="succeeded")])
+        self.assertEqual(turned["reference"], "CASE-12 ä")
+        self.assertIn(job["id"], [j["id"] for j in self.service.jobs(state="succeeded", text="case-12 Ä")])
         self.service.wait(turned["id"])
         self.service.delete(job["id"])
         with self.assertRaises(client.Problem) as refused:

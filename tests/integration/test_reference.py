@@ -1,4 +1,4 @@
-"""The reference of a job on its whole way: from the command line to the print, the report and the downloads, and to no log."""
+"""The reference of a job: on the print, in the report and in the names of downloads, and in no log."""
 import html
 import json
 import pathlib
@@ -56,7 +56,7 @@ class Reference(Case):
         for file in self.out.iterdir():
             self.assertEqual(file.read_bytes(), (out / file.name).read_bytes(), file.name)
 
-    def test_a_reference_that_is_none_is_refused_before_any_work(self):
+    def test_a_bad_reference_is_refused_before_any_work(self):
         for word, text in (("run", "x" * 65), ("run", "a\nb"), ("submit", "x" * 65)):
             server = ["--server", self.server.url] if word == "submit" else ["--out", self.folder / "none"]
             done = vacuform(word, *server, "--scan", SCAN, "--pattern", RINGS, "--reference", text)
@@ -86,7 +86,7 @@ class Reference(Case):
         self.assertIn("left is at +x, confirmed by a person", (self.out / "report.html").read_text())
         warning = next(w for w in report["warnings"] if w["code"] == "mirrored-or-turned")
         self.assertEqual(warning["severity"], "warning")
-        # It moves nothing: the mold is that of a job without it, and is not made again.
+        # It changes neither mold nor sheet: both are kept for the next job.
         body = json.dumps({"from": self.job["id"], "settings": {"scan": {"left_side": "minus_x"}}})
         other = self.server.wait(curl("-H", "Content-Type: application/json", "-d", body, self.server.api + "/jobs").json["id"])
         self.assertEqual((other["state"], other["reference"], other["note"]), ("succeeded", REFERENCE, ""))

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "api/settings.hpp"
+#include "worker/printing/print_label.hpp"
 #include "worker/stage/context.hpp"
 
 namespace vacuform {
@@ -36,12 +37,6 @@ struct Mark {
   std::vector<Line> lines;
   std::vector<MarkCircle> circles;
   std::vector<Text> texts;
-};
-
-// What the print says of whose it is.
-struct PrintLabel {
-  std::string job;             // the digest of its inputs
-  std::string reference = {};  // UTF-8; may be empty
 };
 
 struct Marks {

@@ -17,7 +17,7 @@
 #include "api/settings.hpp"
 #include "worker/pattern/pattern.hpp"
 #include "worker/placement/placement.hpp"
-#include "worker/printing/marks.hpp"
+#include "worker/printing/print_label.hpp"
 #include "worker/printing/vector_print.hpp"
 #include "worker/stage/context.hpp"
 

@@ -220,7 +220,8 @@ TEST_F(ServerSubmission, JobsAreFoundByAPartOfTheirText) {
     const Answer answer = ask("GET", "/api/v1/jobs?" + query, headers);
     EXPECT_EQ(answer.status, 200) << answer.body;
     std::vector<std::string> ids;
-    for (const json& job : json::parse(answer.body)["jobs"]) ids.push_back(job["id"]);
+    const json page = json::parse(answer.body);
+    for (const json& job : page["jobs"]) ids.push_back(job["id"]);
     return ids;
   };
   using Ids = std::vector<std::string>;

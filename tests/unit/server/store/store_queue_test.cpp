@@ -52,7 +52,7 @@ TEST_P(StoreTest, TellsThePlaceInTheQueue) {
     const LeaseKey key = lease();
     EXPECT_EQ(key.job, order.begin()->second);
     EXPECT_FALSE(place(key.job));
-    ASSERT_TRUE(store_->fail_job(key, {Code::unusable_scan, "it is flat"}, Retry::never));
+    ASSERT_TRUE(store_->fail_job(key, {Code::unusable_scan, "it is flat", {}, {}}, Retry::never));
     EXPECT_FALSE(place(key.job));
     std::erase(waiting, key.job);
   }

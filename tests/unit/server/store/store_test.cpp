@@ -507,7 +507,8 @@ TEST_P(StoreTest, ListsJobsByTheirText) {
   const auto found = [&](const std::string& text, JobFilter filter = {}) {
     filter.text = text;
     std::vector<std::string> ids;
-    for (const Job& job : store_->list(10, "", filter)->jobs) ids.push_back(job.id);
+    const JobPage page = store_->list(10, "", filter).value();
+    for (const Job& job : page.jobs) ids.push_back(job.id);
     return ids;
   };
   using Ids = std::vector<std::string>;

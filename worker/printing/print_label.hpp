@@ -1,0 +1,13 @@
+// What the print says of whose it is.
+#pragma once
+
+#include <string>
+
+namespace vacuform {
+
+struct PrintLabel {
+  std::string job;             // the digest of its inputs
+  std::string reference = {};  // UTF-8; may be empty
+};
+
+}  // namespace vacuform
