@@ -14,31 +14,31 @@ namespace {
 
 using Eigen::Vector2d;
 
-enum class Shape { disk, square, diamond, triangle, arrow, pentagon, hexagon, house, bar, octagon };
+enum class Symbol { disk, square, diamond, triangle, arrow, pentagon, hexagon, house, bar, octagon };
 
 struct Look {
   std::string_view code;
   std::string_view words;
-  Shape shape;
+  Symbol shape;
   std::array<int, 3> colour;
   bool dark_number;
   bool extent = true;    // its size lies along the sheet, and a ring shows it
   std::size_t most = 6;  // marks that are drawn
 };
 constexpr std::array<Look, 13> looks{{
-    {"undercut", "undercuts", Shape::arrow, {213, 94, 0}, false},
-    {"trapped-air", "vents to drill", Shape::disk, {86, 180, 233}, true, false, 20},
-    {"not-reached", "not reached", Shape::square, {0, 114, 178}, false},
-    {"webbing", "webs and folds", Shape::diamond, {230, 159, 0}, true},
-    {"thin", "thin places", Shape::triangle, {204, 121, 167}, true},
-    {"window-close", "window close", Shape::pentagon, {0, 158, 115}, false, false},
-    {"deep-draw", "deep draw", Shape::hexagon, {240, 228, 66}, true, false},
-    {"clamp-narrow", "narrow clamp", Shape::house, {255, 255, 255}, true, false},
-    {"too-cold", "too cold", Shape::bar, {20, 50, 120}, false},
-    {"too-hot", "too hot", Shape::octagon, {150, 15, 35}, false},
-    {"trace-stretched", "stretched traces", Shape::hexagon, {0, 0, 0}, false},
-    {"coils-coupled", "coupled coils", Shape::bar, {90, 60, 140}, false},
-    {"", "", Shape::house, {60, 60, 60}, false},  // any other code
+    {"undercut", "undercuts", Symbol::arrow, {213, 94, 0}, false},
+    {"trapped-air", "vents to drill", Symbol::disk, {86, 180, 233}, true, false, 20},
+    {"not-reached", "not reached", Symbol::square, {0, 114, 178}, false},
+    {"webbing", "webs and folds", Symbol::diamond, {230, 159, 0}, true},
+    {"thin", "thin places", Symbol::triangle, {204, 121, 167}, true},
+    {"window-close", "window close", Symbol::pentagon, {0, 158, 115}, false, false},
+    {"deep-draw", "deep draw", Symbol::hexagon, {240, 228, 66}, true, false},
+    {"clamp-narrow", "narrow clamp", Symbol::house, {255, 255, 255}, true, false},
+    {"too-cold", "too cold", Symbol::bar, {20, 50, 120}, false},
+    {"too-hot", "too hot", Symbol::octagon, {150, 15, 35}, false},
+    {"trace-stretched", "stretched traces", Symbol::hexagon, {0, 0, 0}, false},
+    {"coils-coupled", "coupled coils", Symbol::bar, {90, 60, 140}, false},
+    {"", "", Symbol::house, {60, 60, 60}, false},  // any other code
 }};
 int look_of(const Warning& warning) {
   const auto it =
@@ -51,7 +51,7 @@ Rgb colour_of(const Look& look) {
              static_cast<float>(look.colour[2])) /
          255;
 }
-const Rgb ink(0.08f, 0.09f, 0.11f), paper(1, 1, 1);
+const Rgb symbol_ink(0.08f, 0.09f, 0.11f), symbol_paper(1, 1, 1);
 
 constexpr double badge = 23;     // radius, pixels: its number can be read at the width of a phone
 constexpr int row = 70;          // of the legend
@@ -59,7 +59,7 @@ constexpr double hidden_mm = 3;  // behind the sheet; nearer to it is on it
 constexpr double least_ring = 9, most_ring = 90;
 
 // The outline of a badge about the origin, of about the area of a disk of radius 1.
-std::vector<Vector2d> corners(Shape shape) {
+std::vector<Vector2d> corners(Symbol shape) {
   const auto regular = [](int n, double radius, double from_deg) {
     std::vector<Vector2d> points;
     for (int i = 0; i < n; ++i) {
@@ -69,25 +69,25 @@ std::vector<Vector2d> corners(Shape shape) {
     return points;
   };
   switch (shape) {
-    case Shape::disk:
+    case Symbol::disk:
       return regular(48, 1, 0);
-    case Shape::square:
+    case Symbol::square:
       return regular(4, 1.27, 45);
-    case Shape::diamond:
+    case Symbol::diamond:
       return regular(4, 1.34, 0);
-    case Shape::triangle:
+    case Symbol::triangle:
       return regular(3, 1.55, -90);
-    case Shape::arrow:
+    case Symbol::arrow:
       return regular(3, 1.55, 90);
-    case Shape::pentagon:
+    case Symbol::pentagon:
       return regular(5, 1.18, -90);
-    case Shape::hexagon:
+    case Symbol::hexagon:
       return regular(6, 1.12, 0);
-    case Shape::house:
+    case Symbol::house:
       return {{-0.9, 1}, {-0.9, -0.4}, {0, -1.25}, {0.9, -0.4}, {0.9, 1}};
-    case Shape::bar:
+    case Symbol::bar:
       return {{-1.2, 0.72}, {-1.2, -0.72}, {1.2, -0.72}, {1.2, 0.72}};
-    case Shape::octagon:
+    case Symbol::octagon:
       return regular(8, 1.08, 22.5);
   }
   return {};
@@ -101,12 +101,12 @@ void draw_badge(Canvas& canvas, const Look& look, const Vector2d& at, const std:
   cairo_close_path(cairo);
   canvas.colour(colour_of(look));
   cairo_fill_preserve(cairo);
-  canvas.colour(ink);
+  canvas.colour(symbol_ink);
   cairo_set_line_width(cairo, 2.5);
   cairo_stroke(cairo);
   // Triangles have their room below or above the middle.
-  const double shift = look.shape == Shape::triangle ? 5 : look.shape == Shape::arrow ? -4 : 0;
-  canvas.text(number, at.x(), at.y() + 10 + shift, 28, true, 0.5, look.dark_number ? ink : paper);
+  const double shift = look.shape == Symbol::triangle ? 5 : look.shape == Symbol::arrow ? -4 : 0;
+  canvas.text(number, at.x(), at.y() + 10 + shift, 28, true, 0.5, look.dark_number ? symbol_ink : symbol_paper);
 }
 
 // A line or ring that stands out from light and dark: dark between two bright edges.
@@ -115,7 +115,7 @@ void stroke(Canvas& canvas, const Look& look, bool dashed) {
   constexpr double dash[] = {9, 7};
   cairo_set_dash(cairo, dash, dashed ? 2 : 0, 0);
   cairo_set_line_width(cairo, 7);
-  canvas.colour(ink);
+  canvas.colour(symbol_ink);
   cairo_stroke_preserve(cairo);
   cairo_set_line_width(cairo, 3.5);
   canvas.colour(colour_of(look));

@@ -76,7 +76,7 @@ std::vector<Vector3d> sky(int count) {
   return directions;
 }
 
-Rgb backdrop(double height) {
+Rgb background_at(double height) {
   return Rgb(0.985f, 0.985f, 0.99f) - static_cast<float>(height) * Rgb(0.085f, 0.08f, 0.07f);
 }
 
@@ -250,7 +250,7 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
 
   const auto row = [&](int y) {
     std::vector<Rgb> sums(n), colours(n);
-    const Rgb behind = backdrop(static_cast<double>(y) / height_);
+    const Rgb behind = background_at(static_cast<double>(y) / height_);
     for (int x = 0; x < width_; ++x) {
       std::fill(sums.begin(), sums.end(), Rgb(0, 0, 0));
       for (const double dy : {0.25, 0.75})
