@@ -98,12 +98,12 @@ class ArrayLayouts(Case):
     def test_the_command_line_submits_one(self):
         out = self.folder / "submitted"
         done = vacuform("submit", "--server", self.server.url, "--kind", "layout", "--scan", self.head, "--set", "sheet.resolution_mm=5",
-                        "--set", "layout.count=5", "--set", "layout.overlap=1.1", "--wait", "--out", out)
+                        "--set", "layout.count=7", "--set", "layout.diameter_mm=30", "--set", "layout.overlap=1.1", "--wait", "--out", out)
         self.assertEqual(done.returncode, 0, done.stderr)
         layout = json.loads((out / "layout.json").read_text())
-        self.assertEqual((layout["count"], layout["off_head"]), (5, 0))
-        self.assertAlmostEqual(layout["spacing_mm"] / layout["diameter_mm"], 1.1, delta=0.05)
-        self.assertEqual((out / "pattern.svg").read_text().count("<circle"), 5)
+        self.assertEqual((layout["count"], layout["diameter_mm"], layout["off_head"]), (7, 30, 0))
+        self.assertAlmostEqual(layout["spacing_mm"] / 30, 1.1, delta=0.03)
+        self.assertEqual((out / "pattern.svg").read_text().count("<circle"), 7)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@
 #include "worker/coils/decoupling.hpp"
 #include "worker/coils/metric_mds.hpp"
 #include "worker/stage/index.hpp"
+#include "worker/stage/portion.hpp"
 #include "worker/surface/voronoi.hpp"
 
 namespace vacuform {
@@ -401,13 +402,15 @@ Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementL
 Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
                             const CoilSettings& coils, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
+  const Portion first(context, Stage::printing, 0, 0.4), second(context, Stage::printing, 0.4, 0.8),
+      last(context, Stage::printing, 0.8, 1);
   const InkedSurface& surface = charted.surface();
   const ChartVertices vertices = chart_vertices(charted);
   // A given size is laid as the lattice is; a fitted one as the region asks. What cannot be decoupled is tried the other way.
-  VACUFORM_TRY(best, try_out(charted, vertices, wish, coils, wish.diameter_mm == 0, context));
+  VACUFORM_TRY(best, try_out(charted, vertices, wish, coils, wish.diameter_mm == 0, first.context()));
   constexpr double required_k = 0.01;
   if (wish.overlap == 0 && worst_coupling(best) >= required_k) {
-    auto other = try_out(charted, vertices, wish, coils, wish.diameter_mm > 0, context);
+    auto other = try_out(charted, vertices, wish, coils, wish.diameter_mm > 0, second.context());
     if (!other && other.error().code == Code::cancelled) return tl::make_unexpected(other.error());
     if (other && worst_coupling(*other) < worst_coupling(best)) best = std::move(*other);
   }
@@ -418,7 +421,7 @@ Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings&
   out.pairs = static_cast<int>(layout.pairs.size());
   out.off_head = off_head(laid);
   out.strongest_neighbours = strongest_neighbours(best);
-  VACUFORM_TRY(strongest, strongest_of_all(best, context));
+  VACUFORM_TRY(strongest, strongest_of_all(best, last.context()));
   out.strongest = strongest;
   std::vector<double> mm;
   for (const Neighbours& n : layout.pairs) {
@@ -432,8 +435,10 @@ Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings&
     out.centres.push_back(surface.place(c.point));
     start.push_back(charted.on_chart(c.point.triangle) ? charted.chart(c.point) : c.drawn);
   }
-  VACUFORM_TRY(drawing, picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm), context));
+  VACUFORM_TRY(drawing,
+               picture_that_lands(charted, layout, metric_mds(start, layout.pairs, mm), last.context()));
   out.drawing = std::move(drawing);
+  VACUFORM_CHECK(context.step(Stage::printing, 1));
   return out;
 }
 

@@ -140,7 +140,9 @@ TEST(Settings, ALayoutHasNoDrawingToWeighTheFlatteningBy) {
     settings.flattening.weights = weights;
     const auto checked = check_for(JobKind::layout, settings);
     EXPECT_EQ(checked.has_value(), accepted);
-    if (!checked) EXPECT_EQ(checked.error().where, "flattening.weights");
+    if (!checked) {
+      EXPECT_EQ(checked.error().where, "flattening.weights");
+    }
     EXPECT_TRUE(check_for(JobKind::print, settings));
   }
 }

@@ -67,7 +67,8 @@ TEST(ArrayLayout, KeepsTheOverlapThatIsAskedFor) {
     ASSERT_TRUE(array) << array.error().text();
     EXPECT_EQ(array->pairs, 12);
     EXPECT_NEAR(array->spacing_mm, overlap * 35, 0.3);
-    EXPECT_LT(array->spacing_rms_mm, 0.3);
+    // On this sphere six loops as far from the middle one as 38.5 mm are only 37.4 mm from each other.
+    EXPECT_LT(array->spacing_rms_mm, 0.7);
     ASSERT_TRUE(array->strongest_neighbours);
     // Closer loops couple with the sense of their currents, loops beside each other against it.
     EXPECT_GT(overlap < 0.75 ? array->strongest_neighbours->k : -array->strongest_neighbours->k, 0.01);
