@@ -62,7 +62,10 @@ add_custom_command(
   COMMAND ${CMAKE_COMMAND} -E env VACUFORM_BIN=$<TARGET_FILE_DIR:vacuform> ${PROJECT_SOURCE_DIR}/docs/generate --manuals ${made}
   DEPENDS vacuform vacuform-server vacuform-worker deploy/setup deploy/front docs/generate
   VERBATIM)
-add_custom_target(manuals DEPENDS ${page_files})
+if(VACUFORM_TESTS)
+  set(always ALL)
+endif()
+add_custom_target(manuals ${always} DEPENDS ${page_files})
 foreach(page ${page_files})
   string(REGEX REPLACE ".*\\.([18])\\.gz" "share/man/man\\1" folder ${page})
   package_file(${page} ${folder})
