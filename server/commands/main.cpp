@@ -12,6 +12,7 @@
 
 #include "api/base/log.hpp"
 #include "api/base/secrets.hpp"
+#include "api/commit.hpp"
 #include "api/problem.hpp"
 #include "api/version.hpp"
 #include "server/access/tokens.hpp"
@@ -156,9 +157,12 @@ Result<void> serve(const Configuration& options) {
     log_event("file-not-written", {{"file", "server-url"}, {"problem", written.error().what}});
   VACUFORM_CHECK(tell_port(options.status_port_file, *status_server));
   VACUFORM_CHECK(tell_port(options.port_file, *server));
-  log_event(
-      "server-started",
-      {{"url", url}, {"status_url", status_url}, {"process", ::getpid()}, {"workers", options.workers}});
+  log_event("server-started", {{"url", url},
+                               {"status_url", status_url},
+                               {"process", ::getpid()},
+                               {"workers", options.workers},
+                               {"version", version},
+                               {"commit", commit()}});
 
   const auto log_expired = [&metrics](const Result<std::vector<Expired>>& expired) {
     if (!expired) return log_event("store-failed", {{"problem", expired.error().text()}});
@@ -210,7 +214,7 @@ int main(int argc, char** argv) {
   ::setenv("VACUFORM_WORKER_CONFIG", "", 0);
   CLI::App app(
       "The HTTP service of Vacuform: takes scans and patterns, hands jobs to workers, keeps the results.");
-  app.set_version_flag("--version", std::string("vacuform-server ").append(vacuform::version));
+  app.set_version_flag("--version", vacuform::version_line("vacuform-server"));
   vacuform::ConfigurationSources sources(app, "server");
   vacuform::Configuration configuration;
   configuration.add_to(sources);

@@ -22,6 +22,8 @@ CONTRACT = Contract()  # every exchange by curl() is checked against it
 PATTERNS = pathlib.Path(__file__).resolve().parents[1] / "data" / "patterns"
 PATIENCE = 240  # seconds that any operation may take on a busy machine
 
+# What --version prints, for str.format() with the program's name.
+VERSION = r"\A{} [0-9]+\.[0-9]+\.[0-9]+ \(commit ([0-9a-f]{{12,40}}(, modified)?|unknown)\)\n\Z"
 
 # The artifacts that every successful print has.
 DUE_ARTIFACTS = {"print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png",

@@ -9,7 +9,7 @@ import unittest
 
 import made_scans
 import meshes
-from harness import BIN, PATTERNS, Case, vacuform
+from harness import BIN, PATTERNS, VERSION, Case, vacuform
 
 NEWBORN, CORRUPT, RINGS = made_scans.newborn(), made_scans.corrupt(), PATTERNS / "rings-19x40mm.svg"
 
@@ -41,6 +41,7 @@ class Refusals(Case):
             done = vacuform(*words)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertTrue(done.stdout)
+        self.assertRegex(done.stdout, VERSION.format("vacuform"))
 
     def test_files_and_settings(self):
         settings = self.folder / "settings.json"

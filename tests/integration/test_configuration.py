@@ -7,7 +7,7 @@ import os
 import subprocess
 import unittest
 
-from harness import BIN, Case, Program, wait_for
+from harness import BIN, VERSION, Case, Program, wait_for
 
 
 class Configuration:
@@ -98,7 +98,7 @@ class Configuration:
 
     def test_help_and_version_are_no_errors(self):
         self.assertIn(f"/etc/vacuform/{self.program}.json", self.ask("--help").stdout)
-        self.assertRegex(self.ask("--version").stdout, rf"\Avacuform-{self.program} [0-9.]+\n\Z")
+        self.assertRegex(self.ask("--version").stdout, VERSION.format(f"vacuform-{self.program}"))
 
 
 class ServerConfiguration(Configuration, Case):

@@ -142,6 +142,14 @@ class Install(Case):
             self.assertEqual(refused.returncode, 2, words)
             self.assertIn(complaint, refused.stderr)
 
+    def test_setup_refuses_options_that_make_no_sense(self):
+        for words, complaint in ((["--workers", "100"], "from 0 to 99"), (["--bin"], "lacks its value"), (["--colour"], "unknown option"),
+                                 (["--token-file", "/dev/null"], "and --workers-only"),
+                                 (["--workers-only", "--token-file", "/none"], "a file that can be read")):
+            refused = subprocess.run([DEPLOY / "setup", *words], env=self.environment, capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2, words)
+            self.assertIn(complaint, refused.stderr)
+
     @unittest.skipUnless(os.geteuid() == 0, "only root can make users")
     def test_really_installed_and_run_without_systemd(self):
         """All of it, in a mount namespace whose /etc, /opt, /run and /var are its own; started by the commands that it tells."""
@@ -167,7 +175,7 @@ class Install(Case):
             make=$(sed -n 's/^    \\(.*token create.*\\)$/\\1/p' second)
             VACUFORM_TOKEN=$(eval "$make") vacuform submit --server http://127.0.0.1:{port} --scan head.stl --pattern coils.svg \\
               --settings small.json --wait --out out
-            stat -c '%U:%G %a %n' /var/lib/vacuform /var/cache/vacuform-worker /etc/vacuform/worker.token /etc/vacuform/server.json > modes
+            stat -c '%U:%G %a %n' /var/lib/vacuform /var/cache/vacuform-worker /etc/vacuform/sign-in.token /etc/vacuform/worker.token /etc/vacuform/server.json > modes
             runuser -u vacuform -- vacuform-server backup --to /var/backups/vacuform/monday > backup
             ps -eo user:20,comm | sort -u > users
             ! runuser -u vacuform-worker -- ls /var/lib/vacuform 2>> refused
@@ -190,7 +198,7 @@ class Install(Case):
         self.assertEqual((self.here / "out" / "print.png").read_bytes()[:4], b"\x89PNG")
         self.assertEqual((self.here / "modes").read_text().splitlines(),
                          ["vacuform:vacuform 700 /var/lib/vacuform", "vacuform-worker:vacuform-worker 700 /var/cache/vacuform-worker",
-                          "root:root 600 /etc/vacuform/worker.token", "root:root 644 /etc/vacuform/server.json"])
+                          "root:root 600 /etc/vacuform/sign-in.token", "root:root 600 /etc/vacuform/worker.token", "root:root 644 /etc/vacuform/server.json"])
         self.assertEqual(json.loads((self.here / "backup").read_text())["damaged"], [])
         users = (self.here / "users").read_text().split("\n")
         self.assertIn(["vacuform", "vacuform-server"], [line.split() for line in users])

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "api/base/log.hpp"
+#include "api/commit.hpp"
 #include "api/problem.hpp"
-#include "api/version.hpp"
 #include "worker/agent/configuration.hpp"
 #include "worker/agent/user.hpp"
 #include "worker/agent/work_folder.hpp"
@@ -79,7 +79,7 @@ Result<void> run(ConfigurationSources& sources, const WorkerConfiguration& confi
 
 int main(int argc, char** argv) {
   CLI::App app("Leases jobs from a Vacuform server and runs them.", "vacuform-worker");
-  app.set_version_flag("--version", std::string("vacuform-worker ").append(vacuform::version));
+  app.set_version_flag("--version", vacuform::version_line("vacuform-worker"));
   vacuform::ConfigurationSources sources(app, "worker");
   vacuform::WorkerConfiguration configuration;
   configuration.add_to(sources);

@@ -5,8 +5,8 @@
 #include <new>
 #include <string>
 
+#include "api/commit.hpp"
 #include "api/problem.hpp"
-#include "api/version.hpp"
 #include "worker/cli/commands.hpp"
 
 namespace vacuform::cli {
@@ -35,7 +35,7 @@ int refuse_usage(const CLI::App& app, const std::string& first, const CLI::Parse
 int run(int argc, char** argv) {
   CLI::App app("Pre-distorted prints for vacuum-formed sheets: a scan and a pattern in, a print out.",
                "vacuform");
-  app.set_version_flag("--version", "vacuform " + std::string(version));
+  app.set_version_flag("--version", version_line("vacuform"));
   app.require_subcommand(1);
   int exit_code = 0;
   add_run(app, exit_code);
