@@ -34,5 +34,6 @@ createServer((asked, answer) => {
   const passed = request({host: server.hostname, port: server.port, method: asked.method, path: asked.url, headers},
     (response) => { answer.writeHead(response.statusCode, response.headers); response.pipe(answer); });
   passed.on('error', () => { if (!answer.headersSent) answer.writeHead(502); answer.end(); });
+  answer.on('close', () => passed.destroy());  // also when the browser has gone
   asked.pipe(passed);
 }).listen(port, '127.0.0.1', () => console.log(`http://127.0.0.1:${port}`));

@@ -1,9 +1,18 @@
-// What the API sends, as api/openapi.yaml describes it.
+// Written by web/types.py from api/openapi.yaml. Change the description, then run web/types.py.
 
 export type JobKind = 'print' | 'inspection' | 'layout';
+
 export type JobState = 'queued' | 'running' | 'succeeded' | 'failed' | 'cancelling' | 'cancelled';
+
 export type Stage = 'scan' | 'forming' | 'flattening' | 'printing' | 'inspection';
+
 export type Scope = 'submit' | 'read' | 'work' | 'admin';
+
+export type ArtifactName = 'print.png' | 'print.svg' | 'print.pdf' | 'preview-pattern.png' | 'preview-print.png' |
+  'preview-without.png' | 'preview-with.png' | 'preview-views.png' | 'preview-anisotropy.png' | 'preview-area.png' |
+  'preview-thickness.png' | 'preview-temperature.png' | 'preview-segments.png' | 'preview-findings.png' | 'formed.ply' |
+  'formed.obj' | 'formed.mtl' | 'formed.glb' | 'uv-map.obj' | 'mold.stl' | 'findings.json' | 'pattern.svg' |
+  'layout.json' | 'report.json' | 'report.html';
 
 export interface ProblemBody {
   type: string;
@@ -15,7 +24,43 @@ export interface ProblemBody {
   fix?: string;
 }
 
-export interface ListedJob {
+export interface Input {
+  bytes: number;
+  sha256: string;
+  extension: string;
+  format?: string;
+}
+
+export interface Artifact {
+  name: ArtifactName;
+  title: string;
+  media_type: string;
+  bytes: number;
+  sha256: string;
+  href: string;
+}
+
+export interface Warning {
+  stage: Stage;
+  code: string;
+  severity: 'note' | 'warning' | 'serious';
+  what: string;
+  place: string;
+  figure: {value: number; unit: string; limit: number | null} | null;
+  fix: string;
+  marks: {place_mm: [number, number, number]; size_mm: number}[];
+}
+
+export interface Links {
+  self: string;
+  page: string;
+  artifacts: string;
+  zip: string;
+  log: string;
+  cancel: string;
+}
+
+export interface ListedJob extends Partial<Estimates> {
   id: string;
   kind: JobKind;
   state: JobState;
@@ -34,39 +79,12 @@ export interface ListedJob {
   ended: string | null;
   not_before: string | null;
   serious_warnings: number | null;
-  queue_position?: number | null;
-  seconds_expected?: number | null;
   problem: ProblemBody | null;
 }
 
-export interface Artifact {
-  name: string;
-  title: string;
-  media_type: string;
-  bytes: number;
-  sha256: string;
-  href: string;
-}
-
-export interface Input {
-  bytes: number;
-  sha256: string;
-  extension: string;
-  format?: string;
-}
-
-export type Settings = Record<string, Record<string, unknown>>;
-
-export interface Job extends ListedJob {
-  settings: Settings;
-  inputs: Record<string, Input>;
-  artifacts: Artifact[];
-  links: Record<string, string>;
-}
-
-export interface JobPage {
-  jobs: ListedJob[];
-  next: string | null;
+export interface Estimates {
+  queue_position: number | null;
+  seconds_expected: number | null;
 }
 
 export interface LogLine {
@@ -75,10 +93,23 @@ export interface LogLine {
   text: string;
 }
 
+export interface JobPage {
+  jobs: ListedJob[];
+  next: string | null;
+}
+
+export interface LogPage {
+  lines: LogLine[];
+  next: number;
+  ended: boolean;
+}
+
 export interface Plan {
   kind: JobKind;
+  reference: string;
+  note: string;
   settings: Settings;
-  inputs: Record<string, Input>;
+  inputs: Record<string, Input & {format: 'stl' | 'obj' | 'ply' | 'off' | 'glb' | 'svg' | 'png' | 'jpeg' | 'csv'}>;
 }
 
 export interface Session {
@@ -91,8 +122,8 @@ export interface Session {
 
 export interface Profile {
   name: string;
-  settings: Settings;
   changed: string;
+  settings: Settings;
 }
 
 export interface TokenInfo {
@@ -104,23 +135,25 @@ export interface TokenInfo {
   revoked: string | null;
 }
 
-export interface Worker {
-  worker: string;
-  last_seen: string;
-  job: string | null;
-  sandbox: string[] | null;  // null: not known
-  lacks: string[] | null;
-}
-
 export interface Service {
   version: string;
   uptime_seconds: number;
   schema: number;
-  jobs: Record<string, number>;
+  jobs: {queued: number; running: number; succeeded: number; failed: number; cancelling: number; cancelled: number};
   queue: {length: number; oldest_seconds: number | null};
-  workers: Worker[];
+  workers: ({worker: string; last_seen: string; job: string | null; sandbox: ('namespaces' | 'landlock' | 'seccomp')[] |
+    null; lacks: ('namespaces' | 'landlock' | 'seccomp')[] | null})[];
   disk: {total_bytes: number; free_bytes: number; kept_free_bytes: number};
   last_backup: string | null;
+}
+
+export type Settings = Record<string, Record<string, unknown>>;
+
+export interface Job extends ListedJob {
+  settings: Settings;
+  inputs: Record<string, Input>;
+  artifacts: Artifact[];
+  links: Links;
 }
 
 // The JSON Schema of the settings, as far as the form uses it.
@@ -132,8 +165,9 @@ export interface FieldSchema {
   enum?: string[];
   minimum?: number;
   maximum?: number;
-  items?: FieldSchema;
+  minItems?: number;
   maxItems?: number;
+  items?: FieldSchema;
   oneOf?: FieldSchema[];
   'x-unit'?: string;
 }

@@ -39,14 +39,18 @@ export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void):
     replace(body, sorted(coils, by, down).map(row));
   }
   fill();
+  const box = el('div', {class: 'wide', tabindex: 0, role: 'region', 'aria-label': t('result.coils')},
+    el('table', {class: 'coil-table', 'aria-label': t('result.coils')}, el('thead', null, el('tr', null, ...heads)), body));
   return {
-    element: el('div', null, el('p', {class: 'small quiet'}, t('result.coils_caption')),
-      el('div', {class: 'wide', tabindex: 0, role: 'region', 'aria-label': t('result.coils')},
-        el('table', {class: 'coil-table', 'aria-label': t('result.coils')}, el('thead', null, el('tr', null, ...heads)), body))),
+    element: el('div', null, el('p', {class: 'small quiet'}, t('result.coils_caption')), box),
     select(id) {
       if (id === selected) return;
       selected = id;
       fill();
+      const chosenRow = body.querySelector<HTMLElement>('[aria-selected="true"]');
+      if (!chosenRow) return;
+      const top = chosenRow.offsetTop - box.scrollTop;
+      if (top < 60 || top + chosenRow.offsetHeight > box.clientHeight) box.scrollTop = chosenRow.offsetTop - box.clientHeight / 2;
     },
   };
 }

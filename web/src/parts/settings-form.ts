@@ -87,7 +87,7 @@ function build(id: string, schema: FieldSchema, options: SettingsFormOptions): F
       announce(t('settings.was_reset', {label}));
       target.focus();
     }}, icon('reset'));
-  const below = el('p', {class: 'hint', id: hintId}, hint && [hint, el('br')], facts);
+  const below = el('p', {class: 'hint', id: hintId}, hint && hint !== label && [hint, el('br')], facts);
   const labelled = (control: HTMLElement): HTMLElement[] => [
     el('span', {class: 'label-row'}, el('label', {for: htmlId}, label), reset), below, control];
 

@@ -1,7 +1,7 @@
 // The formed sheet in 3D: the print on it, heat maps, and what is marked on it.
 import {BufferAttribute, BufferGeometry, CanvasTexture, Color, DataTexture, DoubleSide, GLSL3, type Group, LinearFilter, LinearMipmapLinearFilter,
         Matrix3, Mesh, NoColorSpace, ShaderMaterial, Texture, Vector3} from 'three';
-import type {Formed} from '../read/formed';
+import {coarse, picturePlace, type Formed} from '../read/formed';
 import type {MapName} from '../state/result';
 import {colourAt, isHeat, noValue, type Range, touches, touchesNot} from './colour';
 import {Surface, type Point} from './measure';
@@ -171,34 +171,4 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
       viewer.camera = [azimuth, Math.min(70, Math.max(-20, Math.asin(z) * 180 / Math.PI)), Math.max(1.5, Number(zoom)), ...spot.point].join('_');
     },
   };
-}
-
-// The triangles of every second row and column, where the sheet is a regular grid; otherwise null.
-export function coarse({sheet, indices}: Pick<Formed, 'sheet' | 'indices'>): Uint32Array | null {
-  const count = sheet.length / 2, row = sheet[1] === sheet[3] ? 1 : 0;  // the coordinate that stays along a row
-  let across = 1;
-  while (across < count && sheet[2 * across + row] === sheet[row]) ++across;
-  const rows = count / across, few: number[] = [];
-  if (!Number.isInteger(rows) || indices.length !== 6 * (across - 1) * (rows - 1)) return null;
-  for (let j = 0; j < rows - 1; j += 2)
-    for (let i = 0; i < across - 1; i += 2) {
-      const right = Math.min(i + 2, across - 1) - i, a = j * across + i, up = (Math.min(j + 2, rows - 1) - j) * across;
-      few.push(a, a + right, a + right + up, a, a + right + up, a + up);
-    }
-  return Uint32Array.from(few);
-}
-
-// Width and height of the pictures in mm, the height negative since t goes up, and the shares at which s and t are 0.
-export function picturePlace({sheet, texture}: Pick<Formed, 'sheet' | 'texture'>): [[number, number], [number, number]] {
-  const axis = (k: 0 | 1): [number, number] => {
-    let low = 0, high = 0;
-    for (let i = 0; i < sheet.length / 2; ++i) {
-      if (sheet[2 * i + k]! < sheet[2 * low + k]!) low = i;
-      if (sheet[2 * i + k]! > sheet[2 * high + k]!) high = i;
-    }
-    const size = (sheet[2 * high + k]! - sheet[2 * low + k]!) / (texture[2 * high + k]! - texture[2 * low + k]!);
-    return [size, texture[2 * low + k]! - sheet[2 * low + k]! / size];
-  };
-  const [s, t] = [axis(0), axis(1)];
-  return [[s[0], t[0]], [s[1], t[1]]];
 }

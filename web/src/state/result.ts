@@ -89,7 +89,7 @@ export interface PrintReport {
   scan?: {mirrored: boolean};
   thickness: {initial_mm: number; least_mm: number; least_ratio: number};
   flattening: {top_rest_mm: [number, number]};
-  print: {inked_face: string; mirrored: boolean; ruler_mm?: number | null; dpi: number};
+  print: {inked_face: string; mirrored: boolean};
   figures: {with: Way; without: Way};
   coils?: {id: string; drawn_diameter_mm: number; with?: CoilSide | null; without?: CoilSide | null}[];
   pairs?: {coils: [string, string]; with?: PairSide | null}[];
@@ -152,12 +152,19 @@ export type Line = [number, number][];  // (s, t) mm
 // M, L, C and Z with absolute numbers. A mirrored print is turned back.
 export function centreLines(svg: string, mirrored: boolean): Map<string, Line[]> {
   const lines = new Map<string, Line[]>();
-  for (const [, id = '', body = ''] of svg.matchAll(/<g id="([^"]*)">([^]*?)<\/g>/g))
-    for (const [path] of body.matchAll(/<path[^>]*class="centreline"[^>]*>/g)) {
+  for (const group of svg.split('<g id="').slice(1)) {
+    const id = unescaped(group.slice(0, group.indexOf('"')));
+    for (const [path] of group.matchAll(/<path[^>]*class="centreline"[^>]*>/g)) {
       const d = / d="([^"]*)"/.exec(path)?.[1] ?? '';
-      lines.set(unescaped(id), [...lines.get(unescaped(id)) ?? [], ...pathLines(d, mirrored ? -1 : 1)]);
+      lines.set(id, [...lines.get(id) ?? [], ...pathLines(d, mirrored ? -1 : 1)]);
     }
+  }
   return lines;
+}
+// The length of the printed ruler in mm, from print.svg; null: the print has none.
+export function rulerOf(svg: string): number | null {
+  const [, from, to] = /<g id="mark-ruler">\s*<path d="M(-?[\d.]+),\S+ L(-?[\d.]+),/.exec(svg) ?? [];
+  return from === undefined || to === undefined ? null : Math.round(100 * Math.abs(Number(to) - Number(from))) / 100;
 }
 const entities: Record<string, string> = {amp: '&', lt: '<', gt: '>', quot: '"', apos: "'", '#39': "'"};
 const unescaped = (text: string): string => text.replace(/&(amp|lt|gt|quot|apos|#39);/g, (_, name: string) => entities[name] ?? '');

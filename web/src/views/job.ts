@@ -16,7 +16,7 @@ import {stateBadge} from '../parts/state-badge';
 import {warningsList} from '../parts/warnings-list';
 import {toJob, toJobs, toNew} from '../route';
 import {announce, store} from '../state';
-import {fieldOf} from '../state/draft';
+import {fieldOf, staleJob} from '../state/draft';
 import {settingsOf, type JobsState, type Report, type Setting, type Warning} from '../state/jobs';
 import {bytes, duration, number, t, textIfKnown, when} from '../text';
 import {follow, live, onEnd, View} from '../view';
@@ -217,7 +217,10 @@ class JobView extends View {
       result.scrollIntoView();
       view.dispatchEvent(new CustomEvent('show-place', {detail: {x, y, z}}));
     };
-    result.addEventListener('stale', (event) => files.setStale((event as CustomEvent<{stale: boolean}>).detail.stale));
+    // out of date too while a print that starts from this job has other settings
+    const setStale = (moved: boolean): void => files.setStale(moved || staleJob(store.get().draft) === job.id);
+    result.addEventListener('stale', (event) => setStale((event as CustomEvent<{stale: boolean}>).detail.stale));
+    setStale(false);
     const serious = job.serious_warnings ?? 0;
     return [
       serious > 0 && el('div', {class: 'notice settle'}, icon('warning'), el('p', null, t('job.settle', {count: serious})),

@@ -118,7 +118,7 @@ function originNotice(): HTMLElement {
   return live((state) => state.draft.from, (from): Children => [
     from && el('p', {class: 'notice plain', role: 'status'}, icon('copy'), el('span', null,
       t('new.from_job'), ' ', el('a', {href: toJob(from.job)}, from.job.slice(-8)), '. ',
-      t(from.pattern ? 'new.from_all' : 'new.from_scan'))),
+      t(from.pattern ? 'new.from_all' : from.kind === 'layout' ? 'new.from_layout' : 'new.from_scan'))),
     hasBefore() && el('p', {class: 'notice plain', role: 'status'}, icon('undo'), el('span', null, t('new.before')),
       el('button', {type: 'button', onclick: () => { goBack(); location.hash = toNew(); }}, t('new.go_back')))]);
 }

@@ -8,7 +8,7 @@ import {problemBox} from '../parts/problem';
 import {store} from '../state';
 import {coilsOf, resultOf, type PrintReport} from '../state/result';
 import {t} from '../text';
-import {onEnd, View} from '../view';
+import {follow, onEnd, View} from '../view';
 import {adjustView} from './result/adjust';
 import {keyFigures} from './result/figures';
 import {partView, setResult, type Part} from './result/part';
@@ -48,7 +48,10 @@ export class ResultView extends View {
     };
     this.addEventListener('show-place', place);
     onEnd(() => this.removeEventListener('show-place', place));
-    setResult(resultOf(store.get().route.query));
+    // Also when a link to another view of this job is opened.
+    follow((state) => state.route, (route) => {
+      if (route.view === 'job' && route.id === job.id) setResult(resultOf(route.query));
+    });
     const host = el('div', {class: 'result'}, el('p', {class: 'quiet', role: 'status'}, t('shell.loading')));
     let over = false;
     ends.push(() => { over = true; });

@@ -102,8 +102,10 @@ export function patternSection(schema: SettingsSchema): Children {
     take: (file) => { refused.replaceChildren(); void takePattern(file, file.name); },
     refused: (name) => refused.replaceChildren(el('p', {class: 'fault'}, t('new.wrong_pattern', {name})))});
   onEnd(zone.end);
-  const drawing = el('div', null, zone.element, refused);
-  const array = 'layout' in schema.properties ? el('div', {hidden: true}, arrange(schema)) : null;
+  const now = draft();
+  const arranging = 'layout' in schema.properties && (now.layout !== '' || (now.form.pattern?.layout ?? '') !== '');
+  const drawing = el('div', {hidden: arranging}, zone.element, refused);
+  const array = 'layout' in schema.properties ? el('div', {hidden: !arranging}, arrange(schema)) : null;
   const source = (value: string, label: string, on: boolean): HTMLElement => el('label', {class: 'choice'},
     el('input', {type: 'radio', name: 'pattern-source', value, checked: on, onchange: () => {
       drawing.hidden = value !== 'drawing';
@@ -111,7 +113,7 @@ export function patternSection(schema: SettingsSchema): Children {
     }}), label);
   return [
     array && el('fieldset', null, el('legend', null, t('new.pattern_source')),
-      el('div', {class: 'row'}, source('drawing', t('new.source_drawing'), true), source('array', t('new.source_array'), false))),
+      el('div', {class: 'row'}, source('drawing', t('new.source_drawing'), !arranging), source('array', t('new.source_array'), arranging))),
     drawing, array, transferLine('pattern'),
     live(({draft: {form, from}}) => [form.pattern, from, valueOf(schema, form.settings, 'pattern.width_mm')] as const, () => chosen(draft())),
     el('h3', null, t('new.place_pattern')), draftFields(schema, 'pattern', placed).element];

@@ -188,7 +188,7 @@ class ScanSection extends View {
     const flat = (): void => {
       this.#flat = true;
       this.#scene = null;
-      replace(stage, el('p', {class: 'notice', role: 'status'}, icon('info'), t('scan.no_3d')));
+      replace(stage, el('p', {class: 'notice', role: 'status'}, icon('info'), el('span', null, t('scan.no_3d'))));
       this.#update();
     };
     if (this.#flat) return flat();
@@ -224,10 +224,10 @@ class ScanSection extends View {
     };
     const angle = (key: string, label: string): HTMLElement => {
       const row = this.#numberRow(follows, key, label, -180, 180, '°');
-      row.lastElementChild?.firstElementChild?.append(...[-5, 5].map((by) =>
-        el('button', {type: 'button', 'aria-label': t('scan.turn_by', {by, label}), onclick: () => {
+      row.lastElementChild?.firstElementChild?.append(...([[-5, '−5°'], [5, '+5°']] as const).map(([by, text]) =>
+        el('button', {type: 'button', 'aria-label': t('scan.turn_by', {by: text, label}), onclick: () => {
           this.#change({[key]: (this.#number('scan', key, 0) + by + 540) % 360 - 180});
-        }}, `${by < 0 ? '−' : '+'}5°`)));
+        }}, text)));
       return row;
     };
     return el('div', {class: 'scan-fields'},
@@ -355,7 +355,7 @@ class ScanSection extends View {
       host(() => this.#left === 'plus_x'
         ? el('div', {class: 'notice', role: 'alert'}, icon('warning'), el('div', null, el('p', null, t('scan.mirror_warning')),
             el('button', {type: 'button', onclick: () => this.#change({mirror: this.#mirror === 'yes' ? 'no' : 'yes'})}, t('scan.mirror_now'))))
-        : this.#left === 'minus_x' ? el('p', {class: 'notice good'}, icon('check'), t('scan.left_confirmed')) : null));
+        : this.#left === 'minus_x' ? el('p', {class: 'notice good'}, icon('check'), el('span', null, t('scan.left_confirmed'))) : null));
   }
 
   #select(follows: (() => void)[], key: string, label: string, hint: string, options: [string, string][]): HTMLElement {

@@ -183,12 +183,13 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     sheet?.show({
       map: now.map, range: range(now.map), isolines: now.isolines, sideBySide: !moved && now.mode === 'side',
       cut: now.mode === 'drawn' ? 1 : now.mode === 'split' ? now.cut : 0, place: place && sheet ? place(sheet.picture) : null});
-    if (before?.mode !== now.mode && now.mode === 'split') divider.set(now.cut);
+    if (now.mode === 'split' && (before?.mode !== 'split' || before.cut !== now.cut)) divider.set(now.cut);
     if (before && before.coil !== now.coil) {
       paint();
       const coil = coils.find(({id}) => id === now.coil);
       if (coil && !still) sheet?.turnTo(coil.centre);
     }
+    if (before && before.camera !== now.camera && now.camera && viewer) viewer.camera = now.camera;
     viewer?.setSummary(summary(now));
     before = now;
     keepAddress();
@@ -268,6 +269,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       viewer.camera = camera || viewer.camera.replace(/^[^_]*_[^_]*/, '25_38');
       before = null;
       apply(store.get().result);
+      paint();
       listen(viewer, made);
     } catch (error) {
       if (over) return;
