@@ -17,10 +17,17 @@ using http::Response;
 
 namespace {
 
-Result<Response> asset_response(const char* media_type, const char* name) {
-  Response response = http::text_response(media_type, std::string(asset(name)));
+Result<Response> text_asset(const char* media_type, std::string text) {
+  Response response = http::text_response(media_type, std::move(text));
   response.set("X-Content-Type-Options", "nosniff");
   return response;
+}
+
+// The plain pages share their look with the application.
+std::string style() {
+  std::string text;
+  for (const char* file : {"tokens.css", "base.css", "plain.css"}) text += asset(file);
+  return text;
 }
 
 }  // namespace
@@ -55,9 +62,9 @@ void add_about_routes(http::Router& router) {
   add_public(router, "GET", "/sample/pattern.svg",
              [](Request& request) { return app_file(request, "pattern.svg"); });
   add_public(router, "GET", "/job.js",
-             [](Request&) { return asset_response("text/javascript; charset=utf-8", "job.js"); });
+             [](Request&) { return text_asset("text/javascript; charset=utf-8", std::string(asset("job.js"))); });
   add_public(router, "GET", "/style.css",
-             [](Request&) { return asset_response("text/css; charset=utf-8", "style.css"); });
+             [](Request&) { return text_asset("text/css; charset=utf-8", style()); });
 }
 
 }  // namespace vacuform

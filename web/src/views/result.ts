@@ -98,7 +98,7 @@ export class ResultView extends View {
     ends.push(store.subscribe(apply));
     return [
       keyFigures(report),
-      el('div', {role: 'tablist', class: 'tabs', 'aria-label': t('result.tabs')}, ...tabs),
+      el('div', {role: 'tablist', class: 'result-tabs', 'aria-label': t('result.tabs')}, ...tabs),
       panels.part, panels.sheet];
   }
 }

@@ -1,0 +1,45 @@
+// Without scripts the plain pages do the whole job.
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import {after, before, test} from 'node:test';
+import {sample, signIn, startBrowser, startService} from './drive.mjs';
+
+let service;
+let browser;
+before(async () => {
+  browser = await startBrowser();
+  service = await startService();
+});
+after(async () => { await browser?.close(); await service?.stop(); });
+
+test('a job goes from the form to the downloaded print without scripts', async () => {
+  const page = await signIn(browser, service, {javaScriptEnabled: false, acceptDownloads: true});
+  await page.goto('/jobs');
+  const {scan, pattern} = sample();
+  await page.getByLabel('Scan of the head').setInputFiles(scan);
+  await page.getByLabel('Pattern', {exact: true}).setInputFiles(pattern);
+  const folded = page.locator('details:not([open]) > summary');
+  while (await folded.count() > 0) await folded.first().click();
+  await page.locator('[name="sheet.resolution_mm"]').fill('6');
+  await page.locator('[name="print.dpi"]').fill('100');
+  await page.getByRole('button', {name: 'Start the job'}).click();
+  await page.waitForURL(/\/jobs\/[^/]+$/);
+  const job = page.url().split('/').pop();
+  await service.ended(job);
+  await page.reload();
+  await page.getByText('succeeded', {exact: true}).waitFor();
+  const [download] = await Promise.all([
+    page.waitForEvent('download'), page.getByRole('link', {name: 'print.pdf', exact: true}).click()]);
+  const bytes = readFileSync(await download.path());
+  const stored = Buffer.from(await (await service.ask(`/api/v1/jobs/${job}/artifacts/print.pdf`)).arrayBuffer());
+  assert.equal(bytes.subarray(0, 5).toString(), '%PDF-');
+  assert.ok(bytes.equals(stored));
+  assert.deepEqual(page.faults, []);
+});
+
+test('the application leads to the plain pages without scripts', async () => {
+  const page = await signIn(browser, service, {javaScriptEnabled: false});
+  await page.goto('/');
+  await page.waitForURL(/\/jobs$/);
+  await page.getByRole('button', {name: 'Start the job'}).waitFor();
+});
