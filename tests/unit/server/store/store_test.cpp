@@ -494,6 +494,7 @@ TEST_P(StoreTest, KeepsReferenceAndNoteAsPartOfASubmission) {
 }
 
 TEST_P(StoreTest, ListsJobsByTheirText) {
+  // Ids have no i, l, o or u: the texts below are in none of them.
   const auto make = [&](const std::string& reference, const std::string& note,
                         const std::string& owner = "a") {
     NewJob job = submission();
@@ -502,8 +503,8 @@ TEST_P(StoreTest, ListsJobsByTheirText) {
     job.owner = owner;
     return store_->create(std::move(job))->id;
   };
-  const std::string koeln = make("KÖLN 100%", ""), under = make("A_1", "second scan\nurgent"),
-                    plain = make("A-1", "", "b");
+  const std::string koeln = make("KÖLN 100%", ""), under = make("LOU_1", "second scan\nurgent"),
+                    plain = make("lou-1", "", "b");
   const auto found = [&](const std::string& text, JobFilter filter = {}) {
     filter.text = text;
     std::vector<std::string> ids;
@@ -517,19 +518,19 @@ TEST_P(StoreTest, ListsJobsByTheirText) {
   EXPECT_EQ(found("%"), Ids{koeln});
   EXPECT_EQ(found("_"), Ids{under});
   EXPECT_EQ(found("*"), Ids{});
-  EXPECT_EQ(found("a"), (Ids{plain, under}));
+  EXPECT_EQ(found("lou"), (Ids{plain, under}));
   EXPECT_EQ(found("SCAN\nUrg"), Ids{under});
-  EXPECT_EQ(found("1", {.owner = "b"}), Ids{plain});
-  EXPECT_EQ(found("a", {.states = {JobState::failed}}), Ids{});
-  EXPECT_EQ(found("a", {.kind = JobKind::print}), (Ids{plain, under}));
+  EXPECT_EQ(found("Lou", {.owner = "b"}), Ids{plain});
+  EXPECT_EQ(found("lou", {.states = {JobState::failed}}), Ids{});
+  EXPECT_EQ(found("lou", {.kind = JobKind::print}), (Ids{plain, under}));
   std::string end = koeln.substr(18);
   for (char& c : end) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
   EXPECT_EQ(found(end), Ids{koeln});
   // In pages: the cursor stands between two that are found.
-  const JobPage first = store_->list(1, "", {.text = "a"}).value();
+  const JobPage first = store_->list(1, "", {.text = "lou"}).value();
   ASSERT_EQ(first.jobs.size(), 1u);
   EXPECT_EQ(first.jobs[0].id, plain);
-  const JobPage second = store_->list(1, first.next.value(), {.text = "a"}).value();
+  const JobPage second = store_->list(1, first.next.value(), {.text = "lou"}).value();
   ASSERT_EQ(second.jobs.size(), 1u);
   EXPECT_EQ(second.jobs[0].id, under);
   EXPECT_FALSE(second.next);
