@@ -61,8 +61,9 @@ void add_about_routes(http::Router& router) {
              [](Request& request) { return app_file(request, "head.stl"); });
   add_public(router, "GET", "/sample/pattern.svg",
              [](Request& request) { return app_file(request, "pattern.svg"); });
-  add_public(router, "GET", "/job.js",
-             [](Request&) { return text_asset("text/javascript; charset=utf-8", std::string(asset("job.js"))); });
+  add_public(router, "GET", "/job.js", [](Request&) {
+    return text_asset("text/javascript; charset=utf-8", std::string(asset("job.js")));
+  });
   add_public(router, "GET", "/style.css",
              [](Request&) { return text_asset("text/css; charset=utf-8", style()); });
 }

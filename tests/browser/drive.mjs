@@ -18,6 +18,8 @@ const axeSource = () => readFileSync(fromWeb.resolve('axe-core/axe.min.js'), 'ut
 const bin = process.env.VACUFORM_BIN ?? join(root, 'build/tests/bin');
 const patience = 120_000;  // milliseconds that any one step may take on a busy machine
 
+for (const signal of ['SIGINT', 'SIGTERM']) process.once(signal, () => process.exit(1));  // with what belongs to an exit
+
 export const pause = (milliseconds) => new Promise((resolve) => { setTimeout(resolve, milliseconds); });
 
 // Asks until the answer is true, and returns it.
@@ -56,7 +58,10 @@ export async function startService({workers = 1, options = [], copyOf} = {}) {
       // it has ended
     }
   };
-  process.once('exit', () => { for (const child of programs) end(child, 'SIGKILL'); });
+  process.once('exit', () => {
+    for (const child of programs) end(child, 'SIGKILL');
+    rmSync(folder, {recursive: true, force: true});
+  });
   const portFile = join(folder, 'port');
   const server = run(join(bin, 'vacuform-server'), ['--listen', '127.0.0.1:0', '--port-file', portFile, '--data', data,
                                                     '--workers', String(workers), ...options]);

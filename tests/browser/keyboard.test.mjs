@@ -1,7 +1,7 @@
 // Everything works with the keyboard: Tab reaches all that can be used, never stays, and always shows where it is.
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
-import {sample, settled, show, signIn, startBrowser, startFurnished, viewsOf} from './drive.mjs';
+import {sample, show, signIn, startBrowser, startFurnished, viewsOf} from './drive.mjs';
 
 let service;
 let jobs;
@@ -125,5 +125,47 @@ test('a dialog takes the focus, Escape closes it, and the focus returns', async 
   await page.keyboard.press('Escape');
   await dialog.waitFor({state: 'detached'});
   assert.ok(await button.evaluate((element) => element === document.activeElement));
+  await page.context().close();
+});
+
+// Presses Tab until an element with that text has the focus.
+async function tabTo(page, text) {
+  for (let press = 0; press < 300; ++press) {
+    await page.keyboard.press('Tab');
+    const name = await page.evaluate(() => {
+      const element = document.activeElement;
+      return element.labels?.[0]?.textContent || element.getAttribute('aria-label') || element.textContent || '';
+    });
+    if (text.test(name.trim())) return;
+  }
+  assert.fail(`Tab does not reach ${text}`);
+}
+
+test('a job is prepared and started with the keyboard alone', async () => {
+  const page = await signIn(browser, service);
+  const {scan, pattern} = sample();
+  const chooseByKey = async (file) => {
+    const [chooser] = await Promise.all([page.waitForEvent('filechooser'), page.keyboard.press('Enter')]);
+    await chooser.setFiles(file);
+  };
+  await show(page, '#/new');
+  await tabTo(page, /^Choose a scan$/);
+  await chooseByKey(scan);
+  await page.getByRole('radio', {name: 'On the right in the picture, at −x'}).waitFor();
+  await tabTo(page, /^(Not checked yet|On the (right|left) in the picture)/);
+  for (let i = 0; i < 3 && !(await page.getByRole('radio', {name: 'On the right in the picture, at −x'}).isChecked()); ++i)
+    await page.keyboard.press('ArrowDown');
+  await tabTo(page, /^Choose a drawing$/);
+  await chooseByKey(pattern);
+  await page.getByAltText(/^The pattern pattern\.svg laid flat/).waitFor();
+  await tabTo(page, /^Reference$/);
+  await page.keyboard.type('CASE-14');
+  await page.getByText('Checked by the service. Everything is there.').waitFor({timeout: 60_000});
+  await tabTo(page, /^Start the job$/);
+  await page.keyboard.press('Enter');
+  await page.waitForURL(/#\/jobs\/[^/]+$/);
+  const job = await service.json(`/api/v1/jobs/${page.url().split('/').pop()}`);
+  assert.equal(job.reference, 'CASE-14');
+  assert.equal(job.settings.scan.left_side, 'minus_x');
   await page.context().close();
 });

@@ -14,7 +14,7 @@ after(async () => { await browser?.close(); await service?.stop(); });
 
 test('a job goes from the form to the downloaded print without scripts', async () => {
   const page = await signIn(browser, service, {javaScriptEnabled: false, acceptDownloads: true});
-  await page.goto('/jobs');
+  await page.waitForURL(/\/jobs$/);
   const {scan, pattern} = sample();
   await page.getByLabel('Scan of the head').setInputFiles(scan);
   await page.getByLabel('Pattern', {exact: true}).setInputFiles(pattern);
@@ -39,7 +39,8 @@ test('a job goes from the form to the downloaded print without scripts', async (
 
 test('the application leads to the plain pages without scripts', async () => {
   const page = await signIn(browser, service, {javaScriptEnabled: false});
-  await page.goto('/');
   await page.waitForURL(/\/jobs$/);
   await page.getByRole('button', {name: 'Start the job'}).waitFor();
+  await page.goto('/');
+  await page.waitForURL(/\/jobs$/);
 });

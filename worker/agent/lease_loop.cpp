@@ -136,7 +136,8 @@ class LeasedJob {
       retry_ = Retry::after_fault;
       return fail(Code::internal, "the worker has no room for the job", "", "try again later");
     }
-    if (lease_.kind == JobKind::print && !lease_.reference.empty()) command.push_back("--reference=" + lease_.reference);
+    if (lease_.kind == JobKind::print && !lease_.reference.empty())
+      command.push_back("--reference=" + lease_.reference);
     const fs::path kept = kept_folder();
     // The working directory of the child is a folder in ours.
     if (!kept.empty())

@@ -106,7 +106,8 @@ void draw_badge(Canvas& canvas, const Look& look, const Vector2d& at, const std:
   cairo_stroke(cairo);
   // Triangles have their room below or above the middle.
   const double shift = look.shape == Symbol::triangle ? 5 : look.shape == Symbol::arrow ? -4 : 0;
-  canvas.text(number, at.x(), at.y() + 10 + shift, 28, true, 0.5, look.dark_number ? symbol_ink : symbol_paper);
+  canvas.text(number, at.x(), at.y() + 10 + shift, 28, true, 0.5,
+              look.dark_number ? symbol_ink : symbol_paper);
 }
 
 // A line or ring that stands out from light and dark: dark between two bright edges.

@@ -122,7 +122,8 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   nlohmann::ordered_json whole = {
       {"vacuform", version},
       {"label", identity.label},
-      {"reference", inputs.reference.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(inputs.reference)},
+      {"reference",
+       inputs.reference.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(inputs.reference)},
       {"sha256", identity.sha256}};
   whole.update(report(job));
   if (inputs.sensitivity) {

@@ -89,7 +89,7 @@ inline void expect_round_rings(const Bytes& scan, std::optional<double> trim_mm)
   const auto placement = place(charted, &*drawing, head.settings, Context());
   ASSERT_TRUE(placement);
   ASSERT_EQ(placement->elements.size(), 7u);
-  const auto print = make_print(charted, *pattern, &*drawing, *placement, head.settings, "", Context());
+  const auto print = make_print(charted, *pattern, &*drawing, *placement, head.settings, {}, Context());
   ASSERT_TRUE(print);
   const Decoded image = decode_png(print->png);
 

@@ -10,7 +10,7 @@ import {loaded} from './loaded';
 
 const longWait = 600;  // seconds in the queue that an administrator should know of
 const oldBackup = 7;   // days
-const states: JobState[] = ['queued', 'running', 'cancelling', 'succeeded', 'failed', 'cancelled'];
+const states: JobState[] = ['running', 'cancelling', 'succeeded', 'failed', 'cancelled'];
 
 const daysSince = (time: string): number => Math.floor((Date.now() - new Date(time).getTime()) / 86_400_000);
 
