@@ -13,10 +13,11 @@ std::optional<Warning> left_side_warning(const ScanSettings& settings) {
   if (expected_plus == (settings.left_side == LeftSide::plus_x)) return std::nullopt;
   const char* const seen = expected_plus ? "-x" : "+x";
   const char* const must = expected_plus ? "+x" : "-x";
-  return Warning{.code = "mirrored-or-turned",
-                 .text = std::string("The patient's left was seen at ") + seen +
-                         ", but for the face that scan.front names it must be at " + must,
-                 .place = "the whole scan"};
+  Warning warning{.code = "mirrored-or-turned",
+                  .text = std::string("The patient's left was seen at ") + seen +
+                          ", but for the face that scan.front names it must be at " + must,
+                  .place = "the whole scan"};
+  return warning;
 }
 
 }  // namespace vacuform
