@@ -15,8 +15,7 @@ try {
       const page = await signIn(browser, service, {colorScheme, viewport});
       await show(page, `#/jobs/${id}`);
       await page.locator('canvas[data-quality="full"], canvas[data-quality="modest"]').first().waitFor();
-      await page.locator('canvas').first().scrollIntoViewIfNeeded();
-      await page.evaluate(() => scrollTo(0, 0));
+      await page.locator('canvas').first().evaluate((canvas) => canvas.scrollIntoView({block: 'center'}));
       await page.waitForTimeout(1500);  // the view comes to rest
       await page.screenshot({path: join(root, `docs/app-job-${colorScheme}${suffix}.png`)});
       await page.context().close();

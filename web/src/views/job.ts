@@ -255,14 +255,14 @@ class JobView extends View {
 
   #inspection(job: Job, report: Report): Children {
     const {scan, mold} = report;
-    const problem = report['problem'] as ProblemBody | null | undefined;
+    const problem = report['problem'] as Pick<ProblemBody, 'what' | 'where' | 'fix'> & {code: string} | null | undefined;
     const guessed = (text: string, isGuess: boolean): string => isGuess ? t('job.guessed', {text}) : text;
     return [
       el('section', {class: 'card stack'},
         report['fits'] === false
           ? el('p', {class: 'notice'}, icon('warning'), t('job.fits_not'))
           : el('p', {class: 'notice good'}, icon('check'), t('job.fits')),
-        problem && problemBox(new Problem(problem, '')),
+        problem && problemBox(new Problem({...problem, type: `/problems/${problem.code}`, title: '', status: 0}, '')),
         el('p', null, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('print'), t('job.make_print')))),
       el('div', {class: 'columns'},
         el('section', {class: 'card'}, el('h2', null, t('job.warnings')), warningsList(report.warnings)),
