@@ -9,7 +9,7 @@ import {startRelay} from './relay.mjs';
 let service;
 let browser;
 let relay;
-let scan;  // 18 MB: the application sends pieces of 8 MiB
+let scan;  // 18 MB: the application sends pieces of 2 MiB
 before(async () => {
   browser = await startBrowser();
   service = await startService({workers: 0});
@@ -56,7 +56,7 @@ test('after a cut and a reload the upload continues where it stopped, and the by
   relay.slow(5_000_000);
   await choose(page, 'Choose a scan', scan);
   const before = relay.sent;
-  await until(() => relay.sent - before > 9_500_000, 'the first bytes of the second piece');
+  await until(() => relay.sent - before > 9_500_000, 'some pieces and a part of the next');
   relay.cut();
   await page.getByText('Waiting for the server').waitFor();
 
