@@ -176,7 +176,7 @@ void describe(S& s, V& v) {
   v.field("method", s.flattening.method, "Method of flattening");
   v.field("lambda", s.flattening.lambda, {0, 1e6, "1"},
           "0 keeps angles, the larger the more areas too; auto is as rigid as possible");
-  v.field("weights", s.flattening.weights, "Where the chart shall be least distorted");
+  v.field("weights", s.flattening.weights, "Where the chart is distorted least");
   v.field("weight", s.flattening.weight, {1, 1000, "1"}, "How much more that counts than the rest");
   v.field("pins", s.flattening.pins, {-2000, 2000, "mm"},
           "Points of the sheet held at points of the chart, as rows [s, t, u, v]");
@@ -193,7 +193,7 @@ void describe(S& s, V& v) {
   v.field("scale", s.pattern.scale, {0.01, 100, "1"},
           "Size of the drawing on the head against the drawing itself");
   v.field("points", s.pattern.points, {-2000, 2000, "mm"},
-          "Points of the drawing and of the mold that shall meet, as rows [u, v, x, y, z]");
+          "Points of the drawing and the points of the mold where they go, as rows [u, v, x, y, z]");
   v.field("distortion_limit", s.pattern.distortion_limit, {1.01, 10, "1"},
           "Segments: the most that one may stretch or shrink what is drawn on it");
   v.field("seams", s.pattern.seams, {-2000, 2000, "mm"},

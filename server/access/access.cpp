@@ -41,10 +41,10 @@ std::string_view cookie_of(const http::Request& request) {
 }
 
 Error no_token() {
-  return {Code::unauthorized, "there is no token", "Authorization",
-          "send Authorization: Bearer and a token, or sign in at /sign-in; whoever runs the service makes "
-          "tokens with "
-          "vacuform-server token create"};
+  return {
+      Code::unauthorized, "there is no token", "Authorization",
+      "send Authorization: Bearer and a token, or sign in at /sign-in; the administrator makes tokens with "
+      "vacuform-server token create"};
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ std::optional<std::string> Caller::only() const {
 Result<Caller> Access::check(const http::Request& request, Scope wanted) {
   auto caller = caller_of(request);
   if (caller && !caller->scopes.allow(wanted))
-    return fail(Code::forbidden, "the token has not the scope " + std::string(name(wanted)), caller->token,
+    return fail(Code::forbidden, "the token lacks the scope " + std::string(name(wanted)), caller->token,
                 "use a token that has it");
   return caller;
 }

@@ -47,7 +47,7 @@ bool usable(const Token& token, Millis now) {
 
 Result<Token> usable_token(Store& store, std::string_view text, const Clock& clock) {
   const auto refuse = [](const char* what) {
-    return fail(Code::unauthorized, what, "token", "ask whoever runs the service for a new one");
+    return fail(Code::unauthorized, what, "token", "ask the administrator for a new one");
   };
   constexpr std::size_t underscore = prefix.size() + id_size;
   if (text.size() != underscore + 1 + secret_size || !text.starts_with(prefix) || text[underscore] != '_')

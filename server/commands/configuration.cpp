@@ -77,8 +77,7 @@ void Configuration::add_to(ConfigurationSources& sources) {
   sources.add("workers", &workers, "Workers to start on this machine")->check(CLI::Range(0, 256));
   sources
       .add("lease_seconds", &lease_seconds,
-           "Silence of a worker after which its job is given to another; workers give a sign of life every "
-           "second")
+           "Silence of a worker after which another gets its job; workers report every second")
       ->check(CLI::Range(3, 3600));
   sources.add("worker_program", &worker_program, "The worker");
   sources

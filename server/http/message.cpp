@@ -44,7 +44,7 @@ std::optional<Refusal> unmet_precondition(const Request& request, const std::str
   };
   const bool there = !quoted.empty();
   if (!wanted.empty() && !(there && names_strong_etag(wanted, quoted)))
-    return refuse("If-Match", "look at it again, and decide anew");
+    return refuse("If-Match", "read it again before you change it");
   if (request.method != "GET" && there && names_etag(unwanted, quoted))
     return refuse("If-None-Match", "leave the header out to replace what is there");
   return std::nullopt;

@@ -87,32 +87,26 @@ Explanation explanation(Code code) {
               "Wait until that request has ended, ask for the offset, and send the rest."};
     case Code::lease_lost:
       return {
-          "A worker was too late with its sign of life, and the job was given to another.",
+          "A worker did not report in time, and another worker got its job.",
           "Nothing is lost. If it happens often, the worker's machine is overloaded or its network is slow."};
     case Code::unauthorized:
-      return {
-          "The service answers to those who show a token. There was none, or it is wrong, has expired or was "
-          "revoked.",
-          "Sign in with your token; programs read it from --token-file or VACUFORM_TOKEN. Whoever runs the "
-          "service "
-          "makes tokens with vacuform-server token create."};
+      return {"The service needs a token. There was none, or it is wrong, expired or revoked.",
+              "Sign in with your token; programs read it from --token-file or VACUFORM_TOKEN. The "
+              "administrator makes tokens with vacuform-server token create."};
     case Code::forbidden:
-      return {"The token is good, but it has not the scope that this needs: submit, read, work or admin.",
-              "Use a token that has the scope, or ask whoever runs the service for one."};
+      return {"The token is valid, but it lacks the scope that this needs: submit, read, work or admin.",
+              "Use a token that has the scope, or ask the administrator for one."};
     case Code::too_many_attempts:
-      return {
-          "So many wrong tokens came in a short time that further ones are turned away for a while.",
-          "Wait a minute, and see that no program of yours keeps asking with a token that was revoked. Right "
-          "tokens are answered all the time."};
+      return {"Too many wrong tokens came in a short time. The service refuses further ones for a while.",
+              "Wait a minute, and check that none of your programs still uses a revoked token. Valid tokens "
+              "work all "
+              "the time."};
     case Code::busy:
-      return {"As many jobs, uploads or listeners are waiting as the service takes at a time.",
-              "Try again after the time that Retry-After names. Nothing was kept of this request."};
+      return {"The service has as many waiting jobs, uploads or listeners as it takes at a time.",
+              "Try again after the time in Retry-After. The service kept nothing of this request."};
     case Code::wrong_digest:
-      return {
-          "The bytes that arrived are not those of the digest that was sent with them: they were changed or "
-          "cut "
-          "short on the way.",
-          "Send them again. If it happens twice, compute the digest anew from the file."};
+      return {"The bytes do not match the digest that came with them. They were changed or cut on the way.",
+              "Send them again. If it happens twice, compute the digest of the file again."};
     case Code::gone:
       return {"What was asked for has expired: an unfinished upload is kept for a day after its last byte.",
               "Begin the upload again."};

@@ -94,7 +94,8 @@ Result<StoredScan> scan_from(Service& service, ScanForm& form, const Caller& cal
     return service.store.add_scan(caller.owner, *upload.blob, upload.extension);
   }
   if (!form.file || form.file->bytes() == 0 || !form.upload.empty())
-    return fail(Code::bad_usage, "there is not one scan", "scan", "send the part scan, or scan_upload");
+    return fail(Code::bad_usage, "the form needs one scan", "scan",
+                "send either the part scan or scan_upload");
   return service.store.add_scan(caller.owner, std::move(*form.file), form.extension);
 }
 

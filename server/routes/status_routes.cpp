@@ -41,7 +41,7 @@ Result<Response> metrics(const Status& status) {
         status.most_connections);
   gauge("vacuform_http_streams", "Connections among them that stream or wait", status.streams());
   gauge("vacuform_http_streams_limit", "Connections that can stream or wait at a time", status.most_streams);
-  gauge("vacuform_store_free_bytes", "Room on the disk of the data folder",
+  gauge("vacuform_store_free_bytes", "Free space on the disk of the data folder",
         static_cast<double>(room(status)));
   if (const auto counts = status.store.counts()) {
     Family jobs{"vacuform_jobs", "Jobs in the store, by state", "gauge", {}};

@@ -351,7 +351,7 @@ Result<std::vector<LogLine>> SqliteStore::log_after(const std::string& id, std::
 
 Result<Job> SqliteStore::wait_for_change(const std::string& id, std::int64_t version,
                                          std::chrono::milliseconds time) {
-  Result<Job> seen = fail(Code::busy, "too many wait for news of jobs", id, "ask again later");
+  Result<Job> seen = fail(Code::busy, "too many clients wait for changes of jobs", id, "ask again later");
   news_.wait(id, time, [&] {
     seen = job(id);
     return !seen || seen->version > version;

@@ -114,7 +114,7 @@ class Front(Case):
             self.assertEqual(self.ask("/api/v1/jobs", *self.files()).status, 503)
             page = self.ask("/", "-H", "Accept: text/html,*/*;q=0.8")
             self.assertEqual((page.status, page.headers["content-type"]), (503, "text/html; charset=utf-8"))
-            self.assertIn(b"<h1>Vacuform is away</h1>", page.body)
+            self.assertIn(b"<h1>Vacuform does not answer</h1>", page.body)
             for answer in told, page:
                 self.assertEqual(answer.headers["strict-transport-security"], "max-age=31536000")
         finally:

@@ -16,7 +16,7 @@ if (progress) {
     progress.value = percent;
     const running = job.stage ? `Stage: ${job.stage}.` : "A worker has taken the job.";
     const doing = { queued: "Waiting for a worker.", cancelling: "The worker is told to stop." }[job.state] ?? running;
-    text.textContent = `${doing}${job.attempt > 1 ? ` Attempt ${job.attempt}.` : ""} ${percent} % done. This page follows by itself.`;
+    text.textContent = `${doing}${job.attempt > 1 ? ` Attempt ${job.attempt}.` : ""} ${percent} % done. This page updates automatically.`;
   });
   events.addEventListener("error", () => {
     // Closed: refused, for example because too many clients listen already. Otherwise the browser reconnects

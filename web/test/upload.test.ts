@@ -1,6 +1,9 @@
+import {webcrypto} from 'node:crypto';
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import {extensionOf, markOf, pieceBytes, startUpload, type SendPiece, type Transfer, type Upload} from '../src/api/upload';
+
+globalThis.crypto ??= webcrypto as Crypto;  // Node.js 18 keeps it in a module
 
 // A tus server in memory, as the service answers.
 class Server {

@@ -62,7 +62,7 @@ void print_text(const ScanInspection& inspection) {
     pieces += ", " + count(f.crumbs_dropped, "crumb", "crumbs") + " dropped beside the trimmed mold";
   line("pieces", pieces);
   line("openings", count(f.holes_closed, "hole closed, ", "holes closed, ") + std::to_string(f.holes_capped) +
-                       " walled in down to the platform" + (f.rebuilt ? ", the skin wrapped anew" : ""));
+                       " closed down to the platform" + (f.rebuilt ? ", wrapped in a new skin" : ""));
   line("trim", fixed(f.trim_mm, 1) + " mm above the lowest point" +
                    (f.trim_chosen ? " (where undercuts begin)" : " (given)"));
   line("mold", box(made["size_mm"]) + ", " + std::to_string(mold.mesh.triangles.size()) + " triangles");

@@ -98,8 +98,7 @@ void add_run(CLI::App& app, int& exit_code) {
   command
       ->add_option(
           "--weights", options->weights,
-          "Picture laid over the pattern that says, the darker the more, where the chart shall be least "
-          "distorted: PNG, JPEG or SVG")
+          "Picture over the pattern: where it is dark, the chart is distorted least; PNG, JPEG or SVG")
       ->type_name("FILE");
   command
       ->add_option("--keep", options->keep,

@@ -161,10 +161,9 @@ std::string segments_section(const ReportJson& report) {
   for (const auto& segment : segments)
     rows.push_back({std::to_string(rows.size() + 1), number_text(at(segment, {"distortion"}), 3, "×"),
                     number_text(at(segment, {"area_mm2"}), 0)});
-  std::string out = html::table(
-      "Segments, each laid in the drawing by itself. Distortion: of 95 % of its area, "
-      "stretched or shrunk by less",
-      {{"Segment"}, {"Distortion", true}, {"Area, mm²", true}}, rows);
+  std::string out =
+      html::table("Segments, each placed on its own. Distortion: the bound that 95 % of the area stays below",
+                  {{"Segment"}, {"Distortion", true}, {"Area, mm²", true}}, rows);
   rows.clear();
   for (const auto& seam : seams)
     rows.push_back({text_of(seam["segments"][0]) + " – " + text_of(seam["segments"][1]),

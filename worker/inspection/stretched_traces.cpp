@@ -93,8 +93,7 @@ Warning warning_of(const TraceFigures& figures) {
   const std::string& worst = figures.stretched.front().id;
   warning.text = std::to_string(count) + " of " + std::to_string(figures.traces) +
                  (count == 1 ? " traces is" : " traces are") + " stretched by more than the " +
-                 decimal(100 * figures.limit, 0) +
-                 " % that the ink is said to bear (coils.stretch_limit), over " +
+                 decimal(100 * figures.limit, 0) + " % that the ink withstands (coils.stretch_limit), over " +
                  decimal(figures.stretched_mm, 0) + " of " + decimal(figures.length_mm, 0) +
                  " mm; the worst, " + (worst.empty() ? "a line between elements" : worst) + ", by " +
                  in_percent(figures.stretched.front().worst_stretch - 1) + ".";

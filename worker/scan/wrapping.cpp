@@ -121,7 +121,7 @@ Result<TriangleMesh> wrap(const TriangleMesh& soup, double alpha, double offset,
   } catch (const Stopped& stopped) {
     budget.tests = std::max<std::int64_t>(0, tests_left);
     if (stopped.cancelled) return fail(Code::cancelled, "cancelled");
-    return fail(Code::unusable_scan, "the scan's surface is too intricate to be wrapped anew", "",
+    return fail(Code::unusable_scan, "the surface of the scan is too complex to wrap", "",
                 "repair it in a mesh editor (close its holes, remove inner parts) and export it again");
   }
   TriangleMesh mesh;

@@ -181,7 +181,7 @@ TEST_F(ServerSubmission, AReferenceAndANoteStandWithTheJob) {
   const std::string page = ask("GET", "/jobs/" + job["id"].get<std::string>()).body;
   EXPECT_NE(page.find("<dd>CASE-12 &lt;ä&gt;</dd>"), std::string::npos) << page;
   EXPECT_NE(page.find("first\nsecond &amp; last</dd>"), std::string::npos);
-  EXPECT_NE(ask("GET", "/").body.find("CASE-12 &lt;ä&gt;"), std::string::npos);
+  EXPECT_NE(ask("GET", "/jobs").body.find("CASE-12 &lt;ä&gt;"), std::string::npos);
   const json lease =
       json::parse(ask("POST", "/api/v1/leases", worker_headers(), R"({"worker":"test","protocol":2})").body);
   EXPECT_EQ(lease["reference"], "CASE-12 <ä>");

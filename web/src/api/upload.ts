@@ -31,7 +31,7 @@ export interface Source {
 const uploads = '/api/v1/uploads';
 const path = (id: string): string => `${uploads}/${encodeURIComponent(id)}`;
 const version = {'Tus-Resumable': '1.0.0'};
-export const pieceBytes = 8 * 1024 * 1024;
+export const pieceBytes = 2 * 1024 * 1024;
 const idleLimit = 30_000;  // ms without progress after which a connection counts as dead
 const longestPause = 30_000;
 const forgiven = 4;        // failures in a row that are the server's answer and not the network's

@@ -187,7 +187,8 @@ Result<void> heat_to(SheetOfSlabs& slabs, double aim, double step, double& secon
 Result<double> heat_automatically(SheetOfSlabs& slabs, const HeatSettings& heat, double wanted,
                                   const Context& context) {
   if (heat.ambient_c >= wanted)
-    return fail(Code::bad_settings, "the surroundings are warmer than the sheet shall become",
+    return fail(Code::bad_settings,
+                "the surroundings are at least as warm as the wanted temperature of the sheet",
                 "heat.ambient_c", "lower it, or raise heat.temperature_c");
   const double rate = slabs.first_rate();
   const double step =

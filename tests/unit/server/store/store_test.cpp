@@ -438,7 +438,7 @@ TEST_P(StoreTest, OnlySuccessKeepsArtifacts) {
   ASSERT_TRUE(store_->cancel(cancelled.job));
   EXPECT_EQ(store_->cancelled(cancelled).value().artifacts.size(), 0u);
   const LeaseKey done = half_done("of the done");
-  EXPECT_EQ(complete(done, {"print.png"}).value().artifacts.size(), 19u);
+  EXPECT_EQ(complete(done, {"print.png"}).value().artifacts.size(), 20u);
   EXPECT_EQ(blobs().count(text_hash("of the failed")) + blobs().count(text_hash("of the cancelled")), 0u);
   EXPECT_EQ(blobs().count(text_hash("of the done")), 1u);
 }
@@ -451,7 +451,7 @@ TEST_P(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("second")));
   ASSERT_TRUE(complete(key, {"report.json", "print.png"}));
   const Job found = job(id);
-  ASSERT_EQ(found.artifacts.size(), 19u);
+  ASSERT_EQ(found.artifacts.size(), 20u);
   EXPECT_EQ(found.artifacts[0].name, "print.png");  // the order of api/job.hpp
   EXPECT_EQ(found.artifacts[17].name, "report.json");
   EXPECT_EQ(bytes_of(found.artifacts[17].blob), "second");
