@@ -159,7 +159,8 @@ void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, doub
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const Warning& warning = *marked[i];
     const Look& look = looks[static_cast<std::size_t>(look_of(warning))];
-    const double x = 62 + (i % 2 == 0 ? 0 : width / 2 - 10), y = top + 52 + row * static_cast<double>(i / 2);
+    const std::size_t line = i / 2;
+    const double x = 62 + (i % 2 == 0 ? 0 : width / 2 - 10), y = top + 52 + row * static_cast<double>(line);
     const std::size_t count = warning.marks.size();
     draw_badge(canvas, look, {x, y}, std::to_string(count));
     std::string words(look.words.empty() ? std::string_view(warning.code) : look.words);

@@ -1,6 +1,7 @@
 #include "worker/inspection/sheet_textures.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "worker/inspection/shrunk_png.hpp"
 #include "worker/png/png_writer.hpp"
@@ -17,7 +18,7 @@ int texture_width(const Print& print) {
 }
 
 std::uint8_t on_white(float colour, float opacity) {
-  return static_cast<std::uint8_t>(255 * (1 + opacity * (colour - 1)) + 0.5f);
+  return static_cast<std::uint8_t>(std::lround(255 * (1 + opacity * (colour - 1))));
 }
 
 }  // namespace

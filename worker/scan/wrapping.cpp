@@ -70,10 +70,12 @@ struct Watch {
     if (!progress->tick()) throw Stopped{true};
     if (steps > most_steps) throw Stopped{false};
   }
+  // NOLINTBEGIN(readability-identifier-naming): CGAL's names
   template <class W, class P>
   void before_Steiner_point_insertion(const W&, const P&) {}
   template <class W, class V>
   void after_Steiner_point_insertion(const W&, V) {}
+  // NOLINTEND(readability-identifier-naming)
 };
 
 // The search tree halves triangles, over their longest edge, until none is longer than 3 alpha. Subtracts what the
