@@ -167,7 +167,7 @@ const ofSoftwareDrawing = /GPU stall due to ReadPixels|Automatic fallback to sof
 export async function openPage(browser, service, options = {}, at = service.url) {
   const context = await browser.newContext({locale: 'en-GB', timezoneId: 'Europe/Berlin', viewport: {width: 1280, height: 800},
                                             reducedMotion: 'reduce', baseURL: at, ...options});
-  context.setDefaultTimeout(15_000);
+  context.setDefaultTimeout(30_000);
   const page = await context.newPage();
   page.faults = [];
   if (options.javaScriptEnabled !== false) {
