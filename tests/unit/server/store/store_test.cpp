@@ -453,8 +453,8 @@ TEST_P(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   const Job found = job(id);
   ASSERT_EQ(found.artifacts.size(), 20u);
   EXPECT_EQ(found.artifacts[0].name, "print.png");  // the order of api/job.hpp
-  EXPECT_EQ(found.artifacts[17].name, "report.json");
-  EXPECT_EQ(bytes_of(found.artifacts[17].blob), "second");
+  EXPECT_EQ(found.artifacts[18].name, "report.json");
+  EXPECT_EQ(bytes_of(found.artifacts[18].blob), "second");
   EXPECT_EQ(blobs().count(text_hash("first")), 0u);
 }
 
