@@ -3,7 +3,7 @@
 // shaders of their own; any other material fails at once when it is drawn.
 //
 // Written for the pinned version of three: a file that has moved in another version fails the build.
-import {existsSync} from 'node:fs';
+import {existsSync, readFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';
 
 // Files of three/src and what stands for them: what the renderer asks of a feature that is never used.
@@ -27,6 +27,9 @@ const replaced = {
     addEventListener() {} removeEventListener() {} setAnimationLoop() {} dispose() {} getEnvironmentBlendMode() {} }`,
 };
 
+// Methods that write an object as JSON and read it back.
+const withoutJson = (source) => source.replace(/^\t(?:static )?(?:toJSON|fromJSON)\(.*\{\n(?:(?!\t\}$).*\n)*\t\}$/gm, '');
+
 export function leanThree(here) {
   const source = join(here, 'node_modules/three/src');
   for (const path of Object.keys(replaced))
@@ -37,7 +40,7 @@ export function leanThree(here) {
       build.onResolve({filter: /^three$/}, () => ({path: join(source, 'Three.js'), sideEffects: false}));
       build.onLoad({filter: /[\\/]three[\\/]src[\\/].*\.js$/}, ({path}) => {
         const contents = replaced[path.slice(source.length + 1).replaceAll('\\', '/')];
-        return contents && {contents, resolveDir: dirname(path)};
+        return {contents: contents ?? withoutJson(readFileSync(path, 'utf8')), resolveDir: dirname(path)};
       });
     },
   };
