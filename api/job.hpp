@@ -43,8 +43,8 @@ inline constexpr std::array<InputKind, 4> input_kinds{{
     {"scan", "Scan of the head", ".stl,.obj,.ply,.off,.glb", 1ull << 30},
     {"pattern", "Pattern", ".svg,.png,.jpg,.jpeg", 256ull << 20},
     {"temperature", "Temperature, where measured", ".csv,.txt,.png", 64ull << 20, false},
-    {"weights", "Where the chart shall be least distorted, painted", ".png,.jpg,.jpeg,.svg", 64ull << 20,
-     false},
+    {"weights", "Picture that is dark where the chart is distorted least", ".png,.jpg,.jpeg,.svg",
+     64ull << 20, false},
 }};
 // nullptr when no input has that name.
 const InputKind* input_kind(std::string_view name);
@@ -75,8 +75,8 @@ inline constexpr std::array<ArtifactKind, 25> artifact_kinds{{
     {"preview-with.png", "image/png", "Formed part with the pre-distorted print"},
     {"preview-views.png", "image/png",
      "The print on the head from the front, the back, both sides and above"},
-    {"preview-anisotropy.png", "image/png", "Heat map: change of shape that the print makes good"},
-    {"preview-area.png", "image/png", "Heat map: change of area that the print makes good"},
+    {"preview-anisotropy.png", "image/png", "Heat map: change of shape that the print corrects"},
+    {"preview-area.png", "image/png", "Heat map: change of area that the print corrects"},
     {"preview-thickness.png", "image/png", "Heat map: thickness of the formed sheet"},
     {"preview-temperature.png", "image/png", "Heat map: temperature at which the sheet met the mold", false},
     {"preview-segments.png", "image/png", "Segments and seams on the formed part", false},
@@ -88,7 +88,7 @@ inline constexpr std::array<ArtifactKind, 25> artifact_kinds{{
     {"uv-map.obj", "model/obj", "The formed surface, textured with the pattern"},
     {"mold.stl", "model/stl", "The mold as placed and trimmed, watertight"},
     {"findings.json", "application/json",
-     "What is in the scan and what mold it makes, of an inspection alone", false},
+     "What is in the scan and what mold it makes, of an inspection or a failed print", false},
     {"pattern.svg", "image/svg+xml", "The coils of a layout, as a drawing to print", false},
     {"layout.json", "application/json", "The figures of a layout: sizes, distances, couplings", false},
     {"report.json", "application/json", "What was asked, what was done, the figures, the warnings"},
@@ -100,6 +100,11 @@ constexpr bool due(JobKind job, const ArtifactKind& artifact) {
   if (job == JobKind::layout) return artifact.name == "pattern.svg" || artifact.name == "layout.json";
   return artifact.name == "findings.json" || artifact.name == "preview-findings.png" ||
          artifact.name == "mold.stl";
+}
+// Whether a job of that kind keeps the artifact when it fails: a print that was refused after its mold was made shows
+// the mold and the findings, as an inspection does.
+constexpr bool explains_failure(JobKind job, const ArtifactKind& artifact) {
+  return job == JobKind::print && due(JobKind::inspection, artifact);
 }
 // The artifact with the figures and warnings of a job of that kind.
 constexpr std::string_view report_of(JobKind job) {

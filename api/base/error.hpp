@@ -1,6 +1,8 @@
 // The one error type of Vacuform. Bad input is a value (Result); exceptions are for bugs.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 
@@ -39,9 +41,10 @@ enum class Code {
 
 struct Error {
   Code code = Code::internal;
-  std::string what;   // what is wrong, one sentence without a full stop
-  std::string where;  // the file, line, setting or place; may be empty
-  std::string fix;    // what the user can do about it; may be empty
+  std::string what;                                    // what is wrong, one sentence without a full stop
+  std::string where;                                   // the file, line, setting or place; may be empty
+  std::string fix;                                     // what the user can do about it; may be empty
+  std::optional<std::array<double, 3>> place_mm = {};  // of a fault on the mold, in the mold's frame
 
   // "what (where); fix" on one line.
   std::string text() const;

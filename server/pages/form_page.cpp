@@ -156,8 +156,12 @@ ordered_json profile_values(const std::vector<Profile>& profiles,
                             const std::map<std::string, std::string>& fields) {
   if (profiles.empty()) return nullptr;
   std::vector<std::string> names;
-  for (const Profile& profile : profiles) names.push_back(profile.name);
-  return choices(names, filled_in(fields, "profile"), "(none)");
+  std::string chosen = filled_in(fields, "profile");
+  for (const Profile& profile : profiles) {
+    names.push_back(profile.name);
+    if (fields.empty() && profile.is_default) chosen = profile.name;
+  }
+  return choices(names, chosen, "(none)");
 }
 
 }  // namespace

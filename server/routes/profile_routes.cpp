@@ -25,6 +25,7 @@ namespace {
 ordered_json profile_json(const Profile& profile) {
   return {{"name", profile.name},
           {"changed", rfc3339(profile.changed)},
+          {"default", profile.is_default},
           {"settings", ordered_json::parse(profile.settings)}};
 }
 
@@ -94,6 +95,14 @@ Result<Response> put_profile(Service& service, Request& request, const Caller& c
   return profile_response(profile, made ? 201 : 200);
 }
 
+template <bool is_default>
+Result<Response> set_default(Service& service, Request& request, const Caller& caller) {
+  const std::string& name = request.at("name");
+  VACUFORM_CHECK(service.store.set_default_profile(name, is_default));
+  log_event("profile-default", {{"profile", name}, {"default", is_default}, {"by", caller.token}});
+  return no_content();
+}
+
 Result<Response> delete_profile(Service& service, Request& request, const Caller& caller) {
   std::optional<http::Refusal> refusal;
   const auto removed = service.store.remove_profile(request.at("name"), precondition(request, refusal));
@@ -111,6 +120,8 @@ void add_profile_routes(http::Router& router, Service& service) {
   add_guarded(router, service, Scope::read, "GET", one, show_profile);
   add_guarded(router, service, Scope::admin, "PUT", one, put_profile);
   add_guarded(router, service, Scope::admin, "DELETE", one, delete_profile);
+  add_guarded(router, service, Scope::admin, "PUT", one + "/default", set_default<true>);
+  add_guarded(router, service, Scope::admin, "DELETE", one + "/default", set_default<false>);
 }
 
 }  // namespace vacuform

@@ -15,6 +15,7 @@ struct Profile {
   std::string name;      // 1 to 64 of a-z, 0-9 and '-'
   std::string settings;  // JSON text: the differences from the defaults
   Millis changed = 0;
+  bool is_default = false;  // new prints begin with it; at most one
 };
 
 struct ProfilePage {
@@ -31,7 +32,7 @@ using ProfileGuard = std::function<bool(const std::optional<Profile>& now)>;
 class ProfileTable {
  public:
   virtual ~ProfileTable() = default;
-  // Adds it or replaces the one of its name; true if it is new. Errors: busy, if there are most_profiles; conflict, if
+  // Adds it or replaces the one of its name, which stays the default if it was; true if it is new. Errors: busy, if there are most_profiles; conflict, if
   // the guard refused; disk_full.
   virtual Result<bool> put_profile(const Profile& profile, const ProfileGuard& allowed = {}) = 0;
   virtual Result<Profile> find_profile(const std::string& name) = 0;  // errors: not_found
@@ -39,6 +40,8 @@ class ProfileTable {
   virtual Result<ProfilePage> list_profiles(int limit, const std::string& cursor) = 0;
   // Errors: not_found; conflict, if the guard refused.
   virtual Result<void> remove_profile(const std::string& name, const ProfileGuard& allowed = {}) = 0;
+  // Makes it the default instead of any other, or no longer the default. Errors: not_found.
+  virtual Result<void> set_default_profile(const std::string& name, bool is_default) = 0;
 };
 
 }  // namespace vacuform

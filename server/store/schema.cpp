@@ -151,6 +151,10 @@ ALTER TABLE job ADD COLUMN reference TEXT NOT NULL DEFAULT '';
 ALTER TABLE job ADD COLUMN note TEXT NOT NULL DEFAULT '';
 CREATE TABLE remembered(name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT, WITHOUT ROWID;
 )sql",
+    // 12: no profile was the default
+    R"sql(
+ALTER TABLE profile ADD COLUMN is_default INTEGER NOT NULL DEFAULT 0;
+)sql",
 };
 
 }  // namespace

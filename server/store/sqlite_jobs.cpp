@@ -152,7 +152,7 @@ Result<Job> SqliteStore::find(const std::string& id, Detail detail) {
   std::sort(job.inputs.begin(), job.inputs.end(), [](const Input& a, const Input& b) {
     return input_kind(a.name) < input_kind(b.name);  // index in one table
   });
-  if (job.state != JobState::succeeded) return job;
+  if (!ended(job.state)) return job;  // incomplete
   VACUFORM_TRY(artifacts, artifacts_of(id));
   job.artifacts = std::move(artifacts);
   std::sort(job.artifacts.begin(), job.artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {

@@ -180,14 +180,15 @@ Result<Job> SqliteStore::finish(const LeaseKey& key, JobState wanted, const std:
 }
 
 // The hash of the lease stays with a job that a worker has ended, so that a repeated request with the same token gets
-// the same answer. Only a job that has succeeded keeps artifacts: an incomplete set is useless.
+// the same answer. Only a job that has succeeded keeps all artifacts: an incomplete set is useless, except for what
+// explains a failure.
 Result<void> SqliteStore::apply(const Job& job, const Transition& next) {
   if (!next.changes) return {};
   VACUFORM_CHECK(Query(db_, "UPDATE job SET state=?, attempt=?, losses=?, crashes=? WHERE id=?",
                        name(next.state), next.attempt, next.faults.losses, next.faults.crashes, job.id)
                      .run());
   if (next.state == JobState::queued || (ended(next.state) && next.state != JobState::succeeded))
-    VACUFORM_CHECK(drop_artifacts(job));
+    VACUFORM_CHECK(drop_artifacts(job, next.explained));
   if (next.state == JobState::queued) {
     std::optional<Millis> not_before;
     if (next.rest) not_before = steady_now() + *next.rest;
@@ -217,10 +218,15 @@ Result<void> SqliteStore::write_end(const Job& job, const Transition& next) {
       .run();
 }
 
-Result<void> SqliteStore::drop_artifacts(const Job& job) {
+Result<void> SqliteStore::drop_artifacts(const Job& job, bool but_explaining) {
   VACUFORM_TRY(artifacts, artifacts_of(job.id));
-  for (const auto& artifact : artifacts) maybe_garbage(artifact.blob.sha256);
-  return Query(db_, "DELETE FROM artifact WHERE job=?", job.id).run();
+  for (const auto& artifact : artifacts) {
+    const ArtifactKind* kind = artifact_kind(artifact.name);
+    if (but_explaining && kind && explains_failure(job.kind, *kind)) continue;
+    maybe_garbage(artifact.blob.sha256);
+    VACUFORM_CHECK(Query(db_, "DELETE FROM artifact WHERE job=? AND name=?", job.id, artifact.name).run());
+  }
+  return {};
 }
 
 Result<std::vector<Expired>> SqliteStore::expire_now() {

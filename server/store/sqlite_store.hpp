@@ -80,6 +80,7 @@ class SqliteStore : public Store {
   Result<Profile> find_profile(const std::string& name) override;
   Result<ProfilePage> list_profiles(int limit, const std::string& cursor) override;
   Result<void> remove_profile(const std::string& name, const ProfileGuard& allowed) override;
+  Result<void> set_default_profile(const std::string& name, bool is_default) override;
 
   Result<std::optional<LeasedJob>> lease(const std::string& worker) override;
   Result<Job> leased(const LeaseKey& key) override;
@@ -154,7 +155,8 @@ class SqliteStore : public Store {
   Result<void> apply(const Job& job, const Transition& next);
   Result<void> write_end(const Job& job, const Transition& next);
   Result<std::vector<StoredArtifact>> artifacts_of(const std::string& job);  // made so far, in no order
-  Result<void> drop_artifacts(const Job& job);
+  // All, or all but those that explain a failure.
+  Result<void> drop_artifacts(const Job& job, bool but_explaining = false);
   Result<Faults> faults_of(const std::string& job);
   RetryLimits limits() const { return {options_.losses, options_.crashes, options_.backoff}; }
   Result<std::vector<Expired>> expire_now();

@@ -90,7 +90,11 @@ Result<Transition> when_finished(const Job& job, const Faults& faults, const End
   if (job.state == JobState::cancelling) return end(job, faults, JobState::cancelled);
   if (ending.wanted == JobState::succeeded) VACUFORM_CHECK(check_artifacts(job, ending.artifacts));
   if (ending.wanted != JobState::failed) return end(job, faults, ending.wanted);
-  if (ending.retry == Retry::never) return end(job, faults, JobState::failed, ending.error);
+  if (ending.retry == Retry::never) {
+    Transition next = end(job, faults, JobState::failed, ending.error);
+    next.explained = true;
+    return next;
+  }
   Faults now = faults;
   ++(ending.retry == Retry::after_crash ? now.crashes : now.losses);
   if (now.losses >= limits.losses || now.crashes >= limits.crashes)

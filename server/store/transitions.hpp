@@ -34,7 +34,7 @@ struct RetryLimits {
 };
 
 // How a store writes it: a job that goes back to the queue loses what its attempt left behind (stage, progress, worker,
-// lease, artifacts); one that ends keeps artifacts only when it succeeded.
+// lease, artifacts); one that ends keeps artifacts only when it succeeded, or those that explain a failure.
 struct Transition {
   bool changes = true;  // otherwise the job stays as it is, and that is the answer
   JobState state = JobState::queued;
@@ -42,6 +42,7 @@ struct Transition {
   Faults faults = {};
   std::optional<Millis> rest = {};  // of a queued job, before it is leased again
   std::optional<Error> error = {};  // of a failed job
+  bool explained = false;           // a worker refused it, and may have sent what explains that
   std::string line = {};            // for the job's log
   bool forgets_lease =
       false;  // the worker must not hear that its lease was good; otherwise an ending may be repeated

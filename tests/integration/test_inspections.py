@@ -69,6 +69,33 @@ class Inspections(Case):
         self.assertEqual((findings["fits"], findings["problem"]["code"]), (False, "does-not-fit"))
         self.assertIn(findings["problem"]["what"], curl(f"{self.server.url}/jobs/{job['id']}").body.decode())
 
+    def refused(self, scan, settings):
+        """The job of a print that is refused, and its findings."""
+        answer = curl("-F", f"scan=@{scan}", "-F", f"pattern=@{RINGS}", "-F", f"settings={json.dumps(settings)}", self.server.api + "/jobs")
+        job = self.server.wait(answer.json["id"])
+        self.assertEqual(job["state"], "failed")
+        self.assertEqual([file["name"] for file in job["artifacts"]], ["preview-findings.png", "mold.stl", "findings.json"])
+        self.assertGreater(len(meshes.read_stl(self.artifact(job["id"], "mold.stl").body)), 0)
+        findings = self.artifact(job["id"], "findings.json").json
+        for key in "what", "where", "fix":
+            self.assertEqual(findings["problem"][key], job["problem"][key])
+        return job["problem"]["type"], findings
+
+    def test_a_print_whose_mold_does_not_fit_keeps_the_findings(self):
+        problem, findings = self.refused(HEAD, {"machine": {"window_width_mm": 100, "window_height_mm": 100}})
+        self.assertEqual((problem, findings["fits"], findings["problem"]["place_mm"]), ("/problems/does-not-fit", False, None))
+
+    def test_a_print_whose_sheet_tears_names_the_place(self):
+        tower = self.folder / "tower.obj"
+        tower.write_text("".join(f"v {x} {y} {z}\n" for z in (0, 240) for y in (-15, 15) for x in (-15, 15)) +
+                         "".join(f"f {f}\n" for f in ("1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6")))
+        problem, findings = self.refused(tower, {
+            "scan": {"units": "mm", "up": "+z"}, "sheet": {"resolution_mm": 4}, "forming": {"law": "neo_hookean"}})
+        self.assertEqual((problem, findings["fits"]), ("/problems/forming-failed", True))
+        x, y, z = findings["problem"]["place_mm"]
+        self.assertTrue(abs(x) < 140 and abs(y) < 140 and 0 <= z <= 240, findings["problem"])
+        self.assertIn(f"x = {x:.0f} mm, y = {y:.0f} mm, z = {z:.0f} mm", findings["problem"]["where"])
+
     def test_a_scan_that_makes_no_mold_is_the_job_s_problem(self):
         scan = self.scan(BROKEN)
         job = self.server.wait(self.ask(kind="inspection", scan_id=scan).json["id"])

@@ -269,6 +269,13 @@ class Worker(Case):
         self.assertEqual(json.loads(self.the_call("/fail")[2]), {"code": "does-not-fit", "what": "too wide",
                          "where": "scan.stl", "fix": "turn it", "retry": False, "crashed": False})
 
+    def test_refused_print_hands_in_what_explains_it(self):
+        self.start("""for file in mold.stl findings.json print.png; do echo $file > $OUT/$file; done
+                      echo '{"problem":{"code":"forming-failed","what":"the sheet tears"}}'; exit 2""")
+        said = json.loads(self.the_call("/fail")[2])
+        self.assertEqual((said["code"], said["retry"], said["crashed"]), ("forming-failed", False, False))
+        self.assertEqual(self.server.artifacts, {"mold.stl": b"mold.stl\n", "findings.json": b"findings.json\n"})
+
     def test_refusal_without_a_reason_is_a_fault(self):
         self.start("echo '{\"problem\":{\"code\":\"made-up\",\"what\":\"x\"}}'; exit 2")
         said = json.loads(self.the_call("/fail")[2])

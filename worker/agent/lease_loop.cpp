@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "api/base/log.hpp"
@@ -156,14 +157,15 @@ class LeasedJob {
                   "the job left more than " + std::to_string(most_left.entries) + " files or " +
                       std::to_string(most_left.bytes >> 30) + " GiB in its folder",
                   "", "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi");
-    VACUFORM_CHECK(judge(*end));
-    for (const ArtifactKind& kind : artifact_kinds) {
-      const std::string name(kind.name);
-      VACUFORM_TRY(file, left(name));
-      if (file)
-        VACUFORM_CHECK(persist(
-            [&] { return client_.upload(lease_, name, file->descriptor.number(), file->bytes, alive); }));
+    if (const auto judged = judge(*end); !judged) {
+      const Retry retry = retry_;
+      // What explains a refusal is welcome, but the refusal counts without it.
+      if (retry == Retry::never && end->how == ChildEnd::How::exited)
+        (void)upload([this](const ArtifactKind& kind) { return explains_failure(lease_.kind, kind); });
+      retry_ = retry;
+      return judged;
     }
+    VACUFORM_CHECK(upload([](const ArtifactKind&) { return true; }));
     VACUFORM_TRY(report, left(std::string(report_of(lease_.kind))));
     const ReportedWarnings warnings = report ? reported_warnings(*report) : ReportedWarnings{};
     for (const std::string& code : warnings.codes) log_.say("warning " + code);
@@ -172,6 +174,21 @@ class LeasedJob {
     if (!completed && completed.error().code == Code::conflict)  // artifacts are missing
       return fail(Code::internal, completed.error().what, "", "report it with the job's id");
     return completed;
+  }
+
+  // Sends the artifacts that the child left, of those that are `wanted`.
+  Result<void> upload(const std::function<bool(const ArtifactKind&)>& wanted) {
+    for (const ArtifactKind& kind : artifact_kinds) {
+      if (!wanted(kind)) continue;
+      const std::string name(kind.name);
+      VACUFORM_TRY(file, left(name));
+      if (file)
+        VACUFORM_CHECK(persist([&] {
+          return client_.upload(lease_, name, file->descriptor.number(), file->bytes,
+                                [this] { return going(); });
+        }));
+    }
+    return {};
   }
 
   // Reads a file that the child wrote. The child has ended.

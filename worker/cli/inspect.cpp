@@ -73,7 +73,7 @@ void print_text(const ScanInspection& inspection) {
                                         " mm2, at (" + fixed(u.place.x(), 1) + ", " + fixed(u.place.y(), 1) +
                                         ", " + fixed(u.place.z(), 1) + ")");
   }
-  line("fits", inspection.misfit ? "no: " + inspection.misfit->text() : "yes");
+  line("fits", inspection.problem ? "no: " + inspection.problem->text() : "yes");
   for (const auto& warning : mold.warnings) {
     const Json w = warning_json(Stage::scan, warning);
     line(w["severity"].get<std::string>().c_str(), w["what"].get<std::string>());

@@ -135,7 +135,8 @@ Json print_of(const Finished& job) {
   return {{"size_pixels", {job.print.width, job.print.height}},
           {"dpi", job.settings.print.dpi},
           {"inked_face", name(job.settings.pattern.inked_face)},
-          {"mirrored", job.print.mirrored}};
+          {"mirrored", job.print.mirrored},
+          {"ruler_mm", job.print.ruler_mm ? Json(*job.print.ruler_mm) : Json(nullptr)}};
 }
 
 Json statistics_of(const Statistics& s) {

@@ -13,6 +13,7 @@
 #include "worker/pattern/ink_parts.hpp"
 #include "worker/pipeline/artifact_files.hpp"
 #include "worker/pipeline/formed_head.hpp"
+#include "worker/pipeline/scan_inspection.hpp"
 #include "worker/placement/cut_lines.hpp"
 #include "worker/stage/portion.hpp"
 
@@ -66,9 +67,7 @@ Identity identity_of(const Inputs& inputs) {
   return {digest.hex().substr(0, 12), std::move(of_files)};
 }
 
-}  // namespace
-
-Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
+Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Context& context) {
   const Settings& s = inputs.settings;
   VACUFORM_CHECK(check_for(JobKind::print, s));
   VACUFORM_CHECK(check_together(inputs));
@@ -140,7 +139,27 @@ Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out
   };
   add("report.html", report_html(whole, files));
   add("report.json", whole.dump(2) + "\n");
-  return write_artifacts(out, files);
+  return files;
+}
+
+// What the mold can show: it was made, and then the sheet did not fit it, or did not form or flatten on it.
+bool shows_on_mold(const Error& error) {
+  return error.code == Code::does_not_fit || error.code == Code::forming_failed ||
+         error.code == Code::unusable_surface;
+}
+
+}  // namespace
+
+Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
+  const auto files = print_artifacts(inputs, context);
+  if (files) return write_artifacts(out, *files);
+  const Error& error = files.error();
+  if (shows_on_mold(error)) {
+    // The mold is made again, or was kept: that takes a second, and the error counts whatever comes of it.
+    const Portion at_end(context, Stage::forming, 1, 1);
+    (void)inspect_failure(inputs, error, out, at_end.context());
+  }
+  return tl::make_unexpected(error);
 }
 
 }  // namespace vacuform

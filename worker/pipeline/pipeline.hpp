@@ -10,7 +10,8 @@ namespace vacuform {
 
 // Runs every stage and writes the artifacts of api/job.hpp into `out`, which is created when absent. Each file is
 // written beside its place and renamed, so that no half file ever has an artifact's name. The same inputs give the
-// same bytes in every file. Errors: those of the stages; unreadable when `out` cannot be written.
+// same bytes in every file. Errors: those of the stages; unreadable when `out` cannot be written. With does_not_fit,
+// forming_failed and unusable_surface, `out` gets the artifacts of an inspection, whose findings.json names the problem.
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context);
 
 }  // namespace vacuform

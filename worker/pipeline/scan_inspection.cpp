@@ -48,10 +48,9 @@ Result<Mold> mold_of(const Inputs& inputs, const Context& context) {
   return mold;
 }
 
-Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context) {
-  const Settings& s = inputs.settings;
-  VACUFORM_CHECK(check_for(JobKind::inspection, s));
-  VACUFORM_TRY(mold, mold_of(inputs, context));
+namespace {
+
+ScanInspection with_fit(Mold mold, const Settings& s) {
   const auto fit = check_fit(mold, s.sheet, s.machine);
   if (!fit) return ScanInspection{std::move(mold), fit.error()};
   for (Warning& w : fit_findings(mold, s.sheet, s.machine, s.forming.thin_limit))
@@ -59,19 +58,29 @@ Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context
   return ScanInspection{std::move(mold), std::nullopt};
 }
 
+}  // namespace
+
+Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context) {
+  const Settings& s = inputs.settings;
+  VACUFORM_CHECK(check_for(JobKind::inspection, s));
+  VACUFORM_TRY(mold, mold_of(inputs, context));
+  return with_fit(std::move(mold), s);
+}
+
 Json findings_json(const Inputs& inputs, const ScanInspection& inspection) {
   Json all{{"vacuform", version},
            {"sha256", {{"scan", sha256_hex(inputs.scan)}}},
            {"scan", scan_json(inspection.mold.findings)},
            {"mold", mold_json(inspection.mold)},
-           {"fits", !inspection.misfit},
+           {"fits", !inspection.problem || inspection.problem->code != Code::does_not_fit},
            {"problem", nullptr},
            {"warnings", Json::array()}};
-  if (const auto& misfit = inspection.misfit)
-    all["problem"] = {{"code", meaning(misfit->code).slug},
-                      {"what", misfit->what},
-                      {"where", misfit->where},
-                      {"fix", misfit->fix}};
+  if (const auto& problem = inspection.problem)
+    all["problem"] = {{"code", meaning(problem->code).slug},
+                      {"what", problem->what},
+                      {"where", problem->where},
+                      {"fix", problem->fix},
+                      {"place_mm", problem->place_mm ? Json(*problem->place_mm) : Json(nullptr)}};
   for (const Warning& warning : inspection.mold.warnings)
     all["warnings"].push_back(warning_json(Stage::scan, warning));
   return all;
@@ -84,6 +93,14 @@ Result<void> write_inspection(const Inputs& inputs, const ScanInspection& inspec
       findings_json(inputs, inspection).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   files.push_back({"findings.json", {text.begin(), text.end()}});
   return write_artifacts(out, files);
+}
+
+Result<void> inspect_failure(const Inputs& inputs, const Error& error, const std::filesystem::path& out,
+                             const Context& context) {
+  VACUFORM_TRY(mold, mold_of(inputs, context));
+  ScanInspection inspection = with_fit(std::move(mold), inputs.settings);
+  inspection.problem = error;
+  return write_inspection(inputs, inspection, out, context);
 }
 
 }  // namespace vacuform

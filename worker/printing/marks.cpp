@@ -205,7 +205,8 @@ Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
   all.push_back(registration("registration-right-back", corner, false));
 
   const double room = 2 * half.x() - 16;
-  all.push_back(ruler(room >= 112 ? 100 : room >= 62 ? 50 : 20, half.y() - 0.8));
+  const double ruler_mm = room >= 112 ? 100 : room >= 62 ? 50 : 20;
+  all.push_back(ruler(ruler_mm, half.y() - 0.8));
   all.push_back(t_arrow(-half.x() + 2.2));
 
   const bool mirrored = settings.pattern.inked_face == InkedFace::inner;
@@ -254,9 +255,10 @@ Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
       }
       return std::any_of(boxes.begin(), boxes.end(), [&](const auto& b) { return b.intersects(box); });
     });
-    if (!touches)
+    if (!touches) {
+      if (mark.name == "ruler") laid.ruler_mm = ruler_mm;
       laid.marks.push_back(std::move(mark));
-    else
+    } else
       left_out += (left_out.empty() ? "" : ", ") + mark.name, ++count_left_out;
   }
   Mark mold{.name = "mold-outline", .lines = std::move(outline), .circles = {}, .texts = {}};

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,8 @@ struct Mark {
 
 struct Marks {
   std::vector<Mark> marks;
-  std::vector<Warning> warnings;  // "marks-left-out"
+  std::optional<double> ruler_mm;  // its length, if it is there
+  std::vector<Warning> warnings;   // "marks-left-out"
 };
 
 // Lays the marks out along the sheet's edge, print.margin_mm from it. A mark that would touch one of `taken`
@@ -51,7 +53,6 @@ struct Marks {
 // `outline`: where the plastic leaves the mold, lines in print coordinates clear of the ink: the formed part is cut or
 // checked along it. The arrow makes the operator lay every sheet with its extrusion direction along +t, so that effects
 // of the sheet itself repeat from sheet to sheet.
-// its own repeats from sheet to sheet.
 Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
                     const std::vector<Eigen::AlignedBox2d>& taken, std::vector<Line> outline = {});
 

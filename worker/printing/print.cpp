@@ -327,6 +327,7 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
     const Patch region = whole_region(charted, print);
     marks = lay_out_marks(settings, shown, taken_by(region, print),
                           outline_of_mold(region, settings.sheet.resolution_mm, ink, print.mirrored));
+    print.ruler_mm = marks.ruler_mm;
     print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
   }
 

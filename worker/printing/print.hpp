@@ -43,9 +43,10 @@ struct Print {
   std::vector<std::uint8_t> pdf;
   std::optional<VectorPrint> vectors;  // the source of the three files, for a vector drawing
   bool mirrored = false;
-  double ink_area_mm2 = 0;  // of the drawing
-  double ink_printed = 0;   // the fraction of it that lies on the chart or on its element's patch, in [0, 1]
-  double ink_on_head = 0;   // the fraction of it that lies on the chart, and so on the mold, once formed
+  std::optional<double> ruler_mm;  // length of the printed ruler; none without marks or without room for it
+  double ink_area_mm2 = 0;         // of the drawing
+  double ink_printed = 0;  // the fraction of it that lies on the chart or on its element's patch, in [0, 1]
+  double ink_on_head = 0;  // the fraction of it that lies on the chart, and so on the mold, once formed
   // "ink-off-chart" (with the loss), "marks-left-out", "ink-not-compensated", and the pattern's own
   std::vector<Warning> warnings;
 

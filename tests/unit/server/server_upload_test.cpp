@@ -333,6 +333,14 @@ TEST_F(ServerUpload, AProfileIsTheBaseOfAJobsSettings) {
   EXPECT_EQ(ask("PUT", "/api/v1/profiles/Jane%20Doe", as_admin, "{}").status, 400);
   EXPECT_EQ(json::parse(ask("GET", at).body)["settings"]["machine"]["window_width_mm"], 420);
   EXPECT_EQ(json::parse(ask("GET", "/api/v1/profiles").body)["profiles"].size(), 1u);
+  EXPECT_EQ(json::parse(ask("GET", at).body)["default"], false);
+  EXPECT_EQ(ask("PUT", at + "/default").status, 403);
+  EXPECT_EQ(ask("PUT", at + "/default", as_admin).status, 204);
+  EXPECT_EQ(json::parse(ask("GET", at).body)["default"], true);
+  EXPECT_NE(ask("GET", "/jobs").body.find("<option selected>formech-300xq"), std::string::npos);
+  EXPECT_EQ(ask("DELETE", at + "/default", as_admin).status, 204);
+  EXPECT_EQ(json::parse(ask("GET", at).body)["default"], false);
+  EXPECT_EQ(ask("PUT", "/api/v1/profiles/none/default", as_admin).status, 404);
   const auto settings = [&](const std::string& more) {
     const Answer answer = submit(part("profile", "", "formech-300xq") + more);
     EXPECT_EQ(answer.status, 202) << answer.body;

@@ -443,6 +443,44 @@ TEST_P(StoreTest, OnlySuccessKeepsArtifacts) {
   EXPECT_EQ(blobs().count(text_hash("of the done")), 1u);
 }
 
+TEST_P(StoreTest, ARefusedPrintKeepsWhatExplainsIt) {
+  const auto ends_with = [&](Retry retry) {
+    create();
+    const LeaseKey key = lease();
+    for (const char* name : {"print.png", "mold.stl", "findings.json"})
+      EXPECT_TRUE(store_->put_artifact(key, name, upload(std::string(name) + " of a refused print")));
+    std::vector<std::string> names;
+    const Job job = store_->fail_job(key, {Code::forming_failed, "the sheet tears", "", ""}, retry).value();
+    for (const auto& artifact : job.artifacts) names.push_back(artifact.name);
+    return names;
+  };
+  EXPECT_EQ(ends_with(Retry::after_fault), std::vector<std::string>{});  // it runs again
+  ASSERT_TRUE(store_->cancel(lease().job));
+  EXPECT_EQ(ends_with(Retry::never), (std::vector<std::string>{"mold.stl", "findings.json"}));
+  EXPECT_EQ(blobs().count(text_hash("print.png of a refused print")), 0u);
+}
+
+TEST_P(StoreTest, AtMostOneProfileIsTheDefault) {
+  for (const char* name : {"one", "two"}) ASSERT_TRUE(store_->put_profile({name, "{}", 1}));
+  const auto defaults = [&] {
+    std::string names;
+    for (const Profile& profile : store_->list_profiles(10, "")->profiles)
+      if (profile.is_default) names += profile.name + " ";
+    return names;
+  };
+  EXPECT_EQ(defaults(), "");
+  ASSERT_TRUE(store_->set_default_profile("one", true));
+  ASSERT_TRUE(store_->set_default_profile("two", true));
+  EXPECT_EQ(defaults(), "two ");
+  ASSERT_TRUE(store_->put_profile({"two", R"({"print":{"dpi":300}})", 2}));
+  EXPECT_EQ(defaults(), "two ");  // a change leaves it the default
+  ASSERT_TRUE(store_->set_default_profile("one", false));
+  EXPECT_EQ(defaults(), "two ");
+  ASSERT_TRUE(store_->set_default_profile("two", false));
+  EXPECT_EQ(defaults(), "");
+  EXPECT_EQ(store_->set_default_profile("none", true).error().code, Code::not_found);
+}
+
 TEST_P(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   const std::string id = create().id;
   const LeaseKey key = lease();

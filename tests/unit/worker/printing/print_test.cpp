@@ -334,6 +334,7 @@ TEST(Print, AMarkThatWouldLieOnThePatternIsLeftOutAndNamed) {
   ASSERT_EQ(print.warnings.size(), 1u);
   EXPECT_EQ(print.warnings[0].code, "marks-left-out");
   EXPECT_NE(print.warnings[0].text.find("ruler"), std::string::npos);
+  EXPECT_EQ(print.ruler_mm, std::nullopt);
   ASSERT_TRUE(print.warnings[0].figure);
   EXPECT_EQ(print.warnings[0].figure->value,
             1.0 + static_cast<double>(
@@ -421,6 +422,7 @@ TEST(Print, TheSvgIsTheSamePrintAtOneToOne) {
         marks.find_child_by_attribute("g", "id", "mark-ruler").child("path").attribute("d").value();
     EXPECT_TRUE(baseline.starts_with("M-50.000,")) << baseline;
     EXPECT_NE(baseline.find(" L50.000,"), std::string::npos) << baseline;
+    EXPECT_EQ(print.ruler_mm, 100);
   }
 }
 
