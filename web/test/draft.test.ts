@@ -2,8 +2,8 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import type {SettingsSchema} from '../src/api/types';
 import {
-  accepting, attemptFor, changed, doubtsOf, emptyDraft, redone, restored, saved, scanSettings, separated, staleJob, statusOf, submission,
-  undone, withProfile, withSetting, withSettings, type DraftState, type Origin, type Pattern, type SentFile} from '../src/state/draft';
+  accepting, attemptFor, begun, changed, doubtsOf, emptyDraft, emptyForm, redone, restored, saved, scanSettings, separated, staleJob, statusOf,
+  submission, undone, withProfile, withSetting, withSettings, type DraftState, type Origin, type Pattern, type SentFile} from '../src/state/draft';
 
 const schema: SettingsSchema = {properties: {
   scan: {properties: {units: {type: 'string', enum: ['auto', 'mm'], default: 'auto'}, left_side: {type: 'string', default: 'unknown'}}},
@@ -18,6 +18,16 @@ const from: Origin = {
 const draft = (change: Partial<DraftState> = {}): DraftState => ({...emptyDraft('tab'), ...change});
 const fields = (of: DraftState, kind: 'print' | 'inspection' | 'layout' = 'print'): Record<string, string> =>
   Object.fromEntries(submission(of, kind, schema));
+
+test('a new print begins with the default profile, one from another job does not', () => {
+  const profiles = [{name: 'small', changed: '', default: false, settings: {}},
+                    {name: 'wide', changed: '', default: true, settings: {sheet: {width_mm: 450}, print: {dpi: 300}}}];
+  const fresh = draft({schema, profiles});
+  assert.deepEqual(begun(fresh).form, {...emptyForm, profile: 'wide', settings: {sheet: {width_mm: 450}}});
+  assert.deepEqual(begun({...fresh, profiles: [profiles[0]!]}), {});
+  assert.deepEqual(begun({...fresh, form: {...emptyForm, reference: 'C-1'}}), {}, 'what a person has typed stays');
+  assert.deepEqual(begun({...fresh, from}), {});
+});
 
 test('undo and redo go over the whole form', () => {
   let now = draft();

@@ -100,6 +100,8 @@ export const api = {
     const response = await ask(`${v1}/profiles/${encodeURIComponent(name)}`);
     return {profile: await response.json() as Profile, etag: response.headers.get('ETag') ?? ''};
   },
+  setDefaultProfile: (name: string, isDefault: boolean): Promise<Response> =>
+    send(isDefault ? 'PUT' : 'DELETE', `${v1}/profiles/${encodeURIComponent(name)}/default`),
   removeProfile: (name: string): Promise<Response> => send('DELETE', `${v1}/profiles/${encodeURIComponent(name)}`),
   tokens: (): Promise<{tokens: TokenInfo[]}> => read(`${v1}/tokens`),
   createToken: async (body: {owner: string; scopes: string[]; days?: number}): Promise<TokenInfo & {token: string}> =>

@@ -123,6 +123,7 @@ export interface Session {
 export interface Profile {
   name: string;
   changed: string;
+  default: boolean;
   settings: Settings;
 }
 

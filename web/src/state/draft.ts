@@ -142,6 +142,13 @@ export function withProfile(settings: Settings, former: Settings, next: Settings
   return withSettings(settings, next, schema);
 }
 
+// A new print begins with the default profile.
+export function begun(draft: DraftState): Partial<DraftState> {
+  const {schema, profiles, form} = draft, profile = profiles?.find((one) => one.default);
+  if (!schema || !profile || draft.from || JSON.stringify(form) !== JSON.stringify(emptyForm)) return {};
+  return {form: {...emptyForm, profile: profile.name, settings: withSettings({}, profile.settings, schema)}};
+}
+
 // Whether all that a profile says is in the settings.
 export const follows = (settings: Settings, profile: Settings, schema: SettingsSchema): boolean =>
   Object.entries(profile).every(([group, members]) => Object.entries(members).every(
@@ -280,4 +287,5 @@ export function separated(draft: DraftState, tab: string): DraftState {
 
 export const storedUnder = 'vacuform.draft';
 const stored = typeof sessionStorage === 'undefined' ? null : sessionStorage.getItem(storedUnder);
+export const isNew = stored === null;  // nothing has been done in this tab yet
 export const initialDraft: DraftState = restored(stored, Math.random().toString(36).slice(2));

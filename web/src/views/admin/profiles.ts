@@ -16,27 +16,34 @@ import {loaded} from './loaded';
 const namePattern = /^[a-z0-9-]{1,64}$/;
 const to = (what: string, name = ''): string => `${toAdmin('profiles')}?${new URLSearchParams({[what]: name})}`;
 
-function entry({name, settings, changed}: Profile, read: () => void): HTMLElement {
+function entry({name, settings, changed, default: isDefault}: Profile, read: () => void): HTMLElement {
   const problem = el('div');
-  const remove = async (): Promise<void> => {
-    if (!(await confirm({title: t('admin.profile_delete_title', {name}), text: t('admin.profile_delete_text'),
-                         action: t('admin.profile_delete'), icon: 'delete'})))
-      return;
+  const change = async (act: () => Promise<unknown>, said: string): Promise<void> => {
     try {
-      await api.removeProfile(name);
-      announce(t('admin.profile_deleted', {name}));
+      await act();
+      announce(said);
       read();
     } catch (error) {
       replace(problem, problemBox(error));
     }
   };
+  const remove = async (): Promise<void> => {
+    if (!(await confirm({title: t('admin.profile_delete_title', {name}), text: t('admin.profile_delete_text'),
+                         action: t('admin.profile_delete'), icon: 'delete'})))
+      return;
+    await change(() => api.removeProfile(name), t('admin.profile_deleted', {name}));
+  };
   const count = Object.values(settings).reduce((sum, group) => sum + Object.keys(group).length, 0);
   return el('li', {class: 'card entry'},
-    el('div', null, el('h2', null, name), problem),
+    el('div', null, el('h2', null, name, isDefault && el('span', {class: 'kind quiet'}, ' ', t('admin.profile_default'))), problem),
     el('p', {class: 'quiet'}, t('admin.profile_settings', {count, time: when(changed)})),
     el('div', {class: 'row'},
       el('a', {class: 'button', href: to('edit', name), 'aria-label': t('admin.profile_edit_of', {name})}, t('admin.profile_edit')),
       el('a', {class: 'button', href: to('copy', name), 'aria-label': t('admin.profile_copy_of', {name})}, t('admin.profile_copy')),
+      el('button', {type: 'button', 'aria-label': t(isDefault ? 'admin.profile_unset_of' : 'admin.profile_set_of', {name}),
+                    onclick: () => void change(() => api.setDefaultProfile(name, !isDefault),
+                                               t(isDefault ? 'admin.profile_unset_done' : 'admin.profile_set_done', {name}))},
+         t(isDefault ? 'admin.profile_unset' : 'admin.profile_set')),
       el('button', {type: 'button', class: 'danger', 'aria-label': t('admin.profile_delete_of', {name}),
                     onclick: () => void remove()}, t('admin.profile_delete'))));
 }

@@ -5,8 +5,9 @@ import {extensionOf, markOf, removeUpload, startUpload, type Transfer, type Uplo
 import type {Job, ListedJob, ProblemBody, SettingsSchema} from '../../api/types';
 import {announce, store} from '../../state';
 import {
-  attemptFor, changed, emptyDraft, hasPattern, hasScan, redone, restored, saved, scanSettings, separated, storedUnder, submission,
-  undone, withoutDefaults, withSetting, type Draft, type DraftState, type Form, type Pattern, type SentFile} from '../../state/draft';
+  attemptFor, begun, changed, emptyDraft, emptyForm, hasPattern, hasScan, isNew, redone, restored, saved, scanSettings, separated,
+  storedUnder, submission, undone, withoutDefaults, withSetting, type Draft, type DraftState, type Form, type Pattern,
+  type SentFile} from '../../state/draft';
 import {ended} from '../../api/types';
 import type {Warning} from '../../state/jobs';
 import {pictureSize, svgSize} from '../../read/drawing';
@@ -42,6 +43,7 @@ export const readSchema = (): Promise<SettingsSchema> => reading ??= (async () =
   try {
     const [schema, {profiles}] = await Promise.all([api.schema(), api.profiles()]);
     update({schema, profiles, unread: null});
+    if (isNew) update(begun);
     return schema;
   } catch (error) {
     reading = null;
@@ -362,6 +364,7 @@ function reset(): void {
   stopInspection();
   const {tab, schema, profiles} = draft();
   store.set({draft: {...emptyDraft(tab), schema, profiles}});
+  update(begun);
 }
 
 // The draft that another one replaced: the person can go back to it.
@@ -391,7 +394,7 @@ export async function startFrom(id: string): Promise<void> {
   const {layout: _, ...settings} = withoutDefaults(job.settings, schema);
   update({
     from: {job: id, kind: job.kind, scan, pattern, settings},
-    form: {...draft().form, settings, reference: job.reference ?? ''},
+    form: {...emptyForm, settings, reference: job.reference ?? ''},
     inspection: job.kind === 'inspection' ? {job: id, scan: ''} : null});
   update((now) => now.inspection ? {inspection: {job: id, scan: scanSettings(now)}} : {});
   resumeJobs();
