@@ -7,7 +7,7 @@ namespace vacuform {
 CodeMeaning meaning(Code code) {
   switch (code) {
     case Code::bad_usage:
-      return {"bad-usage", "The request is not of the documented form", 400, 2};
+      return {"bad-usage", "The request is malformed", 400, 2};
     case Code::unreadable:
       return {"unreadable", "A file cannot be read or written", 422, 2};
     case Code::unsupported_format:
@@ -15,9 +15,9 @@ CodeMeaning meaning(Code code) {
     case Code::corrupt_file:
       return {"corrupt-file", "The file is damaged", 422, 2};
     case Code::too_large:
-      return {"too-large", "A limit is passed", 413, 2};
+      return {"too-large", "A limit is exceeded", 413, 2};
     case Code::ambiguous_units:
-      return {"ambiguous-units", "The scan's unit cannot be told", 422, 2};
+      return {"ambiguous-units", "The scan's unit is not clear", 422, 2};
     case Code::unusable_scan:
       return {"unusable-scan", "No mold can be made of the scan", 422, 2};
     case Code::does_not_fit:
@@ -35,9 +35,9 @@ CodeMeaning meaning(Code code) {
     case Code::out_of_time:
       return {"out-of-time", "A limit on time or memory ended the work", 422, 2};
     case Code::not_found:
-      return {"not-found", "There is no such thing here", 404, 2};
+      return {"not-found", "Not found", 404, 2};
     case Code::conflict:
-      return {"conflict", "What is there already does not allow this", 409, 2};
+      return {"conflict", "The current state does not allow this", 409, 2};
     case Code::locked:
       return {"locked", "Another request is writing to this", 423, 1};
     case Code::lease_lost:
@@ -49,7 +49,7 @@ CodeMeaning meaning(Code code) {
     case Code::too_many_attempts:
       return {"too-many-attempts", "There were too many wrong tokens", 429, 1};
     case Code::busy:
-      return {"busy", "Too much is waiting already", 429, 1};
+      return {"busy", "The service is busy", 429, 1};
     case Code::wrong_digest:
       return {"wrong-digest", "The bytes do not match their digest", 400, 1};
     case Code::gone:
@@ -59,7 +59,7 @@ CodeMeaning meaning(Code code) {
     case Code::unavailable:
       return {"unavailable", "The service cannot do this now", 503, 1};
     case Code::internal:
-      return {"internal", "A fault of Vacuform's own", 500, 1};
+      return {"internal", "An internal fault of Vacuform", 500, 1};
   }
   std::abort();  // a code outside the enumeration is a bug
 }

@@ -177,7 +177,7 @@ void describe(S& s, V& v) {
   v.field("lambda", s.flattening.lambda, {0, 1e6, "1"},
           "0 keeps angles, the larger the more areas too; auto is as rigid as possible");
   v.field("weights", s.flattening.weights, "Where the chart is distorted least");
-  v.field("weight", s.flattening.weight, {1, 1000, "1"}, "How much more that counts than the rest");
+  v.field("weight", s.flattening.weight, {1, 1000, "1"}, "Weight of those places against the rest");
   v.field("pins", s.flattening.pins, {-2000, 2000, "mm"},
           "Points of the sheet held at points of the chart, as rows [s, t, u, v]");
 

@@ -36,7 +36,7 @@ enum class Code {
   gone,                // there was such a thing, and it has expired
   disk_full,           // the server's disk has no room for more; deleting jobs makes some
   unavailable,         // the service cannot do this now; try again later
-  internal,            // a fault of Vacuform's own
+  internal,            // internal fault
 };
 
 struct Error {

@@ -21,7 +21,7 @@ tl::unexpected<Error> disk_error(const char* doing, const std::filesystem::path&
   return fail(full(number) ? Code::disk_full : Code::unavailable,
               std::string(doing) + " failed: " + reason(number), path.filename().string(),
               full(number) ? "delete jobs that are no longer needed, or free some space on the server's disk"
-                           : "see that the server may write to its data folder");
+                           : "check that the server may write to its data folder");
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ Result<void> make_directory(const std::filesystem::path& path) {
   if (error)
     return fail(full(error.value()) ? Code::disk_full : Code::unavailable,
                 "making a folder failed: " + error.message(), path.string(),
-                "give another folder with --data, or see that the server may write there");
+                "give another folder with --data, or check that the server may write there");
   return {};
 }
 

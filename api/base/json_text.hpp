@@ -6,7 +6,7 @@
 
 namespace vacuform {
 
-// The text that `object` has under `key`; empty where it has none, or something else, or is no object.
+// The text that `object` has under `key`; empty where it has none, or something else, or is not an object.
 std::string text_of(const nlohmann::json& object, const char* key);
 
 }  // namespace vacuform

@@ -51,7 +51,7 @@ Result<Token> usable_token(Store& store, std::string_view text, const Clock& clo
   };
   constexpr std::size_t underscore = prefix.size() + id_size;
   if (text.size() != underscore + 1 + secret_size || !text.starts_with(prefix) || text[underscore] != '_')
-    return refuse("this is no token of Vacuform");
+    return refuse("this is not a token of Vacuform");
   const auto token = store.token(std::string(text.substr(prefix.size(), id_size)));
   if (!token && token.error().code != Code::not_found) return token;
   const std::string hash = text_hash(text.substr(underscore + 1));

@@ -22,7 +22,7 @@ bool BackupCommand::asked() const { return command_->parsed(); }
 
 Result<void> BackupCommand::run(const std::filesystem::path& configured_data) const {
   const std::filesystem::path data = data_.empty() ? configured_data : data_;
-  if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
+  if (!start_secrets()) return fail(Code::internal, "this machine provides no random numbers");
   if (!has_store(data)) return no_store(data);
   const std::filesystem::path to = std::filesystem::absolute(to_);
   ::mkdir(to.c_str(), 0700);

@@ -86,7 +86,7 @@ void Configuration::add_to(ConfigurationSources& sources) {
       ->type_name("NAME");
   sources
       .add("log", &log,
-           "File for the log, of the workers too, in place of standard error; at 32 MiB its lines go to "
+           "File for the log, of the workers too, instead of standard error; at 32 MiB its lines go to "
            "FILE.1, in place of "
            "those that are there")
       ->type_name("FILE");

@@ -113,7 +113,7 @@ Result<void> serve(const Configuration& options) {
   VACUFORM_TRY(address, listen_address(options.listen, "--listen", options.front));
   VACUFORM_TRY(status_address, listen_address(options.status_listen, "--status-listen", options.front));
   if (!options.log.empty()) VACUFORM_CHECK(log_into(options.log));
-  if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
+  if (!start_secrets()) return fail(Code::internal, "this machine provides no random numbers");
   // Blocked before the first thread starts, so that only this thread receives them.
   sigset_t signals;
   sigemptyset(&signals);

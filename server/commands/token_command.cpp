@@ -20,7 +20,7 @@ Result<ordered_json> do_or_ask(const std::filesystem::path& data, const WithStor
                                const std::string& method, const std::string& tail,
                                const std::string& body = {}, bool may_begin = false) {
   if (!may_begin && !has_store(data)) return no_store(data);
-  if (!start_secrets()) return fail(Code::internal, "this machine gives no random numbers");
+  if (!start_secrets()) return fail(Code::internal, "this machine provides no random numbers");
   const auto store = open_store(data);
   if (store) return with_store(**store);
   if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
@@ -34,18 +34,19 @@ void TokenCommand::add_to(CLI::App& app) {
   token_->require_subcommand(1);
   create_ = token_->add_subcommand("create", "Make a token; it is shown once");
   list_ = token_->add_subcommand("list", "List the tokens, without their secrets");
-  revoke_ = token_->add_subcommand("revoke", "End a token for good, at once");
+  revoke_ = token_->add_subcommand("revoke", "Revoke a token, at once and for good");
   for (CLI::App* command : {create_, list_, revoke_})
     command->add_option("--data", data_, "Folder of the jobs (default: as the server's settings say)")
         ->type_name("DIR");
-  create_->add_option("--owner", owner_, "Whose jobs it makes and sees: a place or a purpose, as station-3")
+  create_
+      ->add_option("--owner", owner_, "Whose jobs it makes and sees: a place or a purpose, such as station-3")
       ->required();
   create_->add_option("--scopes", scopes_, "Some of submit, read, work, admin, with commas")
       ->required()
       ->type_name("LIST");
   create_->add_option("--days", days_, "Days after which it expires (default: never)")
       ->check(CLI::Range(0.0001, 3650.0));
-  create_->add_option("--out", out_, "File that receives it, in place of standard output")->type_name("FILE");
+  create_->add_option("--out", out_, "File that receives it, instead of standard output")->type_name("FILE");
   revoke_->add_option("id", id_, "The id, as list shows it")->required();
 }
 

@@ -127,7 +127,7 @@ tl::expected<RequestLine, Refusal> parse_request_line(std::string_view line) {
 tl::expected<void, Refusal> take_framing(Head& head, std::string_view name, std::string_view value) {
   if (equal_ignoring_case(name, "Transfer-Encoding"))
     return refuse(411, "a body without Content-Length is not accepted",
-                  "send Content-Length in place of chunks");
+                  "send Content-Length instead of chunks");
   if (equal_ignoring_case(name, "Content-Encoding") && !equal_ignoring_case(value, "identity"))
     return refuse(501, "an encoded body is not accepted", "send the body as it is, without Content-Encoding");
   if (equal_ignoring_case(name, "Content-Length")) {

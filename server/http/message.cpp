@@ -40,7 +40,8 @@ Result<std::string> read_text(Request& request, std::uint64_t limit) {
 std::optional<Refusal> unmet_precondition(const Request& request, const std::string& quoted) {
   const std::string_view wanted = request.header("If-Match"), unwanted = request.header("If-None-Match");
   const auto refuse = [](const char* header, const char* fix) {
-    return Refusal{412, {Code::conflict, "what is there is not what the request wants to find", header, fix}};
+    return Refusal{
+        412, {Code::conflict, "the current version is not the one that the request names", header, fix}};
   };
   const bool there = !quoted.empty();
   if (!wanted.empty() && !(there && names_strong_etag(wanted, quoted)))

@@ -22,12 +22,11 @@ class Places {
   tl::expected<Place, Refusal> take(const std::string& party) {
     const std::lock_guard hold(mutex_);
     const auto refuse = [](int status, const char* what) {
-      return tl::make_unexpected(
-          Refusal{status, {Code::busy, what, {}, "try again, or ask from time to time in place of waiting"}});
+      return tl::make_unexpected(Refusal{
+          status, {Code::busy, what, {}, "try again later, or ask from time to time instead of waiting"}});
     };
-    if (taken_ >= most_) return refuse(503, "too many clients are being kept informed already");
-    if (of_[party] >= most_of_one_)
-      return refuse(429, "too many of your clients are being kept informed already");
+    if (taken_ >= most_) return refuse(503, "too many clients follow jobs already");
+    if (of_[party] >= most_of_one_) return refuse(429, "too many of your clients follow jobs already");
     ++taken_;
     ++of_[party];
     return Place(static_cast<void*>(this), [this, party](void*) { give_back(party); });

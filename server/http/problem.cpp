@@ -52,7 +52,7 @@ Result<std::string> read_json_text(http::Request& request, std::uint64_t limit) 
   const std::string_view stated = request.header("Content-Type");
   const std::string_view media = stated.substr(0, stated.find_first_of("; "));
   if (request.content_length > 0 && !equal_ignoring_case(media, "application/json"))
-    return fail(Code::unsupported_format, "the body is not said to be JSON", "Content-Type",
+    return fail(Code::unsupported_format, "the request does not say that its body is JSON", "Content-Type",
                 "send Content-Type: application/json");
   return http::read_text(request, limit);
 }

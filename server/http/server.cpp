@@ -98,7 +98,7 @@ class Server::Loop {
     epoll_ = ::epoll_create1(EPOLL_CLOEXEC);
     wake_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     next_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK | EFD_SEMAPHORE);
-    if (epoll_ < 0 || wake_ < 0 || next_ < 0) return fail(Code::internal, "this machine gives no epoll");
+    if (epoll_ < 0 || wake_ < 0 || next_ < 0) return fail(Code::internal, "this machine provides no epoll");
     arm(listener_, listener_id, EPOLLIN | EPOLLONESHOT, EPOLL_CTL_ADD);
     arm(wake_, wake_id, EPOLLIN, EPOLL_CTL_ADD);
     arm(next_, next_id, EPOLLIN, EPOLL_CTL_ADD);
@@ -131,7 +131,7 @@ class Server::Loop {
   Result<void> listen() {
     const auto refuse = [&] {
       return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port),
-                  {}, "see whether another program listens there, or give another port (0: any free one)");
+                  {}, "check whether another program listens there, or give another port (0: any free one)");
     };
     addrinfo wanted{};
     wanted.ai_family = AF_UNSPEC;
@@ -374,7 +374,7 @@ class Server::Loop {
       return route.admission(client.request);
     } catch (const std::exception& fault) {
       log_event("admission-failed", {{"fault", fault.what()}});
-      return fail(Code::internal, "the server met a fault of its own", {}, "try again");
+      return fail(Code::internal, "the server has an internal fault", {}, "try again");
     }
   }
 
@@ -461,7 +461,7 @@ class Server::Loop {
     } catch (const std::exception& fault) {
       answered.fault = fault.what();
       response = options_.refuse(
-          request, {500, {Code::internal, "the server met a fault of its own", {}, "try again"}});
+          request, {500, {Code::internal, "the server has an internal fault", {}, "try again"}});
     }
     if (const auto& trouble = client.connection.trouble(); trouble && response.status >= 400)
       response = with_headers(options_.refuse(request, *trouble), response.headers);

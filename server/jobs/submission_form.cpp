@@ -61,7 +61,7 @@ Result<void> SubmissionForm::begin(const std::string& name, const std::string& f
   } else {
     std::string parts;
     for (const InputKind& kind : input_kinds) parts += std::string(kind.name) + ", ";
-    return tl::make_unexpected(unknown("or doubled part of the form", name,
+    return tl::make_unexpected(unknown("or repeated part of the form", name,
                                        "send " + parts + "settings, and fields named group.key, each once"));
   }
   return {};

@@ -89,7 +89,7 @@ Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t 
   if (now.blob)
     return offset == now.length && request.content_length == 0
                ? Result<std::uint64_t>(now.length)
-               : fail(Code::conflict, "the upload is whole already", upload.id, "use it");
+               : fail(Code::conflict, "the upload is complete already", upload.id, "use it");
   if (!writer->file) {
     VACUFORM_TRY(opened, PartialFile::open(name_of(upload.id), upload.extension));
     writer->file.emplace(std::move(opened));
@@ -98,7 +98,7 @@ Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t 
   if (offset != file.bytes())
     return fail(Code::conflict,
                 "the upload is at " + std::to_string(file.bytes()) + " and not at " + std::to_string(offset),
-                "Upload-Offset", "ask for the offset (HEAD) and go on there");
+                "Upload-Offset", "ask for the offset (HEAD) and continue there");
   if (request.content_length > upload.length - offset)
     return fail(Code::too_large, "there are more bytes than the upload's length", "Upload-Length",
                 "begin an upload of the right length");
@@ -157,8 +157,8 @@ Result<StoredUpload> Uploads::whole(const StoredUpload& upload) {
   VACUFORM_TRY(bytes, offset(upload));
   if (bytes < upload.length)
     return fail(Code::conflict,
-                "the upload is not whole: " + std::to_string(bytes) + " of " + std::to_string(upload.length) +
-                    " bytes have come",
+                "the upload is not complete: " + std::to_string(bytes) + " of " +
+                    std::to_string(upload.length) + " bytes have come",
                 upload.id, "send the rest first");
   return store_.find_upload(upload.id);
 }

@@ -25,7 +25,7 @@ Explanation explanation(Code code) {
           "Compare it with the API description or the program's --help."};
     case Code::unreadable:
       return {"A file could not be opened, read or written.",
-              "See that the file exists and that the program may use it."};
+              "Check that the file exists and that the program may use it."};
     case Code::unsupported_format:
       return {
           "The file is of a kind that Vacuform does not read. Scans are STL, OBJ, PLY, OFF or GLB; patterns "
@@ -38,7 +38,7 @@ Explanation explanation(Code code) {
           "was cut.",
           "Copy or export the file again, and compare its size with the original."};
     case Code::too_large:
-      return {"A limit on bytes, triangles, pixels or components is passed.",
+      return {"The file exceeds a limit on bytes, triangles, pixels or components.",
               "Reduce the scan to about a million triangles, or the pattern to the resolution that will be "
               "printed."};
     case Code::ambiguous_units:
@@ -61,13 +61,13 @@ Explanation explanation(Code code) {
           "Correct it; the settings schema lists all of them with their defaults."};
     case Code::unusable_pattern:
       return {"The pattern was read, but there is nothing in it to print, or its size is unknown.",
-              "See that it is not empty, and set pattern.width_mm."};
+              "Check that it is not empty, and set pattern.width_mm."};
     case Code::forming_failed:
       return {"The simulated sheet does not come to rest, or it tears.",
               "Trim the mold higher (scan.trim_mm), use a larger window, or set forming.law=mooney_rivlin."};
     case Code::unusable_surface:
       return {"The formed sheet holds no region that a pattern can be laid on.",
-              "Lower scan.trim_mm, or see that the scan stands upright."};
+              "Lower scan.trim_mm, or check that the scan stands upright."};
     case Code::cancelled:
       return {"Somebody cancelled the job.", "Submit it again."};
     case Code::out_of_time:
@@ -78,9 +78,9 @@ Explanation explanation(Code code) {
               "See the list of jobs."};
     case Code::conflict:
       return {
-          "What is there already does not allow this: only jobs that have ended can be deleted, only others "
+          "The current state does not allow this: only jobs that have ended can be deleted, only others "
           "can be "
-          "cancelled; an upload goes on where it stands; an Idempotency-Key is for one submission.",
+          "cancelled; an upload continues at its offset; an Idempotency-Key is for one submission.",
           "Look first at the job or the upload, or take another key."};
     case Code::locked:
       return {"Another request is sending bytes of the same upload.",
@@ -122,8 +122,8 @@ Explanation explanation(Code code) {
       return {"The service cannot do this now, for example because it is just stopping.",
               "Try again a little later."};
     case Code::internal:
-      return {"A fault of Vacuform's own.",
-              "Try again; if it stays, report it with the job's settings and the log."};
+      return {"An internal fault of Vacuform.",
+              "Try again. If it happens again, report it with the job's settings and the log."};
   }
   return {};
 }

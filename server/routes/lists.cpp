@@ -33,7 +33,8 @@ Result<PageAsked> page_asked(const Request& request) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
   });
   if (!plain || cursor.size() > 64)
-    return fail(Code::bad_usage, "no list gave this cursor", "cursor", "give the next of the page before");
+    return fail(Code::bad_usage, "this cursor is not from a list", "cursor",
+                "give the value of next from the page before");
   return PageAsked{static_cast<int>(limit), std::move(cursor)};
 }
 

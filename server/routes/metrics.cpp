@@ -88,7 +88,7 @@ std::string Metrics::text(const std::vector<Family>& read) const {
     write_sample(out, "vacuform_http_request_seconds_sum", of_route, seconds.sum);
     write_sample(out, "vacuform_http_request_seconds_count", of_route, static_cast<double>(so_far));
   }
-  write_head(out, "vacuform_leases_lost_total", "Leases that ended without a word of their worker",
+  write_head(out, "vacuform_leases_lost_total", "Leases that expired because their worker was silent",
              "counter");
   write_sample(out, "vacuform_leases_lost_total", "", static_cast<double>(leases_lost_));
   write_head(out, "vacuform_jobs_ended_total", "Jobs that ended since the start of the server, by outcome",

@@ -52,7 +52,7 @@ class ScanForm : public http::PartSink {
     in_file_ = name == "scan";
     if ((in_file_ && file) || (name == "scan_upload" && !upload.empty()) ||
         (!in_file_ && name != "scan_upload"))
-      return fail(Code::bad_usage, "an unknown or doubled part of the form: " + name.substr(0, 64),
+      return fail(Code::bad_usage, "an unknown or repeated part of the form: " + name.substr(0, 64),
                   "request body", "send scan, or scan_upload");
     if (!in_file_) return {};
     VACUFORM_TRY(begun, store_.upload());

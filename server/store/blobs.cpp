@@ -96,7 +96,7 @@ Result<void> Blobs::keep(Upload& upload) const {
   if (std::rename(upload.path_.c_str(), path.c_str()) != 0)
     return fail(errno == ENOSPC || errno == EDQUOT ? Code::disk_full : Code::unavailable,
                 "keeping an upload failed: " + std::generic_category().message(errno), {},
-                "see that the server may write to its data folder, and that its disk has room");
+                "check that the server may write to its data folder, and that its disk has room");
   ::unlink(upload.path_.c_str());  // still there when both names are of one file
   upload.path_.clear();
   return sync_directory(path.parent_path());
@@ -150,7 +150,7 @@ Result<void> Blobs::copy(const std::string& sha256, const fs::path& blobs) const
   if (!error) return sync_directory(to.parent_path());
   if (!fs::copy_file(place(sha256), to, error))
     return fail(Code::unavailable, "copying a stored file failed: " + error.message(), to.string(),
-                "see that there is room on the disk");
+                "check that there is room on the disk");
   File copied(::open(to.c_str(), O_RDWR | O_CLOEXEC));
   VACUFORM_CHECK(CheckedFiles(std::chrono::milliseconds(0)).check(copied, sha256));
   VACUFORM_CHECK(copied.sync());
@@ -168,7 +168,7 @@ Result<fs::path> Blobs::set_aside(const std::string& sha256) const {
 Result<void> Blobs::delete_aside(const fs::path& file) {
   if (::unlink(file.c_str()) == 0 || errno == ENOENT) return {};
   return fail(Code::unavailable, "deleting a file failed: " + std::generic_category().message(errno),
-              file.filename().string(), "see that the server may write to its data folder");
+              file.filename().string(), "check that the server may write to its data folder");
 }
 
 Result<void> Blobs::sweep(const std::function<bool(const std::string&)>& wanted) const {

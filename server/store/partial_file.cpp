@@ -134,7 +134,7 @@ Result<Upload> PartialFile::finish(const fs::path& as) {
   if (::link(part_of(name_).c_str(), as.c_str()) != 0 && ::rename(part_of(name_).c_str(), as.c_str()) != 0)
     return fail(errno == ENOSPC || errno == EDQUOT ? Code::disk_full : Code::unavailable,
                 "an upload cannot be kept: " + std::generic_category().message(errno), {},
-                "see that the server may write to its data folder, and that its disk has room");
+                "check that the server may write to its data folder, and that its disk has room");
   return Blobs::adopt(as, {hash_.hex(), kept_});
 }
 

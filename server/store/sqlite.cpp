@@ -43,7 +43,7 @@ Result<void> Database::copy_to(const std::string& path, const std::function<bool
     going = pause();
   }
   sqlite3_backup_finish(backup);
-  if (code != SQLITE_DONE && !going) return fail(Code::cancelled, "the copy was given up");
+  if (code != SQLITE_DONE && !going) return fail(Code::cancelled, "the copy was cancelled");
   if (code != SQLITE_DONE) return copy.error();
   return {};
 }
@@ -68,7 +68,7 @@ tl::unexpected<Error> Database::error() const {
   return fail(full ? Code::disk_full : Code::unavailable, "the job store cannot be used: " + text,
               "jobs.sqlite",
               full ? "free some space on the server's disk and try again"
-                   : "see that the server may write to its data folder");
+                   : "check that the server may write to its data folder");
 }
 
 Result<sqlite3_stmt*> Database::prepared(const char* sql) {

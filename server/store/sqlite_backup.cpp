@@ -85,7 +85,7 @@ Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function
   report.jobs = jobs;
   VACUFORM_TRY(hashes, hashes_in(copy));
   for (const std::string& sha256 : hashes) {
-    if (!going()) return fail(Code::cancelled, "the backup was given up", to.string());
+    if (!going()) return fail(Code::cancelled, "the backup was cancelled", to.string());
     const auto copied = blobs_.copy(sha256, to / "blobs");
     if (!copied && copied.error().code == Code::unavailable) return tl::make_unexpected(copied.error());
     if (copied)

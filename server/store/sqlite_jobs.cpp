@@ -82,7 +82,7 @@ Result<void> SqliteStore::keep(NewInput& input, const Blob& blob) {
   if (auto* upload = std::get_if<Upload>(&input.file)) return blobs_.keep(*upload);
   VACUFORM_TRY(there, named(blob.sha256));
   if (there) return {};
-  return fail(Code::gone, "the file was deleted meanwhile", input.name, "send it again");
+  return fail(Code::gone, "the file was deleted in the meantime", input.name, "send it again");
 }
 
 // The job that an earlier submission with the same key created.

@@ -132,7 +132,7 @@ Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, Sto
   File lock(::open((data / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600));
   if (!lock.is_open())
     return fail(errno == ENOSPC ? Code::disk_full : Code::unavailable, "the data folder cannot be written to",
-                data.string(), "see that the server may write there, and that its disk has room");
+                data.string(), "check that the server may write there, and that its disk has room");
   if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
     return fail(Code::unavailable, "another server uses this data folder", data.string(),
                 "stop it, or give another folder with --data");

@@ -102,13 +102,13 @@ class SqliteStore : public Store {
   // Runs `change` in a transaction and returns when it is on the disk; an error of `change` rolls it back.
   template <class Change>
   auto write(Change change) -> decltype(change()) {
-    decltype(change()) result = fail(Code::internal, "the store met a fault of its own", {}, "try again");
+    decltype(change()) result = fail(Code::internal, "the store has an internal fault", {}, "try again");
     const auto committed = commits_.run([&] {
       const std::size_t ended_before = ended_jobs_.size();
       try {
         result = change();
       } catch (const std::exception& fault) {  // a bug or out of memory: only this change fails
-        result = fail(Code::internal, std::string("the store met a fault of its own: ") + fault.what());
+        result = fail(Code::internal, std::string("the store has an internal fault: ") + fault.what());
       }
       if (!result) ended_jobs_.resize(ended_before);
       return result.has_value();

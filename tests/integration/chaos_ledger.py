@@ -10,7 +10,7 @@ ENDED = ("succeeded", "failed", "cancelled")
 ENDINGS = ("succeeded", "cancelled", "refused", "crashed twice", "lost ten times")  # the categories of the figures
 # The message in the log of a job for each retry.
 BROKE_DOWN = "its process broke down, queued again"
-LOST = ("its worker was lost, queued again", "its worker met a fault of its own, queued again")
+LOST = ("its worker was lost, queued again", "its worker had an internal fault, queued again")
 
 
 class Ledger:

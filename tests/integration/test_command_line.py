@@ -176,7 +176,7 @@ class Summary(Case):
 class Inspect(Case):
     SCANS = {"newborn.stl": made_scans.newborn, "adult.stl": made_scans.adult, "bust.obj": made_scans.bust,
              "corrupt-head.glb": made_scans.corrupt}
-    REFUSED = {"bust.obj": "the scan's unit cannot be told",
+    REFUSED = {"bust.obj": "the scan's unit is not clear",
                "corrupt-head.glb": "replaced by the mark for unreadable text"}
 
     def test_every_scan_is_described_or_refused(self):

@@ -198,7 +198,7 @@ class AsService(Hostile):
     def test_without_landlock_a_worker_does_not_start(self):
         worker = self.alone(confine.without_landlock())
         self.assertEqual(worker.wait(timeout=60), 2)
-        self.assertIn("this machine does not give landlock, without which no job is run", self.log.read_text())
+        self.assertIn("this machine lacks landlock, without which no job runs", self.log.read_text())
         self.assertIn("set sandbox to best-effort", self.log.read_text())
 
     def test_without_landlock_the_best_effort_keeps_all_but_this_user_s_own_files(self):

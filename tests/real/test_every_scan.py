@@ -11,8 +11,8 @@ SCANS = {file: functools.partial(real_scans.scan, file) for file in real_scans.F
 
 class Inspect(test_command_line.Inspect):
     SCANS = SCANS
-    REFUSED = {"bust-demosthenes.obj": "the scan's unit cannot be told",
-               "bust-gutenberg-ascii.stl": "the scan's unit cannot be told",
+    REFUSED = {"bust-demosthenes.obj": "the scan's unit is not clear",
+               "bust-gutenberg-ascii.stl": "the scan's unit is not clear",
                "corrupt-head.glb": "replaced by the mark for unreadable text"}
 
 

@@ -31,7 +31,7 @@ void WorkerConfiguration::add_to(ConfigurationSources& sources) {
       ->type_name("FILE");
   sources.add("name", &name, "Name of this worker in the server's log");
   sources.add("work", &work, "Folder for the jobs' private folders")->type_name("DIR");
-  sources.add("poll_seconds", &poll_seconds, "Pause between two questions for a job")
+  sources.add("poll_seconds", &poll_seconds, "Pause between two requests for a job")
       ->check(CLI::Range(0.05, 3600.0));
   sources
       .add("keep", &keep,

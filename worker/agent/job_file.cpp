@@ -29,7 +29,7 @@ Result<std::optional<JobFile>> open_job_file(int home, const char* folder, const
   if (::fstat(file.descriptor.number(), &info) != 0 || !S_ISREG(info.st_mode))
     return refuse("not a regular file");
   if (info.st_uid != ::geteuid()) return refuse("it belongs to another user");
-  if (info.st_nlink != 1) return refuse("it has another name elsewhere");
+  if (info.st_nlink != 1) return refuse("it has a second name (a hard link)");
   file.bytes = static_cast<std::uint64_t>(info.st_size);
   if (file.bytes > largest) return refuse("it is too large");
   return std::optional<JobFile>(std::move(file));

@@ -249,7 +249,7 @@ class LeasedJob {
                   "can give the "
                   "worker more memory");
     return fail(Code::internal, "the pipeline broke down on this scan and pattern", "",
-                "try other settings; if it stays so, report it with the job's id");
+                "try other settings; if it happens again, report it with the job's id");
   }
 
   const LeaseLoop& loop_;

@@ -31,8 +31,7 @@ Result<Sandbox> choose_sandbox(const LeaseLoop& loop, const std::string& setting
   std::string lacks;
   for (const std::string& measure : found.measures(false))
     if (measure != "namespaces") lacks.append(lacks.empty() ? "" : " and ").append(measure);
-  return fail(Code::bad_usage, "this machine does not give " + lacks + ", without which no job is run",
-              "--sandbox",
+  return fail(Code::bad_usage, "this machine lacks " + lacks + ", without which no job runs", "--sandbox",
               "use a kernel with Landlock (5.13 or newer, in the list of /sys/kernel/security/lsm) and a "
               "container that allows "
               "Landlock and seccomp; or set sandbox to best-effort, if you trust every file that is sent");

@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return cli::refuse(cli::out_of_memory());
   } catch (const std::exception& fault) {
-    return cli::refuse({Code::internal, std::string("a fault of Vacuform's own: ") + fault.what(), "",
+    return cli::refuse({Code::internal, std::string("internal fault: ") + fault.what(), "",
                         "please report it with the command that you gave"});
   }
 }

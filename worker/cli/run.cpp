@@ -59,7 +59,7 @@ Result<void> run(const RunOptions& o, const Context& context) {
 // The table of the report on the terminal.
 void print_sensitivity(const nlohmann::ordered_json& report) {
   if (!report.contains("sensitivity")) return;
-  std::printf("how far the coils' centres land off, mm      mean      max\n");
+  std::printf("shift of the coils' centres, mm              mean      max\n");
   for (const auto& change : report["sensitivity"]["changes"]) {
     const auto text = change["text"].get<std::string>();
     if (change["mean_mm"].is_null())
@@ -111,9 +111,8 @@ void add_run(CLI::App& app, int& exit_code) {
                    std::string(reference_hint) + " The print and the report show it")
       ->type_name("TEXT");
   options->settings.add_to(*command);
-  command->add_flag(
-      "--sensitivity", options->sensitivity,
-      "Form seven times more, each with one thing changed, and tell how far the coils land off");
+  command->add_flag("--sensitivity", options->sensitivity,
+                    "Form seven times more, each with one thing changed, and report how far the coils move");
   CLI::Option* progress = add_progress_option(*command, options->progress);
   const auto added = options->outcome.add_to(*command);
   added.json->excludes(progress);

@@ -21,7 +21,7 @@ struct Vent {
   double diameter_mm;
 };
 
-// How the simulation went, for report.json.
+// Figures of the simulation, for report.json.
 struct FormingSummary {
   int drape_steps = 0, vacuum_steps = 0;
   int iterations = 0;  // of the solver, all steps

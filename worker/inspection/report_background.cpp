@@ -72,24 +72,25 @@ std::string process_section(const ReportJson& report) {
   const ReportJson& f = at(report, {"forming"});
   const ReportJson& converged = at(f, {"converged"});
   fact(forming, "Came to rest", converged.is_boolean() ? (converged.get<bool>() ? "yes" : "no") : "–");
-  fact(forming, "Force out of balance, of a node's pressure", text_of(at(f, {"residual"})));
-  fact(forming, "Farthest from the mold where it touches", number_text(at(f, {"gap_mm", "max"}), 3, "mm"));
-  fact(forming, "Farthest that the mold stands out of it",
+  fact(forming, "Largest force imbalance, of the pressure on a node", text_of(at(f, {"residual"})));
+  fact(forming, "Largest gap where the sheet touches the mold",
+       number_text(at(f, {"gap_mm", "max"}), 3, "mm"));
+  fact(forming, "Largest penetration of the mold through the sheet",
        number_text(at(f, {"penetration_mm", "max"}), 3, "mm"));
-  fact(forming, "Plastic lost or gained", text_of(at(f, {"mass_error"})));
-  fact(forming, "Force of the supports against the pressure's", text_of(at(f, {"force_error"})));
+  fact(forming, "Change of the plastic's volume", text_of(at(f, {"mass_error"})));
+  fact(forming, "Support force against pressure force", text_of(at(f, {"force_error"})));
   fact(forming, "Pressure reached", number_text(at(f, {"pressure_kpa"}), 1, "kPa"));
   fact(forming, "Steps of the drape, of the vacuum; iterations",
        text_of(at(f, {"drape_steps"})) + ", " + text_of(at(f, {"vacuum_steps"})) + "; " +
            text_of(at(f, {"iterations"})));
   fact(forming, "Vertices, triangles", text_of(at(f, {"vertices"})) + ", " + text_of(at(f, {"triangles"})));
   fact(forming, "Triangles compressed or folded", text_of(at(f, {"slack_triangles"})));
-  fact(forming, "Triangles of the chart turned over", text_of(at(report, {"flattening", "flipped"})));
+  fact(forming, "Flipped triangles of the chart", text_of(at(report, {"flattening", "flipped"})));
   fact(forming, "Mold", sizes(at(report, {"mold", "size_mm"}), 1, "mm"));
   fact(forming, "Undercuts", text_of(at(report, {"mold", "undercut_count"})));
   return "<h2>Vents</h2>\n" + vents_table(at(report, {"vents"})) + "<h2>Heat and forming</h2>\n" +
-         html::facts("How warm the sheet met the mold", heat) +
-         html::facts("How the simulation went", forming);
+         html::facts("Temperature of the sheet when it met the mold", heat) +
+         html::facts("Figures of the simulation", forming);
 }
 
 std::string sensitivity_section(const ReportJson& report) {
@@ -99,8 +100,8 @@ std::string sensitivity_section(const ReportJson& report) {
   for (const auto& change : changes)
     rows.push_back({text_of(at(change, {"text"})), number_text(at(change, {"mean_mm"}), 2),
                     number_text(at(change, {"max_mm"}), 2)});
-  return "<h2>What the print hangs on</h2>\n" +
-         html::table("How far the centres of the coils land off when one thing is not as it was said",
+  return "<h2>What the print depends on</h2>\n" +
+         html::table("Shift of the coils' centres when one thing differs from the settings",
                      {{"If"}, {"Mean, mm", true}, {"Worst coil, mm", true}}, rows);
 }
 

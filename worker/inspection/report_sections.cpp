@@ -96,7 +96,7 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
         std::pair{"area_ratio", "Area: larger or smaller, mean (95 % below)"}})
     for (const auto& [part, where] :
          {std::pair{"elements", "Around the coils"}, std::pair{"", "The whole chart"},
-          std::pair{"favoured", "Its favoured region"}, std::pair{"rest", "Its rest"}})
+          std::pair{"favoured", "The region with more weight"}, std::pair{"rest", "Its rest"}})
       both(std::string(where) + ". " + title, [name = key, region = part](const ReportJson& way) {
         const ReportJson& of = *region == 0 ? at(way, {name}) : at(way, {region, name});
         return pair_text(number_text(at(of, {"mean"}), 3, "×"), number_text(at(of, {"p95"}), 3, "×"));

@@ -118,7 +118,7 @@ class Reader {
       const std::string_view text = trimmed(root_.attribute(name).value());
       if (text.empty() || text.ends_with('%') || text == "auto") return 0;
       const auto px = svg_length(text, LengthOf::width, {0, 0});
-      if (!px) refuse("a size in units that hang on a font", "give its size in mm");
+      if (!px) refuse("a size in units that depend on a font", "give its size in mm");
       return px.value_or(0);
     };
     const double width = absolute("width"), height = absolute("height");
@@ -163,8 +163,8 @@ class Reader {
     const auto set = [&](Property p, std::string_view off) { return style[p] != off; };
     if (set(Property::clip_path, "none")) refuse("clipping paths", "cut the shapes themselves");
     if (set(Property::mask, "none")) refuse("masks", "cut the shapes themselves");
-    if (set(Property::filter, "none")) refuse("filters", "take them away");
-    if (set(Property::mix_blend_mode, "normal")) refuse("blend modes", "take them away");
+    if (set(Property::filter, "none")) refuse("filters", "remove them");
+    if (set(Property::mix_blend_mode, "normal")) refuse("blend modes", "remove them");
     if (set(Property::transform, "none") || set(Property::transform_origin, ""))
       refuse("transforms in styles", "export it with plain attributes");
     under.opacity *= svg_opacity(style[Property::opacity]).value_or(1);
@@ -298,7 +298,7 @@ class Reader {
     };
     const auto w = side(width, LengthOf::width, under.viewport.x()),
                h = side(height, LengthOf::height, under.viewport.y());
-    if (!w || !h) return refuse("a size in units that hang on a font", "give sizes in mm");
+    if (!w || !h) return refuse("a size in units that depend on a font", "give sizes in mm");
     if (!(*w > 0) || !(*h > 0)) return;
     if (local_name(node) == "svg")
       under.to_pattern.translate(
@@ -334,7 +334,7 @@ class Reader {
       if (child.type() != pugi::node_element || local_name(child) == "foreignObject" ||
           child.attribute("requiredExtensions"))
         continue;
-      if (child.attribute("systemLanguage")) return refuse("parts for one language", "take them away");
+      if (child.attribute("systemLanguage")) return refuse("parts for one language", "remove them");
       return visit(child, under);
     }
   }
@@ -383,7 +383,7 @@ class Reader {
       for (Vector2d& p : curve.points) {
         p = under.to_pattern * p;
         if (!p.allFinite() || p.cwiseAbs().maxCoeff() > farthest_mm)
-          return refuse("shapes far off the page", "take them away");
+          return refuse("shapes far off the page", "remove them");
         box.extend(p);
       }
       for (std::size_t i = 1; i < curve.points.size(); ++i)

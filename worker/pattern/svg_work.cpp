@@ -140,7 +140,7 @@ class Counter {
     if (selectors_ * elements_ * (sheets_.complete() ? 1 : 100) > most_matches)
       return too_much("the SVG has too many style rules for its elements",
                       selectors_ * elements_ * (sheets_.complete() ? 1 : 100), most_matches,
-                      "export it with plain attributes in place of style sheets", file_name_);
+                      "export it with plain attributes instead of style sheets", file_name_);
     const Part all = part(root_, Style(), 0);
     if (too_deep_)
       return too_much("the SVG nests references to elements too deeply", most_hops + 1, most_hops,
@@ -448,7 +448,7 @@ Result<double> affordable_pixels(const SvgWork& work, double wanted, const std::
   if (pixels >= std::min(wanted, fewest_pixels)) return pixels;
   return too_much("the SVG paints too much over itself, in pages", work.pages + work.layers,
                   most_seconds / (fewest_pixels * seconds_a_painted_pixel),
-                  "take away masks, filters, patterns and transparent groups, or give a picture", file_name);
+                  "remove masks, filters, patterns and transparent groups, or give a picture", file_name);
 }
 
 }  // namespace vacuform

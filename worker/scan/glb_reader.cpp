@@ -235,7 +235,7 @@ struct Reader {
       const auto [index, parent] = open.back();
       open.pop_back();
       const json* node = nth(root, "nodes", index);
-      if (!node) return corrupt("node " + std::to_string(index) + " of the GLB file is no object", where);
+      if (!node) return corrupt("node " + std::to_string(index) + " of the GLB file is not an object", where);
       const auto local = local_transform(*node);
       if (!local)
         return corrupt("node " + std::to_string(index) + " of the GLB file has no valid transform", where);
@@ -247,11 +247,11 @@ struct Reader {
         return corrupt("node " + std::to_string(index) + " of the GLB file names a mesh that is not there",
                        where);
       for (const auto& p : (*mesh)["primitives"]) {
-        if (!p.is_object()) return corrupt("a primitive of the GLB file is no object", where);
+        if (!p.is_object()) return corrupt("a primitive of the GLB file is not an object", where);
         VACUFORM_CHECK(primitive(p, transform));
       }
     }
-    if (!sound) return corrupt("the nodes of the GLB file are no forest", where);
+    if (!sound) return corrupt("the nodes of the GLB file do not form a tree", where);
     return {};
   }
 };
@@ -289,10 +289,10 @@ Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgr
   if (!root.is_object()) return damaged("the JSON chunk of the GLB file is not valid");
 
   if (const auto required = root.find("extensionsRequired"); required != root.end()) {
-    if (!required->is_array()) return corrupt("extensionsRequired of the GLB file is no list", where);
+    if (!required->is_array()) return corrupt("extensionsRequired of the GLB file is not a list", where);
     for (const auto& extension : *required) {
       if (!extension.is_string())
-        return corrupt("extensionsRequired of the GLB file holds something else than names", where);
+        return corrupt("extensionsRequired of the GLB file has entries that are not names", where);
       const auto& name = extension.get_ref<const std::string&>();
       if (!harmless(name))
         return fail(Code::unsupported_format,

@@ -37,7 +37,7 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
         if (corner.empty() || corner.front() == '#') break;
         std::int64_t index = 0;
         if (!parse_integer(corner.substr(0, corner.find('/')), index) || index == 0)
-          return corrupt("\"" + std::string(corner.substr(0, 40)) + "\" is no corner of a face", at());
+          return corrupt("\"" + std::string(corner.substr(0, 40)) + "\" is not a corner of a face", at());
         const auto count = static_cast<std::int64_t>(vertices.size());
         index = index < 0 ? count + index : index - 1;
         if (index < 0 || index >= static_cast<std::int64_t>(scan_limits.vertices))

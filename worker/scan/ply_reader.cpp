@@ -179,7 +179,7 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
         return corrupt("a PLY element declares more than 1024 properties", at());
       element.properties.push_back(property);
     } else if (word != "comment" && word != "obj_info" && !word.empty()) {
-      return corrupt("\"" + std::string(word.substr(0, 40)) + "\" is no word of a PLY header", at());
+      return corrupt("\"" + std::string(word.substr(0, 40)) + "\" is not a keyword of a PLY header", at());
     }
   }
   return corrupt("the PLY header has no end_header", where);
@@ -236,7 +236,7 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
       const auto at = [&] { return where + ", " + element.name.substr(0, 40) + " " + std::to_string(row); };
       const auto ended = [&] {
         return corrupt(values.remaining() == 0 || !ascii ? "the PLY file ends within its data"
-                                                         : "a word of the PLY data is no number",
+                                                         : "a word of the PLY data is not a number",
                        at());
       };
       Eigen::Vector3d point = Eigen::Vector3d::Zero();
@@ -266,7 +266,7 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
           }
           if (!(index >= 0) || index != std::floor(index) ||
               index >= static_cast<double>(scan_limits.vertices))
-            return corrupt("a face of the PLY file names a vertex that cannot be", at());
+            return corrupt("a face of the PLY file names a vertex that does not exist", at());
           largest = std::max(largest, index);
           corners.push_back(index);
           if (triangles.size() + corners.size() > scan_limits.triangles + 2)

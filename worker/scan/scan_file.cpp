@@ -158,7 +158,7 @@ Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const Scan
       return corrupt("a coordinate of the scan is not a finite number",
                      file_name + ", vertex " + std::to_string(i + 1));
     if (p.cwiseAbs().maxCoeff() > scan_limits.coordinate)
-      return corrupt("a coordinate of the scan is absurd, beyond 10,000,000",
+      return corrupt("a coordinate of the scan is implausible, beyond 10,000,000",
                      file_name + ", vertex " + std::to_string(i + 1));
   }
   if (scan.mesh.triangles.empty())

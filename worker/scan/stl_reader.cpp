@@ -82,7 +82,7 @@ Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const Sca
                !word.empty()) {
       // Only "solid" may be followed by free text; some exporters let its name run over several lines.
       if (facets > 0 || in_facet)
-        return corrupt("\"" + std::string(word.substr(0, 40)) + "\" is no word of an ASCII STL file", at());
+        return corrupt("\"" + std::string(word.substr(0, 40)) + "\" is not a keyword of ASCII STL", at());
     }
   }
   if (in_facet) return corrupt("the file ends within a facet", at());

@@ -79,8 +79,8 @@ Result<Unit> guess_unit(double longest_side, const std::string& where) {
   }
   if (fitting.size() == 1) return fitting.front();
   const std::string what =
-      fitting.empty() ? "the scan's unit cannot be told: in none is its longest side 80 to 400 mm: " + all
-                      : "the scan's unit cannot be told: its longest side is plausible in " + candidates;
+      fitting.empty() ? "the scan's unit is not clear: in none is its longest side 80 to 400 mm: " + all
+                      : "the scan's unit is not clear: its longest side is plausible in " + candidates;
   // What is proposed must be accepted.
   Unit nearest = units.front();  // to a head's 200 mm, as a ratio
   for (const Unit unit : units)

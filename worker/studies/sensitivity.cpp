@@ -78,7 +78,7 @@ std::vector<Change> changes(const Mold& mold, const Settings& nominal, const Tem
     s = nominal;
     const bool neo = nominal.forming.law == MembraneLaw::neo_hookean;
     s.forming.law = neo ? MembraneLaw::mooney_rivlin : MembraneLaw::neo_hookean;
-    add("law", neo ? "Mooney-Rivlin in place of neo-Hookean" : "neo-Hookean in place of Mooney-Rivlin", s);
+    add("law", neo ? "Mooney-Rivlin instead of neo-Hookean" : "neo-Hookean instead of Mooney-Rivlin", s);
     // The pressure counts over the modulus alone.
     s = nominal;
     s.machine.vacuum_kpa /= stiffer;

@@ -244,8 +244,8 @@ TEST_F(ServerLimits, SettingsAreBounded) {
   expect_problem(submit(part("settings", "", std::string(70'000, ' '))), 413,
                  "the settings are longer than 64 KiB");
   expect_problem(submit(part("print.dpi", "", "300") + part("print.dpi", "", "300")), 400,
-                 "an unknown or doubled part of the form: print.dpi");
-  expect_problem(submit(part("virus", "x.exe", "MZ")), 400, "an unknown or doubled part of the form: virus");
+                 "an unknown or repeated part of the form: print.dpi");
+  expect_problem(submit(part("virus", "x.exe", "MZ")), 400, "an unknown or repeated part of the form: virus");
   expect_problem(submit(part("scan", "again.stl", "x")), 400, "there is more than one scan");
   EXPECT_EQ(jobs(), 0);
 }
@@ -330,7 +330,7 @@ TEST_F(ServerLimits, PathsLeadNowhereElse) {
 
 TEST_F(ServerLimits, AFaultKeepsItsTextToItself) {
   const Answer answer = ask("GET", "/fault");
-  expect_problem(answer, 500, "the server met a fault of its own");
+  expect_problem(answer, 500, "the server has an internal fault");
   EXPECT_EQ((answer.head + answer.body).find("secret"), std::string::npos);
 }
 

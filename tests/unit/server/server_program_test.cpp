@@ -248,7 +248,7 @@ TEST_F(ServerProgram, OneServerAPort) {
   const pid_t first = process_;
   start({"--listen", "127.0.0.1:" + std::to_string(port_), "--data", folder_ / "other"});
   EXPECT_EQ(wait(), 2);
-  EXPECT_NE(said().find("see whether another program listens there"), std::string::npos) << said();
+  EXPECT_NE(said().find("check whether another program listens there"), std::string::npos) << said();
   process_ = first;
   EXPECT_EQ(stop(SIGTERM), 0);
 }

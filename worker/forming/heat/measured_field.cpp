@@ -178,7 +178,7 @@ Result<TemperatureField> read_text(const MeasuredFile& file, const SheetSettings
 Result<TemperatureField> read_picture(const MeasuredFile& file, const SheetSettings& sheet,
                                       const HeatSettings& heat) {
   if (!heat.black_c || !heat.white_c)
-    return fail(Code::bad_settings, "nobody says which temperatures black and white of the picture are",
+    return fail(Code::bad_settings, "the temperatures of black and white in the picture are not given",
                 "heat.black_c", "give heat.black_c and heat.white_c");
   VACUFORM_TRY(picture, read_gray_png(file.bytes, file.name));
   std::vector<double> celsius;

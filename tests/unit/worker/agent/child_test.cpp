@@ -227,7 +227,7 @@ class ChildInNamespaces : public Child {
   void SetUp() override {
     Child::SetUp();
     sandbox.namespaces = true;
-    if (run("true").number != 0) GTEST_SKIP() << "this machine gives no namespaces";
+    if (run("true").number != 0) GTEST_SKIP() << "this machine provides no namespaces";
   }
 };
 

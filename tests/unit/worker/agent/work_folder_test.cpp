@@ -162,7 +162,7 @@ TEST_F(JobFiles, NothingElseIs) {
   EXPECT_EQ(refusal("link"), "a symbolic link");
   EXPECT_EQ(refusal("loop"), "a symbolic link");
   EXPECT_EQ(refusal("fifo"), "not a regular file");
-  EXPECT_EQ(refusal("hard"), "it has another name elsewhere");
+  EXPECT_EQ(refusal("hard"), "it has a second name (a hard link)");
   EXPECT_EQ(refusal("folder"), "not a regular file");
   EXPECT_EQ(refusal("large"), "it is too large");
   fs::rename(out, parent / "elsewhere");

@@ -323,7 +323,7 @@ TEST(Units, TwoPlausibleOnesAreNamedWithTheirSizes) {
   ASSERT_FALSE(mold);
   EXPECT_EQ(mold.error().code, Code::ambiguous_units);
   EXPECT_EQ(mold.error().text(),
-            "the scan's unit cannot be told: its longest side is plausible in cm (100 mm), in (254 mm) "
+            "the scan's unit is not clear: its longest side is plausible in cm (100 mm), in (254 mm) "
             "(scan.stl); say which, for example --set "
             "scan.units=cm");
 }
