@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import type {SettingsSchema} from '../src/api/types';
 import {
-  accepting, attemptFor, begun, changed, doubtsOf, emptyDraft, emptyForm, redone, restored, saved, scanSettings, separated, staleJob, statusOf,
+  accepting, attemptFor, withDefaultProfile, changed, doubtsOf, emptyDraft, emptyForm, redone, restored, saved, scanSettings, separated, staleJob, statusOf,
   submission, undone, withProfile, withSetting, withSettings, type DraftState, type Origin, type Pattern, type SentFile} from '../src/state/draft';
 
 const schema: SettingsSchema = {properties: {
@@ -23,10 +23,10 @@ test('a new print begins with the default profile, one from another job does not
   const profiles = [{name: 'small', changed: '', default: false, settings: {}},
                     {name: 'wide', changed: '', default: true, settings: {sheet: {width_mm: 450}, print: {dpi: 300}}}];
   const fresh = draft({schema, profiles});
-  assert.deepEqual(begun(fresh).form, {...emptyForm, profile: 'wide', settings: {sheet: {width_mm: 450}}});
-  assert.deepEqual(begun({...fresh, profiles: [profiles[0]!]}), {});
-  assert.deepEqual(begun({...fresh, form: {...emptyForm, reference: 'C-1'}}), {}, 'what a person has typed stays');
-  assert.deepEqual(begun({...fresh, from}), {});
+  assert.deepEqual(withDefaultProfile(fresh).form, {...emptyForm, profile: 'wide', settings: {sheet: {width_mm: 450}}});
+  assert.deepEqual(withDefaultProfile({...fresh, profiles: [profiles[0]!]}), {});
+  assert.deepEqual(withDefaultProfile({...fresh, form: {...emptyForm, reference: 'C-1'}}), {}, 'what a person has typed stays');
+  assert.deepEqual(withDefaultProfile({...fresh, from}), {});
 });
 
 test('undo and redo go over the whole form', () => {

@@ -158,7 +158,7 @@ void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double
 
 void find_webs(const FormedSheet& sheet, const std::vector<double>& area, double least_mm2,
                std::vector<Warning>& warnings) {
-  auto found = pieces(sheet, area, [&](std::size_t k) { return sheet.element_slack[k] != 0; });
+  auto found = pieces(sheet, area, [&](std::size_t k) { return sheet.element_wrinkled[k] != 0; });
   std::erase_if(found, [&](const Piece& p) { return p.area < least_mm2; });
   if (found.empty()) return;
   warnings.push_back({"webbing", "The sheet is compressed sideways and tends to fold, " + over(found),

@@ -50,7 +50,7 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
         0.5 * (out.formed[t[1]] - out.formed[t[0]]).cross(out.formed[t[2]] - out.formed[t[0]]).norm();
     out.element_thickness.push_back(thickness);
     const bool folded = state.folded[t[0]] || state.folded[t[1]] || state.folded[t[2]];
-    out.element_slack.push_back(folded || membrane.slack(state.x, static_cast<int>(k)));
+    out.element_wrinkled.push_back(folded || membrane.wrinkled(state.x, static_cast<int>(k)));
     total_area += membrane.rest_area(static_cast<int>(k));
     total_volume += formed * thickness;
     for (int v : t) area[v] += formed, volume[v] += formed * thickness;

@@ -63,7 +63,7 @@ struct FormedSheet {
   std::vector<double> contact_time;  // 0..1 while the frame descends, 1..2 on the vacuum ramp, NaN: never
   std::vector<double> element_thickness;  // mm, exact by conservation of mass per triangle
   std::vector<std::uint8_t>
-      element_slack;  // 1 where the sheet is compressed across its tension, or folds onto itself
+      element_wrinkled;  // 1 where the sheet is compressed across its tension, or folds onto itself
   FormingSummary summary;
   SurfaceFit fit;
   std::vector<Vent> vents;  // where air is trapped

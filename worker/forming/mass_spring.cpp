@@ -33,7 +33,6 @@ struct Moment {
 
 // The frame descends by at most half the grid spacing per increment, and the pressure grows from `first_kpa` by at most
 // `growth`.
-// most `growth`.
 std::vector<Moment> moments(const Process& process, double top_mm, double first_kpa) {
   const MachineSettings& m = process.machine;
   const double travel = std::max(0.0, top_mm - m.drape_height_mm), landed = travel / m.drape_speed_mm_s;

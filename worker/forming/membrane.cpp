@@ -7,7 +7,7 @@ namespace vacuform {
 
 namespace {
 
-constexpr double slack_stiffness = 1e-3;
+constexpr double wrinkled_stiffness = 1e-3;
 
 // W = c1 (I1 - 3) + c2 (I2 - 3) with l3 = 1 / (l1 l2) and c1 + c2 = 1/2 (shear modulus 1).
 struct Coefficients {
@@ -70,7 +70,7 @@ Density density(MembraneLaw law, double l1, double l2) {
   const Density full = plane_stress(c, l1, l2);
   if (l2 * l2 * l1 >= 1 && l1 >= 1) return full;
   Density d = uniaxial(c, l1);
-  constexpr double e = slack_stiffness;
+  constexpr double e = wrinkled_stiffness;
   d.W = (1 - e) * d.W + e * full.W;
   d.W1 = (1 - e) * d.W1 + e * full.W1;
   d.W2 = e * full.W2;
@@ -274,7 +274,7 @@ double Membrane::area_stretch(const Points& x, int triangle) const {
   return 0.5 * e1.cross(e2).norm() / area_[triangle];
 }
 
-bool Membrane::slack(const Points& x, int triangle) const {
+bool Membrane::wrinkled(const Points& x, int triangle) const {
   const Principal q = principal(deformation(x, triangle));
   return q.l1 > 1.001 && q.l2 * q.l2 * q.l1 < 0.99;
 }

@@ -2,7 +2,7 @@
 //
 // The energy is that of Pipkin's relaxed membrane ("The relaxed energy density for isotropic elastic membranes",
 // IMA J. Appl. Math. 1986): a triangle that is compressed across its tension wrinkles and carries tension only, so
-// the energy stays convex where a sheet webs. A small part `slack_stiffness` of the unrelaxed energy is kept there.
+// the energy stays convex where a sheet webs. A small part `wrinkled_stiffness` of the unrelaxed energy is kept there.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,7 +44,7 @@ class Membrane {
 
   // The stiffness against moving one vertex in the sheet's plane, and along its normal (by tension alone): the
   // coefficients (t11, t12, t22) of a scalar form in the triangle's rest frame, symmetric positive definite, per
-  // rest area. Means over the directions in the plane, with a small least value where the sheet is slack.
+  // rest area. Means over the directions in the plane, with a small least value where the sheet is wrinkled.
   Eigen::Vector3d tangential_stiffness(const Points& x, int triangle) const;
   Eigen::Vector3d normal_stiffness(const Points& x, int triangle) const;
   // Gradient of the three shape functions of a triangle in the rest plane, 1/mm (columns), and its rest area, mm^2.
@@ -65,7 +65,7 @@ class Membrane {
   // Formed area over rest area, and whether the triangle is wrinkled: stretched, and half a per cent narrower than that
   // tension alone would make it.
   double area_stretch(const Points& x, int triangle) const;
-  bool slack(const Points& x, int triangle) const;
+  bool wrinkled(const Points& x, int triangle) const;
 
  private:
   Eigen::Matrix<double, 3, 2> deformation(const Points& x, int triangle) const;

@@ -32,8 +32,8 @@ Json forming_of(const Finished& job) {
     if (sheet.contact[i] == Contact::platform) gap = std::max(gap, std::abs(sheet.formed[i].z()));
   }
   const FormingSummary& s = sheet.summary;
-  const auto slack =
-      std::count_if(sheet.element_slack.begin(), sheet.element_slack.end(), [](auto v) { return v != 0; });
+  const auto wrinkled = std::count_if(sheet.element_wrinkled.begin(), sheet.element_wrinkled.end(),
+                                      [](auto v) { return v != 0; });
   return {{"vertices", sheet.formed.size()},
           {"triangles", sheet.triangles.size()},
           {"vertices_by_contact",
@@ -51,7 +51,7 @@ Json forming_of(const Finished& job) {
           {"shear_modulus_kpa", rounded(s.shear_modulus_kpa, 3)},
           {"mass_error", significant(s.mass_error)},
           {"force_error", significant(s.force_error)},
-          {"slack_triangles", slack}};
+          {"wrinkled_triangles", wrinkled}};
 }
 
 // Of the sheet when it meets the mold, over the window of the clamp frame.

@@ -84,7 +84,7 @@ std::string process_section(const ReportJson& report) {
        text_of(at(f, {"drape_steps"})) + ", " + text_of(at(f, {"vacuum_steps"})) + "; " +
            text_of(at(f, {"iterations"})));
   fact(forming, "Vertices, triangles", text_of(at(f, {"vertices"})) + ", " + text_of(at(f, {"triangles"})));
-  fact(forming, "Triangles compressed or folded", text_of(at(f, {"slack_triangles"})));
+  fact(forming, "Triangles compressed or folded", text_of(at(f, {"wrinkled_triangles"})));
   fact(forming, "Flipped triangles of the chart", text_of(at(report, {"flattening", "flipped"})));
   fact(forming, "Mold", sizes(at(report, {"mold", "size_mm"}), 1, "mm"));
   fact(forming, "Undercuts", text_of(at(report, {"mold", "undercut_count"})));

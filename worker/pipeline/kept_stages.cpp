@@ -69,7 +69,7 @@ void fields(A& a, SurfaceFit& f) {
 template <class A>
 void fields(A& a, FormedSheet& s) {
   a(s.triangles, s.rest, s.formed, s.thickness, s.temperature, s.contact, s.contact_time, s.element_thickness,
-    s.element_slack, s.summary, s.fit, s.vents, s.warnings);
+    s.element_wrinkled, s.summary, s.fit, s.vents, s.warnings);
 }
 
 namespace {

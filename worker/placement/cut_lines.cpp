@@ -148,7 +148,7 @@ class Cutter {
     sheet_.triangles[index(t)] = pieces.front();
     for (std::size_t i = 1; i < pieces.size(); ++i) {
       sheet_.element_thickness.push_back(sheet_.element_thickness[index(t)]);
-      sheet_.element_slack.push_back(sheet_.element_slack[index(t)]);
+      sheet_.element_wrinkled.push_back(sheet_.element_wrinkled[index(t)]);
       on_chart_.push_back(row < 0 ? -1 : static_cast<int>(flat_.triangles.size()));
       if (row >= 0) {
         flat_.triangles.push_back(static_cast<int>(sheet_.triangles.size()));

@@ -27,10 +27,10 @@ constexpr double corner_cosine = 0.94;  // 20 degrees; chords of smooth curves t
 
 using Map = std::function<std::optional<Vector2d>(const Vector2d&)>;
 
-// What a shape is laid on.
-struct Ground {
-  Map rest_at;
-  const PatchMap* patch;  // whose outline cuts
+// Where a shape is sampled.
+struct Domain {
+  Map rest_at;            // drawing to flat sheet
+  const PatchMap* patch;  // its outline cuts the shape
 };
 
 double ink(const Colour& c) { return c.a * (1 - (0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b)); }
@@ -64,27 +64,27 @@ bool is_corner(const Vector2d& before, const Vector2d& after) {
 }
 
 // Along its patch's border, which neighbouring patches share, the curve is the border itself.
-Curve pulled_back(const Ring& ring, const Ground& ground) {
+Curve pulled_back(const Ring& ring, const Domain& domain) {
   std::vector<FitPoint> points;
   const std::size_t n = ring.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vector2d &a = ring[i], &b = ring[(i + 1) % n], &before = ring[(i + n - 1) % n];
-    const bool corner = is_corner(a - before, b - a) || ground.patch->is_border_vertex(a);
+    const bool corner = is_corner(a - before, b - a) || domain.patch->is_border_vertex(a);
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / sample_mm)));
     for (int k = 0; k < pieces; ++k)
-      if (const auto rest = ground.rest_at(a + (b - a) * k / pieces))
+      if (const auto rest = domain.rest_at(a + (b - a) * k / pieces))
         points.push_back({*rest, k == 0 && corner});
   }
   return fit_curve(points, true, fit_tolerance);
 }
 
-void pull_back(const Area& area, const Ground& ground, std::vector<Curve>& outlines) {
+void pull_back(const Area& area, const Domain& domain, std::vector<Curve>& outlines) {
   for (const Ring& ring : area)
-    if (Curve curve = pulled_back(ring, ground); curve.points.size() > 3)
+    if (Curve curve = pulled_back(ring, domain); curve.points.size() > 3)
       outlines.push_back(std::move(curve));
 }
 
-// The parts of a curve that lie on the ground and on the page.
+// The parts of a curve that lie on the domain and on the page.
 void pull_back_line(const std::vector<CurvePoint>& line, bool closed, const Map& rest_at,
                     const Vector2d& page, double width_mm, std::vector<Centreline>& out) {
   const auto place = [&](const Vector2d& uv) -> std::optional<Vector2d> {
@@ -156,7 +156,7 @@ class Puller {
     std::vector<Ring> rings;
     for (const Segment& chart : placement.charts) {
       maps_.push_back(std::make_unique<PatchMap>(chart.patch));
-      charts_.push_back(ground_of(*maps_.back()));
+      charts_.push_back(domain_of(*maps_.back()));
       rings.insert(rings.end(), maps_.back()->outline().begin(), maps_.back()->outline().end());
     }
     if (charts_.size() > 1) covered_ = union_of(rings);
@@ -191,17 +191,17 @@ class Puller {
     const auto placed = placed_.find(work.element);
     const bool own = !id.empty() && placed != placed_.end();
     const bool nowhere = !id.empty() && elements_placed_ && !own;
-    const std::vector<Ground> elements_own =
-        own ? std::vector{ground_of(*placed->second.map)} : std::vector<Ground>();
-    const std::vector<Ground>& grounds = own || nowhere ? elements_own : charts_;
+    const std::vector<Domain> elements_own =
+        own ? std::vector{domain_of(*placed->second.map)} : std::vector<Domain>();
+    const std::vector<Domain>& domains = own || nowhere ? elements_own : charts_;
     if (shape.fill) {
       const Area area = fill_area(shape.curves, shape.even_odd, polygon_tolerance);
-      paint(area, *shape.fill, grounds, work);
+      paint(area, *shape.fill, domains, work);
       const auto ring =
           shape.stroke || id.empty() || !(ink(*shape.fill) > 0) ? std::nullopt : filled_ring(area);
       if (ring)
-        for (const Ground& ground : grounds)
-          pull_back_line(closed_points(ring->line), true, ground.rest_at, drawing_.size_mm,
+        for (const Domain& domain : domains)
+          pull_back_line(closed_points(ring->line), true, domain.rest_at, drawing_.size_mm,
                          ring->width_mm * (own ? placed->second.size : scale_), work.centrelines);
     }
     if (!shape.stroke) return;
@@ -211,10 +211,10 @@ class Puller {
     for (const Curve& curve : shape.curves)
       if (!id.empty() || !elements_placed_ || !tied(curve, stroke, work)) plain.push_back(curve);
     if (plain.empty()) return;
-    paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, grounds, work);
+    paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, domains, work);
     if (!(ink(stroke.colour) > 0)) return;
     for (const Curve& curve : plain)
-      for (const Ground& ground : grounds) centre(flatten(curve, fine()), curve.closed, ground.rest_at, work);
+      for (const Domain& domain : domains) centre(flatten(curve, fine()), curve.closed, domain.rest_at, work);
   }
 
  private:
@@ -236,22 +236,22 @@ class Puller {
     for (double& d : stroke.dashes_mm) d *= factor;
   }
 
-  static Ground ground_of(const PatchMap& map) {
+  static Domain domain_of(const PatchMap& map) {
     return {[&map](const Vector2d& uv) { return map.rest_at(uv); }, &map};
   }
 
-  // On each of the grounds what lies there: pieces that meet on the sheet are one area, without a line between them.
-  void paint(const Area& drawn, const Colour& colour, const std::vector<Ground>& grounds, Work& work) const {
+  // On each of the domains what lies there: pieces that meet on the sheet are one area, without a line between them.
+  void paint(const Area& drawn, const Colour& colour, const std::vector<Domain>& domains, Work& work) const {
     const Area area = on_page(drawn, drawing_.size_mm);
     const double all = ink(colour) * square_mm(area);
     double kept = 0;
     PaintedArea out{{}, false, colour};
-    for (const Ground& ground : grounds) {
-      const Area part = on_patch(area, *ground.patch);
+    for (const Domain& domain : domains) {
+      const Area part = on_patch(area, *domain.patch);
       kept += ink(colour) * square_mm(part);
-      pull_back(part, ground, out.outlines);
+      pull_back(part, domain, out.outlines);
     }
-    if (grounds.size() > 1) kept = ink(colour) * square_mm(intersection(area, covered_));
+    if (domains.size() > 1) kept = ink(colour) * square_mm(intersection(area, covered_));
     work.painted += all;
     work.lost += all - kept;
     if (!out.outlines.empty()) work.areas.push_back(std::move(out));
@@ -287,9 +287,9 @@ class Puller {
     if (points.size() < 2) return false;
     const PatchMap& chart = *maps_.front();
     const TiedLine line(points, widest_mm(stroke), chart, start, end);
-    const Ground ground{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart};
-    paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, {ground}, work);
-    if (ink(stroke.colour) > 0) centre(points, false, ground.rest_at, work);
+    const Domain domain{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart};
+    paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, {domain}, work);
+    if (ink(stroke.colour) > 0) centre(points, false, domain.rest_at, work);
     return true;
   }
 
@@ -297,7 +297,7 @@ class Puller {
   const double scale_;
   const bool elements_placed_;
   std::vector<std::unique_ptr<PatchMap>> maps_;  // of the charts
-  std::vector<Ground> charts_;
+  std::vector<Domain> charts_;
   Area covered_;  // by the charts together, where they are several
   std::map<std::size_t, Placed> placed_;
   std::map<std::size_t, Inked> ink_;

@@ -143,7 +143,7 @@ export function withProfile(settings: Settings, former: Settings, next: Settings
 }
 
 // A new print begins with the default profile.
-export function begun(draft: DraftState): Partial<DraftState> {
+export function withDefaultProfile(draft: DraftState): Partial<DraftState> {
   const {schema, profiles, form} = draft, profile = profiles?.find((one) => one.default);
   if (!schema || !profile || draft.from || JSON.stringify(form) !== JSON.stringify(emptyForm)) return {};
   return {form: {...emptyForm, profile: profile.name, settings: withSettings({}, profile.settings, schema)}};

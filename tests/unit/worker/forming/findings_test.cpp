@@ -27,7 +27,7 @@ FormedSheet sheet_on_mold() {
     if (sheet.rest[v].cwiseAbs().maxCoeff() > 39) sheet.contact[v] = Contact::clamp;
   sheet.contact_time.assign(sheet.rest.size(), 0.5);
   sheet.element_thickness.assign(sheet.triangles.size(), 1.0);
-  sheet.element_slack.assign(sheet.triangles.size(), 0);
+  sheet.element_wrinkled.assign(sheet.triangles.size(), 0);
   return sheet;
 }
 
@@ -94,9 +94,9 @@ TEST(FormingFindings, WhatReachesThePlatformIsNoPocket) {
 
 TEST(FormingFindings, WebsAndThinPlacesAreSaid) {
   FormedSheet sheet = sheet_on_mold();
-  sheet.element_slack[0] = sheet.element_slack[1] = 1;  // 16 mm2: too small to speak of
+  sheet.element_wrinkled[0] = sheet.element_wrinkled[1] = 1;  // 16 mm2: too small to speak of
   EXPECT_EQ(codes(sheet), "");
-  for (int k = 100; k < 110; ++k) sheet.element_slack[k] = 1;
+  for (int k = 100; k < 110; ++k) sheet.element_wrinkled[k] = 1;
   sheet.element_thickness[7] = 0.29;
   const auto found = forming_findings(sheet, {}, 1.0).warnings;
   ASSERT_EQ(found.size(), 2u);
@@ -132,7 +132,7 @@ TEST(FormingFindings, ARingIsMarkedOnItself) {
   for (std::size_t k = 0; k < sheet.triangles.size(); ++k) {
     Eigen::Vector2d middle = Eigen::Vector2d::Zero();
     for (int v : sheet.triangles[k]) middle += sheet.rest[v] / 3;
-    sheet.element_slack[k] = middle.norm() > 20 && middle.norm() < 30;
+    sheet.element_wrinkled[k] = middle.norm() > 20 && middle.norm() < 30;
   }
   const auto found = forming_findings(sheet, {}, 1.0).warnings;
   ASSERT_EQ(found.size(), 1u);
@@ -147,7 +147,7 @@ TEST(FormingFindings, MarksAreTheWorstTwenty) {
   FormedSheet sheet = sheet_on_mold();
   for (int j = 0; j < 20; j += 3)
     for (int i = 0; i < 20; i += 3)
-      sheet.element_slack[2 * (20 * j + i)] = sheet.element_slack[2 * (20 * j + i) + 1] = 1;
+      sheet.element_wrinkled[2 * (20 * j + i)] = sheet.element_wrinkled[2 * (20 * j + i) + 1] = 1;
   FindingLimits limits;
   limits.web_mm2 = 10;
   const auto found = forming_findings(sheet, {}, 1.0, limits).warnings;

@@ -92,7 +92,7 @@ TEST(Membrane, UniformStretchCostsWhatTheLawSays) {
   const double area = 300.0 * 300.0;
   EXPECT_NEAR(membrane.energy(x, 0, g) / area, l * l + 0.5 / std::pow(l, 4) - 1.5, 1e-12);
   EXPECT_NEAR(membrane.area_stretch(x, 0), l * l, 1e-12);
-  EXPECT_FALSE(membrane.slack(x, 0));
+  EXPECT_FALSE(membrane.wrinkled(x, 0));
 }
 
 TEST(Membrane, FourTrianglesAtOnceAreFourTriangles) {

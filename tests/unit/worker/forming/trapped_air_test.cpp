@@ -96,7 +96,7 @@ struct Bowl {
         s.triangles.push_back({a, c, d});
       }
     s.element_thickness.assign(s.triangles.size(), 1);
-    s.element_slack.assign(s.triangles.size(), 0);
+    s.element_wrinkled.assign(s.triangles.size(), 0);
     return s;
   }
 };

@@ -77,7 +77,7 @@ TEST_F(KeptStagesTest, ASheetComesBackAsItWas) {
   EXPECT_EQ(back->contact, formed->contact);
   EXPECT_EQ(back->thickness, formed->thickness);
   EXPECT_EQ(back->element_thickness, formed->element_thickness);
-  EXPECT_EQ(back->element_slack, formed->element_slack);
+  EXPECT_EQ(back->element_wrinkled, formed->element_wrinkled);
   EXPECT_EQ(back->summary.iterations, formed->summary.iterations);
   EXPECT_EQ(back->summary.residual, formed->summary.residual);
   EXPECT_EQ(back->vents.size(), formed->vents.size());

@@ -5,8 +5,8 @@ import {extensionOf, markOf, removeUpload, startUpload, type Transfer, type Uplo
 import type {Job, ListedJob, ProblemBody, SettingsSchema} from '../../api/types';
 import {announce, store} from '../../state';
 import {
-  attemptFor, begun, changed, emptyDraft, emptyForm, hasPattern, hasScan, isNew, redone, restored, saved, scanSettings, separated,
-  storedUnder, submission, undone, withoutDefaults, withSetting, type Draft, type DraftState, type Form, type Pattern,
+  attemptFor, changed, emptyDraft, emptyForm, hasPattern, hasScan, isNew, redone, restored, saved, scanSettings, separated,
+  storedUnder, submission, undone, withDefaultProfile, withoutDefaults, withSetting, type Draft, type DraftState, type Form, type Pattern,
   type SentFile} from '../../state/draft';
 import {ended} from '../../api/types';
 import type {Warning} from '../../state/jobs';
@@ -43,7 +43,7 @@ export const readSchema = (): Promise<SettingsSchema> => reading ??= (async () =
   try {
     const [schema, {profiles}] = await Promise.all([api.schema(), api.profiles()]);
     update({schema, profiles, unread: null});
-    if (isNew) update(begun);
+    if (isNew) update(withDefaultProfile);
     return schema;
   } catch (error) {
     reading = null;
@@ -364,7 +364,7 @@ function reset(): void {
   stopInspection();
   const {tab, schema, profiles} = draft();
   store.set({draft: {...emptyDraft(tab), schema, profiles}});
-  update(begun);
+  update(withDefaultProfile);
 }
 
 // The draft that another one replaced: the person can go back to it.
