@@ -3,7 +3,7 @@ import type {
   Job, JobPage, LogLine, Plan, ProblemBody, Profile, Session, SettingsSchema, TokenInfo} from './types';
 
 export class Problem extends Error {
-  constructor(readonly body: ProblemBody, readonly requestId: string) {
+  constructor(readonly body: ProblemBody, readonly requestId = '') {
     super(body.what ?? body.title);
   }
   get code(): string {
@@ -15,9 +15,11 @@ export class Problem extends Error {
 }
 
 // The server cannot be reached: not an answer of it. Code "no-server", status 0.
-function noServer(error: unknown): Problem {
-  return new Problem({type: 'no-server', title: '', status: 0, what: String(error)}, '');
-}
+export const noServer = (error: unknown): Problem => new Problem({type: 'no-server', title: '', status: 0, what: String(error)});
+
+// A problem that findings.json names by its code.
+export type FoundProblem = Pick<ProblemBody, 'what' | 'where' | 'fix'> & {code: string};
+export const foundProblem = ({code, ...found}: FoundProblem): Problem => new Problem({...found, type: code, title: '', status: 422});
 
 let signedOut = (): void => {};
 // What to do when the session has ended.

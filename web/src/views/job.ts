@@ -1,8 +1,8 @@
 // One job: its progress while it runs, and then what came of it.
 import {el, replace, type Children} from '../dom';
-import {api, Problem} from '../api/client';
+import {api, foundProblem, Problem, type FoundProblem} from '../api/client';
 import {followJob} from '../api/events';
-import type {Job, ListedJob, ProblemBody, SettingsSchema} from '../api/types';
+import type {Job, ListedJob, SettingsSchema} from '../api/types';
 import {ended} from '../api/types';
 import {band, identityOf, nameOf, shortId} from '../parts/band';
 import {confirm} from '../parts/confirm';
@@ -194,7 +194,7 @@ class JobView extends View {
 
   #failed(job: Job): Children {
     return [
-      problemBox(job.problem ? new Problem(job.problem, '') : t('state.failed')),
+      problemBox(job.problem ? new Problem(job.problem) : t('state.failed')),
       el('p', {class: 'row'}, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('reset'), t('job.try_changed')))];
   }
 
@@ -255,14 +255,14 @@ class JobView extends View {
 
   #inspection(job: Job, report: Report): Children {
     const {scan, mold} = report;
-    const problem = report['problem'] as Pick<ProblemBody, 'what' | 'where' | 'fix'> & {code: string} | null | undefined;
+    const problem = report['problem'] as FoundProblem | null | undefined;
     const guessed = (text: string, isGuess: boolean): string => isGuess ? t('job.guessed', {text}) : text;
     return [
       el('section', {class: 'card stack'},
         report['fits'] === false
           ? el('p', {class: 'notice'}, icon('warning'), t('job.fits_not'))
           : el('p', {class: 'notice good'}, icon('check'), t('job.fits')),
-        problem && problemBox(new Problem({...problem, type: `/problems/${problem.code}`, title: '', status: 0}, '')),
+        problem && problemBox(foundProblem(problem)),
         el('p', null, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('print'), t('job.make_print')))),
       el('div', {class: 'columns'},
         el('section', {class: 'card'}, el('h2', null, t('job.warnings')), warningsList(report.warnings)),

@@ -4,7 +4,7 @@ import {confirm} from '../parts/confirm';
 import {icon, type IconName} from '../parts/icon';
 import {problemBox} from '../parts/problem';
 import {warningsList} from '../parts/warnings-list';
-import {Problem} from '../api/client';
+import {foundProblem, Problem} from '../api/client';
 import type {Settings, SettingsSchema} from '../api/types';
 import {toJob, toNew} from '../route';
 import {store} from '../state';
@@ -66,10 +66,10 @@ function findings(show: (place: readonly number[]) => void): HTMLElement {
       el('h3', {id: 'findings-title'}, t('new.findings')),
       problem ? problemBox(problem, () => void inspect())
       : !job ? el('p', null, again())
-      : job.state === 'failed' && job.problem ? problemBox(new Problem(job.problem, ''), () => void inspect())
+      : job.state === 'failed' && job.problem ? problemBox(new Problem(job.problem), () => void inspect())
       : found ? [
           old && el('p', {class: 'notice plain', role: 'status'}, icon('info'), el('span', null, t('new.findings_old')), again()),
-          found.problem && problemBox(new Problem({...found.problem, status: 422}, '')),
+          found.problem && problemBox(foundProblem(found.problem)),
           found.warnings.length > 0 || found.problem
             ? warningsList(found.warnings, show) : el('p', {class: 'notice good'}, icon('check'), t('new.no_findings')),
           el('p', null, el('a', {href: toJob(job.id)}, t('new.inspection_job')))]

@@ -3,7 +3,7 @@ import {el, newId, replace, type Children} from '../../dom';
 import {Problem} from '../../api/client';
 import type {SettingsSchema} from '../../api/types';
 import {icon} from '../../parts/icon';
-import {problemBox} from '../../parts/problem';
+import {problemBox, problemLine} from '../../parts/problem';
 import {choiceOf, labelOf, valueText} from '../../parts/settings-form';
 import {toJob} from '../../route';
 import {announce} from '../../state';
@@ -30,7 +30,7 @@ export interface CheckOptions {
 
 // What keeps the job from starting, each with the way to it.
 interface Fault {
-  text: string;
+  text: Children;
   go(): void;
 }
 function faultsOf(now: DraftState, {go}: CheckOptions): Fault[] {
@@ -38,14 +38,14 @@ function faultsOf(now: DraftState, {go}: CheckOptions): Fault[] {
     if (isText(where)) document.getElementById(`new-${where}`)?.focus();
     else if (!focusSetting(where)) go(sectionOf(where));
   };
-  const faults = Object.entries(now.faults).map(([id, text]) => ({text: `${isText(id) ? texts[id].label() : labelOf(id)}: ${text}`, go: to(id)}));
+  const faults: Fault[] = Object.entries(now.faults).map(([id, text]) => ({text: `${isText(id) ? texts[id].label() : labelOf(id)}: ${text}`, go: to(id)}));
   if (!hasScan(now)) faults.push({text: t(now.scan ? 'new.scan_not_sent' : 'new.scan_missing'), go: () => go('scan')});
   if (!hasPattern(now)) faults.push({text: t(now.form.pattern ? 'new.pattern_not_sent' : 'new.pattern_missing'), go: () => go('pattern')});
   if (now.problem && hasScan(now) && hasPattern(now)) {
-    const {what, where = '', fix, title} = now.problem;
+    const {where = ''} = now.problem;
     const setting = where.includes('.') && fieldOf(now.schema ?? {properties: {}}, where);
     const place = setting ? `${labelOf(where)}: ` : '';
-    faults.push({text: place + (now.problem.type === 'no-server' ? t('problem.no_server') : [what || title, fix && t('problem.fix', {fix})].filter(Boolean).join('. ')), go: to(where)});
+    faults.push({text: [place, problemLine(now.problem)], go: to(where)});
   }
   return faults;
 }
