@@ -1,6 +1,6 @@
 // Sends a large file in pieces by tus 1.0.0. It resumes where the server stands after every failure, and after a reload of
 // the page when the same file is given again.
-import {ask, noServer, Problem, problemOf} from './client';
+import {ask, hex, noServer, Problem, problemOf} from './client';
 
 export type TransferState = 'sending' | 'paused' | 'waiting' | 'done' | 'failed';
 export interface Transfer {
@@ -78,8 +78,8 @@ async function digest(bytes: ArrayBuffer): Promise<Uint8Array | null> {
 export async function markOf(file: Blob): Promise<string> {
   const mebi = 1024 * 1024;
   const ends = new Blob([file.slice(0, mebi), file.slice(Math.max(mebi, file.size - mebi))]);
-  const hash = await digest(await ends.arrayBuffer()) ?? [];
-  return `${file.size}-${[...hash].map((byte) => byte.toString(16).padStart(2, '0')).join('')}`;
+  const hash = await digest(await ends.arrayBuffer());
+  return `${file.size}-${hex(hash ?? [])}`;
 }
 
 export const extensionOf = (name: string): string =>

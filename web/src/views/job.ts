@@ -7,6 +7,7 @@ import {ended} from '../api/types';
 import {band, identityOf, nameOf, shortId} from '../parts/band';
 import {confirm} from '../parts/confirm';
 import {downloads, titleOf} from '../parts/downloads';
+import {facts} from '../parts/facts';
 import {icon} from '../parts/icon';
 import {logPart} from '../parts/log';
 import {problemBox} from '../parts/problem';
@@ -15,19 +16,16 @@ import {labelOf, valueText} from '../parts/settings-form';
 import {stateBadge} from '../parts/state-badge';
 import {warningsList} from '../parts/warnings-list';
 import {toJob, toJobs, toNew} from '../route';
-import {announce, store} from '../state';
+import {announce, setJobs, store} from '../state';
 import {fieldOf, staleJob} from '../state/draft';
-import {settingsOf, type JobsState, type Report, type Setting, type Warning} from '../state/jobs';
+import {settingsOf, type Report, type Setting, type Warning} from '../state/jobs';
 import {bytes, duration, number, t, textIfKnown, when} from '../text';
 import {follow, live, onEnd, View} from '../view';
 
 const queueEvery = 5000;  // ms: nothing tells a queued job that those before it are done
 
-const setJobs = (change: Partial<JobsState>): void => store.set((state) => ({jobs: {...state.jobs, ...change}}));
 const shown = (): Job | null => store.get().jobs.job;
 const phaseOf = (job: ListedJob | null): string => !job ? '' : ended(job.state) ? job.state : 'active';
-const facts = (...all: ([string, Children] | false | null | undefined)[]): HTMLElement =>
-  el('dl', {class: 'facts'}, ...all.flatMap((fact) => fact ? [el('dt', null, fact[0]), el('dd', null, fact[1])] : []));
 const size = (mm: readonly number[]): string => `${mm.map((side) => number(side, 0)).join(' × ')} mm`;
 
 interface Coupled {

@@ -1,8 +1,10 @@
 // One page from a scan to a started job. What the person has done so far is in the draft, which outlives a reload.
 import {el, replace, type Children} from '../dom';
+import {shortId} from '../parts/band';
 import {confirm} from '../parts/confirm';
 import {icon, type IconName} from '../parts/icon';
 import {problemBox} from '../parts/problem';
+import {setTitle} from '../parts/progress';
 import {warningsList} from '../parts/warnings-list';
 import {foundProblem, Problem} from '../api/client';
 import type {Settings, SettingsSchema} from '../api/types';
@@ -117,7 +119,7 @@ function scanSection(schema: SettingsSchema): Children {
 function originNotice(): HTMLElement {
   return live((state) => state.draft.from, (from): Children => [
     from && el('p', {class: 'notice plain', role: 'status'}, icon('copy'), el('span', null,
-      t('new.from_job'), ' ', el('a', {href: toJob(from.job)}, from.job.slice(-8)), '. ',
+      t('new.from_job'), ' ', el('a', {href: toJob(from.job)}, shortId(from.job)), '. ',
       t(from.pattern ? 'new.from_all' : from.kind === 'layout' ? 'new.from_layout' : 'new.from_scan'))),
     hasBefore() && el('p', {class: 'notice plain', role: 'status'}, icon('undo'), el('span', null, t('new.before')),
       el('button', {type: 'button', onclick: () => { goBack(); location.hash = toNew(); }}, t('new.go_back')))]);
@@ -165,7 +167,7 @@ function step(section: Section, at: number, content: Children): HTMLElement {
 
 class NewPrint extends View {
   protected build(): Children {
-    document.title = `${t('shell.new')} – ${t('shell.name')}`;
+    setTitle(t('shell.new'));
     const failed = el('div', null);
     begin();
     follow((state) => state.route, (route) => {

@@ -1,5 +1,5 @@
 // What happens to the draft: files on their way, jobs that prepare the print, the quiet check, the start.
-import {api, Problem, type FoundProblem} from '../../api/client';
+import {api, Problem, randomKey, type FoundProblem} from '../../api/client';
 import {followJob} from '../../api/events';
 import {extensionOf, markOf, removeUpload, startUpload, type Transfer, type Upload} from '../../api/upload';
 import type {Job, ListedJob, SettingsSchema} from '../../api/types';
@@ -31,8 +31,6 @@ export function redo(): void {
   announce(t('new.redone'));
 }
 
-const randomKey = (): string =>
-  [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 const problemOf = (error: unknown): Problem =>
   error instanceof Problem ? error : new Problem({type: 'about:blank', title: '', status: 0, what: String(error)});
 
