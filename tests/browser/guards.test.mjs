@@ -45,6 +45,13 @@ test('a scan whose left ear is on the wrong side is called a mirror image', asyn
   await askedAbout({page, service}, /The scan may be a mirror image/);
 });
 
+test('a scan that does not fit is explained before anything is started', async ({page, jobs}) => {
+  await show(page, `#/new?from=${jobs.failed}`);
+  await page.getByRole('button', {name: 'Examine the scan'}).click();
+  await page.getByRole('alert').getByText('Code: does-not-fit').waitFor({timeout: 60_000});
+  assert.deepEqual(page.faults, []);
+});
+
 test('a print for the inner face says so on the page, on the sheet and in the name of the file', async ({page, service}) => {
   const {id} = await service.print({reference: 'FACE-1'}, {...quick, pattern: {inked_face: 'inner'}});
   await show(page, `#/jobs/${id}`);

@@ -142,7 +142,7 @@ export function checkSection(options: CheckOptions): Children {
     const title = newId('faults');
     const head = el('h3', {id: title, tabindex: -1}, icon('error'), ' ', t('problem.title'));
     replace(summary, el('div', {class: 'problem', role: 'alert', 'aria-labelledby': title}, head,
-      el('ul', null, faults.map((fault) => el('li', null, el('button', {type: 'button', class: 'plain link', onclick: fault.go}, fault.text))))));
+      el('ul', null, faults.map((fault) => el('li', null, el('button', {type: 'button', class: 'plain link', onclick: fault.go}, el('span', null, fault.text)))))));
     setTitle(`${t('new.error_title')}: ${t('shell.new')}`);
     head.scrollIntoView({block: 'center'});
     head.focus({preventScroll: true});
