@@ -39,8 +39,8 @@ function sources(folder) {
   });
 }
 
-// Texts of what the server names: a setting, a warning, a problem... They are looked up by its name.
-const ofServer = /^(setting|group|choice|warning|stage|state|kind|artifact|scope|severity)\./;
+// Texts of what the server names: a setting, a warning, an error... They are looked up by its name.
+const ofServer = /^(setting|group|choice|warning|error|stage|state|kind|artifact|scope|severity)\./;
 
 // `strict`: unused messages are faults too.
 export function checkMessages(lang, src, strict = true) {

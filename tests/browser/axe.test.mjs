@@ -1,20 +1,11 @@
 // axe finds no violation in any view, in light and in dark, nor in open dialogs and error states.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {settled, show, signIn, startBrowser, startFurnished, viewsOf, violations} from './drive.mjs';
+import {settled, setUp, show, viewsOf, violations} from './drive.mjs';
 
-let service;
-let jobs;
-let browser;
-before(async () => {
-  browser = await startBrowser();
-  ({service, jobs} = await startFurnished());
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp();
 
 for (const [colorScheme, viewport] of [['light', {width: 1280, height: 800}], ['dark', {width: 390, height: 844}]]) {
-  test(`no view has a violation in ${colorScheme} at ${viewport.width} pixels`, async () => {
-    const page = await signIn(browser, service, {colorScheme, viewport});
+  test(`no view has a violation in ${colorScheme} at ${viewport.width} pixels`, {colorScheme, viewport}, async ({page, jobs}) => {
     const found = {};
     for (const [name, hash] of Object.entries(viewsOf(jobs))) {
       await show(page, hash);
@@ -22,12 +13,10 @@ for (const [colorScheme, viewport] of [['light', {width: 1280, height: 800}], ['
       if (broken.length > 0) found[name] = broken;
     }
     assert.deepEqual(found, {});
-    await page.context().close();
   });
 }
 
-test('open dialogs, menus and folded parts have no violation', async () => {
-  const page = await signIn(browser, service);
+test('open dialogs, menus and folded parts have no violation', async ({page, jobs}) => {
   await show(page, '#/jobs');
   await page.getByRole('button', {name: /^Delete/}).first().click();
   await page.getByRole('dialog').waitFor();
@@ -46,11 +35,9 @@ test('open dialogs, menus and folded parts have no violation', async () => {
   await page.locator('main details').evaluateAll((all) => { for (const details of all) details.open = true; });
   await settled(page);
   assert.deepEqual(await violations(page), []);
-  await page.context().close();
 });
 
-test('error states have no violation', async () => {
-  const page = await signIn(browser, service);
+test('error states have no violation', async ({page}) => {
   await show(page, '#/admin/tokens');
   await page.getByRole('button', {name: 'Create the token'}).click();
   await page.getByText('lower-case letters (a to z), digits and hyphens').first().waitFor();
@@ -66,5 +53,4 @@ test('error states have no violation', async () => {
   await page.getByRole('alert').first().waitFor();
   await settled(page);
   assert.deepEqual(await violations(page), []);
-  await page.context().close();
 });

@@ -5,19 +5,12 @@ import {execFileSync} from 'node:child_process';
 import {mkdtempSync, readdirSync, readFileSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
+import {test} from 'node:test';
 import {gzipSync} from 'node:zlib';
-import {drawn, show, signIn, startBrowser, startFurnished, web} from './drive.mjs';
+import {drawn, setUp, show, web} from './drive.mjs';
 import {largeSheet} from './large-sheet.mjs';
 
-let service;
-let jobs;
-let browser;
-before(async () => {
-  browser = await startBrowser();
-  ({service, jobs} = await startFurnished());
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const testPage = setUp();
 
 test('the built application has at most 200 kB compressed', () => {
   const out = mkdtempSync(join(tmpdir(), 'vacuform-build-'));
@@ -32,8 +25,7 @@ test('the built application has at most 200 kB compressed', () => {
   }
 });
 
-test('pages without 3D do not load the 3D library', async () => {
-  const page = await signIn(browser, service);
+testPage('pages without 3D do not load the 3D library', async ({page, jobs}) => {
   let scripts = [];
   page.on('response', (answer) => {
     if (answer.url().includes('/app/') && answer.url().endsWith('.js')) scripts.push(answer.text().catch(() => ''));
@@ -48,11 +40,9 @@ test('pages without 3D do not load the 3D library', async () => {
   }
   await show(page, `#/jobs/${jobs.print}`);
   assert.equal(await with3d(), true);
-  await page.context().close();
 });
 
-test('200,000 triangles are shown within 1.5 s, and follow the slider within 200 ms', async () => {
-  const page = await signIn(browser, service);
+testPage('200,000 triangles are shown within 1.5 s, and follow the slider within 200 ms', async ({page, jobs}) => {
   const sheet = largeSheet(317);  // 2 * 317 * 317 triangles
   await page.route('**/artifacts/formed.glb', (route) => route.fulfill({body: sheet, contentType: 'model/gltf-binary'}));
   const first = [];
@@ -85,5 +75,4 @@ test('200,000 triangles are shown within 1.5 s, and follow the slider within 200
   console.log(`first frame ${shown(first)} ms, slider ${shown(slide)} ms`);
   assert.ok(Math.min(...first) <= 1500, `first frame: ${shown(first)} ms`);
   assert.ok(Math.min(...slide) <= 200, `slider: ${shown(slide)} ms`);
-  await page.context().close();
 });

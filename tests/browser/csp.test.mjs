@@ -1,20 +1,10 @@
 // No view breaks the content security policy or Trusted Types, and none writes an error to the console.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {show, signIn, startBrowser, startFurnished, viewsOf} from './drive.mjs';
+import {setUp, show, viewsOf} from './drive.mjs';
 
-let service;
-let jobs;
-let browser;
-let page;
-before(async () => {
-  browser = await startBrowser();
-  ({service, jobs} = await startFurnished());
-  page = await signIn(browser, service);
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp();
 
-test('the application comes with a policy that allows only its own files', async () => {
+test('the application comes with a policy that allows only its own files', async ({page}) => {
   const answer = await page.goto('/');
   const policy = answer.headers()['content-security-policy'];
   for (const part of ["default-src 'none'", "script-src 'self'", "require-trusted-types-for 'script'", "frame-ancestors 'none'"])
@@ -22,7 +12,7 @@ test('the application comes with a policy that allows only its own files', async
   assert.doesNotMatch(policy, /unsafe|\*|https?:/);
 });
 
-test('no view causes a report, an error or a failed request', async () => {
+test('no view causes a report, an error or a failed request', async ({page, jobs}) => {
   const found = {};
   for (const [name, hash] of Object.entries(viewsOf(jobs))) {
     page.faults.length = 0;
@@ -32,7 +22,7 @@ test('no view causes a report, an error or a failed request', async () => {
   assert.deepEqual(found, {});
 });
 
-test('a script in the page, a style attribute and text parsed as HTML are refused and reported', async () => {
+test('a script in the page, a style attribute and text parsed as HTML are refused and reported', async ({page}) => {
   await show(page, '#/help');
   page.faults.length = 0;
   await page.evaluate(() => {

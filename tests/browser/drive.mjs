@@ -6,6 +6,7 @@ import {cpSync, existsSync, mkdtempSync, openSync, readFileSync, rmSync, writeFi
 import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';
 import {dirname, join} from 'node:path';
+import {after, before, test} from 'node:test';
 import {fileURLToPath} from 'node:url';
 
 export const root = join(dirname(fileURLToPath(import.meta.url)), '../..');
@@ -110,8 +111,8 @@ export async function startService({workers = 1, options = [], copyOf} = {}) {
       return ['succeeded', 'failed', 'cancelled'].includes(job.state) && job;
     }, `the end of the job ${id}`),
     // A job of the sample that has succeeded.
-    async print(fields) {
-      const job = await service.ended(await service.submit(fields));
+    async print(fields, settings) {
+      const job = await service.ended(await service.submit(fields, settings));
       assert.equal(job.state, 'succeeded', JSON.stringify(job.problem));
       return job;
     },
@@ -200,6 +201,32 @@ export async function signIn(browser, service, options = {}, {token = service.to
   return page;
 }
 
+// Starts Chromium and a service for the tests of a file, and ends both after them. `start` returns at least {service};
+// startFurnished returns the ids of its jobs too. `flags`: of Chromium.
+//
+// Returns test(name, [options,] run). It calls run({page, browser, t, ...what start returned}) with a page of a person who has
+// signed in, and closes the page in the end. `options`: of the page, as openPage takes them.
+export function setUp(start = () => startFurnished(), flags = []) {
+  const all = {};
+  before(async () => {
+    all.browser = await startBrowser(flags);
+    Object.assign(all, await start());
+  });
+  after(async () => {
+    await all.browser?.close();
+    await all.service?.stop();
+  });
+  return (name, ...rest) => test(name, async (t) => {
+    const run = rest.pop(), [options] = rest;
+    const page = await signIn(all.browser, all.service, options, {at: all.at});
+    try {
+      await run({...all, page, t});
+    } finally {
+      await page.context().close();
+    }
+  });
+}
+
 // Goes to a view, such as '#/jobs', and waits until it stands.
 export async function show(page, hash) {
   await page.goto('about:blank');  // so that the application starts anew
@@ -230,8 +257,41 @@ export async function choose(page, button, path) {
   await chooser.setFiles(path);
 }
 
+// Clicks a link to a file, and returns the download.
+export async function download(page, name = 'print.pdf') {
+  const [file] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', {name}).first().click()]);
+  return file;
+}
+
+// The page of a new print
+
+export const referenceField = (page) => page.getByLabel('Reference', {exact: true});
+export const leftOnRight = (page) => page.getByRole('radio', {name: 'On the right in the picture, at −x'});
+export const checked = (page) => page.getByText('Checked by the service. Everything is there.').waitFor({timeout: 60_000});
+
+// Gives the scan and the drawing of the sample, and settings that take seconds.
+export async function giveSample(page) {
+  await drop(page, sample().scan);
+  await drawn(page);
+  await choose(page, 'Choose a drawing', sample().pattern);
+  await makeQuick(page);
+}
+
+// The id of the job that the page goes to.
+export async function jobShown(page) {
+  await page.waitForURL(/#\/jobs\/[^/]+$/);
+  return page.url().split('/').pop();
+}
+
+// Starts the job, and returns its id.
+export async function startJob(page) {
+  await checked(page);
+  await page.getByRole('button', {name: 'Start the job'}).click();
+  return jobShown(page);
+}
+
 // Sets two settings so that the job takes seconds.
-export async function makeQuick(page) {
+async function makeQuick(page) {
   await page.getByText('All settings', {exact: true}).click();
   for (const [label, value] of [['Simulation grid', '6'], ['Print resolution', '100']]) {
     const field = page.getByRole('textbox', {name: label, exact: true}).last();

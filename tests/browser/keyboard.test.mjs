@@ -1,16 +1,8 @@
 // Everything works with the keyboard: Tab reaches all that can be used, never stays, and always shows where it is.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {sample, show, signIn, startBrowser, startFurnished, viewsOf} from './drive.mjs';
+import {checked, jobShown, leftOnRight, sample, setUp, show, viewsOf} from './drive.mjs';
 
-let service;
-let jobs;
-let browser;
-before(async () => {
-  browser = await startBrowser();
-  ({service, jobs} = await startFurnished());
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp();
 
 // Numbers all that Tab should reach, and says what each is.
 const numberAll = () => {
@@ -88,8 +80,7 @@ async function walk(page) {
 }
 
 for (const [name, viewport] of [['a wide', {width: 1280, height: 800}], ['a narrow', {width: 390, height: 844}]]) {
-  test(`Tab reaches everything in every view of ${name} window, and shows where it is`, async () => {
-    const page = await signIn(browser, service, {viewport});
+  test(`Tab reaches everything in every view of ${name} window, and shows where it is`, {viewport}, async ({page, jobs}) => {
     const found = {};
     for (const [view, hash] of Object.entries(viewsOf(jobs))) {
       await show(page, hash);
@@ -98,23 +89,19 @@ for (const [name, viewport] of [['a wide', {width: 1280, height: 800}], ['a narr
       if (faults.length > 0) found[view] = faults;
     }
     assert.deepEqual(found, {});
-    await page.context().close();
   });
 }
 
-test('the first Tab offers to skip to the content', async () => {
-  const page = await signIn(browser, service);
+test('the first Tab offers to skip to the content', async ({page}) => {
   await show(page, '#/help');
   await page.keyboard.press('Tab');
   const skip = page.getByRole('link', {name: 'Skip to the content'});
   assert.ok(await skip.evaluate((link) => link === document.activeElement && link.getBoundingClientRect().top >= 0));
   await page.keyboard.press('Enter');
   assert.equal(await page.evaluate(() => document.activeElement.id), 'main');
-  await page.context().close();
 });
 
-test('a dialog takes the focus, Escape closes it, and the focus returns', async () => {
-  const page = await signIn(browser, service);
+test('a dialog takes the focus, Escape closes it, and the focus returns', async ({page}) => {
   await show(page, '#/jobs');
   const button = page.getByRole('button', {name: /^Delete/}).first();
   await button.focus();
@@ -125,7 +112,6 @@ test('a dialog takes the focus, Escape closes it, and the focus returns', async 
   await page.keyboard.press('Escape');
   await dialog.waitFor({state: 'detached'});
   assert.ok(await button.evaluate((element) => element === document.activeElement));
-  await page.context().close();
 });
 
 // Presses Tab until an element with that text has the focus.
@@ -141,8 +127,7 @@ async function tabTo(page, text) {
   assert.fail(`Tab does not reach ${text}`);
 }
 
-test('a job is prepared and started with the keyboard alone', async () => {
-  const page = await signIn(browser, service);
+test('a job is prepared and started with the keyboard alone', async ({page, service}) => {
   const {scan, pattern} = sample();
   const chooseByKey = async (file) => {
     let chooser = null;
@@ -154,21 +139,19 @@ test('a job is prepared and started with the keyboard alone', async () => {
   await show(page, '#/new');
   await tabTo(page, /^Choose a scan$/);
   await chooseByKey(scan);
-  await page.getByRole('radio', {name: 'On the right in the picture, at −x'}).waitFor();
+  await leftOnRight(page).waitFor();
   await tabTo(page, /^(Not checked yet|On the (right|left) in the picture)/);
-  for (let i = 0; i < 3 && !(await page.getByRole('radio', {name: 'On the right in the picture, at −x'}).isChecked()); ++i)
+  for (let i = 0; i < 3 && !(await leftOnRight(page).isChecked()); ++i)
     await page.keyboard.press('ArrowDown');
   await tabTo(page, /^Choose a drawing$/);
   await chooseByKey(pattern);
   await page.getByAltText(/^The pattern pattern\.svg laid flat/).waitFor();
   await tabTo(page, /^Reference$/);
   await page.keyboard.type('CASE-14');
-  await page.getByText('Checked by the service. Everything is there.').waitFor({timeout: 60_000});
+  await checked(page);
   await tabTo(page, /^Start the job$/);
   await page.keyboard.press('Enter');
-  await page.waitForURL(/#\/jobs\/[^/]+$/);
-  const job = await service.json(`/api/v1/jobs/${page.url().split('/').pop()}`);
+  const job = await service.json(`/api/v1/jobs/${await jobShown(page)}`);
   assert.equal(job.reference, 'CASE-14');
   assert.equal(job.settings.scan.left_side, 'minus_x');
-  await page.context().close();
 });

@@ -2,17 +2,11 @@
 import assert from 'node:assert/strict';
 import {readdirSync, readFileSync} from 'node:fs';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {show, signIn, startBrowser, startFurnished, viewsOf, web} from './drive.mjs';
+import {setUp, show, signIn, viewsOf, web} from './drive.mjs';
 
-let service;
-let jobs;
-let browser;
-before(async () => {
-  browser = await startBrowser();
-  ({service, jobs} = await startFurnished());
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp();
+const german = {locale: 'de-DE'};
+const narrow = {viewport: {width: 320, height: 640}};
 
 const messages = (language) => Object.assign({}, ...readdirSync(join(web, 'lang', language)).filter((name) => name.endsWith('.json'))
   .map((name) => JSON.parse(readFileSync(join(web, 'lang', language, name), 'utf8'))));
@@ -36,13 +30,12 @@ const texts = () => {
 const patternOf = (message) => new RegExp(`^${message.split(/\{[^}]*\}/).map((part) => part.replace(/[.*+?^${}()|[\]\\]/g, '\\$&'))
   .join('.*')}$`);
 
-test('no English text is left in German', async () => {
-  const [english, german] = [messages('en'), messages('de')];
+test('no English text is left in German', german, async ({page, jobs}) => {
+  const [english, ours] = [messages('en'), messages('de')];
   // Texts that consist of values only, or that are the same word in both languages, say nothing.
-  const germanTexts = new Set(Object.values(german));
-  const foreign = Object.entries(english).filter(([key, text]) => german[key] !== text && !germanTexts.has(text) &&
+  const germanTexts = new Set(Object.values(ours));
+  const foreign = Object.entries(english).filter(([key, text]) => ours[key] !== text && !germanTexts.has(text) &&
     text.replace(/\{[^}]*\}/g, '').trim().length > 3).map(([key, text]) => [key, patternOf(text)]);
-  const page = await signIn(browser, service, {locale: 'de-DE'});
   const left = {};
   for (const [name, hash] of Object.entries(viewsOf(jobs))) {
     await show(page, hash);
@@ -53,15 +46,66 @@ test('no English text is left in German', async () => {
     if (found.length > 0) left[name] = found;
   }
   assert.deepEqual(left, {});
+});
+
+// `place` explains the problem in German. The sentence of the service stands next to it, marked as English; no other word of
+// it is there.
+async function explains(place, text, {title, what, fix}) {
+  await place.getByText(text).first().waitFor();
+  const [exact, rest] = await place.evaluate((element) => {
+    const copy = element.cloneNode(true);
+    const marked = [...copy.querySelectorAll('[lang=en]')];
+    for (const one of marked) one.remove();
+    return [marked.map((one) => one.textContent).join(), copy.textContent];
+  });
+  assert.ok(exact.includes(what), exact);
+  for (const english of [title, what, fix]) assert.ok(!rest.includes(english), rest);
+}
+
+test('German pages explain why a job failed, next to the exact sentence of the service', german, async ({page, service, jobs}) => {
+  const {problem} = await service.json(`/api/v1/jobs/${jobs.failed}`);
+  assert.match(problem.type, /does-not-fit$/);
+  await show(page, `#/jobs/${jobs.failed}`);
+  const box = page.getByRole('alert');
+  await explains(box, 'Die Form passt nicht zur Folie oder zur Maschine', problem);
+  await box.getByText(/^Genaue Meldung \(Englisch\): /).waitFor();
+  await box.getByText(`Wo: ${problem.where}`).waitFor();
+  await show(page, '#/jobs?state=failed');
+  await explains(page.getByRole('listitem').filter({hasText: 'CASE-8'}), 'Die Form passt nicht zur Folie oder zur Maschine', problem);
+});
+
+// What the service answers to a request that it refuses.
+async function refusal(page, path, act) {
+  const [answer] = await Promise.all([page.waitForResponse((one) => one.url().endsWith(path) && !one.ok()), act()]);
+  return answer.json();
+}
+
+test('German pages explain a refused setting', german, async ({page, jobs}) => {
+  await show(page, `#/new?from=${jobs.print}`);
+  await page.getByText('Alle Einstellungen', {exact: true}).click();
+  const width = page.getByRole('textbox', {name: 'Breite der Folie', exact: true}).last();
+  const problem = await refusal(page, '/api/v1/validate', async () => {
+    await width.fill('100');
+    await width.blur();
+  });
+  assert.match(problem.type, /bad-settings$/);
+  await page.getByRole('button', {name: 'Auftrag starten'}).click();
+  await explains(page.getByRole('alert').filter({hasText: 'Es gibt ein Problem'}), 'Eine Einstellung stimmt nicht', problem);
+});
+
+test('German pages explain a refused submission', german, async ({browser, service}) => {
+  const page = await signIn(browser, service, german, {token: await service.makeToken('reader', ['read'])});
+  await show(page, '#/help');
+  const problem = await refusal(page, '/api/v1/jobs', () => page.getByRole('button', {name: 'Beispielauftrag erstellen'}).click());
+  assert.match(problem.type, /forbidden$/);
+  await explains(page.getByRole('alert'), 'Ihr Token erlaubt das nicht', problem);
   await page.context().close();
 });
 
-test('numbers in German have a comma', async () => {
-  const page = await signIn(browser, service, {locale: 'de-DE'});
+test('numbers in German have a comma', german, async ({page, jobs}) => {
   await show(page, `#/jobs/${jobs.print}`);
   const shown = (await page.evaluate(texts)).join('\n');
   assert.match(shown, /\d,\d/);
-  await page.context().close();
 });
 
 const accents = {a: 'á', e: 'é', i: 'í', o: 'ó', u: 'ú', A: 'Á', E: 'É', O: 'Ó', U: 'Ú', n: 'ñ', c: 'ç'};
@@ -91,8 +135,8 @@ async function withPseudoTexts(context) {
   });
 }
 
-test('no view scrolls sideways at 320 pixels with texts that are 40 % longer, and every text comes from the messages', async () => {
-  const page = await signIn(browser, service, {viewport: {width: 320, height: 640}});
+test('no view scrolls sideways at 320 pixels with texts that are 40 % longer, and every text comes from the messages', narrow,
+  async ({page, jobs}) => {
   await withPseudoTexts(page.context());
   // What the service itself says: problems, warnings, names of files, jobs and coils.
   const served = [];
@@ -117,7 +161,6 @@ test('no view scrolls sideways at 320 pixels with texts that are 40 % longer, an
   }
   assert.deepEqual(wide, {});
   assert.deepEqual(bare, {});
-  await page.context().close();
 });
 
 // All strings of a JSON text, the names of members included.

@@ -1,16 +1,8 @@
 // The 3D view survives the loss of its graphics context once; after a second loss the pictures take its place.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {drawn, frames, show, signIn, startBrowser, startFurnished, until} from './drive.mjs';
+import {drawn, frames, setUp, show, until} from './drive.mjs';
 
-let service;
-let jobs;
-let browser;
-before(async () => {
-  browser = await startBrowser();
-  ({service, jobs} = await startFurnished());
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp();
 
 const lose = (page) => page.locator('canvas[data-frame]').first().evaluate((canvas) => {
   window.lostContext = canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
@@ -29,8 +21,7 @@ const colours = async (page) => {
   }, picture);
 };
 
-test('after a lost context the view is drawn again, and after a second one the pictures stand there', async () => {
-  const page = await signIn(browser, service);
+test('after a lost context the view is drawn again, and after a second one the pictures stand there', async ({page, jobs}) => {
   await show(page, `#/jobs/${jobs.print}`);
   await drawn(page);
   assert.ok(await colours(page) > 100);
@@ -48,5 +39,4 @@ test('after a lost context the view is drawn again, and after a second one the p
   await page.getByText('The graphics failed twice').waitFor();
   await page.getByRole('img', {name: /CASE-7/}).first().waitFor();
   assert.equal(await page.locator('canvas[data-frame]:visible').count(), 0);
-  await page.context().close();
 });

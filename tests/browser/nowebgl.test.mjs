@@ -1,22 +1,13 @@
 // Without WebGL everything is there: fields and figures for the scan, the pictures of the server for the result.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {choose, sample, show, signIn, startBrowser, startFurnished} from './drive.mjs';
+import {choose, leftOnRight, sample, setUp, show, startFurnished} from './drive.mjs';
 
-let service;
-let jobs;
-let browser;
-before(async () => {
-  browser = await startBrowser(['--disable-3d-apis']);
-  ({service, jobs} = await startFurnished());
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp(startFurnished, ['--disable-3d-apis']);
 
 // The library for 3D says so itself when there is no WebGL.
 const ofPage = (faults) => faults.filter((fault) => !/WebGL/i.test(fault));
 
-test('a result shows the pictures of the server, its figures and its downloads', async () => {
-  const page = await signIn(browser, service);
+test('a result shows the pictures of the server, its figures and its downloads', async ({page, jobs}) => {
   await show(page, `#/jobs/${jobs.print}`);
   assert.equal(await page.evaluate(() => document.createElement('canvas').getContext('webgl2')), null);
   await page.getByText('This browser shows no 3D graphics').waitFor();
@@ -32,11 +23,9 @@ test('a result shows the pictures of the server, its figures and its downloads',
   assert.ok(await page.getByRole('table').filter({hasText: 'Out of round'}).getByRole('row').count() > 10);
   assert.ok(await page.getByRole('link', {name: 'print.pdf'}).first().isVisible());
   assert.deepEqual(ofPage(page.faults), []);
-  await page.context().close();
 });
 
-test('a scan is placed by its fields', async () => {
-  const page = await signIn(browser, service);
+test('a scan is placed by its fields', async ({page}) => {
   await show(page, '#/new');
   await choose(page, 'Choose a scan', sample().scan);
   await page.getByText('This browser shows no 3D graphics').waitFor();
@@ -44,8 +33,7 @@ test('a scan is placed by its fields', async () => {
   const yaw = page.getByRole('textbox', {name: 'Turn about the vertical axis (yaw)'});
   await yaw.fill('10');
   await yaw.blur();
-  await page.getByRole('radio', {name: 'On the right in the picture, at −x'}).check();
+  await leftOnRight(page).check();
   assert.equal(await page.locator('canvas').count(), 0);
   assert.deepEqual(ofPage(page.faults), []);
-  await page.context().close();
 });

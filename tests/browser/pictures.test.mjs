@@ -4,24 +4,16 @@
 import assert from 'node:assert/strict';
 import {existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';
-import {after, before, test} from 'node:test';
 import {fileURLToPath} from 'node:url';
-import {drawn, show, signIn, startBrowser, startFurnished} from './drive.mjs';
+import {drawn, setUp, show} from './drive.mjs';
 
 const folder = join(dirname(fileURLToPath(import.meta.url)), 'expected');
 const most = 0.001;  // the share of pixels that may differ, and by how many of 255 levels before one counts
 const levels = 16;
-let service;
-let jobs;
-let browser;
-before(async () => {
-  browser = await startBrowser();
-  ({service, jobs} = await startFurnished());
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp();
 
 // The share of pixels that differ; and how many different colours the first picture has, since an empty one has few.
-async function compared(picture, expected) {
+async function compared(browser, picture, expected) {
   const page = await browser.newPage();
   const answer = await page.evaluate(async ([sources, least]) => {
     const [a, b] = await Promise.all(sources.map(async (source) => {
@@ -54,15 +46,14 @@ async function picture(page, name) {
     return;
   }
   assert.ok(existsSync(path), `${path} is missing`);
-  const {sizes, share, colours} = await compared(bytes, readFileSync(path));
+  const {sizes, share, colours} = await compared(page.context().browser(), bytes, readFileSync(path));
   if (process.env.VACUFORM_KEEP_PICTURES && (sizes || share > most)) writeFileSync(join(process.env.VACUFORM_KEEP_PICTURES, `${name}.png`), bytes);
   assert.equal(sizes, undefined, `${name}: ${sizes}`);
   assert.ok(colours > 50, `${name} shows ${colours} colours alone`);
   assert.ok(share <= most, `${name}: ${(100 * share).toFixed(2)} % of the pixels differ`);
 }
 
-test('the formed part looks as before, with its print and with its maps', async () => {
-  const page = await signIn(browser, service);
+test('the formed part looks as before, with its print and with its maps', async ({page, jobs}) => {
   await show(page, `#/jobs/${jobs.print}`);
   await page.getByRole('button', {name: 'Pre-distorted', exact: true}).click();
   await page.getByRole('button', {name: 'Above', exact: true}).click();
@@ -71,5 +62,4 @@ test('the formed part looks as before, with its print and with its maps', async 
   await page.getByRole('button', {name: 'Front', exact: true}).click();
   await picture(page, 'thickness-front');
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });

@@ -1,19 +1,11 @@
 // Without scripts the plain pages do the whole job.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
-import {after, before, test} from 'node:test';
-import {sample, signIn, startBrowser, startService} from './drive.mjs';
+import {download, sample, setUp, startService} from './drive.mjs';
 
-let service;
-let browser;
-before(async () => {
-  browser = await startBrowser();
-  service = await startService();
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp(async () => ({service: await startService()}));
 
-test('a job goes from the form to the downloaded print without scripts', async () => {
-  const page = await signIn(browser, service, {javaScriptEnabled: false, acceptDownloads: true});
+test('a job goes from the form to the downloaded print without scripts', {javaScriptEnabled: false}, async ({page, service}) => {
   await page.waitForURL(/\/jobs$/);
   const {scan, pattern} = sample();
   await page.getByLabel('Scan of the head').setInputFiles(scan);
@@ -28,17 +20,14 @@ test('a job goes from the form to the downloaded print without scripts', async (
   await service.ended(job);
   await page.reload();
   await page.getByText('succeeded', {exact: true}).waitFor();
-  const [download] = await Promise.all([
-    page.waitForEvent('download'), page.getByRole('link', {name: 'print.pdf', exact: true}).click()]);
-  const bytes = readFileSync(await download.path());
+  const bytes = readFileSync(await (await download(page)).path());
   const stored = Buffer.from(await (await service.ask(`/api/v1/jobs/${job}/artifacts/print.pdf`)).arrayBuffer());
   assert.equal(bytes.subarray(0, 5).toString(), '%PDF-');
   assert.ok(bytes.equals(stored));
   assert.deepEqual(page.faults, []);
 });
 
-test('the application leads to the plain pages without scripts', async () => {
-  const page = await signIn(browser, service, {javaScriptEnabled: false});
+test('the application leads to the plain pages without scripts', {javaScriptEnabled: false}, async ({page}) => {
   await page.waitForURL(/\/jobs$/);
   await page.getByRole('button', {name: 'Start the job'}).waitFor();
   await page.goto('/');

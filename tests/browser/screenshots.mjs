@@ -6,10 +6,8 @@ import {root, show, signIn, startBrowser, startService} from './drive.mjs';
 const service = await startService();
 const browser = await startBrowser();
 try {
-  const id = await service.submit({reference: 'CASE-12'}, {sheet: {resolution_mm: 3}, print: {dpi: 150}, scan: {left_side: 'minus_x'},
-                                                           coils: {decouple: true}});
-  const job = await service.ended(id);
-  if (job.state !== 'succeeded') throw new Error(JSON.stringify(job.problem));
+  const {id} = await service.print({reference: 'CASE-12'}, {sheet: {resolution_mm: 3}, print: {dpi: 150}, scan: {left_side: 'minus_x'},
+                                                            coils: {decouple: true}});
   for (const colorScheme of ['light', 'dark'])
     for (const [suffix, viewport] of [['', {width: 1280, height: 800}], ['-phone', {width: 390, height: 844}]]) {
       const page = await signIn(browser, service, {colorScheme, viewport});

@@ -1,20 +1,12 @@
 // Twelve tasks of staff, in their order of a day, by the names that people see; each goes on where the one before ended.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {choose, drawn, drop, makeQuick, sample, settled, show, signIn, startBrowser, startFurnished} from './drive.mjs';
+import {checked, download, drawn, giveSample, jobShown, leftOnRight, referenceField, settled, setUp, show, startFurnished, startJob} from './drive.mjs';
 
 const budget = 180;  // seconds for all of them
-let service;
-let browser;
-before(async () => {
-  browser = await startBrowser();
-  ({service} = await startFurnished(1));
-});
-after(async () => { await browser?.close(); await service?.stop(); });
+const test = setUp(() => startFurnished(1));
 
-test('twelve tasks of staff are done within three minutes', async (t) => {
+test('twelve tasks of staff are done within three minutes', async ({page, service, t}) => {
   const began = Date.now();
-  const page = await signIn(browser, service, {acceptDownloads: true});
   const row = (name) => page.getByRole('link', {name, exact: true}).first();
   let job = '';
 
@@ -44,21 +36,19 @@ test('twelve tasks of staff are done within three minutes', async (t) => {
     await page.getByText(/Measure the printed ruler: it must be \d+ mm long/).waitFor();
   });
   await t.test('download the print', async () => {
-    const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('link', {name: 'print.pdf'}).first().click()]);
-    assert.equal(download.suggestedFilename(), 'CASE-7-outer-print.pdf');
+    assert.equal((await download(page)).suggestedFilename(), 'CASE-7-outer-print.pdf');
   });
   await t.test('prepare another print of the same head', async () => {
     await page.getByRole('link', {name: 'New print from this job'}).click();
     await settled(page);
     await page.getByLabel('Rotation', {exact: true}).first().fill('15');
-    await page.getByLabel('Reference', {exact: true}).fill('CASE-7-B');
-    await page.getByText('Checked by the service. Everything is there.').waitFor({timeout: 60_000});
+    await referenceField(page).fill('CASE-7-B');
+    await checked(page);
     await page.getByRole('button', {name: 'Start the job'}).click();
     const dialog = page.getByRole('dialog');
     await Promise.race([dialog.waitFor(), page.waitForURL(/#\/jobs\/[^/]+$/)]);
     if (await dialog.count()) await dialog.getByRole('button', {name: 'Start anyway'}).click();
-    await page.waitForURL(/#\/jobs\/[^/]+$/);
-    job = page.url().split('/').pop();
+    job = await jobShown(page);
     assert.equal((await service.ended(job)).state, 'succeeded');
     await page.getByRole('link', {name: 'print.pdf'}).first().waitFor({timeout: 30_000});
   });
@@ -78,18 +68,13 @@ test('twelve tasks of staff are done within three minutes', async (t) => {
   });
   await t.test('start a print of a new head and cancel it', async () => {
     await show(page, '#/new');
-    await drop(page, sample().scan);
-    await drawn(page);
-    await page.getByRole('radio', {name: 'On the right in the picture, at −x'}).check();
-    await choose(page, 'Choose a drawing', sample().pattern);
-    await makeQuick(page);
-    await page.getByText('Checked by the service. Everything is there.').waitFor({timeout: 60_000});
-    await page.getByRole('button', {name: 'Start the job'}).click();
-    await page.waitForURL(/#\/jobs\/[^/]+$/);
+    await giveSample(page);
+    await leftOnRight(page).check();
+    const started = await startJob(page);
     await page.getByRole('button', {name: 'Cancel the job'}).or(page.getByRole('link', {name: 'print.pdf'})).first().waitFor();
     const cancel = page.getByRole('button', {name: 'Cancel the job'});
     if (await cancel.count()) await cancel.click();
-    assert.ok(['cancelled', 'succeeded'].includes((await service.ended(page.url().split('/').pop())).state));
+    assert.ok(['cancelled', 'succeeded'].includes((await service.ended(started)).state));
   });
   await t.test('delete a job', async () => {
     await show(page, `#/jobs/${job}`);
@@ -106,5 +91,4 @@ test('twelve tasks of staff are done within three minutes', async (t) => {
   assert.deepEqual(page.faults, []);
   const seconds = (Date.now() - began) / 1000;
   assert.ok(seconds < budget, `${seconds} s of ${budget}`);
-  await page.context().close();
 });

@@ -2,21 +2,21 @@
 import assert from 'node:assert/strict';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {choose, pause, settled, show, signIn, startBrowser, startService, until} from './drive.mjs';
+import {after} from 'node:test';
+import {choose, pause, settled, setUp, show, startService, until} from './drive.mjs';
 import {startRelay} from './relay.mjs';
 
 let service;
-let browser;
 let relay;
 let scan;  // 18 MB: the application sends pieces of 2 MiB
-before(async () => {
-  browser = await startBrowser();
+const test = setUp(async () => {
   service = await startService({workers: 0});
   scan = join(service.folder, 'ball.stl');
   writeFileSync(scan, ball(300, 200));
+  relay = await startRelay(service.port);
+  return {service, at: relay.url};
 });
-after(async () => { await browser?.close(); await relay?.stop(); await service?.stop(); });
+after(() => relay?.stop());
 
 // A sphere as binary STL, with `n` * 4n triangles of 50 bytes.
 function ball(n, diameter) {
@@ -48,10 +48,8 @@ const uploads = async (page) => page.evaluate(async () => {
   return JSON.stringify(draft).match(/\/?uploads\/([^"/]+)/)?.[1] ?? draft.scan?.upload ?? null;
 });
 
-test('after a cut and a reload the upload continues where it stopped, and the bytes are those of the file', async () => {
+test('after a cut and a reload the upload continues where it stopped, and the bytes are those of the file', async ({page}) => {
   const size = readFileSync(scan).length;
-  relay = await startRelay(service.port);
-  const page = await signIn(browser, service, {}, {at: relay.url});
   await show(page, '#/new');
   relay.slow(5_000_000);
   await choose(page, 'Choose a scan', scan);
@@ -80,11 +78,9 @@ test('after a cut and a reload the upload continues where it stopped, and the by
   }, 'the end of the upload');
   assert.ok(done.sha256);
   assert.ok(relay.sent - rest < size - offset + 300_000, `${relay.sent - rest} bytes were sent for the rest of ${size - offset}`);
-  await page.context().close();
 });
 
-test('an upload that stalls for a while continues', async () => {
-  const page = await signIn(browser, service, {}, {at: relay.url});
+test('an upload that stalls for a while continues', async ({page}) => {
   await show(page, '#/new');
   relay.slow(400_000);
   await choose(page, 'Choose a scan', scan);
@@ -95,11 +91,9 @@ test('an upload that stalls for a while continues', async () => {
   const size = readFileSync(scan).length;
   await until(async () => (await uploadOf(id))?.offset === size, 'the end of the upload');
   await page.getByText(/^Choose/).first().waitFor();
-  await page.context().close();
 });
 
-test('another file is not appended to the upload of the first', async () => {
-  const page = await signIn(browser, service, {}, {at: relay.url});
+test('another file is not appended to the upload of the first', async ({page}) => {
   await show(page, '#/new');
   relay.slow(400_000);
   await choose(page, 'Choose a scan', scan);
@@ -117,5 +111,4 @@ test('another file is not appended to the upload of the first', async () => {
   }, 'an upload of its own');
   const size = readFileSync(other).length;
   await until(async () => (await uploadOf(second))?.offset === size, 'the end of the upload');
-  await page.context().close();
 });

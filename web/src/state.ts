@@ -26,6 +26,8 @@ export const store = createStore<State>({
   result: initialResult,
 });
 
+export const setJobs = (change: Partial<JobsState>): void => store.set(({jobs}) => ({jobs: {...jobs, ...change}}));
+
 // Has screen readers speak a line, also when it is the same as before.
 export function announce(text: string): void {
   store.set({announcement: ''});

@@ -94,16 +94,27 @@ test('a figure is read by its path', () => {
   assert.equal(figureAt(report, 'figures.with'), null);
 });
 
+const web = process.env['VACUFORM_WEB'] ?? '';
+const texts = (language: string, file: string): Record<string, string> =>
+  JSON.parse(readFileSync(join(web, 'lang', language, file), 'utf8')) as Record<string, string>;
+
 test('every warning of the reference has a title in both languages, and a meaning and a fix in German', () => {
-  const web = process.env['VACUFORM_WEB'] ?? '';
   const reference = readFileSync(join(web, '../docs/reference/warnings.md'), 'utf8');
   const codes = [...reference.matchAll(/^\| `([a-z-]+)` \|/gm)].map((match) => match[1] ?? '');
   assert.ok(codes.length > 30);
-  const texts = (language: string): Record<string, string> =>
-    JSON.parse(readFileSync(join(web, 'lang', language, 'warnings.json'), 'utf8')) as Record<string, string>;
-  const english = texts('en'), german = texts('de');
+  const english = texts('en', 'warnings.json'), german = texts('de', 'warnings.json');
   for (const code of codes) {
     assert.ok(english[`warning.${code}`], code);
     for (const part of ['', '.what', '.fix']) assert.ok(german[`warning.${code}${part}`], `${code}${part}`);
   }
+});
+
+test('every problem type of the API has a title, a meaning and a fix in German', () => {
+  const description = readFileSync(join(web, '../api/openapi.yaml'), 'utf8');
+  const list = /^ {4}ProblemSlug:\n.*\n {6}enum:\n((?: {8}- .*\n)+)/m.exec(description)?.[1] ?? '';
+  const types = [...list.matchAll(/- ([a-z-]+)/g)].map((match) => match[1] ?? '');
+  assert.ok(types.length > 20);
+  const ofPrograms = ['bad-usage', 'locked', 'lease-lost', 'wrong-digest'];  // a title is enough
+  const wanted = types.flatMap((type) => ofPrograms.includes(type) ? [type] : [type, `${type}.what`, `${type}.fix`]);
+  assert.deepEqual(Object.keys(texts('de', 'problems.json')).sort(), wanted.map((name) => `error.${name}`).sort());
 });

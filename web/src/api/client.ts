@@ -3,7 +3,7 @@ import type {
   Job, JobPage, LogLine, Plan, ProblemBody, Profile, Session, SettingsSchema, TokenInfo} from './types';
 
 export class Problem extends Error {
-  constructor(readonly body: ProblemBody, readonly requestId: string) {
+  constructor(readonly body: ProblemBody, readonly requestId = '') {
     super(body.what ?? body.title);
   }
   get code(): string {
@@ -15,9 +15,11 @@ export class Problem extends Error {
 }
 
 // The server cannot be reached: not an answer of it. Code "no-server", status 0.
-function noServer(error: unknown): Problem {
-  return new Problem({type: 'no-server', title: '', status: 0, what: String(error)}, '');
-}
+export const noServer = (error: unknown): Problem => new Problem({type: 'no-server', title: '', status: 0, what: String(error)});
+
+// A problem that findings.json names by its code.
+export type FoundProblem = Pick<ProblemBody, 'what' | 'where' | 'fix'> & {code: string};
+export const foundProblem = ({code, ...found}: FoundProblem): Problem => new Problem({...found, type: code, title: '', status: 422});
 
 let signedOut = (): void => {};
 // What to do when the session has ended.
@@ -56,6 +58,9 @@ const send = async (method: string, path: string, body?: unknown, headers: Recor
                 ? {method, headers}
                 : {method, headers: {'Content-Type': 'application/json', ...headers}, body: JSON.stringify(body)});
 
+export const hex = (bytes: Iterable<number>): string => [...bytes].map((byte) => byte.toString(16).padStart(2, '0')).join('');
+export const randomKey = (): string => hex(crypto.getRandomValues(new Uint8Array(16)));
+
 const v1 = '/api/v1';
 export const jobPath = (id: string): string => `${v1}/jobs/${encodeURIComponent(id)}`;
 export const artifactPath = (id: string, name: string): string => `${jobPath(id)}/artifacts/${encodeURIComponent(name)}`;
@@ -85,7 +90,7 @@ export const api = {
   artifact: async (id: string, name: string, signal?: AbortSignal): Promise<Response> =>
     ask(artifactPath(id, name), signal ? {signal} : {}),
   artifactJson: <T>(id: string, name: string, signal?: AbortSignal): Promise<T> => read(artifactPath(id, name), signal),
-  // `key`: one key makes one job, however often it is sent.
+  // `key`: one randomKey() makes one job, however often it is sent.
   create: async (form: FormData, key: string): Promise<Job> =>
     await (await ask(`${v1}/jobs`, {method: 'POST', body: form, headers: {'Idempotency-Key': key}})).json() as Job,
   validate: async (form: FormData, signal?: AbortSignal): Promise<Plan> =>

@@ -1,6 +1,6 @@
 // Sends a large file in pieces by tus 1.0.0. It resumes where the server stands after every failure, and after a reload of
 // the page when the same file is given again.
-import {ask, Problem, problemOf} from './client';
+import {ask, hex, noServer, Problem, problemOf} from './client';
 
 export type TransferState = 'sending' | 'paused' | 'waiting' | 'done' | 'failed';
 export interface Transfer {
@@ -78,8 +78,8 @@ async function digest(bytes: ArrayBuffer): Promise<Uint8Array | null> {
 export async function markOf(file: Blob): Promise<string> {
   const mebi = 1024 * 1024;
   const ends = new Blob([file.slice(0, mebi), file.slice(Math.max(mebi, file.size - mebi))]);
-  const hash = await digest(await ends.arrayBuffer()) ?? [];
-  return `${file.size}-${[...hash].map((byte) => byte.toString(16).padStart(2, '0')).join('')}`;
+  const hash = await digest(await ends.arrayBuffer());
+  return `${file.size}-${hex(hash ?? [])}`;
 }
 
 export const extensionOf = (name: string): string =>
@@ -129,7 +129,7 @@ export function startUpload(source: Source, watcher: Watcher, send: SendPiece = 
     const headers: Record<string, string> = {
       ...version, 'Upload-Offset': String(from), 'Content-Type': 'application/offset+octet-stream'};
     const bytes = await body.arrayBuffer().catch(() => {
-      throw new Problem({type: 'file-changed', title: '', status: 400}, '');  // on the disk of the person
+      throw new Problem({type: 'file-changed', title: '', status: 400});  // on the disk of the person
     });
     const hash = await digest(bytes);
     if (hash) headers['Upload-Checksum'] = `sha256 ${btoa(String.fromCharCode(...hash))}`;
@@ -140,7 +140,7 @@ export function startUpload(source: Source, watcher: Watcher, send: SendPiece = 
       told = now();
       tell(from + sent);
     }, cut.signal);
-    if (!answer) throw new Problem({type: 'no-server', title: '', status: 0}, '');
+    if (!answer) throw noServer('');
     if (!answer.ok) throw await problemOf(answer);
     offset = Number(answer.headers.get('Upload-Offset'));
     if (offset > from) failures = answers = 0;
@@ -188,7 +188,7 @@ export function startUpload(source: Source, watcher: Watcher, send: SendPiece = 
       } catch (error) {
         if (over || state !== 'sending') break;  // paused
         samples = samples.slice(-1);
-        const problem = error instanceof Problem ? error : new Problem({type: 'no-server', title: '', status: 0, what: String(error)}, '');
+        const problem = error instanceof Problem ? error : noServer(error);
         if (!await recover(problem)) {
           state = 'failed';
           tell(0, problem);

@@ -7,6 +7,7 @@ import {toJob} from '../route';
 import {t, when} from '../text';
 import {nameOf, shortId} from './band';
 import {icon} from './icon';
+import {problemName} from './problem';
 import {doing, percentOf, percents, timeLeft} from './progress';
 import {stateBadge} from './state-badge';
 
@@ -54,7 +55,7 @@ export function jobRow(first: ListedJob, actions: RowActions): JobRow {
       el('div', {class: 'row'}, stateBadge(job)),
       active && el('p', {class: 'small'}, doing(job), job.state === 'running' && ` · ${percentOf(job)}`, left && ` · ${left}`),
       job.state === 'running' && el('progress', {max: 100, value: percents(job), 'aria-label': t('job.progress')}),
-      job.problem && el('p', {class: 'small'}, job.problem.what ?? job.problem.title)]);
+      job.problem && el('p', {class: 'small'}, problemName(job.problem))]);
     replace(time, el('time', {datetime: job.created}, when(job.created)));
     remove.hidden = active;
   }

@@ -103,6 +103,10 @@ function drawIcon(job: ListedJob): string {
   return canvas.toDataURL();
 }
 
+export function setTitle(name: string): void {
+  document.title = `${name} · ${t('shell.name')}`;
+}
+
 // The title and the icon of the tab follow a job; null gives both back.
 export function signTab(job: ListedJob | null): void {
   const link = document.querySelector<HTMLLinkElement>('link[rel="icon"]');

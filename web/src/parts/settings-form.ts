@@ -1,11 +1,12 @@
 // Fields for settings, made from their schema: label, unit, range, default and a reset for each.
 import {el, newId, replace} from '../dom';
-import type {FieldSchema, Settings, SettingsSchema} from '../api/types';
+import type {FieldSchema, ProblemBody, Settings, SettingsSchema} from '../api/types';
 import {announce} from '../state';
 import {fieldOf, idsOf, sameValue, settingOf, valueOf} from '../state/draft';
 import {currentLanguage, t, textIfKnown} from '../text';
 import {icon} from './icon';
 import {joined, numberField, rangeText, typed} from './number-field';
+import {problemLine} from './problem';
 
 export interface SettingsFormOptions {
   schema: SettingsSchema;
@@ -20,7 +21,7 @@ export interface SettingsForm {
   element: HTMLElement;
   // Shows the settings as they are now, but leaves the fields that hold text which cannot be used. `problem`: what the server
   // says about one of them.
-  show(faults?: Record<string, string>, problem?: {id: string; text: string} | null): void;
+  show(faults?: Record<string, string>, problem?: ProblemBody | null): void;
   focus(id: string): boolean;                    // false if there is no such field
 }
 
@@ -63,7 +64,7 @@ interface Field {
   element: HTMLElement;
   target: HTMLElement;     // what takes the focus
   show(value: unknown): void;
-  say(text: string): void;  // why the server refuses the value
+  say(problem: ProblemBody | null): void;  // why the server refuses the value
 }
 
 function build(id: string, schema: FieldSchema, options: SettingsFormOptions): Field {
@@ -175,9 +176,9 @@ function build(id: string, schema: FieldSchema, options: SettingsFormOptions): F
   const element = el('div', {class: 'field setting', id: `${htmlId}-field`}, ...parts, refused);
   return {
     element, target,
-    say(text) {
-      refused.textContent = text;
-      refused.hidden = text === '';
+    say(problem) {
+      replace(refused, problem && problemLine(problem));
+      refused.hidden = !problem;
     },
     show(value) {
       reset.hidden = sameValue(value, schema.default);
@@ -206,7 +207,7 @@ export function settingsForm(options: SettingsFormOptions): SettingsForm {
       const settings = options.settings();
       for (const [id, field] of fields) {
         if (!(id in faults)) field.show(valueOf(schema, settings, id));
-        field.say(problem?.id === id ? problem.text : '');
+        field.say(problem?.where === id ? problem : null);
       }
     },
     focus(id) {

@@ -3,6 +3,7 @@ import {el} from '../dom';
 import {bySeverity, type Severity, type Warning} from '../state/jobs';
 import {currentLanguage, number, t, textIfKnown} from '../text';
 import {icon, type IconName} from './icon';
+import {inEnglish, wordsOf} from './words';
 
 const icons: Record<Severity, IconName> = {serious: 'error', warning: 'warning', note: 'info'};
 // "0.57 mm, limit 0.8 mm". Units that are words have texts.
@@ -42,20 +43,19 @@ function showButton(warning: Warning, show: (place: readonly number[]) => void):
 
 function item(warning: Warning, show?: (place: readonly number[]) => void): HTMLElement {
   const severity: Severity = warning.severity in icons ? warning.severity : 'warning';
-  const meaning = textIfKnown(`warning.${warning.code}.what`);  // in languages that the server does not speak
-  const fix = textIfKnown(`warning.${warning.code}.fix`);
+  const {title = warning.code, what: meaning, fix = warning.fix} = wordsOf('warning', warning.code);
   const place = meaning ? placeText(warning) : warning.place;
   return el('li', {class: `warning ${severity}`},
     icon(icons[severity]),
     el('div', null,
-      el('h3', null, textIfKnown(`warning.${warning.code}`) ?? warning.code, ' ',
+      el('h3', null, title, ' ',
         el('span', {class: `state ${severity}`}, t(`severity.${severity}`))),
       el('p', null, meaning ?? warning.what),
       place && el('p', null, t('problem.where', {where: place})),
       meaning && warning.figure && el('p', null, figureText(warning.figure)),
-      (fix ?? warning.fix) && el('p', null, t('problem.fix', {fix: fix ?? warning.fix})),
-      meaning && el('details', null, el('summary', null, t('job.server_words')),
-        el('p', {lang: currentLanguage() === 'en' ? null : 'en'}, [warning.what, warning.place, warning.fix].filter(Boolean).join(' – '))),
+      fix && el('p', null, t('problem.fix', {fix})),
+      meaning && el('details', null, el('summary', null, t('problem.exact')),
+        el('p', null, inEnglish([warning.what, warning.place, warning.fix].filter(Boolean).join(' – ')))),
       show && warning.marks.length > 0 && el('p', null, showButton(warning, show)),
       el('p', {class: 'quiet small'}, t('problem.code', {code: warning.code}))));
 }

@@ -6,6 +6,7 @@ import {band, identityOf, nameOf} from '../parts/band';
 import {titleOf} from '../parts/downloads';
 import {icon} from '../parts/icon';
 import {problemBox} from '../parts/problem';
+import {setTitle} from '../parts/progress';
 import {labelOf, valueText} from '../parts/settings-form';
 import {stateBadge} from '../parts/state-badge';
 import {warningsList} from '../parts/warnings-list';
@@ -47,7 +48,7 @@ class Compare extends View {
   protected build(): Children {
     const {route} = store.get();
     if (route.view !== 'compare') return null;
-    document.title = `${t('jobs.compare')} · ${t('shell.name')}`;
+    setTitle(t('jobs.compare'));
     onEnd(() => { this.#over = true; });
     const {a, b} = route;
     const body = el('div', {class: 'stack'}, el('p', {class: 'empty quiet', role: 'status'}, t('shell.loading')));

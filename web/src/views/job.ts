@@ -1,12 +1,13 @@
 // One job: its progress while it runs, and then what came of it.
 import {el, replace, type Children} from '../dom';
-import {api, Problem} from '../api/client';
+import {api, foundProblem, Problem, type FoundProblem} from '../api/client';
 import {followJob} from '../api/events';
-import type {Job, ListedJob, ProblemBody, SettingsSchema} from '../api/types';
+import type {Job, ListedJob, SettingsSchema} from '../api/types';
 import {ended} from '../api/types';
 import {band, identityOf, nameOf, shortId} from '../parts/band';
 import {confirm} from '../parts/confirm';
 import {downloads, titleOf} from '../parts/downloads';
+import {facts} from '../parts/facts';
 import {icon} from '../parts/icon';
 import {logPart} from '../parts/log';
 import {problemBox} from '../parts/problem';
@@ -15,19 +16,16 @@ import {labelOf, valueText} from '../parts/settings-form';
 import {stateBadge} from '../parts/state-badge';
 import {warningsList} from '../parts/warnings-list';
 import {toJob, toJobs, toNew} from '../route';
-import {announce, store} from '../state';
+import {announce, setJobs, store} from '../state';
 import {fieldOf, staleJob} from '../state/draft';
-import {settingsOf, type JobsState, type Report, type Setting, type Warning} from '../state/jobs';
+import {settingsOf, type Report, type Setting, type Warning} from '../state/jobs';
 import {bytes, duration, number, t, textIfKnown, when} from '../text';
 import {follow, live, onEnd, View} from '../view';
 
 const queueEvery = 5000;  // ms: nothing tells a queued job that those before it are done
 
-const setJobs = (change: Partial<JobsState>): void => store.set((state) => ({jobs: {...state.jobs, ...change}}));
 const shown = (): Job | null => store.get().jobs.job;
 const phaseOf = (job: ListedJob | null): string => !job ? '' : ended(job.state) ? job.state : 'active';
-const facts = (...all: ([string, Children] | false | null | undefined)[]): HTMLElement =>
-  el('dl', {class: 'facts'}, ...all.flatMap((fact) => fact ? [el('dt', null, fact[0]), el('dd', null, fact[1])] : []));
 const size = (mm: readonly number[]): string => `${mm.map((side) => number(side, 0)).join(' × ')} mm`;
 
 interface Coupled {
@@ -194,7 +192,7 @@ class JobView extends View {
 
   #failed(job: Job): Children {
     return [
-      problemBox(job.problem ? new Problem(job.problem, '') : t('state.failed')),
+      problemBox(job.problem ? new Problem(job.problem) : t('state.failed')),
       el('p', {class: 'row'}, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('reset'), t('job.try_changed')))];
   }
 
@@ -255,14 +253,14 @@ class JobView extends View {
 
   #inspection(job: Job, report: Report): Children {
     const {scan, mold} = report;
-    const problem = report['problem'] as Pick<ProblemBody, 'what' | 'where' | 'fix'> & {code: string} | null | undefined;
+    const problem = report['problem'] as FoundProblem | null | undefined;
     const guessed = (text: string, isGuess: boolean): string => isGuess ? t('job.guessed', {text}) : text;
     return [
       el('section', {class: 'card stack'},
         report['fits'] === false
           ? el('p', {class: 'notice'}, icon('warning'), t('job.fits_not'))
           : el('p', {class: 'notice good'}, icon('check'), t('job.fits')),
-        problem && problemBox(new Problem({...problem, type: `/problems/${problem.code}`, title: '', status: 0}, '')),
+        problem && problemBox(foundProblem(problem)),
         el('p', null, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('print'), t('job.make_print')))),
       el('div', {class: 'columns'},
         el('section', {class: 'card'}, el('h2', null, t('job.warnings')), warningsList(report.warnings)),

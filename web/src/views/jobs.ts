@@ -8,10 +8,11 @@ import {confirm} from '../parts/confirm';
 import {icon} from '../parts/icon';
 import {jobRow, type JobRow} from '../parts/job-row';
 import {problemBox} from '../parts/problem';
+import {setTitle} from '../parts/progress';
 import {toCompare, toNew} from '../route';
-import {announce, store} from '../state';
+import {announce, setJobs, store} from '../state';
 import {
-  activeStates, choose, filterOf, isFiltered, listQuery, newerPage, olderPage, withFilter, type FilterName, type JobsState} from '../state/jobs';
+  activeStates, choose, filterOf, isFiltered, listQuery, newerPage, olderPage, withFilter, type FilterName} from '../state/jobs';
 import {t} from '../text';
 import {follow, live, onEnd, View} from '../view';
 import {sampleButton} from './help/sample';
@@ -19,7 +20,6 @@ import {sampleButton} from './help/sample';
 const often = 3000, rarely = 15_000, typing = 400;  // ms
 const kinds: readonly JobKind[] = ['print', 'inspection', 'layout'];
 
-const setJobs = (change: Partial<JobsState>): void => store.set((state) => ({jobs: {...state.jobs, ...change}}));
 const query = (): string => store.get().route.query;
 const goTo = (to: string): void => location.replace(`#/jobs${to && '?' + to}`);
 
@@ -27,7 +27,7 @@ class Jobs extends View {
   #asked = 0;  // the newest question; older answers are dropped
 
   protected build(): Children {
-    document.title = `${t('shell.jobs')} · ${t('shell.name')}`;
+    setTitle(t('shell.jobs'));
     let timer = 0;
     const again = (): void => {
       clearTimeout(timer);

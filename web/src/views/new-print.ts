@@ -1,10 +1,12 @@
 // One page from a scan to a started job. What the person has done so far is in the draft, which outlives a reload.
 import {el, replace, type Children} from '../dom';
+import {shortId} from '../parts/band';
 import {confirm} from '../parts/confirm';
 import {icon, type IconName} from '../parts/icon';
 import {problemBox} from '../parts/problem';
+import {setTitle} from '../parts/progress';
 import {warningsList} from '../parts/warnings-list';
-import {Problem} from '../api/client';
+import {foundProblem, Problem} from '../api/client';
 import type {Settings, SettingsSchema} from '../api/types';
 import {toJob, toNew} from '../route';
 import {store} from '../state';
@@ -66,10 +68,10 @@ function findings(show: (place: readonly number[]) => void): HTMLElement {
       el('h3', {id: 'findings-title'}, t('new.findings')),
       problem ? problemBox(problem, () => void inspect())
       : !job ? el('p', null, again())
-      : job.state === 'failed' && job.problem ? problemBox(new Problem(job.problem, ''), () => void inspect())
+      : job.state === 'failed' && job.problem ? problemBox(new Problem(job.problem), () => void inspect())
       : found ? [
           old && el('p', {class: 'notice plain', role: 'status'}, icon('info'), el('span', null, t('new.findings_old')), again()),
-          found.problem && problemBox(new Problem({...found.problem, status: 422}, '')),
+          found.problem && problemBox(foundProblem(found.problem)),
           found.warnings.length > 0 || found.problem
             ? warningsList(found.warnings, show) : el('p', {class: 'notice good'}, icon('check'), t('new.no_findings')),
           el('p', null, el('a', {href: toJob(job.id)}, t('new.inspection_job')))]
@@ -117,7 +119,7 @@ function scanSection(schema: SettingsSchema): Children {
 function originNotice(): HTMLElement {
   return live((state) => state.draft.from, (from): Children => [
     from && el('p', {class: 'notice plain', role: 'status'}, icon('copy'), el('span', null,
-      t('new.from_job'), ' ', el('a', {href: toJob(from.job)}, from.job.slice(-8)), '. ',
+      t('new.from_job'), ' ', el('a', {href: toJob(from.job)}, shortId(from.job)), '. ',
       t(from.pattern ? 'new.from_all' : from.kind === 'layout' ? 'new.from_layout' : 'new.from_scan'))),
     hasBefore() && el('p', {class: 'notice plain', role: 'status'}, icon('undo'), el('span', null, t('new.before')),
       el('button', {type: 'button', onclick: () => { goBack(); location.hash = toNew(); }}, t('new.go_back')))]);
@@ -165,7 +167,7 @@ function step(section: Section, at: number, content: Children): HTMLElement {
 
 class NewPrint extends View {
   protected build(): Children {
-    document.title = `${t('shell.new')} – ${t('shell.name')}`;
+    setTitle(t('shell.new'));
     const failed = el('div', null);
     begin();
     follow((state) => state.route, (route) => {

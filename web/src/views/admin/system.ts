@@ -2,9 +2,10 @@
 import {api} from '../../api/client';
 import type {JobState, Service} from '../../api/types';
 import {el, type Children} from '../../dom';
+import {facts, type Fact} from '../../parts/facts';
 import {icon} from '../../parts/icon';
 import {toJob} from '../../route';
-import {bytes, duration, percent, t, textIfKnown, when} from '../../text';
+import {bytes, duration, percent, t, when} from '../../text';
 import {onEnd} from '../../view';
 import {loaded} from './loaded';
 
@@ -30,8 +31,6 @@ function faults(service: Service): string[] {
   ].filter(Boolean);
 }
 
-const fact = (name: string, value: Children): Children => [el('dt', null, name), el('dd', null, value)];
-
 const card = (title: string, ...children: Children[]): HTMLElement =>
   el('section', {class: 'card'}, el('h2', null, title), ...children);
 
@@ -45,10 +44,10 @@ function build(service: Service): Children {
       : el('ul', {class: 'faults'}, wrong.map((text) => el('li', {class: 'notice'}, icon('warning'), el('span', null, text)))),
     el('div', {class: 'cards'},
       card(t('admin.queue'),
-        el('dl', {class: 'facts'},
-          fact(t('admin.queue_length'), t('admin.queue_jobs', {count: queue.length})),
-          queue.oldest_seconds !== null && fact(t('admin.queue_oldest'), duration(queue.oldest_seconds)),
-          states.map((state) => fact(textIfKnown(`state.${state}`) ?? state, String(service.jobs[state] ?? 0))))),
+        facts(
+          [t('admin.queue_length'), t('admin.queue_jobs', {count: queue.length})],
+          queue.oldest_seconds !== null && [t('admin.queue_oldest'), duration(queue.oldest_seconds)],
+          ...states.map((state): Fact => [t(`state.${state}`), String(service.jobs[state] ?? 0)]))),
       card(t('admin.disk'),
         el('p', null, t('admin.disk_free', {free: bytes(disk.free_bytes), total: bytes(disk.total_bytes)})),
         el('progress', {max: disk.total_bytes, value: used, 'aria-label': t('admin.disk_used')}, percent(used / disk.total_bytes)),
@@ -66,10 +65,10 @@ function build(service: Service): Children {
         el('p', null, service.last_backup ? t('admin.backup_last', {time: when(service.last_backup)}) : t('admin.backup_none')),
         el('p', {class: 'quiet small'}, t('admin.backup_how'))),
       card(t('admin.versions'),
-        el('dl', {class: 'facts'},
-          fact(t('admin.version'), el('code', null, service.version)),
-          fact(t('admin.schema'), String(service.schema)),
-          fact(t('admin.uptime'), duration(service.uptime_seconds))))),
+        facts(
+          [t('admin.version'), el('code', null, service.version)],
+          [t('admin.schema'), String(service.schema)],
+          [t('admin.uptime'), duration(service.uptime_seconds)]))),
   ];
 }
 

@@ -2,7 +2,8 @@
 import {api} from '../../api/client';
 import type {Scope, TokenInfo} from '../../api/types';
 import {el, newId, replace, type Children} from '../../dom';
-import {confirm} from '../../parts/confirm';
+import {confirm, openDialog} from '../../parts/confirm';
+import {facts} from '../../parts/facts';
 import {icon} from '../../parts/icon';
 import {problemBox} from '../../parts/problem';
 import {announce, store} from '../../state';
@@ -24,12 +25,9 @@ const roleOf = (token: TokenInfo): string => {
 };
 
 function showSecret(owner: string, secret: string): void {
-  const title = newId('secret'), field = newId('secret'), opener = document.activeElement;
+  const title = newId('secret'), field = newId('secret');
   const input = el('input', {id: field, readonly: true, value: secret, class: 'secret', spellcheck: 'false'});
-  const dialog = el('dialog', {'aria-labelledby': title, onclose: () => {
-    dialog.remove();
-    if (opener instanceof HTMLElement) opener.focus();
-  }}, el('form', {method: 'dialog', class: 'stack'},
+  void openDialog({'aria-labelledby': title},
     el('h2', {id: title}, t('admin.secret_title', {owner})),
     el('p', null, t('admin.secret_once')),
     el('div', null, el('label', {for: field}, t('admin.secret')), input),
@@ -38,9 +36,7 @@ function showSecret(owner: string, secret: string): void {
         input.select();
         void navigator.clipboard.writeText(secret).then(() => announce(t('problem.copied')));
       }}, icon('copy'), t('admin.secret_copy')),
-      el('button', {type: 'submit'}, t('shell.close')))));
-  document.body.append(dialog);
-  dialog.showModal();
+      el('button', {type: 'submit'}, t('shell.close'))));
 }
 
 function creation(created: () => void): HTMLElement {
@@ -111,11 +107,11 @@ function entry(token: TokenInfo, changed: () => void): HTMLElement {
   return el('li', {class: 'card entry'},
     el('div', null, el('h3', null, token.owner, own && el('span', {class: 'state'}, t('admin.own'))),
        el('p', null, roleOf(token)), problem),
-    el('dl', {class: 'facts small'},
-      el('dt', null, t('admin.token_id')), el('dd', null, el('code', null, token.id)),
-      el('dt', null, t('admin.created')), el('dd', null, when(token.created)),
-      token.revoked ? [el('dt', null, t('admin.revoked')), el('dd', null, when(token.revoked))]
-                    : [el('dt', null, t('admin.expires')), el('dd', null, token.expires ? when(token.expires) : t('admin.days_never'))]),
+    el('div', {class: 'small'}, facts(
+      [t('admin.token_id'), el('code', null, token.id)],
+      [t('admin.created'), when(token.created)],
+      token.revoked ? [t('admin.revoked'), when(token.revoked)]
+                    : [t('admin.expires'), token.expires ? when(token.expires) : t('admin.days_never')])),
     usable(token) && el('button', {type: 'button', class: 'danger', onclick: () => void revoke(),
                                    'aria-label': t('admin.revoke_of', {owner: token.owner, id: token.id})}, t('admin.revoke')));
 }

@@ -1,5 +1,5 @@
 // One click makes a small job of the bundled sample and goes to it.
-import {api, ask} from '../../api/client';
+import {api, ask, randomKey} from '../../api/client';
 import {el, replace} from '../../dom';
 import {icon} from '../../parts/icon';
 import {problemBox} from '../../parts/problem';
@@ -21,7 +21,7 @@ async function make(key: string): Promise<string> {
 }
 
 export function sampleButton(): HTMLElement {
-  const key = crypto.randomUUID();  // of this button: two clicks make one job
+  const key = randomKey();  // of this button: two clicks make one job
   const problem = el('div');
   const start = async (): Promise<void> => {
     button.disabled = true;

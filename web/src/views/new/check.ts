@@ -2,8 +2,11 @@
 import {el, newId, replace, type Children} from '../../dom';
 import {Problem} from '../../api/client';
 import type {SettingsSchema} from '../../api/types';
+import {shortId} from '../../parts/band';
+import {openDialog} from '../../parts/confirm';
 import {icon} from '../../parts/icon';
-import {problemBox} from '../../parts/problem';
+import {problemBox, problemLine} from '../../parts/problem';
+import {setTitle} from '../../parts/progress';
 import {choiceOf, labelOf, valueText} from '../../parts/settings-form';
 import {toJob} from '../../route';
 import {announce} from '../../state';
@@ -30,7 +33,7 @@ export interface CheckOptions {
 
 // What keeps the job from starting, each with the way to it.
 interface Fault {
-  text: string;
+  text: Children;
   go(): void;
 }
 function faultsOf(now: DraftState, {go}: CheckOptions): Fault[] {
@@ -38,14 +41,14 @@ function faultsOf(now: DraftState, {go}: CheckOptions): Fault[] {
     if (isText(where)) document.getElementById(`new-${where}`)?.focus();
     else if (!focusSetting(where)) go(sectionOf(where));
   };
-  const faults = Object.entries(now.faults).map(([id, text]) => ({text: `${isText(id) ? texts[id].label() : labelOf(id)}: ${text}`, go: to(id)}));
+  const faults: Fault[] = Object.entries(now.faults).map(([id, text]) => ({text: `${isText(id) ? texts[id].label() : labelOf(id)}: ${text}`, go: to(id)}));
   if (!hasScan(now)) faults.push({text: t(now.scan ? 'new.scan_not_sent' : 'new.scan_missing'), go: () => go('scan')});
   if (!hasPattern(now)) faults.push({text: t(now.form.pattern ? 'new.pattern_not_sent' : 'new.pattern_missing'), go: () => go('pattern')});
   if (now.problem && hasScan(now) && hasPattern(now)) {
-    const {what, where = '', fix, title} = now.problem;
+    const {where = ''} = now.problem;
     const setting = where.includes('.') && fieldOf(now.schema ?? {properties: {}}, where);
     const place = setting ? `${labelOf(where)}: ` : '';
-    faults.push({text: place + (now.problem.type === 'no-server' ? t('problem.no_server') : [what || title, fix && t('problem.fix', {fix})].filter(Boolean).join('. ')), go: to(where)});
+    faults.push({text: [place, problemLine(now.problem)], go: to(where)});
   }
   return faults;
 }
@@ -78,14 +81,14 @@ function rows(now: DraftState, {schema, go}: CheckOptions): Children {
   const list: (Row | false)[] = [
     {name: 'scan', label: t('new.row_scan'), go: () => go('scan'), value:
       scan ? [el('span', {class: 'file-name'}, scan.name), el('br'), el('span', {class: 'quiet'}, bytes(scan.bytes), hash)]
-      : from ? [t('new.scan_of_job', {job: from.job.slice(-8)}), el('br'), el('span', {class: 'quiet'}, bytes(from.scan.bytes), hash)]
+      : from ? [t('new.scan_of_job', {job: shortId(from.job)}), el('br'), el('span', {class: 'quiet'}, bytes(from.scan.bytes), hash)]
       : missing(t('new.scan_missing'))},
     fieldOf(schema, 'scan.left_side') !== undefined && {name: 'side', label: t('new.row_side'), go: () => go('scan'), value:
       side === 'unknown' ? missing(t('new.side_open')) : [icon('check'), ' ', choiceOf('scan.left_side', side)]},
     {name: 'pattern', label: t('new.row_pattern'), go: () => go('pattern'), value:
       pattern ? [el('span', {class: 'file-name'}, pattern.layout ? t('new.pattern_made') : pattern.name), el('br'),
                  size ? t('new.size_on_head', {size: sizeText([size[0] * scale, size[1] * scale])}) : missing(t('new.no_size'))]
-      : from?.pattern ? t('new.pattern_of_this_job', {job: from.job.slice(-8)})
+      : from?.pattern ? t('new.pattern_of_this_job', {job: shortId(from.job)})
       : missing(t('new.pattern_missing'))},
     {name: 'face', label: labelOf('pattern.inked_face'), go: setting('pattern.inked_face'), value: el('strong', null, shown('pattern.inked_face'))},
     {name: 'machine', label: t('new.row_machine'), go: () => go('machine'), value:
@@ -98,21 +101,14 @@ function rows(now: DraftState, {schema, go}: CheckOptions): Children {
 }
 
 // Asks once about what is likely to be a mistake.
-function askAbout(doubts: readonly Doubt[]): Promise<boolean> {
+async function askAbout(doubts: readonly Doubt[]): Promise<boolean> {
   const title = newId('doubts');
-  const dialog = el('dialog', {'aria-labelledby': title},
-    el('form', {method: 'dialog', class: 'stack'},
-      el('h2', {id: title}, t('new.doubts', {count: doubts.length})),
-      el('ul', {class: 'plain-list doubts'}, doubts.map((doubt) => el('li', {class: 'notice'}, icon('warning'), el('span', null, t(`new.doubt_${doubt}`))))),
-      el('div', {class: 'row'},
-        el('button', {type: 'submit', value: 'no', class: 'primary', autofocus: true}, t('new.back_to_scan')),
-        el('button', {type: 'submit', value: 'yes'}, t('new.start_anyway')))));
-  document.body.append(dialog);
-  dialog.showModal();
-  return new Promise((answer) => dialog.addEventListener('close', () => {
-    dialog.remove();
-    answer(dialog.returnValue === 'yes');
-  }));
+  return await openDialog({'aria-labelledby': title},
+    el('h2', {id: title}, t('new.doubts', {count: doubts.length})),
+    el('ul', {class: 'plain-list doubts'}, doubts.map((doubt) => el('li', {class: 'notice'}, icon('warning'), el('span', null, t(`new.doubt_${doubt}`))))),
+    el('div', {class: 'row'},
+      el('button', {type: 'submit', value: 'no', class: 'primary', autofocus: true}, t('new.back_to_scan')),
+      el('button', {type: 'submit', value: 'yes'}, t('new.start_anyway')))) === 'yes';
 }
 
 function textField(name: TextName): HTMLElement {
@@ -146,15 +142,15 @@ export function checkSection(options: CheckOptions): Children {
     const title = newId('faults');
     const head = el('h3', {id: title, tabindex: -1}, icon('error'), ' ', t('problem.title'));
     replace(summary, el('div', {class: 'problem', role: 'alert', 'aria-labelledby': title}, head,
-      el('ul', null, faults.map((fault) => el('li', null, el('button', {type: 'button', class: 'plain link', onclick: fault.go}, fault.text))))));
-    document.title = `${t('new.error_title')}: ${t('shell.new')} – ${t('shell.name')}`;
+      el('ul', null, faults.map((fault) => el('li', null, el('button', {type: 'button', class: 'plain link', onclick: fault.go}, el('span', null, fault.text)))))));
+    setTitle(`${t('new.error_title')}: ${t('shell.new')}`);
     head.scrollIntoView({block: 'center'});
     head.focus({preventScroll: true});
   }
   async function begin(): Promise<void> {
     if (busy) return;
     replace(summary, null);
-    document.title = `${t('shell.new')} – ${t('shell.name')}`;
+    setTitle(t('shell.new'));
     const faults = faultsOf(draft(), options);
     if (faults.length > 0) return showFaults(faults);
     const doubts = doubtsOf(draft(), schema, findingCodes());

@@ -1,7 +1,6 @@
 // Fields of the draft's settings, and the way to each of them.
 import type {SettingsSchema} from '../../api/types';
 import {settingsForm, type SettingsForm} from '../../parts/settings-form';
-import {t} from '../../text';
 import {follow, onEnd} from '../../view';
 import {draft, setFault, setSetting} from './work';
 
@@ -20,8 +19,7 @@ export function draftFields(schema: SettingsSchema, prefix: string, only?: reado
 export function followDraft(open: () => SettingsForm | null): void {
   openAll = open;
   follow(({draft: {form, faults, problem}}) => [form.settings, faults, problem] as const, ([, faults, problem]) => {
-    const {where: id = '', what = '', fix} = problem ?? {};
-    for (const form of forms) form.show(faults, {id, text: [what, fix && t('problem.fix', {fix})].filter(Boolean).join('. ')});
+    for (const form of forms) form.show(faults, problem);
   });
   onEnd(() => {
     forms.clear();

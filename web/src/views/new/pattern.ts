@@ -66,7 +66,7 @@ function layoutProgress(): HTMLElement {
     const {job, problem} = layout.now;
     replace(host, problem ? problemBox(problem, () => void makeLayout())
       : !job ? null
-      : job.problem ? problemBox(new Problem(job.problem, ''), () => void makeLayout())
+      : job.problem ? problemBox(new Problem(job.problem), () => void makeLayout())
       : job.state === 'succeeded' ? el('p', {class: 'row'}, icon('check'), t('new.layout_done'), el('a', {href: toJob(job.id)}, t('new.layout_figures')))
       : job.state === 'cancelled' ? null
       : el('div', {class: 'transfer'},

@@ -1,7 +1,7 @@
 // A file on its way to the server: bytes, speed, time left; pause and resume.
 import {el, type Children} from '../../dom';
 import {icon} from '../../parts/icon';
-import {problemBox} from '../../parts/problem';
+import {problemBox, problemLine} from '../../parts/problem';
 import {bytes, duration, percent, t} from '../../text';
 import {live} from '../../view';
 import {removePattern, removeScan, uploadOf} from './work';
@@ -23,7 +23,7 @@ export function transferLine(input: 'scan' | 'pattern'): HTMLElement {
       el('p', {class: 'spread'},
         el('strong', null, t(`new.transfer_${state}`)), el('span', {class: 'number'}, percent(share))),
       el('progress', {max: 1, value: share, 'aria-label': t(`new.transfer_${state}`)}),
-      problem && el('p', null, problem.message, problem.body.fix && ` ${t('problem.fix', {fix: problem.body.fix})}`),
+      problem && el('p', null, problemLine(problem.body)),
       el('p', {class: 'quiet small'}, facts),
       el('p', {class: 'row'},
         el('button', {type: 'button', id: `${input}-pause`, onclick: () => stopped ? uploadOf(input)?.resume() : uploadOf(input)?.pause()},

@@ -1,8 +1,8 @@
 // What happens to the draft: files on their way, jobs that prepare the print, the quiet check, the start.
-import {api, Problem} from '../../api/client';
+import {api, Problem, randomKey, type FoundProblem} from '../../api/client';
 import {followJob} from '../../api/events';
 import {extensionOf, markOf, removeUpload, startUpload, type Transfer, type Upload} from '../../api/upload';
-import type {Job, ListedJob, ProblemBody, SettingsSchema} from '../../api/types';
+import type {Job, ListedJob, SettingsSchema} from '../../api/types';
 import {announce, store} from '../../state';
 import {
   attemptFor, changed, emptyDraft, emptyForm, hasPattern, hasScan, isNew, redone, restored, saved, scanSettings, separated,
@@ -32,10 +32,8 @@ export function redo(): void {
   announce(t('new.redone'));
 }
 
-const randomKey = (): string =>
-  [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 const problemOf = (error: unknown): Problem =>
-  error instanceof Problem ? error : new Problem({type: 'about:blank', title: '', status: 0, what: String(error)}, '');
+  error instanceof Problem ? error : new Problem({type: 'about:blank', title: '', status: 0, what: String(error)});
 
 // The settings that this service knows, and its profiles: read once.
 let reading: Promise<SettingsSchema> | null = null;
@@ -188,7 +186,7 @@ export interface SideJob {
 export interface Findings {
   scan?: {trim_mm?: number};
   warnings: Warning[];
-  problem: ProblemBody | null;
+  problem: FoundProblem | null;
   fits: boolean;
 }
 const none: SideJob = {job: null, problem: null, findings: null};
@@ -388,7 +386,7 @@ function putAside(): void {
 export async function startFrom(id: string): Promise<void> {
   const [job, schema] = await Promise.all([api.job(id), readSchema()]);
   const {scan, pattern = null} = job.inputs;
-  if (!scan) throw new Problem({type: 'not-found', title: '', status: 404, what: t('new.no_scan_in_job')}, '');
+  if (!scan) throw new Problem({type: 'not-found', title: '', status: 0, what: t('new.no_scan_in_job')});
   putAside();
   reset();
   const {layout: _, ...settings} = withoutDefaults(job.settings, schema);

@@ -1,6 +1,6 @@
 // Moves the drawing on the part: a preview at once, and a job that makes the print for it.
 import {el, newId, replace} from '../../dom';
-import {api} from '../../api/client';
+import {api, randomKey} from '../../api/client';
 import type {Job} from '../../api/types';
 import {icon} from '../../parts/icon';
 import {numberField} from '../../parts/number-field';
@@ -67,7 +67,7 @@ export function adjustView(job: Job, report: PrintReport, part: Part, stale: (st
     if (sending) return;
     sending = apply.disabled = true;
     // one key for one placement: a request that is sent twice makes one job
-    key ||= [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
+    key ||= randomKey();
     const {x, y, turn, scale} = placed(moves), form = new FormData();
     form.set('from', job.id);
     form.set('settings', JSON.stringify({pattern: {offset_mm: [x, y], rotate_deg: turn, scale}}));
