@@ -7,7 +7,7 @@ const lightness = ([r, g, b]: Rgb): number => {
   const y = 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
   return y > 0.008856 ? 116 * Math.cbrt(y) - 16 : 903.3 * y;
 };
-const settings = {thickness: 1, thinLimit: 0.3, distortionLimit: 1.1, material: 'petg'};
+const settings = {thickness: 1, thinLimit: 0.3, distortionLimit: 1.1, window: [121, 160] as const};
 
 test('every map goes from dark to bright or back without a turn, so that it is read in gray too', () => {
   for (const [map, way] of [['thickness', 1], ['temperature', 1], ['shape', -1], ['area', -1]] as [HeatName, number][])

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "worker/forming/material.hpp"
 #include "worker/inspection/coil_json.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/json_numbers.hpp"
@@ -55,8 +56,10 @@ Json forming_of(const Finished& job) {
 }
 
 // Of the sheet when it meets the mold, over the window of the clamp frame.
-Json heat_of(const HeatSummary& heat) {
+Json heat_of(const HeatSummary& heat, Material material) {
+  const MaterialProfile plastic = material_profile(material);
   Json out = {{"source", name(heat.source)},
+              {"window_c", {plastic.coldest_celsius, plastic.hottest_celsius}},
               {"least_c", rounded(heat.least, 2)},
               {"mean_c", rounded(heat.mean, 2)},
               {"most_c", rounded(heat.most, 2)}};
@@ -195,7 +198,7 @@ Json report(const Finished& job) {
   out["settings"] = to_json(job.settings);
   out["scan"] = scan_json(job.mold.findings);
   out["mold"] = mold_json(job.mold);
-  out["heat"] = heat_of(job.heat);
+  out["heat"] = heat_of(job.heat, job.settings.sheet.material);
   out["forming"] = forming_of(job);
   out["thickness"] = thickness_of(job);
   out["flattening"] = flattening_of(job.flattening);

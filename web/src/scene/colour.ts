@@ -34,17 +34,13 @@ export interface Range {
   limit?: number; // the tolerance
 }
 
-// Degrees Celsius in which each plastic forms, as worker/forming/material.cpp has them.
-const formsAt: Record<string, readonly [number, number]> = {
-  petg: [121, 160], pc: [170, 200], abs: [127, 182], hips: [130, 180], pvc: [110, 160]};
-
 export interface Tolerances {
   thickness: number;        // sheet.thickness_mm
   thinLimit: number;        // forming.thin_limit
   distortionLimit: number;  // pattern.distortion_limit
-  material: string;         // sheet.material
+  window: readonly [number, number];  // degrees Celsius in which the plastic forms
 }
-// Ranges come from the settings alone, so that two jobs with the same settings have the same colours.
+// Ranges come from settings and plastic alone, so that two jobs with the same settings have the same colours.
 export function rangeOf(map: HeatName, from: Tolerances): Range {
   switch (map) {
     case 'shape':
@@ -54,7 +50,7 @@ export function rangeOf(map: HeatName, from: Tolerances): Range {
       return {low, high: from.thickness, step: roundStep((from.thickness - low) / 10)};
     }
     case 'temperature': {
-      const [low, high] = formsAt[from.material] ?? [80, 200];
+      const [low, high] = from.window;
       return {low, high, step: 5};
     }
   }

@@ -89,6 +89,7 @@ export interface PrintReport {
   scan?: {mirrored: boolean};
   thickness: {initial_mm: number; least_mm: number; least_ratio: number};
   flattening: {top_rest_mm: [number, number]};
+  heat: {window_c?: [number, number]};  // absent in reports of earlier versions
   print: {inked_face: string; mirrored: boolean};
   figures: {with: Way; without: Way};
   coils?: {id: string; drawn_diameter_mm: number; with?: CoilSide | null; without?: CoilSide | null}[];

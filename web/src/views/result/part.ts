@@ -45,7 +45,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   const group = (name: string): Record<string, unknown> => job.settings[name] ?? {};
   const tolerances = {
     thickness: report.thickness.initial_mm, thinLimit: Number(group('forming')['thin_limit'] ?? 0.3),
-    distortionLimit: Number(group('pattern')['distortion_limit'] ?? 1.1), material: String(group('sheet')['material'] ?? '')};
+    distortionLimit: Number(group('pattern')['distortion_limit'] ?? 1.1), window: report.heat.window_c ?? [80, 200] as const};
   const range = (map: MapName): Range | null => isHeat(map) ? rangeOf(map, tolerances) : null;
   const host = el('div', {class: 'result-view'}, el('p', {class: 'quiet', role: 'status'}, t('result.loading_3d')));
   const reading = readout();
