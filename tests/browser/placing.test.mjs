@@ -1,13 +1,13 @@
 // A scan is placed by hand: three landmarks straighten it, and drags and keys turn it.
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
-import {drawn, drop, sample, show, signIn, startBrowser, startService, until} from './drive.mjs';
+import {drawn, drop, sample, show, signIn, startBrowser, startService, until, violations} from './drive.mjs';
 
 let service;
 let browser;
 before(async () => {
   browser = await startBrowser();
-  service = await startService({workers: 0});
+  service = await startService();
 });
 after(async () => { await browser?.close(); await service?.stop(); });
 
@@ -87,6 +87,9 @@ test('clicks set landmarks, and swapped ears give the warning of a mirror image'
   await canvas.click();
   await page.getByText('the ears not 40 to 300 mm apart').waitFor();
   assert.equal(await page.getByRole('button', {name: 'Straighten the head'}).count(), 0);
+
+  await page.getByRole('button', {name: 'Turn the scan'}).click();
+  assert.deepEqual(await violations(page), []);
 
   // another file forgets them
   await drop(page, sample().scan, 'other.stl');
@@ -172,6 +175,24 @@ test('a finger turns the scan', async () => {
   for (const dx of [-10, -20, -40, -60]) await touch('touchMove', dx);
   await touch('touchEnd', 0);
   await until(async () => (await settings(page)).yaw_deg < -5, 'the scan to turn');
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test('a finding of the inspection turns the 3D view to its place', async () => {
+  const page = await open();
+  await page.getByLabel('The service chooses the height').uncheck();
+  await page.locator('#scan-section-trim_mm').fill('5');  // far below the undercuts, and too high a mold for its window
+  await page.locator('#scan-section-trim_mm').press('Enter');
+  const finding = page.locator('.findings li').filter({hasText: 'y = -90'});
+  await until(async () => {
+    const again = page.locator('#inspect-again');
+    if (await again.isVisible()) await again.click();
+    return finding.isVisible();
+  }, 'the finding');
+  await finding.getByRole('button').first().click();
+  await page.locator('.scan-stage [role=status]').filter({hasText: 'You look from the back'}).waitFor();
+  assert.ok(await canvasOf(page).isVisible());
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
