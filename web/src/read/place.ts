@@ -36,6 +36,13 @@ export function turnOf(p: Placement): Matrix3 {
   return turns.reduce((done, turn) => times(turn, done)).map((value) => value * p.scale);
 }
 
+// The tilt that turns a placed scan about the axis nearest to the picture's horizontal one, and the sign with which the side
+// in front goes down. One looks from `azimuth`: 0 degrees from the front, 90 from -x.
+export function tilting(azimuth: number, front: Placement['front'], yaw: number): ['roll' | 'pitch', number] {
+  const angle = (azimuth - quarters[front] - yaw) * Math.PI / 180, c = Math.cos(angle), s = Math.sin(angle);
+  return Math.abs(c) >= Math.abs(s) ? ['roll', -Math.sign(c)] : ['pitch', -Math.sign(s)];
+}
+
 export interface Placed {
   turn: Matrix3;
   shift: [number, number, number];  // added after the turn
@@ -43,6 +50,9 @@ export interface Placed {
   height: number;                   // of the cut scan above the platform
   half: [number, number];           // how far the cut scan reaches from the machine's axis, along x and y
 }
+
+// -180 to 180 degrees.
+export const wrapped = (degrees: number): number => Math.round((((degrees + 180) % 360 + 360) % 360 - 180) * 1000) / 1000 + 0;
 
 // Stands the scan on the platform: cut `trim` mm above its lowest point, the middle of what is left over the origin.
 export function place(positions: Float32Array, placement: Placement, trim: number, plug = 0): Placed {

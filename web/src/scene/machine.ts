@@ -38,7 +38,7 @@ export function segments(points: number[], colour: string, viewer: Viewer, throu
 const loop = (outline: Point[], z: number): number[] =>
   outline.flatMap(([x, y], i) => [x, y, z, ...outline[(i + 1) % outline.length]!, z]);
 
-function dice(text: string, size: number, viewer: Viewer): Mesh {
+export function dice(text: string, size: number, viewer: Viewer): Mesh {
   const picture = el('canvas', {width: 64, height: 64}), pen = picture.getContext('2d')!;
   pen.fillStyle = viewer.colour('--accent').getStyle();
   pen.fillRect(0, 0, 64, 64);

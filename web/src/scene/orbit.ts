@@ -98,13 +98,25 @@ export class Orbit {
   }
 }
 
-// Has the canvas move the camera. `mmPerPixel` at the point that is looked at. `touch()`: whether fingers move the model
-// (otherwise they scroll the page). Escape moves the focus on to `next`. `signal` ends it.
+// What the hand does besides moving the camera.
+export interface Hand {
+  tap?(event: MouseEvent): void;  // a click that was no drag
+  // Dragging and the arrow keys call this instead of turning the camera: degrees to the right and down, for who looks from
+  // `azimuth`. `snap`: Shift is held while dragging.
+  turn?: ((right: number, down: number, snap: boolean, azimuth: number) => void) | null;
+  rest?(): void;                  // no pointer and no key is down any more
+  escape?(): void;
+  key?(key: string): boolean;     // a letter, small; false: it means nothing
+}
+
+// Has the canvas move the camera, or what `hand()` says. `mmPerPixel` at the point that is looked at. `touch()`: whether
+// fingers move the model (otherwise they scroll the page). Escape moves the focus on to `next`. `signal` ends it.
 export function control(canvas: HTMLCanvasElement, orbit: Orbit, options: {
-  mmPerPixel: () => number; touch: () => boolean; left: () => LeftSide; next: () => HTMLElement | null; signal: AbortSignal;
+  mmPerPixel: () => number; hand: () => Hand; touch: () => boolean; left: () => LeftSide; next: () => HTMLElement | null; signal: AbortSignal;
 }): void {
   const {signal, mmPerPixel} = options;
   const held = new Map<number, {x: number; y: number}>();
+  let down = [0, 0];
   const spread = (): number => {
     const [a, b] = [...held.values()];
     return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
@@ -112,7 +124,14 @@ export function control(canvas: HTMLCanvasElement, orbit: Orbit, options: {
   const on = <K extends keyof HTMLElementEventMap>(type: K, handle: (event: HTMLElementEventMap[K]) => void): void =>
     canvas.addEventListener(type, handle, {signal, passive: false});
 
+  const turn = (right: number, down: number, snap: boolean): void => {
+    const hand = options.hand();
+    if (hand.turn) hand.turn(right, down, snap, orbit.pose.azimuth);
+    else orbit.turn(right, down);
+  };
+
   on('pointerdown', (event) => {
+    down = [event.clientX, event.clientY];
     if (event.pointerType === 'touch' && !options.touch()) return;
     canvas.focus({preventScroll: true});
     canvas.setPointerCapture(event.pointerId);
@@ -130,13 +149,19 @@ export function control(canvas: HTMLCanvasElement, orbit: Orbit, options: {
       orbit.pan(dx * mmPerPixel(), -dy * mmPerPixel());
     } else {
       const degrees = 180 / Math.max(200, canvas.clientHeight);
-      orbit.turn(dx * degrees, dy * degrees);
+      turn(dx * degrees, dy * degrees, event.shiftKey);
     }
   });
-  const release = (event: PointerEvent): void => void held.delete(event.pointerId);
+  const rest = (): void => options.hand().rest?.();
+  const release = (event: PointerEvent): void => {
+    if (held.delete(event.pointerId) && held.size === 0) rest();
+  };
   on('pointerup', release);
   on('pointercancel', release);
   on('lostpointercapture', release);
+  on('click', (event) => {
+    if (Math.hypot(event.clientX - down[0]!, event.clientY - down[1]!) <= 4) options.hand().tap?.(event);
+  });
   on('contextmenu', (event) => event.preventDefault());
   on('wheel', (event) => {
     if (document.activeElement !== canvas) return;  // the page scrolls
@@ -151,15 +176,21 @@ export function control(canvas: HTMLCanvasElement, orbit: Orbit, options: {
     const view = viewOrder(options.left())[Number(event.key) - 1];
     if (arrow) {
       const [x = 0, y = 0] = arrow;
+      if (!event.repeat) rest();  // of another key
       if (event.ctrlKey) orbit.pan(x * 4 * step * mmPerPixel(), -y * 4 * step * mmPerPixel());
-      else orbit.turn(x * step, y * step);
+      else turn(x * step, y * step, false);
     } else if (event.ctrlKey) return;
     else if (event.key === '+' || event.key === '=') orbit.move({zoom: orbit.pose.zoom * 1.2});
     else if (event.key === '-') orbit.move({zoom: orbit.pose.zoom / 1.2});
     else if (event.key === 'Home') orbit.home();
-    else if (event.key === 'Escape') options.next()?.focus();
+    else if (event.key === 'Escape') {
+      options.hand().escape?.();
+      options.next()?.focus();
+    }
     else if (view) orbit.view(view);
-    else return;
+    else if (!options.hand().key?.(event.key.toLowerCase())) return;
     event.preventDefault();
   });
+  on('keyup', rest);
+  on('blur', rest);
 }

@@ -1,11 +1,13 @@
 // A scan that stands in the machine, before it is sent.
 import {BoxGeometry, BufferAttribute, BufferGeometry, DoubleSide, GLSL3, type Group, Matrix4, Mesh, ShaderMaterial} from 'three';
 import type {ShownMesh} from '../read/cluster';
+import type {Point} from '../read/landmarks';
 import type {Placed} from '../read/place';
 import type {ReadScan} from '../read/prepare';
 import {flat} from './flat';
-import {machine, segments, type Frame, type Lines} from './machine';
-import {createViewer, type LeftSide, type Viewer} from './viewer';
+import {hit} from './hit';
+import {dice, machine, segments, type Frame, type Lines} from './machine';
+import {createViewer, release, type LeftSide, type Viewer} from './viewer';
 
 export {NoWebGl} from './viewer';
 export type {Frame} from './machine';
@@ -16,11 +18,14 @@ export interface Standing {
   frame: Frame;
   left: LeftSide;
   outline: boolean;   // of an average adult head
+  marks: readonly (Point | undefined)[];  // nose, left and right ear, where the file of the scan has them
 }
 export interface ScanScene {
   readonly viewer: Viewer;
   update(standing: Standing): void;
   mark(place: readonly number[]): void;  // a place in the machine, in mm
+  // What lies there, or at the centre of the view, where the file of the scan has it.
+  under(event?: {clientX: number; clientY: number}): Point | null;
 }
 
 const vertexShader = `
@@ -77,7 +82,7 @@ function headOutline(viewer: Viewer): Lines {
 }
 
 // Throws NoWebGl.
-export function scanScene(scan: ReadScan, options: {label: string; failed: () => void}): ScanScene {
+export function scanScene(scan: ReadScan, options: {label: string; tools: HTMLElement[]; failed: () => void}): ScanScene {
   const viewer = createViewer(options);
   const fine = geometryOf(scan.shown), coarse = scan.coarse ? geometryOf(scan.coarse) : fine;
   const material = new ShaderMaterial({
@@ -93,6 +98,8 @@ export function scanScene(scan: ReadScan, options: {label: string; failed: () =>
   viewer.root.add(pin);
   const outline = headOutline(viewer);
   let group: Group | null = null, last: Standing | null = null, drawn = '';
+  const letters = ['N', 'L', 'R'];  // nose, left, right, in German too
+  let marks: Mesh[] = [];
 
   viewer.on('quality', () => { body.geometry = viewer.quality.coarse ? coarse : fine; });
   viewer.on('theme', () => {
@@ -115,16 +122,34 @@ export function scanScene(scan: ReadScan, options: {label: string; failed: () =>
     outline.position.z = placed.height - 115;
     pin.visible = false;
     const wanted = JSON.stringify([frame, left]);
-    if (wanted !== drawn) group = machine(viewer, frame, left, group);
+    if (wanted !== drawn) {
+      group = machine(viewer, frame, left, group);
+      marks.forEach(release);
+      marks = letters.map((letter) => dice(letter, 12, viewer));
+      viewer.root.add(...marks);
+    }
     drawn = wanted;
+    marks.forEach((one, i) => {
+      const at = standing.marks[i];
+      one.visible = at !== undefined;
+      if (at) one.position.set(...at).applyMatrix4(body.matrix);
+    });
     viewer.setSides(left);
     const [w, l] = frame.window, top = placed.height, low = Math.min(0, top - placed.size[2]), [sx, sy] = placed.half;
     viewer.fit([-w / 2, -l / 2, 0, w / 2, l / 2, 0, -sx, -sy, low, sx, sy, low, -sx, -sy, top, sx, sy, top]);
     viewer.invalidate();
   }
-  return {viewer, update, mark([x = 0, y = 0, z = 0]) {
-    pin.position.set(x, y, z);
-    pin.visible = true;
-    viewer.turnTo(x, y, z);
-  }};
+  return {
+    viewer, update,
+    mark([x = 0, y = 0, z = 0]) {
+      pin.position.set(x, y, z);
+      pin.visible = true;
+      viewer.turnTo(x, y, z);
+    },
+    under(event) {
+      const {origin, direction} = viewer.ray(event).applyMatrix4(body.matrix.clone().invert());
+      const found = hit(scan.shown, origin.toArray(), direction.toArray());
+      return found && origin.addScaledVector(direction, found.far).toArray();
+    },
+  };
 }

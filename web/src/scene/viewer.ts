@@ -11,7 +11,7 @@ import {Color, ColorManagement, Group, LinearSRGBColorSpace, type Object3D, Pers
 import {el, newId} from '../dom';
 import {icon, type IconName} from '../parts/icon';
 import {t} from '../text';
-import {control, Orbit, sectorOf, viewOf, viewOrder, type LeftSide, type ViewName} from './orbit';
+import {control, Orbit, sectorOf, viewOf, viewOrder, type Hand, type LeftSide, type ViewName} from './orbit';
 
 export type {LeftSide, ViewName} from './orbit';
 
@@ -25,6 +25,7 @@ export interface Quality {
 export interface Options {
   label: string;          // the accessible name, for example "Scan in the machine"
   summary?: string;       // what is shown, for people who do not see it
+  tools?: HTMLElement[];  // more buttons below the picture
   failed?: () => void;    // the graphics were lost twice within a minute: the view is disposed of, show something else
 }
 export interface Viewer {
@@ -34,6 +35,7 @@ export interface Viewer {
   readonly root: Group;                // what is shown, in mm, z up; disposed of with the view
   readonly quality: Quality;
   camera: string;                      // where the camera stands, for links
+  hand: Hand;                          // what the hand does besides moving the camera
   halves: ((half: 0 | 1) => void) | null;  // draws the same view twice, side by side; called before each
   invalidate(moving?: boolean): void;  // draws a frame soon; `moving`: more will follow
   setSummary(text: string): void;
@@ -84,7 +86,7 @@ export function createViewer(options: Options): Viewer {
 
   let halves: Viewer['halves'] = null;
   const aspectNow = (): number => (halves ? width / 2 : width) / Math.max(1, height);
-  function draw(ratio: number): void {
+  function aim(): void {
     const aspect = aspectNow(), d = orbit.distance(aspect), {azimuth, elevation, x, y, z} = orbit.pose;
     const reach = 4 * orbit.radius;  // the machine around what was fitted
     camera.fov = 360 * orbit.halfAngle / Math.PI;
@@ -94,6 +96,10 @@ export function createViewer(options: Options): Viewer {
     camera.rotation.set((90 - elevation) * Math.PI / 180, 0, (azimuth + 180) * Math.PI / 180, 'ZXY');
     camera.position.set(0, 0, d).applyEuler(camera.rotation).add(new Vector3(x, y, z));
     camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+  function draw(ratio: number): void {
+    aim();
     if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio);
     if (!halves) {
       renderer.render(scene, camera);
@@ -205,8 +211,12 @@ export function createViewer(options: Options): Viewer {
     const active = touch.getAttribute('aria-pressed') !== 'true';
     touch.setAttribute('aria-pressed', String(active));
     touch.textContent = t(active ? 'viewer.touch_done' : 'viewer.touch');
-    canvas.style.touchAction = active ? 'none' : 'auto';
+    touchable();
   }}, t('viewer.touch'));
+  let hand: Hand = {};
+  function touchable(): void {
+    canvas.style.touchAction = hand.turn || touch.getAttribute('aria-pressed') === 'true' ? 'none' : 'auto';
+  }
   const zoom = el('div', {class: 'view3d-zoom'},
     tool('add', t('viewer.zoom_in'), () => orbit.move({zoom: orbit.pose.zoom * 1.2})),
     tool('minus', t('viewer.zoom_out'), () => orbit.move({zoom: orbit.pose.zoom / 1.2})),
@@ -214,7 +224,7 @@ export function createViewer(options: Options): Viewer {
   const frame = el('div', {class: 'view3d-frame'}, canvas, note);
   const element = el('figure', {class: 'view3d'}, el('div', {class: 'view3d-stage'}, frame, zoom), status,
     el('div', {class: 'view3d-tools', role: 'group', 'aria-label': t('viewer.views')}, ...views,
-      touch),
+      ...options.tools ?? [], touch),
     el('details', {class: 'view3d-keys small'}, el('summary', null, t('viewer.keys_title')), el('p', {id: keysId}, t('viewer.keys'))));
 
   function markView(): void {
@@ -230,7 +240,7 @@ export function createViewer(options: Options): Viewer {
     markView();
   }
   setSides(left);
-  control(canvas, orbit, {mmPerPixel, touch: () => canvas.style.touchAction === 'none', left: () => left, next: () => zoom.querySelector('button'), signal});
+  control(canvas, orbit, {mmPerPixel, hand: () => hand, touch: () => canvas.style.touchAction === 'none', left: () => left, next: () => zoom.querySelector('button'), signal});
 
   // --- size, theme, loss of the graphics
   const sizes = new ResizeObserver(() => {
@@ -299,6 +309,11 @@ export function createViewer(options: Options): Viewer {
     element, frame, canvas, root, quality, invalidate, setSides, mmPerPixel, colour, viewWords, snapshot, dispose,
     get camera() { return orbit.text; },
     set camera(text) { orbit.text = text; },
+    get hand() { return hand; },
+    set hand(does) {
+      hand = does;
+      touchable();
+    },
     get halves() { return halves; },
     set halves(draws) { halves = draws; },
     setSummary: (text) => { summary.textContent = text; },
@@ -320,6 +335,7 @@ export function createViewer(options: Options): Viewer {
       schedule();
     },
     ray(event) {
+      aim();  // the camera may have moved since the last frame
       const box = canvas.getBoundingClientRect();
       const across = event ? (event.clientX - box.left) / box.width * 2 : 1;  // 0 to 2
       const at = event ? [halves ? across % 1 * 2 - 1 : across - 1, 1 - (event.clientY - box.top) / box.height * 2] : [0, 0];

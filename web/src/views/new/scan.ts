@@ -10,7 +10,8 @@ import {icon} from '../../parts/icon';
 import {numberField, type NumberField} from '../../parts/number-field';
 import {readScanFile, ScanFault} from '../../parts/reader';
 import {axes, inMillimetres, plausible, sizesOf, unitOf, units, type Axis, type Unit} from '../../read/facts';
-import {place, type Placed, type Placement} from '../../read/place';
+import {landmarks, straighten, type Point, type Straight} from '../../read/landmarks';
+import {place, tilting, wrapped, type Placed, type Placement} from '../../read/place';
 import type {ReadScan} from '../../read/prepare';
 import type {LeftSide} from '../../scene/orbit';
 import type {Frame, ScanScene} from '../../scene/scan';
@@ -23,6 +24,7 @@ export interface Suspicions {
   mirrored: boolean;   // the scan may be a mirror image
 }
 type Values = Record<string, unknown>;
+type Turn = 'yaw' | 'roll' | 'pitch';
 
 const extensions = ['.stl', '.obj', '.ply', '.off', '.glb'];
 const fronts = ['+y', '+x', '-y', '-x'] as const;  // by quarter turns
@@ -32,6 +34,8 @@ const millimetres = (values: readonly number[]): string => `${values.map((value)
 const choice = <T extends string>(value: unknown, of: readonly T[], fallback: T): T => of.find((one) => one === value) ?? fallback;
 const longest = ({facts}: ReadScan): number => Math.max(...facts.low.map((value, k) => facts.high[k]! - value));
 const likeHead = ({like}: {like: string}): boolean => like === 'adult' || like === 'newborn';
+const turns: readonly Turn[] = ['yaw', 'roll', 'pitch'];
+const warning = (text: string, role?: string): HTMLElement => el('p', {class: 'notice', role}, icon('warning'), el('span', null, text));
 const keptUnder = 'vacuform.scan';  // tells whether a file that is chosen after a reload is the same
 
 class ScanSection extends View {
@@ -41,6 +45,13 @@ class ScanSection extends View {
   #flat = false;                       // there is no WebGL
   #outline = true;
   #trim: number | null = null;         // the height at which the service cuts
+  #stands: Placed | null = null;       // where the settings place the scan
+  #marks: (Point | undefined)[] = [];  // the landmarks, where the file has them; they are never sent
+  #marking = -1;                       // the landmark that a click sets
+  #turning = false;                    // a drag turns the scan, not the camera
+  #drag: {right: number; down: number; from: number; sign: number; values: Values} | null = null;  // degrees; what it sets
+  #turned: Turn | null = null;         // by the last drag
+  #answered: Record<string, number> = {};  // the angles at which a person said where the left is
   #reading = new AbortController();
   #update = (): void => {};
 
@@ -60,7 +71,7 @@ class ScanSection extends View {
   }
 
   // --- the settings as this section uses them
-  #value(group: string, key: string): unknown { return this.#settings[group]?.[key]; }
+  #value(group: string, key: string): unknown { return (group === 'scan' ? this.#drag?.values[key] : null) ?? this.#settings[group]?.[key]; }
   #number(group: string, key: string, fallback: number): number {
     const value = this.#value(group, key);
     return typeof value === 'number' ? value : fallback;
@@ -84,11 +95,17 @@ class ScanSection extends View {
             window: [width, round ? width : this.#number('machine', 'window_height_mm', 280)],
             height: this.#number('machine', 'drape_height_mm', 0)};
   }
+  #angle(turn: Turn): number { return this.#number('scan', `${turn}_deg`, 0); }
   #placed(read: ReadScan): Placed {
-    const angle = (key: string): number => this.#number('scan', key, 0);
     return place(read.shown.positions, {
-      scale: this.#scale(read), up: this.#up, mirror: this.#mirror === 'yes', roll: angle('roll_deg'), pitch: angle('pitch_deg'),
-      front: this.#front, yaw: angle('yaw_deg')}, this.#number('scan', 'trim_mm', this.#trim ?? 0), this.#plug);
+      scale: this.#scale(read), up: this.#up, mirror: this.#mirror === 'yes', roll: this.#angle('roll'), pitch: this.#angle('pitch'),
+      front: this.#front, yaw: this.#angle('yaw')}, this.#number('scan', 'trim_mm', this.#trim ?? 0), this.#plug);
+  }
+  // The first landmark that is not set, or -1.
+  #missing(): number { return landmarks.findIndex((_, i) => !this.#marks[i]); }
+  #straight(): Straight | null {
+    return this.#scan && this.#missing() < 0
+      ? straighten(this.#marks as Point[], {scale: this.#scale(this.#scan.read), up: this.#up, mirror: this.#mirror === 'yes'}) : null;
   }
   #suspicions(read: ReadScan): Suspicions {
     const known = this.#unit !== undefined || typeof this.#value('scan', 'size_mm') === 'number';
@@ -98,10 +115,13 @@ class ScanSection extends View {
 
   // --- what goes out
   #change(values: Values): void {
-    // a scan that stands differently needs a new look at its sides
-    const turns = ['up', 'front', 'mirror'].some((key) => key in values) ||
-      ['yaw_deg', 'roll_deg', 'pitch_deg'].some((key) => typeof values[key] === 'number' && Math.abs(Number(values[key]) - this.#number('scan', key, 0)) >= 45);
-    if (turns && this.#left !== 'unknown' && !('left_side' in values)) values = {...values, left_side: 'unknown'};
+    // a scan that stands differently needs a new look at its sides; small turns add up
+    const differs = ['up', 'front', 'mirror'].some((key) => key in values) || turns.some((turn) => {
+      const to = values[`${turn}_deg`], from = this.#answered[turn] ??= this.#angle(turn);
+      return typeof to === 'number' && Math.abs(wrapped(to - from)) >= 45;
+    });
+    if (differs && this.#left !== 'unknown' && !('left_side' in values)) values = {...values, left_side: 'unknown'};
+    if ('left_side' in values) this.#answered = {};
     this.#settings = {...this.#settings, scan: {...this.#settings['scan'], ...values}};
     this.#update();
     this.dispatchEvent(new CustomEvent('change', {detail: {settings: {scan: values}}, bubbles: true}));
@@ -121,6 +141,7 @@ class ScanSection extends View {
     const follow = this.#update;
     this.#update = () => {
       body.hidden = !this.#scan && !this.#settings['scan'];
+      this.#stands = this.#scan && this.#placed(this.#scan.read);
       follow();
       this.#standing();
     };
@@ -143,7 +164,8 @@ class ScanSection extends View {
     try {
       const read = await readScanFile(file, (share) => { bar.value = share; }, signal);
       this.#scan = {file, read, ms: performance.now() - began};
-      this.#trim = null;
+      this.#trim = this.#drag = null;
+      this.#marks = [];
       replace(news, null);
       this.#scene?.viewer.dispose();
       this.#scene = null;
@@ -195,19 +217,94 @@ class ScanSection extends View {
     const {scanScene, NoWebGl} = await import('../../scene/scan');
     if (this.#scan !== scan || !this.isConnected) return;
     try {
-      this.#scene = scanScene(scan.read, {label: t('scan.view'), failed: flat});
-      replace(stage, this.#scene.viewer.element);
-      this.#update();
+      this.#scene = scanScene(scan.read, {label: t('scan.view'), tools: [this.#turnButton], failed: flat});
+      const {element, frame} = this.#scene.viewer;
+      frame.append(this.#note);
+      replace(stage, element);
+      this.#use(-1, false);
     } catch (error) {
       if (!(error instanceof NoWebGl)) throw error;
       flat();
     }
   }
   #standing(): void {
-    if (!this.#scene || !this.#scan) return;
-    const placed = this.#placed(this.#scan.read);
-    this.#scene.update({placed, plug: this.#plug, frame: this.#frame(), left: this.#left, outline: this.#outline});
+    const placed = this.#stands, marking = landmarks[this.#marking];
+    if (!this.#scene || !placed) return;
+    this.#note.textContent = marking ? t('scan.mark_now', {name: t(`scan.mark_${marking}`)})
+      : !this.#turning ? '' : this.#turned ? this.#said(this.#turned) : t('scan.turn_hint');
+    this.#note.hidden = !this.#note.textContent;
+    this.#turnButton.setAttribute('aria-pressed', String(this.#turning));
+    this.#scene.update({placed, plug: this.#plug, frame: this.#frame(), left: this.#left, outline: this.#outline, marks: this.#marks});
     this.#scene.viewer.setSummary(t('scan.summary', {size: millimetres(placed.size), view: this.#scene.viewer.viewWords()}));
+  }
+
+  // --- the hand in the 3D view
+  readonly #note = el('p', {class: 'view3d-note small'});  // says what it does now
+  readonly #turnButton = el('button', {type: 'button', onclick: () => this.#use(this.#marking, !this.#turning)}, t('scan.turn'));
+
+  // A click sets the landmark `marking` (-1: none). A drag turns the scan, or else the camera.
+  #use(marking: number, turning: boolean): void {
+    const {viewer} = this.#scene!;
+    this.#rest();
+    this.#marking = marking;
+    this.#turning = turning;
+    this.#turned = null;
+    viewer.hand = {
+      tap: (event) => { if (marking >= 0) this.#mark(event); },
+      turn: turning ? (...hand) => this.#turn(...hand) : null,
+      rest: () => this.#rest(),
+      escape: () => this.#use(-1, false),
+      key: (key) => key === 'm' && (this.#mark(), true)};
+    this.#update();
+    if (marking < 0 && !turning) return;
+    viewer.canvas.focus();
+    announce(this.#note.innerText);
+  }
+
+  // Sets the landmark, or the first that is missing, where a person clicked or at the centre of the view.
+  #mark(event?: MouseEvent): void {
+    const i = this.#marking < 0 ? this.#missing() : this.#marking, point = this.#scene!.under(event);
+    if (i < 0) return;
+    if (!point) return announce(t('result.nothing_there'));
+    this.#marks[i] = point;
+    this.#use(this.#missing(), this.#turning);  // says what comes next
+    if (this.#marking < 0) document.getElementById('scan-straighten')?.focus();
+  }
+
+  // Once the landmarks are set.
+  #straighten(): void {
+    const straight = this.#straight();
+    if (!straight) return;
+    const {roll, pitch, front, yaw, flipped} = straight;
+    this.#change({up: this.#up, roll_deg: roll, pitch_deg: pitch, front, yaw_deg: yaw, left_side: flipped ? 'plus_x' : 'minus_x'});
+    this.#scene?.viewer.setView('front');
+    announce(turns.map(this.#said, this).join('; '));
+  }
+
+  #said(turn: Turn): string { return `${t(`scan.turn_${turn}`)}: ${number(this.#angle(turn))}°`; }
+
+  // A drag changes one number, the one that its first movement chooses. It is shown at once; it counts when the hand rests,
+  // so that one undo takes back the whole drag.
+  #turn(right: number, down: number, snap: boolean, azimuth: number): void {
+    const drag = this.#drag ??= {right: 0, down: 0, from: 0, sign: 0, values: {}};
+    drag.right += right;
+    drag.down += down;
+    if (!drag.sign) {
+      if (Math.hypot(drag.right, drag.down) < 1) return;
+      [this.#turned, drag.sign] = Math.abs(drag.right) >= Math.abs(drag.down) ? ['yaw', 1] : tilting(azimuth, this.#front, this.#angle('yaw'));
+      drag.from = this.#angle(this.#turned);
+    }
+    const turn = this.#turned!, step = snap ? 5 : 0.1, to = drag.from + drag.sign * (turn === 'yaw' ? drag.right : drag.down);
+    drag.values = {[`${turn}_deg`]: wrapped(Math.round(to / step) * step)};
+    this.#update();
+    this.#scene?.viewer.invalidate(true);
+  }
+  #rest(): void {
+    const drag = this.#drag, turn = this.#turned;
+    this.#drag = null;
+    if (!drag?.sign || !turn) return;
+    this.#change(drag.values);
+    announce(this.#said(turn));
   }
 
   // --- the fields; each adds what it does when the settings change to `follows`
@@ -222,11 +319,11 @@ class ScanSection extends View {
       });
       return element;
     };
-    const angle = (key: string, label: string): HTMLElement => {
-      const row = this.#numberRow(follows, key, label, -180, 180, '°');
+    const angle = (turn: Turn): HTMLElement => {
+      const key = `${turn}_deg`, label = t(`scan.turn_${turn}`), row = this.#numberRow(follows, key, label, -180, 180, '°');
       row.lastElementChild?.firstElementChild?.append(...([[-5, '−5°'], [5, '+5°']] as const).map(([by, text]) =>
         el('button', {type: 'button', 'aria-label': t('scan.turn_by', {by: text, label}), onclick: () => {
-          this.#change({[key]: (this.#number('scan', key, 0) + by + 540) % 360 - 180});
+          this.#change({[key]: wrapped(this.#angle(turn) + by)});
         }}, text)));
       return row;
     };
@@ -239,6 +336,7 @@ class ScanSection extends View {
           follows.push(() => button.setAttribute('aria-pressed', String(this.#up === axis)));
           return button;
         }))),
+      this.#landmarkFields(follows, host),
       el('fieldset', null, el('legend', null, t('scan.front')), el('p', {class: 'hint'}, t('scan.front_hint')),
         el('div', {class: 'row'},
           ([['undo', 1, t('scan.turn_left')], ['redo', -1, t('scan.turn_right')]] as const).map(([name, by, text]) =>
@@ -246,15 +344,36 @@ class ScanSection extends View {
               this.#change({front: fronts[(fronts.indexOf(this.#front) + by + 4) % 4]});
               announce(t('scan.turned', {front: this.#front}));
             }}, icon(name), text)))),
-      angle('yaw_deg', t('scan.yaw')),
+      angle('yaw'),
       this.#trimRow(follows),
       this.#sides(follows, host),
       el('details', null, el('summary', null, t('scan.more')),
-        angle('roll_deg', t('scan.roll')), angle('pitch_deg', t('scan.pitch')),
+        angle('roll'), angle('pitch'),
         this.#select(follows, 'mirror', t('scan.mirror'), t('scan.mirror_hint'), [['auto', t('scan.mirror_auto')], ['no', t('scan.mirror_no')], ['yes', t('scan.mirror_yes')]]),
         this.#select(follows, 'front', t('scan.front_side'), '', [['auto', t('settings.automatic')], ...fronts.map((side): [string, string] => [side, side])]),
         this.#select(follows, 'up', t('scan.up'), '', [['auto', t('settings.automatic')], ...axes.map((side): [string, string] => [side, side])]),
         this.#outlineBox()));
+  }
+
+  #landmarkFields(follows: (() => void)[], host: (build: () => Children) => HTMLElement): HTMLElement {
+    const fields = el('fieldset', null, el('legend', null, t('scan.landmarks')), el('p', {class: 'hint'}, t('scan.landmarks_hint')),
+      el('div', {class: 'row'}, landmarks.map((name, i) => {
+        const button = el('button', {type: 'button', onclick: () => this.#use(this.#marking === i ? -1 : i, this.#turning)});
+        follows.push(() => {
+          const set = this.#marks[i] !== undefined;
+          button.setAttribute('aria-pressed', String(this.#marking === i));
+          replace(button, [set && icon('check'), `${t(`scan.mark_${name}`)}: ${t(set ? 'scan.mark_set' : 'scan.mark_open')}`]);
+        });
+        return button;
+      })),
+      host(() => {
+        const straight = this.#straight();
+        return this.#missing() < 0 && [
+          (!straight || straight.flipped) && warning(t(straight ? 'scan.flipped' : 'scan.misplaced'), 'alert'),
+          straight && el('button', {type: 'button', class: 'primary', id: 'scan-straighten', onclick: () => this.#straighten()}, t('scan.straighten'))];
+      }));
+    follows.push(() => { fields.hidden = !this.#scene; });
+    return fields;
   }
 
   #outlineBox(): HTMLElement {
@@ -268,10 +387,9 @@ class ScanSection extends View {
   #factList(): Children {
     const scan = this.#scan;
     if (!scan) return el('p', {class: 'hint'}, t('scan.fields_only'));
-    const {facts} = scan.read, placed = this.#placed(scan.read), frame = this.#frame(), doubt = this.#suspicions(scan.read);
+    const {facts} = scan.read, placed = this.#stands ?? this.#placed(scan.read), frame = this.#frame(), doubt = this.#suspicions(scan.read);
     const row = (name: string, value: string): Children => [el('dt', null, name), el('dd', null, value)];
     const [w, h] = frame.window, wide = placed.half[0] > w / 2 || placed.half[1] > h / 2;
-    const warning = (text: string): HTMLElement => el('p', {class: 'notice'}, icon('warning'), el('span', null, text));
     return [
       el('dl', {class: 'facts'}, row(t('scan.name'), scan.file.name),
         row(t('scan.file'), `${facts.format}, ${bytes(scan.file.size)}`),
@@ -311,7 +429,7 @@ class ScanSection extends View {
         const fitting = sizesOf(read.facts).filter(likeHead);
         const text = this.#unit ? !this.#suspicions(read).plausible && t('scan.unit_implausible')
           : fitting.length === 0 ? t('scan.unit_none') : t('scan.unit_choose');
-        return text && el('p', {class: 'notice', role: 'alert'}, icon('warning'), el('span', null, text));
+        return text && warning(text, 'alert');
       }),
       this.#numberRow(follows, 'size_mm', t('scan.longest'), 10, 2000, 'mm', () => typeof this.#value('scan', 'size_mm') === 'number' || (this.#scan !== null && !unitOf(this.#scan.read.facts))));
   }
@@ -354,7 +472,10 @@ class ScanSection extends View {
       answer('minus_x', t('scan.left_in_right')), answer('plus_x', t('scan.left_in_left')), answer('unknown', t('scan.left_unknown')),
       host(() => this.#left === 'plus_x'
         ? el('div', {class: 'notice', role: 'alert'}, icon('warning'), el('div', null, el('p', null, t('scan.mirror_warning')),
-            el('button', {type: 'button', onclick: () => this.#change({mirror: this.#mirror === 'yes' ? 'no' : 'yes'})}, t('scan.mirror_now'))))
+            el('button', {type: 'button', onclick: () => {
+              this.#change({mirror: this.#mirror === 'yes' ? 'no' : 'yes'});
+              this.#straighten();
+            }}, t('scan.mirror_now'))))
         : this.#left === 'minus_x' ? el('p', {class: 'notice good'}, icon('check'), el('span', null, t('scan.left_confirmed'))) : null));
   }
 

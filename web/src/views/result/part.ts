@@ -81,7 +81,6 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   });
   const sideLabels = el('div', {class: 'side-labels'}, el('span', null, t('result.mode_drawn')), el('span', null, t('result.mode_with')));
   const keysId = newId('result-keys');
-  const cross = el('div', {class: 'crosshair', 'aria-hidden': 'true'});
 
   // ---- measuring
   const measured = el('p', {class: 'measured', role: 'status'});
@@ -265,7 +264,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       const made = await scene.createSheet(viewer, readFormed(file), side === 'minus_x' || side === 'plus_x' ? side : 'unknown');
       if (over) return;
       sheet = made;
-      viewer.frame.append(divider.element, sideLabels, cross);
+      viewer.frame.append(divider.element, sideLabels);
       viewer.camera = camera || viewer.camera.replace(/^[^_]*_[^_]*/, '25_38');
       before = null;
       apply(store.get().result);
@@ -288,7 +287,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   function listen(view: Viewer, made: Sheet): void {
     const {canvas} = view;
     canvas.setAttribute('aria-describedby', `${canvas.getAttribute('aria-describedby') ?? ''} ${keysId}`.trim());
-    let pending: PointerEvent | null = null, down: [number, number] = [0, 0];
+    let pending: PointerEvent | null = null;
     canvas.addEventListener('pointermove', (event) => {
       if (event.buttons !== 0 || event.pointerType === 'touch') return;
       if (!pending) requestAnimationFrame(() => {
@@ -298,26 +297,25 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       pending = event;
     });
     canvas.addEventListener('pointerleave', () => { pending = null; });
-    canvas.addEventListener('pointerdown', (event) => { down = [event.clientX, event.clientY]; });
-    canvas.addEventListener('click', (event) => {
-      if (Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;  // a drag
-      const spot = made.under(event);
-      read(spot);
-      if (measuring) return addPoint(spot);
-      const hit = spot ? coilsAt(spot, lines) : [], {coil} = store.get().result;
-      if (hit.length > 0) choose(hit[(hit.indexOf(coil) + 1) % hit.length] ?? '');
-    });
-    canvas.addEventListener('keydown', (event) => {
-      if (event.ctrlKey || event.altKey || event.metaKey) return;
-      const key = event.key.toLowerCase(), {mode} = store.get().result;
-      if (key === 'i') read(made.under(), true);
-      else if (key === 'b') setResult({mode: mode === 'with' ? 'drawn' : 'with'});
-      else if (key === 'm') {
-        if (!measuring) measureButton.click();
-        addPoint(made.under());
-      } else return;
-      event.preventDefault();
-    });
+    view.hand = {
+      tap(event) {
+        const spot = made.under(event);
+        read(spot);
+        if (measuring) return addPoint(spot);
+        const hit = spot ? coilsAt(spot, lines) : [], {coil} = store.get().result;
+        if (hit.length > 0) choose(hit[(hit.indexOf(coil) + 1) % hit.length] ?? '');
+      },
+      key(key) {
+        const {mode} = store.get().result;
+        if (key === 'i') read(made.under(), true);
+        else if (key === 'b') setResult({mode: mode === 'with' ? 'drawn' : 'with'});
+        else if (key === 'm') {
+          if (!measuring) measureButton.click();
+          addPoint(made.under());
+        } else return false;
+        return true;
+      },
+    };
     view.on('rest', keepAddress);
     view.on('theme', paint);
   }
