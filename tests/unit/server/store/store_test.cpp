@@ -464,7 +464,8 @@ TEST_P(StoreTest, AtMostOneProfileIsTheDefault) {
   for (const char* name : {"one", "two"}) ASSERT_TRUE(store_->put_profile({name, "{}", 1}));
   const auto defaults = [&] {
     std::string names;
-    for (const Profile& profile : store_->list_profiles(10, "")->profiles)
+    const ProfilePage page = store_->list_profiles(10, "").value();
+    for (const Profile& profile : page.profiles)
       if (profile.is_default) names += profile.name + " ";
     return names;
   };
