@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {begun, centreLines, coilsOf, encloses, initialResult, isMoved, move, placed, previewPlace, queryOf, redo, resultOf, rulerOf, sorted, undo,
-        type PrintReport} from '../src/state/result';
+import {begun, centreLines, coilsOf, encloses, initialResult, isMoved, laid, lying, move, patternOf, placed, previewPlace, queryOf, redo, resultOf,
+        rowOf, sorted, toChart, toDrawing, undo, wantedOf, withPoints, type Flat, type PrintReport, type Row} from '../src/state/result';
 import {coarse, picturePlace} from '../src/read/formed';
 
 test('a link restores the view, and the first view needs none', () => {
@@ -46,11 +46,6 @@ test('centre lines are read from the print with t up, and from a mirrored one tu
   assert.ok(line.some(([s, t]) => Math.abs(Math.hypot(s, t) - 10) < 0.01 && s > 5 && t < -5), 'the curve bulges like a circle');
   assert.deepEqual(centreLines(svg, true).get('a & b')![0][0], [-10, -0]);
   assert.equal(centreLines(svg, false).size, 1);
-});
-
-test('the length of the ruler is read from the print', () => {
-  assert.equal(rulerOf('<g id="mark-ruler">\n  <path d="M-50.000,-146.200 L50.000,-146.200"/>'), 100);
-  assert.equal(rulerOf(svg), null);
 });
 
 test('a place is inside of a coil if its centre line goes around it', () => {

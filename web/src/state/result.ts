@@ -161,11 +161,6 @@ export function centreLines(svg: string, mirrored: boolean): Map<string, Line[]>
   }
   return lines;
 }
-// The length of the printed ruler in mm, from print.svg; null: the print has none.
-export function rulerOf(svg: string): number | null {
-  const [, from, to] = /<g id="mark-ruler">\s*<path d="M(-?[\d.]+),\S+ L(-?[\d.]+),/.exec(svg) ?? [];
-  return from === undefined || to === undefined ? null : Math.round(100 * Math.abs(Number(to) - Number(from))) / 100;
-}
 const entities: Record<string, string> = {amp: '&', lt: '<', gt: '>', quot: '"', apos: "'", '#39': "'"};
 const unescaped = (text: string): string => text.replace(/&(amp|lt|gt|quot|apos|#39);/g, (_, name: string) => entities[name] ?? '');
 

@@ -1,5 +1,5 @@
 // One job: its progress while it runs, and then what came of it.
-import {el, replace, type Children} from '../dom';
+import {el, jumpTo, replace, type Children} from '../dom';
 import {api, Problem} from '../api/client';
 import {followJob} from '../api/events';
 import type {Job, ListedJob, ProblemBody, SettingsSchema} from '../api/types';
@@ -8,6 +8,7 @@ import {band, identityOf, nameOf, shortId} from '../parts/band';
 import {confirm} from '../parts/confirm';
 import {downloads, titleOf} from '../parts/downloads';
 import {icon} from '../parts/icon';
+import {later, svgPicture} from '../parts/later';
 import {logPart} from '../parts/log';
 import {problemBox} from '../parts/problem';
 import {progressCard, signTab} from '../parts/progress';
@@ -45,23 +46,6 @@ interface Layout {
   strongest_neighbours: Coupled | null;
   strongest: Coupled | null;
   warnings: readonly Warning[];
-}
-
-// What the server still has to send: a line while it is on its way, and then the content or what is wrong.
-function later<T>(ask: () => Promise<T>, build: (value: T) => Children): HTMLElement {
-  const host = el('div', {class: 'stack'});
-  const load = (): void => {
-    replace(host, el('p', {class: 'quiet'}, t('shell.loading')));
-    void ask().then((value) => replace(host, build(value)), (error: unknown) => replace(host, problemBox(error, load)));
-  };
-  load();
-  return host;
-}
-
-function jumpTo(id: string): void {
-  const heading = document.getElementById(id);
-  heading?.scrollIntoView();
-  heading?.focus({preventScroll: true});
 }
 
 // Builds its content when it is opened for the first time.
@@ -236,10 +220,10 @@ class JobView extends View {
   // What must be true when the print is made.
   #printing(report: Report): HTMLElement {
     const inner = report.print?.inked_face === 'inner', ruler = report.print?.ruler_mm;
-    return el('section', {class: 'card'}, el('h2', null, t('job.before_print')),
+    return el('section', {class: 'card'}, el('h2', {id: 'printing', tabindex: -1}, t('job.before_print')),
       el('ol', {class: 'todo'},
         el('li', null, t('job.print_scale')),
-        el('li', null, ruler ? t('job.print_ruler', {mm: ruler}) : t('job.print_ruler_any')),
+        el('li', null, ruler ? t('job.print_ruler', {mm: ruler}) : t(ruler === null ? 'job.print_no_ruler' : 'job.print_ruler_any')),
         el('li', null, inner ? t('job.print_inner') : t('job.print_outer')),
         el('li', null, t('job.print_label', {label: report.label ?? ''}))));
   }
@@ -283,22 +267,14 @@ class JobView extends View {
   }
 
   #layout(job: Job): Children {
-    const image = el('img', {class: 'drawing', alt: `${t('artifact.pattern.svg')}. ${identityOf(job)}`});
-    // The drawing is shown as a picture of a blob: nothing in it can run or load.
-    const load = async (): Promise<Layout> => {
-      const [answer, made] = await Promise.all([
-        api.artifact(job.id, 'pattern.svg'), api.artifactJson<Layout>(job.id, 'layout.json')]);
-      const address = URL.createObjectURL(new Blob([await answer.arrayBuffer()], {type: 'image/svg+xml'}));
-      image.addEventListener('load', () => URL.revokeObjectURL(address));
-      image.src = address;
-      return made;
-    };
+    const load = (): Promise<[HTMLImageElement, Layout]> => Promise.all([
+      svgPicture(job.id, 'pattern.svg', `${t('artifact.pattern.svg')}. ${identityOf(job)}`), api.artifactJson<Layout>(job.id, 'layout.json')]);
     const mm = (value: number): string => `${number(value, 1)} mm`;
     const pair = (two: Coupled | null | undefined): string =>
       two ? t('job.pair', {...two, k: number(two.k, 3)}) : t('job.not_there');
-    return [later(load, (made) => [
+    return [later(load, ([image, made]) => [
       el('div', {class: 'columns'},
-        el('figure', {class: 'card'}, image, el('figcaption', null, t('artifact.pattern.svg'))),
+        el('figure', {class: 'card drawing'}, image, el('figcaption', null, t('artifact.pattern.svg'))),
         el('section', {class: 'card stack'}, el('h2', null, t('job.array')), facts(
           [t('job.coils'), number(made.count)],
           [t('job.diameter'), mm(made.diameter_mm)],

@@ -91,7 +91,7 @@ export class ResultView extends View {
         tabs[i]?.setAttribute('tabindex', chosen ? '0' : '-1');
         panels[name].hidden = !chosen;
       });
-      if (tab === 'sheet' && !panels.sheet.hasChildNodes()) panels.sheet.append(printSheet(job, report, ends));
+      if (tab === 'sheet' && !panels.sheet.hasChildNodes()) panels.sheet.append(printSheet(job, report));
       table?.select(coil);
     };
     apply();
