@@ -100,7 +100,9 @@ export function scanScene(scan: ReadScan, options: {label: string; failed: () =>
     pin.material.uniforms['colour']!.value = viewer.colour('--bad');
     outline.material.uniforms['colour']!.value = viewer.colour('--accent');
     drawn = '';
+    const marked = pin.visible;
     if (last) update(last);
+    pin.visible = marked;
   });
   viewer.root.add(outline);
 

@@ -2,7 +2,7 @@
 import {el, jumpTo, replace, type Children} from '../dom';
 import {api, Problem} from '../api/client';
 import {followJob} from '../api/events';
-import type {Job, ListedJob, ProblemBody, SettingsSchema} from '../api/types';
+import type {Job, ListedJob, SettingsSchema} from '../api/types';
 import {ended} from '../api/types';
 import {band, identityOf, nameOf, shortId} from '../parts/band';
 import {confirm} from '../parts/confirm';
@@ -21,6 +21,7 @@ import {fieldOf, staleJob} from '../state/draft';
 import {settingsOf, type JobsState, type Report, type Setting, type Warning} from '../state/jobs';
 import {bytes, duration, number, t, textIfKnown, when} from '../text';
 import {follow, live, onEnd, View} from '../view';
+import {failureView} from './result/failure';
 
 const queueEvery = 5000;  // ms: nothing tells a queued job that those before it are done
 
@@ -177,9 +178,13 @@ class JobView extends View {
   }
 
   #failed(job: Job): Children {
+    const ends: (() => void)[] = [];
+    onEnd(() => ends.forEach((end) => end()));
     return [
       problemBox(job.problem ? new Problem(job.problem, '') : t('state.failed')),
-      el('p', {class: 'row'}, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('reset'), t('job.try_changed')))];
+      el('p', {class: 'row'}, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('reset'), t('job.try_changed'))),
+      job.artifacts.some((file) => file.name === 'findings.json') && later(() => api.artifactJson<Report>(job.id, 'findings.json'),
+        (report) => [failureView(job, report, this.#pictures(job, report), ends), downloads(job).element])];
   }
 
   #succeeded(job: Job, identity: HTMLElement): Children {
@@ -238,8 +243,7 @@ class JobView extends View {
   }
 
   #inspection(job: Job, report: Report): Children {
-    const {scan, mold} = report;
-    const problem = report['problem'] as Pick<ProblemBody, 'what' | 'where' | 'fix'> & {code: string} | null | undefined;
+    const {scan, mold, problem} = report;
     const guessed = (text: string, isGuess: boolean): string => isGuess ? t('job.guessed', {text}) : text;
     return [
       el('section', {class: 'card stack'},
