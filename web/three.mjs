@@ -27,8 +27,8 @@ const replaced = {
     addEventListener() {} removeEventListener() {} setAnimationLoop() {} dispose() {} getEnvironmentBlendMode() {} }`,
 };
 
-// Methods that write an object as JSON and read it back.
-const withoutJson = (source) => source.replace(/^\t(?:static )?(?:toJSON|fromJSON)\(.*\{\n(?:(?!\t\}$).*\n)*\t\}$/gm, '');
+// Methods that write an object as JSON and read it back, that look for what a ray meets, and that change a geometry.
+const withoutUnused = (source) => source.replace(/^\t(?:static )?(?:toJSON|fromJSON|raycast|computeTangents|toNonIndexed)\(.*\{\n(?:(?!\t\}$).*\n)*\t\}$/gm, '');
 
 export function leanThree(here) {
   const source = join(here, 'node_modules/three/src');
@@ -40,7 +40,7 @@ export function leanThree(here) {
       build.onResolve({filter: /^three$/}, () => ({path: join(source, 'Three.js'), sideEffects: false}));
       build.onLoad({filter: /[\\/]three[\\/]src[\\/].*\.js$/}, ({path}) => {
         const contents = replaced[path.slice(source.length + 1).replaceAll('\\', '/')];
-        return {contents: contents ?? withoutJson(readFileSync(path, 'utf8')), resolveDir: dirname(path)};
+        return {contents: contents ?? withoutUnused(readFileSync(path, 'utf8')), resolveDir: dirname(path)};
       });
     },
   };

@@ -33,7 +33,8 @@ test('twelve tasks of staff are done within three minutes', async ({page, servic
   });
   await t.test('learn what must be true when it is printed', async () => {
     await page.getByRole('tab', {name: 'Print sheet'}).click();
-    await page.getByText(/Measure the printed ruler: it must be \d+ mm long/).waitFor();
+    await page.getByRole('button', {name: 'When you print'}).click();
+    await page.getByText(/^Measure the printed ruler with a steel ruler/).waitFor();
   });
   await t.test('download the print', async () => {
     assert.equal((await download(page)).suggestedFilename(), 'CASE-7-outer-print.pdf');

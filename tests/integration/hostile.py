@@ -113,8 +113,8 @@ SCANS = {
     "ASCII STL that is cut short": ("corrupt-file", "ends within a facet", "stl", lambda: ascii_stl(dome_triangles())[:-100]),
     "OBJ with an index past the end": ("corrupt-file", "names vertex 999999, but the file has 194", "obj", lambda: obj(faces=[[1, 2, 999999]])),
     "OBJ with a negative index past the start": ("corrupt-file", "names vertex -999999", "obj", lambda: obj(faces=[[-1, -2, -999999]])),
-    "OBJ with index zero": ("corrupt-file", "no corner of a face", "obj", lambda: obj(faces=[[0, 1, 2]])),
-    "OBJ with a huge index": ("corrupt-file", "no corner of a face", "obj", lambda: obj(faces=[[1, 2, 10**30]])),
+    "OBJ with index zero": ("corrupt-file", "not a corner of a face", "obj", lambda: obj(faces=[[0, 1, 2]])),
+    "OBJ with a huge index": ("corrupt-file", "not a corner of a face", "obj", lambda: obj(faces=[[1, 2, 10**30]])),
     "OBJ without a face": ("unusable-scan", "point cloud", "obj", lambda: b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
     "PLY that promises 10^18 vertices": ("corrupt-file", "1000000000000000000", "ply", lambda: ply(vertices=10**18)),
     "PLY that promises 2^63 faces": ("corrupt-file", "how many", "ply", lambda: ply(faces=2**63)),
@@ -132,7 +132,7 @@ SCANS = {
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "buffers": [{"byteLength": 36}],
         "bufferViews": [{"buffer": 0, "byteLength": 36}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 2**31}]}, b"\0" * 36)),
-    "GLB whose nodes are their own children": ("corrupt-file", "no forest", "glb", lambda: glb({
+    "GLB whose nodes are their own children": ("corrupt-file", "do not form a tree", "glb", lambda: glb({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"children": [0]}]})),
     "binary STL that begins with solid": (None, "", "stl", lambda: stl(dome_triangles(), header=b"solid head")),
     "PLY in big-endian order": (None, "", "ply", lambda: ply(order=">")),

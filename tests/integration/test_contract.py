@@ -158,6 +158,8 @@ class Exchanges(Case):
         self.taken(*put, "-H", "If-Match: " + made.headers["etag"], place)
         self.taken("-H", "If-None-Match: " + made.headers["etag"], place, status=304)
         self.taken(self.server.api + "/profiles?limit=1")
+        for method in "PUT", "DELETE":
+            self.taken("-X", method, place + "/default", status=204)
         self.taken("-X", "DELETE", place, status=204)
         token = self.taken(*OF_JSON, "-d", '{"owner": "station-3", "scopes": ["read"], "days": 1}', self.server.api + "/tokens",
                            status=201).json

@@ -50,3 +50,10 @@ export function svg(tag: string, props: Record<string, string | number>, ...chil
 let lastId = 0;
 // An id for an element that a label or a description refers to.
 export const newId = (prefix: string): string => `${prefix}-${++lastId}`;
+
+// Scrolls to a heading and reads on from there.
+export function jumpTo(id: string): void {
+  const heading = document.getElementById(id);
+  heading?.scrollIntoView();
+  heading?.focus({preventScroll: true});
+}

@@ -3,7 +3,7 @@ import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {test} from 'node:test';
 import {
-  bySeverity, choose, differences, figureAt, filterOf, isFiltered, listQuery, newerPage, olderPage, quarter, secondsLeft, settingsOf,
+  bySeverity, choose, differences, figureAt, filterOf, isFiltered, listQuery, newerPage, olderPage, quarter, secondsLeft, settingsOf, standingOf,
   stagesOf, withFilter, type Warning} from '../src/state/jobs';
 
 test('the address becomes a question to the server', () => {
@@ -117,4 +117,13 @@ test('every problem type of the API has a title, a meaning and a fix in German',
   const ofPrograms = ['bad-usage', 'locked', 'lease-lost', 'wrong-digest'];  // a title is enough
   const wanted = types.flatMap((type) => ofPrograms.includes(type) ? [type] : [type, `${type}.what`, `${type}.fix`]);
   assert.deepEqual(Object.keys(texts('de', 'problems.json')).sort(), wanted.map((name) => `error.${name}`).sort());
+});
+
+test('a mold stands in the machine as it is, in the frame of its job', () => {
+  const settings = {sheet: {width_mm: 300, height_mm: 320}, machine: {window: 'rectangle', window_width_mm: 280, window_height_mm: 290, drape_height_mm: 12}};
+  const {placed, plug, frame} = standingOf({low: [-70, -95, 0], high: [80, 90, 130]}, settings);
+  assert.deepEqual([placed.shift, placed.size, placed.height, placed.half], [[0, 0, 0], [150, 185, 130], 130, [80, 95]]);
+  assert.equal(plug, 0, 'nothing is cut away');
+  assert.deepEqual(frame, {sheet: [300, 320], window: [280, 290], round: false, height: 12});
+  assert.deepEqual(standingOf({low: [0, 0, 0], high: [1, 1, 1]}, {machine: {window: 'circle', window_width_mm: 250}}).frame.window, [250, 250]);
 });

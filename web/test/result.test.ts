@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {begun, centreLines, coilsOf, encloses, initialResult, isMoved, move, placed, previewPlace, queryOf, redo, resultOf, rulerOf, sorted, undo,
-        type PrintReport} from '../src/state/result';
+import {begun, centreLines, coilsOf, encloses, initialResult, isMoved, laid, lying, move, patternOf, placed, previewPlace, queryOf, redo, resultOf,
+        rowOf, sorted, toChart, toDrawing, undo, wantedOf, withPoints, type Flat, type PrintReport, type Row} from '../src/state/result';
 import {coarse, picturePlace} from '../src/read/formed';
 
 test('a link restores the view, and the first view needs none', () => {
@@ -48,11 +48,6 @@ test('centre lines are read from the print with t up, and from a mirrored one tu
   assert.equal(centreLines(svg, false).size, 1);
 });
 
-test('the length of the ruler is read from the print', () => {
-  assert.equal(rulerOf('<g id="mark-ruler">\n  <path d="M-50.000,-146.200 L50.000,-146.200"/>'), 100);
-  assert.equal(rulerOf(svg), null);
-});
-
 test('a place is inside of a coil if its centre line goes around it', () => {
   const lines = centreLines(svg, false).get('a & b')!;
   assert.ok(encloses(lines, [0, 0]));
@@ -63,7 +58,7 @@ test('a place is inside of a coil if its centre line goes around it', () => {
 test('moves can be undone and redone, until the drawing is moved again', () => {
   const job = {settings: {pattern: {offset_mm: [1, 2], rotate_deg: 10, scale: 1.1}}};
   let moves = begun(job);
-  assert.deepEqual(placed(moves), {x: 1, y: 2, turn: 10, scale: 1.1});
+  assert.deepEqual(placed(moves), {x: 1, y: 2, turn: 10, scale: 1.1, points: []});
   moves = move(moves, {...placed(moves), x: 5});
   moves = move(moves, {...placed(moves), x: 5});
   assert.equal(moves.steps.length, 2, 'the same place again is no move');
@@ -73,6 +68,74 @@ test('moves can be undone and redone, until the drawing is moved again', () => {
   assert.equal(placed(redo(moves)).x, 5);
   moves = move(moves, {...placed(moves), turn: 90});
   assert.equal(placed(redo(moves)).turn, 90);
+});
+
+test('pairs are moves too', () => {
+  const row: Row = [1, 2, 3, 4, 5];
+  let moves = begun({settings: {pattern: {points: [row]}}});
+  moves = move(moves, {...placed(moves), points: [[1, 2, 3, 4, 5]]});
+  assert.ok(!isMoved(moves), 'the same pairs again are no move');
+  moves = move(moves, {...placed(moves), points: []});
+  assert.ok(isMoved(moves));
+  assert.deepEqual(patternOf(placed(moves)), {offset_mm: [0, 0], rotate_deg: 0, scale: 1, points: []});
+  assert.deepEqual(placed(undo(moves)).points, [row]);
+});
+
+// A wanted placement with these points of the drawing; the points of the mold do not matter here.
+const plain = wantedOf({settings: {}});
+const by = (...drawn: Flat[]): Row[] => drawn.map(([u, v]) => [u, v, 0, 0, 0]);
+const near = (a: readonly number[], b: readonly number[], within = 1e-9): void =>
+  a.forEach((value, k) => assert.ok(Math.abs(value - b[k]!) < within, `${a} instead of ${b}`));
+
+test('without points a drawing lies as the settings say, and one point shifts it there', () => {
+  assert.deepEqual(laid({...plain, x: 3, turn: 20}, []), {x: 3, y: 0, turn: 20, scale: 1});
+  const lies = laid({...plain, turn: 90, scale: 2, points: by([10, 0])}, [[5, 6]])!;
+  near([lies.turn, lies.scale], [90, 2]);
+  near(toChart(lies, [10, 0]), [5, 6]);
+  near(toChart(lies, [11, 0]), [5, 8]);
+});
+
+test('of two points the first is met, and the other one gives the direction; the size stays', () => {
+  const lies = laid({...plain, points: by([1, 1], [11, 1])}, [[0, 0], [0, 99]])!;
+  near([lies.turn, lies.scale], [90, 1]);
+  near(toChart(lies, [1, 1]), [0, 0]);
+  near(toChart(lies, [11, 1]), [0, 10]);
+});
+
+test('three points are met by least squares, and offset and rotation come on top', () => {
+  const truth = {x: 5, y: -7, turn: -150, scale: 1.3}, drawn: Flat[] = [[0, 0], [30, 5], [-10, 40], [12, -25]];
+  const targets = drawn.map((point) => toChart(truth, point)), lies = laid({...plain, scale: 1.3, points: by(...drawn)}, targets)!;
+  near([lies.x, lies.y, lies.turn, lies.scale], [5, -7, -150, 1.3]);
+  // what moves away from a point moves towards another: the middle is met
+  const moved = laid({...plain, scale: 1.3, x: 2, turn: 10, points: by(...drawn)}, targets)!, middle: Flat = [8, 5];
+  near([moved.turn], [-140]);
+  near(toChart(moved, middle), [toChart(truth, middle)[0] + 2, toChart(truth, middle)[1]]);
+});
+
+test('points at one place give no direction', () => {
+  assert.equal(laid({...plain, points: by([1, 1], [1, 1])}, [[0, 0], [5, 5]]), null);
+  assert.equal(laid({...plain, points: by([1, 1], [9, 1])}, [[5, 5], [5, 5]]), null);
+});
+
+test('other pairs alone say where the drawing lies; the last one that goes leaves it where it is', () => {
+  const lies = {x: 12.345, y: -3, turn: 370, scale: 1.5}, now = {...plain, x: 8, y: 8, turn: 30, scale: 1.5}, rows = by([1, 2], [3, 4]);
+  assert.deepEqual(withPoints(now, rows, lies), {x: 0, y: 0, turn: 0, scale: 1.5, points: rows});
+  assert.deepEqual(withPoints(now, rows.slice(1), lies), {x: 0, y: 0, turn: 10, scale: 1.5, points: rows.slice(1)});
+  assert.deepEqual(withPoints(now, [], lies), {x: 12.35, y: -3, turn: 10, scale: 1.5, points: []});
+  assert.deepEqual(withPoints(now, rows, null), {...now, points: rows}, 'nobody knows where it lies');
+});
+
+test('a row has hundredths of a millimetre, and a point of the drawing is found from the chart', () => {
+  assert.deepEqual(rowOf([1.23456, -0.001], [-2.005, 3, 4.999]), [1.23, 0, -2, 3, 5]);
+  const lies = {x: 3, y: 4, turn: 33, scale: 0.7};
+  near(toDrawing(lies, toChart(lies, [20, -30])), [20, -30]);
+});
+
+test('where points have laid a drawing is found from the formed sheet', () => {
+  const truth = {x: 9, y: -4, turn: 25, scale: 0.8}, top: Flat = [2, -13];
+  const drawn: Flat[] = [[0, 0], [40, 3], [-20, 35], [-35, -30], [25, -28]], sheet = drawn.map((p): Flat => toChart({...truth, x: truth.x + top[0], y: truth.y + top[1]}, p));
+  const lies = lying({drawn, sheet}, toDrawing(truth, [0, 0]), 0.8)!;
+  near([lies.x, lies.y, lies.turn, lies.scale], [9, -4, 25, 0.8]);
 });
 
 test('the preview shows each point of the drawing where the new placement puts it', () => {

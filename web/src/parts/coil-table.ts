@@ -1,4 +1,4 @@
-// The coils with their figures: the worst first, sortable, one of them selected.
+// The coils with their figures: the worst first, sortable, one of them selected. On a phone each row is a card.
 import {el, replace} from '../dom';
 import {columns, sorted, type Coil, type Column} from '../state/result';
 import {number, percent, t} from '../text';
@@ -18,6 +18,11 @@ export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void):
       by = column;
       fill();
     }}, t(`result.coil_${column}`), icon('sort'))));
+  const sort = el('select', {onchange: () => {
+    by = columns[sort.selectedIndex] ?? by;
+    down = by !== 'id';
+    fill();
+  }}, columns.map((column) => el('option', null, t(`result.coil_${column}`))));
   const signed = (share: number): string => (share > 0 ? '+' : '') + percent(share, 1);
   const row = (coil: Coil): HTMLElement =>
     el('tr', {'aria-selected': String(coil.id === selected), onclick: () => chosen(coil)},
@@ -36,13 +41,16 @@ export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void):
       if (columns[i] === by) head.setAttribute('aria-sort', down ? 'descending' : 'ascending');
       else head.removeAttribute('aria-sort');
     });
+    sort.selectedIndex = columns.indexOf(by);
     replace(body, sorted(coils, by, down).map(row));
+    for (const {cells} of body.rows) columns.forEach((column, i) => cells[i]?.setAttribute('data-name', t(`result.coil_${column}`)));
   }
   fill();
   const box = el('div', {class: 'wide', tabindex: 0, role: 'region', 'aria-label': t('result.coils')},
     el('table', {class: 'coil-table', 'aria-label': t('result.coils')}, el('thead', null, el('tr', null, ...heads)), body));
   return {
-    element: el('div', null, el('p', {class: 'small quiet'}, t('result.coils_caption')), box),
+    element: el('div', null, el('p', {class: 'small quiet'}, t('result.coils_caption')),
+      el('label', {class: 'coil-sort'}, t('result.coil_sort'), sort), box),
     select(id) {
       if (id === selected) return;
       selected = id;

@@ -82,7 +82,7 @@ function headOutline(viewer: Viewer): Lines {
 }
 
 // Throws NoWebGl.
-export function scanScene(scan: ReadScan, options: {label: string; tools: HTMLElement[]; failed: () => void}): ScanScene {
+export function scanScene(scan: ReadScan, options: {label: string; tools?: HTMLElement[]; failed: () => void}): ScanScene {
   const viewer = createViewer(options);
   const fine = geometryOf(scan.shown), coarse = scan.coarse ? geometryOf(scan.coarse) : fine;
   const material = new ShaderMaterial({
@@ -107,7 +107,9 @@ export function scanScene(scan: ReadScan, options: {label: string; tools: HTMLEl
     pin.material.uniforms['colour']!.value = viewer.colour('--bad');
     outline.material.uniforms['colour']!.value = viewer.colour('--accent');
     drawn = '';
+    const marked = pin.visible;
     if (last) update(last);
+    pin.visible = marked;
   });
   viewer.root.add(outline);
 

@@ -2,10 +2,10 @@
 import {BufferAttribute, BufferGeometry, CanvasTexture, Color, DataTexture, DoubleSide, GLSL3, type Group, LinearFilter, LinearMipmapLinearFilter,
         Matrix3, Mesh, NoColorSpace, ShaderMaterial, Texture, Vector3} from 'three';
 import {coarse, picturePlace, type Formed} from '../read/formed';
-import type {MapName} from '../state/result';
+import type {Flat, MapName} from '../state/result';
 import {colourAt, isHeat, noValue, type Range, touches, touchesNot} from './colour';
 import {Surface, type Point} from './measure';
-import {nearest, under, type Spot} from './pick';
+import {having, nearest, under, type Spot} from './pick';
 import {fragmentShader, mapNumbers, vertexShader} from './sheet.glsl';
 import {letters} from './machine';
 import {release, type LeftSide, type Viewer} from './viewer';
@@ -28,7 +28,10 @@ export interface Sheet {
   // Draws on the sheet, in millimetres of sheet coordinates, t up.
   draw(paint: (context: CanvasRenderingContext2D) => void): void;
   under(event?: {clientX: number; clientY: number}): Spot | null;  // without an event: at the centre of the view
-  nearest(place: Point): Spot;
+  nearest(place: Point, onChart?: boolean): Spot;
+  having(name: 'sheet' | 'pattern', value: Flat): Spot | null;  // on the chart
+  chart(): {drawn: Flat[]; sheet: Flat[]};  // of its vertices
+  onScreen(spot: Spot): {x: number; y: number} | null;  // CSS pixels in the frame; null: on the far side, or there are two views
   // The shortest way over the surface: its length and where it runs on the sheet.
   way(a: Spot, b: Spot): {length: number; sheet: [number, number][]} | null;
   turnTo(place: Point): void;  // so that one looks at it straight on
@@ -156,7 +159,16 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
       const {origin, direction} = viewer.ray(event);
       return under(formed, origin.toArray(), direction.toArray());
     },
-    nearest: (place) => nearest(formed, place),
+    nearest: (place, onChart) => nearest(formed, place, onChart),
+    having: (name, value) => having(formed, name, value),
+    chart() {
+      const pairs = (values: Float32Array): Flat[] => [...formed.chart.keys()].filter((i) => formed.chart[i] === 1).map((i) => [values[2 * i]!, values[2 * i + 1]!]);
+      return {drawn: pairs(formed.pattern), sheet: pairs(formed.sheet)};
+    },
+    onScreen({point, normal}) {
+      const place = new Vector3(...point);
+      return viewer.halves || viewer.ray().origin.sub(place).dot(new Vector3(...normal)) < 0 ? null : viewer.toFrame(place);
+    },
     way(a, b) {
       surface ??= new Surface(formed.positions, formed.indices);
       const way = surface.way(a, b);

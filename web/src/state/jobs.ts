@@ -151,7 +151,21 @@ export interface Report {
   mold: {size_mm: readonly number[]; undercut_count: number};
   print?: {inked_face: string; mirrored: boolean; ruler_mm?: number | null};
   warnings: readonly Warning[];
+  problem?: {code: string; what: string; where: string; fix: string; place_mm?: readonly number[] | null} | null;  // findings.json
   [section: string]: unknown;
+}
+
+// How a mold stands in the machine that is placed and cut already, for scene/scan.ts. `low`, `high`: its box, mm.
+export function standingOf({low, high}: Record<'low' | 'high', readonly [number, number, number]>, {sheet = {}, machine = {}}: Settings) {
+  const pair = (a: unknown, b: unknown): [number, number] => [Number(a), Number(b)], round = machine['window'] === 'circle';
+  const shift: [number, number, number] = [0, 0, 0], width = machine['window_width_mm'];
+  return {
+    placed: {turn: [1, 0, 0, 0, 1, 0, 0, 0, 1], shift, size: shift.map((_, k) => high[k]! - low[k]!) as typeof shift, height: high[2],
+             half: pair(Math.max(-low[0], high[0]), Math.max(-low[1], high[1]))},
+    plug: low[2], outline: false,
+    frame: {sheet: pair(sheet['width_mm'], sheet['height_mm']), window: pair(width, round ? width : machine['window_height_mm']), round,
+            height: Number(machine['drape_height_mm'])},
+  };
 }
 
 // The number at a path such as "figures.with.coils.mean_circularity"; null where the report has none.

@@ -162,11 +162,6 @@ export function centreLines(svg: string, mirrored: boolean): Map<string, Line[]>
   }
   return lines;
 }
-// The length of the printed ruler in mm, from print.svg; null: the print has none.
-export function rulerOf(svg: string): number | null {
-  const [, from, to] = /<g id="mark-ruler">\s*<path d="M(-?[\d.]+),\S+ L(-?[\d.]+),/.exec(svg) ?? [];
-  return from === undefined || to === undefined ? null : Math.round(100 * Math.abs(Number(to) - Number(from))) / 100;
-}
 const entities: Record<string, string> = {amp: '&', lt: '<', gt: '>', quot: '"', apos: "'", '#39': "'"};
 const unescaped = (text: string): string => text.replace(/&(amp|lt|gt|quot|apos|#39);/g, (_, name: string) => entities[name] ?? '');
 
@@ -203,48 +198,89 @@ export function encloses(lines: readonly Line[], [s, t]: readonly [number, numbe
 
 // ---- a drawing that is being moved ----
 
+export type Flat = readonly [number, number];
+export type Row = readonly [u: number, v: number, x: number, y: number, z: number];  // of pattern.points
+
+// Where a drawing lies on the chart, as worker/placement/alignment.hpp has it: turned, scaled, then shifted.
 export interface Placement {
-  x: number;       // pattern.offset_mm
+  x: number;       // mm
   y: number;
-  turn: number;    // pattern.rotate_deg
-  scale: number;   // pattern.scale
+  turn: number;    // degrees, counter-clockwise
+  scale: number;
+}
+// The same four as settings (pattern.offset_mm, rotate_deg, scale), which come on top of the points.
+export interface Wanted extends Placement {
+  points: readonly Row[];  // pattern.points
 }
 export interface Moves {
-  steps: readonly Placement[];  // the first is that of the job
+  steps: readonly Wanted[];  // the first is that of the job
   at: number;
 }
 
-export function placementOf(job: Pick<Job, 'settings'>): Placement {
+export function wantedOf(job: Pick<Job, 'settings'>): Wanted {
   const pattern = job.settings['pattern'] ?? {}, [x = 0, y = 0] = (pattern['offset_mm'] ?? []) as number[];
-  return {x, y, turn: Number(pattern['rotate_deg'] ?? 0), scale: Number(pattern['scale'] ?? 1)};
+  return {x, y, turn: Number(pattern['rotate_deg'] ?? 0), scale: Number(pattern['scale'] ?? 1), points: (pattern['points'] ?? []) as Row[]};
 }
-export const begun = (job: Pick<Job, 'settings'>): Moves => ({steps: [placementOf(job)], at: 0});
-export const placed = (moves: Moves): Placement => moves.steps[moves.at]!;
-const same = (a: Placement, b: Placement): boolean => a.x === b.x && a.y === b.y && a.turn === b.turn && a.scale === b.scale;
+export const patternOf = ({x, y, turn, scale, points}: Wanted): Record<string, unknown> => ({offset_mm: [x, y], rotate_deg: turn, scale, points});
+export const begun = (job: Pick<Job, 'settings'>): Moves => ({steps: [wantedOf(job)], at: 0});
+export const placed = (moves: Moves): Wanted => moves.steps[moves.at]!;
+export const same = (a: Wanted, b: Wanted): boolean => JSON.stringify(patternOf(a)) === JSON.stringify(patternOf(b));
 export const isMoved = (moves: Moves): boolean => !same(placed(moves), moves.steps[0]!);
 // What was undone can no longer be redone.
-export const move = (moves: Moves, to: Placement): Moves =>
+export const move = (moves: Moves, to: Wanted): Moves =>
   same(placed(moves), to) ? moves : {steps: [...moves.steps.slice(0, moves.at + 1), to], at: moves.at + 1};
 export const undo = (moves: Moves): Moves => ({...moves, at: Math.max(0, moves.at - 1)});
 export const redo = (moves: Moves): Moves => ({...moves, at: Math.min(moves.steps.length - 1, moves.at + 1)});
 
-type Matrix = readonly [number, number, number, number, number, number, number, number, number];
-const times = (a: Matrix, b: Matrix): Matrix =>
-  [0, 3, 6].flatMap((r) => [0, 1, 2].map((c) => a[r]! * b[c]! + a[r + 1]! * b[c + 3]! + a[r + 2]! * b[c + 6]!)) as unknown as Matrix;
-function onChart({x, y, turn, scale}: Placement): Matrix {
-  const c = scale * Math.cos(turn * Math.PI / 180), s = scale * Math.sin(turn * Math.PI / 180);
-  return [c, -s, x, s, c, y, 0, 0, 1];
-}
-function offChart({x, y, turn, scale}: Placement): Matrix {
-  const c = Math.cos(turn * Math.PI / 180) / scale, s = Math.sin(turn * Math.PI / 180) / scale;
-  return [c, s, -(c * x + s * y), -s, c, s * x - c * y, 0, 0, 1];
+// As complex numbers.
+const plus = (a: Flat, b: Flat, times = 1): [number, number] => [a[0] + times * b[0], a[1] + times * b[1]];
+const times = (a: Flat, b: Flat): [number, number] => [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
+const turned = (degrees: number, scale: number): [number, number] => [scale * Math.cos(degrees * Math.PI / 180), scale * Math.sin(degrees * Math.PI / 180)];
+export const toChart = ({x, y, turn, scale}: Placement, drawn: Flat): [number, number] => plus(times(turned(turn, scale), drawn), [x, y]);
+export const toDrawing = ({x, y, turn, scale}: Placement, chart: Flat): [number, number] => times(turned(-turn, 1 / scale), plus(chart, [x, y], -1));
+
+// Where the server lays a drawing; `targets`: the points of the mold on the chart. One point shifts the drawing. Of two,
+// the first is met and the other one gives the direction; three and more are met by least squares. Points do not scale.
+// null: they give no direction.
+export function laid({x, y, turn, scale, points}: Wanted, targets: readonly Flat[]): Placement | null {
+  if (points.length === 0) return {x, y, turn, scale};
+  const drawn = points.map(([u, v]): Flat => [u, v]);
+  const [from, to] = [drawn, targets].map((all) => all.length === 2 ? all[0]! : all.reduce((sum, one) => plus(sum, one, 1 / all.length), [0, 0] as Flat)) as [Flat, Flat];
+  const sum = drawn.reduce((all, point, i) => {
+    const [u, v] = plus(point, from, -1);
+    return plus(all, times([u, -v], plus(targets[i]!, to, -1)));
+  }, [0, 0] as Flat);
+  if (points.length > 1 && Math.hypot(...sum) < 1e-6) return null;
+  const lies = {x: 0, y: 0, turn: turn + Math.atan2(sum[1], sum[0]) * 180 / Math.PI, scale}, shift = plus(plus(to, toChart(lies, from), -1), [x, y]);
+  return {...lies, x: shift[0], y: shift[1]};
 }
 
-// From the pattern coordinates of the job to the picture of its drawing, so that it shows the drawing where `to` puts it.
-// That picture has the drawing on the flat sheet at the place of the job, its origin at `top`. `size` and `origin`: where
-// the sheet lies on the picture (scene/sheet.ts).
-export function previewPlace(job: Placement, to: Placement, top: readonly [number, number], size: readonly [number, number],
-                             origin: readonly [number, number]): Matrix {
-  const picture: Matrix = [1 / size[0], 0, top[0] / size[0] + origin[0], 0, 1 / size[1], top[1] / size[1] + origin[1], 0, 0, 1];
-  return times(times(picture, onChart(job)), times(offChart(to), onChart(job)));
+// How the drawing of a job lies on the chart, which is turned to the sheet by least squares (worker/flattening/flatten.cpp).
+// `origin`: the point of the drawing at the chart's origin.
+export function lying({drawn, sheet}: {drawn: readonly Flat[]; sheet: readonly Flat[]}, origin: Flat, scale: number): Placement | null {
+  const point = ([u, v]: Flat): Row => [u, v, 0, 0, 0], plain = {x: 0, y: 0, turn: 0, scale};
+  return laid({...plain, turn: laid({...plain, points: drawn.map(point)}, sheet)?.turn ?? 0, points: [point(origin)]}, [[0, 0]]);
+}
+
+// Hundredths are enough; never -0.
+const rounded = (value: number): number => Math.round(100 * value) / 100 + 0;
+export const rowOf = (drawn: Flat, mold: readonly [number, number, number]): Row => [...drawn, ...mold].map(rounded) as unknown as Row;
+
+// With other points, which alone say where the drawing lies: offset and rotation on top of them begin at 0. A single
+// point keeps the rotation that the drawing has, and without points it stays where it lies (null: nobody knows).
+export function withPoints(now: Wanted, points: readonly Row[], lies: Placement | null): Wanted {
+  if (!lies) return {...now, points};
+  const [x, y] = points.length > 0 ? [0, 0] : [lies.x, lies.y], turn = points.length > 1 ? 0 : (lies.turn + 540) % 360 - 180;
+  return {x: rounded(x), y: rounded(y), turn: rounded(turn), scale: now.scale, points};
+}
+
+// From the pattern coordinates of the job to the picture of its drawing, so that it shows the drawing where `to` puts it:
+// the rows of a 3 x 3 matrix. That picture has the drawing on the flat sheet at the place of the job, its origin at `top`.
+// `size` and `origin`: where the sheet lies on the picture (scene/sheet.ts).
+export function previewPlace(job: Placement, to: Placement, top: Flat, size: Flat, origin: Flat): readonly number[] {
+  const [o, a, b] = ([[0, 0], [1, 0], [0, 1]] as const).map((point) => {
+    const [s, t] = plus(toChart(job, toDrawing(to, toChart(job, point))), top);
+    return [s / size[0] + origin[0], t / size[1] + origin[1]];
+  }) as [number[], number[], number[]];
+  return [...[0, 1].flatMap((k) => [a[k]! - o[k]!, b[k]! - o[k]!, o[k]!]), 0, 0, 1];
 }

@@ -1,6 +1,6 @@
 // One job: its progress while it runs, and then what came of it.
-import {el, replace, type Children} from '../dom';
-import {api, foundProblem, Problem, type FoundProblem} from '../api/client';
+import {el, jumpTo, replace, type Children} from '../dom';
+import {api, foundProblem, Problem} from '../api/client';
 import {followJob} from '../api/events';
 import type {Job, ListedJob, SettingsSchema} from '../api/types';
 import {ended} from '../api/types';
@@ -9,6 +9,7 @@ import {confirm} from '../parts/confirm';
 import {downloads, titleOf} from '../parts/downloads';
 import {facts} from '../parts/facts';
 import {icon} from '../parts/icon';
+import {later, svgPicture} from '../parts/later';
 import {logPart} from '../parts/log';
 import {problemBox} from '../parts/problem';
 import {progressCard, signTab} from '../parts/progress';
@@ -21,6 +22,7 @@ import {fieldOf, staleJob} from '../state/draft';
 import {settingsOf, type Report, type Setting, type Warning} from '../state/jobs';
 import {bytes, duration, number, t, textIfKnown, when} from '../text';
 import {follow, live, onEnd, View} from '../view';
+import {failureView} from './result/failure';
 
 const queueEvery = 5000;  // ms: nothing tells a queued job that those before it are done
 
@@ -43,23 +45,6 @@ interface Layout {
   strongest_neighbours: Coupled | null;
   strongest: Coupled | null;
   warnings: readonly Warning[];
-}
-
-// What the server still has to send: a line while it is on its way, and then the content or what is wrong.
-function later<T>(ask: () => Promise<T>, build: (value: T) => Children): HTMLElement {
-  const host = el('div', {class: 'stack'});
-  const load = (): void => {
-    replace(host, el('p', {class: 'quiet'}, t('shell.loading')));
-    void ask().then((value) => replace(host, build(value)), (error: unknown) => replace(host, problemBox(error, load)));
-  };
-  load();
-  return host;
-}
-
-function jumpTo(id: string): void {
-  const heading = document.getElementById(id);
-  heading?.scrollIntoView();
-  heading?.focus({preventScroll: true});
 }
 
 // Builds its content when it is opened for the first time.
@@ -191,9 +176,13 @@ class JobView extends View {
   }
 
   #failed(job: Job): Children {
+    const ends: (() => void)[] = [];
+    onEnd(() => ends.forEach((end) => end()));
     return [
       problemBox(job.problem ? new Problem(job.problem) : t('state.failed')),
-      el('p', {class: 'row'}, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('reset'), t('job.try_changed')))];
+      el('p', {class: 'row'}, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('reset'), t('job.try_changed'))),
+      job.artifacts.some((file) => file.name === 'findings.json') && later(() => api.artifactJson<Report>(job.id, 'findings.json'),
+        (report) => [failureView(job, report, this.#pictures(job, report), ends), downloads(job).element])];
   }
 
   #succeeded(job: Job, identity: HTMLElement): Children {
@@ -234,10 +223,10 @@ class JobView extends View {
   // What must be true when the print is made.
   #printing(report: Report): HTMLElement {
     const inner = report.print?.inked_face === 'inner', ruler = report.print?.ruler_mm;
-    return el('section', {class: 'card'}, el('h2', null, t('job.before_print')),
+    return el('section', {class: 'card'}, el('h2', {id: 'printing', tabindex: -1}, t('job.before_print')),
       el('ol', {class: 'todo'},
         el('li', null, t('job.print_scale')),
-        el('li', null, ruler ? t('job.print_ruler', {mm: ruler}) : t('job.print_ruler_any')),
+        el('li', null, ruler ? t('job.print_ruler', {mm: ruler}) : t(ruler === null ? 'job.print_no_ruler' : 'job.print_ruler_any')),
         el('li', null, inner ? t('job.print_inner') : t('job.print_outer')),
         el('li', null, t('job.print_label', {label: report.label ?? ''}))));
   }
@@ -252,8 +241,7 @@ class JobView extends View {
   }
 
   #inspection(job: Job, report: Report): Children {
-    const {scan, mold} = report;
-    const problem = report['problem'] as FoundProblem | null | undefined;
+    const {scan, mold, problem} = report;
     const guessed = (text: string, isGuess: boolean): string => isGuess ? t('job.guessed', {text}) : text;
     return [
       el('section', {class: 'card stack'},
@@ -281,22 +269,14 @@ class JobView extends View {
   }
 
   #layout(job: Job): Children {
-    const image = el('img', {class: 'drawing', alt: `${t('artifact.pattern.svg')}. ${identityOf(job)}`});
-    // The drawing is shown as a picture of a blob: nothing in it can run or load.
-    const load = async (): Promise<Layout> => {
-      const [answer, made] = await Promise.all([
-        api.artifact(job.id, 'pattern.svg'), api.artifactJson<Layout>(job.id, 'layout.json')]);
-      const address = URL.createObjectURL(new Blob([await answer.arrayBuffer()], {type: 'image/svg+xml'}));
-      image.addEventListener('load', () => URL.revokeObjectURL(address));
-      image.src = address;
-      return made;
-    };
+    const load = (): Promise<[HTMLImageElement, Layout]> => Promise.all([
+      svgPicture(job.id, 'pattern.svg', `${t('artifact.pattern.svg')}. ${identityOf(job)}`), api.artifactJson<Layout>(job.id, 'layout.json')]);
     const mm = (value: number): string => `${number(value, 1)} mm`;
     const pair = (two: Coupled | null | undefined): string =>
       two ? t('job.pair', {...two, k: number(two.k, 3)}) : t('job.not_there');
-    return [later(load, (made) => [
+    return [later(load, ([image, made]) => [
       el('div', {class: 'columns'},
-        el('figure', {class: 'card'}, image, el('figcaption', null, t('artifact.pattern.svg'))),
+        el('figure', {class: 'card drawing'}, image, el('figcaption', null, t('artifact.pattern.svg'))),
         el('section', {class: 'card stack'}, el('h2', null, t('job.array')), facts(
           [t('job.coils'), number(made.count)],
           [t('job.diameter'), mm(made.diameter_mm)],

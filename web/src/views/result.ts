@@ -70,7 +70,7 @@ export class ResultView extends View {
     const panels = {
       part: el('div', {id: 'panel-part', role: 'tabpanel', 'aria-labelledby': 'tab-part', class: 'stack'},
         part.element,
-        el('details', {class: 'card'}, el('summary', null, t('result.adjust')), adjustView(job, report, part, stale)),
+        adjustView(job, report, part, stale),
         table && el('section', {class: 'card'}, el('h3', null, t('result.coils')), table.element)),
       sheet: el('div', {id: 'panel-sheet', role: 'tabpanel', 'aria-labelledby': 'tab-sheet'}),
     };
@@ -91,7 +91,7 @@ export class ResultView extends View {
         tabs[i]?.setAttribute('tabindex', chosen ? '0' : '-1');
         panels[name].hidden = !chosen;
       });
-      if (tab === 'sheet' && !panels.sheet.hasChildNodes()) panels.sheet.append(printSheet(job, report, ends));
+      if (tab === 'sheet' && !panels.sheet.hasChildNodes()) panels.sheet.append(printSheet(job, report));
       table?.select(coil);
     };
     apply();

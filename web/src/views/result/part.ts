@@ -21,11 +21,18 @@ import {framed} from './picture';
 type Place = readonly [number, number, number];
 type Scene = typeof import('../../scene/sheet');
 
+// How a drawing that is being moved is shown.
+export interface Look {
+  place: readonly number[] | null;  // puts the drawing there; null: the print
+  pairs: readonly {from: Spot | null; to: Spot | null}[];  // numbered marks, joined by lines
+}
 export interface Part {
   element: HTMLElement;
+  sheet(): Sheet | null;  // null without the 3D view
   showPlace(place: Place): void;
-  // Shows the drawing where `place` puts it; null: the print. Empty until the 3D view is there.
-  preview: ((place: ((picture: Sheet['picture']) => readonly number[]) | null) => void);
+  look(now: (sheet: Sheet) => Look): void;  // called as soon as the 3D view is there
+  // The next place that a person clicks or sets with M; null: there is nothing. undefined: it was cancelled.
+  ask(words: string): Promise<Spot | null | undefined>;
 }
 
 export const setResult = (change: Partial<ResultState>): void => store.set((state) => ({result: {...state.result, ...change}}));
@@ -53,7 +60,9 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   let bar: Legend | null = null;
   let viewer: Viewer | null = null, sheet: Sheet | null = null, over = false;
   let lines: ReadonlyMap<string, Line[]> = new Map();
-  let place: ((picture: Sheet['picture']) => readonly number[]) | null = null;
+  let look: ((sheet: Sheet) => Look) | null = null;
+  let {place, pairs}: Look = {place: null, pairs: []};
+  let asked: ((spot: Spot | null | undefined) => void) | null = null;
   let last: Spot | null = null;           // what the readout shows
   let marked: Spot | null = null;         // the place of a warning
   let measuring = false, still = false;
@@ -132,6 +141,46 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       if (marked) for (const radius of [4, 9]) ring(marked, radius);
       if (way.length > 1) stroke(() => along(way), true);
       for (const point of points) ring(point, 1.6);
+      for (const {from, to} of pairs) {
+        if (from && to) stroke(() => along([from.sheet, to.sheet]), true);
+        if (from) ring(from, 1.6);
+        if (to) ring(to, 3);
+      }
+    });
+  }
+  const badges = el('div', {class: 'pair-badges', 'aria-hidden': 'true'});
+  function placeBadges(): void {
+    badges.replaceChildren(...pairs.flatMap(({from, to}, i) => {
+      const spot = to ?? from, at = spot && sheet?.onScreen(spot);
+      if (!at) return [];
+      const badge = el('span', null, String(i + 1));
+      badge.style.transform = `translate(${at.x}px, ${at.y}px)`;
+      return [badge];
+    }));
+  }
+  function relook(): void {
+    if (look && sheet) ({place, pairs} = look(sheet));
+    paint();
+    apply(store.get().result);
+  }
+
+  // ---- asking for a place
+  const question = el('div', {role: 'status'});
+  const answer = (spot: Spot | null | undefined): void => {
+    question.replaceChildren();
+    asked?.(spot);
+  };
+  function ask(words: string): Promise<Spot | null | undefined> {
+    answer(undefined);
+    return new Promise((resolve) => {
+      asked = (spot) => {
+        asked = null;
+        resolve(spot);
+      };
+      replace(question, el('div', {class: 'notice'}, icon('info'), el('div', null, el('p', null, words),
+        el('button', {type: 'button', onclick: () => answer(undefined)}, icon('cancel'), t('shell.cancel')))));
+      question.scrollIntoView({block: 'nearest'});
+      viewer?.canvas.focus({preventScroll: true});
     });
   }
 
@@ -181,7 +230,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     sideLabels.hidden = moved || now.mode !== 'side';
     sheet?.show({
       map: now.map, range: range(now.map), isolines: now.isolines, sideBySide: !moved && now.mode === 'side',
-      cut: now.mode === 'drawn' ? 1 : now.mode === 'split' ? now.cut : 0, place: place && sheet ? place(sheet.picture) : null});
+      cut: now.mode === 'drawn' ? 1 : now.mode === 'split' ? now.cut : 0, place});
     if (now.mode === 'split' && (before?.mode !== 'split' || before.cut !== now.cut)) divider.set(now.cut);
     if (before && before.coil !== now.coil) {
       paint();
@@ -241,6 +290,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
 
   // ---- loading
   const fallback = (why: string): void => {
+    answer(undefined);
     viewer = sheet = null;
     host.replaceChildren(el('p', {class: 'notice'}, icon('info'), why), pictures(job, identity));
     element.classList.add('flat');
@@ -264,11 +314,10 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       const made = await scene.createSheet(viewer, readFormed(file), side === 'minus_x' || side === 'plus_x' ? side : 'unknown');
       if (over) return;
       sheet = made;
-      viewer.frame.append(divider.element, sideLabels);
+      viewer.frame.append(divider.element, sideLabels, badges);
       viewer.camera = camera || viewer.camera.replace(/^[^_]*_[^_]*/, '25_38');
       before = null;
-      apply(store.get().result);
-      paint();
+      relook();
       listen(viewer, made);
     } catch (error) {
       if (over) return;
@@ -301,14 +350,17 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       tap(event) {
         const spot = made.under(event);
         read(spot);
+        if (asked) return answer(spot);
         if (measuring) return addPoint(spot);
         const hit = spot ? coilsAt(spot, lines) : [], {coil} = store.get().result;
         if (hit.length > 0) choose(hit[(hit.indexOf(coil) + 1) % hit.length] ?? '');
       },
+      escape() { if (asked) answer(undefined); },
       key(key) {
         const {mode} = store.get().result;
         if (key === 'i') read(made.under(), true);
         else if (key === 'b') setResult({mode: mode === 'with' ? 'drawn' : 'with'});
+        else if (asked && key === 'm') answer(made.under());
         else if (key === 'm') {
           if (!measuring) measureButton.click();
           addPoint(made.under());
@@ -318,6 +370,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     };
     view.on('rest', keepAddress);
     view.on('theme', paint);
+    view.on('frame', placeBadges);
   }
   // Without turning the view: the coil is where the person clicked.
   function choose(id: string): void {
@@ -327,7 +380,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   }
 
   const element = el('div', {class: 'result-part'},
-    el('div', {class: 'result-main'}, modeGroup, previewNote, host),
+    el('div', {class: 'result-main'}, modeGroup, previewNote, question, host),
     el('div', {class: 'result-side'},
       el('section', {class: 'card'},
         el('label', {for: 'result-map'}, t('result.map')), map, isolinesField, legendHost),
@@ -358,10 +411,11 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       viewer.element.scrollIntoView({block: 'nearest'});
       viewer.canvas.focus({preventScroll: true});
     },
-    preview(now) {
-      place = now;
-      paint();
-      apply(store.get().result);
+    look(now) {
+      look = now;
+      relook();
     },
+    sheet: () => sheet,
+    ask,
   };
 }
