@@ -100,10 +100,10 @@ export async function startService({workers = 1, options = [], copyOf} = {}) {
     async submit(fields = {}, settings = quick) {
       const {scan, pattern} = sample();
       const form = new FormData();
-      form.append('scan', new Blob([readFileSync(scan)]), 'head.stl');
+      if (fields.scan === undefined) form.append('scan', new Blob([readFileSync(scan)]), 'head.stl');
       if (fields.kind === undefined) form.append('pattern', new Blob([readFileSync(pattern)]), 'pattern.svg');
       form.append('settings', JSON.stringify(settings));
-      for (const [name, value] of Object.entries(fields)) form.append(name, value);
+      for (const [name, value] of Object.entries(fields)) form.append(name, ...[value].flat());  // a file with its name, or a text
       return (await service.json('/api/v1/jobs', {method: 'POST', body: form})).id;
     },
     ended: (id) => until(async () => {

@@ -1,22 +1,25 @@
-// A print that failed says so, and shows where as far as the server kept its files.
+// A print that failed says why, and shows where.
 import assert from 'node:assert/strict';
 import {after, before, test} from 'node:test';
-import {drawn, quick, settled, show, signIn, startBrowser, startService, violations} from './drive.mjs';
+import {drawn, settled, show, signIn, startBrowser, startService, violations} from './drive.mjs';
+
+// A tower with walls so steep and high that the sheet tears beside it.
+function tower() {
+  const corners = [0, 240].flatMap((z) => [-15, 15].flatMap((y) => [-15, 15].map((x) => `v ${x} ${y} ${z}`)));
+  return [...corners, 'f 1 3 4 2', 'f 5 6 8 7', 'f 1 2 6 5', 'f 3 7 8 4', 'f 1 5 7 3', 'f 2 4 8 6'].join('\n');
+}
 
 let service;
 let job;
 before(async () => {
   service = await startService();
-  // After the scan was read: steps of time so long that the net of springs blows up, within a second.
-  const id = await service.submit({reference: 'FAIL-1'}, {...quick, forming: {model: 'mass_spring', integrator: 'verlet', time_step_ms: 50}});
+  const id = await service.submit({reference: 'FAIL-1', scan: [new Blob([tower()]), 'tower.obj']}, {
+    scan: {units: 'mm', up: '+z'}, sheet: {resolution_mm: 4}, forming: {law: 'neo_hookean'}});
   job = await service.ended(id);
   assert.equal(job.state, 'failed');
   assert.match(job.problem.type, /forming-failed$/);
 });
 after(async () => { await service?.stop(); });
-
-const has = (name) => job.artifacts.some((file) => file.name === name);
-const files = 'the server keeps no files of a failed print yet';
 
 async function opened(flags, run) {
   const browser = await startBrowser(flags);
@@ -38,13 +41,11 @@ test('a failed print says what happened and what to do', () => opened([], async 
   await settled(page);
 }));
 
-test('it shows the mold in the machine, and the place', async (t) => {
-  if (!has('mold.stl')) return t.skip(files);
-  const findings = await service.json(`/api/v1/jobs/${job.id}/artifacts/findings.json`);
+test('it shows the mold in the machine, and the place', async () => {
   await opened([], async (page) => {
     await page.getByRole('application', {name: 'The mold in the machine'}).waitFor();
     await drawn(page);
-    assert.equal(await page.getByRole('button', {name: 'Show the place'}).count(), findings.problem.place_mm ? 1 : 0);
+    await page.getByRole('button', {name: 'Show the place'}).waitFor();
     const below = page.getByRole('button', {name: 'Below', exact: true});
     for (const button of await page.getByRole('button', {name: /^Show (the place|me)/}).all()) {
       await below.click();
@@ -57,8 +58,7 @@ test('it shows the mold in the machine, and the place', async (t) => {
   });
 });
 
-test('without WebGL it shows the pictures that the server kept', async (t) => {
-  if (!has('findings.json')) return t.skip(files);
+test('without WebGL it shows the pictures that the server kept', async () => {
   await opened(['--disable-3d-apis'], async (page) => {
     await page.getByRole('heading', {name: 'Warnings'}).waitFor();
     const pictures = job.artifacts.filter((file) => file.name.startsWith('preview-'));

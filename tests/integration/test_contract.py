@@ -228,7 +228,7 @@ class Exchanges(Case):
                 for method in item.keys() & {"get", "post", "put", "patch", "delete", "options"}:
                     url = server.url + re.sub(r"\{\w+\}", "none", path)
                     for token in [], ["-H", "Authorization: none"]:
-                        body = [*OF_JSON, "-d", "{}"] if method in ("put", "post") else []
+                        body = [*OF_JSON, "-d", "{}"] if "requestBody" in item[method] else []
                         answer = curl("-X", method.upper(), *token, *body, url)
                         self.assertNotEqual(answer.status, 405, (method, path))
                         self.assertLess(answer.status, 500, (method, path))
