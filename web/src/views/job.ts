@@ -219,9 +219,9 @@ class JobView extends View {
     const setStale = (moved: boolean): void => files.setStale(moved || staleJob(store.get().draft) === job.id);
     result.addEventListener('stale', (event) => setStale((event as CustomEvent<{stale: boolean}>).detail.stale));
     setStale(false);
-    const serious = job.serious_warnings ?? 0;
+    const serious = job.serious_warnings ?? 0, count = serious || report.warnings.length;
     return [
-      serious > 0 && el('div', {class: 'notice settle'}, icon('warning'), el('p', null, t('job.settle', {count: serious})),
+      count > 0 && el('div', {class: 'notice settle'}, icon('warning'), el('p', null, t(serious ? 'job.settle' : 'job.read_warnings', {count})),
         el('button', {type: 'button', class: 'plain', onclick: () => jumpTo('warnings')}, icon('down'), t('job.to_warnings'))),
       el('h2', {class: 'hidden'}, t('job.result')), result,
       el('div', {class: 'columns'},
