@@ -57,10 +57,10 @@ void main() {
 
   vec3 c;
   if (map == 0) {
-    c = ink * mix(0.55, 0.98, light);
+    c = ink * mix(0.42, 0.98, light * light);
   } else {
     if (map == 5) {
-      float stripes = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 10.0));
+      float stripes = step(0.5, fract(50.0 * (vSheet.x + vSheet.y)));
       c = vValue.x > 0.5 ? touches : mix(touchesNot, touchesNot * 0.55, stripes);
     } else {
       float share = (vValue.x - range.x) / (range.y - range.x);

@@ -98,7 +98,10 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   for (let i = 0; i < formed.contact.length; ++i)
     if (formed.contact[i] === 1) onMold.push(...formed.positions.subarray(3 * i, 3 * i + 3));
   const fitted = onMold.length > 0 ? onMold : formed.positions;
-  viewer.fit(fitted);
+  // The flat sheet around the mold is seen too: the middle of the view is lower than that of the mold.
+  let low = Infinity, high = -Infinity;
+  for (let i = 2; i < fitted.length; i += 3) low = Math.min(low, fitted[i]!), high = Math.max(high, fitted[i]!);
+  viewer.fit([...fitted, fitted[0]!, fitted[1]!, low - 0.35 * (high - low)]);
   viewer.setSides(left);
   // The letters stand around what touches the mold.
   const half: [number, number] = [0, 0];

@@ -24,6 +24,7 @@ export interface Quality {
 }
 export interface Options {
   label: string;          // the accessible name, for example "Scan in the machine"
+  elevation?: number;     // from which one looks at first
   summary?: string;       // what is shown, for people who do not see it
   failed?: () => void;    // the graphics were lost twice within a minute: the view is disposed of, show something else
 }
@@ -177,6 +178,7 @@ export function createViewer(options: Options): Viewer {
       tell('rest');
     }, 500);
   });
+  if (options.elevation) orbit.pose.elevation = orbit.first.elevation = options.elevation;
   const mmPerPixel = (): number =>
     2 * orbit.distance(aspectNow() || 1) * Math.tan(orbit.halfAngle) / Math.max(1, height);
 

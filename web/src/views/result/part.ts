@@ -254,7 +254,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
         api.artifact(job.id, 'formed.glb').then((answer) => answer.arrayBuffer())]);
       if (over) return;
       try {
-        viewer = scene.createViewer({label: t('result.view_label', {job: nameOf(job)}), failed: () => fallback(t('result.lost_3d'))});
+        viewer = scene.createViewer({label: t('result.view_label', {job: nameOf(job)}), elevation: 38, failed: () => fallback(t('result.lost_3d'))});
       } catch (error) {
         if (!(error instanceof scene.NoWebGl)) throw error;
         return fallback(t('result.no_webgl'));
@@ -266,7 +266,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       if (over) return;
       sheet = made;
       viewer.frame.append(divider.element, sideLabels, cross);
-      viewer.camera = camera || viewer.camera.replace(/^[^_]*_[^_]*/, '25_38');
+      if (camera) viewer.camera = camera;
       before = null;
       apply(store.get().result);
       paint();
