@@ -158,13 +158,13 @@ class JobView extends View {
     const identity = el('div', null, band(job));
     return [
       el('div', {class: 'spread head'},
-        el('h1', null, nameOf(job), ' ', el('span', {class: 'kind quiet'}, t(`kind.${job.kind}`))),
+        el('div', {class: 'row'}, el('h1', null, nameOf(job), ' ', el('span', {class: 'kind quiet'}, t(`kind.${job.kind}`))),
+          live((state) => [state.jobs.job?.state, state.jobs.job?.serious_warnings], () => {
+            const now = shown();
+            return now && stateBadge(now);
+          })),
         done && el('div', {class: 'row'}, this.#again(job),
           el('button', {type: 'button', class: 'danger', onclick: () => void this.#remove(job)}, icon('delete'), t('jobs.delete')))),
-      live((state) => [state.jobs.job?.state, state.jobs.job?.serious_warnings], () => {
-        const now = shown();
-        return el('p', {class: 'row'}, now && stateBadge(now));
-      }),
       identity,
       job.note && el('p', {class: 'note'}, job.note),
       !done ? this.#active(job)
