@@ -25,8 +25,8 @@ export interface Shown {
 export interface Sheet {
   readonly picture: {size: [number, number]; origin: [number, number]};  // where the sheet lies on the pictures, see picturePlace
   show(what: Shown): void;
-  // Draws on the sheet, in millimetres of sheet coordinates, t up.
-  draw(paint: (context: CanvasRenderingContext2D) => void): void;
+  // Draws on the sheet, in millimetres of sheet coordinates, t up. `onPrint`: not where it is shown as printed as drawn.
+  draw(paint: (context: CanvasRenderingContext2D) => void, onPrint: boolean): void;
   under(event?: {clientX: number; clientY: number}): Spot | null;  // without an event: at the centre of the view
   nearest(place: Point): Spot;
   // The shortest way over the surface: its length and where it runs on the sheet.
@@ -82,7 +82,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   overlay.premultiplyAlpha = true;
   overlay.colorSpace = NoColorSpace;
   const uniforms = {
-    map: {value: 0}, cut: {value: 0}, moved: {value: false}, place: {value: new Matrix3()}, range: {value: new Vector3()},
+    map: {value: 0}, cut: {value: 0}, onPrint: {value: false}, moved: {value: false}, place: {value: new Matrix3()}, range: {value: new Vector3()},
     outline: {value: new Color()}, noValue: {value: new Vector3(...noValue)}, touches: {value: new Vector3(...touches)},
     touchesNot: {value: new Vector3(...touchesNot)}, printed: {value: printed}, drawn: {value: drawn}, ramp: {value: ramps.plain},
     overlay: {value: overlay},
@@ -145,7 +145,8 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
       uniforms.cut.value = what.cut;
       viewer.invalidate(true);
     },
-    draw(paint) {
+    draw(paint, onPrint) {
+      uniforms.onPrint.value = onPrint;
       const context = canvas.getContext('2d');
       if (!context) return;
       context.setTransform(1, 0, 0, 1, 0, 0);

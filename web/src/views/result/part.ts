@@ -33,6 +33,11 @@ const units: Record<HeatName, string> = {shape: '', area: '', thickness: 'mm', t
 const hasValue: Record<HeatName, (spot: Spot) => number | null> = {
   shape: (spot) => spot.shape, area: (spot) => spot.area, thickness: (spot) => spot.thickness, temperature: (spot) => spot.temperature};
 
+const valuesText = (low: number, high: number, unit: string): string => {
+  const [from, to] = [number(low, 0), withUnit(high, unit, 0)];
+  return to.startsWith(`${from} `) ? t('result.everywhere', {value: to}) : t('result.from_to', {from, to});
+};
+
 function pictures(job: Job, identity: string): HTMLElement {
   const files = job.artifacts.filter((file) => /^preview-(?!pattern|print)/.test(file.name));
   return el('div', {class: 'result-pictures'}, ...files.map((file) => el('figure', {class: 'card', 'data-file': file.name},
@@ -54,6 +59,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   let viewer: Viewer | null = null, sheet: Sheet | null = null, over = false;
   let lines: ReadonlyMap<string, Line[]> = new Map();
   let place: ((picture: Sheet['picture']) => readonly number[]) | null = null;
+  const found: Partial<Record<MapName, string>> = {};  // the values of a map
   let last: Spot | null = null;           // what the readout shows
   let marked: Spot | null = null;         // the place of a warning
   let measuring = false, still = false;
@@ -133,7 +139,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       if (marked) for (const radius of [4, 9]) ring(marked, radius);
       if (way.length > 1) stroke(() => along(way), true);
       for (const point of points) ring(point, 1.6);
-    });
+    }, !marked && points.length === 0);  // a coil alone is outlined where the print is, not on the drawing
   }
 
   function read(spot: Spot | null, aloud = false): void {
@@ -156,7 +162,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     if (now && isHeat(shown)) {
       const unit = units[shown], least = shown === 'shape' || shown === 'area';
       bar = legend({
-        title: t(`result.legend_${shown}`), unit, low: now.low, high: now.high, marks: marksOf(now), limit: now.limit,
+        title: t(`result.legend_${shown}`), unit, found: found[shown], low: now.low, high: now.high, marks: marksOf(now), limit: now.limit,
         limitText: now.limit === undefined ? '' : t('result.limit', {value: number(now.limit, 2)}),
         colours: Array.from({length: 11}, (_, i) => css(colourAt(shown, i / 10))),
         below: least ? '' : t('result.below', {value: withUnit(now.low, unit)}),
@@ -262,7 +268,9 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       const {camera} = store.get().result;
       replace(host, viewer.element);
       const side = group('scan')['left_side'];
-      const made = await scene.createSheet(viewer, readFormed(file), side === 'minus_x' || side === 'plus_x' ? side : 'unknown');
+      const formed = readFormed(file), [low, high] = [Math.min, Math.max].map((of) => formed.temperature.reduce((a, b) => of(a, b)));
+      found.temperature = valuesText(low!, high!, units.temperature);
+      const made = await scene.createSheet(viewer, formed, side === 'minus_x' || side === 'plus_x' ? side : 'unknown');
       if (over) return;
       sheet = made;
       viewer.frame.append(divider.element, sideLabels, cross);
@@ -329,10 +337,10 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   }
 
   const element = el('div', {class: 'result-part'},
+    el('section', {class: 'card result-map'},
+      el('label', {for: 'result-map'}, t('result.map')), map, isolinesField, legendHost),
     el('div', {class: 'result-main'}, modeGroup, previewNote, host),
     el('div', {class: 'result-side'},
-      el('section', {class: 'card'},
-        el('label', {for: 'result-map'}, t('result.map')), map, isolinesField, legendHost),
       reading.element,
       el('section', {class: 'card stack'},
         el('h3', null, t('result.tools')),
