@@ -263,7 +263,8 @@ class JobView extends View {
         problem && problemBox(foundProblem(problem)),
         el('p', null, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('print'), t('job.make_print')))),
       el('div', {class: 'columns'},
-        el('section', {class: 'card'}, el('h2', null, t('job.warnings')), warningsList(report.warnings)),
+        el('div', {class: 'stack'},
+          el('section', {class: 'card'}, el('h2', null, t('job.warnings')), warningsList(report.warnings)), this.#pictures(job, report)),
         el('section', {class: 'card'}, el('h2', null, t('job.scan_found')), facts(
           [t('job.format'), scan.format],
           [t('job.triangles'), number(scan.triangles_read)],
@@ -275,7 +276,6 @@ class JobView extends View {
           scan.trim_mm !== null && [t('job.trim'), `${number(scan.trim_mm, 1)} mm`],
           [t('job.mold_size'), size(mold.size_mm)],
           [t('job.undercuts'), number(mold.undercut_count)]))),
-      this.#pictures(job, report),
       downloads(job).element,
     ];
   }
