@@ -39,7 +39,7 @@ export function problemBox(error: unknown, retry?: () => void): HTMLElement {
   return el('section', {class: 'problem', role: 'alert', 'aria-labelledby': id},
     el('h2', {id, tabindex: -1}, icon('error'), title || t('problem.title')),
     what && el('p', null, what),
-    where && el('p', null, settingsInWords(t('problem.where', {where}))),
+    where && el('p', null, t('problem.where', {where})),
     fix && el('p', null, settingsInWords(t('problem.fix', {fix}))),
     exact && el('p', null, exactly(exact)),
     el('p', {class: 'row'},
