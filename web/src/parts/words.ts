@@ -29,7 +29,8 @@ export function settingsInWords(text: string): Children {
   return text.split(/(?:--set )?\b([a-z]+\.[a-z_]+(?:=[+-]?\w+(?:\.\w+)*)?)/).map((part, i): Children => {
     const [id = '', value] = part.split('=');
     if (i % 2 === 0 || textIfKnown(`setting.${id}`) === undefined) return part;
-    const shown = value && (value === 'auto' ? textIfKnown('settings.automatic') : choiceOf(id, value) + (/_mm$/.test(id) ? ' mm' : ''));
+    const word = {auto: 'automatic', true: 'yes', false: 'no'}[value ?? ''];
+    const shown = word ? textIfKnown(`settings.${word}`) : value && choiceOf(id, value) + (/_mm$/.test(id) ? ' mm' : '');
     return [el('q', {lang: currentLanguage()}, [labelOf(id), shown].filter(Boolean).join(': ')), ' ', el('code', {class: 'quiet'}, part)];
   });
 }
