@@ -179,4 +179,4 @@ function strings(text) {
 }
 
 // Times, names that are the same in every language, and what people and the service have named.
-const known = /^(?:· )?(\w{3} \d+, \d{4}, .*|CASE-\d|admin|local-workers|station-3|English|Deutsch|API|[\w.-]+\.(png|pdf|svg|ply|obj|mtl|stl|json|html|glb|zip))$/;
+const known = /^(?:· )?(\d+ \w{3,4} \d{4}, .*|CASE-\d|admin|local-workers|station-3|English|Deutsch|API|[\w.-]+\.(png|pdf|svg|ply|obj|mtl|stl|json|html|glb|zip))$/;

@@ -90,10 +90,10 @@ export function bytes(count: number): string {
   return withUnit(count, units[at] ?? 'TB', count < 10 ? 1 : 0);
 }
 
-// A time of the API (RFC 3339, UTC) as local time with its zone.
-export function when(time: string): string {
-  return new Date(time).toLocaleString(language, {
-    year: 'numeric', month: 'short', day: 'numeric', hour: '2-digit', minute: '2-digit', timeZoneName: 'short'});
+// A time of the API (RFC 3339, UTC) as local time with its zone, as people write it in the region of the browser.
+export function when(time: string, zone = true): string {
+  return new Date(time).toLocaleString(navigator.languages.find((tag) => tag.startsWith(language)) ?? language, {
+    year: 'numeric', month: 'short', day: 'numeric', hour: '2-digit', minute: '2-digit', ...(zone && {timeZoneName: 'short'})});
 }
 
 // "12 s", "3 min", "1 h 20 min"

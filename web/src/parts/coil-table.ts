@@ -23,7 +23,10 @@ export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void):
     down = by !== 'id';
     fill();
   }}, columns.map((column) => el('option', null, t(`result.coil_${column}`))));
-  const signed = (share: number): string => (share > 0 ? '+' : '') + percent(share, 1);
+  const signed = (share: number): string => {
+    const size = percent(Math.abs(share), 1);
+    return size === percent(0, 1) ? size : `${share < 0 ? '−' : '+'}${size}`;
+  };
   const row = (coil: Coil): HTMLElement =>
     el('tr', {'aria-selected': String(coil.id === selected), onclick: () => chosen(coil)},
       el('th', {scope: 'row'}, el('button', {type: 'button', id: `row-${coil.id}`, class: 'plain', 'aria-pressed': String(coil.id === selected)}, coil.id),
@@ -35,7 +38,7 @@ export function coilTable(coils: readonly Coil[], chosen: (coil: Coil) => void):
       el('td', {class: 'number'}, signed(coil.stretch)),
       el('td', {class: 'number'}, number(coil.inductance, 1)),
       el('td', {class: 'number neighbours'}, ...(coil.neighbours.length === 0 ? ['–'] : coil.neighbours.map(({id, k}) =>
-        el('span', null, el('span', {class: 'quiet'}, id), ` ${number(k, 3)}`)))));
+        el('span', null, el('span', {class: 'quiet'}, id), ` ${number(k, 3).replace('-', '−')}`)))));
   function fill(): void {
     heads.forEach((head, i) => {
       if (columns[i] === by) head.setAttribute('aria-sort', down ? 'descending' : 'ascending');

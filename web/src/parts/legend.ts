@@ -5,6 +5,7 @@ import {number} from '../text';
 export interface LegendOptions {
   title: string;
   unit: string;
+  found?: string;              // the values that there are
   low: number;
   high: number;
   marks: readonly number[];
@@ -37,11 +38,11 @@ export function legend(options: LegendOptions): Legend {
     return element;
   };
   const marker = el('span', {class: 'legend-marker', hidden: true});
-  // On narrow screens every second number is left out by the style.
+  // Where there are many, the style leaves out every second number.
   const scale = el('div', {class: 'legend-scale'}, ...marks.map((mark) => at(el('span', null, number(mark, digits)), mark)));
   const within = options.limit !== undefined && options.limit > low && options.limit < high;
   const element = el('figure', {class: 'legend'},
-    el('figcaption', null, options.title, unit && ` (${unit})`),
+    el('figcaption', null, options.title, unit && ` (${unit})`, options.found && `: ${options.found}`),
     el('div', {class: 'legend-row'},
       end('below', colours[0]),
       el('div', {class: 'legend-body'}, bar, within && at(el('span', {class: 'legend-limit'}), options.limit ?? low), marker, scale),

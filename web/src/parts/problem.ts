@@ -5,7 +5,7 @@ import {el, newId, type Children} from '../dom';
 import {announce} from '../state';
 import {currentLanguage, t} from '../text';
 import {icon} from './icon';
-import {inEnglish, wordsOf, type Words} from './words';
+import {inEnglish, settingsInWords, wordsOf, type Words} from './words';
 
 // In the language of the person. `exact`: what the service says in English, where that is another language.
 function explained({code, status, message, body: {title, fix}}: Problem): Words & {exact?: string} {
@@ -26,7 +26,7 @@ export function problemLine(body: ProblemBody): Children {
   const problem = new Problem(body), {title, what, fix, exact} = explained(problem);
   if (problem.code === 'no-server') return what;
   const line = [exact ? title : what || title, fix && t('problem.fix', {fix})].filter(Boolean).join('. ');
-  return [line, exact && [el('br'), exactly(exact)]];
+  return [settingsInWords(line), exact && [el('br'), exactly(exact)]];
 }
 
 // `retry`: adds a button that tries again.
@@ -40,7 +40,7 @@ export function problemBox(error: unknown, retry?: () => void): HTMLElement {
     el('h2', {id, tabindex: -1}, icon('error'), title || t('problem.title')),
     what && el('p', null, what),
     where && el('p', null, t('problem.where', {where})),
-    fix && el('p', null, t('problem.fix', {fix})),
+    fix && el('p', null, settingsInWords(t('problem.fix', {fix}))),
     exact && el('p', null, exactly(exact)),
     el('p', {class: 'row'},
       retry && el('button', {type: 'button', class: 'primary', onclick: retry}, t('shell.retry')),

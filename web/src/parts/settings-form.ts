@@ -7,6 +7,9 @@ import {currentLanguage, t, textIfKnown} from '../text';
 import {icon} from './icon';
 import {joined, numberField, rangeText, typed} from './number-field';
 import {problemLine} from './problem';
+import {choiceOf, labelOf} from './words';
+
+export {choiceOf, labelOf};
 
 export interface SettingsFormOptions {
   schema: SettingsSchema;
@@ -34,17 +37,10 @@ const numeric = (field: FieldSchema | undefined): FieldSchema | undefined =>
   field?.type === 'number' || field?.type === 'integer' ? field : field?.oneOf?.find((one) => one.type === 'number' || one.type === 'integer');
 const maybeAuto = (field: FieldSchema): boolean => field.oneOf !== undefined;
 
-const words = (key: string): string => {
-  const text = key.replace(/_(mm|deg|c|kpa|mm_s|w_m2k|ms)$/, '').replaceAll('_', ' ');
-  return text.charAt(0).toUpperCase() + text.slice(1);
-};
-export const labelOf = (id: string): string => textIfKnown(`setting.${id}`) ?? words(id.split('.')[1] ?? id);
 export const hintOf = (id: string, field: FieldSchema | undefined): string =>
   textIfKnown(`setting.${id}.hint`) ?? (currentLanguage() === 'en' ? field?.description ?? '' : '');
 export const groupTitle = (group: string, schema: SettingsSchema): string =>
   textIfKnown(`group.${group}`) ?? schema.properties[group]?.title ?? group;
-export const choiceOf = (id: string, value: string): string =>
-  textIfKnown(`choice.${id}.${value}`) ?? textIfKnown(`choice.${value}`) ?? value;
 
 // A value as a person reads it.
 export function valueText(id: string, field: FieldSchema | undefined, value: unknown): string {

@@ -3,7 +3,7 @@ import {el} from '../dom';
 import {bySeverity, type Severity, type Warning} from '../state/jobs';
 import {currentLanguage, number, t, textIfKnown} from '../text';
 import {icon, type IconName} from './icon';
-import {inEnglish, wordsOf} from './words';
+import {inEnglish, settingsInWords, wordsOf} from './words';
 
 const icons: Record<Severity, IconName> = {serious: 'error', warning: 'warning', note: 'info'};
 // "0.57 mm, limit 0.8 mm". Units that are words have texts.
@@ -53,7 +53,7 @@ function item(warning: Warning, show?: (place: readonly number[]) => void): HTML
       el('p', null, meaning ?? warning.what),
       place && el('p', null, t('problem.where', {where: place})),
       meaning && warning.figure && el('p', null, figureText(warning.figure)),
-      fix && el('p', null, t('problem.fix', {fix})),
+      fix && el('p', null, settingsInWords(t('problem.fix', {fix}))),
       meaning && el('details', null, el('summary', null, t('problem.exact')),
         el('p', null, inEnglish([warning.what, warning.place, warning.fix].filter(Boolean).join(' – ')))),
       show && warning.marks.length > 0 && el('p', null, showButton(warning, show)),

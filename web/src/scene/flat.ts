@@ -1,11 +1,12 @@
 // A material of one colour, or with a picture, without light.
 import {type Color, DoubleSide, GLSL3, ShaderMaterial, type Texture} from 'three';
 
-const vertexShader = `
+// `upright`: faces the camera and stands upright.
+const vertexShader = (upright: boolean): string => `
 out vec2 at;
 void main() {
   at = uv;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  gl_Position = projectionMatrix * (${upright ? 'modelViewMatrix[3] + vec4(position.xy, 0.0, 0.0)' : 'modelViewMatrix * vec4(position, 1.0)'});
 }`;
 const fragmentShader = (map: boolean): string => `
 in vec2 at;
@@ -18,9 +19,9 @@ void main() {
 }`;
 
 // `through`: drawn over what is in front of it. Its colour is uniforms.colour.
-export function flat(colour: Color, options: {opacity?: number; map?: Texture; through?: boolean} = {}): ShaderMaterial {
-  const {opacity = 1, map = null, through = false} = options;
+export function flat(colour: Color, options: {opacity?: number; map?: Texture; through?: boolean; upright?: boolean} = {}): ShaderMaterial {
+  const {opacity = 1, map = null, through = false, upright = false} = options;
   return new ShaderMaterial({
-    glslVersion: GLSL3, vertexShader, fragmentShader: fragmentShader(map !== null), side: DoubleSide, transparent: opacity < 1 || through,
-    depthWrite: opacity === 1, depthTest: !through, uniforms: {colour: {value: colour}, opacity: {value: opacity}, map: {value: map}}});
+    glslVersion: GLSL3, vertexShader: vertexShader(upright), fragmentShader: fragmentShader(map !== null), side: DoubleSide,
+    transparent: opacity < 1 || through, depthWrite: opacity === 1, depthTest: !through, uniforms: {colour: {value: colour}, opacity: {value: opacity}, map: {value: map}}});
 }

@@ -1,6 +1,6 @@
-// The machine around a mold: platform at z = 0, clamp frame with its window, the edge of the sheet, and dice with letters
-// that say which side of the patient is where. The dice turn with the model and can be read from everywhere.
-import {BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Group, LineSegments, Mesh, type ShaderMaterial} from 'three';
+// The machine around a mold: platform at z = 0, clamp frame with its window, the edge of the sheet, and signs with
+// letters that say which side of the patient is where. The signs always face the camera.
+import {BufferAttribute, BufferGeometry, CanvasTexture, Group, LineSegments, Mesh, type ShaderMaterial} from 'three';
 import {el} from '../dom';
 import {flat} from './flat';
 import {release, type LeftSide, type Viewer} from './viewer';
@@ -38,29 +38,32 @@ export function segments(points: number[], colour: string, viewer: Viewer, throu
 const loop = (outline: Point[], z: number): number[] =>
   outline.flatMap(([x, y], i) => [x, y, z, ...outline[(i + 1) % outline.length]!, z]);
 
-export function dice(text: string, size: number, viewer: Viewer): Mesh {
-  const picture = el('canvas', {width: 64, height: 64}), pen = picture.getContext('2d')!;
+export function sign(text: string, size: number, viewer: Viewer): Mesh {
+  const picture = el('canvas', {width: 128, height: 128}), pen = picture.getContext('2d')!;
+  pen.scale(2, 2);
   pen.fillStyle = viewer.colour('--accent').getStyle();
   pen.fillRect(0, 0, 64, 64);
   pen.fillStyle = viewer.colour('--accent-text').getStyle();
-  pen.font = '700 52px system-ui, sans-serif';
+  pen.font = `700 ${text.length > 1 ? 38 : 50}px system-ui, sans-serif`;
   pen.textAlign = 'center';
   pen.textBaseline = 'middle';
-  pen.fillText(text, 32, 36, 58);
-  const map = new CanvasTexture(picture);
-  const mesh = new Mesh(new BoxGeometry(size, size, size), flat(viewer.colour('--accent'), {map}));
+  pen.fillText(text, 32, 36, 56);
+  const map = new CanvasTexture(picture), geometry = new BufferGeometry(), half = size / 2;
+  geometry.setAttribute('position', new BufferAttribute(new Float32Array([-half, -half, 0, half, -half, 0, half, half, 0, -half, half, 0]), 3));
+  geometry.setAttribute('uv', new BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
+  geometry.setIndex([0, 1, 2, 0, 2, 3]);
+  const mesh = new Mesh(geometry, flat(viewer.colour('--accent'), {map, upright: true}));
   mesh.material.addEventListener('dispose', () => map.dispose());
-  mesh.rotation.x = Math.PI / 2;  // upright on its four sides; on the top, upright for who looks from above with +y up
   return mesh;
 }
 
-// Dice around a rectangle that reaches from -x to x and from -y to y, on the plane z. `left` unknown: the sides are named
+// Signs around a rectangle that reaches from -x to x and from -y to y, on the plane z. `left` unknown: the sides are named
 // by their axis.
 export function letters(viewer: Viewer, [w, h]: Point, z: number, size: number, left: LeftSide): Group {
   const group = new Group();
   const [minus, plus] = left === 'unknown' ? ['−x', '+x'] : left === 'minus_x' ? ['L', 'R'] : ['R', 'L'];
   for (const [text, x, y] of [[minus, -1, 0], [plus, 1, 0], ['A', 0, 1], ['P', 0, -1]] as const) {
-    const one = dice(text, size, viewer);
+    const one = sign(text, size, viewer);
     one.position.set(x * (w + size), y * (h + size), z + size / 2);
     group.add(one);
   }
@@ -85,8 +88,9 @@ export function machine(viewer: Viewer, frame: Frame, left: LeftSide, old: Group
     grid.push(at, -y, 0.2, at, y, 0.2, -x, at, 0.2, x, at, 0.2);
   }
   group.add(segments(grid, '--line', viewer));
-  group.add(segments([...loop(outline, z), ...loop(outline, 0), ...loop(edge, z)], '--control', viewer));
-  group.add(letters(viewer, [w / 2, h / 2], z, 0.09 * Math.max(w, h), left));
+  group.add(segments([z, 0].flatMap((at) => loop(outline, at + 0.3)).concat(loop(edge, z + 0.3)), '--control', viewer));
+  const size = 0.075 * Math.max(w, h);
+  group.add(letters(viewer, [w / 2 - size, h / 2 - size], z, size, left));
   viewer.root.add(group);
   return group;
 }

@@ -37,7 +37,8 @@ export function sectorOf(pose: Pose): {eighth: number; height: -2 | -1 | 0 | 1 |
 }
 
 export class Orbit {
-  pose: Pose = {azimuth: 25, elevation: 15, zoom: 1, x: 0, y: 0, z: 0};
+  first = {azimuth: 25, elevation: 15};  // where home() looks from
+  pose: Pose = {...this.first, zoom: 1, x: 0, y: 0, z: 0};
   #home = {x: 0, y: 0, z: 0};
   radius = 100;  // of the sphere that is shown at zoom 1
   readonly halfAngle = Math.PI / 12;  // of the picture's height
@@ -59,7 +60,7 @@ export class Orbit {
     if (untouched) Object.assign(this.pose, this.#home);
   }
   home(): void {
-    this.move({azimuth: 25, elevation: 15, zoom: 1, ...this.#home});
+    this.move({...this.first, zoom: 1, ...this.#home});
   }
   view(name: ViewName): void {
     const [azimuth, elevation] = directions[name];

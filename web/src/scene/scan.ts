@@ -6,7 +6,7 @@ import type {Placed} from '../read/place';
 import type {ReadScan} from '../read/prepare';
 import {flat} from './flat';
 import {hit} from './hit';
-import {dice, machine, segments, type Frame, type Lines} from './machine';
+import {sign, machine, segments, type Frame, type Lines} from './machine';
 import {createViewer, release, type LeftSide, type Viewer} from './viewer';
 
 export {NoWebGl} from './viewer';
@@ -37,7 +37,7 @@ void main() {
   eye = -view.xyz;
   gl_Position = projectionMatrix * view;
 }`;
-// Light from the camera and from above. What is cut away is shown as stripes.
+// Light from the upper left and from the camera, darker towards the rim. What is cut away is shown as stripes.
 const fragmentShader = `
 in vec3 n; in vec3 eye; in float height;
 out vec4 colour;
@@ -46,10 +46,11 @@ uniform vec3 away;
 void main() {
   vec3 u = normalize(n), v = normalize(eye);
   if (dot(u, v) < 0.0) u = -u;
-  float light = 0.42 + 0.42 * dot(u, v) + 0.16 * u.y;
-  colour = vec4(vec3(0.86, 0.84, 0.80) * light, 1.0);
+  float key = max(0.0, dot(u, normalize(vec3(-0.45, 0.65, 0.6)))), rim = 1.0 - dot(u, v);
+  float light = (0.40 + 0.16 * dot(u, v) + 0.46 * key) * (1.0 - 0.45 * rim * rim * rim);
+  colour = vec4(vec3(0.93, 0.91, 0.87) * light + 0.10 * pow(key, 24.0), 1.0);
   if (height < cut - 0.05) {
-    if (mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 6.0) discard;
+    if (fract(height / 6.0) < 0.6) discard;
     colour = vec4(away, 1.0);
   }
 }`;
@@ -127,7 +128,7 @@ export function scanScene(scan: ReadScan, options: {label: string; tools?: HTMLE
     if (wanted !== drawn) {
       group = machine(viewer, frame, left, group);
       marks.forEach(release);
-      marks = letters.map((letter) => dice(letter, 12, viewer));
+      marks = letters.map((letter) => sign(letter, 12, viewer));
       viewer.root.add(...marks);
     }
     drawn = wanted;
@@ -137,7 +138,7 @@ export function scanScene(scan: ReadScan, options: {label: string; tools?: HTMLE
       if (at) one.position.set(...at).applyMatrix4(body.matrix);
     });
     viewer.setSides(left);
-    const [w, l] = frame.window, top = placed.height, low = Math.min(0, top - placed.size[2]), [sx, sy] = placed.half;
+    const [w, l] = frame.window.map((side) => 0.6 * side) as Frame['window'], top = placed.height, low = Math.min(0, top - placed.size[2]), [sx, sy] = placed.half;
     viewer.fit([-w / 2, -l / 2, 0, w / 2, l / 2, 0, -sx, -sy, low, sx, sy, low, -sx, -sy, top, sx, sy, top]);
     viewer.invalidate();
   }

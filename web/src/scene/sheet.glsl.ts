@@ -34,6 +34,7 @@ in float vChart;
 in vec3 vNormal, vEye, vUp;
 uniform int map;
 uniform float cut;       // left of this share of the width: printed as drawn
+uniform bool onPrint;    // the overlay is shown on the print alone
 uniform bool moved;      // the drawing at its new place instead of the print
 uniform vec3 range;      // low, high, step of the isolines (0: none)
 uniform vec3 outline, noValue, touches, touchesNot;
@@ -52,15 +53,16 @@ void main() {
   float facing = dot(normal, eye);
   if (facing < 0.0) normal = -normal, facing = -facing;
   float light = 0.5 + 0.5 * dot(normal, normalize(eye + vUp));
-  vec3 ink = 0.5 + 0.5 * vAcross.x / vAcross.y < cut ? texture(drawn, vSheet).rgb : texture(printed, vSheet).rgb;
+  bool asDrawn = 0.5 + 0.5 * vAcross.x / vAcross.y < cut;
+  vec3 ink = asDrawn ? texture(drawn, vSheet).rgb : texture(printed, vSheet).rgb;
   if (moved) ink = vChart > 0.99 ? texture(drawn, vMoved).rgb : vec3(1.0);
 
   vec3 c;
   if (map == 0) {
-    c = ink * mix(0.55, 0.98, light);
+    c = ink * mix(0.42, 0.98, light * light);
   } else {
     if (map == 5) {
-      float stripes = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 10.0));
+      float stripes = step(0.5, fract(50.0 * (vSheet.x + vSheet.y)));
       c = vValue.x > 0.5 ? touches : mix(touchesNot, touchesNot * 0.55, stripes);
     } else {
       float share = (vValue.x - range.x) / (range.y - range.x);
@@ -76,6 +78,6 @@ void main() {
   }
   c = mix(outline, c, smoothstep(0.02, 0.12, facing));
   vec4 over = texture(overlay, vSheet);
-  c = c * (1.0 - over.a) + over.rgb;
+  if (!(onPrint && asDrawn)) c = c * (1.0 - over.a) + over.rgb;
   colour = vec4(c, 1.0);
 }`;

@@ -25,8 +25,8 @@ export interface Shown {
 export interface Sheet {
   readonly picture: {size: [number, number]; origin: [number, number]};  // where the sheet lies on the pictures, see picturePlace
   show(what: Shown): void;
-  // Draws on the sheet, in millimetres of sheet coordinates, t up.
-  draw(paint: (context: CanvasRenderingContext2D) => void): void;
+  // Draws on the sheet, in millimetres of sheet coordinates, t up. `onPrint`: not where it is shown as printed as drawn.
+  draw(paint: (context: CanvasRenderingContext2D) => void, onPrint: boolean): void;
   under(event?: {clientX: number; clientY: number}): Spot | null;  // without an event: at the centre of the view
   nearest(place: Point, onChart?: boolean): Spot;
   having(name: 'sheet' | 'pattern', value: Flat): Spot | null;  // on the chart
@@ -85,7 +85,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   overlay.premultiplyAlpha = true;
   overlay.colorSpace = NoColorSpace;
   const uniforms = {
-    map: {value: 0}, cut: {value: 0}, moved: {value: false}, place: {value: new Matrix3()}, range: {value: new Vector3()},
+    map: {value: 0}, cut: {value: 0}, onPrint: {value: false}, moved: {value: false}, place: {value: new Matrix3()}, range: {value: new Vector3()},
     outline: {value: new Color()}, noValue: {value: new Vector3(...noValue)}, touches: {value: new Vector3(...touches)},
     touchesNot: {value: new Vector3(...touchesNot)}, printed: {value: printed}, drawn: {value: drawn}, ramp: {value: ramps.plain},
     overlay: {value: overlay},
@@ -101,7 +101,10 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   for (let i = 0; i < formed.contact.length; ++i)
     if (formed.contact[i] === 1) onMold.push(...formed.positions.subarray(3 * i, 3 * i + 3));
   const fitted = onMold.length > 0 ? onMold : formed.positions;
-  viewer.fit(fitted);
+  // The flat sheet around the mold is seen too: the middle of the view is lower than that of the mold.
+  let low = Infinity, high = -Infinity;
+  for (let i = 2; i < fitted.length; i += 3) low = Math.min(low, fitted[i]!), high = Math.max(high, fitted[i]!);
+  viewer.fit([...fitted, fitted[0]!, fitted[1]!, low - 0.35 * (high - low)]);
   viewer.setSides(left);
   // The letters stand around what touches the mold.
   const half: [number, number] = [0, 0];
@@ -145,7 +148,8 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
       uniforms.cut.value = what.cut;
       viewer.invalidate(true);
     },
-    draw(paint) {
+    draw(paint, onPrint) {
+      uniforms.onPrint.value = onPrint;
       const context = canvas.getContext('2d');
       if (!context) return;
       context.setTransform(1, 0, 0, 1, 0, 0);

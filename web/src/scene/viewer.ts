@@ -4,8 +4,8 @@
 // Materials are ShaderMaterial alone (see three.mjs). Colours go to the screen as they are given (no tone mapping, no colour
 // management): a material writes sRGB.
 // Quality: frames are drawn at one pixel a CSS pixel until one was timed. If it took less than 50 ms, the view at rest is
-// drawn at two; if more, a moving view is drawn at half a pixel and with coarse meshes. Without a graphics card, never at
-// two.
+// drawn at two; if more, a moving view is drawn at half a pixel and with coarse meshes. Without a graphics card, a view that
+// has rested for longer may take 300 ms: whoever turns it in that time waits for it once.
 import {Color, ColorManagement, Group, LinearSRGBColorSpace, type Object3D, PerspectiveCamera, Ray, Scene, Vector3, WebGLRenderer,
         type Material, type BufferGeometry} from 'three';
 import {el, newId} from '../dom';
@@ -24,6 +24,7 @@ export interface Quality {
 }
 export interface Options {
   label: string;          // the accessible name, for example "Scan in the machine"
+  elevation?: number;     // from which one looks at first
   summary?: string;       // what is shown, for people who do not see it
   tools?: HTMLElement[];  // more buttons below the picture
   failed?: () => void;    // the graphics were lost twice within a minute: the view is disposed of, show something else
@@ -82,7 +83,7 @@ export function createViewer(options: Options): Viewer {
   let full = false;                // the view at rest has been drawn at full quality
 
   const fullRatio = (): number => Math.min(Math.max(2, devicePixelRatio), Math.sqrt(8e6 / Math.max(1, width * height)));
-  const mayBeFull = (): boolean => !software && cost !== null && cost * fullRatio() ** 2 < slowFrame;
+  const mayBeFull = (): boolean => cost !== null && cost * fullRatio() ** 2 < (software ? 300 : slowFrame);
 
   let halves: Viewer['halves'] = null;
   const aspectNow = (): number => (halves ? width / 2 : width) / Math.max(1, height);
@@ -120,7 +121,7 @@ export function createViewer(options: Options): Viewer {
     if (disposed || !width || !height || context!.isContextLost()) return;
     const slow = cost !== null && cost > slowFrame;
     const ratio = moving && slow ? 0.5 : full ? fullRatio() : 1;
-    const coarse = moving && slow, anisotropy = full ? renderer.capabilities.getMaxAnisotropy() : 1;
+    const coarse = moving && slow, anisotropy = full && !software ? renderer.capabilities.getMaxAnisotropy() : 1;
     if (coarse !== quality.coarse || anisotropy !== quality.anisotropy) {
       Object.assign(quality, {coarse, anisotropy});
       tell('quality');
@@ -154,12 +155,12 @@ export function createViewer(options: Options): Viewer {
   function rest(): void {
     clearTimeout(restTimer);
     restTimer = window.setTimeout(() => {
-      const refine = !full && mayBeFull();
+      const refine = !full && !(software && moving) && mayBeFull();
       if (!moving && !refine) return;
       moving = false;
       full = refine;
       schedule();
-    }, 200);
+    }, software && !moving ? 500 : 200);
   }
   function schedule(): void {
     scheduled ||= requestAnimationFrame(render);
@@ -183,6 +184,7 @@ export function createViewer(options: Options): Viewer {
       tell('rest');
     }, 500);
   });
+  if (options.elevation) orbit.pose.elevation = orbit.first.elevation = options.elevation;
   const mmPerPixel = (): number =>
     2 * orbit.distance(aspectNow() || 1) * Math.tan(orbit.halfAngle) / Math.max(1, height);
 

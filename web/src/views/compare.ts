@@ -107,7 +107,7 @@ class Compare extends View {
       const [one, other] = [figureAt(a.report, path), figureAt(b.report, path)];
       if (one === null && other === null) return null;
       const written = (value: number | null): string => value === null ? t('job.not_there') : write(value);
-      const difference = one === null || other === null ? '' : one === other ? t('jobs.equal') : `${other > one ? '+' : '−'}${write(Math.abs(other - one))}`;
+      const difference = one === null || other === null ? '' : write(Math.abs(other - one)) === write(0) ? t('jobs.equal') : `${other > one ? '+' : '−'}${write(Math.abs(other - one))}`;
       return el('tr', null, el('th', {scope: 'row'}, words), el('td', {class: 'number'}, written(one)),
         el('td', {class: 'number'}, written(other)), el('td', {class: 'number'}, difference));
     };

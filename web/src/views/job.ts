@@ -143,13 +143,13 @@ class JobView extends View {
     const identity = el('div', null, band(job));
     return [
       el('div', {class: 'spread head'},
-        el('h1', null, nameOf(job), ' ', el('span', {class: 'kind quiet'}, t(`kind.${job.kind}`))),
+        el('div', {class: 'row'}, el('h1', null, nameOf(job), ' ', el('span', {class: 'kind quiet'}, t(`kind.${job.kind}`))),
+          live((state) => [state.jobs.job?.state, state.jobs.job?.serious_warnings], () => {
+            const now = shown();
+            return now && stateBadge(now);
+          })),
         done && el('div', {class: 'row'}, this.#again(job),
           el('button', {type: 'button', class: 'danger', onclick: () => void this.#remove(job)}, icon('delete'), t('jobs.delete')))),
-      live((state) => [state.jobs.job?.state, state.jobs.job?.serious_warnings], () => {
-        const now = shown();
-        return el('p', {class: 'row'}, now && stateBadge(now));
-      }),
       identity,
       job.note && el('p', {class: 'note'}, job.note),
       !done ? this.#active(job)
@@ -208,9 +208,9 @@ class JobView extends View {
     const setStale = (moved: boolean): void => files.setStale(moved || staleJob(store.get().draft) === job.id);
     result.addEventListener('stale', (event) => setStale((event as CustomEvent<{stale: boolean}>).detail.stale));
     setStale(false);
-    const serious = job.serious_warnings ?? 0;
+    const serious = job.serious_warnings ?? 0, count = serious || report.warnings.length;
     return [
-      serious > 0 && el('div', {class: 'notice settle'}, icon('warning'), el('p', null, t('job.settle', {count: serious})),
+      count > 0 && el('div', {class: 'notice settle'}, icon('warning'), el('p', null, t(serious ? 'job.settle' : 'job.read_warnings', {count})),
         el('button', {type: 'button', class: 'plain', onclick: () => jumpTo('warnings')}, icon('down'), t('job.to_warnings'))),
       el('h2', {class: 'hidden'}, t('job.result')), result,
       el('div', {class: 'columns'},
@@ -251,7 +251,8 @@ class JobView extends View {
         problem && problemBox(foundProblem(problem)),
         el('p', null, el('a', {class: 'button primary', href: toNew(`from=${job.id}`)}, icon('print'), t('job.make_print')))),
       el('div', {class: 'columns'},
-        el('section', {class: 'card'}, el('h2', null, t('job.warnings')), warningsList(report.warnings)),
+        el('div', {class: 'stack'},
+          el('section', {class: 'card'}, el('h2', null, t('job.warnings')), warningsList(report.warnings)), this.#pictures(job, report)),
         el('section', {class: 'card'}, el('h2', null, t('job.scan_found')), facts(
           [t('job.format'), scan.format],
           [t('job.triangles'), number(scan.triangles_read)],
@@ -263,7 +264,6 @@ class JobView extends View {
           scan.trim_mm !== null && [t('job.trim'), `${number(scan.trim_mm, 1)} mm`],
           [t('job.mold_size'), size(mold.size_mm)],
           [t('job.undercuts'), number(mold.undercut_count)]))),
-      this.#pictures(job, report),
       downloads(job).element,
     ];
   }

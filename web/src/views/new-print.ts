@@ -106,8 +106,8 @@ function scanSection(schema: SettingsSchema): Children {
   inspected();
   onEnd(onSideJob(inspected));
   let shown: Settings | null = null;
-  follow((state) => state.draft.form.settings, ({scan = {}, sheet = {}, machine = {}}) => {
-    const settings = {scan, sheet, machine};
+  follow(({draft: now}) => [now.form.settings, hasScan(now)] as const, ([{scan, sheet = {}, machine = {}}, there]) => {
+    const settings = {...(scan || there) && {scan: scan ?? {}}, sheet, machine};  // without a scan there is nothing to set
     if (sameValue(settings, shown)) return;
     section.settings = shown = settings;
   });

@@ -65,7 +65,12 @@ export class ResultView extends View {
   #content(job: Job, report: PrintReport, ends: (() => void)[]): Children {
     const coils = coilsOf(report);
     const part = this.#part = partView(job, report, coils, ends);
-    const table = coils.length > 0 ? coilTable(coils, ({id}) => setResult({coil: store.get().result.coil === id ? '' : id})) : null;
+    const table = coils.length > 0 ? coilTable(coils, ({id}) => {
+      const coil = store.get().result.coil === id ? '' : id;
+      setResult({coil});
+      const view = part.element.querySelector('.view3d-frame'), {top = 0, bottom = 0} = view?.getBoundingClientRect() ?? {};
+      if (coil && (top + bottom < 0 || top + bottom > 2 * innerHeight)) view?.scrollIntoView({block: 'nearest'});  // less than half is seen
+    }) : null;
     const stale = (now: boolean): void => void this.dispatchEvent(new CustomEvent('stale', {detail: {stale: now}, bubbles: true}));
     const panels = {
       part: el('div', {id: 'panel-part', role: 'tabpanel', 'aria-labelledby': 'tab-part', class: 'stack'},

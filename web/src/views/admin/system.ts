@@ -5,7 +5,7 @@ import {el, type Children} from '../../dom';
 import {facts, type Fact} from '../../parts/facts';
 import {icon} from '../../parts/icon';
 import {toJob} from '../../route';
-import {bytes, duration, percent, t, when} from '../../text';
+import {bytes, duration, number, percent, t, when} from '../../text';
 import {onEnd} from '../../view';
 import {loaded} from './loaded';
 
@@ -45,7 +45,7 @@ function build(service: Service): Children {
     el('div', {class: 'cards'},
       card(t('admin.queue'),
         facts(
-          [t('admin.queue_length'), t('admin.queue_jobs', {count: queue.length})],
+          [t('admin.queue_length'), number(queue.length)],
           queue.oldest_seconds !== null && [t('admin.queue_oldest'), duration(queue.oldest_seconds)],
           ...states.map((state): Fact => [t(`state.${state}`), String(service.jobs[state] ?? 0)]))),
       card(t('admin.disk'),

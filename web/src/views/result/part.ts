@@ -40,6 +40,11 @@ const units: Record<HeatName, string> = {shape: '', area: '', thickness: 'mm', t
 const hasValue: Record<HeatName, (spot: Spot) => number | null> = {
   shape: (spot) => spot.shape, area: (spot) => spot.area, thickness: (spot) => spot.thickness, temperature: (spot) => spot.temperature};
 
+const valuesText = (low: number, high: number, unit: string): string => {
+  const [from, to] = [number(low, 0), withUnit(high, unit, 0)];
+  return to.startsWith(`${from} `) ? t('result.everywhere', {value: to}) : t('result.from_to', {from, to});
+};
+
 function pictures(job: Job, identity: string): HTMLElement {
   const files = job.artifacts.filter((file) => /^preview-(?!pattern|print)/.test(file.name));
   return el('div', {class: 'result-pictures'}, ...files.map((file) => el('figure', {class: 'card', 'data-file': file.name},
@@ -63,6 +68,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   let look: ((sheet: Sheet) => Look) | null = null;
   let {place, pairs}: Look = {place: null, pairs: []};
   let asked: ((spot: Spot | null | undefined) => void) | null = null;
+  const found: Partial<Record<MapName, string>> = {};  // the values of a map
   let last: Spot | null = null;           // what the readout shows
   let marked: Spot | null = null;         // the place of a warning
   let measuring = false, still = false;
@@ -146,7 +152,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
         if (from) ring(from, 1.6);
         if (to) ring(to, 3);
       }
-    });
+    }, !marked && points.length === 0 && pairs.length === 0);  // a coil alone is outlined where the print is, not on the drawing
   }
   const badges = el('div', {class: 'pair-badges', 'aria-hidden': 'true'});
   function placeBadges(): void {
@@ -204,7 +210,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     if (now && isHeat(shown)) {
       const unit = units[shown], least = shown === 'shape' || shown === 'area';
       bar = legend({
-        title: t(`result.legend_${shown}`), unit, low: now.low, high: now.high, marks: marksOf(now), limit: now.limit,
+        title: t(`result.legend_${shown}`), unit, found: found[shown], low: now.low, high: now.high, marks: marksOf(now), limit: now.limit,
         limitText: now.limit === undefined ? '' : t('result.limit', {value: number(now.limit, 2)}),
         colours: Array.from({length: 11}, (_, i) => css(colourAt(shown, i / 10))),
         below: least ? '' : t('result.below', {value: withUnit(now.low, unit)}),
@@ -303,7 +309,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
         api.artifact(job.id, 'formed.glb').then((answer) => answer.arrayBuffer())]);
       if (over) return;
       try {
-        viewer = scene.createViewer({label: t('result.view_label', {job: nameOf(job)}), failed: () => fallback(t('result.lost_3d'))});
+        viewer = scene.createViewer({label: t('result.view_label', {job: nameOf(job)}), elevation: 38, failed: () => fallback(t('result.lost_3d'))});
       } catch (error) {
         if (!(error instanceof scene.NoWebGl)) throw error;
         return fallback(t('result.no_webgl'));
@@ -311,11 +317,13 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
       const {camera} = store.get().result;
       replace(host, viewer.element);
       const side = group('scan')['left_side'];
-      const made = await scene.createSheet(viewer, readFormed(file), side === 'minus_x' || side === 'plus_x' ? side : 'unknown');
+      const formed = readFormed(file), [low, high] = [Math.min, Math.max].map((of) => formed.temperature.reduce((a, b) => of(a, b)));
+      found.temperature = valuesText(low!, high!, units.temperature);
+      const made = await scene.createSheet(viewer, formed, side === 'minus_x' || side === 'plus_x' ? side : 'unknown');
       if (over) return;
       sheet = made;
       viewer.frame.append(divider.element, sideLabels, badges);
-      viewer.camera = camera || viewer.camera.replace(/^[^_]*_[^_]*/, '25_38');
+      if (camera) viewer.camera = camera;
       before = null;
       relook();
       listen(viewer, made);
@@ -380,10 +388,10 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   }
 
   const element = el('div', {class: 'result-part'},
+    el('section', {class: 'card result-map'},
+      el('label', {for: 'result-map'}, t('result.map')), map, isolinesField, legendHost),
     el('div', {class: 'result-main'}, modeGroup, previewNote, question, host),
     el('div', {class: 'result-side'},
-      el('section', {class: 'card'},
-        el('label', {for: 'result-map'}, t('result.map')), map, isolinesField, legendHost),
       reading.element,
       el('section', {class: 'card stack'},
         el('h3', null, t('result.tools')),
