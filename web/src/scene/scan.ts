@@ -6,7 +6,7 @@ import type {Placed} from '../read/place';
 import type {ReadScan} from '../read/prepare';
 import {flat} from './flat';
 import {hit} from './hit';
-import {sign, machine, segments, type Frame, type Lines} from './machine';
+import {machine, segments, sign, type Frame, type Lines} from './machine';
 import {createViewer, release, type LeftSide, type Viewer} from './viewer';
 
 export {NoWebGl} from './viewer';
