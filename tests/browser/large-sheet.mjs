@@ -39,7 +39,7 @@ export function largeSheet(cells) {
   const count = rows * rows;
   const height = (x, y) => 120 * Math.exp(-(x * x + y * y) / 6000);
   const sizes = {POSITION: 3, NORMAL: 3, TEXCOORD_0: 2, _SHEET: 2, _PATTERN: 2, _THICKNESS: 1, _TEMPERATURE: 1, _CONTACT: 1, _SHAPE: 1,
-                 _AREA: 1, _CHART: 1};
+                 _AREA: 1, _CHART: 1, _GAP: 1};
   const values = Object.fromEntries(Object.entries(sizes).map(([name, size]) => [name, new Float32Array(count * size)]));
   for (let i = 0; i < count; ++i) {
     const [u, v] = [i % rows / cells, Math.floor(i / rows) / cells];
@@ -55,6 +55,7 @@ export function largeSheet(cells) {
     values._THICKNESS[i] = 1 / length;
     values._TEMPERATURE[i] = 130;
     values._CONTACT[i] = z > 20 ? 1 : 0;
+    values._GAP[i] = Math.max(0, 20 - z);
     values._SHAPE[i] = length;
     values._AREA[i] = length;
     values._CHART[i] = 1;

@@ -24,7 +24,7 @@ function made(change: (gltf: any) => void = () => {}): ArrayBuffer {
     POSITION: floats(3, 0, 0, 0, 10, 0, 0, 10, 10, 5, 0, 10, 5), NORMAL: floats(3, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1),
     TEXCOORD_0: floats(2, 0, 1, 1, 1, 1, 0, 0, 0), _SHEET: floats(2, -5, -5, 5, -5, 5, 5, -5, 5), _PATTERN: floats(2, 0, 0, 1, 0, 1, 1, 0, 0),
     _THICKNESS: floats(1, 1, 0.9, 0.8, 0.7), _TEMPERATURE: floats(1, 140, 141, 142, 143), _CONTACT: floats(1, 1, 1, 0, 3),
-    _SHAPE: floats(1, 1, 1.1, 1.2, 0), _AREA: floats(1, 1, 1.3, 1.4, 0), _CHART: floats(1, 1, 1, 1, 0),
+    _SHAPE: floats(1, 1, 1.1, 1.2, 0), _AREA: floats(1, 1, 1.3, 1.4, 0), _CHART: floats(1, 1, 1, 1, 0), _GAP: floats(1, 0, 0, 2.5, 9),
   };
   const indices = accessor(Uint32Array.from([0, 1, 2, 0, 2, 3]), 1);
   // The second variant comes first, so that names decide and not the order.

@@ -9,6 +9,7 @@
 #include "worker/inspection/sheet_textures.hpp"
 #include "worker/inspection/unfolded_sheet.hpp"
 #include "worker/inspection/vertex_figures.hpp"
+#include "worker/scan/mold_distance.hpp"
 #include "worker/surface/vertex_normals.hpp"
 
 namespace vacuform {
@@ -103,6 +104,10 @@ GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer
   out["_TEMPERATURE"] = of_values(sheet.temperature);
   out["_CONTACT"] =
       of_vertices(1, [&](std::size_t v, Eigen::Index) { return static_cast<double>(sheet.contact[v]); });
+  const MoldDistance to_mold(job.mold.mesh);
+  out["_GAP"] = of_vertices(1, [&](std::size_t v, Eigen::Index) {
+    return sheet.contact[v] == Contact::mold ? 0.0 : to_mold(sheet.formed[v]);
+  });
   out["_SHAPE"] = of_values(anisotropy_of_vertices(job));
   out["_AREA"] = of_values(area_ratio_of_vertices(job));
   out["_CHART"] = buffer.add_attribute(

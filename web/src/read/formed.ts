@@ -9,6 +9,7 @@ export interface Formed {
   thickness: Float32Array;    // mm
   temperature: Float32Array;  // degrees Celsius
   contact: Float32Array;      // 0 free, 1 mold, 2 platform, 3 clamp
+  gap: Float32Array;          // mm to the mold; -1 in files of earlier versions
   shape: Float32Array;        // 1: a circle stays round; 0 off the chart
   area: Float32Array;         // 1: true to size; 0 off the chart
   chart: Float32Array;        // 1 on the chart, otherwise 0
@@ -83,6 +84,7 @@ export function readFormed(file: ArrayBuffer): Formed {
     sheet: attribute('_SHEET', 2), pattern: attribute('_PATTERN', 2), thickness: attribute('_THICKNESS', 1),
     temperature: attribute('_TEMPERATURE', 1), contact: attribute('_CONTACT', 1), shape: attribute('_SHAPE', 1),
     area: attribute('_AREA', 1), chart: attribute('_CHART', 1),
+    gap: primitive.attributes['_GAP'] === undefined ? new Float32Array(count).fill(-1) : attribute('_GAP', 1),
   };
   check(formed.positions.every(Number.isFinite), 'a position is not a number');
   const indices = new Uint32Array(numbers('the triangles', primitive.indices, uint32, 1).buffer);

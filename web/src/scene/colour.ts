@@ -2,7 +2,7 @@
 // no WebGL too.
 import type {MapName} from '../state/result';
 
-export type HeatName = 'shape' | 'area' | 'thickness' | 'temperature';
+export type HeatName = 'shape' | 'area' | 'thickness' | 'temperature' | 'air';
 export const isHeat = (map: MapName): map is HeatName => map !== 'print' && map !== 'contact';
 
 export type Rgb = readonly [number, number, number];  // 0 to 1, sRGB
@@ -53,6 +53,7 @@ export function rangeOf(map: HeatName, from: Tolerances): Range {
       const [low, high] = from.window;
       return {low, high, step: 5};
     }
+    case 'air': return {low: 0, high: 5, step: 1};
   }
 }
 

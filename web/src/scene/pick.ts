@@ -12,6 +12,7 @@ export interface Spot extends SurfacePoint {
   temperature: number;
   shape: number | null;
   area: number | null;
+  gap: number | null;                // mm to the mold; null on the platform, in the clamp frame and in old files
   contact: number;                   // of the nearest vertex
 }
 
@@ -53,10 +54,11 @@ function spotOf(formed: Formed, face: number, shares: readonly [number, number, 
   const pair = (values: Float32Array): [number, number] => [mean(values, 2, 0), mean(values, 2, 1)];
   const three = (values: Float32Array): [number, number, number] => [mean(values, 3, 0), mean(values, 3, 1), mean(values, 3, 2)];
   const onChart = vertices.every((i) => formed.chart[i] === 1), normal = three(formed.normals), length = Math.hypot(...normal) || 1;
+  const contact = formed.contact[vertices[shares.indexOf(Math.max(...shares))]!]!, gap = mean(formed.gap);
   return {
     face, point: three(formed.positions), normal: [normal[0] / length, normal[1] / length, normal[2] / length], sheet: pair(formed.sheet),
     pattern: onChart ? pair(formed.pattern) : null, thickness: mean(formed.thickness), temperature: mean(formed.temperature),
     shape: onChart ? mean(formed.shape) : null, area: onChart ? mean(formed.area) : null,
-    contact: formed.contact[vertices[shares.indexOf(Math.max(...shares))]!]!,
+    gap: contact > 1 || gap < 0 ? null : gap, contact,
   };
 }

@@ -1,12 +1,12 @@
 // The formed sheet on the graphics card. Colours are written as sRGB; textures are not converted.
 
 // Also the order of the numbers of the maps for the shader.
-export const mapNumbers = {print: 0, thickness: 1, temperature: 2, shape: 3, area: 4, contact: 5} as const;
+export const mapNumbers = {print: 0, thickness: 1, temperature: 2, shape: 3, area: 4, contact: 5, air: 6} as const;
 
 export const vertexShader = /* glsl */ `
 in vec2 pattern;   // mm
 in vec4 figures;   // thickness, temperature, shape, area
-in vec2 marks;     // contact, chart
+in vec3 marks;     // contact, chart, gap
 uniform int map;
 uniform mat3 place;  // from the drawing to the pictures, for a preview of a moved drawing
 out vec2 vSheet, vMoved, vValue, vAcross;  // vValue: what the map shows, and 1 where it has a value
@@ -17,9 +17,10 @@ void main() {
   vSheet = uv;
   vMoved = (place * vec3(pattern, 1.0)).xy;
   vChart = marks.y;
-  bool contact = map == 5;
-  vValue = contact ? vec2(marks.x == 1.0 ? 1.0 : 0.0, marks.x < 2.0 ? 1.0 : 0.0)
-                   : vec2(figures[clamp(map - 1, 0, 3)], map == 3 || map == 4 ? marks.y : 1.0);
+  float overMold = marks.x < 2.0 ? 1.0 : 0.0;  // not on the platform or in the clamp frame
+  vValue = map == 5 ? vec2(marks.x == 1.0 ? 1.0 : 0.0, overMold)
+         : map == 6 ? vec2(marks.z, marks.z < 0.0 ? 0.0 : overMold)
+                    : vec2(figures[clamp(map - 1, 0, 3)], map == 3 || map == 4 ? marks.y : 1.0);
   vec4 eye = modelViewMatrix * vec4(position, 1.0);
   vNormal = normalMatrix * normal;
   vEye = eye.xyz;

@@ -57,7 +57,7 @@ function ramp(map: 'shape' | 'thickness'): DataTexture {
   return texture;
 }
 
-// Pairs and fours of numbers in one attribute.
+// Several numbers of each vertex in one attribute.
 function woven(...values: Float32Array[]): BufferAttribute {
   const size = values.length, all = new Float32Array(size * (values[0]?.length ?? 0));
   values.forEach((one, k) => one.forEach((value, i) => { all[size * i + k] = value; }));
@@ -73,7 +73,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   geometry.setAttribute('uv', new BufferAttribute(formed.texture, 2));
   geometry.setAttribute('pattern', new BufferAttribute(formed.pattern, 2));
   geometry.setAttribute('figures', woven(formed.thickness, formed.temperature, formed.shape, formed.area));
-  geometry.setAttribute('marks', woven(formed.contact, formed.chart));
+  geometry.setAttribute('marks', woven(formed.contact, formed.chart, formed.gap));
   const fine = new BufferAttribute(formed.indices, 1), few = coarse(formed), rough = few && new BufferAttribute(few, 1);
   geometry.setIndex(fine);
 

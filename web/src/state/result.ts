@@ -3,7 +3,7 @@ import type {Job} from '../api/types';
 
 // ---- what is looked at; a link restores it ----
 
-export const maps = ['print', 'shape', 'area', 'thickness', 'temperature', 'contact'] as const;
+export const maps = ['print', 'shape', 'area', 'thickness', 'temperature', 'contact', 'air'] as const;
 export type MapName = (typeof maps)[number];
 export const modes = ['with', 'drawn', 'split', 'side'] as const;
 export type Mode = (typeof modes)[number];

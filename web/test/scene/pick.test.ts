@@ -17,7 +17,7 @@ function flat(): Formed {
     }
   const zeros = new Float32Array(25), f = (values: number[]): Float32Array => Float32Array.from(values);
   return {positions: f(positions), sheet: f(sheet), pattern: f(pattern), chart: f(chart), indices: Uint32Array.from(indices), normals: f(chart.flatMap(() => [0, 0, 1])),
-          texture: zeros, thickness: zeros, temperature: zeros, contact: zeros, shape: zeros, area: zeros, printed: new Blob(), drawn: new Blob()};
+          texture: zeros, thickness: zeros, temperature: zeros, contact: zeros, shape: zeros, area: zeros, gap: zeros, printed: new Blob(), drawn: new Blob()};
 }
 const near = (a: readonly number[] | null | undefined, b: readonly number[]): void =>
   assert.ok(a && a.every((value, k) => Math.abs(value - b[k]!) < 1e-3), `${a} instead of ${b}`);

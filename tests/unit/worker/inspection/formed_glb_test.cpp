@@ -101,7 +101,7 @@ TEST(FormedGlb, EveryAccessorFitsItsViewAndEveryViewTheFile) {
     EXPECT_EQ(4 * numbers.at(a["type"]) * a["count"].get<std::size_t>(),
               glb.json["bufferViews"].at(a["bufferView"].get<std::size_t>())["byteLength"]);
   const auto& attributes = glb.primitive()["attributes"];
-  EXPECT_EQ(attributes.size(), 11u);
+  EXPECT_EQ(attributes.size(), 12u);
   const std::size_t count = glb.json["accessors"].at(attributes["POSITION"].get<std::size_t>())["count"];
   for (const auto& [name, accessor] : attributes.items()) {
     const auto& a = glb.json["accessors"].at(accessor.get<std::size_t>());
@@ -169,6 +169,27 @@ TEST(FormedGlb, HasTheVerticesAndTrianglesOfThePly) {
         ASSERT_EQ(indices[3 * t + k], v);
       }
   }
+}
+
+TEST(FormedGlb, TheGapIsTheDistanceToTheMold) {
+  const Job job = small_dome();
+  const Glb glb = glb_of_job(job);
+  const auto gap = glb.attribute("_GAP"), contact = glb.attribute("_CONTACT"),
+             position = glb.attribute("POSITION");
+  const double radius = job.sample.mold.top.z();
+  int touching = 0, beside = 0;
+  for (std::size_t i = 0; i < gap.size(); ++i) {
+    const double from_axis = std::hypot(position[3 * i], position[3 * i + 1]);
+    if (contact[i] == 1) {
+      ++touching;
+      ASSERT_EQ(gap[i], 0);
+    } else if (position[3 * i + 2] == 0 && from_axis > radius) {
+      ++beside;
+      ASSERT_NEAR(gap[i], from_axis - radius, 0.001 * radius);  // the mold has facets
+    }
+  }
+  EXPECT_GT(touching, 100);
+  EXPECT_GT(beside, 100);
 }
 
 TEST(FormedGlb, NormalsPointOutOfADome) {

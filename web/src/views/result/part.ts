@@ -36,9 +36,9 @@ export interface Part {
 }
 
 export const setResult = (change: Partial<ResultState>): void => store.set((state) => ({result: {...state.result, ...change}}));
-const units: Record<HeatName, string> = {shape: '', area: '', thickness: 'mm', temperature: '°C'};
+const units: Record<HeatName, string> = {shape: '', area: '', thickness: 'mm', temperature: '°C', air: 'mm'};
 const hasValue: Record<HeatName, (spot: Spot) => number | null> = {
-  shape: (spot) => spot.shape, area: (spot) => spot.area, thickness: (spot) => spot.thickness, temperature: (spot) => spot.temperature};
+  shape: (spot) => spot.shape, area: (spot) => spot.area, thickness: (spot) => spot.thickness, temperature: (spot) => spot.temperature, air: (spot) => spot.gap};
 
 const valuesText = (low: number, high: number, unit: string): string => {
   const [from, to] = [number(low, 0), withUnit(high, unit, 0)];
@@ -208,7 +208,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     const now = range(shown);
     bar = null;
     if (now && isHeat(shown)) {
-      const unit = units[shown], least = shown === 'shape' || shown === 'area';
+      const unit = units[shown], least = shown !== 'thickness' && shown !== 'temperature';
       bar = legend({
         title: t(`result.legend_${shown}`), unit, found: found[shown], low: now.low, high: now.high, marks: marksOf(now), limit: now.limit,
         limitText: now.limit === undefined ? '' : t('result.limit', {value: number(now.limit, 2)}),

@@ -18,6 +18,7 @@ export function readings(spot: Spot, lines: ReadonlyMap<string, Line[]>): [strin
     [t('result.map_area'), spot.area === null ? t('result.off_chart') : number(spot.area, 2)],
     [t('result.map_temperature'), withUnit(spot.temperature, '°C', 0)],
     [t('result.map_contact'), t(`result.contact_${kinds[spot.contact] ?? 'free'}`)],
+    [t('result.map_air'), spot.gap === null ? '–' : withUnit(spot.gap, 'mm', 1)],
     [t('result.read_sheet'), pair(spot.sheet)],
     [t('result.read_pattern'), spot.pattern ? pair(spot.pattern) : t('result.off_chart')],
   ];
