@@ -65,3 +65,20 @@ test('the formed part looks as before, with its print and with its maps', async 
   await picture(page, 'thickness-front');
   assert.deepEqual(page.faults, []);
 });
+
+test('every map has a picture of its own', async () => {
+  const page = await signIn(browser, service);
+  await show(page, `#/jobs/${jobs.print}`);
+  await page.getByRole('button', {name: 'Pre-distorted', exact: true}).click();
+  const choice = page.getByLabel('What is shown'), maps = await choice.locator('option').allTextContents();
+  assert.equal(maps.length, 7);
+  const pictures = new Set();
+  for (const label of maps) {
+    await choice.selectOption({label});
+    await drawn(page);
+    pictures.add((await page.locator('canvas[data-frame]').first().screenshot()).toString('base64'));
+  }
+  assert.equal(pictures.size, maps.length);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
