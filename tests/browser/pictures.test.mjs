@@ -66,8 +66,7 @@ test('the formed part looks as before, with its print and with its maps', async 
   assert.deepEqual(page.faults, []);
 });
 
-test('every map has a picture of its own', async () => {
-  const page = await signIn(browser, service);
+test('every map has a picture of its own', async ({page, jobs}) => {
   await show(page, `#/jobs/${jobs.print}`);
   await page.getByRole('button', {name: 'Pre-distorted', exact: true}).click();
   const choice = page.getByLabel('What is shown'), maps = await choice.locator('option').allTextContents();
@@ -80,5 +79,4 @@ test('every map has a picture of its own', async () => {
   }
   assert.equal(pictures.size, maps.length);
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
