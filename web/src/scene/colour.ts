@@ -19,6 +19,7 @@ const parts = (hex: string): Rgb =>
 // The colour at `share` (0 to 1) of a map's range.
 export function colourAt(map: HeatName, share: number): Rgb {
   const stops = scales[map === 'shape' || map === 'area' ? 'diverging' : 'cividis'];
+  if (map === 'air') share = 1 - share;  // bright where the sheet touches, so that the ink is seen
   const at = Math.min(1, Math.max(0, share)) * (stops.length - 1), low = Math.min(Math.floor(at), stops.length - 2);
   const a = parts(stops[low] ?? ''), b = parts(stops[low + 1] ?? ''), f = at - low;
   return [a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1]), a[2] + f * (b[2] - a[2])];

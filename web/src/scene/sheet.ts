@@ -77,7 +77,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   const fine = new BufferAttribute(formed.indices, 1), few = coarse(formed), rough = few && new BufferAttribute(few, 1);
   geometry.setIndex(fine);
 
-  const ramps = {distortion: ramp('shape'), plain: ramp('thickness')};
+  const ramps = {distortion: ramp('shape'), plain: ramp('thickness'), air: ramp('air')};
   const canvas = document.createElement('canvas');
   canvas.width = canvas.height = overlaySize;
   const overlay = new CanvasTexture(canvas);
@@ -140,7 +140,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
     show(what) {
       uniforms.map.value = mapNumbers[what.map];
       setOutline();
-      uniforms.ramp.value = what.map === 'shape' || what.map === 'area' ? ramps.distortion : ramps.plain;
+      uniforms.ramp.value = what.map === 'shape' || what.map === 'area' ? ramps.distortion : what.map === 'air' ? ramps.air : ramps.plain;
       if (what.range) uniforms.range.value.set(what.range.low, what.range.high, what.isolines && isHeat(what.map) ? what.range.step : 0);
       uniforms.moved.value = what.place !== null;
       if (what.place) uniforms.place.value.set(...what.place as [number, number, number, number, number, number, number, number, number]);
