@@ -48,7 +48,7 @@ async function picture(blob: Blob): Promise<Texture> {
   return texture;
 }
 
-function ramp(map: 'shape' | 'thickness'): DataTexture {
+function ramp(map: 'shape' | 'thickness' | 'air'): DataTexture {
   const bytes = new Uint8Array(256 * 4);
   for (let i = 0; i < 256; ++i) bytes.set([...colourAt(map, i / 255).map((part) => Math.round(255 * part)), 255], 4 * i);
   const texture = new DataTexture(bytes, 256, 1);
