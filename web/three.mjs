@@ -27,8 +27,12 @@ const replaced = {
     addEventListener() {} removeEventListener() {} setAnimationLoop() {} dispose() {} getEnvironmentBlendMode() {} }`,
 };
 
-// Methods that write an object as JSON and read it back, that look for what a ray meets, and that change a geometry.
-const withoutUnused = (source) => source.replace(/^\t(?:static )?(?:toJSON|fromJSON|raycast|computeTangents|toNonIndexed)\(.*\{\n(?:(?!\t\}$).*\n)*\t\}$/gm, '');
+// Methods that write an object as JSON and read it back, that look for what a ray meets, that change a geometry, and others
+// that nothing here calls.
+const unused = 'toJSON|fromJSON|raycast|computeTangents|computeVertexNormals|toNonIndexed|setAxisAngleFromRotationMatrix|makeOrthographic|' +
+  'transformUv|setFromUnitVectors';
+const method = new RegExp(String.raw`^\t(?:static )?(?:${unused})\(.*\{\n(?:(?!\t\}$).*\n)*\t\}$`, 'gm');
+const withoutUnused = (source) => source.replace(method, '');
 
 export function leanThree(here) {
   const source = join(here, 'node_modules/three/src');

@@ -71,7 +71,7 @@ test('the print goes where the pairs say', async () => {
   await page.getByText('Preview of the moved drawing').waitFor();
   assert.equal(await items(page).count(), 1);
   await page.getByText('The pairs below place the drawing.').waitFor();
-  assert.equal(await page.getByRole('textbox', {name: 'Offset to the right'}).inputValue(), '0');
+  assert.equal(await page.getByRole('textbox', {name: 'Offset to +x'}).inputValue(), '0');
   assert.equal(await page.getByRole('textbox', {name: /^Rotation/}).inputValue(), '15');
 
   const one = await apply(page), [row] = one.settings.pattern.points;
@@ -97,7 +97,7 @@ test('two pairs turn the drawing, and undo, redo and reset know them', async () 
   await count(1);
   await page.getByRole('button', {name: 'Reset'}).click();
   await count(0);
-  assert.equal(await page.getByRole('textbox', {name: 'Offset to the right'}).inputValue(), '4');
+  assert.equal(await page.getByRole('textbox', {name: 'Offset to +x'}).inputValue(), '4');
   await page.getByRole('button', {name: 'Undo'}).click();
   await page.getByRole('button', {name: 'Undo'}).click();
   await count(0);

@@ -196,3 +196,45 @@ test('a finding of the inspection turns the 3D view to its place', async () => {
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
+
+// How dark the picture of the canvas is on average, in its upper and its lower half.
+async function darkness(picture) {
+  const page = await browser.newPage();  // without a policy
+  const halves = await page.evaluate(async (source) => {
+    const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${source}`)).blob());
+    const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    context.drawImage(image, 0, 0);
+    return [0, 1].map((half) => {
+      const {data} = context.getImageData(0, half * image.height / 2, image.width, image.height / 2);
+      let sum = 0;
+      for (let i = 0; i < data.length; i += 4) sum += 255 - data[i];
+      return sum / (data.length / 4);
+    });
+  }, picture.toString('base64'));
+  await page.close();
+  return halves;
+}
+
+test('a drawing is seen on the head at once, and moves with its offset', async () => {
+  const page = await open();
+  const look = async () => {
+    await page.getByRole('button', {name: 'Above', exact: true}).click();
+    await drawn(page);
+    return darkness(await canvasOf(page).screenshot());
+  };
+  const bare = await look();
+  await drop(page, sample().pattern);
+  await page.getByText('The drawing is shown about where it comes to lie.').waitFor();
+  const inked = await look();
+  assert.ok(inked[0] + inked[1] > bare[0] + bare[1] + 1, `${bare} without, ${inked} with the drawing`);
+  await page.getByLabel('Up (v)').fill('60');  // to the face, which is at the top of the picture
+  await page.getByLabel('Up (v)').press('Enter');
+  await page.waitForTimeout(300);
+  const moved = await look();
+  assert.ok(moved[0] - moved[1] > inked[0] - inked[1] + 1, `${inked} before, ${moved} after the move`);
+  await page.getByRole('button', {name: 'Clear all'}).click();
+  await page.getByRole('dialog').getByRole('button', {name: 'Clear all'}).click();
+  await page.getByText('The drawing is shown about where it comes to lie.').waitFor({state: 'detached'});
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});

@@ -48,6 +48,7 @@ export interface Placed {
   shift: [number, number, number];  // added after the turn
   size: [number, number, number];   // of the whole scan, turned, in mm
   height: number;                   // of the cut scan above the platform
+  top: [number, number];            // where it is highest, x and y
   half: [number, number];           // how far the cut scan reaches from the machine's axis, along x and y
 }
 
@@ -66,10 +67,12 @@ export function place(positions: Float32Array, placement: Placement, trim: numbe
       if (value > high[k]!) high[k] = value;
     }
   const cut = Math.min(low[2]! + trim, high[2]!);
+  let top = 0;
+  while (at(top, 2) < high[2]!) top += 3;
   const outer = farthest(positions, at, cut), [x, y] = enclosing(outer);
   const half = [0, 1].map((k) => Math.max(0, ...outer.filter((_, i) => i % 2 === k).map((value) => Math.abs(value - (k ? y : x)))));
   return {turn, shift: [-x, -y, plug - cut], size: low.map((value, k) => high[k]! - value) as Placed['size'],
-          height: high[2]! - cut + plug, half: half as Placed['half']};
+          height: high[2]! - cut + plug, top: [at(top, 0) - x, at(top, 1) - y], half: half as Placed['half']};
 }
 
 // The points above the cut that are farthest in 128 directions, seen from above: xy pairs.

@@ -1,5 +1,7 @@
 // A scan that stands in the machine, before it is sent.
-import {BoxGeometry, BufferAttribute, BufferGeometry, DoubleSide, GLSL3, type Group, Matrix4, Mesh, ShaderMaterial} from 'three';
+import {BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, DoubleSide, GLSL3, type Group, Matrix3, Matrix4, Mesh, ShaderMaterial,
+        Vector3} from 'three';
+import {el} from '../dom';
 import type {ShownMesh} from '../read/cluster';
 import type {Point} from '../read/landmarks';
 import type {Placed} from '../read/place';
@@ -12,12 +14,21 @@ import {createViewer, release, type LeftSide, type Viewer} from './viewer';
 export {NoWebGl} from './viewer';
 export type {Frame} from './machine';
 
+// A drawing about where it comes to lie on the head: as far from the top as on a ball of the head's size.
+export interface Ink {
+  picture: HTMLImageElement;
+  size: readonly [number, number];    // mm
+  offset: readonly [number, number];  // mm, of its centre from the top
+  turn: number;                       // degrees, counter-clockwise from above
+  scale: number;
+}
 export interface Standing {
   placed: Placed;
   plug: number;       // mm: the cut is at this height
   frame: Frame;
   left: LeftSide;
   outline: boolean;   // of an average adult head
+  ink: Ink | null;    // the drawing
   marks: readonly (Point | undefined)[];  // nose, left and right ear, where the file of the scan has them
 }
 export interface ScanScene {
@@ -29,28 +40,35 @@ export interface ScanScene {
 }
 
 const vertexShader = `
-out vec3 n; out vec3 eye; out float height;
+out vec3 n; out vec3 eye; out vec3 place;
 void main() {
   vec4 world = modelMatrix * vec4(position, 1.0), view = viewMatrix * world;
-  height = world.z;
+  place = world.xyz;
   n = mat3(viewMatrix) * mat3(modelMatrix) * normal;
   eye = -view.xyz;
   gl_Position = projectionMatrix * view;
 }`;
 // Light from the upper left and from the camera, darker towards the rim. What is cut away is shown as stripes.
 const fragmentShader = `
-in vec3 n; in vec3 eye; in float height;
+in vec3 n; in vec3 eye; in vec3 place;
 out vec4 colour;
-uniform float cut;
-uniform vec3 away;
+uniform float cut, radius;
+uniform vec3 away, top;
+uniform mat3 onInk;  // from mm beside the top to the picture
+uniform sampler2D ink;
 void main() {
   vec3 u = normalize(n), v = normalize(eye);
   if (dot(u, v) < 0.0) u = -u;
   float key = max(0.0, dot(u, normalize(vec3(-0.45, 0.65, 0.6)))), rim = 1.0 - dot(u, v);
   float light = (0.40 + 0.16 * dot(u, v) + 0.46 * key) * (1.0 - 0.45 * rim * rim * rim);
   colour = vec4(vec3(0.93, 0.91, 0.87) * light + 0.10 * pow(key, 24.0), 1.0);
-  if (height < cut - 0.05) {
-    if (fract(height / 6.0) < 0.6) discard;
+  vec3 d = place - top;
+  float arc = 2.0 * radius * asin(min(1.0, 0.5 * length(d) / radius));
+  vec2 at = (onInk * vec3(arc * normalize(d.xy + 1e-6), 1.0)).xy;
+  vec3 printed = texture(ink, at).rgb;
+  if (radius > 0.0 && at == clamp(at, 0.0, 1.0)) colour.rgb *= printed;
+  if (place.z < cut - 0.05) {
+    if (fract(place.z / 6.0) < 0.6) discard;
     colour = vec4(away, 1.0);
   }
 }`;
@@ -88,7 +106,9 @@ export function scanScene(scan: ReadScan, options: {label: string; tools?: HTMLE
   const fine = geometryOf(scan.shown), coarse = scan.coarse ? geometryOf(scan.coarse) : fine;
   const material = new ShaderMaterial({
     glslVersion: GLSL3, vertexShader, fragmentShader, side: DoubleSide,
-    uniforms: {cut: {value: 0}, away: {value: viewer.colour('--warn')}}});
+    uniforms: {cut: {value: 0}, away: {value: viewer.colour('--warn')}, radius: {value: 0}, top: {value: new Vector3()}, onInk: {value: new Matrix3()},
+               ink: {value: null as CanvasTexture | null}}});
+  const {uniforms} = material;
   const body = new Mesh(fine, material);
   body.matrixAutoUpdate = false;
   viewer.root.add(body);
@@ -104,7 +124,7 @@ export function scanScene(scan: ReadScan, options: {label: string; tools?: HTMLE
 
   viewer.on('quality', () => { body.geometry = viewer.quality.coarse ? coarse : fine; });
   viewer.on('theme', () => {
-    material.uniforms['away']!.value = viewer.colour('--warn');
+    uniforms['away']!.value = viewer.colour('--warn');
     pin.material.uniforms['colour']!.value = viewer.colour('--bad');
     outline.material.uniforms['colour']!.value = viewer.colour('--accent');
     drawn = '';
@@ -114,13 +134,32 @@ export function scanScene(scan: ReadScan, options: {label: string; tools?: HTMLE
   });
   viewer.root.add(outline);
 
+  let picture: HTMLImageElement | null = null;
+  function setInk({placed, ink}: Standing): void {
+    if (picture !== (ink?.picture ?? null)) {
+      (uniforms['ink']!.value as CanvasTexture | null)?.dispose();
+      picture = ink?.picture ?? null;
+      const canvas = el('canvas', {width: 1024, height: 1024}), pen = canvas.getContext('2d')!;
+      pen.fillStyle = '#fff';
+      pen.fillRect(0, 0, 1024, 1024);
+      if (picture) pen.drawImage(picture, 0, 0, 1024, 1024);
+      uniforms['ink']!.value = picture && new CanvasTexture(canvas);
+    }
+    uniforms['radius']!.value = ink ? Math.max(...placed.half) : 0;
+    if (!ink) return;
+    const {size: [w, h], offset: [x, y], turn, scale} = ink, c = Math.cos(turn * Math.PI / 180) / scale, s = Math.sin(turn * Math.PI / 180) / scale;
+    (uniforms['top']!.value as Vector3).set(...placed.top, placed.height);
+    (uniforms['onInk']!.value as Matrix3).set(c / w, s / w, 0.5 - (c * x + s * y) / w, -s / h, c / h, 0.5 + (s * x - c * y) / h, 0, 0, 1);
+  }
+
   function update(standing: Standing): void {
+    setInk(standing);
     const {placed, plug, frame, left} = last = standing;
     const [a, b, c, d, e, f, g, h, i] = placed.turn as [number, number, number, number, number, number, number, number, number];
     const [x, y, z] = placed.shift;
     body.matrix = new Matrix4(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
     body.matrixWorldNeedsUpdate = true;
-    material.uniforms['cut']!.value = plug;
+    uniforms['cut']!.value = plug;
     outline.visible = standing.outline;
     outline.position.z = placed.height - 115;
     pin.visible = false;

@@ -160,7 +160,7 @@ export function standingOf({low, high}: Record<'low' | 'high', readonly [number,
   const pair = (a: unknown, b: unknown): [number, number] => [Number(a), Number(b)], round = machine['window'] === 'circle';
   const shift: [number, number, number] = [0, 0, 0], width = machine['window_width_mm'];
   return {
-    placed: {turn: [1, 0, 0, 0, 1, 0, 0, 0, 1], shift, size: shift.map((_, k) => high[k]! - low[k]!) as typeof shift, height: high[2],
+    placed: {turn: [1, 0, 0, 0, 1, 0, 0, 0, 1], shift, size: shift.map((_, k) => high[k]! - low[k]!) as typeof shift, height: high[2], top: pair(0, 0),
              half: pair(Math.max(-low[0], high[0]), Math.max(-low[1], high[1]))},
     plug: low[2], outline: false,
     frame: {sheet: pair(sheet['width_mm'], sheet['height_mm']), window: pair(width, round ? width : machine['window_height_mm']), round,

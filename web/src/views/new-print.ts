@@ -16,8 +16,9 @@ import {follow, live, onEnd, View} from '../view';
 import {checkSection} from './new/check';
 import {followDraft} from './new/fields';
 import {machineSection} from './new/machine';
+import type {Drawing} from './new/scan';
 import './new/scan';
-import {patternSection} from './new/pattern';
+import {drawnSize, loadDrawing, patternSection} from './new/pattern';
 import {transferLine} from './new/transfer';
 import {
   begin, clear, draft, edit, goBack, hasBefore, inspect, inspection, onSideJob, readSchema, redo, removeScan, startFrom, takeScan, undo,
@@ -42,6 +43,7 @@ export function goTo(section: Section): void {
 interface ScanSection extends HTMLElement {
   settings: Settings;
   inspected: {trim_mm?: number} | null;
+  drawing: Drawing | null;
   show(place: readonly number[]): void;
 }
 
@@ -106,10 +108,16 @@ function scanSection(schema: SettingsSchema): Children {
   inspected();
   onEnd(onSideJob(inspected));
   let shown: Settings | null = null;
-  follow(({draft: now}) => [now.form.settings, hasScan(now)] as const, ([{scan, sheet = {}, machine = {}}, there]) => {
-    const settings = {...(scan || there) && {scan: scan ?? {}}, sheet, machine};  // without a scan there is nothing to set
+  follow(({draft: now}) => [now.form.settings, hasScan(now)] as const, ([{scan, sheet = {}, machine = {}, pattern = {}}, there]) => {
+    const settings = {...(scan || there) && {scan: scan ?? {}}, sheet, machine, pattern};  // without a scan there is nothing to set
     if (sameValue(settings, shown)) return;
     section.settings = shown = settings;
+  });
+  follow(({draft: now}) => [now.form.pattern, now.form.settings['pattern']?.['width_mm']] as const, async ([pattern]) => {
+    const picture = new Image(), size = pattern && drawnSize(pattern, draft());
+    const loaded = size && await loadDrawing(pattern, picture);
+    if (pattern?.mark !== draft().form.pattern?.mark) return;  // another one by now
+    section.drawing = loaded ? {picture, size: [size[0], size[1] || size[0] * picture.naturalHeight / picture.naturalWidth]} : null;
   });
   return [
     live(({draft: now}) => [now.scan, now.from, now.transfers.scan === null] as const, scanFigures),

@@ -45,6 +45,11 @@ test('stands the scan on the platform over the middle', () => {
   assert.ok(Math.abs(placed.height - 100) < 1e-3 && placed.half.every((value) => Math.abs(value - 60) < 0.1));
 });
 
+test('names the highest place of the scan as it stands', () => {
+  const {top} = place(new Float32Array([-40, 0, 0, 40, 0, 0, 0, 40, 0, 0, -40, 0, 10, -20, 90]), {...plain, front: '+x'}, 0);
+  [20, 10].forEach((value, k) => assert.ok(Math.abs(top[k]! - value) < 0.1, `${top}`));  // a quarter turn to the left
+});
+
 test('the cut is on the platform, or on the plug', () => {
   const placed = place(cylinder, plain, 40, 15);
   assert.ok(Math.abs(placed.shift[2] - (15 - 45)) < 1e-3);

@@ -29,15 +29,19 @@ export function sizeText(size: readonly [number, number]): string {
   return Number.isNaN(size[1]) ? t('new.size_width', {width: width ?? ''}) : t('new.size', {width: width ?? '', height: height ?? ''});
 }
 
-function picture(pattern: Pattern, alt: string): Children {
+// Loads the drawing into the image. False if this page does not have it.
+export async function loadDrawing(pattern: Pattern, image: HTMLImageElement): Promise<boolean> {
   const blob = pictureOf(pattern.mark);
-  if (!blob) return el('p', {class: 'quiet'}, t('new.no_picture'));
+  if (!blob) return false;
+  image.src = URL.createObjectURL(pattern.kind === 'svg' ? new Blob([svgWithSize(await blob.text())], {type: blob.type}) : blob);
+  await image.decode().catch(() => {});  // the service says what is wrong with it
+  URL.revokeObjectURL(image.src);
+  return image.naturalWidth > 0;
+}
+function picture(pattern: Pattern, alt: string): Children {
+  if (!pictureOf(pattern.mark)) return el('p', {class: 'quiet'}, t('new.no_picture'));
   const image = el('img', {alt, class: 'flat', width: 480, height: Math.round(480 / (pattern.aspect ?? 1))});
-  let address = '';
-  const show = (shown: Blob): void => { image.src = address = URL.createObjectURL(shown); };
-  if (pattern.kind === 'svg') void blob.text().then((text) => show(new Blob([svgWithSize(text)], {type: blob.type})));
-  else show(blob);
-  onEnd(() => URL.revokeObjectURL(address));
+  void loadDrawing(pattern, image);
   return el('div', {class: 'paper'}, image);
 }
 

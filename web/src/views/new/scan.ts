@@ -1,7 +1,8 @@
 // Section 1 of a new print: the scan. It is read in this browser, shown in the machine and placed there, before the server
 // has it. Without WebGL the figures and fields do the same.
 //
-// Properties: `settings` (scan, sheet, machine: what differs from the defaults), `inspected` (what the service found).
+// Properties: `settings` (scan, sheet, machine, pattern: what differs from the defaults), `inspected` (what the service
+// found), `drawing`.
 // Events: "file" {file, facts}, "facts" {plausible, mirrored}, "change" {settings}. `show(place)` marks a place in mm.
 import {el, newId, replace, type Children} from '../../dom';
 import type {Settings} from '../../api/types';
@@ -14,7 +15,7 @@ import {landmarks, straighten, type Point, type Straight} from '../../read/landm
 import {place, tilting, wrapped, type Placed, type Placement} from '../../read/place';
 import type {ReadScan} from '../../read/prepare';
 import type {LeftSide} from '../../scene/orbit';
-import type {Frame, ScanScene} from '../../scene/scan';
+import type {Frame, Ink, ScanScene} from '../../scene/scan';
 import {announce} from '../../state';
 import {bytes, duration, number, t} from '../../text';
 import {onEnd, View} from '../../view';
@@ -23,6 +24,7 @@ export interface Suspicions {
   plausible: boolean;  // the size, in the chosen unit, is one of a head
   mirrored: boolean;   // the scan may be a mirror image
 }
+export type Drawing = Pick<Ink, 'picture' | 'size'>;
 type Values = Record<string, unknown>;
 type Turn = 'yaw' | 'roll' | 'pitch';
 
@@ -44,6 +46,7 @@ class ScanSection extends View {
   #scene: ScanScene | null = null;
   #flat = false;                       // there is no WebGL
   #outline = true;
+  #drawing: Drawing | null = null;
   #trim: number | null = null;         // the height at which the service cuts
   #stands: Placed | null = null;       // where the settings place the scan
   #marks: (Point | undefined)[] = [];  // the landmarks, where the file has them; they are never sent
@@ -62,6 +65,10 @@ class ScanSection extends View {
   }
   set inspected(found: {trim_mm?: number} | null) {
     this.#trim = found?.trim_mm ?? null;
+    this.#update();
+  }
+  set drawing(drawing: Drawing | null) {
+    this.#drawing = drawing;
     this.#update();
   }
   show(mm: readonly number[]): void {
@@ -234,8 +241,13 @@ class ScanSection extends View {
       : !this.#turning ? '' : this.#turned ? this.#said(this.#turned) : t('scan.turn_hint');
     this.#note.hidden = !this.#note.textContent;
     this.#turnButton.setAttribute('aria-pressed', String(this.#turning));
-    this.#scene.update({placed, plug: this.#plug, frame: this.#frame(), left: this.#left, outline: this.#outline, marks: this.#marks});
+    this.#scene.update({placed, plug: this.#plug, frame: this.#frame(), left: this.#left, outline: this.#outline, ink: this.#ink(), marks: this.#marks});
     this.#scene.viewer.setSummary(t('scan.summary', {size: millimetres(placed.size), view: this.#scene.viewer.viewWords()}));
+  }
+
+  #ink(): Ink | null {
+    const offset = this.#value('pattern', 'offset_mm') as [number, number] | undefined;
+    return this.#drawing && {...this.#drawing, offset: offset ?? [0, 0], turn: this.#number('pattern', 'rotate_deg', 0), scale: this.#number('pattern', 'scale', 1)};
   }
 
   // --- the hand in the 3D view
@@ -328,6 +340,7 @@ class ScanSection extends View {
       return row;
     };
     return el('div', {class: 'scan-fields'},
+      host(() => this.#drawing && this.#scene && el('p', {class: 'small'}, t('scan.ink'))),
       host(() => this.#factList()),
       this.#unitChoice(follows, host),
       el('fieldset', null, el('legend', null, t('scan.up')), host(() => this.#upHint()),

@@ -43,7 +43,7 @@ export function failureView(job: Job, report: Report, pictures: HTMLElement, end
         throw error;
       }
       replace(host, scene.viewer.element);
-      scene.update({...standingOf(read.facts, job.settings), marks: [], left: job.settings['scan']?.['left_side'] as LeftSide});
+      scene.update({...standingOf(read.facts, job.settings), ink: null, marks: [], left: job.settings['scan']?.['left_side'] as LeftSide});
       if (place) scene.mark(place);
     } catch (error) {
       if (!signal.aborted) replace(host, [problemBox(error, () => void load()), pictures]);
