@@ -47,7 +47,7 @@ Ring page_ring(const Vector2d& size) {
   return {{-h.x(), -h.y()}, {h.x(), -h.y()}, {h.x(), h.y()}, {-h.x(), h.y()}};
 }
 
-Area on_page(Area area, const Vector2d& size) {
+Area on_page(const Area& area, const Vector2d& size) {
   const AlignedBox2d page(-size / 2 - Vector2d::Constant(1e-3), size / 2 + Vector2d::Constant(1e-3));
   const AlignedBox2d box = box_of(area);
   return box.isEmpty() || page.contains(box) ? area : intersection(area, {page_ring(size)});
