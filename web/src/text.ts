@@ -91,9 +91,9 @@ export function bytes(count: number): string {
 }
 
 // A time of the API (RFC 3339, UTC) as local time with its zone, as people write it in the region of the browser.
-export function when(time: string, zone = true): string {
+export function when(time: string): string {
   return new Date(time).toLocaleString(navigator.languages.find((tag) => tag.startsWith(language)) ?? language, {
-    year: 'numeric', month: 'short', day: 'numeric', hour: '2-digit', minute: '2-digit', ...(zone && {timeZoneName: 'short'})});
+    year: 'numeric', month: 'short', day: 'numeric', hour: '2-digit', minute: '2-digit', timeZoneName: 'short'});
 }
 
 // "12 s", "3 min", "1 h 20 min"

@@ -56,7 +56,7 @@ export function jobRow(first: ListedJob, actions: RowActions): JobRow {
       active && el('p', {class: 'small'}, doing(job), job.state === 'running' && ` · ${percentOf(job)}`, left && ` · ${left}`),
       job.state === 'running' && el('progress', {max: 100, value: percents(job), 'aria-label': t('job.progress')}),
       job.problem && el('p', {class: 'small'}, problemName(job.problem))]);
-    replace(time, el('time', {datetime: job.created, title: when(job.created)}, when(job.created, false)));
+    replace(time, el('time', {datetime: job.created}, when(job.created)));
     remove.hidden = active;
   }
   let pictured = '';
