@@ -32,8 +32,8 @@ using ProfileGuard = std::function<bool(const std::optional<Profile>& now)>;
 class ProfileTable {
  public:
   virtual ~ProfileTable() = default;
-  // Adds it or replaces the one of its name, which stays the default if it was; true if it is new. Errors: busy, if there are most_profiles; conflict, if
-  // the guard refused; disk_full.
+  // Adds it or replaces the one of its name, which stays the default if it was; true if it is new. Errors: busy, if
+  // there are most_profiles; conflict, if the guard refused; disk_full.
   virtual Result<bool> put_profile(const Profile& profile, const ProfileGuard& allowed = {}) = 0;
   virtual Result<Profile> find_profile(const std::string& name) = 0;  // errors: not_found
   // Profiles whose names come after that of the cursor.
