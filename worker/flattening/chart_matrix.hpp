@@ -5,7 +5,7 @@
 #include <array>
 
 #include "worker/flattening/chart.hpp"
-#include "worker/numerics/sparse_cholesky.hpp"
+#include "worker/numerics/symmetric_matrix.hpp"
 
 namespace vacuform {
 

@@ -1,15 +1,21 @@
 #include "worker/forming/equilibrium.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
-#include <numeric>
-#include <stdexcept>
 
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
+
+namespace {
+
+using Direction = Preconditioner::Direction;
+
+double total(const Column& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
+
+}  // namespace
 
 Equilibrium::Equilibrium(const Membrane& membrane, const SheetGrid& grid)
     : membrane_(membrane), grid_(grid), preconditioner_(membrane, grid) {
@@ -23,154 +29,227 @@ void Equilibrium::weigh() {
 }
 
 void Equilibrium::hold(const std::vector<char>& held, const Points& x, bool fresh) {
-  free_.clear();
-  index_.assign(held.size(), -1);
-  for (std::size_t i = 0; i < held.size(); ++i)
-    if (!held[i]) {
-      index_[i] = static_cast<int>(free_.size());
-      free_.push_back(static_cast<int>(i));
-    }
-  active_.clear();
-  for (std::size_t k = 0; k < grid_.triangles.size(); ++k)
-    if (std::any_of(grid_.triangles[k].begin(), grid_.triangles[k].end(), [&](int v) { return !held[v]; }))
-      active_.push_back(static_cast<int>(k));
-  middle_ = static_cast<int>(active_.size()) / 2;
-  if (free_.empty()) return;
-  constexpr int worth_a_factor = 25;  // iterations that take about as long as a new factorization
+  free_membrane_.pack(membrane_, grid_, held);
+  if (free_membrane_.free() == 0) return;
+  constexpr int worth_a_factor = 8;  // iterations that take about as long as a new factorization
   if (fresh || !preconditioner_.factored() || worn_ >= worth_a_factor) {
     preconditioner_.factor(held, x);
     worn_ = 0;
   }
-  preconditioner_.restrict_to(free_, x);
+  preconditioner_.restrict_to(
+      std::span(free_membrane_.vertices()).first(static_cast<std::size_t>(free_membrane_.free())), x);
 }
 
-double Equilibrium::energy(const Points& x, const Pull& pull, Points& gradient) {
-  // Two halves of the triangles, each summed in order: the sums are the same for any number of threads.
-  const Eigen::Index n = static_cast<Eigen::Index>(free_.size());
-  std::array<double, 2> energies{};
-  const auto sum = [&](int half) {
-    Points& into = halves_[half];
-    into.setZero(3, n + 1);  // the last column collects the held vertices
-    const int end = half == 0 ? middle_ : static_cast<int>(active_.size());
-    double total = 0;
-    const auto add = [&](int triangle, const Eigen::Matrix3d& corners) {
-      const Triangle& t = grid_.triangles[triangle];
-      for (int c = 0; c < 3; ++c) into.col(index_[t[c]] < 0 ? n : index_[t[c]]) += corners.col(c);
-    };
-    std::array<Eigen::Matrix3d, 4> corners;
-    int k = half == 0 ? 0 : middle_;
-    for (; k + 4 <= end; k += 4) {
-      total += membrane_.element_energies(x, pull.pressure, std::span<const int, 4>(&active_[k], 4),
-                                          corners.data());
-      for (int lane = 0; lane < 4; ++lane) add(active_[k + lane], corners[lane]);
-    }
-    for (; k < end; ++k) {
-      total += membrane_.element_energy(x, pull.pressure, active_[k], corners[0]);
-      add(active_[k], corners[0]);
-    }
-    energies[half] = total;
+template <class Work>
+void Equilibrium::in_parts(const Work& work) const {
+  const long n = free_membrane_.free();
+  const auto run = [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) work(k, n * k / parts, n * (k + 1) / parts);
   };
-  constexpr std::size_t worth_threads = 8000;
-  if (active_.size() < worth_threads)
-    sum(0), sum(1);
+  constexpr int worth_threads = 4000;
+  if (n < worth_threads)
+    run(0, parts);
   else
-    in_parallel(0, 2, [&](int begin, int end) {
-      for (int half = begin; half < end; ++half) sum(half);
-    });
-  gradient = halves_[0].leftCols(n) + halves_[1].leftCols(n);
-  double weight = 0;
-  if (pull.weight > 0)
-    for (Eigen::Index r = 0; r < n; ++r) {
-      const double force = pull.weight * rest_area_[free_[r]];
-      gradient(2, r) += force;
-      weight += force * x(2, free_[r]);
+    in_parallel(0, parts, run);
+}
+
+Equilibrium::Value Equilibrium::evaluate(const Pull& pull) {
+  Value value;
+  value.energy = free_membrane_.energy(x_, pull.pressure, trial_gradient_);
+  std::array<Value, parts> sums;
+  in_parts([&](int part, long begin, long end) {
+    Value sum;
+    Column slope = Column::Zero();
+    double square = 0;
+    for (long i = begin; i < end; ++i) {
+      Column& g = trial_gradient_[i];
+      if (pull.weight > 0) {
+        const double force = pull.weight * rest_area_[free_membrane_.vertices()[i]];
+        g[2] += force;
+        sum.energy += force * x_[i][2];
+      }
+      slope += g * direction_[i].cast<double>();
+      square = std::max(square, g.matrix().squaredNorm());
     }
-  return energies[0] + energies[1] + weight;
+    sum.slope = total(slope);
+    sum.force = std::sqrt(square);
+    sums[part] = sum;
+  });
+  for (const Value& sum : sums) {
+    value.energy += sum.energy, value.slope += sum.slope;
+    value.force = std::max(value.force, sum.force);
+  }
+  return value;
+}
+
+Equilibrium::Descent Equilibrium::choose_direction() {
+  // H g = P g + s t - z w, with w = R^-1 s'g, t = R^-T ((D + y'z) w - z'g); R is the upper triangle of s'y, D its diagonal.
+  const int m = pairs_;
+  Eigen::Matrix<float, memory, 1> w = w.Zero(), t = t.Zero();
+  if (m > 0) {
+    const Eigen::MatrixXd R = sy_.topLeftCorner(m, m);
+    const auto upper = R.triangularView<Eigen::Upper>();
+    const Eigen::VectorXd of_z = upper.solve(sg_.head(m));
+    Eigen::MatrixXd middle = zy_.topLeftCorner(m, m);
+    middle += R.diagonal().asDiagonal();
+    const Eigen::VectorXd of_s = upper.transpose().solve(middle * of_z - zg_.head(m));
+    w.head(m) = of_z.cast<float>(), t.head(m) = of_s.cast<float>();
+  }
+  std::array<Descent, parts> sums;
+  in_parts([&](int part, long begin, long end) {
+    Column slope = Column::Zero();
+    float square = 0;
+    for (long i = begin; i < end; ++i) {
+      Direction d = -preconditioned_[i];
+      for (int k = 0; k < m; ++k) d += w[k] * z_[k][i] - t[k] * s_[k][i];
+      direction_[i] = d;
+      slope += gradient_[i] * d.cast<double>();
+      square = std::max(square, d.matrix().squaredNorm());
+    }
+    sums[part] = {total(slope), std::sqrt(double(square))};
+  });
+  Descent descent;
+  for (const Descent& sum : sums) {
+    descent.slope += sum.slope;
+    descent.longest = std::max(descent.longest, sum.longest);
+  }
+  return descent;
+}
+
+void Equilibrium::move(double step) {
+  in_parts([&](int, long begin, long end) {
+    for (long i = begin; i < end; ++i) x_[i] = base_[i] + step * direction_[i].cast<double>();
+  });
+}
+
+void Equilibrium::remember(double step) {
+  preconditioner_.apply(trial_gradient_, trial_preconditioned_);
+  const int newest = pairs_;
+  s_[newest].resize(direction_.size());
+  z_[newest].resize(direction_.size());
+  struct Sums {
+    std::array<Column, memory + 1> sy, zy, sg, zg;
+    Column ss = Column::Zero(), yy = Column::Zero();
+  };
+  std::array<Sums, parts> sums;
+  in_parts([&](int part, long begin, long end) {
+    Sums& sum = sums[part];
+    for (auto* list : {&sum.sy, &sum.zy, &sum.sg, &sum.zg}) list->fill(Column::Zero());
+    for (long i = begin; i < end; ++i) {
+      s_[newest][i] = static_cast<float>(step) * direction_[i];
+      z_[newest][i] = trial_preconditioned_[i] - preconditioned_[i];
+      const Column g = trial_gradient_[i], y = g - gradient_[i];
+      for (int k = 0; k <= newest; ++k) {
+        const Column s = s_[k][i].cast<double>(), z = z_[k][i].cast<double>();
+        sum.sy[k] += s * y, sum.zy[k] += z * y;
+        sum.sg[k] += s * g, sum.zg[k] += z * g;
+      }
+      sum.ss += s_[newest][i].cast<double>().square();
+      sum.yy += y.square();
+    }
+  });
+  const auto add = [&](auto member, int k) {
+    double sum = 0;
+    for (const Sums& part : sums) sum += total((part.*member)[k]);
+    return sum;
+  };
+  double ss = 0, yy = 0;
+  for (const Sums& part : sums) ss += total(part.ss), yy += total(part.yy);
+  for (int k = 0; k <= newest; ++k) {
+    sy_(k, newest) = add(&Sums::sy, k);
+    zy_(k, newest) = zy_(newest, k) = add(&Sums::zy, k);
+    sg_[k] = add(&Sums::sg, k);
+    zg_[k] = add(&Sums::zg, k);
+  }
+  gradient_.swap(trial_gradient_);
+  preconditioned_.swap(trial_preconditioned_);
+
+  if (!(sy_(newest, newest) > 1e-12 * std::sqrt(ss * yy))) return;
+  ++pairs_;
+  if (pairs_ <= memory) return;
+  --pairs_;
+  std::rotate(s_.begin(), s_.begin() + 1, s_.end());
+  std::rotate(z_.begin(), z_.begin() + 1, z_.end());
+  sy_.topLeftCorner<memory, memory>() =
+      Eigen::Matrix<double, memory, memory>(sy_.bottomRightCorner<memory, memory>());
+  zy_.topLeftCorner<memory, memory>() =
+      Eigen::Matrix<double, memory, memory>(zy_.bottomRightCorner<memory, memory>());
+  sg_.head<memory>() = Eigen::Matrix<double, memory, 1>(sg_.tail<memory>());
+  zg_.head<memory>() = Eigen::Matrix<double, memory, 1>(zg_.tail<memory>());
+}
+
+double Equilibrium::accept() {
+  std::array<double, parts> squares{};
+  in_parts([&](int part, long begin, long end) {
+    for (long i = begin; i < end; ++i) {
+      base_[i] = x_[i];
+      squares[part] = std::max(squares[part], (x_[i] - start_[i]).matrix().squaredNorm());
+    }
+  });
+  return std::sqrt(*std::max_element(squares.begin(), squares.end()));
 }
 
 Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limits& limits,
                                         const Context& context) {
   Outcome outcome;
-  if (free_.empty()) {
+  const auto n = static_cast<std::size_t>(free_membrane_.free());
+  if (n == 0) {
     outcome.at_rest = true;
     return outcome;
   }
-  constexpr std::size_t memory = 5;
-  struct Pair {
-    Points s, y;
-    double rho;
+  const auto& vertices = free_membrane_.vertices();
+  x_.clear();
+  for (const int v : vertices) x_.emplace_back(x(0, v), x(1, v), x(2, v), 0);
+  start_.assign(x_.begin(), x_.begin() + static_cast<std::ptrdiff_t>(n));
+  base_ = start_;
+  direction_.assign(n, Direction::Zero());
+  pairs_ = 0;
+  Value now = evaluate(pull);
+  gradient_.swap(trial_gradient_);
+  if (now.force > limits.force) preconditioner_.apply(gradient_, preconditioned_);
+  const auto result = [&]() -> const Outcome& {
+    for (std::size_t i = 0; i < n; ++i) x.col(vertices[i]) = base_[i].head<3>();
+    return outcome;
   };
-  std::deque<Pair> pairs;
-  const Eigen::Index n = static_cast<Eigen::Index>(free_.size());
-  Points f(3, n), trial(3, n), g(3, n), trial_g(3, n), q(3, n), d(3, n);  // over the free vertices
-  const auto place = [&](const Points& at) {
-    for (Eigen::Index r = 0; r < n; ++r) x.col(free_[r]) = at.col(r);
-  };
-  for (Eigen::Index r = 0; r < n; ++r) f.col(r) = x.col(free_[r]);
-  const Points start = f;
-  double e = energy(x, pull, g);
-  const auto largest = [](const Points& v) { return std::sqrt(v.colwise().squaredNorm().maxCoeff()); };
 
-  int still = 0;  // iterations that hardly moved
+  double taken = 0;  // the step of the last iteration
+  int still = 0;     // iterations that hardly moved
   for (;; ++outcome.iterations, ++worn_) {
-    outcome.residual = largest(g);
+    outcome.residual = now.force;
     outcome.at_rest = outcome.residual <= limits.force || still >= 3;
-    if (outcome.at_rest || outcome.iterations >= limits.iterations || context.cancelled()) return outcome;
+    if (outcome.at_rest || outcome.iterations >= limits.iterations || context.cancelled()) return result();
+    if (taken > 0) remember(taken);
 
-    q = g;
-    std::vector<double> alpha(pairs.size());
-    for (std::size_t k = pairs.size(); k-- > 0;) {
-      alpha[k] = pairs[k].rho * pairs[k].s.cwiseProduct(q).sum();
-      q -= alpha[k] * pairs[k].y;
-    }
-    preconditioner_.apply(q, d);
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-      d += (alpha[k] - pairs[k].rho * pairs[k].y.cwiseProduct(d).sum()) * pairs[k].s;
-    d = -d;
-    const double slope = d.cwiseProduct(g).sum();
-    if (!(slope <
-          0)) {  // the memory no longer gives a descent direction: discard it; the preconditioner always does
-      if (pairs.empty()) return outcome;
-      pairs.clear();
+    const Descent descent = choose_direction();
+    taken = 0;
+    if (!(descent.slope < 0)) {
+      // The memory no longer gives a descent direction: discard it; the preconditioner always does.
+      if (pairs_ == 0) return result();
+      pairs_ = 0;
       continue;
     }
-
-    double step = std::min(1.0, limits.stride / largest(d));
-    bool accepted = false;
-    double trial_e = 0;
-    for (int halving = 0; halving < 30; ++halving, step *= 0.5) {
-      trial = f + step * d;
-      place(trial);
-      trial_e = energy(x, pull, trial_g);
-      const double rise = trial_g.cwiseProduct(d).sum();
-      const bool decrease = trial_e <= e + 1e-4 * step * slope;
+    double step = std::min(1.0, limits.stride / descent.longest);
+    for (int halving = 0; halving < 30 && taken == 0; ++halving, step *= 0.5) {
+      move(step);
+      const Value trial = evaluate(pull);
+      const bool decrease = trial.energy <= now.energy + 1e-4 * step * descent.slope;
       // Near equilibrium the energies differ only by rounding: compare the slopes (Hager & Zhang 2005).
-      const bool flat = trial_e <= e + 1e-13 * std::abs(e) && rise <= -0.99 * slope;
-      if (std::isfinite(trial_e) && (decrease || flat)) {
-        accepted = true;
-        break;
-      }
+      const bool flat =
+          trial.energy <= now.energy + 1e-13 * std::abs(now.energy) && trial.slope <= -0.99 * descent.slope;
+      if (!std::isfinite(trial.energy) || !(decrease || flat)) continue;
+      now = trial;
+      taken = step;
     }
-    if (!accepted) {
-      place(f);
-      if (pairs.empty()) return outcome;
-      pairs.clear();
+    if (taken == 0) {
+      if (pairs_ == 0) return result();
+      pairs_ = 0;
       continue;
     }
-    Pair pair{trial - f, trial_g - g, 0};
-    still = largest(pair.s) <= limits.motion ? still + 1 : 0;
-    const double curvature = pair.s.cwiseProduct(pair.y).sum();
-    if (curvature > 1e-12 * std::sqrt(pair.s.squaredNorm() * pair.y.squaredNorm())) {
-      pair.rho = 1 / curvature;
-      if (pairs.size() == memory) pairs.pop_front();
-      pairs.push_back(std::move(pair));
-    }
-    f.swap(trial);
-    g.swap(trial_g);
-    e = trial_e;
-    if (largest(f - start) > limits.range) {
+    const double furthest = accept();
+    still = taken * descent.longest <= limits.motion ? still + 1 : 0;
+    if (furthest > limits.range) {
       outcome.ran_away = true;
-      return outcome;
+      return result();
     }
   }
 }

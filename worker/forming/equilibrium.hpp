@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "worker/forming/free_membrane.hpp"
 #include "worker/forming/membrane.hpp"
 #include "worker/forming/preconditioner.hpp"
 #include "worker/stage/context.hpp"
@@ -52,18 +53,50 @@ class Equilibrium {
   }
 
  private:
-  // Positions of all vertices in, gradient at the free ones out (3 x free).
-  double energy(const Points& x, const Pull& pull, Points& gradient);
+  // What one evaluation gives: the slope along direction_, and the largest force on a free vertex.
+  struct Value {
+    double energy = 0, slope = 0, force = 0;
+  };
+  struct Descent {
+    double slope = 0, longest = 0;  // motion of a vertex
+  };
+
+  // At x_; sets trial_gradient_.
+  Value evaluate(const Pull& pull);
+  // Sets direction_ from the preconditioned gradient and the pairs.
+  Descent choose_direction();
+  // x_ is the base and a step along the direction.
+  void move(double step);
+  // x_ is the new base; returns how far a vertex is from its start.
+  double accept();
+  // Goes over to the gradient at the new base, after a step. Keeps the pair if the curvature along it is positive.
+  void remember(double step);
+
+  // work(part, begin, end) over the free vertices in fixed parts: sums over them are the same at any number of threads.
+  static constexpr int parts = 8;
+  template <class Work>
+  void in_parts(const Work& work) const;
 
   const Membrane& membrane_;
   const SheetGrid& grid_;
   std::vector<double> rest_area_;  // of each vertex
-  std::vector<int> index_, free_;  // vertex to row among the free ones (-1: held) and back
-  std::vector<int> active_;        // triangles with a free corner
-  int middle_ = 0;                 // of the active triangles: each half is summed separately
-  std::array<Points, 2> halves_;   // their gradients, each with a column for the held vertices
+  FreeMembrane free_membrane_;
   Preconditioner preconditioner_;
   int worn_ = 0;  // iterations since the last factorization of the preconditioner
+
+  // Of the free vertices, in the order of free_membrane_; x_ and start_ also of the held ones beside them.
+  std::vector<Column> start_, base_, x_, gradient_, trial_gradient_;
+  std::vector<Preconditioner::Direction> direction_, preconditioned_, trial_preconditioned_;
+
+  // Limited-memory BFGS in its compact form (Byrd, Nocedal, Schnabel, "Representations of quasi-Newton matrices and their
+  // use in limited memory methods", Mathematical Programming 1994, theorem 2.2): with the products of all pairs at hand,
+  // a direction takes one pass over them. A pair is the step s and z, the preconditioned change of the gradient y.
+  static constexpr int memory = 5;
+  using Products = Eigen::Matrix<double, memory + 1, memory + 1>;
+  int pairs_ = 0;  // the oldest first; one more place for the newest
+  std::array<std::vector<Preconditioner::Direction>, memory + 1> s_, z_;
+  Products sy_ = Products::Zero(), zy_ = Products::Zero();
+  Eigen::Matrix<double, memory + 1, 1> sg_, zg_;  // with the gradient
 };
 
 }  // namespace vacuform

@@ -123,8 +123,8 @@ class Forming {
       else if (descends && !state_.held[i])
         y.col(i) = guess(i, moment);
     VACUFORM_CHECK(settle(y));
-    const int touched =
-        state_.follow(process_, y, from, moment.contact_time, ceiling_ ? &*ceiling_ : nullptr);
+    const int touched = state_.land(state_.landings(process_, y, ceiling_ ? &*ceiling_ : nullptr), 1, y, from,
+                                    moment.contact_time);
     before_ = state_.x;
     state_.x = y;
     ++(descends ? state_.summary.drape_steps : state_.summary.vacuum_steps);

@@ -7,8 +7,6 @@ namespace vacuform {
 
 namespace {
 
-constexpr double wrinkled_stiffness = 1e-3;
-
 // W = c1 (I1 - 3) + c2 (I2 - 3) with l3 = 1 / (l1 l2) and c1 + c2 = 1/2 (shear modulus 1).
 struct Coefficients {
   double c1, c2;
@@ -70,7 +68,7 @@ Density density(MembraneLaw law, double l1, double l2) {
   const Density full = plane_stress(c, l1, l2);
   if (l2 * l2 * l1 >= 1 && l1 >= 1) return full;
   Density d = uniaxial(c, l1);
-  constexpr double e = wrinkled_stiffness;
+  constexpr double e = Membrane::wrinkled_stiffness;
   d.W = (1 - e) * d.W + e * full.W;
   d.W1 = (1 - e) * d.W1 + e * full.W1;
   d.W2 = e * full.W2;
@@ -114,120 +112,37 @@ Eigen::Matrix<double, 3, 2> Membrane::deformation(const Points& x, int triangle)
          (x.col(t[2]) - x.col(t[0])) * g.col(2).transpose();
 }
 
-namespace {
-
-// Tight both ways: l1 >= 1 and l1 l2^2 >= 1, without a root (l1^2 is the larger root of q^2 - trace q + J, J = det C).
-bool tight(double trace, double J) {
-  return (trace >= 2 || 1 - trace + J <= 0) && 2 * J * J >= trace && J * J * J - trace * J + 1 >= 0;
-}
-bool tight(const Eigen::Array4d& trace, const Eigen::Array4d& J) {
-  return (trace >= 2 || 1 - trace + J <= 0).all() && (2 * J * J >= trace).all() &&
-         (J * J * J - trace * J + 1 >= 0).all();
-}
-
-}  // namespace
-
-double Membrane::element_energy(const Points& x, double p, int triangle, Eigen::Matrix3d& gradient) const {
-  const Triangle& t = triangles_[triangle];
-  const auto& g = shape_[triangle];
-  const Eigen::Vector3d a = x.col(t[0]), e1 = x.col(t[1]) - a, e2 = x.col(t[2]) - a;
-  const Eigen::Vector3d F1 = g(0, 1) * e1 + g(0, 2) * e2, F2 = g(1, 1) * e1 + g(1, 2) * e2;
-  const double c11 = F1.squaredNorm(), c12 = F1.dot(F2), c22 = F2.squaredNorm(), trace = c11 + c22;
-  const double J = F1.cross(F2).squaredNorm();  // det C
-  // The second Piola-Kirchhoff stress S = 2 dW/dC as (s11, s12, s22).
-  double W, s11, s12, s22;
-  if (tight(trace, J)) {  // by the invariants of C
-    const double i = 1 / J, identity = 2 * (c1_ + c2_ * i),
-                 adjugate = 2 * (c2_ - (c1_ + c2_ * trace) * i * i);
-    W = c1_ * (trace + i - 3) + c2_ * (J + trace * i - 3);
-    s11 = identity + adjugate * c22, s12 = -adjugate * c12, s22 = identity + adjugate * c11;
-  } else {
-    const Principal q = principal(deformation(x, triangle));
-    const Density d = density(law_, q.l1, q.l2);
-    const Eigen::Vector3d S = along_principal(q, d.W1 / q.l1, d.W2 / q.l2);
-    W = d.W, s11 = S[0], s12 = S[1], s22 = S[2];
-  }
-  const double area = stiffness_[triangle] * area_[triangle];
-  const Eigen::Vector3d P1 = area * (s11 * F1 + s12 * F2), P2 = area * (s12 * F1 + s22 * F2);
-  gradient.col(1) = g(0, 1) * P1 + g(1, 1) * P2;
-  gradient.col(2) = g(0, 2) * P1 + g(1, 2) * P2;
-  gradient.col(0) = -gradient.col(1) - gradient.col(2);
-  if (p == 0) return area * W;
-  const Eigen::Vector3d normal = e1.cross(e2);
-  gradient.colwise() += (p / 6) * normal;
-  return area * W + p / 6 * normal.z() * (3 * a.z() + e1.z() + e2.z());
-}
-
-double Membrane::element_energies(const Points& x, double p, std::span<const int, 4> four,
-                                  Eigen::Matrix3d* gradients) const {
-  using Lanes = Eigen::Array4d;
-  Lanes az, e1[3], e2[3], g01, g02, g11, g12, weight;
-  for (int lane = 0; lane < 4; ++lane) {
-    const Triangle& t = triangles_[four[lane]];
-    const auto& g = shape_[four[lane]];
-    const double *a = x.data() + 3 * t[0], *b = x.data() + 3 * t[1], *c = x.data() + 3 * t[2];
-    for (int k = 0; k < 3; ++k) e1[k][lane] = b[k] - a[k], e2[k][lane] = c[k] - a[k];
-    az[lane] = a[2];
-    g01[lane] = g(0, 1), g02[lane] = g(0, 2), g11[lane] = g(1, 1), g12[lane] = g(1, 2);
-    weight[lane] = stiffness_[four[lane]] * area_[four[lane]];
-  }
-  Lanes F1[3], F2[3];
-  for (int k = 0; k < 3; ++k) F1[k] = g01 * e1[k] + g02 * e2[k], F2[k] = g11 * e1[k] + g12 * e2[k];
-  const Lanes c11 = F1[0] * F1[0] + F1[1] * F1[1] + F1[2] * F1[2];
-  const Lanes c12 = F1[0] * F2[0] + F1[1] * F2[1] + F1[2] * F2[2];
-  const Lanes c22 = F2[0] * F2[0] + F2[1] * F2[1] + F2[2] * F2[2];
-  const Lanes trace = c11 + c22, J = c11 * c22 - c12 * c12;  // det C
-  if (!tight(trace, J)) {
-    double sum = 0;
-    for (int lane = 0; lane < 4; ++lane) sum += element_energy(x, p, four[lane], gradients[lane]);
-    return sum;
-  }
-  // The second Piola-Kirchhoff stress S = 2 dW/dC as (s11, s12, s22), by the invariants of C.
-  const Lanes i = 1 / J, identity = 2 * (c1_ + c2_ * i), adjugate = 2 * (c2_ - (c1_ + c2_ * trace) * i * i);
-  const Lanes W = c1_ * (trace + i - 3) + c2_ * (J + trace * i - 3);
-  const Lanes s11 = weight * (identity + adjugate * c22), s12 = weight * (-adjugate * c12),
-              s22 = weight * (identity + adjugate * c11);
-  const Lanes normal[3] = {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2],
-                           e1[0] * e2[1] - e1[1] * e2[0]};
-  for (int k = 0; k < 3; ++k) {
-    const Lanes P1 = s11 * F1[k] + s12 * F2[k], P2 = s12 * F1[k] + s22 * F2[k], push = (p / 6) * normal[k];
-    const Lanes second = g01 * P1 + g11 * P2, third = g02 * P1 + g12 * P2, first = push - second - third;
-    for (int lane = 0; lane < 4; ++lane) {
-      gradients[lane](k, 0) = first[lane];
-      gradients[lane](k, 1) = second[lane] + push[lane];
-      gradients[lane](k, 2) = third[lane] + push[lane];
-    }
-  }
-  return (weight * W + p / 6 * normal[2] * (3 * az + e1[2] + e2[2])).sum();
-}
-
 double Membrane::energy(const Points& x, double p, Points& gradient) const {
   gradient.setZero();
   double sum = 0;
-  Eigen::Matrix3d corners;
   for (int k = 0; k < static_cast<int>(triangles_.size()); ++k) {
-    sum += element_energy(x, p, k, corners);
-    for (int c = 0; c < 3; ++c) gradient.col(triangles_[k][c]) += corners.col(c);
+    const Triangle& t = triangles_[k];
+    const auto& g = shape_[k];
+    const Eigen::Matrix<double, 3, 2> F = deformation(x, k);
+    const Principal q = principal(F);
+    const Density d = density(law_, q.l1, q.l2);
+    const Eigen::Vector3d S = along_principal(q, d.W1 / q.l1, d.W2 / q.l2);  // second Piola-Kirchhoff stress
+    const double weight = stiffness_[k] * area_[k];
+    const Eigen::Vector3d P1 = weight * (S[0] * F.col(0) + S[1] * F.col(1)),
+                          P2 = weight * (S[1] * F.col(0) + S[2] * F.col(1));
+    const Eigen::Vector3d a = x.col(t[0]), b = x.col(t[1]), c = x.col(t[2]), normal = (b - a).cross(c - a);
+    for (int corner = 0; corner < 3; ++corner)
+      gradient.col(t[corner]) += g(0, corner) * P1 + g(1, corner) * P2 + (p / 6) * normal;
+    sum += weight * d.W + p / 6 * normal.z() * (a.z() + b.z() + c.z());
   }
   return sum;
 }
 
-Eigen::Vector3d Membrane::tangential_stiffness(const Points& x, int triangle) const {
+std::array<Eigen::Vector3d, 2> Membrane::stiffness(const Points& x, int triangle) const {
   const Principal q = principal(deformation(x, triangle));
   const Density d = density(law_, q.l1, q.l2);
-  const double shear =
-      q.gap > 1e-6 * q.l1 * q.l1 ? (q.l1 * d.W1 - q.l2 * d.W2) / q.gap : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12);
-  constexpr double least = 1e-2;
-  return stiffness_[triangle] * along_principal(q, std::max(least, (d.W11 + std::max(0.0, shear)) / 2),
-                                                std::max(least, (d.W22 + std::max(0.0, shear)) / 2));
-}
-
-Eigen::Vector3d Membrane::normal_stiffness(const Points& x, int triangle) const {
-  const Principal q = principal(deformation(x, triangle));
-  const Density d = density(law_, q.l1, q.l2);
-  constexpr double least = 1e-3;
-  return stiffness_[triangle] *
-         along_principal(q, std::max(least, d.W1 / q.l1), std::max(least, d.W2 / q.l2));
+  const double shear = std::max(0.0, q.gap > 1e-6 * q.l1 * q.l1 ? (q.l1 * d.W1 - q.l2 * d.W2) / q.gap
+                                                                : 0.5 * (d.W11 + d.W1 / q.l1 - d.W12));
+  constexpr double least_tangential = 1e-2, least_normal = 1e-3;
+  return {stiffness_[triangle] * along_principal(q, std::max(least_tangential, (d.W11 + shear) / 2),
+                                                 std::max(least_tangential, (d.W22 + shear) / 2)),
+          stiffness_[triangle] *
+              along_principal(q, std::max(least_normal, d.W1 / q.l1), std::max(least_normal, d.W2 / q.l2))};
 }
 
 void Membrane::flow(const Points& x, int triangle, double kept) {

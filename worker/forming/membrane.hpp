@@ -6,7 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
+#include <array>
 #include <vector>
 
 #include "api/settings.hpp"
@@ -33,23 +33,24 @@ class Membrane {
 
   std::size_t triangle_count() const { return triangles_.size(); }
 
-  // The energy of one triangle, elastic plus p times the volume under it, and its gradient at the three corners (one a
-  // column). The pressure pushes against the normal that counter-clockwise triangles show.
-  double element_energy(const Points& x, double p, int triangle, Eigen::Matrix3d& gradient) const;
-  // Four triangles at once: the sum of their energies, and their gradients. The same figures as one by one.
-  double element_energies(const Points& x, double p, std::span<const int, 4> four,
-                          Eigen::Matrix3d* gradients) const;
-  // The same for the whole sheet; the gradient (3 x vertices) is overwritten.
+  // The energy of the sheet, elastic plus p times the volume under it, and its gradient at the vertices (3 x vertices,
+  // overwritten). The pressure pushes against the normal that counter-clockwise triangles show.
   double energy(const Points& x, double p, Points& gradient) const;
 
   // The stiffness against moving one vertex in the sheet's plane, and along its normal (by tension alone): the
   // coefficients (t11, t12, t22) of a scalar form in the triangle's rest frame, symmetric positive definite, per
   // rest area. Means over the directions in the plane, with a small least value where the sheet is wrinkled.
-  Eigen::Vector3d tangential_stiffness(const Points& x, int triangle) const;
-  Eigen::Vector3d normal_stiffness(const Points& x, int triangle) const;
+  std::array<Eigen::Vector3d, 2> stiffness(const Points& x, int triangle) const;
   // Gradient of the three shape functions of a triangle in the rest plane, 1/mm (columns), and its rest area, mm^2.
   const Eigen::Matrix<double, 2, 3>& shape_gradient(int triangle) const { return shape_[triangle]; }
   double rest_area(int triangle) const { return area_[triangle]; }
+  // Shear modulus of a triangle over that of the sheet, and the coefficients c1, c2 of
+  // W = c1 (I1 - 3) + c2 (I2 - 3).
+  double modulus(int triangle) const { return stiffness_[triangle]; }
+  double c1() const { return c1_; }
+  double c2() const { return c2_; }
+  // The part of the unrelaxed energy that is kept where the sheet wrinkles.
+  static constexpr double wrinkled_stiffness = 1e-3;
 
   // Gives a triangle other corners on the flat sheet; what has flowed stays.
   void reshape(int triangle, const std::vector<Eigen::Vector2d>& rest);

@@ -163,7 +163,7 @@ class Descent {
     const double still = drape_still_mm * viscous_share(to.frame_mm - now_.frame_mm);
     const Equilibrium::Limits limits{force, still, stride(), unlimited, viscous_ ? 300 : 60};
     VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, limits));
-    VACUFORM_CHECK(touch(y, to, limits));
+    VACUFORM_CHECK(touch(y, state_.landings(process_, y), 1, to, limits));
     go_on(std::move(y), to);
     return {};
   }
@@ -198,16 +198,16 @@ class Descent {
 
       const double moved = std::sqrt((y - x_).colwise().squaredNorm().maxCoeff());
       double part = 0.5 * spacing_ / std::max(moved, 1e-9);
-      if (!outcome.ran_away)
-        part = std::min(1.0, std::max(part, spread_.one_row(process_, state_, y, *ceiling_)));
+      const auto landings = state_.landings(process_, y, &*ceiling_);
+      if (!outcome.ran_away) part = std::min(1.0, std::max(part, spread_.one_row(state_, landings)));
       if (part < 1) {
         y = x_ + part * (y - x_);
         // Past a limit point the vacuum waits for the sheet.
         to = at_vacuum(outcome.ran_away ? std::max(now_.vacuum_s, first)
                                         : now_.vacuum_s + part * (next - now_.vacuum_s));
       }
-      VACUFORM_TRY(touched,
-                   touch(y, to, {force, last ? 0 : still_mm, stride(), std::max(6.0, 4 * spacing_), 300}));
+      VACUFORM_TRY(touched, touch(y, landings, part, to,
+                                  {force, last ? 0 : still_mm, stride(), std::max(6.0, 4 * spacing_), 300}));
       grown = now_.vacuum_s > 0 ? to.vacuum_s / now_.vacuum_s : 1;
       const bool settled = part >= 1 && outcome.at_rest, resting = settled && touched == 0;
       if (flows_ ? (settled && last) || (resting && to.vacuum_s >= ramp && moved < still_mm)
@@ -290,19 +290,21 @@ class Descent {
     return y;
   }
 
-  // Holds the vertices that touch on the way from x_ to y; returns their number. A sheet that flows would keep the
-  // kinks that this leaves next to them, so it is brought to rest again before it flows.
-  Result<int> touch(Points& y, const Load& to, const Equilibrium::Limits& limits) {
-    int touched = 0;
-    for (int round = 0;; ++round) {
-      const int now = state_.follow(process_, y, now_.contact, to.contact, ceiling_ ? &*ceiling_ : nullptr) +
-                      meet_points(y, to);
-      touched += now;
-      constexpr int most_rounds = 4;
-      if (!flows_ || now == 0 || round == most_rounds) return touched;
+  // Holds the vertices that land within the first part of the way from x_, at whose end y is; returns their number. A
+  // sheet that flows would keep the kinks that this leaves next to them, so it is brought to rest again before it flows.
+  Result<int> touch(Points& y, const std::vector<SheetState::Landing>& landings, double part, const Load& to,
+                    const Equilibrium::Limits& limits) {
+    int touched = state_.land(landings, part, y, now_.contact, to.contact) + meet_points(y, to);
+    constexpr int most_rounds = 4;
+    for (int round = 0, now = touched; flows_ && now > 0 && round < most_rounds; ++round) {
       equilibrium_.hold(state_.held, y, true);
       VACUFORM_CHECK(solve(y, to, to.seconds - now_.seconds, limits));
+      now = state_.land(state_.landings(process_, y, ceiling_ ? &*ceiling_ : nullptr), 1, y, now_.contact,
+                        to.contact) +
+            meet_points(y, to);
+      touched += now;
     }
+    return touched;
   }
 
   // Lets the sharp places of the mold hold the sheet; returns how many triangles this changes.

@@ -11,11 +11,11 @@ namespace vacuform {
 namespace {
 
 // An edge of the mesh with the faces on its sides; -1 where there is no face.
-struct Edge {
+struct MoldEdge {
   int a, b, left, right;
 };
 
-std::vector<Edge> edges_of(const TriangleMesh& mesh) {
+std::vector<MoldEdge> mold_edges(const TriangleMesh& mesh) {
   struct Half {
     int a, b, face;
   };
@@ -28,7 +28,7 @@ std::vector<Edge> edges_of(const TriangleMesh& mesh) {
   std::sort(halves.begin(), halves.end(), [](const Half& x, const Half& y) {
     return std::tie(x.a, x.b, x.face) < std::tie(y.a, y.b, y.face);
   });
-  std::vector<Edge> edges;
+  std::vector<MoldEdge> edges;
   for (std::size_t k = 0; k < halves.size();) {
     std::size_t end = k;
     while (end < halves.size() && halves[end].a == halves[k].a && halves[end].b == halves[k].b) ++end;
@@ -51,7 +51,7 @@ MoldPoints::MoldPoints(const TriangleMesh& mold, double spacing_mm, double drop_
   }
   const double reach = spacing_mm / 2;
   std::vector<int> edges(mold.vertices.size(), 0);  // number of sharp edges at each vertex
-  for (const Edge& e : edges_of(mold)) {
+  for (const MoldEdge& e : mold_edges(mold)) {
     const Eigen::Vector3d &a = mold.vertices[e.a], &b = mold.vertices[e.b];
     const double length = (b - a).norm();
     if (!(length > 0)) continue;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "worker/forming/material.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 
@@ -57,30 +58,52 @@ SheetState::SheetState(const Process& process)
   }
 }
 
-int SheetState::follow(const Process& process, Points& y, double from_time, double to_time,
-                       const SheetAsObstacle* ceiling) {
-  int touched = 0;
+std::vector<SheetState::Landing> SheetState::landings(const Process& process, const Points& y,
+                                                      const SheetAsObstacle* ceiling) const {
   std::optional<SheetAsObstacle> itself;
   if (ceiling && SheetAsObstacle::possible(y, process.grid.triangles, held))
     itself.emplace(x, process.grid.triangles);
-  for (std::size_t i = 0; i < held.size(); ++i) {
-    if (held[i]) continue;
-    const auto hit = process.obstacles.first_touch(x.col(i), y.col(i));
-    auto fold = itself ? itself->stops(x.col(i), y.col(i)) : std::nullopt;
-    if (itself && !fold) fold = ceiling->stops(x.col(i), y.col(i));
-    if (!hit && !fold) continue;
-    if (hit && (!fold || hit->t <= *fold)) {
-      y.col(i) = hit->place;
-      contact[i] = hit->with;
-      time[i] = from_time + hit->t * (to_time - from_time);
-    } else {  // it touches nothing but itself
-      y.col(i) = x.col(i) + *fold * (y.col(i) - x.col(i));
-      folded[i] = 1;
+  constexpr int parts = 64;
+  std::vector<std::vector<Landing>> found(parts);
+  const auto look = [&](int part) {
+    const std::size_t begin = held.size() * part / parts, end = held.size() * (part + 1) / parts;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (held[i]) continue;
+      const auto hit = process.obstacles.first_touch(x.col(i), y.col(i));
+      auto fold = itself ? itself->stops(x.col(i), y.col(i)) : std::nullopt;
+      if (itself && !fold) fold = ceiling->stops(x.col(i), y.col(i));
+      if (hit && (!fold || hit->t <= *fold))
+        found[part].push_back({static_cast<int>(i), hit->t, hit->place, hit->with});
+      else if (fold)  // it touches nothing but itself
+        found[part].push_back(
+            {static_cast<int>(i), *fold, x.col(i) + *fold * (y.col(i) - x.col(i)), Contact::free});
     }
+  };
+  in_parallel(0, parts, [&](int begin, int end) {
+    for (int part = begin; part < end; ++part) look(part);
+  });
+  std::vector<Landing> all;
+  for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
+  return all;
+}
+
+int SheetState::land(const std::vector<Landing>& landings, double part, Points& y, double from_time,
+                     double to_time) {
+  int landed = 0;
+  for (const Landing& landing : landings) {
+    if (landing.part > part) continue;
+    const int i = landing.vertex;
+    y.col(i) = landing.place;
     held[i] = 1;
-    ++touched;
+    if (landing.with == Contact::free) {
+      folded[i] = 1;
+    } else {
+      contact[i] = landing.with;
+      time[i] = from_time + landing.part / part * (to_time - from_time);
+    }
+    ++landed;
   }
-  return touched;
+  return landed;
 }
 
 }  // namespace vacuform

@@ -44,11 +44,20 @@ struct Process {
 struct SheetState {
   explicit SheetState(const Process& process);  // flat, level with the mold's top, clamped
 
-  // Follows every free vertex from x straight to y; what touches an obstacle (or, where given, the sheet itself or its
-  // ceiling from below) is put there in y, held, and stamped with its time between from_time and to_time. Returns how
-  // many touched. x stays.
-  int follow(const Process& process, Points& y, double from_time, double to_time,
-             const SheetAsObstacle* ceiling = nullptr);
+  // A free vertex that touches something on its way straight from x to y.
+  struct Landing {
+    int vertex;
+    double part;            // of the way, in [0, 1]
+    Eigen::Vector3d place;  // there
+    Contact with;           // free: the sheet itself
+  };
+  // All of them, by vertex: what touches an obstacle or, where a ceiling is given, the sheet itself or its ceiling from
+  // below.
+  std::vector<Landing> landings(const Process& process, const Points& y,
+                                const SheetAsObstacle* ceiling = nullptr) const;
+  // Holds what lands within the first part of the way, in y at its place, and stamps it with its time between from_time
+  // and to_time, which is the end of that part. Returns how many land. x stays.
+  int land(const std::vector<Landing>& landings, double part, Points& y, double from_time, double to_time);
 
   std::vector<Eigen::Vector2d>
       rest;  // the grid's, but for vertices that were moved to sharp places of the mold

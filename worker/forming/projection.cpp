@@ -13,7 +13,7 @@ void lower(const Process& process, SheetState& state, double z, double from_time
   Points y = state.x;
   for (std::size_t i = 0; i < state.held.size(); ++i)
     if (!state.held[i]) y(2, i) = z;
-  state.follow(process, y, from_time, to_time);
+  state.land(state.landings(process, y), 1, y, from_time, to_time);
   state.x = y;
 }
 

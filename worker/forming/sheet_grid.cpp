@@ -24,23 +24,29 @@ std::vector<double> lines(double outer, double inner, double spacing) {
 }
 
 // George's nested dissection of the index rectangle [x0, x1) x [y0, y1): halves first, the separating line last.
-void dissect(int x0, int x1, int y0, int y1, int columns, std::vector<int>& order) {
+// Returns the part, or -1 for nothing.
+int dissect(int x0, int x1, int y0, int y1, SheetGrid& grid) {
   const int w = x1 - x0, h = y1 - y0;
-  if (w <= 0 || h <= 0) return;
-  if (w * h <= 12) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x) order.push_back(y * columns + x);
-  } else if (w >= h) {
-    const int middle = x0 + w / 2;
-    dissect(x0, middle, y0, y1, columns, order);
-    dissect(middle + 1, x1, y0, y1, columns, order);
-    for (int y = y0; y < y1; ++y) order.push_back(y * columns + middle);
-  } else {
-    const int middle = y0 + h / 2;
-    dissect(x0, x1, y0, middle, columns, order);
-    dissect(x0, x1, middle + 1, y1, columns, order);
-    for (int x = x0; x < x1; ++x) order.push_back(middle * columns + x);
+  if (w <= 0 || h <= 0) return -1;
+  constexpr int indivisible = 12;
+  Dissection::Part part;
+  int own_x0 = x0, own_x1 = x1, own_y0 = y0, own_y1 = y1;
+  if (w * h > indivisible && w >= h) {
+    own_x0 = x0 + w / 2, own_x1 = own_x0 + 1;
+    part.first = dissect(x0, own_x0, y0, y1, grid);
+    part.second = dissect(own_x1, x1, y0, y1, grid);
+  } else if (w * h > indivisible) {
+    own_y0 = y0 + h / 2, own_y1 = own_y0 + 1;
+    part.first = dissect(x0, x1, y0, own_y0, grid);
+    part.second = dissect(x0, x1, own_y1, y1, grid);
   }
+  part.begin = static_cast<int>(grid.elimination_order.size());
+  for (int y = own_y0; y < own_y1; ++y)
+    for (int x = own_x0; x < own_x1; ++x)
+      grid.elimination_order.push_back(y * static_cast<int>(grid.columns.size()) + x);
+  part.end = static_cast<int>(grid.elimination_order.size());
+  grid.dissection.parts.push_back(part);
+  return static_cast<int>(grid.dissection.parts.size()) - 1;
 }
 
 // A triangle whose corners all lie on the circle is a sliver: the edge between its two outer corners is turned over
@@ -126,12 +132,7 @@ SheetGrid make_sheet_grid(const SheetSettings& sheet, const MachineSettings& mac
   for (const auto& p : grid.rest)
     grid.clamped.push_back(circle ? p.norm() >= half_w - tiny
                                   : std::abs(p.x()) >= half_w - tiny || std::abs(p.y()) >= half_h - tiny);
-  const int middle = columns / 2;
-  dissect(0, middle, 0, rows, columns, grid.elimination_order);
-  grid.first_half = static_cast<int>(grid.elimination_order.size());
-  dissect(middle + 1, columns, 0, rows, columns, grid.elimination_order);
-  grid.second_half = static_cast<int>(grid.elimination_order.size());
-  dissect(middle, middle + 1, 0, rows, columns, grid.elimination_order);
+  dissect(0, columns, 0, rows, grid);
   return grid;
 }
 

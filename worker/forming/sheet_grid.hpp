@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "api/settings.hpp"
+#include "worker/numerics/paired_cholesky.hpp"
 #include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -15,8 +16,7 @@ struct SheetGrid {
   std::vector<double> columns, rows;   // s of the grid's columns, t of its rows
   std::vector<char> clamped;           // per vertex: on or outside the window
   std::vector<int> elimination_order;  // nested dissection of the grid: all vertices, separators last
-  int first_half = 0,
-      second_half = 0;  // ends in that order of the two halves that only the last separator joins
+  Dissection dissection;               // the parts of that order
 };
 
 // Spacing is at most resolution_mm in both directions. Grid lines run along the edges of a rectangular window; a

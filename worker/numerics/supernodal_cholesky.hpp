@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "worker/numerics/sparse_cholesky.hpp"
+#include "worker/numerics/symmetric_matrix.hpp"
 
 namespace vacuform {
 

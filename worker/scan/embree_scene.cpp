@@ -6,6 +6,8 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <tbb/global_control.h>
+
 #include <new>
 #include <stdexcept>
 
@@ -14,8 +16,10 @@ namespace vacuform {
 namespace {
 
 void fill(EmbreeScene& to, const TriangleMesh& mesh) {
-  // One thread builds: the tree, and with it the order of equal hits, is then the same on every machine.
-  to.device = rtcNewDevice("threads=1,set_affinity=0");
+  // One thread builds: the tree, and with it the order of equal hits, is then the same on every machine. (Embree's own
+  // option, threads=1, would keep every other loop of the process on one thread as long as the scene lives.)
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  to.device = rtcNewDevice("set_affinity=0");
   if (!to.device) throw std::runtime_error("Embree cannot start");
   to.scene = rtcNewScene(to.device);
   rtcSetSceneFlags(to.scene, RTC_SCENE_FLAG_ROBUST);

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "worker/forming/equilibrium.hpp"
+#include "worker/forming/free_membrane.hpp"
 #include "worker/forming/sheet_grid.hpp"
 
 namespace vacuform {
@@ -95,26 +96,48 @@ TEST(Membrane, UniformStretchCostsWhatTheLawSays) {
   EXPECT_FALSE(membrane.wrinkled(x, 0));
 }
 
-TEST(Membrane, FourTrianglesAtOnceAreFourTriangles) {
-  const auto grid = make_sheet_grid({}, {});
-  const std::array<int, 4> four{10, 999, 4000, 4001};
-  for (const double narrow : {1.2, 0.7}) {  // tight, and with wrinkles
-    const Membrane membrane(grid.rest, grid.triangles, MembraneLaw::mooney_rivlin,
-                            std::vector<double>(grid.triangles.size(), 1.5));
-    Points x(3, static_cast<Eigen::Index>(grid.rest.size()));
-    for (std::size_t i = 0; i < grid.rest.size(); ++i) {
-      const auto& p = grid.rest[i];
-      x.col(i) << 1.4 * p.x(), narrow * p.y() + 0.1 * p.x(), 0.002 * p.squaredNorm();
-    }
-    std::array<Eigen::Matrix3d, 4> together;
-    double sum = 0;
-    const double all = membrane.element_energies(x, 0.3, four, together.data());
-    for (int k = 0; k < 4; ++k) {
-      Eigen::Matrix3d alone;
-      sum += membrane.element_energy(x, 0.3, four[k], alone);
-      EXPECT_LT((together[k] - alone).norm(), 1e-10 * alone.norm()) << k;
-    }
-    EXPECT_NEAR(all, sum, 1e-10 * std::abs(sum));
+// A sheet that is tight, wrinkled or crushed, on a grid with and without threads, gives the same energy and gradient
+// packed as triangle by triangle.
+TEST(FreeMembrane, IsTheMembraneWhereItIsFree) {
+  for (const double resolution : {1.5, 6.0}) {
+    SheetSettings sheet;
+    sheet.resolution_mm = resolution;
+    const auto grid = make_sheet_grid(sheet, {});
+    std::vector<char> held = grid.clamped;
+    for (std::size_t i = 0; i < held.size(); ++i)
+      if (grid.rest[i].norm() < 40) held[i] = 1;
+    for (const MembraneLaw law : laws)
+      for (const double narrow : {1.2, 0.7, 0.05}) {
+        const Membrane membrane(grid.rest, grid.triangles, law,
+                                std::vector<double>(grid.triangles.size(), 1.5));
+        Points x(3, static_cast<Eigen::Index>(grid.rest.size())), expected = x;
+        for (std::size_t i = 0; i < grid.rest.size(); ++i) {
+          const auto& p = grid.rest[i];
+          x.col(i) << 1.4 * p.x(), narrow * p.y() + 0.1 * p.x() * narrow, 0.002 * p.x() * p.x();
+        }
+        membrane.energy(x, 0.3, expected);
+        FreeMembrane packed;
+        packed.pack(membrane, grid, held);
+        std::vector<Column> place, gradient;
+        for (const int v : packed.vertices()) place.emplace_back(x(0, v), x(1, v), x(2, v), 0);
+        const double energy = packed.energy(place, 0.3, gradient);
+        ASSERT_EQ(static_cast<int>(gradient.size()), packed.free());
+        const double scale = expected.colwise().norm().maxCoeff();
+        for (int k = 0; k < packed.free(); ++k)
+          ASSERT_LT((gradient[k].head<3>().matrix() - expected.col(packed.vertices()[k])).norm(),
+                    1e-9 * scale)
+              << narrow << " " << k;
+
+        // All of the energy but that of the triangles between held vertices, which does not change with the free ones.
+        Points moved = x;
+        for (int k = 0; k < packed.free(); ++k) {
+          place[k][0] *= 1.01;
+          moved(0, packed.vertices()[k]) *= 1.01;
+        }
+        const double difference = membrane.energy(moved, 0.3, expected) - membrane.energy(x, 0.3, expected);
+        EXPECT_NEAR(packed.energy(place, 0.3, gradient) - energy, difference, 1e-9 * std::abs(energy))
+            << narrow;
+      }
   }
 }
 

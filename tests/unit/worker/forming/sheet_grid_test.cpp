@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "worker/numerics/sparse_cholesky.hpp"
-
 namespace vacuform {
 namespace {
 
@@ -57,19 +55,14 @@ TEST(SheetGrid, EliminationOrderIsAPermutation) {
   for (int i = 0; i < static_cast<int>(order.size()); ++i) ASSERT_EQ(order[i], i);
 }
 
-// [4 1 0; 1 3 1; 0 1 2] x = b, and a matrix that is not positive definite.
-TEST(SparseCholesky, SolvesAndRefuses) {
-  SymmetricMatrix matrix{3, {0, 2, 4, 5}, {0, 1, 1, 2, 2}, {4, 1, 3, 1, 2}};
-  SparseCholesky cholesky;
-  cholesky.analyse(matrix, {2, 0, 1});
-  ASSERT_TRUE(cholesky.factor(matrix));
-  Eigen::MatrixXd B(3, 2), X;
-  B << 6, 4, 10, 1, 8, 0;
-  cholesky.solve(B, X);
-  EXPECT_NEAR((X.col(0) - Eigen::Vector3d(1, 2, 3)).norm(), 0, 1e-14);
-  EXPECT_NEAR((X.col(1) - Eigen::Vector3d(1, 0, 0)).norm(), 0, 1e-14);
-  matrix.value = {1, 2, 1, 0, 1};
-  EXPECT_FALSE(cholesky.factor(matrix));
+TEST(SheetGrid, PartsOfTheDissectionCoverTheOrder) {
+  const auto grid = make_sheet_grid({}, {});
+  int at = 0;
+  for (const auto& part : grid.dissection.parts) {
+    EXPECT_EQ(part.begin, at);
+    at = part.end;
+  }
+  EXPECT_EQ(at, static_cast<int>(grid.elimination_order.size()));
 }
 
 }  // namespace

@@ -1,0 +1,323 @@
+#include "worker/numerics/paired_cholesky.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "worker/stage/parallel.hpp"
+
+namespace vacuform {
+
+namespace {
+
+using Quad = PairedCholesky::Quad;
+
+constexpr int worth_a_thread = 2500;  // rows
+
+// Two entries of both matrices (t0, n0, t1, n1): one of them for the three columns and the one.
+using Lanes = float __attribute__((vector_size(16)));
+template <int which>
+Quad spread(const Quad& two) {
+  Lanes lanes, out;
+  Eigen::Map<Quad>(reinterpret_cast<float*>(&lanes)) = two;
+  out = __builtin_shufflevector(lanes, lanes, 2 * which, 2 * which, 2 * which, 2 * which + 1);
+  return Eigen::Map<Quad>(reinterpret_cast<float*>(&out));
+}
+
+// Of a block of four columns: two quads with the inverse diagonal, then the six entries below it (10, 20, 30, 21, 31,
+// 32) in three.
+constexpr int diagonal_quads = 5;
+
+// Cholesky's elimination of the first `own` columns (a multiple of four) of a symmetric matrix of 4 `quads` rows, of
+// which the lower triangle counts. The inverse of the diagonal stands on the diagonal afterwards. `least`: of the pivots.
+bool eliminate_columns(Quad* matrix, int quads, int own, const float* least) {
+  const auto column = [&](int c) { return matrix + static_cast<std::ptrdiff_t>(c) * quads; };
+  for (int c = 0; c < own; c += 4) {
+    const int k = c / 4;
+    float l[4][4];
+    for (int j = 0; j < 4; ++j)
+      for (int i = j; i < 4; ++i) l[i][j] = column(c + j)[k][i];
+    float inverse[4];
+    for (int j = 0; j < 4; ++j) {
+      for (int m = 0; m < j; ++m)
+        for (int i = j; i < 4; ++i) l[i][j] -= l[i][m] * l[j][m];
+      const float pivot = std::max(l[j][j], c + j < own ? least[c + j] : 0.0f);
+      if (!(pivot > 0) || !std::isfinite(l[j][j])) return false;
+      inverse[j] = 1 / std::sqrt(pivot);
+      for (int i = j + 1; i < 4; ++i) l[i][j] *= inverse[j];
+    }
+    for (int j = 0; j < 4; ++j) {
+      column(c + j)[k][j] = inverse[j];
+      for (int i = j + 1; i < 4; ++i) column(c + j)[k][i] = l[i][j];
+    }
+    Quad* const L[4] = {column(c), column(c + 1), column(c + 2), column(c + 3)};
+    for (int r = k + 1; r < quads; ++r) {
+      L[0][r] *= inverse[0];
+      L[1][r] = (L[1][r] - L[0][r] * l[1][0]) * inverse[1];
+      L[2][r] = (L[2][r] - L[0][r] * l[2][0] - L[1][r] * l[2][1]) * inverse[2];
+      L[3][r] = (L[3][r] - L[0][r] * l[3][0] - L[1][r] * l[3][1] - L[2][r] * l[3][2]) * inverse[3];
+    }
+    for (int d = k + 1; d < quads; ++d) {  // four columns at a time
+      Quad by[4][4];
+      for (int m = 0; m < 4; ++m)
+        for (int j = 0; j < 4; ++j) by[m][j] = Quad::Constant(L[m][d][j]);
+      Quad* const to[4] = {column(4 * d), column(4 * d + 1), column(4 * d + 2), column(4 * d + 3)};
+      for (int r = d; r < quads; ++r) {
+        const Quad a = L[0][r], b = L[1][r], e = L[2][r], f = L[3][r];
+        for (int j = 0; j < 4; ++j) to[j][r] -= a * by[0][j] + b * by[1][j] + e * by[2][j] + f * by[3][j];
+      }
+    }
+  }
+  return true;
+}
+
+int fours(int n) { return (n + 3) / 4; }
+
+}  // namespace
+
+void PairedCholesky::analyse(const Dissection& dissection, std::span<const std::array<int, 3>> triangles) {
+  const int rows = dissection.parts.empty() ? 0 : dissection.parts.back().end;
+  triangles_.assign(triangles.begin(), triangles.end());
+  fronts_.clear();
+  border_row_.clear();
+  std::vector<int> front_of_row(static_cast<std::size_t>(rows));
+  for (const auto& part : dissection.parts) {
+    const int own = part.end - part.begin;
+    std::fill_n(front_of_row.begin() + part.begin, own, static_cast<int>(fronts_.size()));
+    fronts_.push_back({.first_row = part.begin, .own = own, .padded = 4 * fours(own), .first = part.first, .second = part.second});
+  }
+
+  // A triangle belongs to the front that eliminates its first corner.
+  std::vector<int> owner;
+  std::vector<int> count(fronts_.size() + 1, 0);
+  for (const auto& t : triangles) {
+    int first = -1;
+    for (const int row : t)
+      if (row >= 0 && (first < 0 || row < first)) first = row;
+    owner.push_back(first < 0 ? -1 : front_of_row[first]);
+    if (first >= 0) ++count[owner.back() + 1];
+  }
+  for (std::size_t f = 0; f < fronts_.size(); ++f) {
+    fronts_[f].triangles_begin = fronts_[f].triangles_end = count[f];
+    count[f + 1] += count[f];
+  }
+  triangle_.resize(static_cast<std::size_t>(count.back()));
+  for (std::size_t k = 0; k < owner.size(); ++k)
+    if (owner[k] >= 0) triangle_[fronts_[owner[k]].triangles_end++] = static_cast<int>(k);
+
+  place_.resize(triangle_.size());
+  place_in_parent_.clear();
+  std::vector<int> place(static_cast<std::size_t>(rows), -1), border;
+  std::size_t values = 0, work = 0;
+  for (Front& front : fronts_) {
+    const int end = front.first_row + front.own;
+    border.clear();
+    const auto meet = [&](int row) {
+      if (row < end || place[row] >= 0) return;
+      place[row] = 0;
+      border.push_back(row);
+    };
+    for (int k = front.triangles_begin; k < front.triangles_end; ++k)
+      for (const int row : triangles[triangle_[k]]) meet(row);
+    front.weight = front.own;
+    for (const int child : {front.first, front.second}) {
+      if (child < 0) continue;
+      const Front& c = fronts_[child];
+      front.weight += c.weight;
+      for (int k = 0; k < c.border; ++k) {
+        const int row = border_row_[c.border_begin + k];
+        if (row < front.first_row) throw std::logic_error("the parts of a dissection are joined beside those that separate them");
+        meet(row);
+      }
+    }
+    std::sort(border.begin(), border.end());
+    front.border = static_cast<int>(border.size());
+    front.border_begin = border_row_.size();
+    border_row_.insert(border_row_.end(), border.begin(), border.end());
+    place_in_parent_.resize(border_row_.size(), -1);
+
+    for (int k = 0; k < front.own; ++k) place[front.first_row + k] = k;
+    for (int k = 0; k < front.border; ++k) place[border[k]] = front.padded + k;
+    for (int k = front.triangles_begin; k < front.triangles_end; ++k)
+      for (int corner = 0; corner < 3; ++corner) {
+        const int row = triangles[triangle_[k]][corner];
+        place_[k][corner] = row < 0 ? -1 : place[row];
+      }
+    for (const int child : {front.first, front.second})
+      if (child >= 0)
+        for (int k = 0; k < fronts_[child].border; ++k)
+          place_in_parent_[fronts_[child].border_begin + k] = place[border_row_[fronts_[child].border_begin + k]];
+    for (const int row : border) place[row] = -1;
+
+    front.value_begin = values;
+    for (int c = 0; c < front.padded; c += 4) values += static_cast<std::size_t>(diagonal_quads + 2 * (front.rows() - c - 4));
+    front.work_begin = work;
+    work += static_cast<std::size_t>(front.rows());
+  }
+  value_.resize(values);
+  work_.resize(work);
+}
+
+bool PairedCholesky::factor(std::span<const Element> elements) {
+  if (fronts_.empty()) return true;
+  // In single precision a pivot can be lost in rounding, which is some 1e-7 of the diagonal.
+  constexpr float of_diagonal = 2e-6f;
+  for (int m = 0; m < 2; ++m) {
+    least_[m].assign(static_cast<std::size_t>(fronts_.back().first_row + fronts_.back().own), 0);
+    for (std::size_t k = 0; k < elements.size(); ++k)
+      for (int corner = 0; corner < 3; ++corner)
+        if (const int row = triangles_[k][corner]; row >= 0)
+          least_[m][row] += of_diagonal * elements[k][m][(corner + 1) * (corner + 2) / 2 - 1];
+  }
+  Update none;
+  return eliminate(static_cast<int>(fronts_.size()) - 1, elements, none);
+}
+
+bool PairedCholesky::eliminate(int which, std::span<const Element> elements, Update& update) {
+  const Front& front = fronts_[which];
+  const int children[2] = {front.first, front.second};
+  std::array<Update, 2> below;
+  std::array<bool, 2> positive{true, true};
+  const auto descend = [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
+      if (children[k] >= 0) positive[k] = eliminate(children[k], elements, below[k]);
+  };
+  if (front.weight >= worth_a_thread)
+    in_parallel(0, 2, descend);
+  else
+    descend(0, 2);
+  if (!positive[0] || !positive[1]) return false;
+
+  const int quads = fours(front.rows());
+  static thread_local std::vector<Quad> dense;
+  for (int m = 0; m < 2; ++m) {
+    dense.assign(static_cast<std::size_t>(quads) * 4 * quads, Quad::Zero());
+    const auto at = [&](int row, int column) -> float& {
+      return dense[static_cast<std::size_t>(column) * quads + row / 4][row % 4];
+    };
+    for (int k = front.own; k < front.padded; ++k) at(k, k) = 1;
+    for (int k = front.triangles_begin; k < front.triangles_end; ++k) {
+      const auto& value = elements[triangle_[k]][m];
+      int entry = 0;
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b <= a; ++b, ++entry) {
+          const int p = place_[k][a], q = place_[k][b];
+          if (p >= 0 && q >= 0) at(std::max(p, q), std::min(p, q)) += value[entry];
+        }
+    }
+    for (int k = 0; k < 2; ++k) {
+      if (children[k] < 0) continue;
+      const Front& child = fronts_[children[k]];
+      const int* to = place_in_parent_.data() + child.border_begin;
+      const int height = fours(child.border);
+      for (int c = 0; c < child.border; ++c) {
+        const auto* from = reinterpret_cast<const float*>(below[k][m].data() + static_cast<std::size_t>(c) * height);
+        auto* into = reinterpret_cast<float*>(dense.data() + static_cast<std::size_t>(to[c]) * quads);
+        for (int r = c; r < child.border; ++r) into[to[r]] += from[r];
+      }
+    }
+    float* const least = least_[m].data() + front.first_row;
+    if (!eliminate_columns(dense.data(), quads, front.own, least)) return false;
+
+    auto* value = reinterpret_cast<float*>(value_.data() + front.value_begin) + m;
+    for (int c = 0; c < front.padded; c += 4) {
+      for (int j = 0; j < 4; ++j, value += 2) *value = at(c + j, c + j);
+      for (int j = 0; j < 3; ++j)
+        for (int i = j + 1; i < 4; ++i, value += 2) *value = at(c + i, c + j);
+      for (int r = c + 4; r < front.rows(); ++r)
+        for (int j = 0; j < 4; ++j, value += 2) *value = at(r, c + j);
+    }
+    const int height = fours(front.border), skip = front.padded / 4;
+    update[m].resize(static_cast<std::size_t>(height) * front.border);
+    for (int c = 0; c < front.border; ++c)
+      std::copy_n(dense.data() + static_cast<std::size_t>(front.padded + c) * quads + skip, height,
+                  update[m].data() + static_cast<std::size_t>(c) * height);
+  }
+  return true;
+}
+
+void PairedCholesky::solve(std::span<Quad> columns) {
+  if (fronts_.empty()) return;
+  const int root = static_cast<int>(fronts_.size()) - 1;
+  forward(root, columns);
+  backward(root, columns);
+}
+
+void PairedCholesky::forward(int which, std::span<const Quad> columns) {
+  const Front& front = fronts_[which];
+  const int children[2] = {front.first, front.second};
+  const auto descend = [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
+      if (children[k] >= 0) forward(children[k], columns);
+  };
+  if (front.weight >= worth_a_thread)
+    in_parallel(0, 2, descend);
+  else
+    descend(0, 2);
+
+  Quad* const w = work_.data() + front.work_begin;
+  std::copy_n(columns.data() + front.first_row, front.own, w);
+  std::fill_n(w + front.own, front.rows() - front.own, Quad::Zero());
+  for (const int k : children) {
+    if (k < 0) continue;
+    const Front& child = fronts_[k];
+    const Quad* from = work_.data() + child.work_begin + child.padded;
+    const int* to = place_in_parent_.data() + child.border_begin;
+    for (int r = 0; r < child.border; ++r) w[to[r]] += from[r];
+  }
+  const Quad* value = value_.data() + front.value_begin;
+  for (int c = 0; c < front.padded; c += 4) {
+    Quad* const y = w + c;
+    const Quad a = y[0] * spread<0>(value[0]);
+    const Quad b = (y[1] - a * spread<0>(value[2])) * spread<1>(value[0]);
+    const Quad d = (y[2] - a * spread<1>(value[2]) - b * spread<1>(value[3])) * spread<0>(value[1]);
+    const Quad e = (y[3] - a * spread<0>(value[3]) - b * spread<0>(value[4]) - d * spread<1>(value[4])) * spread<1>(value[1]);
+    y[0] = a, y[1] = b, y[2] = d, y[3] = e;
+    value += diagonal_quads;
+    for (int r = c + 4; r < front.rows(); ++r, value += 2)
+      w[r] -= a * spread<0>(value[0]) + b * spread<1>(value[0]) + d * spread<0>(value[1]) + e * spread<1>(value[1]);
+  }
+}
+
+void PairedCholesky::backward(int which, std::span<Quad> columns) {
+  const Front& front = fronts_[which];
+  Quad* const w = work_.data() + front.work_begin;
+  const Quad* value = value_.data() + front.value_begin;
+  for (int c = 0; c < front.padded; c += 4) value += diagonal_quads + 2 * (front.rows() - c - 4);
+  for (int c = front.padded - 4; c >= 0; c -= 4) {
+    const int below = front.rows() - c - 4;
+    value -= 2 * below;
+    Quad* const x = w + c;
+    Quad a = Quad::Zero(), b = a, d = a, e = a;
+    const Quad* at = value;
+    for (int r = 0; r < below; ++r, at += 2) {
+      const Quad& known = x[4 + r];
+      a += known * spread<0>(at[0]), b += known * spread<1>(at[0]);
+      d += known * spread<0>(at[1]), e += known * spread<1>(at[1]);
+    }
+    value -= diagonal_quads;
+    x[3] = (x[3] - e) * spread<1>(value[1]);
+    x[2] = (x[2] - d - x[3] * spread<1>(value[4])) * spread<0>(value[1]);
+    x[1] = (x[1] - b - x[2] * spread<1>(value[3]) - x[3] * spread<0>(value[4])) * spread<1>(value[0]);
+    x[0] = (x[0] - a - x[1] * spread<0>(value[2]) - x[2] * spread<1>(value[2]) - x[3] * spread<0>(value[3])) *
+           spread<0>(value[0]);
+  }
+  std::copy_n(w, front.own, columns.data() + front.first_row);
+  const int children[2] = {front.first, front.second};
+  const auto descend = [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      if (children[k] < 0) continue;
+      const Front& child = fronts_[children[k]];
+      Quad* const known = work_.data() + child.work_begin + child.padded;
+      const int* from = place_in_parent_.data() + child.border_begin;
+      for (int r = 0; r < child.border; ++r) known[r] = w[from[r]];
+      backward(children[k], columns);
+    }
+  };
+  if (front.weight >= worth_a_thread)
+    in_parallel(0, 2, descend);
+  else
+    descend(0, 2);
+}
+
+}  // namespace vacuform

@@ -1,0 +1,72 @@
+// Cholesky factors of two symmetric positive definite matrices that are sums over the same triangles, in single
+// precision, for preconditioning: both are solved at once, three columns with the first matrix and one with the second.
+//
+// Multifrontal (Duff, Reid 1983; Liu 1992) on a nested dissection (George 1973) that the caller knows. A general package
+// spends most of its time in finding the pattern anew each time that the unknowns change, and in single entries.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace vacuform {
+
+// An order of elimination: each part follows its two subordinate parts, which only it and parts above it join.
+struct Dissection {
+  struct Part {
+    int begin = 0, end = 0;       // in the order
+    int first = -1, second = -1;  // subordinate parts, or -1
+  };
+  std::vector<Part> parts;  // subordinate ones first; the last is the whole
+};
+
+class PairedCholesky {
+ public:
+  // Three columns for the first matrix, one for the second.
+  using Quad = Eigen::Array4f;
+  // What a triangle adds to either matrix: entries 00, 10, 11, 20, 21, 22 of its corners.
+  using Element = std::array<std::array<float, 6>, 2>;
+
+  // The unknowns are the rows 0 to the last part's end - 1; a corner of a triangle is a row, or -1.
+  void analyse(const Dissection& dissection, std::span<const std::array<int, 3>> triangles);
+  // False when a matrix is not positive definite. One element a triangle. Deterministic at any number of threads.
+  bool factor(std::span<const Element> elements);
+  // Solves in place; one entry a row. Deterministic at any number of threads.
+  void solve(std::span<Quad> columns);
+
+ private:
+  // The dense matrix of a part: the part's own rows, filled up to whole fours, then the later rows that they meet.
+  struct Front {
+    int first_row = 0, own = 0, padded = 0;  // padded: own, rounded up to a multiple of 4
+    int border = 0;                          // later rows
+    int first = -1, second = -1;             // subordinate fronts
+    int weight = 0;                          // rows of this and all subordinate fronts
+    int triangles_begin = 0, triangles_end = 0;
+    std::size_t border_begin = 0;  // in border_row_ and place_
+    std::size_t value_begin = 0;   // in value_
+    std::size_t work_begin = 0;    // in work_
+    int rows() const { return padded + border; }
+  };
+  // Of each matrix: the lower triangle of a front's border after its own rows are eliminated, four rows an entry.
+  using Update = std::array<std::vector<Quad>, 2>;
+
+  bool eliminate(int front, std::span<const Element> elements, Update& update);
+  void forward(int front, std::span<const Quad> columns);
+  void backward(int front, std::span<Quad> columns);
+
+  std::vector<std::array<int, 3>> triangles_;
+  std::array<std::vector<float>, 2> least_;  // pivot of each row
+  std::vector<Front> fronts_;
+  std::vector<int> triangle_;              // by front
+  std::vector<std::array<int, 3>> place_;  // of the corners of these, in the front
+  std::vector<int> border_row_;            // ascending in each front
+  std::vector<int> place_in_parent_;       // parallel
+  // By front and block of four columns: the inverse diagonal and the entries below it in the block, then four entries for
+  // each row below the block; of both matrices, side by side.
+  std::vector<Quad> value_;
+  std::vector<Quad> work_;
+};
+
+}  // namespace vacuform
