@@ -229,16 +229,21 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limit
       continue;
     }
     double step = std::min(1.0, limits.stride / descent.longest);
-    for (int halving = 0; halving < 30 && taken == 0; ++halving, step *= 0.5) {
+    for (int shortening = 0; shortening < 30 && taken == 0; ++shortening) {
       move(step);
       const Value trial = evaluate(pull);
       const bool decrease = trial.energy <= now.energy + 1e-4 * step * descent.slope;
       // Near equilibrium the energies differ only by rounding: compare the slopes (Hager & Zhang 2005).
       const bool flat =
           trial.energy <= now.energy + 1e-13 * std::abs(now.energy) && trial.slope <= -0.99 * descent.slope;
-      if (!std::isfinite(trial.energy) || !(decrease || flat)) continue;
-      now = trial;
-      taken = step;
+      if (std::isfinite(trial.energy) && (decrease || flat)) {
+        now = trial;
+        taken = step;
+      } else {
+        // Where the slope vanishes if it is linear in between.
+        const double zero = descent.slope / (descent.slope - trial.slope);
+        step *= trial.slope > 0 && std::isfinite(trial.slope) ? std::clamp(zero, 0.1, 0.5) : 0.5;
+      }
     }
     if (taken == 0) {
       if (pairs_ == 0) return result();
