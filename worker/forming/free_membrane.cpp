@@ -50,7 +50,8 @@ void FreeMembrane::pack(const Membrane& membrane, const SheetGrid& grid, const s
     part.first = free_, part.last = 0;
     for (int i = begin; i < end; ++i)
       for (const int v : grid.triangles[active[i]])
-        if (!held[v]) part.first = std::min(part.first, place[v]), part.last = std::max(part.last, place[v] + 1);
+        if (!held[v])
+          part.first = std::min(part.first, place[v]), part.last = std::max(part.last, place[v] + 1);
     const int none = std::max(0, part.last - part.first);
     part.gradient.resize(static_cast<std::size_t>(none) + 1);
     for (int i = begin; i < end; i += 4) {
@@ -60,7 +61,8 @@ void FreeMembrane::pack(const Membrane& membrane, const SheetGrid& grid, const s
         const int triangle = active[present ? i + lane : i];
         const Triangle& t = grid.triangles[triangle];
         const auto& g = membrane.shape_gradient(triangle);
-        four.g01[lane] = g(0, 1), four.g02[lane] = g(0, 2), four.g11[lane] = g(1, 1), four.g12[lane] = g(1, 2);
+        four.g01[lane] = g(0, 1), four.g02[lane] = g(0, 2), four.g11[lane] = g(1, 1),
+        four.g12[lane] = g(1, 2);
         four.weight[lane] = present ? membrane.modulus(triangle) * membrane.rest_area(triangle) : 0;
         four.sixth[lane] = present ? 1.0 / 6 : 0;
         for (int c = 0; c < 3; ++c) {
@@ -79,7 +81,8 @@ double FreeMembrane::energy(const std::vector<Column>& x, double pressure, std::
     for (int k = begin; k < end; ++k) {
       Part& part = parts_[k];
       std::fill(part.gradient.begin(), part.gradient.end(), Column::Zero());
-      part.energy = sum(fours_.data() + part.begin, fours_.data() + part.end, x.data(), pressure, law_, part.gradient.data());
+      part.energy = sum(fours_.data() + part.begin, fours_.data() + part.end, x.data(), pressure, law_,
+                        part.gradient.data());
     }
   };
   const auto gather = [&](int begin, int end) {
@@ -112,7 +115,8 @@ VACUFORM_INLINE void transpose(const Lanes& a, const Lanes& b, const Lanes& c, c
   const Lanes ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), cd = __builtin_shufflevector(c, d, 0, 4, 2, 6);
   out.x = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
   out.z = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
-  out.y = __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 5, 1, 5), __builtin_shufflevector(c, d, 1, 5, 1, 5), 0, 1, 4, 5);
+  out.y = __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 5, 1, 5),
+                                  __builtin_shufflevector(c, d, 1, 5, 1, 5), 0, 1, 4, 5);
 }
 
 VACUFORM_INLINE void load(const Column* from, const int (&at)[4], Vector& out) {
@@ -123,10 +127,13 @@ VACUFORM_INLINE void load(const Column* from, const int (&at)[4], Vector& out) {
 
 VACUFORM_INLINE void add(Column* to, const int (&at)[4], const Vector& v) {
   const Lanes none{};
-  const Lanes xy0 = __builtin_shufflevector(v.x, v.y, 0, 4, 2, 6), xy1 = __builtin_shufflevector(v.x, v.y, 1, 5, 3, 7);
-  const Lanes z0 = __builtin_shufflevector(v.z, none, 0, 4, 2, 6), z1 = __builtin_shufflevector(v.z, none, 1, 5, 3, 7);
-  const Lanes row[4] = {__builtin_shufflevector(xy0, z0, 0, 1, 4, 5), __builtin_shufflevector(xy1, z1, 0, 1, 4, 5),
-                        __builtin_shufflevector(xy0, z0, 2, 3, 6, 7), __builtin_shufflevector(xy1, z1, 2, 3, 6, 7)};
+  const Lanes xy0 = __builtin_shufflevector(v.x, v.y, 0, 4, 2, 6),
+              xy1 = __builtin_shufflevector(v.x, v.y, 1, 5, 3, 7);
+  const Lanes z0 = __builtin_shufflevector(v.z, none, 0, 4, 2, 6),
+              z1 = __builtin_shufflevector(v.z, none, 1, 5, 3, 7);
+  const Lanes row[4] = {
+      __builtin_shufflevector(xy0, z0, 0, 1, 4, 5), __builtin_shufflevector(xy1, z1, 0, 1, 4, 5),
+      __builtin_shufflevector(xy0, z0, 2, 3, 6, 7), __builtin_shufflevector(xy1, z1, 2, 3, 6, 7)};
   for (int lane = 0; lane < 4; ++lane) {
     Lanes now;
     double* const place = to[at[lane]].data();
@@ -146,25 +153,28 @@ VACUFORM_INLINE void cross(const Vector& a, const Vector& b, Vector& out) {
 
 // The energy of four triangles, added to `energy` lane by lane.
 template <class Four>
-VACUFORM_INLINE void add_four(const Four& four, const Column* position, double pressure, double c1, double c2, Lanes& energy,
-                              Column* gradient) {
+VACUFORM_INLINE void add_four(const Four& four, const Column* position, double pressure, double c1, double c2,
+                              Lanes& energy, Column* gradient) {
   Vector a, e1, e2;
   load(position, four.corner[0], a), load(position, four.corner[1], e1), load(position, four.corner[2], e2);
   e1.x -= a.x, e1.y -= a.y, e1.z -= a.z;
   e2.x -= a.x, e2.y -= a.y, e2.z -= a.z;
   Lanes g01, g02, g11, g12, weight, push;
-  load(four.g01, g01), load(four.g02, g02), load(four.g11, g11), load(four.g12, g12), load(four.weight, weight), load(four.sixth, push);
+  load(four.g01, g01), load(four.g02, g02), load(four.g11, g11), load(four.g12, g12),
+      load(four.weight, weight), load(four.sixth, push);
   push *= pressure;
   const Vector F1{g01 * e1.x + g02 * e2.x, g01 * e1.y + g02 * e2.y, g01 * e1.z + g02 * e2.z};
   const Vector F2{g11 * e1.x + g12 * e2.x, g11 * e1.y + g12 * e2.y, g11 * e1.z + g12 * e2.z};
   const Lanes c11 = F1.x * F1.x + F1.y * F1.y + F1.z * F1.z, c12 = F1.x * F2.x + F1.y * F2.y + F1.z * F2.z,
-              c22 = F2.x * F2.x + F2.y * F2.y + F2.z * F2.z, trace = c11 + c22, J = c11 * c22 - c12 * c12;  // det C
+              c22 = F2.x * F2.x + F2.y * F2.y + F2.z * F2.z, trace = c11 + c22,
+              J = c11 * c22 - c12 * c12;  // det C
   // The second Piola-Kirchhoff stress S = 2 dW/dC as (s11, s12, s22), by the invariants of C.
   const Lanes i = 1 / J, identity = 2 * (c1 + c2 * i), adjugate = 2 * (c2 - (c1 + c2 * trace) * i * i);
   Lanes W = c1 * (trace + i - 3) + c2 * (J + trace * i - 3);
   Lanes s11 = identity + adjugate * c22, s12 = -adjugate * c12, s22 = identity + adjugate * c11;
   // Tight both ways: l1 >= 1 and l1 l2^2 >= 1, without a root (l1^2 is the larger root of q^2 - trace q + J).
-  const Mask tight = ((trace >= 2) | (1 - trace + J <= 0)) & (2 * J * J >= trace) & (J * J * J - trace * J + 1 >= 0);
+  const Mask tight =
+      ((trace >= 2) | (1 - trace + J <= 0)) & (2 * J * J >= trace) & (J * J * J - trace * J + 1 >= 0);
   if (!(tight[0] & tight[1] & tight[2] & tight[3])) {
     // As Membrane: principal stretches, the relaxed density, and the stress by the spectral projectors of C.
     constexpr double e = Membrane::wrinkled_stiffness;
@@ -201,11 +211,12 @@ VACUFORM_INLINE void add_four(const Four& four, const Column* position, double p
   cross(e1, e2, normal);
   energy += weight * W + push * normal.z * (3 * a.z + e1.z + e2.z);
   Vector corner[3];
-  const auto along = [&](const Lanes& f1, const Lanes& f2, const Lanes& n, Lanes& to0, Lanes& to1, Lanes& to2) [[gnu::always_inline]] {
-    const Lanes p1 = s11 * f1 + s12 * f2, p2 = s12 * f1 + s22 * f2, pushed = push * n;
-    const Lanes second = g01 * p1 + g11 * p2, third = g02 * p1 + g12 * p2;
-    to0 = pushed - second - third, to1 = second + pushed, to2 = third + pushed;
-  };
+  const auto along = [&](const Lanes& f1, const Lanes& f2, const Lanes& n, Lanes& to0, Lanes& to1, Lanes& to2)
+                         [[gnu::always_inline]] {
+                           const Lanes p1 = s11 * f1 + s12 * f2, p2 = s12 * f1 + s22 * f2, pushed = push * n;
+                           const Lanes second = g01 * p1 + g11 * p2, third = g02 * p1 + g12 * p2;
+                           to0 = pushed - second - third, to1 = second + pushed, to2 = third + pushed;
+                         };
   along(F1.x, F2.x, normal.x, corner[0].x, corner[1].x, corner[2].x);
   along(F1.y, F2.y, normal.y, corner[0].y, corner[1].y, corner[2].y);
   along(F1.z, F2.z, normal.z, corner[0].z, corner[1].z, corner[2].z);
@@ -213,8 +224,8 @@ VACUFORM_INLINE void add_four(const Four& four, const Column* position, double p
 }
 
 template <class Four>
-VACUFORM_INLINE double add_all(const Four* begin, const Four* end, const Column* x, double pressure, double c1, double c2,
-                               Column* gradient) {
+VACUFORM_INLINE double add_all(const Four* begin, const Four* end, const Column* x, double pressure,
+                               double c1, double c2, Column* gradient) {
   Lanes energy{};
   for (const Four* four = begin; four != end; ++four) add_four(*four, x, pressure, c1, c2, energy, gradient);
   return (energy[0] + energy[1]) + (energy[2] + energy[3]);
@@ -222,15 +233,16 @@ VACUFORM_INLINE double add_all(const Four* begin, const Four* end, const Column*
 
 #if defined(__x86_64__)
 template <class Four>
-[[gnu::target("avx2")]] double add_all_avx2(const Four* begin, const Four* end, const Column* x, double pressure, double c1,
-                                            double c2, Column* gradient) {
+[[gnu::target("avx2")]] double add_all_avx2(const Four* begin, const Four* end, const Column* x,
+                                            double pressure, double c1, double c2, Column* gradient) {
   return add_all(begin, end, x, pressure, c1, c2, gradient);
 }
 #endif
 
 }  // namespace
 
-double FreeMembrane::sum(const Four* begin, const Four* end, const Column* x, double pressure, Law law, Column* gradient) {
+double FreeMembrane::sum(const Four* begin, const Four* end, const Column* x, double pressure, Law law,
+                         Column* gradient) {
 #if defined(__x86_64__)
   static const bool avx2 = __builtin_cpu_supports("avx2");
   if (avx2) return add_all_avx2(begin, end, x, pressure, law.c1, law.c2, gradient);

@@ -33,7 +33,7 @@ class FreeMembrane {
     double weight[4];                       // modulus times rest area
     double sixth[4];                        // 1/6
     int corner[3][4];                       // in vertices()
-    int slot[3][4];                         // of the gradient, from the part's first vertex; the last is for held ones
+    int slot[3][4];  // of the gradient, from the part's first vertex; the last is for held ones
   };
   // A run of triangles, and the free vertices between the first and the last that they meet.
   struct Part {
@@ -46,7 +46,8 @@ class FreeMembrane {
     double c1, c2;
   };
 
-  static double sum(const Four* begin, const Four* end, const Column* x, double pressure, Law law, Column* gradient);
+  static double sum(const Four* begin, const Four* end, const Column* x, double pressure, Law law,
+                    Column* gradient);
 
   std::vector<int> vertices_;
   int free_ = 0;

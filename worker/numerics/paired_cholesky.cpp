@@ -1,7 +1,10 @@
 #include "worker/numerics/paired_cholesky.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <stdexcept>
 
 #include "worker/stage/parallel.hpp"
@@ -13,20 +16,38 @@ namespace {
 using Quad = PairedCholesky::Quad;
 
 constexpr int worth_a_thread = 2500;  // rows
+constexpr float most_units = 32767;
 
-// Two entries of both matrices (t0, n0, t1, n1): one of them for the three columns and the one.
+// Entries of both matrices in turn (t0, n0, t1, n1): one of the two for the three columns and the one.
 using Lanes = float __attribute__((vector_size(16)));
 template <int which>
+Quad spread(const Lanes& two) {
+  const Lanes out = __builtin_shufflevector(two, two, 2 * which, 2 * which, 2 * which, 2 * which + 1);
+  return Eigen::Map<const Quad>(reinterpret_cast<const float*>(&out));
+}
+template <int which>
 Quad spread(const Quad& two) {
-  Lanes lanes, out;
-  Eigen::Map<Quad>(reinterpret_cast<float*>(&lanes)) = two;
-  out = __builtin_shufflevector(lanes, lanes, 2 * which, 2 * which, 2 * which, 2 * which + 1);
-  return Eigen::Map<Quad>(reinterpret_cast<float*>(&out));
+  Lanes lanes;
+  std::memcpy(&lanes, two.data(), sizeof lanes);
+  return spread<which>(lanes);
 }
 
-// Of a block of four columns: two quads with the inverse diagonal, then the six entries below it (10, 20, 30, 21, 31,
-// 32) in three.
-constexpr int diagonal_quads = 5;
+// The entries of a row in four columns, times 65536.
+struct Wide {
+  explicit Wide(const std::array<std::int16_t, 8>& entries) {
+    using Shorts = std::int16_t __attribute__((vector_size(16)));
+    using Ints = std::int32_t __attribute__((vector_size(16)));
+    Shorts all;
+    const Shorts none{};
+    std::memcpy(&all, entries.data(), sizeof all);
+    static_assert(std::endian::native == std::endian::little);
+    const Shorts low = __builtin_shufflevector(none, all, 0, 8, 0, 9, 0, 10, 0, 11),
+                 high = __builtin_shufflevector(none, all, 0, 12, 0, 13, 0, 14, 0, 15);
+    first = __builtin_convertvector(std::bit_cast<Ints>(low), Lanes);
+    second = __builtin_convertvector(std::bit_cast<Ints>(high), Lanes);
+  }
+  Lanes first, second;
+};
 
 // Cholesky's elimination of the first `own` columns (a multiple of four) of a symmetric matrix of 4 `quads` rows, of
 // which the lower triangle counts. The inverse of the diagonal stands on the diagonal afterwards. `least`: of the pivots.
@@ -84,7 +105,11 @@ void PairedCholesky::analyse(const Dissection& dissection, std::span<const std::
   for (const auto& part : dissection.parts) {
     const int own = part.end - part.begin;
     std::fill_n(front_of_row.begin() + part.begin, own, static_cast<int>(fronts_.size()));
-    fronts_.push_back({.first_row = part.begin, .own = own, .padded = 4 * fours(own), .first = part.first, .second = part.second});
+    fronts_.push_back({.first_row = part.begin,
+                       .own = own,
+                       .padded = 4 * fours(own),
+                       .first = part.first,
+                       .second = part.second});
   }
 
   // A triangle belongs to the front that eliminates its first corner.
@@ -108,7 +133,7 @@ void PairedCholesky::analyse(const Dissection& dissection, std::span<const std::
   place_.resize(triangle_.size());
   place_in_parent_.clear();
   std::vector<int> place(static_cast<std::size_t>(rows), -1), border;
-  std::size_t values = 0, work = 0;
+  std::size_t blocks = 0, values = 0, work = 0;
   for (Front& front : fronts_) {
     const int end = front.first_row + front.own;
     border.clear();
@@ -126,7 +151,8 @@ void PairedCholesky::analyse(const Dissection& dissection, std::span<const std::
       front.weight += c.weight;
       for (int k = 0; k < c.border; ++k) {
         const int row = border_row_[c.border_begin + k];
-        if (row < front.first_row) throw std::logic_error("the parts of a dissection are joined beside those that separate them");
+        if (row < front.first_row)
+          throw std::logic_error("the parts of a dissection are joined beside those that separate them");
         meet(row);
       }
     }
@@ -146,15 +172,20 @@ void PairedCholesky::analyse(const Dissection& dissection, std::span<const std::
     for (const int child : {front.first, front.second})
       if (child >= 0)
         for (int k = 0; k < fronts_[child].border; ++k)
-          place_in_parent_[fronts_[child].border_begin + k] = place[border_row_[fronts_[child].border_begin + k]];
+          place_in_parent_[fronts_[child].border_begin + k] =
+              place[border_row_[fronts_[child].border_begin + k]];
     for (const int row : border) place[row] = -1;
 
-    front.value_begin = values;
-    for (int c = 0; c < front.padded; c += 4) values += static_cast<std::size_t>(diagonal_quads + 2 * (front.rows() - c - 4));
+    front.block_begin = blocks;
+    blocks += static_cast<std::size_t>(front.padded / 4);
+    front.row_begin = values;
+    for (int c = 4; c <= front.padded; c += 4) values += static_cast<std::size_t>(front.rows() - c);
+    front.row_end = values;
     front.work_begin = work;
     work += static_cast<std::size_t>(front.rows());
   }
-  value_.resize(values);
+  blocks_.resize(blocks);
+  rows_.resize(values);
   work_.resize(work);
 }
 
@@ -211,7 +242,8 @@ bool PairedCholesky::eliminate(int which, std::span<const Element> elements, Upd
       const int* to = place_in_parent_.data() + child.border_begin;
       const int height = fours(child.border);
       for (int c = 0; c < child.border; ++c) {
-        const auto* from = reinterpret_cast<const float*>(below[k][m].data() + static_cast<std::size_t>(c) * height);
+        const auto* from =
+            reinterpret_cast<const float*>(below[k][m].data() + static_cast<std::size_t>(c) * height);
         auto* into = reinterpret_cast<float*>(dense.data() + static_cast<std::size_t>(to[c]) * quads);
         for (int r = c; r < child.border; ++r) into[to[r]] += from[r];
       }
@@ -219,13 +251,24 @@ bool PairedCholesky::eliminate(int which, std::span<const Element> elements, Upd
     float* const least = least_[m].data() + front.first_row;
     if (!eliminate_columns(dense.data(), quads, front.own, least)) return false;
 
-    auto* value = reinterpret_cast<float*>(value_.data() + front.value_begin) + m;
+    Row* row = rows_.data() + front.row_begin;
     for (int c = 0; c < front.padded; c += 4) {
-      for (int j = 0; j < 4; ++j, value += 2) *value = at(c + j, c + j);
-      for (int j = 0; j < 3; ++j)
-        for (int i = j + 1; i < 4; ++i, value += 2) *value = at(c + i, c + j);
-      for (int r = c + 4; r < front.rows(); ++r)
-        for (int j = 0; j < 4; ++j, value += 2) *value = at(r, c + j);
+      Block& block = blocks_[front.block_begin + static_cast<std::size_t>(c) / 4];
+      int entry = 0;
+      for (int j = 0; j < 4; ++j) {
+        block.inverse[j / 2][2 * (j % 2) + m] = at(c + j, c + j);
+        for (int i = j + 1; i < 4; ++i, ++entry)
+          block.below[entry / 2][2 * (entry % 2) + m] = at(c + i, c + j);
+      }
+      float per_unit[4];
+      for (int j = 0; j < 4; ++j) {
+        float largest = std::numeric_limits<float>::min();
+        for (int r = c + 4; r < front.rows(); ++r) largest = std::max(largest, std::abs(at(r, c + j)));
+        block.unit[j / 2][2 * (j % 2) + m] = largest / most_units / 65536;
+        per_unit[j] = most_units / largest;
+      }
+      for (int r = c + 4; r < front.rows(); ++r, ++row)
+        for (int j = 0; j < 4; ++j) (*row)[2 * j + m] = static_cast<std::int16_t>(at(r, c + j) * per_unit[j]);
     }
     const int height = fours(front.border), skip = front.padded / 4;
     update[m].resize(static_cast<std::size_t>(height) * front.border);
@@ -265,45 +308,52 @@ void PairedCholesky::forward(int which, std::span<const Quad> columns) {
     const int* to = place_in_parent_.data() + child.border_begin;
     for (int r = 0; r < child.border; ++r) w[to[r]] += from[r];
   }
-  const Quad* value = value_.data() + front.value_begin;
-  for (int c = 0; c < front.padded; c += 4) {
+  const Block* block = blocks_.data() + front.block_begin;
+  const Row* row = rows_.data() + front.row_begin;
+  const int rows = front.rows();
+  for (int c = 0; c < front.padded; c += 4, ++block) {
     Quad* const y = w + c;
-    const Quad a = y[0] * spread<0>(value[0]);
-    const Quad b = (y[1] - a * spread<0>(value[2])) * spread<1>(value[0]);
-    const Quad d = (y[2] - a * spread<1>(value[2]) - b * spread<1>(value[3])) * spread<0>(value[1]);
-    const Quad e = (y[3] - a * spread<0>(value[3]) - b * spread<0>(value[4]) - d * spread<1>(value[4])) * spread<1>(value[1]);
-    y[0] = a, y[1] = b, y[2] = d, y[3] = e;
-    value += diagonal_quads;
-    for (int r = c + 4; r < front.rows(); ++r, value += 2)
-      w[r] -= a * spread<0>(value[0]) + b * spread<1>(value[0]) + d * spread<0>(value[1]) + e * spread<1>(value[1]);
+    const auto& [inverse, l, unit] = *block;
+    y[0] *= spread<0>(inverse[0]);
+    y[1] = (y[1] - y[0] * spread<0>(l[0])) * spread<1>(inverse[0]);
+    y[2] = (y[2] - y[0] * spread<1>(l[0]) - y[1] * spread<1>(l[1])) * spread<0>(inverse[1]);
+    y[3] = (y[3] - y[0] * spread<0>(l[1]) - y[1] * spread<0>(l[2]) - y[2] * spread<1>(l[2])) *
+           spread<1>(inverse[1]);
+    const Quad a = y[0] * spread<0>(unit[0]), b = y[1] * spread<1>(unit[0]), d = y[2] * spread<0>(unit[1]),
+               e = y[3] * spread<1>(unit[1]);
+    for (int r = c + 4; r < rows; ++r, ++row) {
+      const Wide entry(*row);
+      w[r] -= (a * spread<0>(entry.first) + b * spread<1>(entry.first)) +
+              (d * spread<0>(entry.second) + e * spread<1>(entry.second));
+    }
   }
 }
 
 void PairedCholesky::backward(int which, std::span<Quad> columns) {
   const Front& front = fronts_[which];
   Quad* const w = work_.data() + front.work_begin;
-  const Quad* value = value_.data() + front.value_begin;
-  for (int c = 0; c < front.padded; c += 4) value += diagonal_quads + 2 * (front.rows() - c - 4);
+  const Row* row = rows_.data() + front.row_end;
   for (int c = front.padded - 4; c >= 0; c -= 4) {
+    const auto& [inverse, l, unit] = blocks_[front.block_begin + static_cast<std::size_t>(c) / 4];
     const int below = front.rows() - c - 4;
-    value -= 2 * below;
     Quad* const x = w + c;
     Quad a = Quad::Zero(), b = a, d = a, e = a;
-    const Quad* at = value;
-    for (int r = 0; r < below; ++r, at += 2) {
+    for (int r = below; r-- > 0;) {
+      const Wide entry(*--row);
       const Quad& known = x[4 + r];
-      a += known * spread<0>(at[0]), b += known * spread<1>(at[0]);
-      d += known * spread<0>(at[1]), e += known * spread<1>(at[1]);
+      a += known * spread<0>(entry.first), b += known * spread<1>(entry.first);
+      d += known * spread<0>(entry.second), e += known * spread<1>(entry.second);
     }
-    value -= diagonal_quads;
-    x[3] = (x[3] - e) * spread<1>(value[1]);
-    x[2] = (x[2] - d - x[3] * spread<1>(value[4])) * spread<0>(value[1]);
-    x[1] = (x[1] - b - x[2] * spread<1>(value[3]) - x[3] * spread<0>(value[4])) * spread<1>(value[0]);
-    x[0] = (x[0] - a - x[1] * spread<0>(value[2]) - x[2] * spread<1>(value[2]) - x[3] * spread<0>(value[3])) *
-           spread<0>(value[0]);
+    x[3] = (x[3] - e * spread<1>(unit[1])) * spread<1>(inverse[1]);
+    x[2] = (x[2] - d * spread<0>(unit[1]) - x[3] * spread<1>(l[2])) * spread<0>(inverse[1]);
+    x[1] = (x[1] - b * spread<1>(unit[0]) - x[2] * spread<1>(l[1]) - x[3] * spread<0>(l[2])) *
+           spread<1>(inverse[0]);
+    x[0] = (x[0] - a * spread<0>(unit[0]) - x[1] * spread<0>(l[0]) - x[2] * spread<1>(l[0]) -
+            x[3] * spread<0>(l[1])) *
+           spread<0>(inverse[0]);
   }
   std::copy_n(w, front.own, columns.data() + front.first_row);
-  const int children[2] = {front.first, front.second};
+  const int children[2] = {front.second, front.first};  // down through the memory
   const auto descend = [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       if (children[k] < 0) continue;

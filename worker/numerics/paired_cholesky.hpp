@@ -44,9 +44,10 @@ class PairedCholesky {
     int first = -1, second = -1;             // subordinate fronts
     int weight = 0;                          // rows of this and all subordinate fronts
     int triangles_begin = 0, triangles_end = 0;
-    std::size_t border_begin = 0;  // in border_row_ and place_
-    std::size_t value_begin = 0;   // in value_
-    std::size_t work_begin = 0;    // in work_
+    std::size_t border_begin = 0;            // in border_row_ and place_
+    std::size_t block_begin = 0;             // in blocks_
+    std::size_t row_begin = 0, row_end = 0;  // in rows_
+    std::size_t work_begin = 0;              // in work_
     int rows() const { return padded + border; }
   };
   // Of each matrix: the lower triangle of a front's border after its own rows are eliminated, four rows an entry.
@@ -63,9 +64,17 @@ class PairedCholesky {
   std::vector<std::array<int, 3>> place_;  // of the corners of these, in the front
   std::vector<int> border_row_;            // ascending in each front
   std::vector<int> place_in_parent_;       // parallel
-  // By front and block of four columns: the inverse diagonal and the entries below it in the block, then four entries for
-  // each row below the block; of both matrices, side by side.
-  std::vector<Quad> value_;
+  // Four columns of both factors: the inverse diagonal, the entries below it (10, 20, 30, 21, 31, 32), and the unit in which
+  // the rows below the block are given; of both matrices in turn.
+  struct Block {
+    std::array<Quad, 2> inverse;
+    std::array<Quad, 3> below;
+    std::array<Quad, 2> unit;
+  };
+  // A row below a block, in units: 15 bits do for a preconditioner, and a solve takes as long as the factors are large.
+  using Row = std::array<std::int16_t, 8>;
+  std::vector<Block> blocks_;
+  std::vector<Row> rows_;  // by front and block
   std::vector<Quad> work_;
 };
 

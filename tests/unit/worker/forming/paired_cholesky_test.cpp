@@ -88,7 +88,8 @@ TEST(PairedCholesky, SolvesThreeColumnsWithOneMatrixAndOneWithTheOther) {
     const Eigen::MatrixXd first = dense(system, 0), second = dense(system, 1);
     for (int column = 0; column < 4; ++column) {
       Eigen::VectorXd rhs(first.rows()), solution(first.rows());
-      for (Eigen::Index k = 0; k < rhs.size(); ++k) rhs[k] = double(b[k][column]), solution[k] = double(x[k][column]);
+      for (Eigen::Index k = 0; k < rhs.size(); ++k)
+        rhs[k] = double(b[k][column]), solution[k] = double(x[k][column]);
       const Eigen::VectorXd exact = (column < 3 ? first : second).lu().solve(rhs);
       EXPECT_LT((solution - exact).norm(), 1e-4 * exact.norm()) << reach << " " << column;
     }
@@ -114,7 +115,8 @@ TEST(PairedCholesky, RefusesWhatIsNoNumber) {
   System system = random_system(10, 100);
   PairedCholesky cholesky;
   cholesky.analyse(system.dissection, system.triangles);
-  for (auto& value : system.elements[system.elements.size() / 2 + 30][1]) value = std::numeric_limits<float>::quiet_NaN();
+  for (auto& value : system.elements[system.elements.size() / 2 + 30][1])
+    value = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(cholesky.factor(system.elements));
 }
 
