@@ -80,10 +80,15 @@ double MoldDistance::operator()(const Vector3d& point) const {
   query.x = static_cast<float>(point.x() - scene_->centre.x());
   query.y = static_cast<float>(point.y() - scene_->centre.y());
   query.z = static_cast<float>(point.z() - scene_->centre.z());
-  query.radius = std::numeric_limits<float>::infinity();
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  rtcPointQuery(scene_->scene, &query, &context, visit, &search);
+  // Most points are near: a small sphere around them holds few triangles.
+  for (const float radius : {1.0f, std::numeric_limits<float>::infinity()}) {
+    query.radius = radius;
+    search.best = std::numeric_limits<double>::infinity();
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene_->scene, &query, &context, visit, &search);
+    if (search.best <= radius * radius) break;
+  }
   return std::sqrt(search.best);
 }
 
