@@ -220,8 +220,8 @@ bool PairedCholesky::eliminate(int which, std::span<const Element> elements, Upd
   if (!positive[0] || !positive[1]) return false;
 
   const int quads = fours(front.rows());
-  static thread_local std::vector<Quad> dense;
-  for (int m = 0; m < 2; ++m) {
+  const auto eliminate_one = [&](int m) {
+    static thread_local std::vector<Quad> dense;
     dense.assign(static_cast<std::size_t>(quads) * 4 * quads, Quad::Zero());
     const auto at = [&](int row, int column) -> float& {
       return dense[static_cast<std::size_t>(column) * quads + row / 4][row % 4];
@@ -249,7 +249,10 @@ bool PairedCholesky::eliminate(int which, std::span<const Element> elements, Upd
       }
     }
     float* const least = least_[m].data() + front.first_row;
-    if (!eliminate_columns(dense.data(), quads, front.own, least)) return false;
+    if (!eliminate_columns(dense.data(), quads, front.own, least)) {
+      positive[m] = false;
+      return;
+    }
 
     Row* row = rows_.data() + front.row_begin;
     for (int c = 0; c < front.padded; c += 4) {
@@ -275,8 +278,14 @@ bool PairedCholesky::eliminate(int which, std::span<const Element> elements, Upd
     for (int c = 0; c < front.border; ++c)
       std::copy_n(dense.data() + static_cast<std::size_t>(front.padded + c) * quads + skip, height,
                   update[m].data() + static_cast<std::size_t>(c) * height);
-  }
-  return true;
+  };
+  if (front.weight >= worth_a_thread)
+    in_parallel(0, 2, [&](int begin, int end) {
+      for (int m = begin; m < end; ++m) eliminate_one(m);
+    });
+  else
+    eliminate_one(0), eliminate_one(1);
+  return positive[0] && positive[1];
 }
 
 void PairedCholesky::solve(std::span<Quad> columns) {
