@@ -31,7 +31,7 @@ void Equilibrium::weigh() {
 void Equilibrium::hold(const std::vector<char>& held, const Points& x, bool fresh) {
   free_membrane_.pack(membrane_, grid_, held);
   if (free_membrane_.free() == 0) return;
-  constexpr int worth_a_factor = 8;  // iterations that take about as long as a new factorization
+  constexpr int worth_a_factor = 12;  // iterations that take about as long as a new factorization
   if (fresh || !preconditioner_.factored() || worn_ >= worth_a_factor) {
     preconditioner_.factor(held, x);
     worn_ = 0;

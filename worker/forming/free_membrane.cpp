@@ -40,13 +40,19 @@ void FreeMembrane::pack(const Membrane& membrane, const SheetGrid& grid, const s
       }
   }
 
-  fours_.clear();
-  parts_.assign(parts, {});
   const auto count = static_cast<long>(active.size());
+  const auto first_of = [&](int part) { return static_cast<int>(count * part / parts); };
+  parts_.resize(parts);
+  int fours = 0;
   for (int k = 0; k < parts; ++k) {
+    parts_[k].begin = fours;
+    fours += (first_of(k + 1) - first_of(k) + 3) / 4;
+    parts_[k].end = fours;
+  }
+  fours_.resize(static_cast<std::size_t>(fours));
+  const auto fill = [&](int k) {
     Part& part = parts_[k];
-    const int begin = static_cast<int>(count * k / parts), end = static_cast<int>(count * (k + 1) / parts);
-    part.begin = static_cast<int>(fours_.size());
+    const int begin = first_of(k), end = first_of(k + 1);
     part.first = free_, part.last = 0;
     for (int i = begin; i < end; ++i)
       for (const int v : grid.triangles[active[i]])
@@ -55,7 +61,7 @@ void FreeMembrane::pack(const Membrane& membrane, const SheetGrid& grid, const s
     const int none = std::max(0, part.last - part.first);
     part.gradient.resize(static_cast<std::size_t>(none) + 1);
     for (int i = begin; i < end; i += 4) {
-      Four& four = fours_.emplace_back();
+      Four& four = fours_[part.begin + (i - begin) / 4];
       for (int lane = 0; lane < 4; ++lane) {
         const bool present = i + lane < end;
         const int triangle = active[present ? i + lane : i];
@@ -71,8 +77,10 @@ void FreeMembrane::pack(const Membrane& membrane, const SheetGrid& grid, const s
         }
       }
     }
-    part.end = static_cast<int>(fours_.size());
-  }
+  };
+  in_parallel(0, parts, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) fill(k);
+  });
 }
 
 double FreeMembrane::energy(const std::vector<Column>& x, double pressure, std::vector<Column>& gradient) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "worker/numerics/plane.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 
@@ -129,20 +130,29 @@ std::vector<int> PointContact::follow(const Process& process, SheetState& state,
   }
   constexpr int most_rounds = 4;  // what a vertex that was taken lets through is looked at again
   for (int round = 0; round < most_rounds && !look.empty(); ++round) {
-    std::vector<Crossing> crossings;
-    for (const int k : look) {
-      Eigen::Vector3d low = Eigen::Vector3d::Constant(HUGE_VAL), high = -low;
-      for (const int v : triangles[k]) {
-        low = low.cwiseMin(state.x.col(v)).cwiseMin(y.col(v));
-        high = high.cwiseMax(state.x.col(v)).cwiseMax(y.col(v));
+    constexpr int parts = 64;
+    std::vector<std::vector<Crossing>> found_by(parts);
+    const auto search = [&](int part) {
+      for (std::size_t i = look.size() * part / parts; i < look.size() * (part + 1) / parts; ++i) {
+        const int k = look[i];
+        Eigen::Vector3d low = Eigen::Vector3d::Constant(HUGE_VAL), high = -low;
+        for (const int v : triangles[k]) {
+          low = low.cwiseMin(state.x.col(v)).cwiseMin(y.col(v));
+          high = high.cwiseMax(state.x.col(v)).cwiseMax(y.col(v));
+        }
+        low.array() -= tolerance_mm_, high.array() += tolerance_mm_;
+        points_.in_box(low, high, [&](int point) {
+          const Eigen::Vector3d& p = points_.place(point);
+          if (caught_[point] || (p.array() < low.array()).any() || (p.array() > high.array()).any()) return;
+          if (const auto found = crossing(process, state.x, y, k, point)) found_by[part].push_back(*found);
+        });
       }
-      low.array() -= tolerance_mm_, high.array() += tolerance_mm_;
-      points_.in_box(low, high, [&](int point) {
-        const Eigen::Vector3d& p = points_.place(point);
-        if (caught_[point] || (p.array() < low.array()).any() || (p.array() > high.array()).any()) return;
-        if (const auto found = crossing(process, state.x, y, k, point)) crossings.push_back(*found);
-      });
-    }
+    };
+    in_parallel(0, parts, [&](int begin, int end) {
+      for (int part = begin; part < end; ++part) search(part);
+    });
+    std::vector<Crossing> crossings;
+    for (const auto& some : found_by) crossings.insert(crossings.end(), some.begin(), some.end());
     std::sort(crossings.begin(), crossings.end(), [this](const Crossing& a, const Crossing& b) {
       const bool corner_a = points_.is_corner(a.point), corner_b = points_.is_corner(b.point);
       if (corner_a != corner_b) return corner_a;

@@ -10,7 +10,7 @@
 namespace vacuform {
 
 Preconditioner::Preconditioner(const Membrane& membrane, const SheetGrid& grid)
-    : membrane_(membrane), grid_(grid) {}
+    : membrane_(membrane), grid_(grid), fans_(grid.triangles, grid.rest.size()) {}
 
 void Preconditioner::factor(const std::vector<char>& held, const Points& x) {
   vertex_.clear();
@@ -60,16 +60,17 @@ void Preconditioner::factor(const std::vector<char>& held, const Points& x) {
 void Preconditioner::restrict_to(std::span<const int> vertices, const Points& x) {
   moving_.clear();
   for (int v : vertices) moving_.push_back(row_of_vertex_[v]);
-  Points sum = Points::Zero(3, x.cols());
-  for (const Triangle& t : grid_.triangles) {
-    const Eigen::Vector3d a = x.col(t[0]), n = (x.col(t[1]) - a).cross(x.col(t[2]) - a);
-    for (int v : t) sum.col(v) += n;
-  }
-  normal_.clear();
-  for (const int v : vertices) {
-    const Eigen::Vector3f n = sum.col(v).stableNormalized().cast<float>();
-    normal_.emplace_back(n.x(), n.y(), n.z(), 0);
-  }
+  normal_.resize(vertices.size());
+  in_parallel(0, static_cast<int>(vertices.size()), [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const Eigen::Vector3d at = x.col(vertices[k]);
+      const std::span<const int> around = fans_.around(vertices[k]);
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (std::size_t c = 0; c < around.size(); c += 2)
+        sum += (x.col(around[c]) - at).cross(x.col(around[c + 1]) - at);
+      normal_[k] << sum.stableNormalized().cast<float>(), 0;
+    }
+  });
 }
 
 void Preconditioner::apply(const std::vector<Column>& gradient, std::vector<Direction>& direction) {

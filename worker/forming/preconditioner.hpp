@@ -13,6 +13,7 @@
 #include "worker/forming/membrane.hpp"
 #include "worker/forming/sheet_grid.hpp"
 #include "worker/numerics/paired_cholesky.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 
@@ -36,6 +37,7 @@ class Preconditioner {
  private:
   const Membrane& membrane_;
   const SheetGrid& grid_;
+  const VertexFans fans_;
   PairedCholesky cholesky_;         // rows in elimination order
   std::vector<int> vertex_;         // of each row
   std::vector<int> row_of_vertex_;  // -1: held when factored
