@@ -11,6 +11,49 @@ namespace {
 constexpr double back_off = 0.02;
 }  // namespace
 
+Obstacles::Obstacles(const TriangleMesh& mold, const MachineSettings& machine)
+    : mold_(mold), rays_(mold), machine_(machine) {
+  if (mold.vertices.empty()) return;
+  Eigen::Array2d high = low_ = mold.vertices.front().head<2>().array();
+  for (const Eigen::Vector3d& p : mold.vertices) {
+    low_ = low_.min(p.head<2>().array());
+    high = high.max(p.head<2>().array());
+  }
+  constexpr double most_cells = 1000;  // a side; no mold fits a machine that is larger
+  columns_ = static_cast<int>(std::min(most_cells, (high.x() - low_.x()) / cell_mm)) + 1;
+  rows_ = static_cast<int>(std::min(most_cells, (high.y() - low_.y()) / cell_mm)) + 1;
+  highest_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), -HUGE_VAL);
+  for (const Triangle& t : mold.triangles) {
+    const Eigen::Vector3d &a = mold.vertices[t[0]], &b = mold.vertices[t[1]], &c = mold.vertices[t[2]];
+    const auto [x0, x1, y0, y1] = cells(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+    const double top = std::max({a.z(), b.z(), c.z()});
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) {
+        double& highest = highest_[y * columns_ + x];
+        highest = std::max(highest, top);
+      }
+  }
+}
+
+std::array<int, 4> Obstacles::cells(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const {
+  const auto cell = [](double offset, int count) {
+    return static_cast<int>(std::clamp(offset / cell_mm, 0.0, count - 1.0));
+  };
+  return {cell(low.x() - low_.x(), columns_), cell(high.x() - low_.x(), columns_),
+          cell(low.y() - low_.y(), rows_), cell(high.y() - low_.y(), rows_)};
+}
+
+bool Obstacles::misses_mold(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+  if (highest_.empty()) return true;
+  const Eigen::Vector3d low = from.cwiseMin(to).array() - back_off,
+                        high = from.cwiseMax(to).array() + back_off;
+  const auto [x0, x1, y0, y1] = cells(low, high);
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; ++x)
+      if (highest_[y * columns_ + x] >= low.z()) return false;
+  return true;
+}
+
 std::optional<double> Obstacles::leaves_window(const Eigen::Vector3d& from,
                                                const Eigen::Vector3d& way) const {
   double t = 2;
@@ -44,6 +87,7 @@ std::optional<Obstacles::Touch> Obstacles::first_touch(const Eigen::Vector3d& fr
   if (const auto t = leaves_window(from, way); t && (!touch || *t < touch->t))
     touch = Touch{*t, from + *t * way, Contact::clamp};
 
+  if (misses_mold(from, to)) return touch;
   const double early = back_off / length;
   const Eigen::Vector3d origin = from - early * way, direction = (1 + early) * way;
   if (const auto hit = rays_.first_hit(origin, direction)) {

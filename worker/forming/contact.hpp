@@ -2,7 +2,9 @@
 // along the way from one place to the next.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <vector>
 
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/membrane.hpp"
@@ -18,8 +20,7 @@ class Obstacles {
     Contact with;           // the wall counts as the clamp
   };
 
-  Obstacles(const TriangleMesh& mold, const MachineSettings& machine)
-      : mold_(mold), rays_(mold), machine_(machine) {}
+  Obstacles(const TriangleMesh& mold, const MachineSettings& machine);
 
   const TriangleMesh& mold() const { return mold_; }
 
@@ -30,10 +31,20 @@ class Obstacles {
  private:
   // The smallest t in [0, 1] at which from + t way leaves the window, or nothing.
   std::optional<double> leaves_window(const Eigen::Vector3d& from, const Eigen::Vector3d& way) const;
+  // Whether a segment passes above or beside the mold, by the highest point of the mold in each cell: a quick test that
+  // most rays need no more than.
+  bool misses_mold(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+  // First and last column, first and last row of the cells that a box meets; those at the edge beyond it.
+  std::array<int, 4> cells(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
 
   const TriangleMesh& mold_;
   RayCaster rays_;
   MachineSettings machine_;
+  // Highest z of the triangles whose bounding boxes meet a square cell, row by row from low_.
+  static constexpr double cell_mm = 2;
+  Eigen::Array2d low_ = Eigen::Array2d::Zero();
+  int columns_ = 0, rows_ = 0;
+  std::vector<double> highest_;
 };
 
 // The sheet as an obstacle to itself: under an overhang of the mold two parts of it can be drawn against each other

@@ -109,7 +109,7 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
                        const FitLimits& limits) {
   const TriangleMesh sheet = mesh_of(triangles, formed);
   const RayCaster to_sheet(sheet), to_mold(mold);
-  const MoldDistance from_sheet(sheet), from_mold(mold);
+  const MoldDistance from_sheet(sheet, to_sheet), from_mold(mold, to_mold);
   double height = 1;
   for (const auto& p : formed) height = std::max(height, p.z() + 1);
   for (const auto& p : mold.vertices) height = std::max(height, p.z() + 1);

@@ -42,11 +42,6 @@ double squared_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b,
 
 }  // namespace
 
-struct MoldDistance::Scene : EmbreeScene {
-  explicit Scene(const TriangleMesh& of) : EmbreeScene(of), mesh(of) {}
-  const TriangleMesh& mesh;
-};
-
 namespace {
 
 struct Search {
@@ -71,11 +66,13 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
 
 }  // namespace
 
-MoldDistance::MoldDistance(const TriangleMesh& mesh) : scene_(std::make_unique<Scene>(mesh)) {}
-MoldDistance::~MoldDistance() = default;
+MoldDistance::MoldDistance(const TriangleMesh& mesh)
+    : mesh_(mesh), scene_(std::make_shared<const EmbreeScene>(mesh)) {}
+MoldDistance::MoldDistance(const TriangleMesh& mesh, const RayCaster& rays)
+    : mesh_(mesh), scene_(rays.scene()) {}
 
 double MoldDistance::operator()(const Vector3d& point) const {
-  Search search{.mesh = scene_->mesh, .point = point};
+  Search search{.mesh = mesh_, .point = point};
   RTCPointQuery query{};
   query.x = static_cast<float>(point.x() - scene_->centre.x());
   query.y = static_cast<float>(point.y() - scene_->centre.y());

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "worker/scan/ray_caster.hpp"
 #include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -13,14 +14,15 @@ namespace vacuform {
 class MoldDistance {
  public:
   explicit MoldDistance(const TriangleMesh& mesh);  // keeps a reference
-  ~MoldDistance();
+  // `rays`: of the same mesh; saves building a second tree.
+  MoldDistance(const TriangleMesh& mesh, const RayCaster& rays);
 
   // Infinite for a mesh without triangles. Thread safe and deterministic.
   double operator()(const Eigen::Vector3d& point) const;
 
  private:
-  struct Scene;
-  std::unique_ptr<Scene> scene_;
+  const TriangleMesh& mesh_;
+  std::shared_ptr<const EmbreeScene> scene_;
 };
 
 }  // namespace vacuform

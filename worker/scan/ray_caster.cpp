@@ -11,15 +11,7 @@
 
 namespace vacuform {
 
-struct RayCaster::Scene : EmbreeScene {
-  using EmbreeScene::EmbreeScene;
-};
-
-RayCaster::RayCaster(const TriangleMesh& mesh) : scene_(std::make_unique<Scene>(mesh)) {}
-
-RayCaster::~RayCaster() = default;
-RayCaster::RayCaster(RayCaster&&) noexcept = default;
-RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
+RayCaster::RayCaster(const TriangleMesh& mesh) : scene_(std::make_shared<const EmbreeScene>(mesh)) {}
 
 std::optional<RayCaster::Hit> RayCaster::first_hit(const Eigen::Vector3d& origin,
                                                    const Eigen::Vector3d& direction) const {

@@ -11,6 +11,8 @@
 
 namespace vacuform {
 
+struct EmbreeScene;
+
 class RayCaster {
  public:
   struct Hit {
@@ -21,16 +23,15 @@ class RayCaster {
 
   // Copies what it needs of the mesh. A mesh without triangles is allowed and is never hit.
   explicit RayCaster(const TriangleMesh& mesh);
-  ~RayCaster();
-  RayCaster(RayCaster&&) noexcept;
-  RayCaster& operator=(RayCaster&&) noexcept;
 
   // The first hit on the segment from origin to origin + direction. Thread safe and deterministic.
   std::optional<Hit> first_hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 
+  // For other queries on the same mesh.
+  const std::shared_ptr<const EmbreeScene>& scene() const { return scene_; }
+
  private:
-  struct Scene;
-  std::unique_ptr<Scene> scene_;
+  std::shared_ptr<const EmbreeScene> scene_;
 };
 
 // Whether a ray from the point straight up leaves the mesh before it enters it: the point lies in a closed surface, or

@@ -1,0 +1,89 @@
+"""Prints how long forming, a whole print, a changed pattern and a layout take, beside CGAL's ARAP in the same run, as a
+Markdown table: docs/develop/speed.md holds one.
+
+    python3 tests/bench/speed.py BIN SHARED-DATA [--runs N] [--only WORD]
+
+Each figure is the median of N runs (5 by default) of the real programs on an otherwise idle machine. `of ARAP` is the wall
+time over the processor time of CGAL's ARAP parameterization of a dome of 80,000 triangles (bench_flattening), which is the
+same on every machine. Peak memory is that of the process.
+"""
+import argparse
+import json
+import pathlib
+import resource
+import statistics
+import subprocess
+import tempfile
+import time
+
+HEADS = {"newborn": "neonate-40w.stl", "adult": "adult-scalp-ascii.ply"}
+PATTERN = pathlib.Path(__file__).resolve().parents[1] / "data" / "patterns" / "rings-19x40mm.svg"
+
+
+def run(words):
+    """Wall and processor seconds of a program."""
+    before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
+    wall, after = time.monotonic() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode != 0:
+        raise SystemExit(f"{words[0]}: {done.stderr or done.stdout}")
+    return {"wall": wall, "cpu": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, "out": done.stdout}
+
+
+def peak_mib(words):
+    """Peak memory of a program, by GNU time's way: the largest child of a process that has only one."""
+    code = "import resource, subprocess, sys; subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True); " \
+           "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss // 1024)"
+    return int(run(["python3", "-c", code, *words])["out"])
+
+
+def medians(runs, make):
+    rows = [run(make(k)) for k in range(runs)]
+    return statistics.median(row["wall"] for row in rows), statistics.median(row["cpu"] for row in rows)
+
+
+def measures(arguments, folder):
+    """Yields name, wall s, CPU s, peak MiB."""
+    vacuform = arguments.bin / "vacuform"
+
+    def forming(cells):
+        return json.loads(run([arguments.bin / "bench_forming", "--json", cells])["out"])
+
+    rows = [forming(200) for _ in range(arguments.runs)] if arguments.only in "forming" else []
+    for at, head in enumerate(HEADS):
+        if rows:
+            yield f"forming, {head}", statistics.median(row[at]["seconds"] for row in rows), None, round(rows[0][at]["peak_mib"])
+    for head, scan in HEADS.items():
+        out = folder / "out"
+        base = [vacuform, "run", "--quiet", "--scan", arguments.data / "scans" / scan, "--pattern", PATTERN, "--out", out]
+        if arguments.only in "print":
+            yield f"print, {head}", *medians(arguments.runs, lambda _: base), peak_mib(base)
+        if arguments.only in "kept head":
+            kept = [*base, "--keep", folder / head]
+            run(kept)
+            turned = lambda k: [*kept, "--set", f"pattern.rotate_deg={5 * k + 5}"]
+            yield f"another pattern on a kept head, {head}", *medians(arguments.runs, turned), peak_mib(turned(20))
+    if arguments.only in "layout":
+        laid = [vacuform, "layout", "--scan", arguments.data / "scans" / HEADS["newborn"], "--count", 32, "--diameter_mm",
+                "fitted", "--out", folder / "layout", "--keep", folder / "newborn"]
+        run(laid)
+        yield "layout of 32 fitted loops on a kept head", *medians(arguments.runs, lambda _: laid), peak_mib(laid)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin", type=pathlib.Path)
+    parser.add_argument("data", type=pathlib.Path)
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--only", default="", help="forming, print, kept head or layout")
+    arguments = parser.parse_args()
+    flattening = json.loads(run([arguments.bin / "bench_flattening", "--json", "201"])["out"])
+    arap = next(row["seconds"] for row in flattening if row["method"] == "cgal_arap" and row["surface"].startswith("dome"))
+    print("| What | s | CPU s | MiB | of ARAP |\n|---|---|---|---|---|")
+    print(f"| CGAL's ARAP, dome of 80,000 triangles | | {arap:.1f} | | 1 |", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for name, wall, cpu, mib in measures(arguments, pathlib.Path(folder)):
+            print(f"| {name} | {wall:.2f} | {'' if cpu is None else f'{cpu:.2f}'} | {mib} | {wall / arap:.2f} |", flush=True)
+
+
+main()
