@@ -54,7 +54,7 @@ Rgb colour_of(const Look& look) {
 const Rgb symbol_ink(0.08f, 0.09f, 0.11f), symbol_paper(1, 1, 1);
 
 constexpr double badge = 23;     // radius, pixels: its number can be read at the width of a phone
-constexpr int row = 70;          // of the legend
+constexpr int legend_row = 70;   // of the legend
 constexpr double hidden_mm = 3;  // behind the sheet; nearer to it is on it
 constexpr double least_ring = 9, most_ring = 90;
 
@@ -160,7 +160,8 @@ void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, doub
     const Warning& warning = *marked[i];
     const Look& look = looks[static_cast<std::size_t>(look_of(warning))];
     const std::size_t line = i / 2;
-    const double x = 62 + (i % 2 == 0 ? 0 : width / 2 - 10), y = top + 52 + row * static_cast<double>(line);
+    const double x = 62 + (i % 2 == 0 ? 0 : width / 2 - 10),
+                 y = top + 52 + legend_row * static_cast<double>(line);
     const std::size_t count = warning.marks.size();
     draw_badge(canvas, look, {x, y}, std::to_string(count));
     std::string words(look.words.empty() ? std::string_view(warning.code) : look.words);
@@ -246,7 +247,8 @@ void write_findings(const std::vector<Warning>& warnings, Picture& picture, cons
     if (!warning.marks.empty()) marked.push_back(&warning);
   const int front = picture.height - caption_bottom, shown = front + (behind ? behind->height : 0);
   const std::size_t columns = static_cast<std::size_t>(picture.width);
-  picture.height = shown + std::max(caption_bottom, 44 + row * static_cast<int>((marked.size() + 1) / 2));
+  picture.height =
+      shown + std::max(caption_bottom, 44 + legend_row * static_cast<int>((marked.size() + 1) / 2));
   picture.pixels.resize(columns * static_cast<std::size_t>(picture.height));
   if (behind)
     std::copy(behind->pixels.begin(), behind->pixels.end(),

@@ -170,8 +170,6 @@ void View::frame() {
     }
   }
   eye_ = target + distance * back_;
-  reach_ = 1;
-  for (const auto& p : mesh_.vertices) reach_ = std::max(reach_, 1.1 * (p - eye_).norm());
 }
 
 Result<void> View::light(const Context& context, double from, double to) {
@@ -180,11 +178,15 @@ Result<void> View::light(const Context& context, double from, double to) {
   // Enough directions for a smooth shade on coarse meshes, fewer on fine ones, where neighbours smooth it.
   const auto directions = sky(std::clamp(500'000 / std::max(1, vertices), 8, 32));
   open_.assign(mesh_.vertices.size(), 1.0f);
+  // No shadow on the platform; towards it, it fades.
+  const double low = lowest(mesh_);
+  const auto on_platform = [&](std::size_t v) { return mesh_.vertices[v].z() < low + platform_mm; };
   constexpr int batch = 20'000;
   for (int begin = 0; begin < vertices; begin += batch) {
     VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * begin / vertices));
     in_parallel(begin, std::min(begin + batch, vertices), [&](int first, int last) {
       for (int i = first; i < last; ++i) {
+        if (on_platform(static_cast<std::size_t>(i))) continue;
         const Vector3d n = at(normals_, i);
         const Vector3d a = n.unitOrthogonal(), b = n.cross(a);
         int hidden = 0;
@@ -197,33 +199,39 @@ Result<void> View::light(const Context& context, double from, double to) {
       }
     });
   }
-  // No shadow on the platform; towards it, it fades.
-  const double low = lowest(mesh_);
-  for (std::size_t v = 0; v < open_.size(); ++v)
-    if (mesh_.vertices[v].z() < low + platform_mm) open_[v] = 1;
   smooth(mesh_, open_, sky_rounds, [](std::size_t) { return true; });
   smooth(mesh_, open_, foot_rounds, [&](std::size_t v) { return mesh_.vertices[v].z() < low + foot_mm; });
   return {};
 }
 
-Seen View::seen(const RayCaster::Hit& hit, const Vector3d& ray, double spacing) const {
-  const auto& t = mesh_.triangles[static_cast<std::size_t>(hit.triangle)];
-  const std::array<double, 3> w{1 - hit.u - hit.v, hit.u, hit.v};
+Seen View::seen(const VisibleTriangles::Sample& sample, const Vector3d& aim) const {
+  const auto& t = mesh_.triangles[static_cast<std::size_t>(sample.triangle)];
+  const double u = sample.u, v = sample.v;
+  const std::array<double, 3> w{1 - u - v, u, v};
   const auto mix = [&](const auto& values) {
     return w[0] * values[static_cast<std::size_t>(t[0])] + w[1] * values[static_cast<std::size_t>(t[1])] +
            w[2] * values[static_cast<std::size_t>(t[2])];
   };
-  Vector3d normal = mix(normals_).normalized();
-  const Vector3d towards = -ray.normalized();
+  const double length = aim.norm(), spacing = tangent_ / width_ * length / sample.nearness;
+  Vector3d normal = mix(normals_);
+  if (const double size = normal.norm(); size > 0) normal *= 1 / size;
+  const Vector3d towards = -1 / length * aim;
   double facing = normal.dot(towards);
   if (facing < 0) normal = -normal, facing = -facing;
   const double open = mix(open_);
   const double key = std::max(0.0, normal.dot(key_light));
-  double gloss = std::max(0.0, normal.dot((key_light + towards).normalized()));
-  for (int power = 1; power < 64; power *= 2) gloss *= gloss;
+  const Vector3d halfway = key_light + towards;
+  const double ahead = std::max(0.0, normal.dot(halfway)), square = halfway.squaredNorm();
+  // The 64th power of a cosine; what is left out is far below one level of gray.
+  double gloss = ahead * ahead > 0.7 * square ? ahead * ahead / square : 0;
+  for (int power = 2; power < 64; power *= 2) gloss *= gloss;
   const double light = (0.25 + 0.75 * open) * (0.47 + 0.13 * normal.z()) + 0.40 * key * (0.4 + 0.6 * open);
-  return {hit.triangle, w, spacing / std::max(0.35, facing), static_cast<float>(light),
+  return {sample.triangle, w, spacing / std::max(0.35, facing), static_cast<float>(light),
           static_cast<float>(0.10 * gloss * open)};
+}
+
+Camera View::camera() const {
+  return {eye_, right_, up_, back_, 2 * tangent_ / width_, 0.5 * width_, middle_row()};
 }
 
 std::optional<View::Spot> View::spot(const Vector3d& place) const {
@@ -245,36 +253,38 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
   for (auto& p : pictures)
     p = {width_, height_, std::vector<std::uint32_t>(columns * static_cast<std::size_t>(height_))};
   const int end = height_ - bottom_;
-  const double middle = middle_row();
-  const double pixel = 2 * tangent_ / width_;  // at distance 1
+  const Camera camera = this->camera();
+  const VisibleTriangles visible(mesh_, camera, width_);
 
-  const auto row = [&](int y) {
+  const auto rows = [&](int first, int last) {
     std::vector<Rgb> sums(n), colours(n);
-    const Rgb behind = background_at(static_cast<double>(y) / height_);
-    for (int x = 0; x < width_; ++x) {
-      std::fill(sums.begin(), sums.end(), Rgb(0, 0, 0));
-      for (const double dy : {0.25, 0.75})
-        for (const double dx : {0.25, 0.75}) {
-          const Vector3d aim =
-              (x + dx - 0.5 * width_) * pixel * right_ + (middle - y - dy) * pixel * up_ - back_;
-          const Vector3d ray = reach_ * aim.normalized();
-          if (const auto hit = rays_.first_hit(eye_, ray))
-            shade(seen(*hit, ray, 0.5 * pixel * hit->t * reach_), colours.data());
-          else
-            std::fill(colours.begin(), colours.end(), behind);
-          for (std::size_t k = 0; k < n; ++k) sums[k] += colours[k];
-        }
-      for (std::size_t k = 0; k < n; ++k)
-        pictures[k].pixels[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)] =
-            pixel_of(sums[k] / 4);
+    std::vector<VisibleTriangles::Sample> samples;
+    visible.see(first, last, samples);
+    for (int y = first; y < last; ++y) {
+      const Rgb behind = background_at(static_cast<double>(y) / height_);
+      for (int x = 0; x < width_; ++x) {
+        std::fill(sums.begin(), sums.end(), Rgb(0, 0, 0));
+        for (const int dy : {0, 1})
+          for (const int dx : {0, 1}) {
+            const VisibleTriangles::Sample& sample =
+                samples[static_cast<std::size_t>(2 * (y - first) + dy) * 2 * columns +
+                        static_cast<std::size_t>(2 * x + dx)];
+            if (sample.triangle >= 0)
+              shade(seen(sample, camera.aim(x + 0.25 + 0.5 * dx, y + 0.25 + 0.5 * dy)), colours.data());
+            else
+              std::fill(colours.begin(), colours.end(), behind);
+            for (std::size_t k = 0; k < n; ++k) sums[k] += colours[k];
+          }
+        for (std::size_t k = 0; k < n; ++k)
+          pictures[k].pixels[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)] =
+              pixel_of(sums[k] / 4);
+      }
     }
   };
   constexpr int band = 50;
   for (int y = top_; y < end; y += band) {
     VACUFORM_CHECK(context.step(Stage::inspection, lit + (to - lit) * (y - top_) / (end - top_)));
-    in_parallel(y, std::min(y + band, end), [&](int first, int last) {
-      for (int r = first; r < last; ++r) row(r);
-    });
+    in_parallel(y, std::min(y + band, end), rows);
   }
   return pictures;
 }

@@ -1,4 +1,4 @@
-// A look at the formed sheet, or at the mold, by rays, without a display. Internal to worker/inspection.
+// A look at the formed sheet, or at the mold, without a display. Internal to worker/inspection.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/inspection/visible_triangles.hpp"
 #include "worker/scan/ray_caster.hpp"
 #include "worker/stage/context.hpp"
 
@@ -46,7 +47,7 @@ class View {
   // The same in a picture of another width.
   void look_from(Side side, int width, int height, int top, int bottom);
 
-  // Draws `count` pictures with one set of rays, 2 x 2 a pixel: shade gives the colour of a sample in each.
+  // Draws `count` pictures of one look, 2 x 2 samples a pixel: shade gives the colour of a sample in each.
   // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
   Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Rgb*)>& shade,
                                     const Context& context, double from, double to);
@@ -63,7 +64,8 @@ class View {
   double middle_row() const { return 0.5 * (top_ + height_ - bottom_); }
   void frame();
   Result<void> light(const Context& context, double from, double to);
-  Seen seen(const RayCaster::Hit& hit, const Eigen::Vector3d& ray, double spacing) const;
+  Camera camera() const;
+  Seen seen(const VisibleTriangles::Sample& sample, const Eigen::Vector3d& aim) const;
 
   TriangleMesh mesh_;
   std::vector<Eigen::Vector3d> shown_;
@@ -73,7 +75,7 @@ class View {
   std::vector<Eigen::Vector3d> normals_;
   std::vector<float> open_;  // per vertex: the part of the sky that it sees
   Eigen::Vector3d right_, up_, back_, eye_;
-  double reach_ = 1, tangent_ = 1;  // farthest point; half the picture's width at distance 1
+  double tangent_ = 1;  // half the picture's width at distance 1
 };
 
 }  // namespace vacuform
