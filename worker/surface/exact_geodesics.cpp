@@ -10,6 +10,7 @@
 
 #include "worker/numerics/plane.hpp"
 #include "worker/stage/index.hpp"
+#include "worker/surface/nearest_point.hpp"
 
 namespace vacuform {
 
@@ -71,6 +72,7 @@ struct Geodesics::State {
 
   const PathMesh& mesh;
   double reach = 0;
+  std::optional<Vector3d> target;  // in space: the only one
   int source_triangle = 0;
   Vector3d source{0, 0, 0}, axis{0, 0, 0}, across{0, 0, 0};  // the source's plane
   Vector2d asked{0, 0};  // in it: the source as it was given, which may lie on an edge or a vertex
@@ -120,6 +122,13 @@ struct Geodesics::State {
     return (to.x() * axis + to.y() * across) / length;
   }
 
+  // Whether a path that is so long on an edge, or at a vertex where both ends are the same, cannot reach the only target.
+  bool leads_away(double mm, int from, int to) const {
+    if (!target) return false;
+    const Vector3d &a = mesh.place(from), &b = mesh.place(to);
+    return mm + (a + nearest_on_edge(*target, a, b) * (b - a) - *target).norm() > reach;
+  }
+
   // The corner opposite the side `from`.
   void reached(int from, double mm, const Vector3d& start, double at, int pseudo_source, int window = -1) {
     const int vertex = mesh.corner(from / 3, from % 3);
@@ -127,7 +136,7 @@ struct Geodesics::State {
     if (mm >= k.mm || mm > reach) return;
     if (k.mm == infinite) touched_vertices.push_back(vertex);
     k = {mm, start, from, at, pseudo_source, window};
-    if (mesh.is_saddle(vertex)) queue.push({mm, -1 - vertex});
+    if (mesh.is_saddle(vertex) && !leads_away(mm, vertex, vertex)) queue.push({mm, -1 - vertex});
   }
 
   // Whether a vertex offers a way as short to all of the piece between the rays: to the ray's end that is farther from it.
@@ -148,7 +157,9 @@ struct Geodesics::State {
     if (opposite < 0) return;
     Window w{opposite, pseudo_source, a, b, left, right, parent, -1};
     const double mm = pseudo_sources[index(pseudo_source)].before + nearest(left, right);
-    if (mm > reach || useless(w)) return;
+    if (mm > reach || useless(w) ||
+        leads_away(mm, mesh.corner(s / 3, s % 3 + 1), mesh.corner(s / 3, s % 3 + 2)))
+      return;
     int& head = heads[index(opposite)];
     if (head < 0) touched_sides.push_back(opposite);
     w.next = head;
@@ -245,9 +256,16 @@ struct Geodesics::State {
     open(s, pseudo_source, a, b, last >= angle ? a : through(last), first <= 0 ? b : through(first));
   }
 
-  void begin(const SheetPoint& at, double reach_mm) {
+  Vector3d place_of(const SheetPoint& at) const {
+    Vector3d place = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) place += at.weights[k] * mesh.place(mesh.corner(at.triangle, k));
+    return place;
+  }
+
+  void begin(const SheetPoint& at, const SheetPoint* only, double reach_mm) {
     clear();
     reach = reach_mm;
+    target = only ? std::optional(place_of(*only)) : std::nullopt;
     source_triangle = at.triangle;
     Vector3d weights = at.weights.cwiseMax(beside);
     weights /= weights.sum();
@@ -290,13 +308,17 @@ struct Geodesics::State {
 Geodesics::Geodesics(const PathMesh& mesh) : state_(std::make_unique<State>(mesh)) {}
 Geodesics::~Geodesics() = default;
 
-void Geodesics::begin_at(const SheetPoint& source, double reach_mm) { state_->begin(source, reach_mm); }
+void Geodesics::begin_at(const SheetPoint& source, double reach_mm) {
+  state_->begin(source, nullptr, reach_mm);
+}
+void Geodesics::begin_at(const SheetPoint& source, const SheetPoint& target, double reach_mm) {
+  state_->begin(source, &target, reach_mm);
+}
 
 std::optional<Geodesics::Path> Geodesics::to(const SheetPoint& target) const {
   const State& s = *state_;
   const int t = target.triangle;
-  Vector3d place = Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) place += target.weights[k] * s.mesh.place(s.mesh.corner(t, k));
+  const Vector3d place = s.place_of(target);
   Path best{infinite, Vector3d::Zero()};
   const auto offer = [&](double mm, const auto& start) {
     if (mm < best.length) best = {mm, start()};

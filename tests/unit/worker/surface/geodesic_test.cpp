@@ -266,6 +266,31 @@ TEST(ExactGeodesics, AreAsLongThereAsBackAlsoOverBumps) {
   }
 }
 
+TEST(ExactGeodesics, ToOneTargetAreAsLongAsToAll) {
+  const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
+  const hand_made::Charted charted(x);
+  const InkedSurface& surface = charted.surface;
+  Geodesics all(surface.path_mesh()), one(surface.path_mesh());
+  const std::vector<Vector2d> ends{{3, 4}, {-31, 8}, {0, 26}, {22, -17}, {-9, -30}, {3.5, 4.2}};
+  for (const Vector2d& a : ends) {
+    all.begin_at(at(charted, a), 90);
+    for (const Vector2d& b : ends) {
+      const auto way = all.to(at(charted, b));
+      ASSERT_TRUE(way);
+      for (const double reach : {90.0, 1.02 * way->length + 0.1, way->length + 1e-6}) {
+        one.begin_at(at(charted, a), at(charted, b), reach);
+        const auto found = one.to(at(charted, b));
+        ASSERT_TRUE(found) << reach;
+        EXPECT_NEAR(found->length, way->length, 1e-9);
+        EXPECT_LT((found->start - way->start).norm(), 1e-6);
+      }
+      if (way->length == 0) continue;
+      one.begin_at(at(charted, a), at(charted, b), 0.99 * way->length);
+      EXPECT_FALSE(one.to(at(charted, b)));
+    }
+  }
+}
+
 TEST(ElementPatch, OnBumpsHasCirclesThatAreRoundByExactGeodesics) {
   const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
   const hand_made::Charted charted(x);
