@@ -8,7 +8,6 @@
 #include "worker/numerics/dense.hpp"
 #include "worker/numerics/plane.hpp"
 #include "worker/pattern/drawn_loop.hpp"
-#include "worker/surface/exact_geodesics.hpp"
 
 namespace vacuform {
 
@@ -77,25 +76,69 @@ void cut(std::vector<Vector2d>& polygon, std::vector<Vector2d>& kept, const Vect
   polygon.swap(kept);
 }
 
+// A closed line with the boxes of its parts, to find quickly what of it is near a place.
+class BoxedLine {
+ public:
+  explicit BoxedLine(const std::vector<Vector2d>& line) : line_(line) {
+    for (std::size_t begin = 0; begin < line.size(); begin += part) {
+      Eigen::AlignedBox2d& box = boxes_.emplace_back();
+      for (std::size_t i = begin; i <= std::min(begin + part, line.size()); ++i) box.extend(point(i));
+      whole_.extend(box);
+    }
+  }
+
+  const Eigen::AlignedBox2d& whole() const { return whole_; }
+  bool may_meet(const Eigen::AlignedBox2d& box) const {
+    return std::any_of(boxes_.begin(), boxes_.end(),
+                       [&](const auto& of_part) { return of_part.intersects(box); });
+  }
+  // How many times the line runs around a point that is not on it, counter-clockwise: by the pieces that a ray to the right
+  // crosses.
+  int turns_around(const Vector2d& p) const {
+    int turns = 0;
+    for (std::size_t k = 0; k < boxes_.size(); ++k) {
+      if (boxes_[k].max().x() < p.x() || boxes_[k].min().y() > p.y() || boxes_[k].max().y() < p.y()) continue;
+      for (std::size_t i = k * part; i < std::min((k + 1) * part, line_.size()); ++i) {
+        const Vector2d &a = point(i), &b = point(i + 1);
+        const bool up = b.y() > a.y();
+        if ((a.y() > p.y()) != (b.y() > p.y()) && (cross(b - a, p - a) > 0) == up) turns += up ? 1 : -1;
+      }
+    }
+    return turns;
+  }
+
+ private:
+  static constexpr std::size_t part = 8;  // pieces
+  const Vector2d& point(std::size_t i) const { return line_[i % line_.size()]; }
+  const std::vector<Vector2d>& line_;
+  std::vector<Eigen::AlignedBox2d> boxes_;
+  Eigen::AlignedBox2d whole_;
+};
+
 // The area of the surface inside a loop of the flat sheet: of each triangle the share of its flat area inside, exactly.
 double enclosed_area(const MeasuredSheet& sheet, const std::vector<Vector2d>& line) {
   const InkedSurface& surface = sheet.surface();
-  Vector2d low = line.front(), high = low;
-  for (const Vector2d& p : line) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const BoxedLine boxed(line);
   double sum = 0;
   std::vector<Vector2d> polygon, kept;
   for (const Triangle& t : surface.triangles()) {
     std::array<Vector2d, 3> c;
     for (std::size_t k = 0; k < 3; ++k) c[k] = surface.rest()[static_cast<std::size_t>(t[k])];
-    if ((c[0].cwiseMax(c[1]).cwiseMax(c[2]) - low).minCoeff() < 0 ||
-        (high - c[0].cwiseMin(c[1]).cwiseMin(c[2])).minCoeff() < 0)
-      continue;
-    polygon = line;
-    for (std::size_t k = 0; k < 3 && !polygon.empty(); ++k) cut(polygon, kept, c[k], c[(k + 1) % 3]);
+    const Eigen::AlignedBox2d box(c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2]));
+    if (!box.intersects(boxed.whole())) continue;
     const double flat = cross(c[1] - c[0], c[2] - c[0]) / 2;
-    if (polygon.empty() || !(flat > 0)) continue;
+    if (!(flat > 0)) continue;
+    double share = 0;
+    if (boxed.may_meet(box)) {
+      polygon = line;
+      for (std::size_t k = 0; k < 3 && !polygon.empty(); ++k) cut(polygon, kept, c[k], c[(k + 1) % 3]);
+      if (!polygon.empty()) share = std::abs(signed_area(polygon)) / flat;
+    } else {
+      share = std::abs(boxed.turns_around(c[0]));
+    }
+    if (share == 0) continue;
     const auto at = [&](std::size_t k) { return sheet.surface().inked()[static_cast<std::size_t>(t[k])]; };
-    sum += std::abs(signed_area(polygon)) / flat * (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
+    sum += share * (at(1) - at(0)).cross(at(2) - at(0)).norm() / 2;
   }
   return sum;
 }
@@ -162,6 +205,23 @@ double worst_stretch(const std::vector<Vector2d>& line, const std::vector<Vector
 
 }  // namespace
 
+std::unique_ptr<Geodesics, MeasuredSheet::GiveBack> MeasuredSheet::paths() const {
+  const std::lock_guard lock(mutex_);
+  if (idle_.empty()) {
+    idle_.reserve(made_ + 1);
+    idle_.push_back(std::make_unique<Geodesics>(surface().path_mesh()));
+    ++made_;
+  }
+  Geodesics* const lent = idle_.back().release();
+  idle_.pop_back();
+  return {lent, GiveBack{this}};
+}
+
+void MeasuredSheet::take_back(Geodesics* paths) const {
+  const std::lock_guard lock(mutex_);
+  idle_.emplace_back(paths);
+}
+
 std::vector<Vector2d> densified(const std::vector<Vector2d>& line, double step, bool closed) {
   std::vector<Vector2d> out;
   for (std::size_t i = 0; i + (closed ? 0 : 1) < line.size(); ++i) {
@@ -197,14 +257,14 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
   for (std::size_t i = 0; i < line.size(); i += 4)
     reach = std::max(reach, straight_length(sheet, near, line[i]));
   if (!std::isfinite(reach)) return std::nullopt;
-  Geodesics geodesics(sheet.surface().path_mesh());
+  const auto geodesics = sheet.paths();
   for (int round = 0; round < 12; ++round) {
     const auto source = sheet.find(out.centre_rest);
     if (!source) return std::nullopt;
-    geodesics.begin_at(*source, reach);
+    geodesics->begin_at(*source, reach);
     Eigen::MatrixXd ways(radii, 3);
     for (int i = 0; i < radii; ++i) {
-      const auto path = geodesics.to(ends[static_cast<std::size_t>(i)]);
+      const auto path = geodesics->to(ends[static_cast<std::size_t>(i)]);
       if (!path) return std::nullopt;
       ways.row(i) = path->length * path->start;
     }
@@ -216,7 +276,7 @@ std::optional<LoopFigures> measure_loop(const MeasuredSheet& sheet, const std::v
     out.centre = sheet.place(*source) + move;
     reach += move.norm();
     if (move.norm() >= settled_mm) continue;
-    const auto shape = polar(sheet, geodesics, *source, line, move);
+    const auto shape = polar(sheet, *geodesics, *source, line, move);
     if (!shape) return std::nullopt;
     out.shape = *shape;
     break;
@@ -248,9 +308,9 @@ double geodesic_distance(const MeasuredSheet& sheet, const Vector2d& a, const Ve
   const auto from = sheet.find(a), to = sheet.find(b);
   const double bound = straight_length(sheet, a, b);
   if (!from || !to || !std::isfinite(bound)) return std::nan("");
-  Geodesics geodesics(sheet.surface().path_mesh());
-  geodesics.begin_at(*from, bound);
-  const auto path = geodesics.to(*to);
+  const auto geodesics = sheet.paths();
+  geodesics->begin_at(*from, *to, bound);
+  const auto path = geodesics->to(*to);
   return path ? path->length : std::nan("");
 }
 

@@ -11,11 +11,12 @@
 
 #include "api/settings.hpp"
 #include "worker/placement/charted_surface.hpp"
+#include "worker/surface/exact_geodesics.hpp"
 #include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 
-// Measures lines on one formed sheet; keeps a reference to its inputs.
+// Measures lines on one formed sheet; keeps a reference to its inputs. May be used by several threads at once.
 class MeasuredSheet {
  public:
   explicit MeasuredSheet(const ChartedSurface& charted)
@@ -26,9 +27,22 @@ class MeasuredSheet {
   bool on_chart(const SheetPoint& at) const { return charted_.on_chart(at.triangle); }
   const InkedSurface& surface() const { return charted_.surface(); }
 
+  // Paths over the surface for one thread, given back by the pointer. They are made for all of the sheet, but a use costs
+  // only what is within reach; so those that were given back are lent again.
+  struct GiveBack {
+    const MeasuredSheet* sheet;
+    void operator()(Geodesics* paths) const { sheet->take_back(paths); }
+  };
+  std::unique_ptr<Geodesics, GiveBack> paths() const;
+
  private:
   const ChartedSurface& charted_;
   PlaneLocator locator_;
+
+  void take_back(Geodesics* paths) const;
+  mutable std::mutex mutex_;
+  mutable std::size_t made_ = 0;
+  mutable std::vector<std::unique_ptr<Geodesics>> idle_;  // with room for all that are made
 };
 
 struct LoopFigures {
