@@ -30,6 +30,8 @@ Nearest nearest(const Line& line, const Vector2d& p) {
     const Vector2d& a = line[i];
     const Vector2d along = line[(i + 1) % line.size()] - a;
     const double square = along.squaredNorm();
+    // No point of the piece is nearer than its beginning less its length.
+    if (const double off = (p - a).squaredNorm(); off > 4 * std::max(least, square)) continue;
     const double f = square > 0 ? std::clamp((p - a).dot(along) / square, 0.0, 1.0) : 0;
     const Vector2d q = a + f * along;
     if (const double d = (p - q).squaredNorm(); d < least) least = d, best = {q, along};
