@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "api/base/decimal.hpp"
 #include "worker/inspection/canvas.hpp"
@@ -36,23 +37,28 @@ std::uint32_t bits(const Rgb& colour) {
   return 0xff000000u | byte(colour.x()) << 16 | byte(colour.y()) << 8 | byte(colour.z());
 }
 
-// Fills the picture with `colour_at` of a place in mm, 2 x 2 samples a pixel.
-template <class ColourAt>
-Picture painted(const Frame& frame, int side, ColourAt&& colour_at) {
-  Picture picture{
-      side, side,
-      std::vector<std::uint32_t>(static_cast<std::size_t>(side) * static_cast<std::size_t>(side))};
+// Fills the picture with colours, 2 x 2 samples a pixel: `colours_of` gives those of a row of places, the first place and
+// the step from one to the next in mm.
+template <class ColoursOf>
+Picture painted(const Frame& frame, int side, ColoursOf&& colours_of) {
+  const auto columns = static_cast<std::size_t>(side);
+  Picture picture{side, side, std::vector<std::uint32_t>(columns * columns)};
+  const Vector2d step(0.5 / frame.pixels_per_mm, 0);
   in_parallel(0, side, [&](int first, int last) {
-    for (int y = first; y < last; ++y)
-      for (int x = 0; x < side; ++x) {
-        Rgb sum(0, 0, 0);
-        for (const double dy : {0.25, 0.75})
-          for (const double dx : {0.25, 0.75}) sum += colour_at(frame.mm(x + dx, y + dy));
-        picture.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(side) +
-                       static_cast<std::size_t>(x)] = bits(sum / 4);
-      }
+    std::vector<Rgb> upper(2 * columns), lower(2 * columns);
+    for (int y = first; y < last; ++y) {
+      colours_of(frame.mm(0.25, y + 0.25), step, std::span(upper));
+      colours_of(frame.mm(0.25, y + 0.75), step, std::span(lower));
+      for (std::size_t x = 0; x < columns; ++x)
+        picture.pixels[static_cast<std::size_t>(y) * columns + x] =
+            bits((upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]) / 4);
+    }
   });
   return picture;
+}
+
+bool outside(const Vector2d& at, const Vector2d& size) {
+  return std::abs(at.x()) > size.x() / 2 || std::abs(at.y()) > size.y() / 2;
 }
 
 Rgb laid_over(const Rgb& under, const Ink& ink, bool grayscale) {
@@ -88,10 +94,16 @@ Picture pattern_preview(const Finished& job, int side) {
   const Vector2d size = job.pattern.size_mm();
   const Frame frame(size, side);
   const double blur = 0.6 / frame.pixels_per_mm;
-  Picture picture = painted(frame, side, [&](const Vector2d& at) {
-    if (std::abs(at.x()) > size.x() / 2 || std::abs(at.y()) > size.y() / 2) return backdrop;
-    return laid_over(paper, job.pattern.sample(at, blur), job.pattern.grayscale());
-  });
+  const bool gray = job.pattern.grayscale();
+  Picture picture =
+      painted(frame, side, [&](const Vector2d& start, const Vector2d& step, std::span<Rgb> out) {
+        std::vector<Ink> ink(out.size());
+        job.pattern.sample_line(start, step, blur, ink);
+        for (std::size_t k = 0; k < out.size(); ++k) {
+          const Vector2d at = start + static_cast<double>(k) * step;
+          out[k] = outside(at, size) ? backdrop : laid_over(paper, ink[k], gray);
+        }
+      });
   write({"The drawing",
          decimal(size.x(), 1) + " × " + decimal(size.y(), 1) + " mm, " + job.pattern.format(),
          {},
@@ -108,11 +120,17 @@ Picture print_preview(const Finished& job, const SheetPicture& print, int side) 
   const Frame frame(size, side);
   const double blur = 0.6 / frame.pixels_per_mm;
   const PlaneLocator chart(job.sheet.triangles, job.sheet.rest, job.flattening.triangles);
-  Picture picture = painted(frame, side, [&](const Vector2d& at) {
-    if (std::abs(at.x()) > size.x() / 2 || std::abs(at.y()) > size.y() / 2) return backdrop;
-    const Vector2d rest(job.print.mirrored ? -at.x() : at.x(), at.y());
-    return laid_over(chart.find(rest) ? on_mold : paper, print.sample(rest, blur), job.pattern.grayscale());
-  });
+  const bool gray = job.pattern.grayscale();
+  Picture picture =
+      painted(frame, side, [&](const Vector2d& start, const Vector2d& step, std::span<Rgb> out) {
+        for (std::size_t k = 0; k < out.size(); ++k) {
+          const Vector2d at = start + static_cast<double>(k) * step;
+          const Vector2d rest(job.print.mirrored ? -at.x() : at.x(), at.y());
+          out[k] = outside(at, size)
+                       ? backdrop
+                       : laid_over(chart.find(rest) ? on_mold : paper, print.sample(rest, blur), gray);
+        }
+      });
   const std::string face =
       job.print.mirrored ? "for the inner face, mirrored as it is printed" : "for the outer face";
   write({"The pre-distorted print on the flat sheet",

@@ -18,7 +18,7 @@ int texture_width(const Print& print) {
 }
 
 std::uint8_t on_white(float colour, float opacity) {
-  return static_cast<std::uint8_t>(std::lround(255 * (1 + opacity * (colour - 1))));
+  return opacity == 0 ? 255 : static_cast<std::uint8_t>(std::lround(255 * (1 + opacity * (colour - 1))));
 }
 
 }  // namespace
@@ -33,6 +33,7 @@ Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const Con
   const double across = print.width * print.pixel_mm / width, down = print.height * print.pixel_mm / height;
   const double blur = std::max(across, down) / job.alignment.scale;
   const std::size_t row_bytes = 3 * static_cast<std::size_t>(width);
+  const Eigen::Affine2d to_pattern = job.alignment.to_pattern();
   PngWriter writer(width, height, 3);
   constexpr int band = 64;
   std::vector<std::uint8_t> rows(band * row_bytes);
@@ -40,14 +41,15 @@ Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const Con
     VACUFORM_CHECK(context.step(Stage::inspection, 0.95 + 0.04 * top / height));
     const int bottom = std::min(top + band, height);
     in_parallel(top, bottom, [&](int first, int last) {
-      for (int y = first; y < last; ++y)
-        for (int x = 0; x < width; ++x) {
-          const Eigen::Vector2d rest((x + 0.5 - width / 2.0) * across, (height / 2.0 - y - 0.5) * down);
-          const Ink ink = job.pattern.sample(job.alignment.pattern(rest - job.flattening.top_rest), blur);
-          std::uint8_t* p =
-              &rows[static_cast<std::size_t>(y - top) * row_bytes + 3 * static_cast<std::size_t>(x)];
-          p[0] = on_white(ink.r, ink.a), p[1] = on_white(ink.g, ink.a), p[2] = on_white(ink.b, ink.a);
-        }
+      std::vector<Ink> line(static_cast<std::size_t>(width));
+      for (int y = first; y < last; ++y) {
+        const Eigen::Vector2d rest((0.5 - width / 2.0) * across, (height / 2.0 - y - 0.5) * down);
+        job.pattern.sample_line(to_pattern * (rest - job.flattening.top_rest),
+                                to_pattern.linear() * Eigen::Vector2d(across, 0), blur, line);
+        std::uint8_t* p = &rows[static_cast<std::size_t>(y - top) * row_bytes];
+        for (const Ink& ink : line)
+          for (const float colour : {ink.r, ink.g, ink.b}) *p++ = on_white(colour, ink.a);
+      }
     });
     for (int y = top; y < bottom; ++y) writer.row(&rows[static_cast<std::size_t>(y - top) * row_bytes]);
   }

@@ -52,6 +52,10 @@ inline void add_bilinear(const Level& level, double x, double y, float weight, f
   const std::uint8_t* texel =
       level.texels.data() + (static_cast<std::ptrdiff_t>(j) * level.width + i) * channels;
   const std::ptrdiff_t below = static_cast<std::ptrdiff_t>(level.width) * channels;
+  // Most of a drawing is bare.
+  if (channels == 1 && i >= 0 && j >= 0 && i + 1 < level.width && j + 1 < level.height &&
+      (texel[0] | texel[1] | texel[below] | texel[below + 1]) == 0)
+    return;
   const bool left = i >= 0, right = i + 1 < level.width, upper = j >= 0, lower = j + 1 < level.height;
   for (int c = 0; c < channels; ++c) {
     float sum = 0;
@@ -61,6 +65,12 @@ inline void add_bilinear(const Level& level, double x, double y, float weight, f
     if (right && lower) sum += weights[3] * texel[below + channels + c];
     out[c] += weight * sum;
   }
+}
+
+// Of premultiplied red, green, blue and alpha.
+Ink straight(const float* s) {
+  if (!(s[3] > 0)) return {};
+  return {std::min(1.0f, s[0] / s[3]), std::min(1.0f, s[1] / s[3]), std::min(1.0f, s[2] / s[3]), s[3]};
 }
 
 enum class Format { png, jpeg, svg, gzip, unknown };
@@ -105,6 +115,8 @@ struct Pattern::Picture {
   int channels = 1;
   std::vector<Level> levels;
   Eigen::Vector2d size_mm;
+  Eigen::Vector2d texel_mm{0, 0};  // of level 0
+  double texel_side_mm = 0;        // of a square of its area
   std::string format;
   double ink_mm2 = 0;
   std::vector<Warning> warnings;
@@ -114,6 +126,8 @@ struct Pattern::Picture {
     levels.push_back({raster.width, raster.height, std::move(raster.pixels)});
     while (levels.back().width > 1 || levels.back().height > 1)
       levels.push_back(halve(levels.back(), channels));
+    texel_mm = {size_mm.x() / levels.front().width, size_mm.y() / levels.front().height};
+    texel_side_mm = std::sqrt(texel_mm.prod());
 
     double sum = 0;
     const auto& texels = levels.front().texels;
@@ -128,18 +142,14 @@ struct Pattern::Picture {
             (0.2126 * static_cast<double>(total[0]) + 0.7152 * static_cast<double>(total[1]) +
              0.0722 * static_cast<double>(total[2]));
     }
-    ink_mm2 = sum / 255 * texel_mm().prod();
-  }
-
-  Eigen::Vector2d texel_mm() const {
-    return {size_mm.x() / levels.front().width, size_mm.y() / levels.front().height};
+    ink_mm2 = sum / 255 * texel_mm.prod();
   }
 
   template <int n>
   void line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
             float* out) const {
-    const Eigen::Vector2d texel = texel_mm();
-    const double side = blur_mm / (2 * std::sqrt(texel.prod()));  // of the wanted texel, in texels of level 0
+    const Eigen::Vector2d& texel = texel_mm;
+    const double side = blur_mm / (2 * texel_side_mm);  // of the wanted texel, in texels of level 0
     const double depth = side > 1 ? std::min(std::log2(side), static_cast<double>(levels.size() - 1)) : 0;
     const int low = static_cast<int>(depth);
     const float blend = static_cast<float>(depth - low);
@@ -150,7 +160,7 @@ struct Pattern::Picture {
     std::fill_n(out, static_cast<std::ptrdiff_t>(n) * count, 0.0f);
     for (int l = low; l <= low + (blend > 0 ? 1 : 0); ++l) {
       const Level& level = levels[static_cast<std::size_t>(l)];
-      const double shrink = std::ldexp(1.0, -l);
+      const double shrink = 1.0 / static_cast<double>(std::int64_t{1} << l);
       const float weight = (l == low ? 1 - blend : blend) / 255;
       const Eigen::Vector2d a = at * shrink, d = move * shrink;
       for (int k = 0; k < count; ++k)
@@ -227,7 +237,7 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
   if (!(picture->ink_mm2 > 0))
     return fail(Code::unusable_pattern, "the drawing is empty: all of it is white or transparent", file_name,
                 "give a drawing with ink in it");
-  const double has_dpi = 25.4 / picture->texel_mm().maxCoeff();
+  const double has_dpi = 25.4 / picture->texel_mm.maxCoeff();
   // A print that is finer than its drawing loses nothing until the pixels become visible.
   if (has_dpi < (picture->format == "SVG" ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
     picture->warnings.push_back({"pattern-coarse",
@@ -259,9 +269,16 @@ void Pattern::sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& s
 Ink Pattern::sample(const Eigen::Vector2d& uv, double blur_mm) const {
   float s[4] = {};
   sample_line(uv, Eigen::Vector2d::Zero(), 1, blur_mm, s);
-  if (picture_->channels == 1) return {0, 0, 0, s[0]};
-  if (!(s[3] > 0)) return {};
-  return {std::min(1.0f, s[0] / s[3]), std::min(1.0f, s[1] / s[3]), std::min(1.0f, s[2] / s[3]), s[3]};
+  return picture_->channels == 1 ? Ink{0, 0, 0, s[0]} : straight(s);
+}
+
+void Pattern::sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, double blur_mm,
+                          std::span<Ink> out) const {
+  const auto channels = static_cast<std::size_t>(picture_->channels);
+  std::vector<float> values(channels * out.size());
+  sample_line(start, step, static_cast<int>(out.size()), blur_mm, values.data());
+  for (std::size_t k = 0; k < out.size(); ++k)
+    out[k] = channels == 1 ? Ink{0, 0, 0, values[k]} : straight(&values[4 * k]);
 }
 
 }  // namespace vacuform

@@ -54,6 +54,9 @@ class Pattern {
   // per point, the coverage; any other gives four, premultiplied red, green, blue and alpha.
   void sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
                    float* out) const;
+  // The same as sample() gives it.
+  void sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, double blur_mm,
+                   std::span<Ink> out) const;
 
  private:
   struct Picture;

@@ -41,6 +41,11 @@ Vector2d Alignment::pattern(const Vector2d& chart_mm) const {
   return Eigen::Rotation2Dd(-turn_deg * M_PI / 180) * (chart_mm - shift_mm) / scale;
 }
 
+Eigen::Affine2d Alignment::to_pattern() const {
+  return Eigen::Scaling(1 / scale) * Eigen::Rotation2Dd(-turn_deg * M_PI / 180) *
+         Eigen::Translation2d(-shift_mm);
+}
+
 Vector2d Alignment::chart(const Vector2d& pattern_mm) const {
   return Eigen::Rotation2Dd(turn_deg * M_PI / 180) * (scale * pattern_mm) + shift_mm;
 }

@@ -1,6 +1,8 @@
 // How the drawing is laid on the chart: turned, scaled and shifted, never bent.
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "worker/placement/charted_surface.hpp"
 
 namespace vacuform {
@@ -13,6 +15,7 @@ struct Alignment {
 
   Eigen::Vector2d pattern(const Eigen::Vector2d& chart) const;
   Eigen::Vector2d chart(const Eigen::Vector2d& pattern) const;
+  Eigen::Affine2d to_pattern() const;  // pattern() for inner loops
 };
 
 // Uses only offset_mm, rotate_deg and scale: the centre of the drawing is offset_mm from the top of the mold.

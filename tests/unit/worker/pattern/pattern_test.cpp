@@ -246,6 +246,13 @@ TEST(Pattern, ALineOfSamplesIsTheSamplesOfALine) {
     EXPECT_FLOAT_EQ(line[4 * k + 3], ink.a);
     EXPECT_NEAR(line[4 * k + 2], ink.b * ink.a, 1e-6);
   }
+  std::vector<Ink> inks(50);
+  pattern->sample_line(start, step, 0.37, inks);
+  for (int k = 0; k < 50; ++k) {
+    const Ink ink = pattern->sample(start + k * step, 0.37);
+    EXPECT_FLOAT_EQ(inks[static_cast<std::size_t>(k)].a, ink.a);
+    EXPECT_FLOAT_EQ(inks[static_cast<std::size_t>(k)].b, ink.b);
+  }
 }
 
 TEST(Pattern, TellsTheFormatByItsBytesAndNotByItsName) {
