@@ -51,6 +51,12 @@ Ink SheetPicture::sample(const Eigen::Vector2d& rest, double blur_mm) const {
 Ink SheetPicture::of_pixels(const Eigen::Vector2d& rest) const {
   const double x = rest.x() / pixel_mm + width_ / 2.0 - 0.5, y = height_ / 2.0 - rest.y() / pixel_mm - 0.5;
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
+  if (left >= 0 && top >= 0 && left + 1 < width_ && top + 1 < height_) {  // most of the sheet is bare
+    const std::uint8_t* above = &rgba_[4 * (static_cast<std::size_t>(top) * static_cast<std::size_t>(width_) +
+                                            static_cast<std::size_t>(left))];
+    const std::uint8_t* below = above + 4 * static_cast<std::ptrdiff_t>(width_);
+    if ((above[3] | above[7] | below[3] | below[7]) == 0) return {};
+  }
   float sum[4] = {0, 0, 0, 0};
   for (int j = top; j < top + 2; ++j)
     for (int i = left; i < left + 2; ++i) {

@@ -1,6 +1,7 @@
 #include "worker/inspection/shrunk_png.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "worker/png/png_reader.hpp"
 #include "worker/png/png_writer.hpp"
@@ -17,19 +18,41 @@ double start_of(int i, int count, int length) {
   return i == count ? length : i * (static_cast<double>(length) / count);
 }
 
-// A row of `from` pixels, straight RGBA, as the sums of `to` pixels, RGB on white.
-void squeeze(const std::uint8_t* rgba, int from, int to, std::vector<double>& rgb) {
-  for (int x = 0; x < to; ++x) {
-    const double left = start_of(x, to, from), right = start_of(x + 1, to, from);
-    double sum[3] = {0, 0, 0};
-    for (int i = static_cast<int>(left); i < right; ++i) {
-      const std::uint8_t* p = rgba + 4 * static_cast<std::ptrdiff_t>(i);
-      const double weight = share(left, right, i), alpha = p[3] / 255.0;
-      for (int k = 0; k < 3; ++k) sum[k] += weight * (255 + alpha * (p[k] - 255));
+// Makes rows of `from` pixels narrower.
+class Squeeze {
+ public:
+  Squeeze(int from, int to) {
+    for (int x = 0; x < to; ++x) {
+      const double left = start_of(x, to, from), right = start_of(x + 1, to, from);
+      const int first = static_cast<int>(left), last = static_cast<int>(std::ceil(right)) - 1;
+      cells_.push_back({first, last, share(left, right, first), share(left, right, last)});
     }
-    for (std::size_t k = 0; k < 3; ++k) rgb[3 * static_cast<std::size_t>(x) + k] = sum[k];
   }
-}
+
+  // A row of straight RGBA as the sums of its cells, RGB on white.
+  void operator()(const std::uint8_t* rgba, std::vector<double>& rgb) const {
+    double* out = rgb.data();
+    for (const Cell& cell : cells_) {
+      double sum[3] = {0, 0, 0};
+      const auto add = [&](int i, double weight) {
+        const std::uint8_t* p = rgba + 4 * static_cast<std::ptrdiff_t>(i);
+        const double alpha = p[3] / 255.0;
+        for (int k = 0; k < 3; ++k) sum[k] += weight * (255 + alpha * (p[k] - 255));
+      };
+      add(cell.first, cell.of_first);
+      for (int i = cell.first + 1; i < cell.last; ++i) add(i, 1);
+      if (cell.last > cell.first) add(cell.last, cell.of_last);
+      for (const double value : sum) *out++ = value;
+    }
+  }
+
+ private:
+  struct Cell {
+    int first, last;           // pixels
+    double of_first, of_last;  // the parts of them that lie in the cell
+  };
+  std::vector<Cell> cells_;
+};
 
 }  // namespace
 
@@ -46,14 +69,15 @@ std::vector<std::uint8_t> shrunk_png(const std::vector<std::uint8_t>& png, int w
   width = std::min(width, columns);
   const int height = std::max(1, static_cast<int>(static_cast<std::int64_t>(shown) * width / columns));
   PngWriter writer(width, height, 3);
-  std::vector<std::uint8_t> read(reader.row_bytes()), row(3 * static_cast<std::size_t>(width));
+  const Squeeze squeeze(columns, width);
+  std::vector<std::uint8_t> read(reader.row_bytes()), before, row(3 * static_cast<std::size_t>(width));
   std::vector<double> line(row.size()), sum(row.size(), 0);
   const double across = static_cast<double>(columns) / width;
   int y = 0;  // the row of the result that the next row of the file belongs to
   for (int j = -skipped; j < shown; ++j) {
     if (!reader.row(read.data())) return {};
     if (j < 0) continue;
-    squeeze(read.data(), columns, width, line);
+    if (read != before) squeeze(read.data(), line), before = read;  // many rows of a print are bare
     while (y < height) {
       const double top = start_of(y, height, shown), bottom = start_of(y + 1, height, shown);
       const double weight = std::max(0.0, share(top, bottom, j));
