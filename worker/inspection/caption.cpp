@@ -11,23 +11,23 @@
 namespace vacuform {
 namespace {
 
-constexpr std::array<std::array<int, 3>, 17> viridis_table{{{68, 1, 84},
-                                                            {72, 24, 106},
-                                                            {71, 45, 123},
-                                                            {66, 64, 134},
-                                                            {59, 82, 139},
-                                                            {51, 99, 141},
-                                                            {44, 114, 142},
-                                                            {38, 130, 142},
-                                                            {33, 145, 140},
-                                                            {31, 160, 136},
-                                                            {40, 174, 128},
-                                                            {63, 188, 115},
-                                                            {94, 201, 98},
-                                                            {132, 212, 75},
-                                                            {173, 220, 48},
-                                                            {216, 226, 25},
-                                                            {253, 231, 37}}};
+constexpr std::array<std::array<float, 3>, 17> viridis_table{{{68, 1, 84},
+                                                              {72, 24, 106},
+                                                              {71, 45, 123},
+                                                              {66, 64, 134},
+                                                              {59, 82, 139},
+                                                              {51, 99, 141},
+                                                              {44, 114, 142},
+                                                              {38, 130, 142},
+                                                              {33, 145, 140},
+                                                              {31, 160, 136},
+                                                              {40, 174, 128},
+                                                              {63, 188, 115},
+                                                              {94, 201, 98},
+                                                              {132, 212, 75},
+                                                              {173, 220, 48},
+                                                              {216, 226, 25},
+                                                              {253, 231, 37}}};
 
 }  // namespace
 
@@ -39,9 +39,7 @@ Rgb viridis(double fraction) {
   Rgb c;
   for (int k = 0; k < 3; ++k) {
     const auto j = static_cast<std::size_t>(k);
-    c[k] = ((1 - f) * static_cast<float>(viridis_table[i][j]) +
-            f * static_cast<float>(viridis_table[i + 1][j])) /
-           255;
+    c[k] = ((1 - f) * viridis_table[i][j] + f * viridis_table[i + 1][j]) / 255;
   }
   return c;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "api/version.hpp"
@@ -10,6 +11,7 @@
 #include "worker/inspection/unfolded_sheet.hpp"
 #include "worker/inspection/vertex_figures.hpp"
 #include "worker/scan/mold_distance.hpp"
+#include "worker/stage/parallel.hpp"
 #include "worker/surface/vertex_normals.hpp"
 
 namespace vacuform {
@@ -105,9 +107,12 @@ GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer
   out["_CONTACT"] =
       of_vertices(1, [&](std::size_t v, Eigen::Index) { return static_cast<double>(sheet.contact[v]); });
   const MoldDistance to_mold(job.mold.mesh);
-  out["_GAP"] = of_vertices(1, [&](std::size_t v, Eigen::Index) {
-    return sheet.contact[v] == Contact::mold ? 0.0 : to_mold(sheet.formed[v]);
+  std::vector<double> gaps(sheet.formed.size(), 0);
+  in_parallel(0, static_cast<int>(gaps.size()), [&](int first, int last) {
+    for (auto v = static_cast<std::size_t>(first); v < static_cast<std::size_t>(last); ++v)
+      if (sheet.contact[v] != Contact::mold) gaps[v] = to_mold(sheet.formed[v]);
   });
+  out["_GAP"] = of_values(gaps);
   out["_SHAPE"] = of_values(anisotropy_of_vertices(job));
   out["_AREA"] = of_values(area_ratio_of_vertices(job));
   out["_CHART"] = buffer.add_attribute(
@@ -142,6 +147,8 @@ std::vector<std::uint8_t> glb_of(std::string json, const std::vector<std::uint8_
 
 Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const Context& context) {
   constexpr const char *with = "pre-distorted", *without = "printed as drawn";
+  // Beside the other one, or after it where no thread is to be had.
+  auto printed = std::async([&] { return print_texture(job); });
   VACUFORM_TRY(drawn, drawing_texture(job, context));
   const Unfolded all = unfolded(job);
   GltfBuffer buffer;
@@ -154,7 +161,7 @@ Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const Context&
   };
   primitive["extensions"]["KHR_materials_variants"]["mappings"] = GltfJson::array({shown_by(0), shown_by(1)});
   const GltfJson images =
-      GltfJson::array({buffer.add_png(with, print_texture(job)), buffer.add_png(without, drawn)});
+      GltfJson::array({buffer.add_png(with, printed.get()), buffer.add_png(without, drawn)});
   const auto texture = [](int image) { return GltfJson{{"sampler", 0}, {"source", image}}; };
 
   GltfJson all_of_it = {

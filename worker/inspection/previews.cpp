@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <optional>
 
 #include "api/base/decimal.hpp"
@@ -16,6 +15,7 @@
 #include "worker/inspection/segment_colours.hpp"
 #include "worker/inspection/vertex_figures.hpp"
 #include "worker/inspection/view.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 namespace {
@@ -75,40 +75,56 @@ Rgb inked(const Finished& job, const Ink& ink, const Seen& seen) {
   return seen.light * (plastic + ink.a * (colour - plastic)) + Rgb::Constant(seen.gloss);
 }
 
-// What a way of printing shows on the formed sheet: `ink_at` gives the ink at a place of the flat sheet.
-class Inked {
+// Where what is seen lay on the flat sheet.
+struct FlatPlace {
+  Vector2d rest;   // sheet coordinates, mm
+  double blur_mm;  // between samples; not finite where the sheet has no area
+};
+
+class FlatPlaces {
  public:
-  using InkAt = std::function<Ink(const Vector2d& rest, double blur_mm)>;
-  Inked(const Finished& job, InkAt ink_at)
-      : job_(job), ink_at_(std::move(ink_at)), shrink_(job.sheet.triangles.size(), 0) {
+  explicit FlatPlaces(const FormedSheet& sheet) : sheet_(sheet), shrink_(sheet.triangles.size(), 0) {
     for (std::size_t t = 0; t < shrink_.size(); ++t) {
-      const auto& c = job.sheet.triangles[t];
+      const auto& c = sheet.triangles[t];
       std::array<Vector2d, 3> from;
       std::array<Eigen::Vector3d, 3> to;
       for (std::size_t k = 0; k < 3; ++k)
-        from[k] = job.sheet.rest[static_cast<std::size_t>(c[k])],
-        to[k] = job.sheet.formed[static_cast<std::size_t>(c[k])];
+        from[k] = sheet.rest[static_cast<std::size_t>(c[k])],
+        to[k] = sheet.formed[static_cast<std::size_t>(c[k])];
       // Millimetres of flat sheet for each of formed sheet, averaged over directions.
       const SingularValues s = singular_values(from, to);
       shrink_[t] = std::sqrt((1 / (s.largest * s.largest) + 1 / (s.smallest * s.smallest)) / 2);
     }
   }
 
-  Rgb operator()(const Seen& seen) const { return inked(job_, ink(seen), seen); }
-
-  Ink ink(const Seen& seen) const {
-    const auto& c = job_.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
+  FlatPlace operator()(const Seen& seen) const {
+    const auto t = static_cast<std::size_t>(seen.triangle);
+    const auto& c = sheet_.triangles[t];
     Vector2d rest = Vector2d::Zero();
-    for (std::size_t k = 0; k < 3; ++k)
-      rest += seen.weights[k] * job_.sheet.rest[static_cast<std::size_t>(c[k])];
-    const double shrink = shrink_[static_cast<std::size_t>(seen.triangle)];
-    return std::isfinite(shrink) ? ink_at_(rest, 1.2 * shrink * seen.spacing_mm) : Ink{};
+    for (std::size_t k = 0; k < 3; ++k) rest += seen.weights[k] * sheet_.rest[static_cast<std::size_t>(c[k])];
+    return {rest, 1.2 * shrink_[t] * seen.spacing_mm};
   }
 
  private:
-  const Finished& job_;
-  InkAt ink_at_;
+  const FormedSheet& sheet_;
   std::vector<double> shrink_;
+};
+
+// The two ways of printing, by the ink at a place of the flat sheet.
+struct WithoutVacuform {
+  const Finished& job;
+  Eigen::Affine2d to_pattern = job.alignment.to_pattern();
+  Ink operator()(const FlatPlace& at) const {
+    if (!std::isfinite(at.blur_mm)) return {};
+    return job.pattern.sample(to_pattern * (at.rest - job.flattening.top_rest),
+                              at.blur_mm / job.alignment.scale);
+  }
+};
+struct WithVacuform {
+  const SheetPicture& print;
+  Ink operator()(const FlatPlace& at) const {
+    return std::isfinite(at.blur_mm) ? print.sample(at.rest, at.blur_mm) : Ink{};
+  }
 };
 
 Rgb hot(const Finished& job, const Heat& heat, const Seen& seen) {
@@ -121,10 +137,9 @@ Rgb hot(const Finished& job, const Heat& heat, const Seen& seen) {
 }
 
 // The colours of the segments under the ink.
-Rgb in_segments(const Finished& job, const SegmentColours& segments, const Inked& with, const Seen& seen) {
+Rgb in_segments(const Finished& job, const SegmentColours& segments, const Ink& ink, const Seen& seen) {
   const auto colour = segments(seen);
   if (!colour) return bare(seen);
-  const Ink ink = with.ink(seen);
   const Rgb over = job.pattern.grayscale() ? black_ink : Rgb(ink.r, ink.g, ink.b);
   return seen.light * (*colour + ink.a * (over - *colour)) + Rgb::Constant(seen.gloss);
 }
@@ -142,8 +157,8 @@ std::string figures_of(const Placement& placement) {
 }
 
 // The print on the head from five sides, each in a separate tile; the last tile explains them.
-Result<Picture> views(const Finished& job, const Distortion& after, View& view, const Inked& with,
-                      const Context& context) {
+Result<Picture> views(const Finished& job, const Distortion& after, View& view, const FlatPlaces& flat,
+                      const WithVacuform& with, const Context& context) {
   constexpr int columns = 2, width = preview_side / columns, height = 400, label = 34;
   constexpr std::pair<View::Side, const char*> sides[] = {{View::Side::straight_front, "Front"},
                                                           {View::Side::straight_back, "Back"},
@@ -156,9 +171,10 @@ Result<Picture> views(const Finished& job, const Distortion& after, View& view, 
                       0xffffffffu);
   for (std::size_t i = 0; i < std::size(sides); ++i) {
     view.look_from(sides[i].first, width, height, label, 0);
-    VACUFORM_TRY(pictures, view.draw(
-                               1, [&](const Seen& seen, Rgb* colour) { *colour = with(seen); }, context,
-                               0.7 + 0.01 * static_cast<double>(i), 0.71 + 0.01 * static_cast<double>(i)));
+    VACUFORM_TRY(pictures,
+                 view.draw(
+                     1, [&](const Seen& seen, Rgb* colour) { *colour = inked(job, with(flat(seen)), seen); },
+                     context, 0.7 + 0.01 * static_cast<double>(i), 0.71 + 0.01 * static_cast<double>(i)));
     const int left = static_cast<int>(i) % columns * width,
               top = caption_top + static_cast<int>(i) / columns * height;
     for (int y = label; y < height; ++y)
@@ -179,15 +195,38 @@ Result<Picture> views(const Finished& job, const Distortion& after, View& view, 
   return whole;
 }
 
+struct NamedPicture {
+  const char* name;
+  Picture picture;
+};
+
+// As files, in their order. Takes the pixels.
+Result<std::vector<Artifact>> encoded(std::vector<NamedPicture>& pictures, const Context& context,
+                                      double from, double to) {
+  const int count = static_cast<int>(pictures.size());
+  std::vector<Artifact> files(pictures.size());
+  constexpr int batch = 4;  // so that a cancel is heard
+  for (int begin = 0; begin < count; begin += batch) {
+    VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * begin / count));
+    in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        NamedPicture& from_pixels = pictures[static_cast<std::size_t>(i)];
+        files[static_cast<std::size_t>(i)] = {from_pixels.name, png_of(from_pixels.picture)};
+        from_pixels.picture = {};
+      }
+    });
+  }
+  return files;
+}
+
 }  // namespace
 
 Result<std::vector<Artifact>> previews(const Finished& job, const Context& context) {
   const Alignment& alignment = job.alignment;
   const SheetPicture print(job);
-  const Inked without(job, [&](const Vector2d& rest, double blur) {
-    return job.pattern.sample(alignment.pattern(rest - job.flattening.top_rest), blur / alignment.scale);
-  });
-  const Inked with(job, [&](const Vector2d& rest, double blur) { return print.sample(rest, blur); });
+  const FlatPlaces flat(job.sheet);
+  const WithoutVacuform without{job};
+  const WithVacuform with{print};
   const Distortion before = distortion(job.surface, job.flattening.triangles,
                                        corners_of(job.sheet, job.flattening, job.sheet.rest));
   const Distortion after =
@@ -207,14 +246,16 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   VACUFORM_TRY(pictures, view.draw(
                              count,
                              [&](const Seen& seen, Rgb* colours) {
-                               colours[0] = without(seen);
-                               colours[1] = with(seen);
+                               const FlatPlace place = flat(seen);
+                               const Ink ink = with(place);
+                               colours[0] = inked(job, without(place), seen);
+                               colours[1] = inked(job, ink, seen);
                                colours[2] = hot(job, anisotropy, seen);
                                colours[3] = hot(job, area, seen);
                                colours[4] = hot(job, thickness, seen);
                                colours[5] = bare(seen);
                                if (uneven) colours[of_heat] = hot(job, temperature, seen);
-                               if (segments) colours[of_segments] = in_segments(job, *segments, with, seen);
+                               if (segments) colours[of_segments] = in_segments(job, *segments, ink, seen);
                              },
                              context, 0.1, 0.7));
 
@@ -235,33 +276,34 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
        thickness.scale, ""}};
   const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png",
                          "preview-area.png", "preview-thickness.png"};
-  VACUFORM_TRY(around, views(job, after, view, with, context));
-  std::vector<Artifact> files;
-  files.push_back({"preview-pattern.png", png_of(pattern_preview(job, preview_side))});
-  files.push_back({"preview-print.png", png_of(print_preview(job, print, preview_side))});
+  VACUFORM_TRY(around, views(job, after, view, flat, with, context));
+  std::vector<NamedPicture> shown;
+  shown.push_back({"preview-pattern.png", pattern_preview(job, preview_side)});
+  VACUFORM_CHECK(context.step(Stage::inspection, 0.76));
+  shown.push_back({"preview-print.png", print_preview(job, print, preview_side)});
+  VACUFORM_CHECK(context.step(Stage::inspection, 0.77));
   for (std::size_t i = 0; i < 5; ++i) {
-    VACUFORM_CHECK(context.step(Stage::inspection, 0.76 + 0.02 * static_cast<double>(i)));
     write(captions[i], pictures[i]);
-    files.push_back({names[i], png_of(pictures[i])});
-    if (i == 1) files.push_back({"preview-views.png", png_of(around)});
+    shown.push_back({names[i], std::move(pictures[i])});
+    if (i == 1) shown.push_back({"preview-views.png", std::move(around)});
   }
   if (uneven) {
     write({"Temperature of the sheet when it met the mold", figures_of(job.heat), temperature.scale, ""},
           pictures[of_heat]);
-    files.push_back({"preview-temperature.png", png_of(pictures[6])});
+    shown.push_back({"preview-temperature.png", std::move(pictures[of_heat])});
   }
   if (segments) {
     Picture& picture = pictures[static_cast<std::size_t>(of_segments)];
     write({"Segments and their seams", figures_of(*job.placement), {}, lost}, picture);
-    files.push_back({"preview-segments.png", png_of(picture)});
+    shown.push_back({"preview-segments.png", std::move(picture)});
   }
   std::vector<Warning> warnings = job.mold.warnings;
   warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
   if (job.measured)
     warnings.insert(warnings.end(), job.measured->warnings.begin(), job.measured->warnings.end());
   VACUFORM_TRY(findings, findings_preview(warnings, view, std::move(pictures[5]), context));
-  files.push_back({"preview-findings.png", png_of(findings)});
-  return files;
+  shown.push_back({"preview-findings.png", std::move(findings)});
+  return encoded(shown, context, 0.9, 0.95);
 }
 
 }  // namespace vacuform

@@ -1,10 +1,11 @@
 #include "worker/inspection/report_html.hpp"
 
-#include <algorithm>
+#include <map>
 
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/html.hpp"
 #include "worker/inspection/report_sections.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 
@@ -12,23 +13,36 @@ namespace {
 
 constexpr int picture_width = 620;
 
-// A preview under its title, which the picture itself then need not say.
-std::string picture(const std::vector<Artifact>& files, const std::string& name) {
-  const auto file =
-      std::find_if(files.begin(), files.end(), [&](const Artifact& f) { return f.name == name; });
-  const ArtifactKind* kind = artifact_kind(name);
-  if (file == files.end() || !kind) return "";
-  const std::string data = embedded_png(file->bytes, picture_width, caption_top);
-  if (data.empty()) return "";
-  const std::string title = escaped(kind->title);
-  return "<figure><img alt=\"" + title + "\" src=\"data:image/png;base64," + data + "\"><figcaption>" +
-         title + "</figcaption></figure>\n";
+// The previews as an <img> can hold them, by their names.
+using Embedded = std::map<std::string, std::string>;
+Embedded embedded_previews(const std::vector<Artifact>& files) {
+  std::vector<const Artifact*> previews;
+  for (const Artifact& file : files)
+    if (file.name.starts_with("preview-")) previews.push_back(&file);
+  std::vector<std::string> data(previews.size());
+  in_parallel(0, static_cast<int>(data.size()), [&](int first, int last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i)
+      data[i] = embedded_png(previews[i]->bytes, picture_width, caption_top);
+  });
+  Embedded out;
+  for (std::size_t i = 0; i < data.size(); ++i) out.emplace(previews[i]->name, std::move(data[i]));
+  return out;
 }
 
-std::string pictures(const std::string& heading, const std::vector<Artifact>& files,
+// A preview under its title, which the picture itself then need not say.
+std::string picture(const Embedded& previews, const std::string& name) {
+  const auto found = previews.find(name);
+  const ArtifactKind* kind = artifact_kind(name);
+  if (found == previews.end() || !kind || found->second.empty()) return "";
+  const std::string title = escaped(kind->title);
+  return "<figure><img alt=\"" + title + "\" src=\"data:image/png;base64," + found->second +
+         "\"><figcaption>" + title + "</figcaption></figure>\n";
+}
+
+std::string pictures(const std::string& heading, const Embedded& previews,
                      std::initializer_list<const char*> names) {
   std::string out;
-  for (const char* name : names) out += picture(files, name);
+  for (const char* name : names) out += picture(previews, name);
   return out.empty() ? "" : "<h2>" + heading + "</h2>\n<div class=\"pictures\">\n" + out + "</div>\n";
 }
 
@@ -99,6 +113,7 @@ std::string reading() {
 }  // namespace
 
 std::string report_html(const ReportJson& report, const std::vector<Artifact>& files) {
+  const Embedded previews = embedded_previews(files);
   const ReportJson& reference = at(report, {"reference"});
   const std::string label = escaped(text_of(at(report, {"label"})) +
                                     (reference.is_string() ? ", reference " + text_of(reference) : ""));
@@ -110,15 +125,15 @@ std::string report_html(const ReportJson& report, const std::vector<Artifact>& f
   out += "</style>\n</head>\n<body>\n<header>\n<h1>Vacuform report " + label + "</h1>\n" + summary(report) +
          "</header>\n<main>\n";
   out += key_figures_section(report);
-  out += pictures("Drawing, print and part", files,
+  out += pictures("Drawing, print and part", previews,
                   {"preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png"});
-  out += pictures("The print on the head", files, {"preview-views.png"});
+  out += pictures("The print on the head", previews, {"preview-views.png"});
   out += warnings_section(report);
-  out += pictures("Segments", files, {"preview-segments.png"});
+  out += pictures("Segments", previews, {"preview-segments.png"});
   out += segments_section(report);
   out += coils_section(report);
   out += traces_section(report);
-  out += pictures("On the part", files,
+  out += pictures("On the part", previews,
                   {"preview-findings.png", "preview-thickness.png", "preview-anisotropy.png",
                    "preview-area.png", "preview-temperature.png"});
   out += histograms_section(report);

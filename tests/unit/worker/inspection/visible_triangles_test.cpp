@@ -48,7 +48,8 @@ Samples samples_of(const TriangleMesh& mesh, const Camera& camera) {
 }
 
 Vector3d aim_of(const Camera& camera, std::size_t sample) {
-  return camera.aim((static_cast<double>(sample % 180) + 0.5) / 2, (static_cast<double>(sample / 180) + 0.5) / 2);
+  return camera.aim((static_cast<double>(sample % 180) + 0.5) / 2,
+                    (static_cast<double>(sample / 180) + 0.5) / 2);
 }
 
 TEST(VisibleTriangles, AreThoseThatRaysMeetFirst) {
@@ -68,10 +69,10 @@ TEST(VisibleTriangles, AreThoseThatRaysMeetFirst) {
     const Triangle& t = mesh.triangles[static_cast<std::size_t>(samples[i].triangle)];
     const double u = samples[i].u, v = samples[i].v;
     const auto corner = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
-    EXPECT_LT(((1 - u - v) * corner(0) + u * corner(1) + v * corner(2) -
-               (camera.eye + aim / samples[i].nearness))
-                  .norm(),
-              1e-4);
+    EXPECT_LT(
+        ((1 - u - v) * corner(0) + u * corner(1) + v * corner(2) - (camera.eye + aim / samples[i].nearness))
+            .norm(),
+        1e-4);
   }
   EXPECT_GT(hits, 8000);
   EXPECT_LE(others, 3);
