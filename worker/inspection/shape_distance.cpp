@@ -45,6 +45,12 @@ double farthest(const Line& from, const Line& to) {
   return most;
 }
 
+double squares(const Line& from, const Line& to) {
+  double sum = 0;
+  for (const Vector2d& p : from) sum += (nearest(to, p).point - p).squaredNorm();
+  return sum;
+}
+
 Vector2d middle(const Line& points) {
   Vector2d sum(0, 0);
   for (const Vector2d& p : points) sum += p;
@@ -120,7 +126,15 @@ ShapeDistance shape_distance(const Line& made, const Line& drawn) {
       best = shift, best_fit = f;
   const auto move = [&](const Motion& motion) { motion.move(few), motion.move(moved); };
   move(Motion(fit(few, wanted, best), middle(few), middle(wanted)));
-  for (int round = 0; round < rounds; ++round) move(closer(few, drawn));
+  // The steps of a line that is far from the drawn one may lead away from it: the best of them counts.
+  Line nearest_few = few, nearest_moved = moved;
+  double least = squares(few, drawn);
+  for (int round = 0; round < rounds; ++round) {
+    move(closer(few, drawn));
+    if (const double now = squares(few, drawn); now < least)
+      least = now, nearest_few = few, nearest_moved = moved;
+  }
+  few.swap(nearest_few), moved.swap(nearest_moved);
   ShapeDistance out;
   for (const Vector2d& p : few) out.mean_mm += (nearest(drawn, p).point - p).norm() / samples;
   out.largest_mm = std::max(farthest(moved, drawn), farthest(drawn, moved));
