@@ -200,16 +200,17 @@ VACUFORM_INLINE void add_four(const Four& four, const Column* position, double p
     l2 /= l1;
     l2 = l2 > least ? l2 : least;
     const Lanes a2 = l1 * l1, b2 = l2 * l2, j = 1 / l1, ia2 = j * j, ib2 = 1 / b2, k = ia2 * ib2;
-    const Lanes Wf = c1 * (a2 + b2 + k - 3) + c2 * (ia2 + ib2 + a2 * b2 - 3);
-    const Lanes W1f = 2 * c1 * (l1 - k / l1) + 2 * c2 * (l1 * b2 - ia2 / l1);
-    const Lanes W2f = 2 * c1 * (l2 - k / l2) + 2 * c2 * (l2 * a2 - ib2 / l2);
+    const Lanes full = c1 * (a2 + b2 + k - 3) + c2 * (ia2 + ib2 + a2 * b2 - 3);
+    const Lanes full_first = 2 * c1 * (l1 - k / l1) + 2 * c2 * (l1 * b2 - ia2 / l1);
+    const Lanes full_second = 2 * c1 * (l2 - k / l2) + 2 * c2 * (l2 * a2 - ib2 / l2);
     const Mask pulled = l1 > one;
-    const Lanes Wu = pulled ? c1 * (a2 + 2 * j - 3) + c2 * (2 * l1 + ia2 - 3) : Lanes{};
-    const Lanes W1u = pulled ? 2 * c1 * (l1 - ia2) + 2 * c2 * (1 - ia2 * j) : Lanes{};
-    const Lanes first = ((1 - e) * W1u + e * W1f) / l1, second = e * W2f / l2, gap = 2 * radius;
+    const Lanes uniaxial_only = pulled ? c1 * (a2 + 2 * j - 3) + c2 * (2 * l1 + ia2 - 3) : Lanes{};
+    const Lanes uniaxial_first = pulled ? 2 * c1 * (l1 - ia2) + 2 * c2 * (1 - ia2 * j) : Lanes{};
+    const Lanes first = ((1 - e) * uniaxial_first + e * full_first) / l1, second = e * full_second / l2,
+                gap = 2 * radius;
     const Mask round = gap < 1e-12 * a2;
     const Lanes slope = (first - second) / (round ? one : gap), shift = second - slope * b2;
-    W = tight ? W : (1 - e) * Wu + e * Wf;
+    W = tight ? W : (1 - e) * uniaxial_only + e * full;
     s11 = tight ? s11 : round ? first : slope * c11 + shift;
     s12 = tight ? s12 : round ? Lanes{} : slope * c12;
     s22 = tight ? s22 : round ? first : slope * c22 + shift;

@@ -17,16 +17,16 @@ double nearness_to_frame(const Eigen::Vector2d& rest, const MachineSettings& mac
   return 1 - std::max(0.0, 1 - x) * std::max(0.0, 1 - y);
 }
 
-Process::Process(const Obstacles& obstacles_, double top, const SheetSettings& sheet_,
-                 const MachineSettings& machine_, const FormingSettings& forming_,
-                 const TemperatureField& temperature_)
-    : obstacles(obstacles_),
+Process::Process(const Obstacles& around, double top, const SheetSettings& of_sheet,
+                 const MachineSettings& on_machine, const FormingSettings& by_forming,
+                 const TemperatureField& at_temperature)
+    : obstacles(around),
       top_mm(top),
-      sheet(sheet_),
-      machine(machine_),
-      forming(forming_),
-      temperature(temperature_),
-      grid(make_sheet_grid(sheet_, machine_)),
+      sheet(of_sheet),
+      machine(on_machine),
+      forming(by_forming),
+      temperature(at_temperature),
+      grid(make_sheet_grid(of_sheet, on_machine)),
       modulus_kpa(shear_modulus_kpa(sheet.material, temperature.at({0, 0}))),
       viscosity_kpa_s(1e-3 * viscosity_pa_s(sheet.material, temperature.at({0, 0}))) {
   for (const auto& rest : grid.rest) celsius.push_back(temperature.at(rest));

@@ -285,8 +285,8 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   for (std::size_t i = 0; i < 5; ++i) {
     write(captions[i], pictures[i]);
     shown.push_back({names[i], std::move(pictures[i])});
-    if (i == 1) shown.push_back({"preview-views.png", std::move(around)});
   }
+  shown.insert(shown.begin() + 4, {"preview-views.png", std::move(around)});  // after both ways of printing
   if (uneven) {
     write({"Temperature of the sheet when it met the mold", figures_of(job.heat), temperature.scale, ""},
           pictures[of_heat]);

@@ -60,12 +60,12 @@ VisibleTriangles::VisibleTriangles(const TriangleMesh& mesh, const Camera& camer
       low = std::min(low, p.y()), high = std::max(high, p.y());
       shallowest = std::min(shallowest, p.z()), deepest = std::max(deepest, p.z());
     }
-    if (!(deepest > 0))
+    const bool projected = shallowest > near_mm;
+    const bool beside = projected && (last_sample(right) < 0 || first_sample(left) >= columns_);
+    if (!(deepest > 0) || beside)
       rows_.push_back({0, -1});
-    else if (!(shallowest > near_mm))
+    else if (!projected)
       rows_.push_back({0, std::numeric_limits<int>::max()});
-    else if (last_sample(right) < 0 || first_sample(left) >= columns_)
-      rows_.push_back({0, -1});
     else
       rows_.push_back({first_sample(low), last_sample(high)});
   }

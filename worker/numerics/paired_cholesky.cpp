@@ -193,8 +193,10 @@ bool PairedCholesky::factor(std::span<const Element> elements) {
   if (fronts_.empty()) return true;
   // In single precision a pivot can be lost in rounding, which is some 1e-7 of the diagonal.
   constexpr float of_diagonal = 2e-6f;
+  const auto rows =
+      static_cast<std::size_t>(fronts_.back().first_row) + static_cast<std::size_t>(fronts_.back().own);
   for (int m = 0; m < 2; ++m) {
-    least_[m].assign(static_cast<std::size_t>(fronts_.back().first_row + fronts_.back().own), 0);
+    least_[m].assign(rows, 0);
     for (std::size_t k = 0; k < elements.size(); ++k)
       for (int corner = 0; corner < 3; ++corner)
         if (const int row = triangles_[k][corner]; row >= 0)
