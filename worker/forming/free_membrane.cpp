@@ -19,7 +19,7 @@ using Mask = decltype(Lanes{} < Lanes{});
 }  // namespace
 
 void FreeMembrane::pack(const Membrane& membrane, const SheetGrid& grid, const std::vector<char>& held) {
-  law_ = {membrane.c1(), membrane.c2()};
+  c1_ = membrane.c1(), c2_ = membrane.c2();
   vertices_.clear();
   std::vector<int> place(held.size(), -1);
   for (std::size_t v = 0; v < held.size(); ++v)
@@ -89,8 +89,7 @@ double FreeMembrane::energy(const std::vector<Column>& x, double pressure, std::
     for (int k = begin; k < end; ++k) {
       Part& part = parts_[k];
       std::fill(part.gradient.begin(), part.gradient.end(), Column::Zero());
-      part.energy = sum(fours_.data() + part.begin, fours_.data() + part.end, x.data(), pressure, law_,
-                        part.gradient.data());
+      part.energy = sum(part, x.data(), pressure, part.gradient.data());
     }
   };
   const auto gather = [&](int begin, int end) {
@@ -250,13 +249,20 @@ template <class Four>
 
 }  // namespace
 
-double FreeMembrane::sum(const Four* begin, const Four* end, const Column* x, double pressure, Law law,
-                         Column* gradient) {
+bool FreeMembrane::processor_has_avx2() {
 #if defined(__x86_64__)
-  static const bool avx2 = __builtin_cpu_supports("avx2");
-  if (avx2) return add_all_avx2(begin, end, x, pressure, law.c1, law.c2, gradient);
+  return __builtin_cpu_supports("avx2");
+#else
+  return false;
 #endif
-  return add_all(begin, end, x, pressure, law.c1, law.c2, gradient);
+}
+
+double FreeMembrane::sum(const Part& part, const Column* x, double pressure, Column* gradient) const {
+  const Four *begin = fours_.data() + part.begin, *end = fours_.data() + part.end;
+#if defined(__x86_64__)
+  if (avx2_) return add_all_avx2(begin, end, x, pressure, c1_, c2_, gradient);
+#endif
+  return add_all(begin, end, x, pressure, c1_, c2_, gradient);
 }
 
 }  // namespace vacuform

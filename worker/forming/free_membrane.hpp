@@ -15,6 +15,9 @@ using Column = Eigen::Array4d;
 
 class FreeMembrane {
  public:
+  static bool processor_has_avx2();
+  explicit FreeMembrane(bool use_avx2 = processor_has_avx2()) : avx2_(use_avx2) {}
+
   // Packs the membrane as it is now: call this again after the rest shape of triangles has changed.
   void pack(const Membrane& membrane, const SheetGrid& grid, const std::vector<char>& held);
 
@@ -42,18 +45,15 @@ class FreeMembrane {
     std::vector<Column> gradient;
     double energy = 0;
   };
-  struct Law {
-    double c1, c2;
-  };
 
-  static double sum(const Four* begin, const Four* end, const Column* x, double pressure, Law law,
-                    Column* gradient);
+  double sum(const Part& part, const Column* x, double pressure, Column* gradient) const;
 
+  bool avx2_;
   std::vector<int> vertices_;
   int free_ = 0;
   std::vector<Four> fours_;
   std::vector<Part> parts_;
-  Law law_{};
+  double c1_ = 0, c2_ = 0;  // of the law
 };
 
 }  // namespace vacuform

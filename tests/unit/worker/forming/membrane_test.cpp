@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <random>
 
 #include "worker/forming/equilibrium.hpp"
@@ -97,7 +98,7 @@ TEST(Membrane, UniformStretchCostsWhatTheLawSays) {
 }
 
 // A sheet that is tight, wrinkled or crushed, on a grid with and without threads, gives the same energy and gradient
-// packed as triangle by triangle.
+// packed as triangle by triangle, and the same bytes with and without AVX2.
 TEST(FreeMembrane, IsTheMembraneWhereItIsFree) {
   for (const double resolution : {1.5, 6.0}) {
     SheetSettings sheet;
@@ -121,6 +122,11 @@ TEST(FreeMembrane, IsTheMembraneWhereItIsFree) {
         std::vector<Column> place, gradient;
         for (const int v : packed.vertices()) place.emplace_back(x(0, v), x(1, v), x(2, v), 0);
         const double energy = packed.energy(place, 0.3, gradient);
+        FreeMembrane narrow_registers(false);
+        narrow_registers.pack(membrane, grid, held);
+        std::vector<Column> same;
+        EXPECT_EQ(narrow_registers.energy(place, 0.3, same), energy);
+        EXPECT_EQ(std::memcmp(same.data(), gradient.data(), gradient.size() * sizeof(Column)), 0);
         ASSERT_EQ(static_cast<int>(gradient.size()), packed.free());
         const double scale = expected.colwise().norm().maxCoeff();
         for (int k = 0; k < packed.free(); ++k)
