@@ -5,7 +5,7 @@ import {drawn, settled, show, signIn, startBrowser, startService, violations} fr
 
 // A tower with walls so steep and high that the sheet tears beside it.
 function tower() {
-  const corners = [0, 240].flatMap((z) => [-15, 15].flatMap((y) => [-15, 15].map((x) => `v ${x} ${y} ${z}`)));
+  const corners = [0, 240].flatMap((z) => [-10, 10].flatMap((y) => [-10, 10].map((x) => `v ${x} ${y} ${z}`)));
   return [...corners, 'f 1 3 4 2', 'f 5 6 8 7', 'f 1 2 6 5', 'f 3 7 8 4', 'f 1 5 7 3', 'f 2 4 8 6'].join('\n');
 }
 
