@@ -2,7 +2,7 @@
 // precision, for preconditioning: both are solved at once, three columns with the first matrix and one with the second.
 //
 // Multifrontal (Duff, Reid 1983; Liu 1992) on a nested dissection (George 1973) that the caller knows. A general package
-// spends most of its time in finding the pattern anew each time that the unknowns change, and in single entries.
+// spends most of its time on single entries, and on finding the pattern again whenever the unknowns change.
 #pragma once
 
 #include <Eigen/Core>
