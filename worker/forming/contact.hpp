@@ -31,8 +31,8 @@ class Obstacles {
  private:
   // The smallest t in [0, 1] at which from + t way leaves the window, or nothing.
   std::optional<double> leaves_window(const Eigen::Vector3d& from, const Eigen::Vector3d& way) const;
-  // Whether a segment passes above or beside the mold, by the highest point of the mold in each cell: a quick test that
-  // most rays need no more than.
+  // Whether a segment certainly passes by the mold, by the mold's highest point in each cell. False does not say that
+  // it meets the mold. Spares most rays.
   bool misses_mold(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
   // First and last column, first and last row of the cells that a box meets; those at the edge beyond it.
   std::array<int, 4> cells(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;

@@ -84,7 +84,7 @@ class Equilibrium {
   Preconditioner preconditioner_;
   int worn_ = 0;  // iterations since the last factorization of the preconditioner
 
-  // Of the free vertices, in the order of free_membrane_; x_ and start_ also of the held ones beside them.
+  // Of the free vertices, in the order of free_membrane_; x_ also of the held ones beside them.
   std::vector<Column> start_, base_, x_, gradient_, trial_gradient_;
   std::vector<Preconditioner::Direction> direction_, preconditioned_, trial_preconditioned_;
 

@@ -191,7 +191,8 @@ TEST(Calibration, RecoversASimulatedMachine) {
   EXPECT_GE(found->outliers, 7);
   ASSERT_EQ(found->parameters.size(), 4u);
   // With formings solved ten times as tightly, the window's height is 2.52 off: the grids' error, not the solver's.
-  const double wanted[] = {8, 194, 196, 1.5}, within[] = {0.5, 2.5, 2.6, 0.1}, error[] = {0.7, 2.5, 2.5, 0.1};
+  const double wanted[] = {8, 194, 196, 1.5}, within[] = {0.5, 2.5, 2.6, 0.1},
+               error[] = {0.65, 2.3, 2.1, 0.08};
   for (std::size_t k = 0; k < 4; ++k) {
     const FittedParameter& p = found->parameters[k];
     EXPECT_NEAR(p.value, wanted[k], within[k]) << p.name;
