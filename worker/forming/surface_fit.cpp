@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "worker/scan/mold_distance.hpp"
 #include "worker/scan/ray_caster.hpp"
@@ -15,71 +16,104 @@ namespace vacuform {
 namespace {
 
 constexpr double sample_mm = 0.75;
-constexpr double beside_mm = 1;  // the mold that is further below the sheet has nothing to do with it
-constexpr int most_parts = 64;   // of a triangle's side
-
+constexpr double beside_mm = 1;       // the mold that is further below the sheet has nothing to do with it
+constexpr double platform_mm = 0.05;  // the mold's foot
 constexpr double skin_mm = 0.02;  // below the mold's surface: a wall that the sheet lies on is not in its way
+constexpr int most_parts = 64;    // of a triangle's side
 
-struct Sample {
-  Eigen::Vector3d place, below;  // on the surface, and just under it
-  double area;
-  double depth = -1;  // -1: does not count
-};
-
-// The middles of the small triangles into which a triangle is cut.
-void add_samples(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                 std::vector<Sample>& samples) {
+// Calls with the middles of the small triangles into which a triangle is cut, and the area of each.
+template <class Call>
+void for_each_sample(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                     const Call& call) {
   const double longest =
       std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
   const int n = std::clamp(static_cast<int>(std::ceil(longest / sample_mm)), 1, most_parts);
-  const Eigen::Vector3d normal = (b - a).cross(c - a), skin = skin_mm * normal.stableNormalized();
-  const double area = normal.norm() / 2 / (n * n);
-  const auto add = [&](double u, double v) {
-    const Eigen::Vector3d place = a + u / n * (b - a) + v / n * (c - a);
-    samples.push_back({place, place - skin, area});
-  };
+  const double area = (b - a).cross(c - a).norm() / 2 / (n * n);
+  const auto sample = [&](double u, double v) { call(a + u / n * (b - a) + v / n * (c - a), area); };
   for (int i = 0; i < n; ++i)
     for (int j = 0; i + j < n; ++j) {
-      add(i + 1.0 / 3, j + 1.0 / 3);
-      if (i + j < n - 1) add(i + 2.0 / 3, j + 2.0 / 3);
+      sample(i + 1.0 / 3, j + 1.0 / 3);
+      if (i + j < n - 1) sample(i + 2.0 / 3, j + 2.0 / 3);
     }
+}
+
+// What is kept of samples: their depths, and the places of those beyond a limit.
+struct Depths {
+  struct Place {
+    Eigen::Vector3d place;
+    double depth;
+  };
+
+  void add(const Eigen::Vector3d& place, double area, double depth, double limit_mm) {
+    whole += area;
+    if (depth > 0 && area > 0) depth_and_area.emplace_back(depth, area);
+    if (depth >= deepest.depth) deepest = {place, depth};
+    if (depth > limit_mm) beyond.push_back({place, depth});
+  }
+  void append(const Depths& later) {
+    whole += later.whole;
+    depth_and_area.insert(depth_and_area.end(), later.depth_and_area.begin(), later.depth_and_area.end());
+    if (later.deepest.depth >= deepest.depth) deepest = later.deepest;
+    beyond.insert(beyond.end(), later.beyond.begin(), later.beyond.end());
+  }
+
+  double whole = 0;                                       // area
+  std::vector<std::pair<double, double>> depth_and_area;  // where the depth is not zero
+  Place deepest{Eigen::Vector3d::Zero(), 0};
+  std::vector<Place> beyond;
+};
+
+// Sums measure(k, depths) over [0, count), on all threads; the result does not depend on their number.
+template <class Measure>
+Depths measure_all(std::size_t count, const Measure& measure) {
+  constexpr std::size_t blocks = 64;
+  std::vector<Depths> parts(blocks);
+  in_parallel(0, blocks, [&](int first, int last) {
+    for (int block = first; block < last; ++block) {
+      const auto at = static_cast<std::size_t>(block);
+      for (std::size_t k = count * at / blocks; k < count * (at + 1) / blocks; ++k) measure(k, parts[at]);
+    }
+  });
+  Depths all;
+  for (const Depths& part : parts) all.append(part);
+  return all;
 }
 
 TriangleMesh mesh_of(const std::vector<Triangle>& triangles, const std::vector<Eigen::Vector3d>& places) {
   return {places, triangles};
 }
 
-Deviation deviation_of(std::vector<Sample>& samples) {
-  std::erase_if(samples, [](const Sample& s) { return s.depth < 0; });
+Deviation deviation_of(Depths depths) {
   Deviation out;
-  if (samples.empty()) return out;
-  std::stable_sort(samples.begin(), samples.end(),
-                   [](const Sample& a, const Sample& b) { return a.depth < b.depth; });
-  double whole = 0, sum = 0;
-  for (const Sample& s : samples) whole += s.area;
-  out.p99 = out.max = samples.back().depth;
-  out.place = samples.back().place;
-  for (const Sample& s : samples)
-    if ((sum += s.area) >= 0.99 * whole) {
-      out.p99 = s.depth;
-      break;
-    }
+  out.max = depths.deepest.depth;
+  out.place = depths.deepest.place;
+  // From the deepest down, until one hundredth of the area is deeper.
+  auto& heap = depths.depth_and_area;
+  std::make_heap(heap.begin(), heap.end());
+  double deeper = 0;
+  while (!heap.empty() && deeper <= 0.01 * depths.whole) {
+    std::pop_heap(heap.begin(), heap.end());
+    out.p99 = heap.back().first;
+    deeper += heap.back().second;
+    heap.pop_back();
+  }
+  if (deeper <= 0.01 * depths.whole) out.p99 = 0;
   return out;
 }
 
-// The parts that samples deeper than the limit make up, deepest first.
-std::vector<Misfit> parts_beyond(const std::vector<Sample>& samples, double limit_mm) {
+// The parts that these samples make up, deepest first.
+std::vector<Misfit> parts_of(const std::vector<Depths::Place>& samples) {
   constexpr double cell_mm = 3;
   using Cell = std::array<int, 3>;
-  std::map<Cell, std::vector<const Sample*>> cells;
-  for (const Sample& s : samples) {
+  std::map<Cell, std::vector<const Depths::Place*>> cells;
+  for (const Depths::Place& s : samples) {
     const Eigen::Vector3i c = (s.place / cell_mm).array().floor().cast<int>();
-    if (s.depth > limit_mm) cells[{c.x(), c.y(), c.z()}].push_back(&s);
+    cells[{c.x(), c.y(), c.z()}].push_back(&s);
   }
   std::vector<Misfit> parts;
   while (!cells.empty()) {
     std::vector<Cell> open{cells.begin()->first};
-    std::vector<const Sample*> all;
+    std::vector<const Depths::Place*> all;
     while (!open.empty()) {
       const Cell c = open.back();
       open.pop_back();
@@ -91,15 +125,21 @@ std::vector<Misfit> parts_beyond(const std::vector<Sample>& samples, double limi
         for (int y = -1; y <= 1; ++y)
           for (int z = -1; z <= 1; ++z) open.push_back({c[0] + x, c[1] + y, c[2] + z});
     }
-    const Sample& deepest = **std::max_element(
-        all.begin(), all.end(), [](const Sample* a, const Sample* b) { return a->depth < b->depth; });
+    const Depths::Place& deepest = **std::max_element(
+        all.begin(), all.end(),
+        [](const Depths::Place* a, const Depths::Place* b) { return a->depth < b->depth; });
     double reach = deepest.depth;
-    for (const Sample* s : all) reach = std::max(reach, (s->place - deepest.place).norm());
+    for (const Depths::Place* s : all) reach = std::max(reach, (s->place - deepest.place).norm());
     parts.push_back({deepest.place, deepest.depth, 2 * reach});
   }
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Misfit& a, const Misfit& b) { return a.distance_mm > b.distance_mm; });
   return parts;
+}
+
+std::array<Eigen::Vector3d, 3> corners_of(const TriangleMesh& mesh, std::size_t triangle) {
+  const Triangle& t = mesh.triangles[triangle];
+  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
 }  // namespace
@@ -114,58 +154,63 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
   for (const auto& p : formed) height = std::max(height, p.z() + 1);
   for (const auto& p : mold.vertices) height = std::max(height, p.z() + 1);
 
-  std::vector<Sample> of_mold, of_sheet;
-  constexpr double platform_mm = 0.05;  // the mold's foot
-  for (const Triangle& t : mold.triangles) {
-    const auto &a = mold.vertices[t[0]], &b = mold.vertices[t[1]], &c = mold.vertices[t[2]];
-    if (std::max({a.z(), b.z(), c.z()}) > platform_mm) add_samples(a, b, c, of_mold);
-  }
-  std::vector<Eigen::Vector3d> normal(mold.vertices.size(), Eigen::Vector3d::Zero());
-  for (const Triangle& t : mold.triangles) {
-    const Eigen::Vector3d a = mold.vertices[t[0]];
-    const Eigen::Vector3d n = (mold.vertices[t[1]] - a).cross(mold.vertices[t[2]] - a).stableNormalized();
-    for (const int v : t) normal[v] += n;
-  }
-  for (std::size_t v = 0; v < normal.size(); ++v)
-    of_mold.push_back({mold.vertices[v], mold.vertices[v] - skin_mm * normal[v].stableNormalized(), 0});
-  in_parallel(0, static_cast<int>(of_mold.size()), [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      Sample& s = of_mold[k];
-      if (s.place.z() <= platform_mm) continue;
-      const bool inside = lies_below(sheet, to_sheet, s.below, height);
-      const double distance = from_sheet(s.place);
-      if (!inside)
-        s.depth = distance;
-      else if (distance < beside_mm)
-        s.depth = 0;
-    }
+  // How far the mold stands out of the sheet.
+  const auto add_mold = [&](const Eigen::Vector3d& place, const Eigen::Vector3d& normal, double area,
+                            Depths& depths) {
+    if (place.z() <= platform_mm) return;
+    if (!lies_below(sheet, to_sheet, place - skin_mm * normal, height))
+      depths.add(place, area, from_sheet(place), limits.pierced_mm);
+    else if (from_sheet.within(place, beside_mm))
+      depths.add(place, area, 0, limits.pierced_mm);
+  };
+  Depths of_mold = measure_all(mold.triangles.size(), [&](std::size_t k, Depths& depths) {
+    const auto [a, b, c] = corners_of(mold, k);
+    if (std::max({a.z(), b.z(), c.z()}) <= platform_mm) return;
+    const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
+    for_each_sample(
+        a, b, c, [&](const Eigen::Vector3d& place, double area) { add_mold(place, normal, area, depths); });
   });
-  // The sheet, where a corner touches the mold: how deep it lies in the mold, and how far off where all three touch.
-  std::vector<Sample> sunk;
-  std::vector<char> touches;
-  for (const Triangle& t : triangles) {
-    const auto corners =
-        std::count_if(t.begin(), t.end(), [&](int v) { return contact[v] == Contact::mold; });
-    if (corners > 0) add_samples(formed[t[0]], formed[t[1]], formed[t[2]], sunk);
-    touches.resize(sunk.size(), corners == 3);
+  std::vector<Eigen::Vector3d> normals(mold.vertices.size(), Eigen::Vector3d::Zero());
+  for (std::size_t k = 0; k < mold.triangles.size(); ++k) {
+    const auto [a, b, c] = corners_of(mold, k);
+    const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
+    for (const int v : mold.triangles[k]) normals[v] += normal;
   }
-  of_sheet = sunk;
-  in_parallel(0, static_cast<int>(sunk.size()), [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      const bool inside = lies_below(mold, to_mold, sunk[k].place, height);
-      const double distance = from_mold(sunk[k].place);
-      sunk[k].depth = inside && sunk[k].place.z() > platform_mm ? distance : 0;
-      if (touches[k]) of_sheet[k].depth = inside ? 0 : distance;
-    }
+  of_mold.append(measure_all(mold.vertices.size(), [&](std::size_t v, Depths& depths) {
+    add_mold(mold.vertices[v], normals[v].stableNormalized(), 0, depths);
+  }));
+
+  // How far the sheet is off the mold where all three corners of a triangle touch it.
+  const auto touching = [&](std::size_t k) {
+    return std::count_if(triangles[k].begin(), triangles[k].end(),
+                         [&](int v) { return contact[v] == Contact::mold; });
+  };
+  const auto inside = [&](const Eigen::Vector3d& place) { return lies_below(mold, to_mold, place, height); };
+  const Depths of_sheet = measure_all(triangles.size(), [&](std::size_t k, Depths& depths) {
+    if (touching(k) < 3) return;
+    const auto [a, b, c] = corners_of(sheet, k);
+    for_each_sample(a, b, c, [&](const Eigen::Vector3d& place, double area) {
+      depths.add(place, area, inside(place) ? 0 : from_mold(place), limits.bridged_mm);
+    });
   });
+  // How deep it lies in the mold where a corner touches. Only the deepest place and those beyond the limit count.
+  Depths sunk = measure_all(triangles.size(), [&](std::size_t k, Depths& depths) {
+    if (touching(k) == 0) return;
+    const auto [a, b, c] = corners_of(sheet, k);
+    for_each_sample(a, b, c, [&](const Eigen::Vector3d& place, double) {
+      if (place.z() <= platform_mm) return;
+      if (from_mold.within(place, std::min(depths.deepest.depth, limits.pierced_mm))) return;
+      if (inside(place)) depths.add(place, 0, from_mold(place), limits.pierced_mm);
+    });
+  });
+
   SurfaceFit fit;
-  const Deviation deepest = deviation_of(sunk);
-  sunk.insert(sunk.end(), of_mold.begin(), of_mold.end());
-  fit.pierced = parts_beyond(sunk, limits.pierced_mm);
-  fit.bridged = parts_beyond(of_sheet, limits.bridged_mm);
-  fit.penetration = deviation_of(of_mold);
-  if (deepest.max > fit.penetration.max)
-    fit.penetration.max = deepest.max, fit.penetration.place = deepest.place;
+  sunk.beyond.insert(sunk.beyond.end(), of_mold.beyond.begin(), of_mold.beyond.end());
+  fit.pierced = parts_of(sunk.beyond);
+  fit.bridged = parts_of(of_sheet.beyond);
+  fit.penetration = deviation_of(std::move(of_mold));
+  if (sunk.deepest.depth > fit.penetration.max)
+    fit.penetration.max = sunk.deepest.depth, fit.penetration.place = sunk.deepest.place;
   fit.gap = deviation_of(of_sheet);
   return fit;
 }

@@ -40,14 +40,11 @@ double squared_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b,
   return (ap - vb / sum * ab - vc / sum * ac).squaredNorm();
 }
 
-}  // namespace
-
-namespace {
-
 struct Search {
   const TriangleMesh& mesh;
   Vector3d point;
   double best = std::numeric_limits<double>::infinity();  // squared
+  double enough = 0;                                      // squared: nothing nearer is looked for
 };
 
 bool visit(RTCPointQueryFunctionArguments* arguments) {
@@ -60,8 +57,21 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
   if (!(squared < search.best)) return false;
   search.best = squared;
   // The tree holds floats: its boxes may be off by a little, so it is searched a little further.
-  arguments->query->radius = static_cast<float>(std::sqrt(squared) * 1.0001 + 1e-3);
+  arguments->query->radius =
+      squared < search.enough ? 0 : static_cast<float>(std::sqrt(squared) * 1.0001 + 1e-3);
   return true;
+}
+
+// Looks at the triangles of the mesh within a radius of the point.
+void look(const EmbreeScene& scene, Search& search, float radius) {
+  RTCPointQuery query{};
+  query.x = static_cast<float>(search.point.x() - scene.centre.x());
+  query.y = static_cast<float>(search.point.y() - scene.centre.y());
+  query.z = static_cast<float>(search.point.z() - scene.centre.z());
+  query.radius = radius;
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene.scene, &query, &context, visit, &search);
 }
 
 }  // namespace
@@ -72,21 +82,19 @@ MoldDistance::MoldDistance(const TriangleMesh& mesh, const RayCaster& rays)
     : mesh_(mesh), scene_(rays.scene()) {}
 
 double MoldDistance::operator()(const Vector3d& point) const {
-  Search search{.mesh = mesh_, .point = point};
-  RTCPointQuery query{};
-  query.x = static_cast<float>(point.x() - scene_->centre.x());
-  query.y = static_cast<float>(point.y() - scene_->centre.y());
-  query.z = static_cast<float>(point.z() - scene_->centre.z());
   // Most points are near: a small sphere around them holds few triangles.
   for (const float radius : {1.0f, std::numeric_limits<float>::infinity()}) {
-    query.radius = radius;
-    search.best = std::numeric_limits<double>::infinity();
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene_->scene, &query, &context, visit, &search);
-    if (search.best <= radius * radius) break;
+    Search search{.mesh = mesh_, .point = point};
+    look(*scene_, search, radius);
+    if (search.best <= radius * radius) return std::sqrt(search.best);
   }
-  return std::sqrt(search.best);
+  return std::numeric_limits<double>::infinity();
+}
+
+bool MoldDistance::within(const Vector3d& point, double distance_mm) const {
+  Search search{.mesh = mesh_, .point = point, .enough = distance_mm * distance_mm};
+  look(*scene_, search, static_cast<float>(distance_mm * 1.0001 + 1e-3));
+  return search.best < search.enough;
 }
 
 }  // namespace vacuform
