@@ -222,6 +222,8 @@ Result<void> check_heat(const Settings& s) {
   return {};
 }
 
+constexpr double coarsest_fast_mm = 3;  // then the coarsest grid is one of 12 mm
+
 // What no single field can know.
 Result<void> check_together(const Settings& s) {
   if (s.scan.size_mm && s.scan.units != Unit::automatic)
@@ -245,8 +247,15 @@ Result<void> check_together(const Settings& s) {
     return fail(Code::bad_settings, "where the ink lies is known by pattern.offset_mm, not by pattern.points",
                 "flattening.weights",
                 "lay the drawing by pattern.offset_mm and rotate_deg, or choose other weights");
-  const double cells =
-      (s.sheet.width_mm / s.sheet.resolution_mm) * (s.sheet.height_mm / s.sheet.resolution_mm);
+  if (s.forming.quality == FormingQuality::fast && s.forming.model != FormingModel::membrane)
+    return fail(Code::bad_settings, "only the membrane model can be extrapolated from coarser grids",
+                "forming.quality", "give standard, or forming.model=membrane");
+  if (s.forming.quality == FormingQuality::fast && s.sheet.resolution_mm > coarsest_fast_mm)
+    return fail(Code::bad_settings, "a coarse grid cannot be extrapolated from still coarser ones",
+                "forming.quality",
+                "give standard, or a sheet.resolution_mm of at most " + number(coarsest_fast_mm));
+  const double spacing = s.sheet.resolution_mm / (s.forming.quality == FormingQuality::fine ? 2 : 1);
+  const double cells = (s.sheet.width_mm / spacing) * (s.sheet.height_mm / spacing);
   if (cells > static_cast<double>(job_limits.sheet_cells))
     return fail(Code::bad_settings, "the grid of the sheet would have more than 640,000 cells",
                 "sheet.resolution_mm", "give a coarser resolution");
@@ -265,6 +274,7 @@ std::string_view name(InkedFace value) { return name_of(value); }
 std::string_view name(HeatSource value) { return name_of(value); }
 std::string_view name(FormingModel value) { return name_of(value); }
 std::string_view name(MembraneLaw value) { return name_of(value); }
+std::string_view name(FormingQuality value) { return name_of(value); }
 
 Result<Settings> settings_from_json(const json& object) {
   if (!object.is_object())

@@ -24,6 +24,7 @@ enum class Material { petg, pc, abs, hips, pvc };
 enum class WindowShape { rectangle, circle };
 enum class HeatSource { uniform, heaters, measured };
 enum class FormingModel { membrane, viscoplastic, mass_spring, projection };
+enum class FormingQuality { fast, standard, fine };
 enum class MembraneLaw { neo_hookean, mooney_rivlin };
 enum class Integrator { implicit_euler, verlet };
 enum class FlatteningMethod { arap, symmetric_dirichlet, lscm, cgal_arap, bfs };
@@ -97,6 +98,9 @@ struct HeatSettings {
 struct FormingSettings {
   FormingModel model = FormingModel::membrane;
   MembraneLaw law = MembraneLaw::neo_hookean;
+  // On a grid of sheet.resolution_mm, or of half of it (fine), or extrapolated to it from grids of four and two times the
+  // spacing (fast; membrane only).
+  FormingQuality quality = FormingQuality::standard;
   double edge_stiffness = 1;  // of the sheet at the clamp frame against its centre, by calibration
   bool sag = false;           // under its own weight while it is hot
   // membrane: the frame descends no further between two searches for contact; none: two thirds of the grid's spacing
@@ -202,5 +206,6 @@ std::string_view name(InkedFace);
 std::string_view name(HeatSource);
 std::string_view name(FormingModel);
 std::string_view name(MembraneLaw);
+std::string_view name(FormingQuality);
 
 }  // namespace vacuform

@@ -21,6 +21,7 @@ inline constexpr std::array<std::string_view, 2> window_names{"rectangle", "circ
 inline constexpr std::array<std::string_view, 3> source_names{"uniform", "heaters", "measured"};
 inline constexpr std::array<std::string_view, 4> model_names{"membrane", "viscoplastic", "mass_spring",
                                                              "projection"};
+inline constexpr std::array<std::string_view, 3> quality_names{"fast", "standard", "fine"};
 inline constexpr std::array<std::string_view, 2> law_names{"neo_hookean", "mooney_rivlin"};
 inline constexpr std::array<std::string_view, 2> integrator_names{"implicit_euler", "verlet"};
 inline constexpr std::array<std::string_view, 5> method_names{"arap", "symmetric_dirichlet", "lscm",
@@ -41,6 +42,7 @@ inline std::span<const std::string_view> names_of(Material) { return material_na
 inline std::span<const std::string_view> names_of(WindowShape) { return window_names; }
 inline std::span<const std::string_view> names_of(HeatSource) { return source_names; }
 inline std::span<const std::string_view> names_of(FormingModel) { return model_names; }
+inline std::span<const std::string_view> names_of(FormingQuality) { return quality_names; }
 inline std::span<const std::string_view> names_of(MembraneLaw) { return law_names; }
 inline std::span<const std::string_view> names_of(Integrator) { return integrator_names; }
 inline std::span<const std::string_view> names_of(FlatteningMethod) { return method_names; }
@@ -157,6 +159,10 @@ void describe(S& s, V& v) {
   v.group("forming", "Forming: the simulation");
   v.field("model", s.forming.model, "Model of the sheet");
   v.field("law", s.forming.law, "Law of the membrane");
+  v.field(
+      "quality", s.forming.quality,
+      "Standard forms on the grid spacing, fine on half of it; fast extrapolates from grids of four and two "
+      "times the spacing (membrane), for a first look");
   v.field("edge_stiffness", s.forming.edge_stiffness, {0.1, 10, "1"},
           "Stiffness of the sheet at the clamp frame against its centre, as calibrated");
   v.field("sag", s.forming.sag, "The hot sheet sags under its own weight");

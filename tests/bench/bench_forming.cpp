@@ -1,8 +1,8 @@
 // Seconds, steps, residual and memory of the forming stage against the grid, and the order of growth.
 //
-//   bench_forming [--json] [cells a side ...]     (50 for the preview, then 100 200 400 when none is given)
+//   bench_forming [--json] [--fast] [cells a side ...]     (50 for the preview, then 100 200 400 when none is given)
 //
-// Each grid of a 300 mm sheet over neonate-40w and adult-scalp, at default settings, in a process of its own: its peak
+// Each grid of a 300 mm sheet over neonate-40w and adult-scalp, at default settings or with forming.quality=fast, in a process of its own: its peak
 // memory is that of forming alone, with the mold. `order` is the exponent b of seconds ~ vertices^b against the row above.
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -32,7 +32,7 @@ struct Row {
   int vertices = 0, drape_steps = 0, vacuum_steps = 0, iterations = 0;
 };
 
-Row form_in_this_process(const std::string& scan, int cells) {
+Row form_in_this_process(const std::string& scan, int cells, FormingQuality quality) {
   std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/scans/" + scan, std::ios::binary);
   if (!in) {
     std::fprintf(stderr, "bench_forming: cannot read the real scan %s; see tests/fetch-scans\n",
@@ -42,6 +42,7 @@ Row form_in_this_process(const std::string& scan, int cells) {
   const std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(in)), {});
   Settings settings;
   settings.sheet.resolution_mm = settings.sheet.width_mm / cells;
+  settings.forming.quality = quality;
   const auto mold = make_mold(bytes, scan, settings.scan, Context{});
   if (!mold) {
     std::fprintf(stderr, "%s\n", mold.error().text().c_str());
@@ -65,13 +66,13 @@ Row form_in_this_process(const std::string& scan, int cells) {
 }
 
 // The row, and the peak memory of the process that made it in MiB.
-std::pair<Row, double> measure(const std::string& scan, int cells) {
+std::pair<Row, double> measure(const std::string& scan, int cells, FormingQuality quality) {
   int channel[2];
   if (pipe(channel) != 0) std::abort();
   const pid_t child = fork();
   if (child < 0) std::abort();
   if (child == 0) {
-    const Row row = form_in_this_process(scan, cells);
+    const Row row = form_in_this_process(scan, cells, quality);
     _exit(write(channel[1], &row, sizeof row) == sizeof row ? 0 : 1);
   }
   close(channel[1]);
@@ -87,10 +88,13 @@ std::pair<Row, double> measure(const std::string& scan, int cells) {
 
 int main(int argc, char** argv) {
   bool json = false;
+  FormingQuality quality = FormingQuality::standard;
   std::vector<int> sizes;
   for (int i = 1; i < argc; ++i)
     if (std::string_view(argv[i]) == "--json")
       json = true;
+    else if (std::string_view(argv[i]) == "--fast")
+      quality = FormingQuality::fast;
     else
       sizes.push_back(std::atoi(argv[i]));
   if (sizes.empty()) sizes = {50, 100, 200, 400};
@@ -107,7 +111,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "a grid has 15 to 600 cells a side\n");
         return 2;
       }
-      const auto [row, mib] = measure(scan, cells);
+      const auto [row, mib] = measure(scan, cells, quality);
       all_formed = all_formed && row.formed;
       const double order = before.formed && row.formed ? std::log(row.seconds / before.seconds) /
                                                              std::log(double(row.vertices) / before.vertices)

@@ -46,13 +46,13 @@ def measures(arguments, folder):
     """Yields name, wall s, CPU s, peak MiB."""
     vacuform = arguments.bin / "vacuform"
 
-    def forming(cells):
-        return json.loads(run([arguments.bin / "bench_forming", "--json", cells])["out"])
+    def forming(*options):
+        return json.loads(run([arguments.bin / "bench_forming", "--json", *options, 200])["out"])
 
-    rows = [forming(200) for _ in range(arguments.runs)] if arguments.only in "forming" else []
-    for at, head in enumerate(HEADS):
-        if rows:
-            yield f"forming, {head}", statistics.median(row[at]["seconds"] for row in rows), None, round(rows[0][at]["peak_mib"])
+    for name, options in {"forming": [], "fast forming": ["--fast"]}.items() if arguments.only in "forming" else []:
+        rows = [forming(*options) for _ in range(arguments.runs)]
+        for at, head in enumerate(HEADS):
+            yield f"{name}, {head}", statistics.median(row[at]["seconds"] for row in rows), None, round(rows[0][at]["peak_mib"])
     for head, scan in HEADS.items():
         out = folder / "out"
         base = [vacuform, "run", "--quiet", "--scan", arguments.data / "scans" / scan, "--pattern", PATTERN, "--out", out]

@@ -12,7 +12,7 @@ constexpr double back_off = 0.02;
 }  // namespace
 
 Obstacles::Obstacles(const TriangleMesh& mold, const MachineSettings& machine)
-    : mold_(mold), rays_(mold), machine_(machine) {
+    : mold_(mold), rays_(mold), distance_(mold, rays_), machine_(machine) {
   if (mold.vertices.empty()) return;
   Eigen::Array2d high = low_ = mold.vertices.front().head<2>().array();
   for (const Eigen::Vector3d& p : mold.vertices) {

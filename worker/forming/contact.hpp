@@ -8,6 +8,7 @@
 
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/membrane.hpp"
+#include "worker/scan/mold_distance.hpp"
 #include "worker/scan/ray_caster.hpp"
 
 namespace vacuform {
@@ -28,6 +29,8 @@ class Obstacles {
   // `to` enters the mold or leaves the space between platform and wall.
   std::optional<Touch> first_touch(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
 
+  Eigen::Vector3d nearest_on_mold(const Eigen::Vector3d& place) const { return distance_.nearest(place); }
+
  private:
   // The smallest t in [0, 1] at which from + t way leaves the window, or nothing.
   std::optional<double> leaves_window(const Eigen::Vector3d& from, const Eigen::Vector3d& way) const;
@@ -39,6 +42,7 @@ class Obstacles {
 
   const TriangleMesh& mold_;
   RayCaster rays_;
+  MoldDistance distance_;
   MachineSettings machine_;
   // Highest z of the triangles whose bounding boxes meet a square cell, row by row from low_.
   static constexpr double cell_mm = 2;

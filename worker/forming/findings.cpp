@@ -238,6 +238,18 @@ void find_thin(const FormedSheet& sheet, const std::vector<double>& area, double
        marks_of(found), Warning::Figure{100 * least / sheet_thickness_mm, "%", 100 * limit}});
 }
 
+void find_extrapolated(const FormedSheet& sheet, std::vector<Warning>& warnings) {
+  if (!sheet.summary.extrapolation) return;
+  const Extrapolation& e = *sheet.summary.extrapolation;
+  warnings.push_back({"fast-forming",
+                      "The sheet is extrapolated from grids of " + short_decimal(e.coarse_mm) + " and " +
+                          short_decimal(e.fine_mm) +
+                          " mm: this moved 95 % of what touches the mold by at most " + decimal(e.p95, 2) +
+                          " mm",
+                      {},
+                      Warning::Figure{e.p95, "mm"}});
+}
+
 }  // namespace
 
 Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
@@ -250,6 +262,7 @@ Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, do
   find_pierced(sheet.fit, limits.fit.pierced_mm, findings.warnings);
   find_webs(sheet, area, limits.web_mm2, findings.warnings);
   find_thin(sheet, area, sheet_thickness_mm, limits.thickness_ratio, findings.warnings);
+  find_extrapolated(sheet, findings.warnings);
   return findings;
 }
 std::optional<Tear> torn_at(const FormedSheet& sheet) {

@@ -14,6 +14,7 @@ namespace vacuform {
 namespace {
 
 Result<void> form_by_model(const Process& process, SheetState& state, const Context& context) {
+  if (process.forming.quality == FormingQuality::fast) return form_extrapolated(process, state, context);
   switch (process.forming.model) {
     case FormingModel::membrane:
     case FormingModel::viscoplastic:
@@ -73,9 +74,11 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
 
 }  // namespace
 
-Result<FormedSheet> form(const Mold& mold, const SheetSettings& sheet, const MachineSettings& machine,
+Result<FormedSheet> form(const Mold& mold, const SheetSettings& plastic, const MachineSettings& machine,
                          const FormingSettings& settings, const TemperatureField& temperature,
                          const Context& context) {
+  SheetSettings sheet = plastic;
+  if (settings.quality == FormingQuality::fine) sheet.resolution_mm /= 2;
   const Obstacles obstacles(mold.mesh, machine);
   const Process process(obstacles, mold.top.z(), sheet, machine, settings, temperature);
   SheetState state(process);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "api/settings.hpp"
@@ -21,6 +22,12 @@ struct Vent {
   double diameter_mm;
 };
 
+// How far the extrapolation from grids of these spacings moves what touches the mold, mm: about the error of the finer.
+struct Extrapolation {
+  double coarse_mm = 0, fine_mm = 0;
+  double mean = 0, p95 = 0, max = 0;
+};
+
 // Figures of the simulation, for report.json.
 struct FormingSummary {
   int drape_steps = 0, vacuum_steps = 0;
@@ -33,6 +40,8 @@ struct FormingSummary {
   double mass_error = 0;         // |volume of plastic now / at first - 1|, summed over the elements
   double force_error = 0;        // |vertical force of the supports / (p times projected area) - 1|
   double shear_modulus_kpa = 0;  // of the material at its forming temperature
+  std::optional<Extrapolation>
+      extrapolation;  // of a fast forming; the other figures are those of its finer grid
 };
 
 // A distance over a surface, mm.

@@ -72,6 +72,8 @@ struct SheetState {
 // The models. Each brings the sheet from flat to formed. Errors: forming_failed, cancelled.
 Result<void> form_membrane(const Process& process, SheetState& state,
                            const Context& context);  // and viscoplastic
+Result<void> form_extrapolated(const Process& process, SheetState& state,
+                               const Context& context);  // the membrane, from coarser grids
 Result<void> form_mass_spring(const Process& process, SheetState& state, const Context& context);
 Result<void> form_projection(const Process& process, SheetState& state, const Context& context);
 

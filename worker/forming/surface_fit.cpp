@@ -15,8 +15,8 @@ namespace vacuform {
 
 namespace {
 
-constexpr double sample_mm = 0.75;
-constexpr double beside_mm = 1;       // the mold that is further below the sheet has nothing to do with it
+constexpr double side_mm = 1;    // of the small triangles that samples stand for: they are half of it apart
+constexpr double beside_mm = 1;  // the mold that is further below the sheet has nothing to do with it
 constexpr double platform_mm = 0.05;  // the mold's foot
 constexpr double skin_mm = 0.02;  // below the mold's surface: a wall that the sheet lies on is not in its way
 constexpr int most_parts = 64;    // of a triangle's side
@@ -27,7 +27,7 @@ void for_each_sample(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const E
                      const Call& call) {
   const double longest =
       std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-  const int n = std::clamp(static_cast<int>(std::ceil(longest / sample_mm)), 1, most_parts);
+  const int n = std::clamp(static_cast<int>(std::ceil(longest / side_mm)), 1, most_parts);
   const double area = (b - a).cross(c - a).norm() / 2 / (n * n);
   const auto sample = [&](double u, double v) { call(a + u / n * (b - a) + v / n * (c - a), area); };
   for (int i = 0; i < n; ++i)
@@ -63,19 +63,28 @@ struct Depths {
   std::vector<Place> beyond;
 };
 
-// Sums measure(k, depths) over [0, count), on all threads; the result does not depend on their number.
-template <class Measure>
-Depths measure_all(std::size_t count, const Measure& measure) {
+// Of the sheet against the mold.
+struct SheetDepths {
+  void append(const SheetDepths& later) {
+    off.append(later.off);
+    sunk.append(later.sunk);
+  }
+  Depths off, sunk;  // above it, in it
+};
+
+// Sums measure(k, sums) over [0, count), on all threads; the result does not depend on their number.
+template <class Sums, class Measure>
+Sums measure_all(std::size_t count, const Measure& measure) {
   constexpr std::size_t blocks = 64;
-  std::vector<Depths> parts(blocks);
+  std::vector<Sums> parts(blocks);
   in_parallel(0, blocks, [&](int first, int last) {
     for (int block = first; block < last; ++block) {
       const auto at = static_cast<std::size_t>(block);
       for (std::size_t k = count * at / blocks; k < count * (at + 1) / blocks; ++k) measure(k, parts[at]);
     }
   });
-  Depths all;
-  for (const Depths& part : parts) all.append(part);
+  Sums all;
+  for (const Sums& part : parts) all.append(part);
   return all;
 }
 
@@ -163,7 +172,7 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
     else if (from_sheet.within(place, beside_mm))
       depths.add(place, area, 0, limits.pierced_mm);
   };
-  Depths of_mold = measure_all(mold.triangles.size(), [&](std::size_t k, Depths& depths) {
+  Depths of_mold = measure_all<Depths>(mold.triangles.size(), [&](std::size_t k, Depths& depths) {
     const auto [a, b, c] = corners_of(mold, k);
     if (std::max({a.z(), b.z(), c.z()}) <= platform_mm) return;
     const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
@@ -176,42 +185,34 @@ SurfaceFit surface_fit(const std::vector<Triangle>& triangles, const std::vector
     const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
     for (const int v : mold.triangles[k]) normals[v] += normal;
   }
-  of_mold.append(measure_all(mold.vertices.size(), [&](std::size_t v, Depths& depths) {
+  of_mold.append(measure_all<Depths>(mold.vertices.size(), [&](std::size_t v, Depths& depths) {
     add_mold(mold.vertices[v], normals[v].stableNormalized(), 0, depths);
   }));
 
-  // How far the sheet is off the mold where all three corners of a triangle touch it.
-  const auto touching = [&](std::size_t k) {
-    return std::count_if(triangles[k].begin(), triangles[k].end(),
-                         [&](int v) { return contact[v] == Contact::mold; });
-  };
-  const auto inside = [&](const Eigen::Vector3d& place) { return lies_below(mold, to_mold, place, height); };
-  const Depths of_sheet = measure_all(triangles.size(), [&](std::size_t k, Depths& depths) {
-    if (touching(k) < 3) return;
+  // How far the sheet is off the mold where all three corners of a triangle touch it, and how deep it lies in the mold
+  // where any of them does. Of the second only the deepest place and those beyond the limit count.
+  auto [off, sunk] = measure_all<SheetDepths>(triangles.size(), [&](std::size_t k, SheetDepths& depths) {
+    const Triangle& t = triangles[k];
+    const auto touching =
+        std::count_if(t.begin(), t.end(), [&](int v) { return contact[v] == Contact::mold; });
+    if (touching == 0) return;
     const auto [a, b, c] = corners_of(sheet, k);
     for_each_sample(a, b, c, [&](const Eigen::Vector3d& place, double area) {
-      depths.add(place, area, inside(place) ? 0 : from_mold(place), limits.bridged_mm);
+      const bool inside = lies_below(mold, to_mold, place, height);
+      if (touching == 3) depths.off.add(place, area, inside ? 0 : from_mold(place), limits.bridged_mm);
+      const double known = std::min(depths.sunk.deepest.depth, limits.pierced_mm);
+      if (inside && place.z() > platform_mm && !from_mold.within(place, known))
+        depths.sunk.add(place, 0, from_mold(place), limits.pierced_mm);
     });
   });
-  // How deep it lies in the mold where a corner touches. Only the deepest place and those beyond the limit count.
-  Depths sunk = measure_all(triangles.size(), [&](std::size_t k, Depths& depths) {
-    if (touching(k) == 0) return;
-    const auto [a, b, c] = corners_of(sheet, k);
-    for_each_sample(a, b, c, [&](const Eigen::Vector3d& place, double) {
-      if (place.z() <= platform_mm) return;
-      if (from_mold.within(place, std::min(depths.deepest.depth, limits.pierced_mm))) return;
-      if (inside(place)) depths.add(place, 0, from_mold(place), limits.pierced_mm);
-    });
-  });
-
   SurfaceFit fit;
   sunk.beyond.insert(sunk.beyond.end(), of_mold.beyond.begin(), of_mold.beyond.end());
   fit.pierced = parts_of(sunk.beyond);
-  fit.bridged = parts_of(of_sheet.beyond);
+  fit.bridged = parts_of(off.beyond);
   fit.penetration = deviation_of(std::move(of_mold));
   if (sunk.deepest.depth > fit.penetration.max)
     fit.penetration.max = sunk.deepest.depth, fit.penetration.place = sunk.deepest.place;
-  fit.gap = deviation_of(of_sheet);
+  fit.gap = deviation_of(std::move(off));
   return fit;
 }
 

@@ -35,24 +35,30 @@ Json forming_of(const Finished& job) {
   const FormingSummary& s = sheet.summary;
   const auto wrinkled = std::count_if(sheet.element_wrinkled.begin(), sheet.element_wrinkled.end(),
                                       [](auto v) { return v != 0; });
-  return {{"vertices", sheet.formed.size()},
-          {"triangles", sheet.triangles.size()},
-          {"vertices_by_contact",
-           {{"free", counts[0]}, {"mold", counts[1]}, {"platform", counts[2]}, {"clamp", counts[3]}}},
-          {"penetration_mm", deviation_of(sheet.fit.penetration)},
-          {"gap_mm", deviation_of(sheet.fit.gap)},
-          {"vertex_gap_mm", rounded(gap, 4)},
-          {"drape_steps", s.drape_steps},
-          {"vacuum_steps", s.vacuum_steps},
-          {"iterations", s.iterations},
-          {"converged", s.converged},
-          {"residual", significant(s.residual)},
-          {"kinetic_mj", significant(s.kinetic_mj)},
-          {"pressure_kpa", rounded(s.pressure_kpa, 3)},
-          {"shear_modulus_kpa", rounded(s.shear_modulus_kpa, 3)},
-          {"mass_error", significant(s.mass_error)},
-          {"force_error", significant(s.force_error)},
-          {"wrinkled_triangles", wrinkled}};
+  Json out = {{"vertices", sheet.formed.size()},
+              {"triangles", sheet.triangles.size()},
+              {"vertices_by_contact",
+               {{"free", counts[0]}, {"mold", counts[1]}, {"platform", counts[2]}, {"clamp", counts[3]}}},
+              {"penetration_mm", deviation_of(sheet.fit.penetration)},
+              {"gap_mm", deviation_of(sheet.fit.gap)},
+              {"vertex_gap_mm", rounded(gap, 4)},
+              {"drape_steps", s.drape_steps},
+              {"vacuum_steps", s.vacuum_steps},
+              {"iterations", s.iterations},
+              {"converged", s.converged},
+              {"residual", significant(s.residual)},
+              {"kinetic_mj", significant(s.kinetic_mj)},
+              {"pressure_kpa", rounded(s.pressure_kpa, 3)},
+              {"shear_modulus_kpa", rounded(s.shear_modulus_kpa, 3)},
+              {"mass_error", significant(s.mass_error)},
+              {"force_error", significant(s.force_error)},
+              {"wrinkled_triangles", wrinkled}};
+  if (const auto& e = s.extrapolation)
+    out["extrapolation"] = {{"grids_mm", {e->coarse_mm, e->fine_mm}},
+                            {"mean_mm", rounded(e->mean, 4)},
+                            {"p95_mm", rounded(e->p95, 4)},
+                            {"max_mm", rounded(e->max, 4)}};
+  return out;
 }
 
 // Of the sheet when it meets the mold, over the window of the clamp frame.

@@ -50,9 +50,13 @@ void fields(A& a, Vent& v) {
   a(v.place, v.diameter_mm);
 }
 template <class A>
+void fields(A& a, Extrapolation& e) {
+  a(e.coarse_mm, e.fine_mm, e.mean, e.p95, e.max);
+}
+template <class A>
 void fields(A& a, FormingSummary& s) {
   a(s.drape_steps, s.vacuum_steps, s.iterations, s.residual, s.kinetic_mj, s.converged, s.pressure_kpa,
-    s.mass_error, s.force_error, s.shear_modulus_kpa);
+    s.mass_error, s.force_error, s.shear_modulus_kpa, s.extrapolation);
 }
 template <class A>
 void fields(A& a, Deviation& d) {

@@ -18,32 +18,35 @@ namespace {
 
 using Eigen::Vector3d;
 
-double squared_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+// From p to the closest point of the triangle.
+Vector3d way_to(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return ap.squaredNorm();
+  if (d1 <= 0 && d2 <= 0) return -ap;
   const Vector3d bp = p - b;
   const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return bp.squaredNorm();
+  if (d3 >= 0 && d4 <= d3) return -bp;
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return (ap - d1 / (d1 - d3) * ab).squaredNorm();
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return d1 / (d1 - d3) * ab - ap;
   const Vector3d cp = p - c;
   const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return cp.squaredNorm();
+  if (d6 >= 0 && d5 <= d6) return -cp;
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return (ap - d2 / (d2 - d6) * ac).squaredNorm();
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return d2 / (d2 - d6) * ac - ap;
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-    return (bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b)).squaredNorm();
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b) - bp;
   const double sum = va + vb + vc;
-  if (!(sum > 0)) return std::min({ap.squaredNorm(), bp.squaredNorm(), cp.squaredNorm()});
-  return (ap - vb / sum * ab - vc / sum * ac).squaredNorm();
+  if (!(sum > 0))
+    return -std::min({ap, bp, cp},
+                     [](const Vector3d& u, const Vector3d& v) { return u.squaredNorm() < v.squaredNorm(); });
+  return vb / sum * ab + vc / sum * ac - ap;
 }
 
 struct Search {
   const TriangleMesh& mesh;
   Vector3d point;
   double best = std::numeric_limits<double>::infinity();  // squared
+  Vector3d way = Vector3d::Zero();                        // to the best
   double enough = 0;                                      // squared: nothing nearer is looked for
 };
 
@@ -53,9 +56,11 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
   const auto corner = [&](int k) -> const Vector3d& {
     return search.mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
   };
-  const double squared = squared_distance(search.point, corner(0), corner(1), corner(2));
+  const Vector3d way = way_to(search.point, corner(0), corner(1), corner(2));
+  const double squared = way.squaredNorm();
   if (!(squared < search.best)) return false;
   search.best = squared;
+  search.way = way;
   // The tree holds floats: its boxes may be off by a little, so it is searched a little further.
   arguments->query->radius =
       squared < search.enough ? 0 : static_cast<float>(std::sqrt(squared) * 1.0001 + 1e-3);
@@ -74,6 +79,15 @@ void look(const EmbreeScene& scene, Search& search, float radius) {
   rtcPointQuery(scene.scene, &query, &context, visit, &search);
 }
 
+Search search_all(const TriangleMesh& mesh, const EmbreeScene& scene, const Vector3d& point) {
+  Search search{.mesh = mesh, .point = point};
+  // Most points are near: a small sphere around them holds few triangles.
+  constexpr float near_mm = 1;
+  look(scene, search, near_mm);
+  if (search.best > near_mm * near_mm) look(scene, search, std::numeric_limits<float>::infinity());
+  return search;
+}
+
 }  // namespace
 
 MoldDistance::MoldDistance(const TriangleMesh& mesh)
@@ -82,13 +96,11 @@ MoldDistance::MoldDistance(const TriangleMesh& mesh, const RayCaster& rays)
     : mesh_(mesh), scene_(rays.scene()) {}
 
 double MoldDistance::operator()(const Vector3d& point) const {
-  // Most points are near: a small sphere around them holds few triangles.
-  for (const float radius : {1.0f, std::numeric_limits<float>::infinity()}) {
-    Search search{.mesh = mesh_, .point = point};
-    look(*scene_, search, radius);
-    if (search.best <= radius * radius) return std::sqrt(search.best);
-  }
-  return std::numeric_limits<double>::infinity();
+  return std::sqrt(search_all(mesh_, *scene_, point).best);
+}
+
+Vector3d MoldDistance::nearest(const Vector3d& point) const {
+  return point + search_all(mesh_, *scene_, point).way;
 }
 
 bool MoldDistance::within(const Vector3d& point, double distance_mm) const {

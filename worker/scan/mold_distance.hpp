@@ -19,6 +19,8 @@ class MoldDistance {
 
   // Infinite for a mesh without triangles. Thread safe and deterministic.
   double operator()(const Eigen::Vector3d& point) const;
+  // The place at that distance; that of the mesh must not be empty.
+  Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
   // Whether the distance is less than this many mm; ends with the first triangle that is so near.
   bool within(const Eigen::Vector3d& point, double distance_mm) const;
 

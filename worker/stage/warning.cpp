@@ -21,6 +21,7 @@ constexpr WarningKind kinds[] = {
      "Check that the coils still cover what they must see, or raise coils.size_limit."},
     {"coils-spacing", Severity::note, "Set coils.decouple=true if the coupling of neighbours matters."},
     {"deep-draw", Severity::warning, "Trim the mold higher (scan.trim_mm)."},
+    {"fast-forming", Severity::note, "Set forming.quality=standard before the part is made."},
     {"flattening-flipped", Severity::serious,
      "Use flattening.method=symmetric_dirichlet, which never folds."},
     {"flattening-not-converged", Severity::warning,

@@ -133,8 +133,10 @@ class Search {
     ++formings_;
     VACUFORM_CHECK(context_.step(Stage::forming, done_));
     const Portion portion(context_, Stage::forming, done_, done_);
-    VACUFORM_TRY(
-        sheet, form(prepared_.mold, s.sheet, s.machine, s.forming, prepared_.temperature, portion.context()));
+    FormingSettings forming = s.forming;
+    forming.quality = FormingQuality::standard;  // the grids are chosen here
+    VACUFORM_TRY(sheet,
+                 form(prepared_.mold, s.sheet, s.machine, forming, prepared_.temperature, portion.context()));
     VectorXd found = inked_places(sheet, s.pattern.inked_face, rest_);
     if (!found.allFinite())
       return fail(Code::unusable_surface, "a measured point lies off the sheet", "--measured",

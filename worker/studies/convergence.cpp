@@ -36,6 +36,15 @@ double slope_at(const FormedSheet& sheet, int vertex) {
   return steepest * 180 / std::numbers::pi;
 }
 
+template <class Vector>
+Json array(const Vector& v) {
+  Json out = Json::array();
+  for (int k = 0; k < v.size(); ++k) out.push_back(rounded(v[k], 2));
+  return out;
+}
+
+}  // namespace
+
 Refinement compare(const FormedSheet& coarse, const FormedSheet& fine) {
   Refinement out;
   const SheetMap map(coarse);
@@ -58,15 +67,6 @@ Refinement compare(const FormedSheet& coarse, const FormedSheet& fine) {
   out.sheet = statistics_of(std::move(sheet));
   return out;
 }
-
-template <class Vector>
-Json array(const Vector& v) {
-  Json out = Json::array();
-  for (int k = 0; k < v.size(); ++k) out.push_back(rounded(v[k], 2));
-  return out;
-}
-
-}  // namespace
 
 DistanceStatistics statistics_of(std::vector<double> d) {
   DistanceStatistics out;

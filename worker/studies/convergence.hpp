@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "worker/forming/formed_sheet.hpp"
 #include "worker/studies/preparation.hpp"
 
 namespace vacuform {
@@ -27,6 +28,8 @@ struct Refinement {
   Eigen::Vector3d worst_formed{0, 0, 0};  // and where it lies on the finer grid
   double worst_degrees = 0;               // slope of the sheet there, from level
 };
+
+Refinement compare(const FormedSheet& coarse, const FormedSheet& fine);  // all but the spacings
 
 struct Convergence {
   std::vector<Refinement> refinements;  // from the coarsest pair to the finest
