@@ -25,7 +25,8 @@ using namespace vacuform;
 std::vector<std::uint8_t> bytes_of(const std::string& scan) {
   std::ifstream in(std::string(VACUFORM_SHARED_DATA) + "/scans/" + scan, std::ios::binary);
   if (!in) {
-    std::fprintf(stderr, "bench_quality: cannot read the real scan %s; see tests/fetch-scans\n", scan.c_str());
+    std::fprintf(stderr, "bench_quality: cannot read the real scan %s; see tests/fetch-scans\n",
+                 scan.c_str());
     std::exit(1);
   }
   return {std::istreambuf_iterator<char>(in), {}};
@@ -44,7 +45,8 @@ int main(int argc, char** argv) {
 
   auto rows = nlohmann::ordered_json::array();
   if (!json)
-    std::printf("%-22s %-9s %8s %8s %8s %8s %8s\n", "scan", "quality", "seconds", "mean mm", "p95", "p99", "max");
+    std::printf("%-22s %-9s %8s %8s %8s %8s %8s\n", "scan", "quality", "seconds", "mean mm", "p95", "p99",
+                "max");
   for (const std::string scan : {"neonate-40w.stl", "adult-scalp-ascii.ply"}) {
     const Settings settings;
     const auto mold = make_mold(bytes_of(scan), scan, settings.scan, Context{});
@@ -58,7 +60,8 @@ int main(int argc, char** argv) {
       FormedSheet sheet;
       for (int run = 0; run < (quality == FormingQuality::fine ? 1 : runs); ++run) {
         const auto start = std::chrono::steady_clock::now();
-        auto formed = form(*mold, settings.sheet, settings.machine, forming, TemperatureField(140), Context{});
+        auto formed =
+            form(*mold, settings.sheet, settings.machine, forming, TemperatureField(140), Context{});
         seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
         if (!formed) {
           std::fprintf(stderr, "%s\n", formed.error().text().c_str());
@@ -74,10 +77,8 @@ int main(int argc, char** argv) {
       else
         off = compare(sheet, fine).head;
       if (json)
-        rows.push_back({{"scan", scan},
-                        {"quality", name(quality)},
-                        {"seconds", median},
-                        {"off_mm", json_of(off)}});
+        rows.push_back(
+            {{"scan", scan}, {"quality", name(quality)}, {"seconds", median}, {"off_mm", json_of(off)}});
       else
         std::printf("%-22s %-9s %8.2f %8.4f %8.4f %8.4f %8.4f\n", scan.c_str(),
                     std::string(name(quality)).c_str(), median, off.mean, off.p95, off.p99, off.max);

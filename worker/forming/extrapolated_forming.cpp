@@ -6,12 +6,12 @@
 // them, elsewhere it stays as on the finer of the two. The result is interpolated to the grid without kinks, and what
 // touches the mold is put back on it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "worker/forming/interpolation.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/stage/parallel.hpp"
-#include "worker/stage/portion.hpp"
 
 namespace vacuform {
 
@@ -41,8 +41,9 @@ std::vector<double> extrapolate(const Process& coarse_process, const SheetState&
   std::vector<double> moved;
   for (std::size_t i = 0; i < fine.rest.size(); ++i) {
     const auto corners = to_fine.corners(i);
-    if (fine.contact[i] != Contact::mold ||
-        std::any_of(corners.begin(), corners.end(), [&](int v) { return coarse.contact[v] != Contact::mold; }))
+    if (fine.contact[i] != Contact::mold || std::any_of(corners.begin(), corners.end(), [&](int v) {
+          return coarse.contact[v] != Contact::mold;
+        }))
       continue;
     const auto at = static_cast<Eigen::Index>(i);
     const Eigen::Vector3d step = share * (fine.x.col(at) - there.col(at));
@@ -63,7 +64,8 @@ Points normals_of(const SheetGrid& grid, const Points& x) {
 }
 
 // Brings the sheet of another grid to this one.
-void take_over(const Process& process, SheetState& state, const Process& from_process, const SheetState& from) {
+void take_over(const Process& process, SheetState& state, const Process& from_process,
+               const SheetState& from) {
   const SmoothInterpolation interpolation(from_process.grid, from.rest, state.rest);
   state.x = interpolation(from.x);
   const Points normals = normals_of(process.grid, state.x);
@@ -108,14 +110,20 @@ void take_over(const Process& process, SheetState& state, const Process& from_pr
 }  // namespace
 
 Result<void> form_extrapolated(const Process& process, SheetState& state, const Context& context) {
-  constexpr double share_of_coarse = 0.2;
   const Process coarse_process = process.on_grid(4 * process.sheet.resolution_mm),
                 fine_process = process.on_grid(2 * process.sheet.resolution_mm);
   SheetState coarse(coarse_process), fine(fine_process);
-  VACUFORM_CHECK(form_membrane(coarse_process, coarse,
-                               Portion(context, Stage::forming, 0, share_of_coarse).context()));
-  VACUFORM_CHECK(
-      form_membrane(fine_process, fine, Portion(context, Stage::forming, share_of_coarse, 1).context()));
+  // Both at once: each alone is too small to keep all threads busy. The finer takes longer, so it tells the progress.
+  Context unseen([&](Stage, double) {
+    if (context.cancelled()) unseen.cancel();
+  });
+  std::array<Result<void>, 2> outcomes;
+  in_parallel(0, 2, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
+      outcomes[static_cast<std::size_t>(k)] =
+          k == 0 ? form_membrane(fine_process, fine, context) : form_membrane(coarse_process, coarse, unseen);
+  });
+  for (const auto& outcome : outcomes) VACUFORM_CHECK(outcome);
   std::vector<double> moved = extrapolate(coarse_process, coarse, fine_process, fine);
   take_over(process, state, fine_process, fine);
   state.summary = fine.summary;

@@ -30,7 +30,8 @@ FormedSheet formed_hemisphere(const Mold& mold, double resolution_mm, FormingQua
 
 // Mean distance on the flat sheet between what lies on the mold and what belongs there.
 double landing_error(const FormedSheet& sheet) {
-  static const auto exact = exact::male_hemisphere(MembraneLaw::neo_hookean, ring, 81 * std::numbers::pi / 180);
+  static const auto exact =
+      exact::male_hemisphere(MembraneLaw::neo_hookean, ring, 81 * std::numbers::pi / 180);
   double sum = 0;
   int count = 0;
   for (std::size_t i = 0; i < sheet.rest.size(); ++i) {
@@ -114,7 +115,8 @@ TEST(SmoothInterpolation, ReproducesParabolasInsideAndLinesEverywhere) {
     return Eigen::Vector3d(p.x() * p.x() - 2 * p.x() * p.y(), 3 * p.x() - p.y() + 1, p.y() * p.y());
   };
   Points at(3, static_cast<Eigen::Index>(coarse.rest.size()));
-  for (std::size_t i = 0; i < coarse.rest.size(); ++i) at.col(static_cast<Eigen::Index>(i)) = values(coarse.rest[i]);
+  for (std::size_t i = 0; i < coarse.rest.size(); ++i)
+    at.col(static_cast<Eigen::Index>(i)) = values(coarse.rest[i]);
   const Points there = interpolation(at);
   for (std::size_t i = 0; i < fine.rest.size(); ++i) {
     const Eigen::Vector3d wanted = values(fine.rest[i]), found = there.col(static_cast<Eigen::Index>(i));
