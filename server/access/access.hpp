@@ -10,7 +10,7 @@
 #include <string>
 
 #include "server/http/message.hpp"
-#include "server/store/store.hpp"
+#include "server/store/tokens.hpp"
 
 namespace vacuform {
 
@@ -29,7 +29,7 @@ struct Caller {
 // From any thread.
 class Access {
  public:
-  explicit Access(Store& store, Clock clock = wall_clock) : store_(store), clock_(std::move(clock)) {}
+  explicit Access(TokenTable& store, Clock clock = wall_clock) : store_(store), clock_(std::move(clock)) {}
 
   // Errors: unauthorized (no token, or one that cannot be used), forbidden (not of this scope), too_many_attempts: wrong
   // tokens beyond twenty at once and one a second later. A right token is never refused because others are wrong.
@@ -50,7 +50,7 @@ class Access {
   Error refused(Error error);
   void make_room_for_session(const std::string& token);
 
-  Store& store_;
+  TokenTable& store_;
   const Clock clock_;
   std::mutex mutex_;
   std::map<std::string, Session> sessions_;  // by the hash of the cookie's value

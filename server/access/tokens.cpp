@@ -19,7 +19,7 @@ bool plain_name(std::string_view name) {
 
 }  // namespace
 
-Result<MadeToken> make_token(Store& store, const NewToken& wanted, const Clock& clock) {
+Result<MadeToken> make_token(TokenTable& store, const NewToken& wanted, const Clock& clock) {
   if (!plain_name(wanted.owner))
     return fail(Code::bad_usage, "not the name of an owner: " + wanted.owner.substr(0, 64), "owner",
                 "give 1 to 32 of a-z, 0-9 and '-', for example station-3; never the name of a person");
@@ -45,7 +45,7 @@ bool usable(const Token& token, Millis now) {
   return !token.revoked && (!token.expires || now < *token.expires);
 }
 
-Result<Token> usable_token(Store& store, std::string_view text, const Clock& clock) {
+Result<Token> usable_token(TokenTable& store, std::string_view text, const Clock& clock) {
   const auto refuse = [](const char* what) {
     return fail(Code::unauthorized, what, "token", "ask the administrator for a new one");
   };
@@ -62,7 +62,7 @@ Result<Token> usable_token(Store& store, std::string_view text, const Clock& clo
   return token;
 }
 
-std::optional<std::string> token_of_file(Store& store, const std::filesystem::path& file,
+std::optional<std::string> token_of_file(TokenTable& store, const std::filesystem::path& file,
                                          const Scopes& scopes) {
   auto text = read_text_file(file, 4096);
   if (!text) return std::nullopt;
@@ -71,7 +71,8 @@ std::optional<std::string> token_of_file(Store& store, const std::filesystem::pa
   return token && token->scopes == scopes ? std::optional(std::move(*text)) : std::nullopt;
 }
 
-Result<std::string> token_in_file(Store& store, const std::filesystem::path& file, const NewToken& wanted) {
+Result<std::string> token_in_file(TokenTable& store, const std::filesystem::path& file,
+                                  const NewToken& wanted) {
   if (auto text = token_of_file(store, file, wanted.scopes)) return std::move(*text);
   NewToken named = wanted;
   named.file = file.filename().string();

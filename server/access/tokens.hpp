@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/store/store.hpp"
+#include "server/store/tokens.hpp"
 
 namespace vacuform {
 
@@ -28,10 +28,10 @@ struct MadeToken {
 
 // Errors: bad_usage (the owner's name, no scope, work together with another scope, already expired), and those of the
 // store.
-Result<MadeToken> make_token(Store& store, const NewToken& wanted, const Clock& clock = wall_clock);
+Result<MadeToken> make_token(TokenTable& store, const NewToken& wanted, const Clock& clock = wall_clock);
 
 // The token that a text is, if it is one that may be used now. Errors: unauthorized.
-Result<Token> usable_token(Store& store, std::string_view text, const Clock& clock = wall_clock);
+Result<Token> usable_token(TokenTable& store, std::string_view text, const Clock& clock = wall_clock);
 
 // Whether a token may be used now.
 bool usable(const Token& token, Millis now);
@@ -40,10 +40,11 @@ bool usable(const Token& token, Millis now);
 bool mixes_work(const Scopes& scopes);
 
 // The text of the usable token of exactly these scopes that a file holds, if it holds one.
-std::optional<std::string> token_of_file(Store& store, const std::filesystem::path& file,
+std::optional<std::string> token_of_file(TokenTable& store, const std::filesystem::path& file,
                                          const Scopes& scopes);
 // Sees that a file holds a usable token of this scope, and otherwise makes one and writes it there, for the owner of
 // the folder alone (0600). Gives its text.
-Result<std::string> token_in_file(Store& store, const std::filesystem::path& file, const NewToken& wanted);
+Result<std::string> token_in_file(TokenTable& store, const std::filesystem::path& file,
+                                  const NewToken& wanted);
 
 }  // namespace vacuform
