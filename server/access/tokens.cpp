@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "api/base/file.hpp"
 #include "api/base/secrets.hpp"
 
 namespace vacuform {

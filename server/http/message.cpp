@@ -70,18 +70,6 @@ namespace {
 
 constexpr std::uint64_t largest_digested_part = 16 << 20;
 
-class FileSource : public Source {
- public:
-  explicit FileSource(File file) : file_(std::move(file)) {}
-  Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const override {
-    return file_.read_at(offset, into);
-  }
-  void doubt() const override { file_.doubt(); }
-
- private:
-  File file_;
-};
-
 Result<std::string> sha256_of(const SourceBody& body) {
   Sha256 hash;
   std::vector<char> piece(64 * 1024);
@@ -108,13 +96,6 @@ Result<void> set_digests(Response& response, const SourceBody& body, const std::
 }
 
 }  // namespace
-
-Result<Response> file_response(const Request& request, File file, std::string media_type,
-                               const std::string& etag, const std::string& sha256) {
-  VACUFORM_TRY(bytes, file.size());
-  return source_response(request, std::make_shared<FileSource>(std::move(file)), bytes, std::move(media_type),
-                         etag, sha256);
-}
 
 Result<Response> source_response(const Request& request, std::shared_ptr<const Source> source,
                                  std::uint64_t bytes, std::string media_type, const std::string& etag,

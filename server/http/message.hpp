@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "api/base/error.hpp"
-#include "api/base/file.hpp"
 
 namespace vacuform::http {
 
@@ -56,7 +55,7 @@ Result<std::string> read_text(Request& request, std::uint64_t limit);
 class Source {
  public:
   virtual ~Source() = default;
-  // As File::read_at; one call at a time.
+  // Bytes from `offset` on, at most the span's size; 0 only at the end. One call at a time.
   virtual Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const = 0;
   // Called if the bytes are not the expected ones.
   virtual void doubt() const {}
@@ -104,13 +103,10 @@ struct Response {
 
 Response text_response(std::string media_type, std::string text, int status = 200);
 
-// A whole file, or the range that the request asks for (206, 416), or 304 if the client already has it, or 412 if
-// If-Match names another version. `etag` without quotes. Only one range per request; a request for several gets the
-// whole file, as RFC 9110 allows. `sha256` of the whole file, if known, is sent as Repr-Digest. Content-Digest is the
-// digest of the bytes sent; it is omitted for parts above 16 MiB, which would have to be read twice.
-Result<Response> file_response(const Request& request, File file, std::string media_type,
-                               const std::string& etag, const std::string& sha256 = {});
-// The same for any source of that many bytes.
+// A whole source of that many bytes, or the range that the request asks for (206, 416), or 304 if the client already has
+// it, or 412 if If-Match names another version. `etag` without quotes. Only one range per request; a request for several
+// gets everything, as RFC 9110 allows. `sha256` of the whole source, if known, is sent as Repr-Digest. Content-Digest is
+// the digest of the bytes sent; it is omitted for parts above 16 MiB, which would have to be read twice.
 Result<Response> source_response(const Request& request, std::shared_ptr<const Source> source,
                                  std::uint64_t bytes, std::string media_type, const std::string& etag,
                                  const std::string& sha256 = {});

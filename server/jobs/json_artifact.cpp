@@ -16,9 +16,9 @@ constexpr int deepest = 16;
 ordered_json json_artifact(Store& store, const Job& job, std::string_view name) {
   for (const auto& artifact : job.artifacts) {
     if (artifact.name != name || artifact.blob.bytes > largest) continue;
-    const auto file = store.open(artifact.blob);
+    const auto reader = store.open(artifact.blob);
     std::string text(artifact.blob.bytes, '\0');
-    if (!file || file->read_at(0, text).value_or(0) != text.size()) return nullptr;
+    if (!reader || (*reader)->read_at(0, text).value_or(0) != text.size()) return nullptr;
     bool shallow = true;
     auto value = ordered_json::parse(
         text,

@@ -251,13 +251,13 @@ Result<nlohmann::ordered_json> plan_of(NewJob& job, Store& store) {
       if (input.name != kind.name) continue;
       auto* upload = std::get_if<Upload>(&input.file);
       const Blob blob = upload ? upload->digest() : std::get<Blob>(input.file);
-      File opened;
+      std::unique_ptr<BlobReader> reader;
       if (!upload) {
-        VACUFORM_TRY(file, store.open(blob));
-        opened = std::move(file);
+        VACUFORM_TRY(opened, store.open(blob));
+        reader = std::move(opened);
       }
       std::string head(format_head, '\0');
-      VACUFORM_TRY(n, (upload ? upload->file() : opened).read_at(0, head));
+      VACUFORM_TRY(n, upload ? upload->file().read_at(0, head) : reader->read_at(0, head));
       head.resize(n);
       VACUFORM_TRY(format, format_of(input.name, head, blob.bytes, input.extension));
       inputs[input.name] = {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "api/base/log.hpp"
+#include "server/store/file_blobs.hpp"
 
 namespace vacuform {
 
@@ -30,7 +31,7 @@ Result<std::unique_ptr<Uploads>> Uploads::open(Store& store, fs::path folder, Cl
     const bool unknown =
         !upload && (upload.error().code == Code::not_found || upload.error().code == Code::gone);
     if (!unknown && PartialFile::is_one(entry.path())) continue;
-    if (const auto deleted = Blobs::delete_aside(entry.path()); !deleted)
+    if (const auto deleted = delete_file(entry.path()); !deleted)
       log_event("file-not-deleted", {{"folder", "uploads"}, {"problem", deleted.error().what}});
   }
   return std::unique_ptr<Uploads>(new Uploads(store, std::move(folder), std::move(clock)));

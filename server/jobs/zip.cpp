@@ -71,11 +71,11 @@ std::string directory_end(std::uint64_t entries, std::uint64_t offset, std::uint
   return record.text();
 }
 
-Result<std::uint32_t> crc_of(const File& file) {
+Result<std::uint32_t> crc_of(const BlobReader& blob) {
   std::vector<char> piece(256 * 1024);
   uLong crc = ::crc32(0, nullptr, 0);
   for (std::uint64_t offset = 0;;) {
-    VACUFORM_TRY(n, file.read_at(offset, piece));
+    VACUFORM_TRY(n, blob.read_at(offset, piece));
     if (n == 0) return static_cast<std::uint32_t>(crc);
     crc = ::crc32(crc, reinterpret_cast<const Bytef*>(piece.data()), static_cast<uInt>(n));
     offset += n;
@@ -108,12 +108,12 @@ void Zip::add(std::string text) {
   pieces_.push_back({begin, end, std::move(text), nullptr});
 }
 
-Result<const File*> Zip::opened(const Entry* entry) const {
-  if (open_entry_ == entry) return &file_;
-  VACUFORM_TRY(file, open_(entry->blob));
-  file_ = std::move(file);
+Result<const BlobReader*> Zip::opened(const Entry* entry) const {
+  if (open_entry_ == entry) return reader_.get();
+  VACUFORM_TRY(reader, open_(entry->blob));
+  reader_ = std::move(reader);
   open_entry_ = entry;
-  return &file_;
+  return reader_.get();
 }
 
 Result<std::size_t> Zip::read_at(std::uint64_t offset, std::span<char> into) const {
@@ -122,9 +122,9 @@ Result<std::size_t> Zip::read_at(std::uint64_t offset, std::span<char> into) con
   if (piece == pieces_.end()) return 0;
   const std::uint64_t at = offset - piece->begin;
   if (!piece->entry) return piece->text.copy(into.data(), into.size(), static_cast<std::size_t>(at));
-  VACUFORM_TRY(file, opened(piece->entry));
+  VACUFORM_TRY(blob, opened(piece->entry));
   const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(into.size(), piece->end - offset));
-  return file->read_at(at, into.first(most));
+  return blob->read_at(at, into.first(most));
 }
 
 std::optional<std::vector<std::uint32_t>> Checksums::known(const Job& job) {
@@ -144,8 +144,8 @@ Result<std::vector<std::uint32_t>> Checksums::of(Store& store, const Job& job) {
   if (auto all = known(job)) return std::move(*all);  // by the one before
   std::vector<std::uint32_t> all;
   for (const auto& artifact : job.artifacts) {
-    VACUFORM_TRY(file, store.open(artifact.blob));
-    VACUFORM_TRY(crc, crc_of(file));
+    VACUFORM_TRY(reader, store.open(artifact.blob));
+    VACUFORM_TRY(crc, crc_of(*reader));
     all.push_back(crc);
     const std::lock_guard hold(mutex_);
     if (crc_.size() >= most_known) crc_.clear();

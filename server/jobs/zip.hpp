@@ -24,7 +24,7 @@ class Zip : public http::Source {
     Blob blob;
     std::uint32_t crc = 0;
   };
-  using Open = std::function<Result<File>(const Blob&)>;
+  using Open = std::function<Result<std::unique_ptr<BlobReader>>(const Blob&)>;
 
   // `open` gives the bytes of an entry when its turn comes. With its zip64 records where a place or the
   // length needs more than 32 bits; an entry has less than 4 GiB.
@@ -40,13 +40,13 @@ class Zip : public http::Source {
     const Entry* entry = nullptr;  // or whose bytes
   };
   void add(std::string text);
-  Result<const File*> opened(const Entry* entry) const;
+  Result<const BlobReader*> opened(const Entry* entry) const;
 
   const std::vector<Entry> entries_;
   const Open open_;
   std::vector<Piece> pieces_;  // in their order, without gaps
   mutable const Entry* open_entry_ = nullptr;
-  mutable File file_;  // of open_entry_
+  mutable std::unique_ptr<BlobReader> reader_;  // of open_entry_
 };
 
 // The CRC-32 of blobs by their hashes, computed once by this process. From any thread.

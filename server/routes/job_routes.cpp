@@ -7,6 +7,7 @@
 #include "api/base/utf8.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/range.hpp"
+#include "server/jobs/blob_response.hpp"
 #include "server/jobs/download_name.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/jobs/submission.hpp"
@@ -131,9 +132,9 @@ Result<Response> get_artifact(Service& service, const Request& request, const Ca
   const ArtifactKind* kind = artifact_kind(request.at("name"));
   for (const auto& artifact : job.artifacts) {
     if (!kind || artifact.name != kind->name) continue;
-    VACUFORM_TRY(file, service.store.open(artifact.blob));
-    VACUFORM_TRY(response, http::file_response(request, std::move(file), std::string(kind->media_type),
-                                               artifact.blob.sha256, artifact.blob.sha256));
+    VACUFORM_TRY(reader, service.store.open(artifact.blob));
+    VACUFORM_TRY(response, blob_response(request, std::move(reader), std::string(kind->media_type),
+                                         artifact.blob.sha256));
     response.set("Content-Disposition", content_disposition("inline", job, artifact.name));
     response.set("X-Content-Type-Options", "nosniff");
     // An SVG opened on its own must not run what a pattern brought along.

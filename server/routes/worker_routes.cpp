@@ -9,6 +9,7 @@
 #include "api/version.hpp"
 #include "api/worker_protocol.hpp"
 #include "server/http/problem.hpp"
+#include "server/jobs/blob_response.hpp"
 #include "server/jobs/job_json.hpp"
 #include "server/jobs/kept_folder.hpp"
 #include "server/jobs/submission.hpp"
@@ -120,9 +121,8 @@ Result<Response> get_input(Service& service, const Request& request) {
   const Input* input = job.input(which);
   if (!input)
     return fail(Code::not_found, "there is no such input", which, "ask for those that the lease names");
-  VACUFORM_TRY(file, service.store.open(input->blob));
-  return http::file_response(request, std::move(file), "application/octet-stream", input->blob.sha256,
-                             input->blob.sha256);
+  VACUFORM_TRY(reader, service.store.open(input->blob));
+  return blob_response(request, std::move(reader), "application/octet-stream", input->blob.sha256);
 }
 
 Result<Response> heartbeat(Service& service, Request& request) {

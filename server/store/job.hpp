@@ -11,7 +11,7 @@
 #include "api/base/clock.hpp"
 #include "api/base/error.hpp"
 #include "api/job.hpp"
-#include "server/store/blobs.hpp"
+#include "server/store/blob_store.hpp"
 
 namespace vacuform {
 

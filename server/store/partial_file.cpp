@@ -10,6 +10,8 @@
 #include <system_error>
 #include <vector>
 
+#include "server/store/file_blobs.hpp"
+
 namespace vacuform {
 
 namespace fs = std::filesystem;
@@ -56,8 +58,8 @@ bool PartialFile::is_one(const fs::path& file) {
 }
 
 Result<void> PartialFile::remove(const fs::path& name) {
-  VACUFORM_CHECK(Blobs::delete_aside(state_of(name)));
-  return Blobs::delete_aside(part_of(name));
+  VACUFORM_CHECK(delete_file(state_of(name)));
+  return delete_file(part_of(name));
 }
 
 Result<PartialFile> PartialFile::open(fs::path name, const std::string& extension) {
@@ -135,7 +137,7 @@ Result<Upload> PartialFile::finish(const fs::path& as) {
     return fail(errno == ENOSPC || errno == EDQUOT ? Code::disk_full : Code::unavailable,
                 "an upload cannot be kept: " + std::generic_category().message(errno), {},
                 "check that the server may write to its data folder, and that its disk has room");
-  return Blobs::adopt(as, {hash_.hex(), kept_});
+  return Upload::of_file(as, {hash_.hex(), kept_});
 }
 
 }  // namespace vacuform

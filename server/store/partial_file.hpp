@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "api/redaction/names.hpp"
-#include "server/store/blobs.hpp"
+#include "server/store/blob_store.hpp"
 
 namespace vacuform {
 

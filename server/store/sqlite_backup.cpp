@@ -61,9 +61,9 @@ Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function
     ~Hold() {
       {
         const std::lock_guard lock(store.commits_.lock());
-        if (--store.backups_ == 0 && !store.doubtful_) store.set_garbage_aside();
+        --store.backups_;
       }
-      store.delete_trash();
+      store.collect_garbage();
     }
     SqliteStore& store;
   } const hold(*this);
@@ -86,7 +86,7 @@ Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function
   VACUFORM_TRY(hashes, hashes_in(copy));
   for (const std::string& sha256 : hashes) {
     if (!going()) return fail(Code::cancelled, "the backup was cancelled", to.string());
-    const auto copied = blobs_.copy(sha256, to / "blobs");
+    const auto copied = blobs_->copy(sha256, to / "blobs");
     if (!copied && copied.error().code == Code::unavailable) return tl::make_unexpected(copied.error());
     if (copied)
       ++report.blobs;

@@ -16,23 +16,17 @@ std::string key_of(const NewJob& job) {
   return job.owner.empty() ? job.client_key : job.owner + "/" + job.client_key;
 }
 
-Blob blob_of(NewInput& input) {
-  const auto* blob = std::get_if<Blob>(&input.file);
-  return blob ? *blob : std::get<Upload>(input.file).digest();
-}
-
 }  // namespace
 
 Result<Job> SqliteStore::create(NewJob job, bool* repeated) {
   const Deletion deletion(*this);
+  Stored stored(*this);
   std::vector<Blob> blobs;
   for (auto& input : job.inputs) {
-    if (auto* upload = std::get_if<Upload>(&input.file)) {
-      VACUFORM_CHECK(blobs_.seal(*upload));  // the slow flush of the bytes comes before the lock
-    }
-    blobs.push_back(blob_of(input));
+    VACUFORM_TRY(blob, stored.add(input.file));
+    blobs.push_back(blob);
   }
-  return write([&]() -> Result<Job> {
+  auto created = write([&]() -> Result<Job> {
     if (!job.client_key.empty()) {
       VACUFORM_TRY(earlier, made_before(job, blobs));
       if (repeated) *repeated = earlier.has_value();
@@ -52,7 +46,7 @@ Result<Job> SqliteStore::create(NewJob job, bool* repeated) {
                          job.priority, job.derived_from, job.reference, job.note)
                        .run());
     for (std::size_t i = 0; i < blobs.size(); ++i) {
-      VACUFORM_CHECK(keep(job.inputs[i], blobs[i]));
+      VACUFORM_CHECK(check_shared(job.inputs[i]));
       VACUFORM_CHECK(Query(db_, "INSERT INTO input(job, name, blob, bytes, extension) VALUES(?,?,?,?,?)", id,
                            job.inputs[i].name, blobs[i].sha256, blobs[i].bytes, job.inputs[i].extension)
                          .run());
@@ -60,6 +54,8 @@ Result<Job> SqliteStore::create(NewJob job, bool* repeated) {
     VACUFORM_CHECK(note(id, "queued"));
     return find(id);
   });
+  stored.named = created.has_value();
+  return created;
 }
 
 Result<void> SqliteStore::check_room(const std::string& owner) {
@@ -76,11 +72,10 @@ Result<void> SqliteStore::check_room(const std::string& owner) {
   return {};
 }
 
-// Under the lock, so that deleting another job at the same time does not remove the file.
-Result<void> SqliteStore::keep(NewInput& input, const Blob& blob) {
-  maybe_garbage(blob.sha256);
-  if (auto* upload = std::get_if<Upload>(&input.file)) return blobs_.keep(*upload);
-  VACUFORM_TRY(there, named(blob.sha256));
+Result<void> SqliteStore::check_shared(const NewInput& input) {
+  const auto* blob = std::get_if<Blob>(&input.file);
+  if (!blob) return {};
+  VACUFORM_TRY(there, named(blob->sha256));
   if (there) return {};
   return fail(Code::gone, "the file was deleted in the meantime", input.name, "send it again");
 }

@@ -106,18 +106,20 @@ Result<void> SqliteStore::log(const LeaseKey& key, int first, const std::vector<
 
 Result<void> SqliteStore::put_artifact(const LeaseKey& key, const std::string& name, Upload upload) {
   const Deletion deletion(*this);
-  VACUFORM_TRY(blob, blobs_.seal(upload));
-  return write([&]() -> Result<void> {
+  Stored stored(*this);
+  std::variant<Upload, Blob> file(std::move(upload));
+  VACUFORM_TRY(blob, stored.add(file));
+  auto put = write([&]() -> Result<void> {
     VACUFORM_TRY(job, holder(key, false));
-    maybe_garbage(blob.sha256);
     VACUFORM_TRY(artifacts, artifacts_of(job.id));
     for (const auto& old : artifacts)
       if (old.name == name) maybe_garbage(old.blob.sha256);
-    VACUFORM_CHECK(blobs_.keep(upload));
     return Query(db_, "INSERT OR REPLACE INTO artifact(job, name, blob, bytes) VALUES(?,?,?,?)", job.id, name,
                  blob.sha256, blob.bytes)
         .run();
   });
+  stored.named = put.has_value();
+  return put;
 }
 
 Result<Job> SqliteStore::release(const LeaseKey& key) {

@@ -20,10 +20,10 @@ StoredScan scan_of(const Query& row) {
 Result<StoredScan> SqliteStore::add_scan(const std::string& owner, std::variant<Upload, Blob> file,
                                          const std::string& extension) {
   const Deletion deletion(*this);
+  Stored stored(*this);
   NewInput input{"scan", std::move(file), extension};
-  auto* upload = std::get_if<Upload>(&input.file);
-  VACUFORM_TRY(blob, upload ? blobs_.seal(*upload) : Result<Blob>(std::get<Blob>(input.file)));
-  return write([&]() -> Result<StoredScan> {
+  VACUFORM_TRY(blob, stored.add(input.file));
+  auto added = write([&]() -> Result<StoredScan> {
     {
       Query same(db_,
                  "SELECT id, owner, created, blob, bytes, extension FROM scan"
@@ -33,7 +33,7 @@ Result<StoredScan> SqliteStore::add_scan(const std::string& owner, std::variant<
       if (found) return scan_of(same);
     }
     VACUFORM_CHECK(room_for(0));
-    VACUFORM_CHECK(keep(input, blob));
+    VACUFORM_CHECK(check_shared(input));
     last_id_time_ = std::max(options_.clock(), last_id_time_ + 1);
     const StoredScan scan{make_job_id(last_id_time_), owner, options_.clock(), blob, extension};
     VACUFORM_CHECK(Query(db_,
@@ -42,6 +42,8 @@ Result<StoredScan> SqliteStore::add_scan(const std::string& owner, std::variant<
                        .run());
     return scan;
   });
+  stored.named = added.has_value();
+  return added;
 }
 
 Result<StoredScan> SqliteStore::scan_row(const std::string& id) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/base/log.hpp"
+#include "server/store/file_blobs.hpp"
 #include "server/store/schema.hpp"
 
 namespace vacuform {
@@ -41,7 +42,7 @@ Result<void> SqliteStore::open(const std::filesystem::path& data) {
   VACUFORM_CHECK(
       Query(db_, "UPDATE job SET not_before=?1 WHERE state='queued' AND not_before>?1", longest).run());
   // A crash may have come between a file and the row that names it.
-  return blobs_.sweep([&](const std::string& sha256) { return named(sha256).value_or(true); });
+  return blobs_->sweep([&](const std::string& sha256) { return named(sha256); });
 }
 
 void SqliteStore::transaction_ended(bool committed) {
@@ -56,7 +57,6 @@ void SqliteStore::transaction_ended(bool committed) {
   }
   ended_jobs_.clear();
   changed_.clear();
-  if (!doubtful_ && backups_ == 0) set_garbage_aside();
 }
 
 // A full disk: the reserve gives some room, and so does SQLite's log, which begins again from its start.
@@ -65,45 +65,48 @@ void SqliteStore::make_room() {
   (void)db_.execute("PRAGMA wal_checkpoint(RESTART)");
 }
 
-void SqliteStore::set_garbage_aside() {
-  for (const std::string& sha256 : garbage_) {
-    const auto used = named(sha256);
-    if (!used || *used) continue;
-    auto file = blobs_.set_aside(sha256);
-    if (file) {
-      undeleted_.erase(sha256);
-      const std::lock_guard hold(trash_mutex_);
-      trash_.push_back({std::move(*file), sha256});
-    } else if (undeleted_.insert(sha256).second) {
-      log_event("file-not-deleted", {{"blob", sha256}, {"problem", file.error().what}});
-    }
+void SqliteStore::collect_garbage() {
+  std::vector<std::string> garbage;
+  {
+    const std::lock_guard hold(commits_.lock());
+    if (doubtful_ || backups_ > 0) return;
+    garbage.swap(garbage_);
   }
-  garbage_.clear();
+  for (const std::string& sha256 : garbage)
+    blobs_->collect(sha256, [this](const std::string& blob) { return wanted(blob); });
 }
 
-void SqliteStore::delete_trash() {
-  std::vector<Trash> trash;
-  {
-    const std::lock_guard hold(trash_mutex_);
-    trash.swap(trash_);
+Result<bool> SqliteStore::wanted(const std::string& sha256) {
+  const std::lock_guard hold(commits_.lock());
+  if (!doubtful_ && backups_ == 0) return named(sha256);
+  maybe_garbage(sha256);
+  return true;
+}
+
+Result<Blob> SqliteStore::Stored::add(std::variant<Upload, Blob>& file) {
+  if (const auto* blob = std::get_if<Blob>(&file)) {
+    pins.emplace_back(store.blobs_->pin(blob->sha256), blob->sha256);
+    return *blob;
   }
-  for (Trash& item : trash) {
-    const auto deleted = item.file.empty() ? Result<void>() : Blobs::delete_aside(item.file);
-    if (deleted) continue;
-    if (!item.sha256.empty())
-      log_event("file-not-deleted", {{"blob", item.sha256}, {"problem", deleted.error().what}});
-    item.sha256.clear();
-    const std::lock_guard hold(trash_mutex_);
-    trash_.push_back(std::move(item));  // the next call tries again
+  auto& upload = std::get<Upload>(file);
+  VACUFORM_TRY(pin, store.blobs_->put(upload));
+  pins.emplace_back(std::move(pin), upload.digest().sha256);
+  return upload.digest();
+}
+
+SqliteStore::Stored::~Stored() {
+  if (named) return;
+  for (auto& [pin, sha256] : pins) {
+    pin.release();
+    const std::lock_guard hold(store.commits_.lock());
+    store.maybe_garbage(sha256);
   }
 }
 
 Result<std::vector<Expired>> SqliteStore::expire() {
   const Deletion deletion(*this);
-  auto expired = write([&] {
-    garbage_.insert(garbage_.end(), undeleted_.begin(), undeleted_.end());
-    return expire_now();
-  });
+  auto expired = write([&] { return expire_now(); });
+  blobs_->collect_again([this](const std::string& blob) { return wanted(blob); });
   room_->restore();
   return expired;
 }
@@ -137,7 +140,7 @@ Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, Sto
     return fail(Code::unavailable, "another server uses this data folder", data.string(),
                 "stop it, or give another folder with --data");
   auto room = DiskRoom::open(data, options.kept_free);
-  VACUFORM_TRY(blobs, Blobs::open(data, std::chrono::hours(1), room));
+  VACUFORM_TRY(blobs, FileBlobs::open(data, room));
   auto store =
       std::make_unique<SqliteStore>(std::move(options), std::move(room), std::move(blobs), std::move(lock));
   VACUFORM_CHECK(store->open(data));

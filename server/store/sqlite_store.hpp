@@ -11,7 +11,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,7 +26,8 @@ namespace vacuform {
 
 class SqliteStore : public Store {
  public:
-  SqliteStore(StoreOptions options, std::shared_ptr<DiskRoom> room, Blobs blobs, File lock)
+  SqliteStore(StoreOptions options, std::shared_ptr<DiskRoom> room, std::unique_ptr<BlobStore> blobs,
+              File lock)
       : options_(std::move(options)),
         lock_(std::move(lock)),
         room_(std::move(room)),
@@ -36,10 +36,10 @@ class SqliteStore : public Store {
   Result<void> open(const std::filesystem::path& data);
   std::int64_t steps() const { return db_.steps(); }  // for tests, while nothing else runs
 
-  Result<Upload> upload(Use use) override { return blobs_.upload(use); }
+  Result<Upload> upload(Use use) override { return blobs_->upload(use); }
   Result<void> room_for(std::uint64_t bytes) override { return room_->check(Use::submission, bytes); }
-  std::filesystem::path temporary_path() override { return blobs_.temporary_path(); }
-  Result<File> open(const Blob& blob) override { return blobs_.read(blob.sha256); }
+  std::filesystem::path temporary_path() override { return blobs_->temporary_path(); }
+  Result<std::unique_ptr<BlobReader>> open(const Blob& blob) override { return blobs_->open(blob.sha256); }
   Result<bool> names_scan(const std::string& owner, const std::string& sha256) override;
   Result<std::vector<std::pair<std::string, std::string>>> scans_of_jobs() override;
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
@@ -117,21 +117,32 @@ class SqliteStore : public Store {
     return result;
   }
 
-  // After the transaction, the file is deleted unless a row names it by then.
+  // After the transaction, the blob is deleted unless a row names it by then.
   void maybe_garbage(const std::string& sha256) { garbage_.push_back(sha256); }
   void transaction_ended(bool committed);
   void make_room();
-  void set_garbage_aside();
-  // Deletes the files that were moved aside, without the lock.
-  void delete_trash();
-  // At the top of a function that may leave files to delete: they are deleted at its end.
+  // Deletes blobs without names. Not under the lock.
+  void collect_garbage();
+  // At the top of a function that may leave blobs to delete: they are deleted at its end.
   struct Deletion {
     explicit Deletion(SqliteStore& s) : store(s) {}
-    ~Deletion() { store.delete_trash(); }
+    ~Deletion() { store.collect_garbage(); }
     Deletion(const Deletion&) = delete;
     SqliteStore& store;
   };
-  Result<bool> named(const std::string& sha256);  // whether any row names the blob
+  // Blobs stored before the rows that name them: if these do not commit, the blobs are garbage.
+  struct Stored {
+    explicit Stored(SqliteStore& s) : store(s) {}
+    ~Stored();
+    Stored(const Stored&) = delete;
+    // Stores an upload, or keeps the blob that the new row is to share. No transaction is open meanwhile.
+    Result<Blob> add(std::variant<Upload, Blob>& file);
+    SqliteStore& store;
+    std::vector<std::pair<Pin, std::string>> pins;
+    bool named = false;  // the rows have committed
+  };
+  Result<bool> named(const std::string& sha256);   // whether any row names the blob
+  Result<bool> wanted(const std::string& sha256);  // or must stay for now; takes the lock
 
   // The caller of all these holds the lock; those that change data are called inside write().
   Result<Job> find(const std::string& id, Detail detail = Detail::full);
@@ -145,7 +156,8 @@ class SqliteStore : public Store {
   Result<StoredScan> scan_row(const std::string& id);
   Result<Profile> profile_row(const std::string& name);
   Result<std::optional<Profile>> allowed_profile(const std::string& name, const ProfileGuard& allowed);
-  Result<void> keep(NewInput& input, const Blob& blob);
+  // Errors: gone, if a blob that a new row is to share is named by no row.
+  Result<void> check_shared(const NewInput& input);
   Result<std::optional<Job>> made_before(const NewJob& job, const std::vector<Blob>& blobs);
   Result<Job> holder(const LeaseKey& key, bool even_ended);
   Result<void> check_room(const std::string& owner);
@@ -170,16 +182,9 @@ class SqliteStore : public Store {
   StoreOptions options_;
   File lock_;  // released last
   std::shared_ptr<DiskRoom> room_;
-  Blobs blobs_;
+  std::unique_ptr<BlobStore> blobs_;
   News news_;
   Millis opened_ = 0, opened_elapsed_ = 0;
-
-  struct Trash {
-    std::filesystem::path file;  // may be empty
-    std::string sha256;          // for the log, once; empty: it is there
-  };
-  std::mutex trash_mutex_;
-  std::vector<Trash> trash_;
 
   // Everything below is only used under commits_.lock().
   Database db_;
@@ -187,7 +192,6 @@ class SqliteStore : public Store {
   Millis last_id_time_ = 0;
   std::vector<std::string> garbage_, changed_;
   std::vector<Job> ended_jobs_;           // in this transaction
-  std::set<std::string> undeleted_;       // blobs whose files could not be set aside
   std::map<std::string, Millis> leases_;  // when they end, by job; also for some jobs without a lease
   int backups_ = 0;                       // in progress; blobs stay until they are done
   // A commit has failed, so its rows may still be in SQLite's log and reappear after a crash. Blobs stay until another

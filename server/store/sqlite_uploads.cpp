@@ -61,15 +61,17 @@ Result<StoredUpload> SqliteStore::find_upload(const std::string& id) {
 
 Result<StoredUpload> SqliteStore::finish_upload(const std::string& id, Upload file) {
   const Deletion deletion(*this);
-  VACUFORM_TRY(blob, blobs_.seal(file));
-  return write([&]() -> Result<StoredUpload> {
+  Stored stored(*this);
+  std::variant<Upload, Blob> bytes(std::move(file));
+  VACUFORM_TRY(blob, stored.add(bytes));
+  auto finished = write([&]() -> Result<StoredUpload> {
     VACUFORM_CHECK(upload_row(id));
-    maybe_garbage(blob.sha256);
-    VACUFORM_CHECK(blobs_.keep(file));
     VACUFORM_CHECK(
         Query(db_, "UPDATE upload SET blob=?, bytes=? WHERE id=?", blob.sha256, blob.bytes, id).run());
     return upload_row(id);
   });
+  stored.named = finished.has_value();
+  return finished;
 }
 
 Result<void> SqliteStore::remove_upload(const std::string& id) {

@@ -87,7 +87,7 @@ class Store : public JobTable,
   virtual std::filesystem::path temporary_path() = 0;
   // Opens a blob that a job names; it stays readable if the job is deleted meanwhile. Errors: not_found; gone: its
   // bytes have changed since they were stored, which is logged.
-  virtual Result<File> open(const Blob& blob) = 0;
+  virtual Result<std::unique_ptr<BlobReader>> open(const Blob& blob) = 0;
   virtual Result<StoreStatus> status() = 0;
   // Copies everything into an empty folder while the store is in use: rows from one moment, blobs as hard links if the
   // disk is the same, each checked against its hash. open_store() opens the copy. `going` may cancel it. status() tells

@@ -8,7 +8,7 @@
 
 #include "api/base/clock.hpp"
 #include "api/base/error.hpp"
-#include "server/store/blobs.hpp"
+#include "server/store/blob_store.hpp"
 
 namespace vacuform {
 

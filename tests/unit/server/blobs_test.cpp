@@ -1,5 +1,5 @@
 // Bytes that change on the disk without a trace: they are noticed when a file is read whole, and at the latest after an hour.
-#include "server/store/blobs.hpp"
+#include "server/store/file_blobs.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -39,9 +39,9 @@ class BlobsTest : public testing::Test {
     data_ = fs::temp_directory_path() / ("vacuform-blobs-" + random_hex(8));
   }
   void TearDown() override { fs::remove_all(data_); }
-  static std::string kept(const Blobs& blobs, const std::string& bytes) {
+  static std::string kept(BlobStore& blobs, const std::string& bytes) {
     auto upload = blobs.upload();
-    EXPECT_TRUE(upload && upload->write(bytes) && blobs.keep(*upload));
+    EXPECT_TRUE(upload && upload->write(bytes) && blobs.put(*upload));
     return text_hash(bytes);
   }
   fs::path data_;
@@ -50,24 +50,55 @@ class BlobsTest : public testing::Test {
 TEST_F(BlobsTest, AFileIsTrustedForAWhileAndThenLookedAtAgain) {
   for (const auto& [trust, found] :
        {std::pair{std::chrono::milliseconds(0), true}, {std::chrono::hours(1), false}}) {
-    const Blobs blobs = *Blobs::open(data_, trust);
-    const std::string hash = kept(blobs, "some bytes");
-    EXPECT_TRUE(blobs.read(hash));
+    const auto blobs = *FileBlobs::open(data_, nullptr, trust);
+    const std::string hash = kept(*blobs, "some bytes");
+    EXPECT_TRUE(blobs->open(hash));
     rot(place_of(data_, hash));
-    EXPECT_EQ(blobs.read(hash).has_value(), !found);
-    if (const auto again = blobs.read(hash)) again->doubt();
-    EXPECT_EQ(blobs.read(hash).error().code, Code::gone);
-    ASSERT_TRUE(Blobs::delete_aside(*blobs.set_aside(hash)));
+    EXPECT_EQ(blobs->open(hash).has_value(), !found);
+    if (const auto again = blobs->open(hash)) (*again)->doubt();
+    EXPECT_EQ(blobs->open(hash).error().code, Code::gone);
+    blobs->collect(hash, [](const std::string&) { return false; });
+    EXPECT_FALSE(fs::exists(place_of(data_, hash)));
   }
 }
 
 TEST_F(BlobsTest, ABackupTrustsNothing) {
-  const Blobs blobs = *Blobs::open(data_);
-  const std::string hash = kept(blobs, "some bytes");
-  EXPECT_TRUE(blobs.read(hash));
+  const auto blobs = *FileBlobs::open(data_);
+  const std::string hash = kept(*blobs, "some bytes");
+  EXPECT_TRUE(blobs->open(hash));
   rot(place_of(data_, hash));
-  EXPECT_EQ(blobs.copy(hash, data_ / "copy").error().code, Code::gone);
+  EXPECT_EQ(blobs->copy(hash, data_ / "copy").error().code, Code::gone);
   EXPECT_FALSE(fs::exists(data_ / "copy" / hash.substr(0, 2) / hash));
+}
+
+TEST_F(BlobsTest, APinnedBlobIsDeletedOnlyAfterItsPinIsReleased) {
+  const auto blobs = *FileBlobs::open(data_);
+  const auto unnamed = [](const std::string&) { return false; };
+  auto upload = *blobs->upload();
+  ASSERT_TRUE(upload.write("some bytes"));
+  auto first = *blobs->put(upload);
+  const std::string hash = upload.digest().sha256;
+  Pin second = blobs->pin(hash);
+  first.release();
+  blobs->collect(hash, unnamed);
+  blobs->collect_again(unnamed);
+  EXPECT_TRUE(blobs->open(hash));
+  second.release();
+  blobs->collect_again(unnamed);
+  EXPECT_EQ(blobs->open(hash).error().code, Code::not_found);
+}
+
+// While a deletion looks whether the blob is named, the same bytes arrive again: they are stored after it.
+TEST_F(BlobsTest, BytesThatArriveDuringTheirDeletionAreStored) {
+  const auto blobs = *FileBlobs::open(data_);
+  const std::string hash = kept(*blobs, "some bytes");
+  std::thread sender;
+  blobs->collect(hash, [&](const std::string&) {
+    sender = std::thread([&] { kept(*blobs, "some bytes"); });
+    return false;
+  });
+  sender.join();
+  EXPECT_TRUE(blobs->open(hash));
 }
 
 using ServerBlobs = ServerTest;

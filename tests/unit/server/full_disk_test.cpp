@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "api/base/secrets.hpp"
 #include "server/jobs/uploads.hpp"
 
 namespace vacuform {
@@ -142,7 +143,7 @@ class FullDisk : public testing::Test {
   static void expect_bytes(Store& store, const Blob& blob) {
     const auto file = store.open(blob);
     ASSERT_TRUE(file) << file.error().text();
-    EXPECT_EQ(file->size().value(), blob.bytes);
+    EXPECT_EQ((*file)->size().value(), blob.bytes);
   }
 
   static std::size_t files_in(const fs::path& folder) {

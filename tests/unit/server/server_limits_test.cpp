@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "server/jobs/blob_response.hpp"
 #include "server_fixture.hpp"
 
 namespace vacuform {
@@ -126,9 +127,8 @@ TEST_F(ServerLimits, AClientThatTakesItsAnswerTooSlowlyIsClosed) {
   }
   http::Router router;
   router.add("GET", "/large", [&](http::Request& request) -> Result<http::Response> {
-    VACUFORM_TRY(file, store_->open(blob));
-    return http::file_response(request, std::move(file), "application/octet-stream", blob.sha256,
-                               blob.sha256);
+    VACUFORM_TRY(reader, store_->open(blob));
+    return blob_response(request, std::move(reader), "application/octet-stream", blob.sha256);
   });
   http::ServerOptions options;
   options.refuse = refuse;

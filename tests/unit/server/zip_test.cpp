@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "api/base/secrets.hpp"
+#include "server/store/file_blobs.hpp"
 
 namespace vacuform {
 namespace {
@@ -27,7 +28,10 @@ class ZipTest : public testing::Test {
     return {name, {name, bytes}, 7};
   }
   Zip zip(std::vector<Zip::Entry> entries) {
-    return Zip(std::move(entries), [this](const Blob& blob) { return File::open(folder_ / blob.sha256); });
+    return Zip(std::move(entries), [this](const Blob& blob) -> Result<std::unique_ptr<BlobReader>> {
+      VACUFORM_TRY(file, File::open(folder_ / blob.sha256));
+      return reader_of(std::move(file));
+    });
   }
   static std::string read(const Zip& zip, std::uint64_t from, std::uint64_t bytes, std::size_t buffer_bytes) {
     std::string text, buffer(buffer_bytes, 0);

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "server/store/file_blobs.hpp"
+
 namespace vacuform {
 namespace {
 
@@ -14,9 +16,9 @@ class PartialFileTest : public testing::Test {
   void SetUp() override {
     ASSERT_TRUE(start_secrets());
     data_ = std::filesystem::temp_directory_path() / ("vacuform-partial-" + random_hex(8));
-    auto blobs = Blobs::open(data_);
+    auto blobs = FileBlobs::open(data_);
     ASSERT_TRUE(blobs);
-    blobs_.emplace(std::move(*blobs));
+    blobs_ = std::move(*blobs);
     name_ = data_ / "upload";
   }
   void TearDown() override { std::filesystem::remove_all(data_); }
@@ -49,7 +51,7 @@ class PartialFileTest : public testing::Test {
     auto upload = file->finish(blobs_->temporary_path());
     EXPECT_TRUE(upload);
     const Blob blob = upload->digest();
-    EXPECT_TRUE(blobs_->keep(*upload));
+    EXPECT_TRUE(blobs_->put(*upload));
     EXPECT_TRUE(PartialFile::remove(name_));
     const std::string kept = bytes_of(data_ / "blobs" / blob.sha256.substr(0, 2) / blob.sha256);
     EXPECT_EQ(blob.bytes, kept.size());
@@ -60,7 +62,7 @@ class PartialFileTest : public testing::Test {
   }
 
   std::filesystem::path data_, name_;
-  std::optional<Blobs> blobs_;
+  std::unique_ptr<BlobStore> blobs_;
 };
 
 const std::string name = "JaneDoe1984";

@@ -40,7 +40,7 @@ class SqliteStoreTest : public testing::Test {
   std::string bytes_of(Store& store, const Input& input) const {
     const auto file = store.open(input.blob);
     std::string text(input.blob.bytes, '\0');
-    return file && file->read_at(0, text).value_or(0) == text.size() ? text : "no file";
+    return file && (*file)->read_at(0, text).value_or(0) == text.size() ? text : "no file";
   }
 
   fs::path data_;

@@ -108,7 +108,7 @@ class StoreTest : public testing::TestWithParam<Backend> {
     auto file = store_->open(blob);
     if (!file) return "no file";
     std::string text(blob.bytes, '\0');
-    EXPECT_EQ(file->read_at(0, text).value(), blob.bytes);
+    EXPECT_EQ((*file)->read_at(0, text).value(), blob.bytes);
     return text;
   }
 

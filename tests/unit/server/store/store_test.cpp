@@ -419,7 +419,7 @@ TEST_P(StoreTest, ASharedFileStaysAsLongAsAnyJobNamesIt) {
   EXPECT_EQ(blobs(), (std::set<std::string>{text_hash("same scan"), text_hash("two")}));
   EXPECT_EQ(bytes_of(job(second).input("scan")->blob), "same scan");
   std::string text(3, '\0');
-  EXPECT_EQ(reading.read_at(0, text).value(), 3u);  // a download under way ends well
+  EXPECT_EQ(reading->read_at(0, text).value(), 3u);  // a download under way ends well
   EXPECT_EQ(text, "one");
 }
 

@@ -1,0 +1,202 @@
+#include "server/store/file_blobs.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <system_error>
+#include <vector>
+
+#include "api/base/log.hpp"
+
+namespace vacuform {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+class FileReader : public BlobReader {
+ public:
+  explicit FileReader(File file) : file_(std::move(file)) {}
+  Result<std::uint64_t> size() const override { return file_.size(); }
+  Result<std::size_t> read_at(std::uint64_t offset, std::span<char> into) const override {
+    return file_.read_at(offset, into);
+  }
+  void doubt() const override { file_.doubt(); }
+
+ private:
+  File file_;
+};
+
+}  // namespace
+
+std::unique_ptr<BlobReader> reader_of(File file) { return std::make_unique<FileReader>(std::move(file)); }
+
+Result<void> delete_file(const fs::path& file) {
+  if (::unlink(file.c_str()) == 0 || errno == ENOENT) return {};
+  return fail(Code::unavailable, "deleting a file failed: " + std::generic_category().message(errno),
+              file.filename().string(), "check that the server may write to its data folder");
+}
+
+Result<std::unique_ptr<BlobStore>> FileBlobs::open(const fs::path& data, std::shared_ptr<const DiskRoom> room,
+                                                   std::chrono::milliseconds trust) {
+  std::unique_ptr<FileBlobs> blobs(new FileBlobs(data, std::move(room), trust));
+  VACUFORM_CHECK(make_directory(blobs->blobs_));
+  VACUFORM_CHECK(make_directory(blobs->incoming_));
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(blobs->incoming_, error))
+    if (const auto deleted = delete_file(entry.path()); !deleted)
+      log_event("file-not-deleted", {{"folder", "incoming"}, {"problem", deleted.error().what}});
+  return std::unique_ptr<BlobStore>(std::move(blobs));
+}
+
+Result<Upload> FileBlobs::upload(Use use) {
+  if (room_) VACUFORM_CHECK(room_->check(use));
+  fs::path path = temporary_path();
+  VACUFORM_TRY(file, File::create(path));
+  return Upload(std::move(file), std::move(path), room_, use);
+}
+
+Result<Pin> FileBlobs::put(Upload& upload) {
+  const std::string& sha256 = upload.digest().sha256;
+  Pin pin = pins_->pin(sha256);
+  if (read(sha256)) return pin;
+  VACUFORM_CHECK(upload.flush());
+  const fs::path path = place(sha256);
+  std::error_code error;
+  const bool new_folder = !fs::exists(path.parent_path(), error);
+  VACUFORM_CHECK(make_directory(path.parent_path()));
+  if (new_folder) VACUFORM_CHECK(sync_directory(blobs_));
+  VACUFORM_CHECK(upload.move_to(path));
+  VACUFORM_CHECK(sync_directory(path.parent_path()));
+  return pin;
+}
+
+Result<void> CheckedFiles::check(const File& file, const std::string& sha256) {
+  struct stat status {};
+  if (::fstat(file.descriptor(), &status) != 0)
+    return fail(Code::unavailable, "a stored file cannot be read", sha256);
+  const Seen now{status.st_ino, static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec,
+                 status.st_mtim.tv_nsec};
+  const auto time = std::chrono::steady_clock::now();
+  {
+    const std::lock_guard hold(mutex_);
+    const auto known = good_.find(sha256);
+    if (known != good_.end() && known->second.seen == now && time < known->second.until) return {};
+  }
+  Sha256 hash;
+  std::vector<char> piece(256 * 1024);
+  for (std::uint64_t at = 0;;) {
+    VACUFORM_TRY(n, file.read_at(at, piece));
+    if (n == 0) break;
+    hash.add({piece.data(), n});
+    at += n;
+  }
+  if (hash.hex() != sha256) {
+    log_event("blob-damaged", {{"blob", sha256}});
+    return fail(Code::gone, "a stored file is damaged: its bytes are no longer those that were kept", sha256,
+                "restore the server's data from a backup, or send the file again");
+  }
+  constexpr std::size_t most = 100'000;
+  const std::lock_guard hold(mutex_);
+  if (good_.size() >= most) good_.clear();
+  good_[sha256] = {now, time + trust_};
+  return {};
+}
+
+Result<File> FileBlobs::read(const std::string& sha256) const {
+  VACUFORM_TRY(file, File::open(place(sha256)));
+  VACUFORM_CHECK(checked_.check(file, sha256));
+  return file;
+}
+
+Result<std::unique_ptr<BlobReader>> FileBlobs::open(const std::string& sha256) {
+  VACUFORM_TRY(file, read(sha256));
+  return reader_of(std::move(file));
+}
+
+Result<void> FileBlobs::copy(const std::string& sha256, const fs::path& blobs) {
+  VACUFORM_TRY(file, File::open(place(sha256)));
+  VACUFORM_CHECK(CheckedFiles(std::chrono::milliseconds(0)).check(file, sha256));
+  const fs::path to = blobs / sha256.substr(0, 2) / sha256;
+  VACUFORM_CHECK(make_directory(to.parent_path()));
+  std::error_code error;
+  fs::create_hard_link(place(sha256), to, error);
+  if (!error) return sync_directory(to.parent_path());
+  if (!fs::copy_file(place(sha256), to, error))
+    return fail(Code::unavailable, "copying a stored file failed: " + error.message(), to.string(),
+                "check that there is room on the disk");
+  File copied(::open(to.c_str(), O_RDWR | O_CLOEXEC));
+  VACUFORM_CHECK(CheckedFiles(std::chrono::milliseconds(0)).check(copied, sha256));
+  VACUFORM_CHECK(copied.sync());
+  return sync_directory(to.parent_path());
+}
+
+void FileBlobs::collect(const std::string& sha256, const Named& named, bool logged) {
+  if (!pins_->begin_deletion(sha256)) return try_later(sha256, logged);
+  const auto used = named(sha256);
+  std::optional<Result<fs::path>> aside;
+  if (used && !*used) aside = set_aside(sha256);
+  pins_->deleted(sha256);
+  if (!used) return try_later(sha256, logged);
+  if (!aside) return;
+  if (*aside) return delete_trash({std::move(**aside), sha256});
+  if (!logged) log_event("file-not-deleted", {{"blob", sha256}, {"problem", aside->error().what}});
+  try_later(sha256, true);
+}
+
+void FileBlobs::try_later(const std::string& sha256, bool logged) {
+  const std::lock_guard hold(mutex_);
+  later_[sha256] = logged;
+}
+
+// Frees the space of a file that was moved aside, which is slow for a large one.
+void FileBlobs::delete_trash(Trash trash) {
+  const auto deleted = trash.file.empty() ? Result<void>() : delete_file(trash.file);
+  if (deleted) return;
+  if (!trash.sha256.empty())
+    log_event("file-not-deleted", {{"blob", trash.sha256}, {"problem", deleted.error().what}});
+  trash.sha256.clear();
+  const std::lock_guard hold(mutex_);
+  trash_.push_back(std::move(trash));
+}
+
+void FileBlobs::collect_again(const Named& named) {
+  std::vector<Trash> trash;
+  std::map<std::string, bool> later;
+  {
+    const std::lock_guard hold(mutex_);
+    trash.swap(trash_);
+    later.swap(later_);
+  }
+  for (Trash& item : trash) delete_trash(std::move(item));
+  for (const auto& [sha256, logged] : later) collect(sha256, named, logged);
+}
+
+// Quick, unlike the deletion of a large file. Files left by a crash in between are deleted at the next start. Gives an
+// empty path if there is no such file.
+Result<fs::path> FileBlobs::set_aside(const std::string& sha256) const {
+  fs::path aside = temporary_path();
+  if (::rename(place(sha256).c_str(), aside.c_str()) == 0) return aside;
+  if (errno == ENOENT) return fs::path();
+  VACUFORM_CHECK(delete_file(place(sha256)));  // a full disk may have no room for another name
+  return fs::path();
+}
+
+Result<void> FileBlobs::sweep(const Named& named) {
+  std::error_code error;
+  std::vector<fs::path> unwanted;
+  for (const auto& entry : fs::recursive_directory_iterator(blobs_, error))
+    if (!entry.is_directory(error) && !named(entry.path().filename().string()).value_or(true))
+      unwanted.push_back(entry.path());
+  if (error) return fail(Code::unavailable, "reading the blobs' folder failed: " + error.message(), "blobs");
+  for (const auto& path : unwanted)
+    if (const auto deleted = delete_file(path); !deleted)
+      log_event("file-not-deleted", {{"blob", path.filename().string()}, {"problem", deleted.error().what}});
+  return {};
+}
+
+}  // namespace vacuform
