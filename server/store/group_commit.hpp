@@ -16,7 +16,7 @@ class GroupCommit {
  public:
   // `make_room` is called when a transaction may have found the disk full; then all of its changes are tried once more. `ended` is
   // called after each transaction with whether it was committed, still under the lock.
-  GroupCommit(Database& db, std::function<void()> make_room, std::function<void(bool)> ended)
+  GroupCommit(SqliteDatabase& db, std::function<void()> make_room, std::function<void(bool)> ended)
       : db_(db), make_room_(std::move(make_room)), ended_transaction_(std::move(ended)) {}
 
   // Runs `change` under the lock inside a savepoint, and returns when it is on the disk, or undone. It may run twice.
@@ -35,7 +35,7 @@ class GroupCommit {
   void run_together(const std::vector<Waiting*>& batch);
   Result<void> transaction(const std::vector<Waiting*>& batch);
 
-  Database& db_;
+  SqliteDatabase& db_;
   std::function<void()> make_room_;
   std::function<void(bool)> ended_transaction_;
   std::mutex database_mutex_;  // taken after the other, or alone

@@ -10,12 +10,16 @@ std::optional<bool> News::wait(const std::string& job, std::chrono::milliseconds
   if (waiters_.size() >= most_) return std::nullopt;
   const auto place = waiters_.emplace(job, &self);
   bool answer = false;
-  do {
+  for (;;) {
     self.heard = false;  // what comes from here on is not in the answer
     hold.unlock();
     answer = changed();
     hold.lock();
-  } while (!answer && self.woken.wait_until(hold, until, [&] { return self.heard; }));
+    const auto now = std::chrono::steady_clock::now();
+    if (answer || now >= until) break;
+    const auto next = until - now > poll_ ? now + poll_ : until;
+    if (!self.woken.wait_until(hold, next, [&] { return self.heard; }) && next == until) break;
+  }
   waiters_.erase(place);
   return answer;
 }
@@ -30,6 +34,14 @@ void News::tell(const std::vector<std::string>& jobs) {
       it->second->heard = true;
       it->second->woken.notify_one();
     }
+  }
+}
+
+void News::tell_all() {
+  const std::lock_guard hold(mutex_);
+  for (const auto& [job, waiter] : waiters_) {
+    waiter->heard = true;
+    waiter->woken.notify_one();
   }
 }
 

@@ -17,13 +17,17 @@ namespace vacuform {
 // From any thread. Each waiter occupies a thread, so their number is limited.
 class News {
  public:
-  explicit News(std::size_t most_waiters) : most_(most_waiters) {}
+  // A waiter looks again after `poll` even if it was told of no change.
+  explicit News(std::size_t most_waiters, std::chrono::milliseconds poll = std::chrono::hours(1))
+      : most_(most_waiters), poll_(poll) {}
 
   // Calls `changed` at once, and again after every change of the job, until it returns true or the time is over;
   // returns its last answer. nullopt if too many threads are waiting already.
   std::optional<bool> wait(const std::string& job, std::chrono::milliseconds time,
                            const std::function<bool()>& changed);
   void tell(const std::vector<std::string>& jobs);
+  // After a time in which changes may have been missed.
+  void tell_all();
 
  private:
   struct Waiter {
@@ -31,6 +35,7 @@ class News {
     bool heard = false;
   };
   const std::size_t most_;
+  const std::chrono::milliseconds poll_;
   std::mutex mutex_;
   std::multimap<std::string, Waiter*> waiters_;  // by job
 };

@@ -6,12 +6,50 @@
 
 namespace vacuform {
 
-Database::~Database() {
-  for (const auto& [sql, statement] : statements_) sqlite3_finalize(statement);
+class SqliteStatement : public Statement {
+ public:
+  SqliteStatement(SqliteDatabase& db, sqlite3_stmt* statement) : db_(db), statement_(statement) {}
+  SqliteStatement(const SqliteStatement&) = delete;
+  SqliteStatement& operator=(const SqliteStatement&) = delete;
+  ~SqliteStatement() override { sqlite3_finalize(statement_); }
+
+  void bind(int index, std::string_view value) override {
+    sqlite3_bind_text(statement_, index, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT);
+  }
+  void bind(int index, std::int64_t value) override { sqlite3_bind_int64(statement_, index, value); }
+  void bind(int index, double value) override { sqlite3_bind_double(statement_, index, value); }
+  Result<bool> step() override {
+    const int code = sqlite3_step(statement_);
+    if (code != SQLITE_ROW && code != SQLITE_DONE) return db_.error();
+    return code == SQLITE_ROW;
+  }
+  void reset() override {
+    sqlite3_reset(statement_);
+    sqlite3_clear_bindings(statement_);
+  }
+  bool null(int column) const override { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+  std::int64_t integer(int column) const override { return sqlite3_column_int64(statement_, column); }
+  double real(int column) const override { return sqlite3_column_double(statement_, column); }
+  std::string text(int column) const override {
+    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+    return bytes ? std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)))
+                 : std::string();
+  }
+  std::int64_t steps() const { return sqlite3_stmt_status(statement_, SQLITE_STMTSTATUS_VM_STEP, 0); }
+
+ private:
+  SqliteDatabase& db_;
+  sqlite3_stmt* statement_;
+};
+
+SqliteDatabase::SqliteDatabase() = default;
+
+SqliteDatabase::~SqliteDatabase() {
+  statements_.clear();
   sqlite3_close(db_);
 }
 
-Result<void> Database::open(const std::string& path) {
+Result<void> SqliteDatabase::open(const std::string& path) {
   const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
   if (sqlite3_open_v2(path.c_str(), &db_, flags, nullptr) != SQLITE_OK) return error();
   sqlite3_wal_hook(db_, wrote, this);
@@ -19,20 +57,20 @@ Result<void> Database::open(const std::string& path) {
 }
 
 // After each transaction that wrote to the log. A checkpoint that fails is tried again after the next one.
-int Database::wrote(void* self, sqlite3* db, const char* name, int pages) {
+int SqliteDatabase::wrote(void* self, sqlite3* db, const char* name, int pages) {
   constexpr int most_pages = 1000;
-  ++static_cast<Database*>(self)->commits_;
+  ++static_cast<SqliteDatabase*>(self)->commits_;
   if (pages >= most_pages) sqlite3_wal_checkpoint_v2(db, name, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
   return SQLITE_OK;
 }
 
-Result<void> Database::execute(const std::string& sql) {
+Result<void> SqliteDatabase::execute(const std::string& sql) {
   if (sqlite3_exec(db_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) return error();
   return {};
 }
 
-Result<void> Database::copy_to(const std::string& path, const std::function<bool()>& pause) {
-  Database copy;
+Result<void> SqliteDatabase::copy_to(const std::string& path, const std::function<bool()>& pause) {
+  SqliteDatabase copy;
   VACUFORM_CHECK(copy.open(path));
   sqlite3_backup* backup = sqlite3_backup_init(copy.db_, "main", db_, "main");
   if (!backup) return copy.error();
@@ -48,14 +86,13 @@ Result<void> Database::copy_to(const std::string& path, const std::function<bool
   return {};
 }
 
-std::int64_t Database::steps() const {
+std::int64_t SqliteDatabase::steps() const {
   std::int64_t sum = 0;
-  for (const auto& [sql, statement] : statements_)
-    sum += sqlite3_stmt_status(statement, SQLITE_STMTSTATUS_VM_STEP, 0);
+  for (const auto& [sql, statement] : statements_) sum += statement->steps();
   return sum;
 }
 
-tl::unexpected<Error> Database::error() const {
+tl::unexpected<Error> SqliteDatabase::error() const {
   const int code = sqlite3_errcode(db_) & 0xff;
   const std::string text = sqlite3_errmsg(db_);
   if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)
@@ -71,47 +108,16 @@ tl::unexpected<Error> Database::error() const {
                    : "check that the server may write to its data folder");
 }
 
-Result<sqlite3_stmt*> Database::prepared(const char* sql) {
-  sqlite3_stmt*& statement = statements_[sql];
-  if (!statement &&
-      sqlite3_prepare_v3(db_, sql, -1, SQLITE_PREPARE_PERSISTENT, &statement, nullptr) != SQLITE_OK)
+Result<Statement*> SqliteDatabase::prepared(const char* sql) {
+  auto& statement = statements_[sql];
+  if (statement) return statement.get();
+  std::string text = sql;
+  if (const auto lock = text.find(" FOR UPDATE"); lock != std::string::npos) text.resize(lock);
+  sqlite3_stmt* made = nullptr;
+  if (sqlite3_prepare_v3(db_, text.c_str(), -1, SQLITE_PREPARE_PERSISTENT, &made, nullptr) != SQLITE_OK)
     return error();
-  return statement;
+  statement = std::make_unique<SqliteStatement>(*this, made);
+  return statement.get();
 }
-
-Query::~Query() {
-  if (!prepared_) return;
-  sqlite3_reset(*prepared_);
-  sqlite3_clear_bindings(*prepared_);
-}
-
-Result<bool> Query::row() {
-  if (!prepared_) return tl::make_unexpected(prepared_.error());
-  const int code = sqlite3_step(*prepared_);
-  if (code != SQLITE_ROW && code != SQLITE_DONE) return db_.error();
-  return code == SQLITE_ROW;
-}
-
-Result<void> Query::run() {
-  const auto stepped = row();
-  if (!stepped) return tl::make_unexpected(stepped.error());
-  return {};
-}
-
-bool Query::null(int column) const { return sqlite3_column_type(*prepared_, column) == SQLITE_NULL; }
-std::int64_t Query::integer(int column) const { return sqlite3_column_int64(*prepared_, column); }
-double Query::real(int column) const { return sqlite3_column_double(*prepared_, column); }
-
-std::string Query::text(int column) const {
-  const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(*prepared_, column));
-  return bytes ? std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(*prepared_, column)))
-               : std::string();
-}
-
-void Query::bind(int index, std::string_view value) {
-  sqlite3_bind_text(*prepared_, index, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT);
-}
-void Query::bind(int index, std::int64_t value) { sqlite3_bind_int64(*prepared_, index, value); }
-void Query::bind(int index, double value) { sqlite3_bind_double(*prepared_, index, value); }
 
 }  // namespace vacuform

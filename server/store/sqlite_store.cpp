@@ -1,13 +1,7 @@
 #include "server/store/sqlite_store.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
+#include <limits>
 
-#include <cerrno>
-
-#include <nlohmann/json.hpp>
-
-#include "api/base/log.hpp"
 #include "server/store/file_blobs.hpp"
 #include "server/store/schema.hpp"
 
@@ -25,39 +19,42 @@ Result<void> SqliteStore::open(const std::filesystem::path& data) {
   {
     Query newest(db_, "SELECT max(created) FROM job");
     VACUFORM_TRY(found, newest.row());
-    if (found) last_id_time_ = newest.integer(0);
+    if (found) ids_after(newest.integer(0));
   }
-  opened_ = options_.clock();
-  opened_elapsed_ = options_.elapsed();
-  {
-    Query running(db_, "SELECT id FROM job WHERE state IN ('running','cancelling')");
-    for (;;) {
-      VACUFORM_TRY(more, running.row());
-      if (!more) break;
-      leases_[running.text(0)] = opened_elapsed_ + options_.lease;
-    }
-  }
-  // The clock may have been set back since these were written.
-  const Millis longest = opened_ + longest_rest;
-  VACUFORM_CHECK(
-      Query(db_, "UPDATE job SET not_before=?1 WHERE state='queued' AND not_before>?1", longest).run());
+  VACUFORM_CHECK(leases_.open(db_));
   // A crash may have come between a file and the row that names it.
-  return blobs_->sweep([&](const std::string& sha256) { return named(sha256); });
+  return sweep_blobs();
+}
+
+Result<void> SqliteStore::look_at_rows(const Look& look) {
+  const std::lock_guard hold(commits_.lock());
+  return look(db_);
+}
+
+Result<void> SqliteStore::change_rows(const Change& change) {
+  return commits_.run([&] { return change(db_); });
+}
+
+Result<void> SqliteStore::copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) {
+  std::unique_lock lock(commits_.lock());
+  return db_.copy_to(file.string(), [&] {
+    lock.unlock();
+    const bool go_on = going();
+    lock.lock();
+    return go_on;
+  });
 }
 
 void SqliteStore::transaction_ended(bool committed) {
   if (!committed) {
     doubtful_ = true;
     commits_before_doubt_ = db_.commits();
-  } else {
-    if (db_.commits() != commits_before_doubt_) doubtful_ = false;
-    if (options_.job_ended)
-      for (const Job& job : ended_jobs_) options_.job_ended(job);
-    news_.tell(changed_);
+  } else if (db_.commits() != commits_before_doubt_) {
+    doubtful_ = false;
   }
-  ended_jobs_.clear();
-  changed_.clear();
 }
+
+std::int64_t SqliteStore::schema_version() const { return newest_schema; }
 
 // A full disk: the reserve gives some room, and so does SQLite's log, which begins again from its start.
 void SqliteStore::make_room() {
@@ -65,64 +62,55 @@ void SqliteStore::make_room() {
   (void)db_.execute("PRAGMA wal_checkpoint(RESTART)");
 }
 
-void SqliteStore::collect_garbage() {
-  std::vector<std::string> garbage;
-  {
-    const std::lock_guard hold(commits_.lock());
-    if (doubtful_ || backups_ > 0) return;
-    garbage.swap(garbage_);
+Result<void> SqliteStore::Leases::open(Database& db) {
+  opened_ = options_.clock();
+  opened_elapsed_ = options_.elapsed();
+  Query running(db, "SELECT id FROM job WHERE state IN ('running','cancelling')");
+  for (;;) {
+    VACUFORM_TRY(more, running.row());
+    if (!more) break;
+    ends_[running.text(0)] = opened_elapsed_ + options_.lease;
   }
-  for (const std::string& sha256 : garbage)
-    blobs_->collect(sha256, [this](const std::string& blob) { return wanted(blob); });
+  // The clock may have been set back since these were written.
+  const Millis longest = opened_ + longest_rest;
+  return Query(db, "UPDATE job SET not_before=?1 WHERE state='queued' AND not_before>?1", longest).run();
 }
 
-Result<bool> SqliteStore::wanted(const std::string& sha256) {
-  const std::lock_guard hold(commits_.lock());
-  if (!doubtful_ && backups_ == 0) return named(sha256);
-  maybe_garbage(sha256);
-  return true;
+Result<void> SqliteStore::Leases::renew(Database&, const std::string& job) {
+  ends_[job] = options_.elapsed() + options_.lease;
+  return {};
 }
 
-Result<Blob> SqliteStore::Stored::add(std::variant<Upload, Blob>& file) {
-  if (const auto* blob = std::get_if<Blob>(&file)) {
-    pins.emplace_back(store.blobs_->pin(blob->sha256), blob->sha256);
-    return *blob;
-  }
-  auto& upload = std::get<Upload>(file);
-  VACUFORM_TRY(pin, store.blobs_->put(upload));
-  pins.emplace_back(std::move(pin), upload.digest().sha256);
-  return upload.digest();
+Result<void> SqliteStore::Leases::end(Database&, const std::string& job) {
+  ends_[job] = std::numeric_limits<Millis>::min();
+  return {};
 }
 
-SqliteStore::Stored::~Stored() {
-  if (named) return;
-  for (auto& [pin, sha256] : pins) {
-    pin.release();
-    const std::lock_guard hold(store.commits_.lock());
-    store.maybe_garbage(sha256);
-  }
+Result<void> SqliteStore::Leases::forget(Database&, const std::string& job) {
+  ends_.erase(job);
+  return {};
 }
 
-Result<std::vector<Expired>> SqliteStore::expire() {
-  const Deletion deletion(*this);
-  auto expired = write([&] { return expire_now(); });
-  blobs_->collect_again([this](const std::string& blob) { return wanted(blob); });
-  room_->restore();
-  return expired;
+Result<std::vector<std::string>> SqliteStore::Leases::over(Database&, bool) {
+  const Millis now = options_.elapsed();
+  std::vector<std::string> jobs;
+  for (const auto& [job, ends] : ends_)
+    if (ends <= now) jobs.push_back(job);
+  return jobs;
 }
 
-Result<bool> SqliteStore::named(const std::string& sha256) {
-  Query query(
-      db_,
-      "SELECT 1 FROM input WHERE blob=?1 UNION ALL SELECT 1 FROM artifact WHERE blob=?1"
-      " UNION ALL SELECT 1 FROM upload WHERE blob=?1 UNION ALL SELECT 1 FROM scan WHERE blob=?1 LIMIT 1",
-      sha256);
-  return query.row();
+Result<std::vector<LeaseTimes::Current>> SqliteStore::Leases::current(Database&) {
+  const Millis elapsed = options_.elapsed(), now = options_.clock();
+  std::vector<Current> leases;
+  for (const auto& [job, ends] : ends_)
+    if (ends > elapsed) leases.push_back({job, now - (elapsed + options_.lease - ends)});
+  return leases;
 }
 
 bool has_store(const std::filesystem::path& data) {
   std::error_code error;
-  return std::filesystem::exists(data / "jobs.sqlite", error);
+  return std::filesystem::exists(data / "jobs.sqlite", error) ||
+         std::filesystem::exists(data / "lock", error);
 }
 
 tl::unexpected<Error> no_store(const std::filesystem::path& data) {
@@ -131,14 +119,8 @@ tl::unexpected<Error> no_store(const std::filesystem::path& data) {
 }
 
 Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options) {
-  VACUFORM_CHECK(make_directory(data));
-  File lock(::open((data / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600));
-  if (!lock.is_open())
-    return fail(errno == ENOSPC ? Code::disk_full : Code::unavailable, "the data folder cannot be written to",
-                data.string(), "check that the server may write there, and that its disk has room");
-  if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
-    return fail(Code::unavailable, "another server uses this data folder", data.string(),
-                "stop it, or give another folder with --data");
+  if (!options.elapsed) options.elapsed = boot_clock;
+  VACUFORM_TRY(lock, lock_data_folder(data));
   auto room = DiskRoom::open(data, options.kept_free);
   VACUFORM_TRY(blobs, FileBlobs::open(data, room));
   auto store =

@@ -1,4 +1,4 @@
-// Jobs and their blobs, stored across crashes. The interface contains no SQL and no HTTP; sqlite_store.hpp implements
+// Jobs and their blobs, stored across crashes. The interface contains no SQL and no HTTP; sql_store.hpp implements
 // it. Its parts are in jobs.hpp, leases.hpp, tokens.hpp, profiles.hpp, scans.hpp and uploads.hpp.
 //
 // Promises, all of them tested:
@@ -10,7 +10,8 @@
 //  - A job shows its artifacts when it has succeeded, and it succeeds only with all artifacts that its kind always has.
 //  - A full disk stops new files and submissions, not the rest: jobs can be deleted, cancelled and ended, and the store
 //    opens.
-//  - Leases and rests are spans of boot_clock(): setting the machine's clock neither ends nor extends them.
+//  - Leases and rests are spans of boot_clock(), or of the clock of a database on another machine: setting the clock of
+//    this machine neither ends nor extends them.
 //  - A lease that is not renewed within `lease` ends, and the job is queued again. The same happens after faults that a
 //    worker reports as its own. Neither is caused by the job: a machine restarts, a disk is full for a while. When
 //    `losses` attempts were lost, which with the rests between them takes eight to twenty-five minutes, the job fails
@@ -64,6 +65,9 @@ struct WorkingWorker {
 // The state of the store, for administrators.
 struct StoreStatus {
   std::int64_t schema = 0;  // version of the tables
+  // What an acknowledged change outlives: "local", a restart of the machine that keeps the rows; "synchronous", the loss
+  // of that machine as well.
+  std::string durability;
   JobCounts counts{};
   std::optional<Millis> oldest_queued;  // when the job was created that waits the longest
   std::optional<Millis> last_backup;
@@ -97,8 +101,9 @@ class Store : public JobTable,
 };
 
 struct StoreOptions {
-  Clock clock = wall_clock;    // for what is shown and kept
-  Clock elapsed = boot_clock;  // for leases and rests
+  Clock clock = wall_clock;  // for what is shown and kept
+  // For leases and rests. None: boot_clock of this machine with SQLite, the clock of the database with PostgreSQL.
+  Clock elapsed = {};
   std::optional<std::uint64_t> kept_free =
       {};  // bytes of the disk (disk_room.hpp); the default follows from the disk
   Millis lease = 30'000;
@@ -106,7 +111,7 @@ struct StoreOptions {
   int crashes = 2;         // of the job's own process
   Millis backoff = 2'000;  // the first rest of a job after a fault
   std::int64_t most_queued = 10'000, most_queued_by_owner = 1'000;
-  // Called once for every job that has ended, by any thread, under the store's lock: it must be quick.
+  // Called once for every job that has ended, after the commit, by any thread.
   std::function<void(const Job& job)> job_ended = {};
   std::size_t most_waiters = 256;  // threads in wait_for_change()
 };
@@ -117,9 +122,9 @@ inline constexpr Millis longest_rest = 15 * 60'000;  // of a job after a fault
 bool has_store(const std::filesystem::path& data);
 tl::unexpected<Error> no_store(const std::filesystem::path& data);
 
-// Opens or creates the store in a folder; one process at a time (unavailable if another has it). Jobs that were running
-// when the last server ended keep their leases for another `lease`, so that workers that are still running can
-// continue. Errors: unavailable, corrupt_file (not a store, or written by a newer version).
+// Opens or creates the store in a folder; one process at a time (unavailable if another has it). Leases end at the
+// earliest a `lease` after that, so that workers which kept running while there was no server can continue. Errors:
+// unavailable, corrupt_file (not a store, or written by a newer version).
 Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options = {});
 
 }  // namespace vacuform

@@ -7,11 +7,13 @@
 #include "api/base/secrets.hpp"
 #include "server/store/schema.hpp"
 #include "server/store/sqlite_store.hpp"
+#include "tests/unit/server/store/store_fixture.hpp"
 
 namespace vacuform {
 namespace {
 
-namespace fs = std::filesystem;
+INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Sqlite", open_store}),
+                         [](const auto& backend) { return backend.param.name; });
 
 class SqliteStoreTest : public testing::Test {
  protected:
@@ -31,7 +33,7 @@ class SqliteStoreTest : public testing::Test {
   }
   // A store of an older version, with rows.
   void old_store(std::int64_t version, const std::string& rows) const {
-    Database database;
+    SqliteDatabase database;
     ASSERT_TRUE(database.open((data_ / "jobs.sqlite").string()));
     ASSERT_TRUE(bring_up_to_date(database, version));
     const auto added = database.execute(rows);

@@ -1,5 +1,5 @@
-// The promises of server/store/store.hpp, held against the interface alone: every store that store_test.cpp names at its end
-// must pass all of it, here and in store_*_test.cpp. A crash is played by copying the files under a running store and opening
+// The promises of server/store/store.hpp, held against the interface alone: every store
+// must pass all of it, here and in store_*_test.cpp; sqlite_store_test.cpp and postgres_store_test.cpp name the stores. A crash is played by copying the files under a running store and opening
 // the copy.
 #pragma once
 
@@ -41,6 +41,13 @@ class StoreTest : public testing::TestWithParam<Backend> {
   }
 
   fs::path data() const { return folder_ / "data"; }
+  // A backup is a store in SQLite and files, whatever keeps the rows of the store that made it.
+  void open_backup(const fs::path& backup) {
+    store_.reset();
+    auto store = open_store(backup, options());
+    ASSERT_TRUE(store) << store.error().text();
+    store_ = std::move(*store);
+  }
   void reopen() {
     store_.reset();
     auto store = GetParam().open(data(), options());

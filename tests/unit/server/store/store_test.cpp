@@ -359,10 +359,7 @@ TEST_P(StoreTest, ABackupOpensAsTheStoreWas) {
   EXPECT_TRUE(report->damaged.empty());
   EXPECT_EQ(store_->backup(to, go_on).error().code, Code::bad_usage);  // not empty any more
   ASSERT_TRUE(store_->remove(made.id));
-  store_.reset();
-  fs::remove_all(data());
-  fs::rename(to, data());
-  reopen();
+  open_backup(to);
   EXPECT_EQ(job(made.id).state, JobState::succeeded);
   EXPECT_EQ(bytes_of(job(made.id).artifacts.at(0).blob), "ink");
   EXPECT_EQ(bytes_of(job(ended.id).input("pattern")->blob), "another");
@@ -389,10 +386,7 @@ TEST_P(StoreTest, ABackupKeepsWhatIsDeletedMeanwhileAndLeavesOutWhatIsDamaged) {
   EXPECT_EQ(report->blobs, 3);
   EXPECT_EQ(report->damaged, std::vector{damaged});
   EXPECT_EQ(blobs().size(), 2u);  // of the store itself
-  store_.reset();
-  fs::remove_all(data());
-  fs::rename(to, data());
-  reopen();
+  open_backup(to);
   EXPECT_EQ(bytes_of(job(made.id).input("scan")->blob), "a scan");
 }
 
@@ -608,9 +602,6 @@ TEST_P(StoreTest, TellsAdministratorsHowItDoes) {
   reopen();
   EXPECT_EQ(store_->status()->last_backup, now_);
 }
-
-INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Sqlite", open_store}),
-                         [](const auto& backend) { return backend.param.name; });
 
 }  // namespace
 }  // namespace vacuform

@@ -1,4 +1,4 @@
-#include "server/store/sqlite_store.hpp"
+#include "server/store/sql_store.hpp"
 
 namespace vacuform {
 
@@ -12,11 +12,12 @@ tl::unexpected<Error> no_upload(const std::string& id) {
 
 }  // namespace
 
-Result<void> SqliteStore::add_upload(const StoredUpload& upload) {
-  return write([&]() -> Result<void> {
+Result<void> SqlStore::add_upload(const StoredUpload& upload) {
+  return write([&](Transaction& tx) -> Result<void> {
     VACUFORM_CHECK(room_for(upload.length));
+    VACUFORM_CHECK(tx.db.take_turns("uploads of " + upload.owner));
     {
-      Query held(db_, "SELECT count(*), coalesce(sum(length), 0) FROM upload WHERE owner=? AND collected=0",
+      Query held(tx.db, "SELECT count(*), coalesce(sum(length), 0) FROM upload WHERE owner=? AND collected=0",
                  upload.owner);
       VACUFORM_TRY(found, held.row());
       if (found && (held.integer(0) >= most_uploads ||
@@ -24,7 +25,7 @@ Result<void> SqliteStore::add_upload(const StoredUpload& upload) {
         return fail(Code::busy, "too many uploads, or too many bytes, are kept for this owner already", {},
                     "finish or delete some, or wait until they expire");
     }
-    return Query(db_,
+    return Query(tx.db,
                  "INSERT INTO upload(id, owner, input, extension, length, created, expires)"
                  " VALUES(?,?,?,?,?,?,?)",
                  upload.id, upload.owner, upload.input, upload.extension, upload.length, upload.created,
@@ -33,8 +34,8 @@ Result<void> SqliteStore::add_upload(const StoredUpload& upload) {
   });
 }
 
-Result<StoredUpload> SqliteStore::upload_row(const std::string& id) {
-  Query query(db_,
+Result<StoredUpload> SqlStore::upload_row(Database& db, const std::string& id) {
+  Query query(db,
               "SELECT id, owner, input, extension, length, created, expires, blob, bytes FROM upload"
               " WHERE id=?",
               id);
@@ -54,53 +55,52 @@ Result<StoredUpload> SqliteStore::upload_row(const std::string& id) {
   return upload;
 }
 
-Result<StoredUpload> SqliteStore::find_upload(const std::string& id) {
-  const std::lock_guard hold(commits_.lock());
-  return upload_row(id);
+Result<StoredUpload> SqlStore::find_upload(const std::string& id) {
+  return read([&](Database& db) -> Result<StoredUpload> { return upload_row(db, id); });
 }
 
-Result<StoredUpload> SqliteStore::finish_upload(const std::string& id, Upload file) {
+Result<StoredUpload> SqlStore::finish_upload(const std::string& id, Upload file) {
   const Deletion deletion(*this);
   Stored stored(*this);
   std::variant<Upload, Blob> bytes(std::move(file));
   VACUFORM_TRY(blob, stored.add(bytes));
-  auto finished = write([&]() -> Result<StoredUpload> {
-    VACUFORM_CHECK(upload_row(id));
+  auto finished = write([&](Transaction& tx) -> Result<StoredUpload> {
+    VACUFORM_CHECK(upload_row(tx.db, id));
     VACUFORM_CHECK(
-        Query(db_, "UPDATE upload SET blob=?, bytes=? WHERE id=?", blob.sha256, blob.bytes, id).run());
-    return upload_row(id);
+        Query(tx.db, "UPDATE upload SET blob=?, bytes=? WHERE id=?", blob.sha256, blob.bytes, id).run());
+    return upload_row(tx.db, id);
   });
   stored.named = finished.has_value();
   return finished;
 }
 
-Result<void> SqliteStore::remove_upload(const std::string& id) {
+Result<void> SqlStore::remove_upload(const std::string& id) {
   const Deletion deletion(*this);
-  return write([&]() -> Result<void> {
-    VACUFORM_TRY(upload, upload_row(id));
-    if (upload.blob) maybe_garbage(upload.blob->sha256);
-    return Query(db_, "DELETE FROM upload WHERE id=?", id).run();
+  return write([&](Transaction& tx) -> Result<void> {
+    VACUFORM_TRY(upload, upload_row(tx.db, id));
+    if (upload.blob) tx.garbage.push_back(upload.blob->sha256);
+    return Query(tx.db, "DELETE FROM upload WHERE id=?", id).run();
   });
 }
 
-Result<std::vector<std::string>> SqliteStore::expire_uploads() {
+Result<std::vector<std::string>> SqlStore::expire_uploads() {
   const Deletion deletion(*this);
-  return write([&]() -> Result<std::vector<std::string>> {
+  return write([&](Transaction& tx) -> Result<std::vector<std::string>> {
     const Millis now = options_.clock();
     std::vector<std::string> ids;
     {
-      Query query(db_, "SELECT id, blob FROM upload WHERE collected=0 AND expires<=?", now);
+      Query query(tx.db, "SELECT id, blob FROM upload WHERE collected=0 AND expires<=?", now);
       for (;;) {
         VACUFORM_TRY(more, query.row());
         if (!more) break;
         ids.push_back(query.text(0));
-        if (!query.null(1)) maybe_garbage(query.text(1));
+        if (!query.null(1)) tx.garbage.push_back(query.text(1));
       }
     }
     if (ids.empty()) return ids;
     VACUFORM_CHECK(
-        Query(db_, "UPDATE upload SET collected=1, blob=NULL WHERE collected=0 AND expires<=?", now).run());
-    VACUFORM_CHECK(Query(db_, "DELETE FROM upload WHERE expires<=?", now - remembered).run());
+        Query(tx.db, "UPDATE upload SET collected=1, blob=NULL WHERE collected=0 AND expires<=?", now).run());
+    VACUFORM_CHECK(Query(tx.db, "DELETE FROM upload WHERE expires<=?", now - remembered).run());
     return ids;
   });
 }

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "server/store/sqlite_store.hpp"
+#include "server/store/sql_store.hpp"
 
 namespace vacuform {
 
@@ -21,25 +21,26 @@ double median(std::vector<Millis> times) {
 
 }  // namespace
 
-Result<Outlook> SqliteStore::outlook(const Job& job) {
-  const std::lock_guard hold(commits_.lock());
-  Outlook outlook;
-  if (ended(job.state)) return outlook;
-  if (job.state == JobState::queued) {
-    VACUFORM_TRY(position, queue_position(job));
-    outlook.queue_position = position;
-  }
-  VACUFORM_TRY(seconds, seconds_expected(job));
-  outlook.seconds_expected = seconds;
-  return outlook;
+Result<Outlook> SqlStore::outlook(const Job& job) {
+  return read([&](Database& db) -> Result<Outlook> {
+    Outlook outlook;
+    if (ended(job.state)) return outlook;
+    if (job.state == JobState::queued) {
+      VACUFORM_TRY(position, queue_position(db, job));
+      outlook.queue_position = position;
+    }
+    VACUFORM_TRY(seconds, seconds_expected(db, job));
+    outlook.seconds_expected = seconds;
+    return outlook;
+  });
 }
 
 // As next_queued() goes: first the raised jobs, then the owners in turn.
-Result<std::int64_t> SqliteStore::queue_position(const Job& job) {
+Result<std::int64_t> SqlStore::queue_position(Database& db, const Job& job) {
   std::int64_t raised_before = 0;
   std::map<std::string, std::int64_t> raised;  // by owner
-  Query all_raised(db_,
-                   "SELECT owner, count(*), coalesce(sum(priority>?1 OR (priority=?1 AND id<=?2)), 0)"
+  Query all_raised(db,
+                   "SELECT owner, count(*), count(*) FILTER (WHERE priority>?1 OR (priority=?1 AND id<=?2))"
                    " FROM job INDEXED BY job_raised WHERE state='queued' AND priority>0 GROUP BY owner",
                    job.priority, job.id);
   for (;;) {
@@ -49,7 +50,7 @@ Result<std::int64_t> SqliteStore::queue_position(const Job& job) {
     raised_before += job.priority > 0 ? all_raised.integer(2) : all_raised.integer(1);
   }
   if (job.priority > 0) return raised_before;
-  Query own(db_,
+  Query own(db,
             "SELECT count(*) FROM job INDEXED BY job_queue WHERE state='queued' AND owner=?1 AND priority<=0"
             " AND priority>=?2 AND (priority>?2 OR id<=?3)",
             job.owner, job.priority, job.id);
@@ -57,7 +58,7 @@ Result<std::int64_t> SqliteStore::queue_position(const Job& job) {
   const std::int64_t turn = own.integer(0);  // of its owner, from 1
   std::int64_t position = raised_before;
   bool before = true;  // of the owners that have their turns before this one's
-  Query turns(db_, "SELECT owner, queued FROM submitter WHERE queued>0 ORDER BY running, served, owner");
+  Query turns(db, "SELECT owner, queued FROM submitter WHERE queued>0 ORDER BY running, served, owner");
   for (;;) {
     VACUFORM_TRY(more, turns.row());
     if (!more) return std::max<std::int64_t>(position, 1);
@@ -69,12 +70,12 @@ Result<std::int64_t> SqliteStore::queue_position(const Job& job) {
 }
 
 // The median of the last jobs of this kind whose scan is of a similar size, or of all of this kind if there are none.
-Result<std::optional<double>> SqliteStore::seconds_expected(const Job& job) {
+Result<std::optional<double>> SqlStore::seconds_expected(Database& db, const Job& job) {
   const Input* const scan = job.input("scan");
   const double bytes = scan ? static_cast<double>(scan->blob.bytes) : 0;
   std::vector<Millis> like_it, of_kind;
   Query ended(
-      db_,
+      db,
       "SELECT job.ended-job.started, input.bytes FROM"
       " (SELECT id, kind FROM job INDEXED BY job_by_state WHERE state='succeeded' ORDER BY id DESC LIMIT ?)"
       " AS newest JOIN job ON job.id=newest.id JOIN input ON input.job=job.id AND input.name='scan'"

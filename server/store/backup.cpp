@@ -1,12 +1,12 @@
-// The copy of a store in use. SQLite's backup API copies the rows first, so that they are consistent; then every blob
-// that these rows name is copied. Blobs never change, and none is deleted meanwhile.
+#include "server/store/backup.hpp"
+
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
 #include "api/base/log.hpp"
-#include "server/store/sqlite_store.hpp"
+#include "server/store/sqlite.hpp"
 
 namespace vacuform {
 
@@ -50,43 +50,22 @@ Result<std::int64_t> jobs_in(Database& db) {
 
 }  // namespace
 
-Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function<bool()>& going) {
+Result<BackupReport> make_backup(const fs::path& to, BlobStore& blobs,
+                                 const std::function<Result<void>(const fs::path&)>& copy_rows,
+                                 const std::function<bool()>& going,
+                                 const std::function<Result<void>()>& done) {
   VACUFORM_CHECK(check_target(to));
-  // Keeps every blob that a row names while this object exists.
-  struct Hold {
-    explicit Hold(SqliteStore& s) : store(s) {
-      const std::lock_guard lock(store.commits_.lock());
-      ++store.backups_;
-    }
-    ~Hold() {
-      {
-        const std::lock_guard lock(store.commits_.lock());
-        --store.backups_;
-      }
-      store.collect_garbage();
-    }
-    SqliteStore& store;
-  } const hold(*this);
-
-  const std::string file = (to / "jobs.sqlite").string();
-  {
-    std::unique_lock lock(commits_.lock());
-    VACUFORM_CHECK(db_.copy_to(file, [&] {
-      lock.unlock();
-      const bool go_on = going();
-      lock.lock();
-      return go_on;
-    }));
-  }
+  const fs::path file = to / "jobs.sqlite";
+  VACUFORM_CHECK(copy_rows(file));
   BackupReport report;
-  Database copy;
-  VACUFORM_CHECK(copy.open(file));
+  SqliteDatabase copy;
+  VACUFORM_CHECK(copy.open(file.string()));
   VACUFORM_TRY(jobs, jobs_in(copy));
   report.jobs = jobs;
   VACUFORM_TRY(hashes, hashes_in(copy));
   for (const std::string& sha256 : hashes) {
     if (!going()) return fail(Code::cancelled, "the backup was cancelled", to.string());
-    const auto copied = blobs_->copy(sha256, to / "blobs");
+    const auto copied = blobs.copy(sha256, to / "blobs");
     if (!copied && copied.error().code == Code::unavailable) return tl::make_unexpected(copied.error());
     if (copied)
       ++report.blobs;
@@ -94,8 +73,8 @@ Result<BackupReport> SqliteStore::backup(const fs::path& to, const std::function
       report.damaged.push_back(sha256);
   }
   VACUFORM_CHECK(sync_directory(to));
-  if (const auto remembered = remember_backup(); !remembered)  // the copy is good all the same
-    log_event("store-failed", {{"problem", remembered.error().text()}});
+  if (const auto noted = done(); !noted)  // the copy is good all the same
+    log_event("store-failed", {{"problem", noted.error().text()}});
   return report;
 }
 

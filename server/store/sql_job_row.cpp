@@ -1,0 +1,179 @@
+// The rows of jobs, their files and their logs.
+#include <algorithm>
+
+#include "api/problem.hpp"
+#include "server/store/sql_store.hpp"
+
+namespace vacuform {
+
+namespace {
+
+#define VACUFORM_JOB_COLUMNS                                                                                 \
+  "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"             \
+  " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings,"    \
+  " serious_warnings, reference, note, losses, crashes, worker, lease_hash, log_lines FROM job WHERE id=?"
+
+constexpr const char* job_row = VACUFORM_JOB_COLUMNS;
+constexpr const char* locked_job_row = VACUFORM_JOB_COLUMNS " FOR UPDATE";
+
+#undef VACUFORM_JOB_COLUMNS
+
+std::optional<Millis> time_in(const Query& query, int column) {
+  if (query.null(column)) return std::nullopt;
+  return query.integer(column);
+}
+
+}  // namespace
+
+Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id, bool lock) {
+  Query query(db, lock ? locked_job_row : job_row, id);
+  VACUFORM_TRY(found, query.row());
+  if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
+  const auto state = job_state_from(query.text(1));
+  const auto kind = job_kind_from(query.text(18));
+  if (!state || !kind) return fail(Code::corrupt_file, "the job store is damaged: unknown state or kind", id);
+  JobRow row;
+  Job& job = row.job;
+  job.id = query.text(0);
+  job.kind = *kind;
+  job.state = *state;
+  job.stage = stage_from(query.text(2));
+  job.stage_progress = query.real(3);
+  job.attempt = static_cast<int>(query.integer(4));
+  job.created = query.integer(5);
+  job.started = time_in(query, 6);
+  job.ended = time_in(query, 7);
+  if (!query.null(8))
+    job.error = Error{code_from(query.text(8)).value_or(Code::internal), query.text(9), query.text(10),
+                      query.text(11)};
+  job.request = query.text(12);
+  job.owner = query.text(13);
+  job.priority = static_cast<int>(query.integer(14));
+  if (!query.null(15)) job.derived_from = query.text(15);
+  job.not_before = time_in(query, 16);
+  job.version = query.integer(17);
+  job.settings = query.text(19);
+  if (!query.null(20)) job.serious_warnings = static_cast<int>(query.integer(20));
+  job.reference = query.text(21);
+  job.note = query.text(22);
+  row.faults = {static_cast<int>(query.integer(23)), static_cast<int>(query.integer(24))};
+  row.worker = query.text(25);
+  row.lease_hash = query.text(26);
+  row.log_lines = query.integer(27);
+  return row;
+}
+
+Result<Job> SqlStore::find(Database& db, const std::string& id, Detail detail) {
+  VACUFORM_TRY(row, find_row(db, id));
+  if (detail == Detail::brief) {
+    row.job.settings.clear();
+    return std::move(row.job);
+  }
+  VACUFORM_CHECK(load_files(db, row.job));
+  return std::move(row.job);
+}
+
+Result<void> SqlStore::load_files(Database& db, Job& job) {
+  job.inputs.clear();
+  Query inputs(db, "SELECT name, blob, bytes, extension FROM input WHERE job=?", job.id);
+  for (;;) {
+    VACUFORM_TRY(more, inputs.row());
+    if (!more) break;
+    job.inputs.push_back(
+        {inputs.text(0), {inputs.text(1), static_cast<std::uint64_t>(inputs.integer(2))}, inputs.text(3)});
+  }
+  std::sort(job.inputs.begin(), job.inputs.end(), [](const Input& a, const Input& b) {
+    return input_kind(a.name) < input_kind(b.name);  // index in one table
+  });
+  if (!ended(job.state)) return {};  // its artifacts are incomplete
+  VACUFORM_TRY(artifacts, artifacts_of(db, job.id));
+  job.artifacts = std::move(artifacts);
+  std::sort(job.artifacts.begin(), job.artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
+    return artifact_kind(a.name) < artifact_kind(b.name);  // index in one table
+  });
+  return {};
+}
+
+Result<std::vector<StoredArtifact>> SqlStore::artifacts_of(Database& db, const std::string& job) {
+  std::vector<StoredArtifact> artifacts;
+  Query query(db, "SELECT name, blob, bytes FROM artifact WHERE job=?", job);
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return artifacts;
+    artifacts.push_back({query.text(0), {query.text(1), static_cast<std::uint64_t>(query.integer(2))}});
+  }
+}
+
+Result<void> SqlStore::save(Transaction& tx, JobRow& row) {
+  Job& job = row.job;
+  ++job.version;
+  std::optional<std::string_view> stage, code, what, where, fix;
+  if (job.stage) stage = name(*job.stage);
+  if (const auto& error = job.error)
+    code = meaning(error->code).slug, what = error->what, where = error->where, fix = error->fix;
+  const auto text = [](const std::string& value) {
+    return value.empty() ? std::nullopt : std::optional<std::string_view>(value);
+  };
+  tx.changed.push_back(job.id);
+  return Query(tx.db,
+               "UPDATE job SET state=?, stage=?, progress=?, attempt=?, losses=?, crashes=?, started=?, ended=?,"
+               " not_before=?, worker=?, lease_hash=?, log_lines=?, serious_warnings=?, error_code=?,"
+               " error_what=?, error_where=?, error_fix=?, version=? WHERE id=?",
+               name(job.state), stage, job.stage_progress, job.attempt, row.faults.losses, row.faults.crashes,
+               job.started, job.ended, job.not_before, text(row.worker), text(row.lease_hash), row.log_lines,
+               job.serious_warnings, code, what, where, fix, job.version, job.id)
+      .run();
+}
+
+Result<void> SqlStore::add_line(Database& db, const std::string& job, std::string_view text) {
+  return Query(db,
+               "INSERT INTO job_log(job, number, time, text) VALUES(?1,"
+               " (SELECT coalesce(max(number), 0) + 1 FROM job_log WHERE job=?1), ?2, ?3)",
+               job, options_.clock(), text)
+      .run();
+}
+
+// The hash of the lease stays with a job that a worker has ended, so that a repeated request with the same token gets
+// the same answer. Only a job that has succeeded keeps all artifacts: an incomplete set is useless, except for what
+// explains a failure.
+Result<void> SqlStore::apply(Transaction& tx, JobRow& row, const Transition& next) {
+  if (!next.changes) return {};
+  Job& job = row.job;
+  job.state = next.state;
+  job.attempt = next.attempt;
+  row.faults = next.faults;
+  if (next.state == JobState::queued || (ended(next.state) && next.state != JobState::succeeded))
+    VACUFORM_CHECK(drop_artifacts(tx, job, next.explained));
+  if (next.state == JobState::queued) {
+    job.stage.reset(), job.started.reset(), job.not_before.reset();
+    job.stage_progress = 0;
+    row.worker.clear();
+    if (next.rest) {
+      VACUFORM_TRY(now, lease_times().now(tx.db));
+      job.not_before = now + *next.rest;
+    }
+  }
+  if (ended(next.state)) {
+    job.ended = options_.clock();
+    job.error = next.error;
+    tx.ended.push_back(job);
+  }
+  if (next.forgets_lease) row.lease_hash.clear();
+  if (next.state == JobState::queued || ended(next.state))
+    VACUFORM_CHECK(lease_times().ended(tx.db, job.id));
+  VACUFORM_CHECK(save(tx, row));
+  return add_line(tx.db, job.id, next.line);
+}
+
+Result<void> SqlStore::drop_artifacts(Transaction& tx, const Job& job, bool but_explaining) {
+  VACUFORM_TRY(artifacts, artifacts_of(tx.db, job.id));
+  for (const auto& artifact : artifacts) {
+    const ArtifactKind* kind = artifact_kind(artifact.name);
+    if (but_explaining && kind && explains_failure(job.kind, *kind)) continue;
+    tx.garbage.push_back(artifact.blob.sha256);
+    VACUFORM_CHECK(Query(tx.db, "DELETE FROM artifact WHERE job=? AND name=?", job.id, artifact.name).run());
+  }
+  return {};
+}
+
+}  // namespace vacuform

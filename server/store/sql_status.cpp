@@ -1,0 +1,54 @@
+// What an administrator sees of the store.
+#include <map>
+
+#include "server/store/sql_store.hpp"
+
+namespace vacuform {
+
+namespace {
+
+constexpr std::string_view last_backup = "last_backup";
+
+}  // namespace
+
+Result<StoreStatus> SqlStore::status() {
+  return read([&](Database& db) -> Result<StoreStatus> {
+    StoreStatus status;
+    status.schema = schema_version();
+    VACUFORM_TRY(durable, durability(db));
+    status.durability = durable;
+    status.disk = room_->space();
+    VACUFORM_TRY(counts, counts_in(db));
+    status.counts = counts;
+    Query oldest(db, "SELECT created FROM job WHERE state='queued' ORDER BY id LIMIT 1");
+    VACUFORM_TRY(waits, oldest.row());
+    if (waits) status.oldest_queued = oldest.integer(0);
+    Query backup(db, "SELECT value FROM remembered WHERE name=?", last_backup);
+    VACUFORM_TRY(made, backup.row());
+    if (made) status.last_backup = backup.integer(0);
+    VACUFORM_TRY(leases, lease_times().current(db));
+    std::map<std::string, Millis> heard;
+    for (const auto& lease : leases) heard[lease.job] = lease.heard;
+    Query running(
+        db, "SELECT coalesce(worker, ''), id FROM job WHERE state IN ('running','cancelling') ORDER BY id");
+    for (;;) {
+      VACUFORM_TRY(more, running.row());
+      if (!more) return status;
+      const auto lease = heard.find(running.text(1));
+      if (lease == heard.end()) continue;  // its worker is lost
+      status.working.push_back({running.text(0), running.text(1), lease->second});
+    }
+  });
+}
+
+Result<void> SqlStore::remember_backup() {
+  return write([&](Transaction& tx) {
+    return Query(tx.db,
+                 "INSERT INTO remembered(name, value) VALUES(?,?) ON CONFLICT(name) DO UPDATE SET "
+                 "value=excluded.value",
+                 last_backup, options_.clock())
+        .run();
+  });
+}
+
+}  // namespace vacuform

@@ -1,0 +1,140 @@
+#include "server/store/sql_store.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "server/store/backup.hpp"
+#include "server/store/job_id.hpp"
+
+namespace vacuform {
+
+void SqlStore::follow(const std::vector<std::string>& garbage, const std::vector<std::string>& changed,
+                      const std::vector<Job>& ended) {
+  if (options_.job_ended)
+    for (const Job& job : ended) options_.job_ended(job);
+  add_garbage(garbage);
+  if (changed.empty()) return;
+  news_.tell(changed);
+  announce(changed);
+}
+
+std::string SqlStore::next_id() {
+  const Millis now = options_.clock();
+  Millis last = last_id_time_.load(), next = 0;
+  do next = std::max(now, last + 1);
+  while (!last_id_time_.compare_exchange_weak(last, next));
+  return make_job_id(next);
+}
+
+void SqlStore::add_garbage(const std::vector<std::string>& hashes) {
+  if (hashes.empty()) return;
+  const std::lock_guard hold(garbage_mutex_);
+  garbage_.insert(garbage_.end(), hashes.begin(), hashes.end());
+}
+
+void SqlStore::collect_garbage() {
+  std::vector<std::string> garbage;
+  {
+    const std::lock_guard hold(garbage_mutex_);
+    if (backups_ == 0) garbage.swap(garbage_);
+  }
+  for (const std::string& sha256 : garbage)
+    blobs_->collect(sha256, [this](const std::string& blob) { return wanted(blob); });
+}
+
+Result<bool> SqlStore::wanted(const std::string& sha256) {
+  bool stays = false;
+  {
+    const std::lock_guard hold(garbage_mutex_);
+    stays = backups_ > 0;
+  }
+  Result<bool> found = true;
+  if (!stays) {
+    found = read([&](Database& db) -> Result<bool> {
+      stays = !settled();
+      return stays ? Result<bool>(true) : named(db, sha256);
+    });
+  }
+  if (stays) add_garbage({sha256});
+  return found;
+}
+
+Result<bool> SqlStore::named(Database& db, const std::string& sha256) {
+  Query query(
+      db,
+      "SELECT 1 FROM input WHERE blob=?1 UNION ALL SELECT 1 FROM artifact WHERE blob=?1"
+      " UNION ALL SELECT 1 FROM upload WHERE blob=?1 UNION ALL SELECT 1 FROM scan WHERE blob=?1 LIMIT 1",
+      sha256);
+  return query.row();
+}
+
+Result<void> SqlStore::check_shared(Database& db, const NewInput& input) {
+  const auto* blob = std::get_if<Blob>(&input.file);
+  if (!blob) return {};
+  VACUFORM_TRY(there, named(db, blob->sha256));
+  if (there) return {};
+  return fail(Code::gone, "the file was deleted in the meantime", input.name, "send it again");
+}
+
+Result<void> SqlStore::sweep_blobs() {
+  return blobs_->sweep([this](const std::string& sha256) {
+    return read([&](Database& db) { return named(db, sha256); });
+  });
+}
+
+Result<Blob> SqlStore::Stored::add(std::variant<Upload, Blob>& file) {
+  if (const auto* blob = std::get_if<Blob>(&file)) {
+    pins.emplace_back(store.blobs_->pin(blob->sha256), blob->sha256);
+    return *blob;
+  }
+  auto& upload = std::get<Upload>(file);
+  VACUFORM_TRY(pin, store.blobs_->put(upload));
+  pins.emplace_back(std::move(pin), upload.digest().sha256);
+  return upload.digest();
+}
+
+SqlStore::Stored::~Stored() {
+  if (named) return;
+  for (auto& [pin, sha256] : pins) {
+    pin.release();
+    store.add_garbage({sha256});
+  }
+}
+
+Result<BackupReport> SqlStore::backup(const std::filesystem::path& to, const std::function<bool()>& going) {
+  // Keeps every blob that a row names while this object exists.
+  struct Hold {
+    explicit Hold(SqlStore& s) : store(s) {
+      const std::lock_guard lock(store.garbage_mutex_);
+      ++store.backups_;
+    }
+    ~Hold() {
+      {
+        const std::lock_guard lock(store.garbage_mutex_);
+        --store.backups_;
+      }
+      store.collect_garbage();
+    }
+    SqlStore& store;
+  } const hold(*this);
+  return make_backup(
+      to, *blobs_, [&](const std::filesystem::path& file) { return copy_rows(file, going); }, going,
+      [&] { return remember_backup(); });
+}
+
+Result<File> lock_data_folder(const std::filesystem::path& data) {
+  VACUFORM_CHECK(make_directory(data));
+  File lock(::open((data / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600));
+  if (!lock.is_open())
+    return fail(errno == ENOSPC ? Code::disk_full : Code::unavailable, "the data folder cannot be written to",
+                data.string(), "check that the server may write there, and that its disk has room");
+  if (::flock(lock.descriptor(), LOCK_EX | LOCK_NB) != 0)
+    return fail(Code::unavailable, "another server uses this data folder", data.string(),
+                "stop it, or give another folder with --data");
+  return lock;
+}
+
+}  // namespace vacuform

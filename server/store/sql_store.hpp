@@ -1,0 +1,266 @@
+// The store on a database that speaks SQL: everything but what differs between databases, which a derived class
+// provides (sqlite_store.hpp). transitions.hpp decides what happens to jobs.
+//
+// sql_store.cpp keeps blobs and rows together, sql_jobs.cpp has the operations of users on jobs, sql_leases.cpp those of
+// workers, sql_job_row.cpp the rows of both, sql_status.cpp what administrators see, sql_outlook.cpp estimates.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "server/store/blob_store.hpp"
+#include "server/store/lease_times.hpp"
+#include "server/store/news.hpp"
+#include "server/store/sql.hpp"
+#include "server/store/store.hpp"
+#include "server/store/transitions.hpp"
+
+namespace vacuform {
+
+class SqlStore : public Store {
+ public:
+  Result<Upload> upload(Use use) override { return blobs_->upload(use); }
+  Result<void> room_for(std::uint64_t bytes) override { return room_->check(Use::submission, bytes); }
+  std::filesystem::path temporary_path() override { return blobs_->temporary_path(); }
+  Result<std::unique_ptr<BlobReader>> open(const Blob& blob) override { return blobs_->open(blob.sha256); }
+  Result<StoreStatus> status() override;
+  Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
+
+  Result<Job> create(NewJob job, bool* repeated = nullptr) override;
+  Result<std::int64_t> seconds_until_room(const std::string& owner) override;
+  Result<Job> job(const std::string& id) override;
+  Result<Outlook> outlook(const Job& job) override;
+  Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter, Detail detail) override;
+  Result<std::optional<Job>> newest_inspection(const StoredScan& scan) override;
+  Result<JobCounts> counts() override;
+  Result<Job> cancel(const std::string& id, const JobGuard& allowed) override;
+  Result<void> remove(const std::string& id, const JobGuard& allowed) override;
+  Result<std::vector<LogLine>> log_after(const std::string& id, std::int64_t number, int limit) override;
+  Result<Job> wait_for_change(const std::string& id, std::int64_t version,
+                              std::chrono::milliseconds time) override;
+  Result<bool> names_scan(const std::string& owner, const std::string& sha256) override;
+  Result<std::vector<std::pair<std::string, std::string>>> scans_of_jobs() override;
+
+  Result<void> add_token(const Token& token) override;
+  Result<Token> token(const std::string& id) override;
+  Result<std::vector<Token>> tokens() override;
+  Result<void> revoke_token(const std::string& id) override;
+
+  Result<void> add_upload(const StoredUpload& upload) override;
+  Result<StoredUpload> find_upload(const std::string& id) override;
+  Result<StoredUpload> finish_upload(const std::string& id, Upload file) override;
+  Result<void> remove_upload(const std::string& id) override;
+  Result<std::vector<std::string>> expire_uploads() override;
+
+  Result<StoredScan> add_scan(const std::string& owner, std::variant<Upload, Blob> file,
+                              const std::string& extension) override;
+  Result<StoredScan> find_scan(const std::string& id) override;
+  Result<ScanPage> list_scans(int limit, const std::string& cursor,
+                              const std::optional<std::string>& owner) override;
+  Result<void> remove_scan(const std::string& id) override;
+
+  Result<bool> put_profile(const Profile& profile, const ProfileGuard& allowed) override;
+  Result<Profile> find_profile(const std::string& name) override;
+  Result<ProfilePage> list_profiles(int limit, const std::string& cursor) override;
+  Result<void> remove_profile(const std::string& name, const ProfileGuard& allowed) override;
+  Result<void> set_default_profile(const std::string& name, bool is_default) override;
+
+  Result<std::optional<LeasedJob>> lease(const std::string& worker) override;
+  Result<Job> leased(const LeaseKey& key) override;
+  Result<bool> heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) override;
+  Result<void> log(const LeaseKey& key, int first, const std::vector<std::string>& lines) override;
+  Result<void> put_artifact(const LeaseKey& key, const std::string& name, Upload upload) override;
+  Result<Job> complete(const LeaseKey& key, std::optional<int> serious_warnings = {}) override {
+    return finish(key, JobState::succeeded, {}, Retry::never, serious_warnings);
+  }
+  Result<Job> fail_job(const LeaseKey& key, const Error& error, Retry retry) override {
+    return finish(key, JobState::failed, error, retry);
+  }
+  Result<Job> cancelled(const LeaseKey& key) override { return finish(key, JobState::cancelled); }
+  Result<Job> release(const LeaseKey& key) override;
+  Result<std::vector<Expired>> expire() override;
+  Result<std::vector<Expired>> bury(const std::string& worker) override;
+
+ protected:
+  using Look = std::function<Result<void>(Database&)>;
+  using Change = std::function<bool(Database&)>;
+
+  // `poll`: how long a waiter trusts that it hears of changes.
+  SqlStore(StoreOptions options, std::shared_ptr<DiskRoom> room, std::unique_ptr<BlobStore> blobs,
+           std::chrono::milliseconds poll)
+      : options_(std::move(options)),
+        room_(std::move(room)),
+        blobs_(std::move(blobs)),
+        news_(options_.most_waiters, poll) {}
+
+  // What differs between databases. From any thread; a function of the store never calls one within another.
+  //
+  // Calls `look` with a connection. Errors: those of `look`.
+  virtual Result<void> look_at_rows(const Look& look) = 0;
+  // Runs `change` in a transaction, and again when the database asks for it; returns when the change is on the disk.
+  // False from `change` undoes it and is no error. An error undid the change, unless its text says that it may be made.
+  virtual Result<void> change_rows(const Change& change) = 0;
+  // Within a look: whether every change that failed is undone for good. Until then no blob is deleted.
+  virtual bool settled() const { return true; }
+  virtual LeaseTimes& lease_times() = 0;
+  virtual std::int64_t schema_version() const = 0;  // of the tables
+  // What an acknowledged change outlives.
+  virtual Result<std::string> durability(Database&) { return std::string("local"); }
+  // Copies all rows, as they are at one moment, into a new file of SQLite. `going` as for backup(); called when they are
+  // copied, and for many rows before.
+  virtual Result<void> copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) = 0;
+  // After a commit: tells other servers which jobs have changed.
+  virtual void announce(const std::vector<std::string>&) {}
+
+  // Deletes blobs that no row names. Before anything is stored.
+  Result<void> sweep_blobs();
+  // New ids come after those of jobs created up to then.
+  void ids_after(Millis created) { last_id_time_ = std::max(created, last_id_time_.load()); }
+  News& news() { return news_; }
+
+  const StoreOptions options_;
+  const std::shared_ptr<DiskRoom> room_;
+
+ private:
+  // A change while it is made, and what follows from it once it has committed.
+  struct Transaction {
+    Database& db;
+    std::vector<std::string> garbage = {};  // hashes of blobs that rows no longer name
+    std::vector<std::string> changed = {};  // ids of jobs
+    std::vector<Job> ended = {};
+  };
+  // A row of the table of jobs; its job has inputs and artifacts only after load_files().
+  struct JobRow {
+    Job job;
+    Faults faults;
+    std::string worker, lease_hash;
+    std::int64_t log_lines = 0;  // of this attempt
+  };
+
+  // Runs `change(Transaction&)`, which gives a Result; an error of it undoes everything.
+  template <class F>
+  auto write(F change) -> decltype(change(std::declval<Transaction&>())) {
+    decltype(change(std::declval<Transaction&>())) result =
+        fail(Code::internal, "the store has an internal fault", {}, "try again");
+    std::vector<std::string> garbage, changed;
+    std::vector<Job> ended;
+    const auto committed = change_rows([&](Database& db) {
+      Transaction tx{db};
+      try {
+        result = change(tx);
+      } catch (const std::exception& fault) {  // a bug or out of memory: only this change fails
+        result = fail(Code::internal, std::string("the store has an internal fault: ") + fault.what());
+      }
+      garbage = std::move(tx.garbage), changed = std::move(tx.changed), ended = std::move(tx.ended);
+      return result.has_value();
+    });
+    if (!committed) result = tl::make_unexpected(committed.error());
+    if (result) follow(garbage, changed, ended);
+    return result;
+  }
+  // Calls `look(Database&)`, which gives a Result.
+  template <class F>
+  auto read(F look) -> decltype(look(std::declval<Database&>())) {
+    decltype(look(std::declval<Database&>())) result = fail(Code::internal, "the store has an internal fault");
+    const auto looked = look_at_rows([&](Database& db) -> Result<void> {
+      result = look(db);
+      if (!result) return tl::make_unexpected(result.error());
+      return {};
+    });
+    if (!looked) result = tl::make_unexpected(looked.error());
+    return result;
+  }
+  void follow(const std::vector<std::string>& garbage, const std::vector<std::string>& changed,
+              const std::vector<Job>& ended);
+
+  // At the top of a function that may leave blobs to delete: they are deleted at its end.
+  struct Deletion {
+    explicit Deletion(SqlStore& s) : store(s) {}
+    ~Deletion() { store.collect_garbage(); }
+    Deletion(const Deletion&) = delete;
+    SqlStore& store;
+  };
+  // Blobs stored before the rows that name them: if these do not commit, the blobs are garbage.
+  struct Stored {
+    explicit Stored(SqlStore& s) : store(s) {}
+    ~Stored();
+    Stored(const Stored&) = delete;
+    // Stores an upload, or keeps the blob that the new row is to share. No transaction is open meanwhile.
+    Result<Blob> add(std::variant<Upload, Blob>& file);
+    SqlStore& store;
+    std::vector<std::pair<Pin, std::string>> pins = {};
+    bool named = false;  // the rows have committed
+  };
+  void add_garbage(const std::vector<std::string>& hashes);
+  void collect_garbage();
+  Result<bool> wanted(const std::string& sha256);  // whether a row names the blob, or it must stay for now
+  static Result<bool> named(Database& db, const std::string& sha256);
+  // Errors: gone, if a blob that a new row is to share is named by no row.
+  static Result<void> check_shared(Database& db, const NewInput& input);
+  std::string next_id();
+
+  // sql_job_row.cpp. With `lock`, nobody else changes the job until the transaction has ended. Errors: not_found.
+  static Result<JobRow> find_row(Database& db, const std::string& id, bool lock = false);
+  static Result<Job> find(Database& db, const std::string& id, Detail detail = Detail::full);
+  static Result<void> load_files(Database& db, Job& job);
+  static Result<std::vector<StoredArtifact>> artifacts_of(Database& db, const std::string& job);
+  // Writes all that changes about a job, with a greater version.
+  static Result<void> save(Transaction& tx, JobRow& row);
+  // Adds a line to the job's log, whose row is locked.
+  Result<void> add_line(Database& db, const std::string& job, std::string_view text);
+  // Makes a job what the transition says, and saves it.
+  Result<void> apply(Transaction& tx, JobRow& row, const Transition& next);
+  static Result<void> drop_artifacts(Transaction& tx, const Job& job, bool but_explaining = false);
+
+  static Result<std::vector<std::string>> ids_of(Database& db, int count, const std::string& before,
+                                                 const JobFilter& filter);
+  static Result<bool> has_text(Database& db, const std::string& id, const std::u32string& folded_text);
+  Result<JobCounts> counts_in(Database& db);
+  static Result<std::int64_t> queue_position(Database& db, const Job& job);
+  static Result<std::optional<double>> seconds_expected(Database& db, const Job& job);
+  static Result<std::optional<Job>> made_before(Database& db, const NewJob& job,
+                                                const std::vector<Blob>& blobs);
+  Result<void> check_room(Database& db, const std::string& owner);
+  static Result<Token> token_row(Database& db, const std::string& id);
+  Result<StoredUpload> upload_row(Database& db, const std::string& id);
+  static Result<StoredScan> scan_row(Database& db, const std::string& id);
+  static Result<Profile> profile_row(Database& db, const std::string& name);
+  static Result<std::optional<Profile>> allowed_profile(Database& db, const std::string& name,
+                                                        const ProfileGuard& allowed);
+
+  // The job that the key's lease holds, locked. Ended jobs count only when `even_ended`.
+  static Result<JobRow> holder(Database& db, const LeaseKey& key, bool even_ended);
+  // As write(), after the leases that are over have been ended.
+  template <class F>
+  auto write_for_worker(F change) -> decltype(change(std::declval<Transaction&>())) {
+    VACUFORM_CHECK(end_leases());
+    return write(change);
+  }
+  Result<std::vector<Expired>> end_leases();
+  Result<std::optional<std::string>> next_queued(Database& db);  // the id of the job whose turn it is, locked
+  Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error = {},
+                     Retry retry = Retry::never, std::optional<int> serious_warnings = {});
+  RetryLimits limits() const { return {options_.losses, options_.crashes, options_.backoff}; }
+  Result<void> remember_backup();  // that one is done now
+
+  const std::unique_ptr<BlobStore> blobs_;
+  News news_;
+  std::atomic<Millis> last_id_time_{0};
+  std::mutex garbage_mutex_;
+  std::vector<std::string> garbage_;
+  int backups_ = 0;  // in progress; blobs stay until they are done
+};
+
+// The lock of a data folder: one server at a time. Errors: unavailable (another server uses it), disk_full.
+Result<File> lock_data_folder(const std::filesystem::path& data);
+
+}  // namespace vacuform
