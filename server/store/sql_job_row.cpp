@@ -8,9 +8,9 @@ namespace vacuform {
 
 namespace {
 
-#define VACUFORM_JOB_COLUMNS                                                                                 \
-  "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"             \
-  " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings,"    \
+#define VACUFORM_JOB_COLUMNS                                                                              \
+  "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"          \
+  " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings," \
   " serious_warnings, reference, note, losses, crashes, worker, lease_hash, log_lines FROM job WHERE id=?"
 
 constexpr const char* job_row = VACUFORM_JOB_COLUMNS;
@@ -116,7 +116,8 @@ Result<void> SqlStore::save(Transaction& tx, JobRow& row) {
   };
   tx.changed.push_back(job.id);
   return Query(tx.db,
-               "UPDATE job SET state=?, stage=?, progress=?, attempt=?, losses=?, crashes=?, started=?, ended=?,"
+               "UPDATE job SET state=?, stage=?, progress=?, attempt=?, losses=?, crashes=?, started=?, "
+               "ended=?,"
                " not_before=?, worker=?, lease_hash=?, log_lines=?, serious_warnings=?, error_code=?,"
                " error_what=?, error_where=?, error_fix=?, version=? WHERE id=?",
                name(job.state), stage, job.stage_progress, job.attempt, row.faults.losses, row.faults.crashes,
@@ -159,8 +160,7 @@ Result<void> SqlStore::apply(Transaction& tx, JobRow& row, const Transition& nex
     tx.ended.push_back(job);
   }
   if (next.forgets_lease) row.lease_hash.clear();
-  if (next.state == JobState::queued || ended(next.state))
-    VACUFORM_CHECK(lease_times().ended(tx.db, job.id));
+  if (next.state == JobState::queued || ended(next.state)) VACUFORM_CHECK(lease_times().ended(tx.db, job.id));
   VACUFORM_CHECK(save(tx, row));
   return add_line(tx.db, job.id, next.line);
 }

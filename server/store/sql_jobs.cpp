@@ -54,7 +54,7 @@ Result<Job> SqlStore::create(NewJob job, bool* repeated) {
     tx.changed.push_back(id);
     return find(tx.db, id);
   });
-  stored.named = created.has_value();
+  stored.written(created);
   return created;
 }
 

@@ -121,7 +121,7 @@ Result<void> SqlStore::put_artifact(const LeaseKey& key, const std::string& name
                  row.job.id, name, blob.sha256, blob.bytes)
         .run();
   });
-  stored.named = put.has_value();
+  stored.written(put);
   return put;
 }
 

@@ -40,7 +40,7 @@ Result<StoredScan> SqlStore::add_scan(const std::string& owner, std::variant<Upl
                        .run());
     return scan;
   });
-  stored.named = added.has_value();
+  stored.written(added);
   return added;
 }
 

@@ -80,9 +80,8 @@ Result<void> SqlStore::check_shared(Database& db, const NewInput& input) {
 }
 
 Result<void> SqlStore::sweep_blobs() {
-  return blobs_->sweep([this](const std::string& sha256) {
-    return read([&](Database& db) { return named(db, sha256); });
-  });
+  return blobs_->sweep(
+      [this](const std::string& sha256) { return read([&](Database& db) { return named(db, sha256); }); });
 }
 
 Result<Blob> SqlStore::Stored::add(std::variant<Upload, Blob>& file) {
@@ -97,7 +96,7 @@ Result<Blob> SqlStore::Stored::add(std::variant<Upload, Blob>& file) {
 }
 
 SqlStore::Stored::~Stored() {
-  if (named) return;
+  if (stay) return;
   for (auto& [pin, sha256] : pins) {
     pin.release();
     store.add_garbage({sha256});

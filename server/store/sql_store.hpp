@@ -170,7 +170,8 @@ class SqlStore : public Store {
   // Calls `look(Database&)`, which gives a Result.
   template <class F>
   auto read(F look) -> decltype(look(std::declval<Database&>())) {
-    decltype(look(std::declval<Database&>())) result = fail(Code::internal, "the store has an internal fault");
+    decltype(look(std::declval<Database&>())) result =
+        fail(Code::internal, "the store has an internal fault");
     const auto looked = look_at_rows([&](Database& db) -> Result<void> {
       result = look(db);
       if (!result) return tl::make_unexpected(result.error());
@@ -189,7 +190,8 @@ class SqlStore : public Store {
     Deletion(const Deletion&) = delete;
     SqlStore& store;
   };
-  // Blobs stored before the rows that name them: if these do not commit, the blobs are garbage.
+  // Blobs stored before the rows that name them: if these do not commit, the blobs are garbage. If nobody knows whether
+  // they have, the blobs stay; the next start deletes them if no row names them.
   struct Stored {
     explicit Stored(SqlStore& s) : store(s) {}
     ~Stored();
@@ -198,7 +200,11 @@ class SqlStore : public Store {
     Result<Blob> add(std::variant<Upload, Blob>& file);
     SqlStore& store;
     std::vector<std::pair<Pin, std::string>> pins = {};
-    bool named = false;  // the rows have committed
+    template <class T>
+    void written(const Result<T>& rows) {
+      stay = rows || rows.error().code == Code::unavailable;
+    }
+    bool stay = false;
   };
   void add_garbage(const std::vector<std::string>& hashes);
   void collect_garbage();

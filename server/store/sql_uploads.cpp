@@ -70,7 +70,7 @@ Result<StoredUpload> SqlStore::finish_upload(const std::string& id, Upload file)
         Query(tx.db, "UPDATE upload SET blob=?, bytes=? WHERE id=?", blob.sha256, blob.bytes, id).run());
     return upload_row(tx.db, id);
   });
-  stored.named = finished.has_value();
+  stored.written(finished);
   return finished;
 }
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "server/store/file_blobs.hpp"
+#include "server/store/postgres_store.hpp"
 #include "server/store/schema.hpp"
 
 namespace vacuform {
@@ -110,7 +111,7 @@ Result<std::vector<LeaseTimes::Current>> SqliteStore::Leases::current(Database&)
 bool has_store(const std::filesystem::path& data) {
   std::error_code error;
   return std::filesystem::exists(data / "jobs.sqlite", error) ||
-         std::filesystem::exists(data / "lock", error);
+         std::filesystem::exists(data / database_mark, error);
 }
 
 tl::unexpected<Error> no_store(const std::filesystem::path& data) {
@@ -119,8 +120,13 @@ tl::unexpected<Error> no_store(const std::filesystem::path& data) {
 }
 
 Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options) {
+  if (!options.database.empty()) return open_postgres_store(data, std::move(options));
   if (!options.elapsed) options.elapsed = boot_clock;
   VACUFORM_TRY(lock, lock_data_folder(data));
+  std::error_code error;
+  if (std::filesystem::exists(data / database_mark, error))
+    return fail(Code::corrupt_file, "the jobs of this data folder are in PostgreSQL", data.string(),
+                "give their database with --store, or another folder with --data");
   auto room = DiskRoom::open(data, options.kept_free);
   VACUFORM_TRY(blobs, FileBlobs::open(data, room));
   auto store =

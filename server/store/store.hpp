@@ -101,6 +101,8 @@ class Store : public JobTable,
 };
 
 struct StoreOptions {
+  // "postgresql://user@host/database" keeps the rows there. Empty: in a file of SQLite in the data folder.
+  std::string database = {};
   Clock clock = wall_clock;  // for what is shown and kept
   // For leases and rests. None: boot_clock of this machine with SQLite, the clock of the database with PostgreSQL.
   Clock elapsed = {};
@@ -122,9 +124,13 @@ inline constexpr Millis longest_rest = 15 * 60'000;  // of a job after a fault
 bool has_store(const std::filesystem::path& data);
 tl::unexpected<Error> no_store(const std::filesystem::path& data);
 
+// Whether StoreOptions::database is empty or can be read, without a connection. It must not contain a password, which other
+// users of the machine could see among the arguments of the server. Errors: bad_usage.
+Result<void> check_database(const std::string& database);
+
 // Opens or creates the store in a folder; one process at a time (unavailable if another has it). Leases end at the
 // earliest a `lease` after that, so that workers which kept running while there was no server can continue. Errors:
-// unavailable, corrupt_file (not a store, or written by a newer version).
+// unavailable, corrupt_file (not a store, or written by a newer version), bad_usage (StoreOptions::database).
 Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options = {});
 
 }  // namespace vacuform

@@ -1,0 +1,296 @@
+#include "server/store/postgres_store.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "api/base/secrets.hpp"
+#include "server/store/file_blobs.hpp"
+#include "server/store/postgres_schema.hpp"
+#include "server/store/schema.hpp"
+#include "server/store/sqlite.hpp"
+
+namespace vacuform {
+
+namespace {
+
+constexpr int most_tries = 4;
+constexpr std::chrono::seconds poll_for_changes(2);
+
+// Longer with every try, and random, so that two changes that met do not meet again.
+void pause_before(int attempt) {
+  const auto chance = static_cast<int>(std::stoul(random_hex(2), nullptr, 16) % 50);
+  std::this_thread::sleep_for(std::chrono::milliseconds((20 << attempt) + chance));
+}
+
+// The clock of the database in milliseconds, unless the argument names a time.
+#define VACUFORM_NOW \
+  "coalesce(CAST(?1 AS bigint), CAST(extract(epoch FROM clock_timestamp())*1000 AS bigint))"
+
+constexpr const char* time_now = "SELECT " VACUFORM_NOW;
+constexpr const char* renew_lease = "INSERT INTO lease(job, ends) VALUES(?3, " VACUFORM_NOW
+                                    "+?2) ON CONFLICT(job) DO UPDATE SET ends=excluded.ends";
+// Leases that are to end at once have the end 0, which no hold delays.
+constexpr const char* leases_over =
+    "SELECT job FROM lease WHERE ends=0 OR (CAST(?2 AS integer)=0 AND ends<=" VACUFORM_NOW ")";
+constexpr const char* locked_leases_over =
+    "SELECT lease.job FROM lease JOIN job ON job.id=lease.job WHERE lease.ends=0 OR (CAST(?2 AS integer)=0"
+    " AND lease.ends<=" VACUFORM_NOW ") FOR UPDATE SKIP LOCKED";
+constexpr const char* leases_left = "SELECT job, ends-" VACUFORM_NOW " FROM lease WHERE ends>" VACUFORM_NOW;
+
+#undef VACUFORM_NOW
+
+constexpr int rows_at_once = 1000;
+
+std::string insertion(const CopiedTable& table) {
+  const std::string columns = table.columns;
+  std::string marks = "?";
+  for (auto n = std::count(columns.begin(), columns.end(), ','); n > 0; --n) marks += ",?";
+  return "INSERT INTO " + std::string(table.name) + "(" + columns + ") VALUES(" + marks + ")";
+}
+
+// One table of a copy, `rows_at_once` at a time; `copied` is called in between.
+Result<void> copy_table(PostgresConnection& from, const CopiedTable& table, Statement* target,
+                        const std::function<Result<void>()>& copied) {
+  const std::string name = std::string("copied_") + table.name;
+  const std::string fetch = "FETCH " + std::to_string(rows_at_once) + " FROM " + name;
+  VACUFORM_CHECK(
+      from.execute("DECLARE " + name + " CURSOR FOR SELECT " + table.columns + " FROM " + table.name));
+  for (;;) {
+    VACUFORM_TRY(rows, from.rows_of(fetch));
+    if (rows.empty()) return {};
+    for (const auto& row : rows) {
+      for (std::size_t i = 0; i < row.size(); ++i)
+        if (row[i]) target->bind(static_cast<int>(i) + 1, std::string_view(*row[i]));
+      const auto stepped = target->step();
+      target->reset();
+      if (!stepped) return tl::make_unexpected(stepped.error());
+    }
+    if (rows.size() == rows_at_once) VACUFORM_CHECK(copied());
+  }
+}
+
+}  // namespace
+
+PostgresStore::PostgresStore(StoreOptions options, std::shared_ptr<DiskRoom> room,
+                             std::unique_ptr<BlobStore> blobs, File lock)
+    : SqlStore(std::move(options), std::move(room), std::move(blobs), poll_for_changes),
+      lock_(std::move(lock)),
+      pool_(options_.database) {
+  pool_.on_recovery([this] { leases_.hold(); });
+}
+
+Result<void> PostgresStore::open(const std::filesystem::path& data) {
+  leases_.hold();
+  for (int attempt = 1;; ++attempt) {
+    bool again = false;
+    const auto changed = pool_.with([&](PostgresConnection& connection) {
+      auto result = bring_postgres_up_to_date(connection);
+      again = connection.may_try_again();
+      return result;
+    });
+    if (changed) break;
+    if (!again || attempt == most_tries) return changed;
+    pause_before(attempt);
+  }
+  VACUFORM_CHECK(match_folder(data));
+  const auto looked = look_at_rows([&](Database& db) -> Result<void> {
+    Query newest(db, "SELECT max(created) FROM job");
+    VACUFORM_TRY(found, newest.row());
+    if (found) ids_after(newest.integer(0));
+    return {};
+  });
+  VACUFORM_CHECK(looked);
+  // A crash may have come between a file and the row that names it.
+  VACUFORM_CHECK(sweep_blobs());
+  announcements_ = std::make_unique<PostgresNews>(pool_, news());
+  return {};
+}
+
+Result<void> PostgresStore::look_at_rows(const Look& look) {
+  for (int attempt = 1;; ++attempt) {
+    bool again = false;
+    const auto looked = pool_.with([&](PostgresConnection& connection) {
+      auto result = look(connection);
+      again = connection.may_try_again();
+      return result;
+    });
+    if (looked || !again || attempt == most_tries) return looked;
+    pause_before(attempt);
+  }
+}
+
+Result<PostgresStore::Outcome> PostgresStore::change_once(PostgresConnection& connection,
+                                                          const Change& change) {
+  if (const auto begun = connection.execute("BEGIN"); !begun) {
+    if (connection.may_try_again()) return Outcome::again;
+    return tl::make_unexpected(begun.error());
+  }
+  const bool wanted = change(connection);
+  if (!wanted || connection.failed()) {
+    (void)connection.execute("ROLLBACK");
+    if (connection.may_try_again()) return Outcome::again;
+    if (!wanted) return Outcome::refused;
+    return fail(Code::unavailable, "the database refused a part of a change", {},
+                "see the log of the database");
+  }
+  const auto committed = connection.execute("COMMIT");
+  if (committed) return Outcome::done;
+  if (!connection.lost() && connection.may_try_again()) return Outcome::again;
+  if (!connection.lost()) return tl::make_unexpected(committed.error());
+  return fail(Code::unavailable, "the database did not confirm a change, which may be made all the same", {},
+              "repeat the request with the same idempotency key or lease");
+}
+
+Result<void> PostgresStore::change_rows(const Change& change) {
+  for (int attempt = 1;; ++attempt) {
+    Outcome outcome = Outcome::refused;
+    const auto used = pool_.with([&](PostgresConnection& connection) -> Result<void> {
+      VACUFORM_TRY(one, change_once(connection, change));
+      outcome = one;
+      return {};
+    });
+    VACUFORM_CHECK(used);
+    if (outcome != Outcome::again) return {};
+    if (attempt == most_tries)
+      return fail(Code::unavailable, "the database could not make a change", {}, "try again later");
+    pause_before(attempt);
+  }
+}
+
+// The start deletes blobs that no row names, so the folder and the database must belong together. Both keep the same
+// number.
+Result<void> PostgresStore::match_folder(const std::filesystem::path& data) {
+  const std::filesystem::path file = data / database_mark;
+  std::string mark;
+  if (const auto text = read_text_file(file, 64); text)
+    mark = text->substr(0, text->find('\n'));
+  else if (text.error().code != Code::not_found)
+    return tl::make_unexpected(text.error());
+  std::string found;
+  bool jobs = false;
+  const auto looked = change_rows([&](Database& db) {
+    const auto number = std::to_string(random_number() & 0x7fffffff);
+    if (!Query(db, "INSERT INTO remembered(name, value) VALUES('database', ?) ON CONFLICT(name) DO NOTHING",
+               number)
+             .run())
+      return false;
+    Query query(db, "SELECT value, EXISTS(SELECT 1 FROM job) FROM remembered WHERE name='database'");
+    if (!query.row().value_or(false)) return false;
+    found = query.text(0);
+    jobs = query.text(1) == "t";
+    return true;
+  });
+  VACUFORM_CHECK(looked);
+  if (found.empty()) return fail(Code::unavailable, "the database cannot be used", {}, "see its log");
+  if (mark == found) return {};
+  if (!mark.empty())
+    return fail(Code::corrupt_file, "the data folder belongs to another database", data.string(),
+                "give the database of this folder with --store, or another folder with --data");
+  std::error_code error;
+  if (std::filesystem::exists(data / "jobs.sqlite", error))
+    return fail(Code::corrupt_file, "the jobs of this data folder are in SQLite", data.string(),
+                "leave --store out, or give an empty folder with --data");
+  if (jobs)
+    return fail(Code::corrupt_file, "the files of the jobs in the database are in another data folder",
+                data.string(), "give that folder with --data, or an empty database with --store");
+  return write_text_file(file, found + "\n");
+}
+
+std::int64_t PostgresStore::schema_version() const { return newest_postgres_schema; }
+
+Result<std::string> PostgresStore::durability(Database& db) {
+  // pg_stat_replication hides its columns from users without the right to read statistics.
+  Query query(db,
+              "SELECT current_setting('synchronous_standby_names')<>''"
+              " AND current_setting('synchronous_commit') IN ('on','remote_apply')"
+              " AND EXISTS(SELECT 1 FROM pg_stat_replication WHERE sync_state IN ('sync','quorum'))");
+  VACUFORM_CHECK(query.row());
+  return std::string(query.text(0) == "t" ? "synchronous" : "local");
+}
+
+Result<void> PostgresStore::copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) {
+  std::vector<std::string> insertions;  // outlive the statements
+  for (const CopiedTable& table : copied_tables()) insertions.push_back(insertion(table));
+  SqliteDatabase copy;
+  VACUFORM_CHECK(copy.open(file.string()));
+  VACUFORM_CHECK(bring_up_to_date(copy));
+  VACUFORM_CHECK(copy.execute("BEGIN"));
+  const auto go_on = [&]() -> Result<void> {
+    if (going()) return {};
+    return fail(Code::cancelled, "the copy was cancelled");
+  };
+  const auto all = pool_.with([&](PostgresConnection& connection) -> Result<void> {
+    VACUFORM_CHECK(connection.execute("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"));
+    Result<void> copied;
+    for (std::size_t i = 0; copied && i < insertions.size(); ++i) {
+      VACUFORM_TRY(target, copy.prepared(insertions[i].c_str()));
+      copied = copy_table(connection, copied_tables()[i], target, go_on);
+    }
+    const auto ended = connection.execute("ROLLBACK");
+    return copied ? ended : copied;
+  });
+  VACUFORM_CHECK(all);
+  VACUFORM_CHECK(go_on());
+  return copy.execute("COMMIT");
+}
+
+void PostgresStore::Leases::hold() { held_until_ = elapsed() + options_.lease; }
+
+std::optional<Millis> PostgresStore::Leases::set_time() const {
+  if (options_.elapsed) return options_.elapsed();
+  return std::nullopt;
+}
+
+Result<Millis> PostgresStore::Leases::now(Database& db) {
+  if (const auto time = set_time()) return *time;
+  Query query(db, time_now, set_time());
+  VACUFORM_CHECK(query.row());
+  return query.integer(0);
+}
+
+Result<void> PostgresStore::Leases::renew(Database& db, const std::string& job) {
+  return Query(db, renew_lease, set_time(), options_.lease, job).run();
+}
+
+Result<void> PostgresStore::Leases::end(Database& db, const std::string& job) {
+  return Query(db, "UPDATE lease SET ends=0 WHERE job=?", job).run();
+}
+
+Result<void> PostgresStore::Leases::forget(Database& db, const std::string& job) {
+  return Query(db, "DELETE FROM lease WHERE job=?", job).run();
+}
+
+Result<std::vector<std::string>> PostgresStore::Leases::over(Database& db, bool lock) {
+  const int held = elapsed() < held_until_ ? 1 : 0;
+  Query query(db, lock ? locked_leases_over : leases_over, set_time(), held);
+  std::vector<std::string> jobs;
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return jobs;
+    jobs.push_back(query.text(0));
+  }
+}
+
+Result<std::vector<LeaseTimes::Current>> PostgresStore::Leases::current(Database& db) {
+  const Millis now = options_.clock();
+  Query query(db, leases_left, set_time());
+  std::vector<Current> leases;
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return leases;
+    leases.push_back({query.text(0), now - (options_.lease - query.integer(1))});
+  }
+}
+
+Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& data, StoreOptions options) {
+  VACUFORM_CHECK(check_database(options.database));
+  VACUFORM_TRY(lock, lock_data_folder(data));
+  auto room = DiskRoom::open(data, options.kept_free);
+  VACUFORM_TRY(blobs, FileBlobs::open(data, room));
+  auto store =
+      std::make_unique<PostgresStore>(std::move(options), std::move(room), std::move(blobs), std::move(lock));
+  VACUFORM_CHECK(store->open(data));
+  return std::unique_ptr<Store>(std::move(store));
+}
+
+}  // namespace vacuform

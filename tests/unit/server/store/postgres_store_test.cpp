@@ -1,0 +1,364 @@
+// The store on PostgreSQL: the promises that every store keeps (store_fixture.hpp), and what is special to a database that
+// can be lost, restarted and shared.
+#include "server/store/postgres_store.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/store/postgres_schema.hpp"
+#include "tests/unit/server/store/postgres_server.hpp"
+#include "tests/unit/server/store/store_fixture.hpp"
+
+namespace vacuform {
+namespace {
+
+using namespace std::chrono_literals;
+
+// One schema for each data folder of a test.
+Result<std::unique_ptr<Store>> open_in_postgres(const fs::path& data, StoreOptions options) {
+  std::string schema = data.parent_path().filename().string();
+  std::replace(schema.begin(), schema.end(), '-', '_');
+  options.database = PostgresServer::get().url(schema);
+  return open_store(data, std::move(options));
+}
+
+INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Postgres", open_in_postgres}),
+                         [](const auto& backend) { return backend.param.name; });
+
+class PostgresStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(start_secrets());
+    folder_ = fs::temp_directory_path() / ("vacuform-postgres-" + random_hex(8));
+    url_ = PostgresServer::get().url(schema_);
+  }
+  void TearDown() override {
+    PostgresServer::get().answer("DROP SCHEMA " + schema_ + " CASCADE");
+    fs::remove_all(folder_);
+  }
+
+  // Each server has its own data folder, and all share the database.
+  std::unique_ptr<Store> server(const std::string& name, StoreOptions options = {}) {
+    options.database = url_;
+    options.backoff = 0;
+    auto store = open_store(folder_ / name, std::move(options));
+    EXPECT_TRUE(store) << store.error().text();
+    return store ? std::move(*store) : nullptr;
+  }
+  static Result<Job> submit(Store& store, const std::string& key = "", const std::string& owner = "a") {
+    NewJob job{"{}", key};
+    job.owner = owner;
+    return store.create(std::move(job));
+  }
+  std::string psql(const std::string& sql) const {
+    return PostgresServer::get().answer("SET search_path=" + schema_ + "; " + sql);
+  }
+  static bool hears(Store& store) {
+    return eventually([&] { return dynamic_cast<PostgresStore&>(store).hears(); });
+  }
+
+  fs::path folder_;
+  const std::string schema_ = std::string("test_").append(random_hex(8));
+  std::string url_;
+};
+
+TEST(PostgresSql, NumbersArgumentsAndDropsWhatIsForSqliteAlone) {
+  EXPECT_EQ(postgres_sql("SELECT id FROM job INDEXED BY job_raised WHERE a=? AND b=?"),
+            "SELECT id FROM job WHERE a=$1 AND b=$2");
+  EXPECT_EQ(postgres_sql("VALUES(?1, ?2, ?1)"), "VALUES($1, $2, $1)");
+  EXPECT_EQ(postgres_sql("SELECT 1 FROM job INDEXED BY job_queue"), "SELECT 1 FROM job");
+}
+
+TEST(PostgresUrl, IsRefusedWithAPasswordOrWhenItCannotBeRead) {
+  EXPECT_TRUE(check_database(""));
+  EXPECT_TRUE(check_database("postgresql://vacuform@db.example.org,db2.example.org/vacuform"));
+  for (const char* url : {"postgresql://vacuform:open-sesame@db.example.org/vacuform",
+                          "postgresql://db.example.org/vacuform?password=open-sesame",
+                          "postgresql://vacuform:open-sesame%zz@db/vacuform", "mysql://open-sesame"}) {
+    const auto checked = check_database(url);
+    ASSERT_FALSE(checked) << url;
+    EXPECT_EQ(checked.error().code, Code::bad_usage);
+    EXPECT_EQ(checked.error().text().find("open-sesame"), std::string::npos) << checked.error().text();
+  }
+}
+
+TEST_F(PostgresStoreTest, SaysWhenTheDatabaseCannotBeReached) {
+  StoreOptions options;
+  options.database = "postgresql://vacuform@/postgres?host=/nowhere";
+  const auto store = open_store(folder_ / "one", options);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Code::unavailable);
+  EXPECT_EQ(store.error().what, "the database cannot be reached");
+}
+
+TEST_F(PostgresStoreTest, ServersThatStartTogetherMakeTheTablesOnce) {
+  std::vector<std::thread> starts;
+  for (int i = 0; i < 4; ++i)
+    starts.emplace_back([&, i] { EXPECT_TRUE(server("server-" + std::to_string(i))); });
+  for (auto& start : starts) start.join();
+  EXPECT_EQ(psql("SELECT count(*), max(version) FROM vacuform_tables"),
+            std::string("1|").append(std::to_string(newest_postgres_schema)).append("\n"));
+}
+
+TEST_F(PostgresStoreTest, RefusesTablesOfANewerVersion) {
+  ASSERT_TRUE(server("one"));
+  psql("UPDATE vacuform_tables SET version=version+1");
+  StoreOptions options;
+  options.database = url_;
+  const auto store = open_store(folder_ / "one", options);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, Code::corrupt_file);
+  EXPECT_NE(store.error().what.find("this server knows"), std::string::npos) << store.error().what;
+}
+
+TEST_F(PostgresStoreTest, ThirtyTwoThreadsOfTwoServersLeaseEachJobOnce) {
+  const auto one = server("one"), two = server("two");
+  constexpr int jobs = 200;
+  for (int i = 0; i < jobs; ++i) ASSERT_TRUE(submit(*one, "", "owner-" + std::to_string(i % 5)));
+  std::mutex mutex;
+  std::multiset<std::string> leased;
+  std::vector<std::thread> workers;
+  for (int i = 0; i < 32; ++i)
+    workers.emplace_back([&, i] {
+      Store& store = i % 2 == 0 ? *one : *two;
+      for (;;) {
+        const auto lease = store.lease("worker");
+        ASSERT_TRUE(lease) << lease.error().text();
+        if (!*lease) return;  // every queued job is taken, or is being taken
+        const auto ended = store.fail_job({(*lease)->job.id, (*lease)->token}, {}, Retry::never);
+        ASSERT_TRUE(ended) << ended.error().text();
+        const std::lock_guard hold(mutex);
+        leased.insert((*lease)->job.id);
+      }
+    });
+  for (auto& worker : workers) worker.join();
+  EXPECT_EQ(leased.size(), static_cast<std::size_t>(jobs));
+  EXPECT_EQ(std::set<std::string>(leased.begin(), leased.end()).size(), static_cast<std::size_t>(jobs));
+  EXPECT_EQ(psql("SELECT sum(queued), sum(running) FROM submitter"), "0|0\n");
+  EXPECT_EQ(psql("SELECT count(*) FROM lease"), "0\n");
+}
+
+TEST_F(PostgresStoreTest, OneKeySentToTwoServersAtOnceMakesOneJob) {
+  const auto one = server("one"), two = server("two");
+  std::mutex mutex;
+  std::set<std::string> ids;
+  std::vector<std::thread> clients;
+  for (int i = 0; i < 16; ++i)
+    clients.emplace_back([&, i] {
+      const auto job = submit(i % 2 == 0 ? *one : *two, "key-0001");
+      ASSERT_TRUE(job) << job.error().text();
+      const std::lock_guard hold(mutex);
+      ids.insert(job->id);
+    });
+  for (auto& client : clients) client.join();
+  EXPECT_EQ(ids.size(), 1u);
+}
+
+// Two servers write lines into one job's log; a client that has read up to a number misses none.
+TEST_F(PostgresStoreTest, TheLinesOfALogAreNumberedWithoutGaps) {
+  const auto one = server("one"), two = server("two");
+  const std::string id = submit(*one)->id;
+  std::atomic<bool> done{false};
+  std::vector<std::int64_t> seen;
+  std::thread reader([&] {
+    while (!done || seen.size() < 81) {
+      const auto lines = two->log_after(id, seen.empty() ? 0 : seen.back(), 100);
+      ASSERT_TRUE(lines);
+      for (const LogLine& line : *lines) seen.push_back(line.number);
+    }
+  });
+  std::vector<std::thread> writers;
+  for (int i = 0; i < 4; ++i)
+    writers.emplace_back([&, i] {
+      Store& store = i % 2 == 0 ? *one : *two;
+      for (int k = 0; k < 10;) {
+        const auto lease = store.lease("worker");
+        ASSERT_TRUE(lease) << lease.error().text();
+        if (!*lease) continue;
+        ASSERT_TRUE(store.release({(*lease)->job.id, (*lease)->token}));
+        ++k;
+      }
+    });
+  for (auto& writer : writers) writer.join();
+  done = true;
+  reader.join();
+  ASSERT_EQ(seen.size(), 81u);  // queued, and two lines for each of forty leases
+  for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], static_cast<std::int64_t>(i) + 1);
+}
+
+TEST_F(PostgresStoreTest, AWaiterHearsOfAChangeThatAnotherServerMakes) {
+  const auto one = server("one"), two = server("two");
+  ASSERT_TRUE(hears(*one) && hears(*two));
+  for (int i = 0; i < 3; ++i) {
+    const Job made = *submit(*one);
+    std::thread other([&] {
+      std::this_thread::sleep_for(100ms);
+      EXPECT_TRUE(two->cancel(made.id));
+    });
+    const auto begun = std::chrono::steady_clock::now();
+    EXPECT_EQ(one->wait_for_change(made.id, made.version, 1h)->state, JobState::cancelled);
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, 1500ms);  // sooner than it looks by itself
+    other.join();
+  }
+}
+
+TEST_F(PostgresStoreTest, AWaiterFindsAChangeWithoutANotification) {
+  const auto one = server("one");
+  const Job made = *submit(*one);
+  std::thread other([&] {
+    std::this_thread::sleep_for(100ms);
+    psql("UPDATE job SET version=version+1");
+  });
+  EXPECT_GT(one->wait_for_change(made.id, made.version, 1h)->version, made.version);
+  other.join();
+}
+
+// A machine whose clock is wrong by an hour neither ends leases nor extends them.
+TEST_F(PostgresStoreTest, LeasesEndByTheClockOfTheDatabase) {
+  for (const Millis wrong : {3'600'000, -3'600'000}) {
+    StoreOptions options;
+    options.lease = 700;
+    options.clock = [wrong] { return wall_clock() + wrong; };
+    const auto good = server("good"), bad = server("bad", options);
+    const std::string id = submit(*good)->id;
+    const auto lease = *bad->lease("worker");
+    ASSERT_TRUE(lease);
+    const LeaseKey key{id, lease->token};
+    for (int i = 0; i < 4; ++i) {
+      std::this_thread::sleep_for(300ms);
+      EXPECT_TRUE(bad->heartbeat(key, Stage::scan, 0.1 * i));
+      EXPECT_TRUE(bad->expire()->empty());
+    }
+    EXPECT_TRUE(eventually([&] { return !bad->expire()->empty(); }));
+    EXPECT_EQ(bad->heartbeat(key, Stage::scan, 1).error().code, Code::lease_lost);
+    ASSERT_TRUE(bad->cancel(id) && bad->remove(id));
+  }
+}
+
+TEST_F(PostgresStoreTest, AServerWithoutItsDatabaseSaysSoAndRecovers) {
+  const auto store = server("one");
+  const Job before = *submit(*store, "key-0001");
+  const auto lease = *store->lease("worker");
+  PostgresServer::get().kill();
+  const auto begun = std::chrono::steady_clock::now();
+  EXPECT_EQ(store->counts().error().code, Code::unavailable);
+  EXPECT_EQ(submit(*store, "key-0002").error().code, Code::unavailable);
+  EXPECT_EQ(store->heartbeat({lease->job.id, lease->token}, Stage::scan, 0).error().code, Code::unavailable);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, 20s);
+  PostgresServer::get().start();
+  EXPECT_EQ(submit(*store, "key-0001")->id, before.id);
+  EXPECT_TRUE(submit(*store, "key-0002"));
+  EXPECT_TRUE(store->heartbeat({lease->job.id, lease->token}, Stage::scan, 0));
+  EXPECT_TRUE(hears(*store));
+}
+
+// After an outage longer than a lease, every lease looks as if it had ended.
+TEST_F(PostgresStoreTest, NoLeaseEndsRightAfterAnOutage) {
+  StoreOptions options;
+  options.lease = 3000;
+  const auto store = server("one", options);
+  ASSERT_TRUE(submit(*store));
+  const auto lease = *store->lease("worker");
+  PostgresServer::get().kill();
+  EXPECT_FALSE(store->counts());
+  std::this_thread::sleep_for(3500ms);
+  PostgresServer::get().start();
+  EXPECT_TRUE(store->expire()->empty());
+  EXPECT_TRUE(store->heartbeat({lease->job.id, lease->token}, Stage::scan, 0));
+}
+
+TEST_F(PostgresStoreTest, WhatWasAcknowledgedSurvivesAKilledDatabase) {
+  const auto store = server("one");
+  for (int round = 0; round < 3; ++round) {
+    std::mutex mutex;
+    std::map<std::string, std::string> acknowledged;  // id by key
+    std::set<std::string> sent;
+    std::atomic<bool> killed{false};
+    std::vector<std::thread> clients;
+    for (int i = 0; i < 8; ++i)
+      clients.emplace_back([&, i] {
+        for (int k = 0; !killed; ++k) {
+          const std::string key = std::to_string(round) + "-" + std::to_string(i) + "-" + std::to_string(k);
+          {
+            const std::lock_guard hold(mutex);
+            sent.insert(key);
+          }
+          const auto job = submit(*store, key);
+          const std::lock_guard hold(mutex);
+          if (job) acknowledged[key] = job->id;
+        }
+      });
+    std::this_thread::sleep_for(300ms);
+    PostgresServer::get().kill();
+    killed = true;
+    for (auto& client : clients) client.join();
+    PostgresServer::get().start();
+    EXPECT_GT(acknowledged.size(), 8u);
+    for (const std::string& key : sent) {
+      const auto again = submit(*store, key);  // what a client does that got no answer
+      ASSERT_TRUE(again) << again.error().text();
+      if (acknowledged.count(key) > 0) {
+        EXPECT_EQ(again->id, acknowledged[key]);
+      }
+    }
+    EXPECT_EQ(psql("SELECT count(*) FROM job WHERE client_key LIKE 'a/" + std::to_string(round) + "-%'"),
+              std::to_string(sent.size()) + "\n");
+  }
+}
+
+// The connection is lost in the commit: nobody knows whether the change is made.
+TEST_F(PostgresStoreTest, AnUnansweredCommitIsNotRepeatedButTheClientMayRepeatIt) {
+  const auto store = server("one");
+  psql(
+      "CREATE SEQUENCE commits;"
+      "CREATE FUNCTION lose() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN"
+      " IF nextval('commits')=1 THEN PERFORM pg_terminate_backend(pg_backend_pid()); END IF; RETURN NULL; "
+      "END $$;"
+      "CREATE CONSTRAINT TRIGGER lose AFTER INSERT ON job DEFERRABLE INITIALLY DEFERRED FOR EACH ROW"
+      " EXECUTE FUNCTION lose()");
+  const auto unknown = submit(*store, "key-0001");
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, Code::unavailable);
+  EXPECT_NE(unknown.error().what.find("may be made"), std::string::npos) << unknown.error().what;
+  EXPECT_TRUE(submit(*store, "key-0001"));
+  EXPECT_EQ(psql("SELECT count(*) FROM job"), "1\n");
+}
+
+TEST_F(PostgresStoreTest, AConnectionLostBeforeTheCommitIsReplaced) {
+  const auto store = server("one");
+  ASSERT_TRUE(submit(*store));
+  psql("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE application_name='vacuform-server'");
+  EXPECT_TRUE(submit(*store));
+  EXPECT_TRUE(hears(*store));
+}
+
+// The start deletes files that no job names: it must not see the wrong jobs.
+TEST_F(PostgresStoreTest, ADataFolderOpensOnlyWithItsOwnDatabase) {
+  const auto refusal = [&](const std::string& folder, const std::string& database) {
+    StoreOptions options;
+    options.database = database;
+    const auto store = open_store(folder_ / folder, options);
+    return store ? std::string("none") : store.error().what;
+  };
+  ASSERT_TRUE(open_store(folder_ / "sqlite"));
+  const auto in_postgres = server("one");
+  NewJob job{"{}"};
+  auto upload = *in_postgres->upload();
+  ASSERT_TRUE(upload.write("a scan"));
+  job.add("scan", std::move(upload), "stl");
+  const Blob blob = in_postgres->create(std::move(job))->inputs.at(0).blob;
+  EXPECT_EQ(refusal("one", ""), "the jobs of this data folder are in PostgreSQL");
+  EXPECT_EQ(refusal("sqlite", url_), "the jobs of this data folder are in SQLite");
+  EXPECT_EQ(refusal("new", url_), "the files of the jobs in the database are in another data folder");
+  const std::string other = PostgresServer::get().url(schema_ + "_other");
+  EXPECT_EQ(refusal("other", other), "none");
+  EXPECT_EQ(refusal("other", url_), "the data folder belongs to another database");
+  PostgresServer::get().answer("DROP SCHEMA " + schema_ + "_other CASCADE");
+  EXPECT_TRUE(in_postgres->open(blob));
+}
+
+TEST_F(PostgresStoreTest, SaysThatACommitIsOnOneMachineAlone) {
+  EXPECT_EQ(server("one")->status()->durability, "local");
+}
+
+}  // namespace
+}  // namespace vacuform
