@@ -18,9 +18,9 @@ class BackupCommand {
  public:
   void add_to(CLI::App& app);
   bool asked() const;
-  // `configured_data` is the folder of the jobs where --data names none. Errors: bad_usage (the folder is not empty),
+  // `configured_data` is the folder of the jobs where --data names none, `database` as StoreOptions::database. Errors: bad_usage (the folder is not empty),
   // unavailable, internal (something was left out, being damaged).
-  Result<void> run(const std::filesystem::path& configured_data) const;
+  Result<void> run(const std::filesystem::path& configured_data, const std::string& database) const;
 
  private:
   CLI::App* command_ = nullptr;

@@ -52,6 +52,7 @@ Result<void> check(const Configuration& configuration) {
     return fail(Code::bad_usage, "not the address of a TLS front: " + configuration.front, "--front",
                 "give for example https://vacuform.example.org");
   VACUFORM_CHECK(listen_address(configuration.listen, "--listen", configuration.front));
+  VACUFORM_CHECK(check_database(configuration.store));
   VACUFORM_CHECK(listen_address(configuration.status_listen, "--status-listen", configuration.front));
   if (!configuration.worker_user.empty() && ::geteuid() != 0)
     return fail(Code::bad_usage, "only root can start workers as another user", "--worker-user",
@@ -74,6 +75,12 @@ void Configuration::add_to(ConfigurationSources& sources) {
       "The TLS front through which other machines come, as https://NAME: requests under that name are "
       "answered, and --listen may lie beyond loopback");
   sources.add("data", &data, "Folder of the jobs, made when absent");
+  sources
+      .add("store", &store,
+           "PostgreSQL database that keeps the jobs, as postgresql://USER@HOST/DATABASE without a password, "
+           "instead "
+           "of a file of SQLite in --data; scans and results stay in --data")
+      ->type_name("URL");
   sources.add("workers", &workers, "Workers to start on this machine")->check(CLI::Range(0, 256));
   sources
       .add("lease_seconds", &lease_seconds,

@@ -14,6 +14,7 @@ struct Configuration {
   std::string status_listen = "127.0.0.1:0";
   std::string front;  // "https://vacuform.example.org", the TLS front; empty: no front
   std::filesystem::path data = "vacuform-data";
+  std::string store;  // "postgresql://user@host/database"; empty: SQLite in `data`
   int workers = 0;
   int lease_seconds = 30;
   std::filesystem::path worker_program;  // empty until add_to(): vacuform-worker beside this program

@@ -125,6 +125,7 @@ Result<void> serve(const Configuration& options) {
   Metrics metrics;
   StoreOptions store_options;
   store_options.job_ended = [&metrics](const Job& job) { metrics.job_ended(job); };
+  store_options.database = options.store;
   store_options.lease = options.lease_seconds * Millis{1000};
   VACUFORM_TRY(store, open_store(options.data, store_options));
   VACUFORM_TRY(kept, KeptFolder::open(options.data, *store));
@@ -197,8 +198,8 @@ Result<void> serve(const Configuration& options) {
 Result<void> run(ConfigurationSources& sources, const Configuration& configuration, TokenCommand& token,
                  BackupCommand& backup, int argc, char** argv) {
   VACUFORM_CHECK(sources.read(argc, argv));
-  if (token.asked()) return token.run(configuration.data);
-  if (backup.asked()) return backup.run(configuration.data);
+  if (token.asked()) return token.run(configuration.data, configuration.store);
+  if (backup.asked()) return backup.run(configuration.data, configuration.store);
   if (!sources.only_check()) return serve(configuration);
   VACUFORM_CHECK(check(configuration));
   std::printf("%s\n", sources.text().c_str());

@@ -20,11 +20,11 @@ std::uintmax_t room(const Status& status) {
 }
 
 Result<Response> ready(const Status& status) {
-  VACUFORM_CHECK(status.store.counts());
+  VACUFORM_TRY(store, status.store.status());
   if (room(status) == 0 || !status.store.room_for(0))
     return fail(Code::unavailable, "the disk of the data folder is nearly full", "--data",
                 "delete jobs that are no longer needed, or move the folder to a larger disk");
-  return json_response({{"status", "ready"}});
+  return json_response({{"status", "ready"}, {"durability", store.durability}});
 }
 
 Result<Response> metrics(const Status& status) {

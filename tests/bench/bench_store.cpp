@@ -1,7 +1,9 @@
 // Measures the store alone, without HTTP: jobs per second from submission through a lease to their end, and the cost of
-// a long queue. Every answer is durable: SQLite in WAL mode with synchronous=FULL; concurrent changes share one flush.
+// a long queue. Every answer is durable: SQLite in WAL mode with synchronous=FULL, where concurrent changes share one flush;
+// or PostgreSQL with its own settings.
 //
-// bench_store [FOLDER]      folder of the store, whose disk is flushed; default: the folder for temporary files
+// bench_store [FOLDER [DATABASE]]   folder of the store, whose disk is flushed; default: the folder for temporary files.
+//                                   DATABASE: an empty one, as postgresql://user@host/database
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -71,13 +73,15 @@ int main(int argc, char** argv) {
       "vacuform-bench-store";
   std::filesystem::remove_all(folder);
   StoreOptions options;
+  if (argc > 2) options.database = argv[2];
   options.most_queued = options.most_queued_by_owner = 1'000'000;
   auto store = sound(open_store(folder, options));
   const Job model = with_files(*store);
-  std::printf("Flush mode: WAL, synchronous=FULL, group commit; store in %s\n", folder.c_str());
+  std::printf("%s; store in %s\n", argc > 2 ? "PostgreSQL" : "SQLite: WAL, synchronous=FULL, group commit",
+              folder.c_str());
 
   std::printf("\n%10s %14s %20s\n", "threads", "cycles/s", "(submit+lease+end)");
-  for (const int threads : {1, 8, 64}) {
+  for (const int threads : {1, 8, 32, 64}) {
     constexpr double wanted = 4;
     std::atomic<int> done{0};
     const auto until = std::chrono::steady_clock::now() + Seconds(wanted);
