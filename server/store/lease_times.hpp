@@ -10,7 +10,7 @@
 
 namespace vacuform {
 
-// Each function is called within a look at the rows, or a change of them; `db` is its connection.
+// A function with `db` is called within a look at the rows, or a change of them; `db` is its connection.
 class LeaseTimes {
  public:
   struct Current {
@@ -27,6 +27,8 @@ class LeaseTimes {
   virtual Result<void> ended(Database& db, const std::string& job) = 0;
   // The job has no lease.
   virtual Result<void> forget(Database& db, const std::string& job) = 0;
+  // Whether over() would give no job, as far as that is known without the database. From any thread.
+  virtual bool surely_none_over() const = 0;
   // The jobs whose leases are over, and maybe some that have no lease. With `lock`, nobody else changes them until the
   // transaction has ended, and those that another transaction changes are left out.
   virtual Result<std::vector<std::string>> over(Database& db, bool lock) = 0;

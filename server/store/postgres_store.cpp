@@ -234,6 +234,8 @@ Result<void> PostgresStore::copy_rows(const std::filesystem::path& file, const s
   return copy.execute("COMMIT");
 }
 
+bool PostgresStore::Leases::surely_none_over() const { return elapsed() < none_until_; }
+
 void PostgresStore::Leases::hold() { held_until_ = elapsed() + options_.lease; }
 
 std::optional<Millis> PostgresStore::Leases::set_time() const {
@@ -253,6 +255,7 @@ Result<void> PostgresStore::Leases::renew(Database& db, const std::string& job) 
 }
 
 Result<void> PostgresStore::Leases::end(Database& db, const std::string& job) {
+  none_until_ = 0;
   return Query(db, "UPDATE lease SET ends=0 WHERE job=?", job).run();
 }
 
@@ -261,14 +264,17 @@ Result<void> PostgresStore::Leases::forget(Database& db, const std::string& job)
 }
 
 Result<std::vector<std::string>> PostgresStore::Leases::over(Database& db, bool lock) {
-  const int held = elapsed() < held_until_ ? 1 : 0;
+  const Millis asked = elapsed();
+  const int held = asked < held_until_ ? 1 : 0;
   Query query(db, lock ? locked_leases_over : leases_over, set_time(), held);
   std::vector<std::string> jobs;
   for (;;) {
     VACUFORM_TRY(more, query.row());
-    if (!more) return jobs;
+    if (!more) break;
     jobs.push_back(query.text(0));
   }
+  if (jobs.empty()) none_until_ = asked + 200;
+  return jobs;
 }
 
 Result<std::vector<LeaseTimes::Current>> PostgresStore::Leases::current(Database& db) {

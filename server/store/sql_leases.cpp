@@ -184,6 +184,7 @@ Result<std::vector<Expired>> SqlStore::bury(const std::string& worker) {
 
 // In a transaction of its own, so that no other waits for the jobs of lost workers.
 Result<std::vector<Expired>> SqlStore::end_leases() {
+  if (lease_times().surely_none_over()) return std::vector<Expired>();
   VACUFORM_TRY(some, read([&](Database& db) { return lease_times().over(db, false); }));
   if (some.empty()) return std::vector<Expired>();
   const Deletion deletion(*this);

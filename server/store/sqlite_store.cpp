@@ -70,39 +70,54 @@ Result<void> SqliteStore::Leases::open(Database& db) {
   for (;;) {
     VACUFORM_TRY(more, running.row());
     if (!more) break;
-    ends_[running.text(0)] = opened_elapsed_ + options_.lease;
+    set(running.text(0), opened_elapsed_ + options_.lease);
   }
   // The clock may have been set back since these were written.
   const Millis longest = opened_ + longest_rest;
   return Query(db, "UPDATE job SET not_before=?1 WHERE state='queued' AND not_before>?1", longest).run();
 }
 
+void SqliteStore::Leases::set(const std::string& job, std::optional<Millis> ends) {
+  const std::lock_guard hold(mutex_);
+  if (const auto old = ends_.find(job); old != ends_.end()) {
+    by_end_.erase({old->second, job});
+    ends_.erase(old);
+  }
+  if (!ends) return;
+  ends_[job] = *ends;
+  by_end_.insert({*ends, job});
+}
+
 Result<void> SqliteStore::Leases::renew(Database&, const std::string& job) {
-  ends_[job] = options_.elapsed() + options_.lease;
+  set(job, options_.elapsed() + options_.lease);
   return {};
 }
 
 Result<void> SqliteStore::Leases::end(Database&, const std::string& job) {
-  ends_[job] = std::numeric_limits<Millis>::min();
+  set(job, std::numeric_limits<Millis>::min());
   return {};
 }
 
 Result<void> SqliteStore::Leases::forget(Database&, const std::string& job) {
-  ends_.erase(job);
+  set(job, std::nullopt);
   return {};
 }
 
-Result<std::vector<std::string>> SqliteStore::Leases::over(Database&, bool) {
+std::vector<std::string> SqliteStore::Leases::all_over() const {
   const Millis now = options_.elapsed();
+  const std::lock_guard hold(mutex_);
   std::vector<std::string> jobs;
-  for (const auto& [job, ends] : ends_)
-    if (ends <= now) jobs.push_back(job);
+  for (const auto& [ends, job] : by_end_) {
+    if (ends > now) break;
+    jobs.push_back(job);
+  }
   return jobs;
 }
 
 Result<std::vector<LeaseTimes::Current>> SqliteStore::Leases::current(Database&) {
   const Millis elapsed = options_.elapsed(), now = options_.clock();
   std::vector<Current> leases;
+  const std::lock_guard hold(mutex_);
   for (const auto& [job, ends] : ends_)
     if (ends > elapsed) leases.push_back({job, now - (elapsed + options_.lease - ends)});
   return leases;

@@ -5,7 +5,11 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/store/group_commit.hpp"
@@ -44,15 +48,22 @@ class SqliteStore : public SqlStore {
     // The change may be undone: over() gives the job again, and then it is forgotten.
     Result<void> ended(Database&, const std::string&) override { return {}; }
     Result<void> forget(Database& db, const std::string& job) override;
-    Result<std::vector<std::string>> over(Database& db, bool lock) override;
+    // A worker's call must not wait for the transaction under way before it joins the next.
+    bool surely_none_over() const override { return all_over().empty(); }
+    Result<std::vector<std::string>> over(Database&, bool) override { return all_over(); }
     Result<std::vector<Current>> current(Database& db) override;
     // The wall clock at the time when the store was opened, plus the time elapsed since.
     Result<Millis> now(Database&) override { return opened_ + options_.elapsed() - opened_elapsed_; }
 
    private:
+    std::vector<std::string> all_over() const;
+    void set(const std::string& job, std::optional<Millis> ends);  // none: forgotten
+
     const StoreOptions& options_;
     Millis opened_ = 0, opened_elapsed_ = 0;
-    std::map<std::string, Millis> ends_;  // by job; also for some jobs without a lease
+    mutable std::mutex mutex_;
+    std::map<std::string, Millis> ends_;               // by job; also for some jobs without a lease
+    std::set<std::pair<Millis, std::string>> by_end_;  // the same
   };
 
   void transaction_ended(bool committed);

@@ -340,12 +340,13 @@ TEST_F(PostgresStoreTest, ADataFolderOpensOnlyWithItsOwnDatabase) {
     return store ? std::string("none") : store.error().what;
   };
   ASSERT_TRUE(open_store(folder_ / "sqlite"));
-  const auto in_postgres = server("one");
+  auto in_postgres = server("one");
   NewJob job{"{}"};
   auto upload = *in_postgres->upload();
   ASSERT_TRUE(upload.write("a scan"));
   job.add("scan", std::move(upload), "stl");
   const Blob blob = in_postgres->create(std::move(job))->inputs.at(0).blob;
+  in_postgres.reset();
   EXPECT_EQ(refusal("one", ""), "the jobs of this data folder are in PostgreSQL");
   EXPECT_EQ(refusal("sqlite", url_), "the jobs of this data folder are in SQLite");
   EXPECT_EQ(refusal("new", url_), "the files of the jobs in the database are in another data folder");
@@ -353,7 +354,7 @@ TEST_F(PostgresStoreTest, ADataFolderOpensOnlyWithItsOwnDatabase) {
   EXPECT_EQ(refusal("other", other), "none");
   EXPECT_EQ(refusal("other", url_), "the data folder belongs to another database");
   PostgresServer::get().answer("DROP SCHEMA " + schema_ + "_other CASCADE");
-  EXPECT_TRUE(in_postgres->open(blob));
+  EXPECT_TRUE(server("one")->open(blob));
 }
 
 TEST_F(PostgresStoreTest, SaysThatACommitIsOnOneMachineAlone) {
