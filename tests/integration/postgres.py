@@ -33,11 +33,13 @@ class Postgres:
         shutil.rmtree(self.folder)
 
     def start(self):
-        self.process = subprocess.Popen([*AS_USER, PROGRAMS / "postgres", "-D", self.folder / "data", "-k", self.folder, "-c",
-                                         "listen_addresses="], cwd="/", stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         until = time.monotonic() + 60
         while self.answer("SELECT 1") != "1":
-            assert time.monotonic() < until and self.process.poll() is None, "PostgreSQL did not start"
+            assert time.monotonic() < until, "PostgreSQL did not start"
+            if self.process is None or self.process.poll() is not None:  # it ends while processes of a killed one are there
+                self.process = subprocess.Popen([*AS_USER, PROGRAMS / "postgres", "-D", self.folder / "data", "-k", self.folder,
+                                                 "-c", "listen_addresses="], cwd="/", stdin=subprocess.DEVNULL,
+                                                stderr=subprocess.DEVNULL)
             time.sleep(0.1)
         return self
 

@@ -98,15 +98,16 @@ PostgresServer::PostgresServer() : folder_(fs::temp_directory_path() / ("vacufor
 
 void PostgresServer::start() {
   const fs::path log = folder_.string() + ".log";
-  process_ = run({programs() / "postgres", "-D", folder_ / "data", "-k", folder_, "-c",
-                  "listen_addresses=", "-c", "max_connections=60"},
-                 log);
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (answer("SELECT 1") != "1\n") {
-    if (std::chrono::steady_clock::now() > until || ::waitpid(process_, nullptr, WNOHANG) != 0)
-      give_up("PostgreSQL did not start: " + text_of(log));
+  do {
+    if (std::chrono::steady_clock::now() > until) give_up("PostgreSQL did not start: " + text_of(log));
+    // It ends at once while processes of a killed server are still there.
+    if (process_ == 0 || ::waitpid(process_, nullptr, WNOHANG) != 0)
+      process_ = run({programs() / "postgres", "-D", folder_ / "data", "-k", folder_, "-c",
+                      "listen_addresses=", "-c", "max_connections=60"},
+                     log);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
+  } while (answer("SELECT 1") != "1\n");
 }
 
 void PostgresServer::kill() {
