@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "worker/printing/scan_lines.hpp"
+#include "worker/surface/scan_lines.hpp"
 
 namespace vacuform {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "worker/numerics/plane.hpp"
-#include "worker/printing/scan_lines.hpp"
+#include "worker/surface/scan_lines.hpp"
 
 namespace vacuform {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/printing/scan_lines.hpp"
 #include "worker/stage/parallel.hpp"
+#include "worker/surface/scan_lines.hpp"
 
 namespace vacuform {
 

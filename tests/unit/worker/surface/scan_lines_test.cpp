@@ -1,4 +1,4 @@
-#include "worker/printing/scan_lines.hpp"
+#include "worker/surface/scan_lines.hpp"
 
 #include <gtest/gtest.h>
 
