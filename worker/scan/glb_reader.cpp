@@ -7,6 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "worker/scan/glb_colours.hpp"
+#include "worker/scan/glb_file.hpp"
 #include "worker/scan/scan_file.hpp"
 
 namespace vacuform {
@@ -16,87 +18,13 @@ using nlohmann::json;
 
 constexpr std::uint32_t most_json_bytes = 16u << 20;  // parsed, it needs up to twenty times its bytes
 
-std::uint32_t u32(Bytes bytes, std::uint64_t at) {
-  return std::uint32_t{bytes[at]} | std::uint32_t{bytes[at + 1]} << 8 | std::uint32_t{bytes[at + 2]} << 16 |
-         std::uint32_t{bytes[at + 3]} << 24;
-}
-
-// The whole number under `key`, or `absent`; nullopt when it is something else or beyond 2^53.
-std::optional<std::uint64_t> whole(const json& object, const char* key,
-                                   std::optional<std::uint64_t> absent = {}) {
-  const auto it = object.find(key);
-  if (it == object.end()) return absent;
-  if (it->is_number_unsigned() && it->get<std::uint64_t>() < std::uint64_t{1} << 53)
-    return it->get<std::uint64_t>();
-  return std::nullopt;
-}
-
-// The n-th object of the root's array `name`, or nullptr.
-const json* nth(const json& root, const char* name, std::optional<std::uint64_t> n) {
-  const auto it = root.find(name);
-  if (!n || it == root.end() || !it->is_array() || *n >= it->size() || !(*it)[*n].is_object()) return nullptr;
-  return &(*it)[*n];
-}
-
 struct Reader {
-  const json& root;
-  Bytes binary;
-  const std::string& where;
+  const GlbFile& file;
   const ScanProgress& progress;
+  GlbColours* colours;  // null: only the shape is read
   ScanFile scan;
-
-  // Bytes of an accessor's elements and the stride between them, all inside of the BIN chunk.
-  struct View {
-    const std::uint8_t* data;
-    std::uint64_t count, stride;
-    std::uint64_t component;
-  };
-
-  Result<View> view(std::optional<std::uint64_t> index, const char* type, std::uint64_t components) const {
-    const std::string name = "accessor " + (index ? std::to_string(*index) : std::string("?"));
-    const json* accessor = nth(root, "accessors", index);
-    if (!accessor) return corrupt("the GLB file has no " + name, where);
-    if (accessor->contains("sparse"))
-      return fail(Code::unsupported_format, name + " of the GLB file is sparse", where,
-                  "export the scan as STL");
-    if (accessor->value("type", json()) != type)
-      return corrupt(name + " of the GLB file is not of type " + type, where);
-    const auto count = whole(*accessor, "count"), offset = whole(*accessor, "byteOffset", 0),
-               component = whole(*accessor, "componentType");
-    if (!count || !offset || !component)
-      return corrupt(name + " of the GLB file lacks its count or type", where);
-    const std::uint64_t size = *component == 5121                         ? 1
-                               : *component == 5123                       ? 2
-                               : *component == 5125 || *component == 5126 ? 4
-                                                                          : 0;
-    if (size == 0)
-      return fail(Code::unsupported_format,
-                  name + " of the GLB file has component type " + std::to_string(*component), where,
-                  "export the scan with float positions, or as STL");
-    const json* buffer_view = nth(root, "bufferViews", whole(*accessor, "bufferView"));
-    if (!buffer_view) return corrupt(name + " of the GLB file has no buffer view", where);
-    const auto buffer = whole(*buffer_view, "buffer"), start = whole(*buffer_view, "byteOffset", 0),
-               length = whole(*buffer_view, "byteLength"),
-               stride = whole(*buffer_view, "byteStride", size * components);
-    const json* buffer_object = nth(root, "buffers", buffer);
-    if (!buffer_object || !start || !length || !stride || *stride < size * components)
-      return corrupt("the buffer view of " + name + " of the GLB file is not of the documented form", where);
-    if (*buffer != 0 || buffer_object->contains("uri"))
-      return fail(Code::unsupported_format,
-                  "the geometry of the GLB file lies outside of it (buffer " + std::to_string(*buffer) + ")",
-                  where, "export one self-contained GLB, or STL");
-    // Every sum below stays under 2^55, every product is checked by division.
-    if (*start + *length > binary.size())
-      return corrupt("the buffer view of " + name + " ends beyond the GLB file's binary chunk of " +
-                         std::to_string(binary.size()) + " bytes",
-                     where);
-    if (*count > 0 && (*offset > *length || *length - *offset < size * components ||
-                       *count - 1 > (*length - *offset - size * components) / *stride))
-      return corrupt(name + " of the GLB file has " + std::to_string(*count) +
-                         " elements, more than its buffer view holds",
-                     where);
-    return View{binary.data() + *start + *offset, *count, *stride, *component};
-  }
+  const json& root = file.root;
+  const std::string& where = file.where;
 
   Result<void> primitive(const json& p, const Eigen::Affine3d& transform) {
     const auto mode = whole(p, "mode", 4);
@@ -108,7 +36,7 @@ struct Reader {
     if (p.contains("extensions") && p["extensions"].contains("KHR_draco_mesh_compression") &&
         !attributes->contains("POSITION"))
       return corrupt("a primitive of the GLB file has no positions", where);
-    VACUFORM_TRY(positions, view(whole(*attributes, "POSITION"), "VEC3", 3));
+    VACUFORM_TRY(positions, file.view(whole(*attributes, "POSITION"), "VEC3", 3));
     if (positions.component != 5126)
       return fail(Code::unsupported_format, "the positions of the GLB file are not floats", where,
                   "export the scan without quantization, or as STL");
@@ -117,9 +45,9 @@ struct Reader {
       return fail(Code::too_large,
                   "the scan has more than " + std::to_string(scan_limits.vertices) + " vertices", where,
                   "reduce it (quadric decimation) to a few hundred thousand triangles");
-    View indices{nullptr, positions.count, 0, 0};
+    GlbView indices{nullptr, positions.count, 0, 0};
     if (p.contains("indices")) {
-      VACUFORM_TRY(given, view(whole(p, "indices"), "SCALAR", 1));
+      VACUFORM_TRY(given, file.view(whole(p, "indices"), "SCALAR", 1));
       if (given.component == 5126) return corrupt("the indices of the GLB file are floats", where);
       indices = given;
     }
@@ -128,7 +56,7 @@ struct Reader {
     if (triangles.size() + added > scan_limits.triangles)
       return too_many_triangles(triangles.size() + added, where);
 
-    const std::size_t base = vertices.size();
+    const std::size_t base = vertices.size(), first = triangles.size();
     vertices.reserve(base + positions.count);
     for (std::uint64_t i = 0; i < positions.count; ++i) {
       const Bytes element(positions.data + i * positions.stride, 12);
@@ -162,6 +90,7 @@ struct Reader {
       return corrupt("a triangle of the GLB file names a vertex beyond the " +
                          std::to_string(positions.count) + " of its mesh",
                      where);
+    if (colours) return colours->add(p, scan.mesh, base, first);
     return {};
   }
 
@@ -265,7 +194,8 @@ bool harmless(std::string_view extension) {
 
 }  // namespace
 
-Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress) {
+Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress,
+                          ScanParts parts) {
   const auto damaged = [&](std::string otherwise) {
     const std::string damage = text_mode_damage(bytes);
     return corrupt(damage.empty() ? std::move(otherwise) : damage, where);
@@ -308,13 +238,16 @@ Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgr
       return damaged("the binary chunk of the GLB file is not where its header says");
     binary = bytes.subspan(chunk + 8, size);
   }
-  Reader reader{root, binary, where, progress, {}};
+  const GlbFile file{root, binary, where};
+  GlbColours colours(file);
+  Reader reader{file, progress, parts == ScanParts::with_colours ? &colours : nullptr, {}};
   reader.scan.format = "GLB";
   reader.scan.y_up = true;
   if (auto walked = reader.nodes(); !walked) {
     if (walked.error().code == Code::corrupt_file) return damaged(walked.error().what);
     return tl::make_unexpected(walked.error());
   }
+  if (reader.colours) reader.scan.colours = colours.take();
   return std::move(reader.scan);
 }
 

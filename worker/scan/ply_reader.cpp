@@ -1,6 +1,6 @@
 // PLY: a text header that declares elements and their properties, then rows in ASCII or in either byte order.
 // Only x, y, z of `vertex` and the list vertex_indices (or vertex_index) of `face` and of `tristrips` matter; everything
-// else is stepped over by its declared size. In a strip -1 begins the next one. Turk 1994, "The PLY polygon file format".
+// else is stepped over by its declared size. Colours are red, green and blue of `vertex`, encoded as sRGB. In a strip -1 begins the next one. Turk 1994, "The PLY polygon file format".
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -43,7 +43,23 @@ std::uint64_t size_of(Kind kind) {
   return 8;
 }
 
-enum class Use { none, x, y, z, corners, strip };
+enum class Use { none, x, y, z, corners, strip, red, green, blue };
+
+bool is_colour(Use use) { return use >= Use::red; }
+
+Use colour_from(std::string_view name) {
+  if (name.starts_with("diffuse_")) name.remove_prefix(8);
+  return name == "red" || name == "r"     ? Use::red
+         : name == "green" || name == "g" ? Use::green
+         : name == "blue" || name == "b"  ? Use::blue
+                                          : Use::none;
+}
+
+// Linear light from an encoded colour: whole numbers are fractions of their type's largest value.
+float linear_from(Kind kind, double value) {
+  const double whole = kind == Kind::u8 ? 255 : kind == Kind::u16 ? 65535 : 1;
+  return linear_from_srgb(static_cast<float>(value / whole));
+}
 
 struct Property {
   Kind kind = Kind::f32;
@@ -170,7 +186,7 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
         return corrupt("unknown PLY property type \"" + std::string(type.substr(0, 40)) + "\"", at());
       const auto name = take_word(line);
       if (element.name == "vertex" && !property.list)
-        property.use = name == "x" ? Use::x : name == "y" ? Use::y : name == "z" ? Use::z : Use::none;
+        property.use = name == "x" ? Use::x : name == "y" ? Use::y : name == "z" ? Use::z : colour_from(name);
       if (property.list && (name == "vertex_indices" || name == "vertex_index"))
         property.use = element.name == "face"        ? Use::corners
                        : element.name == "tristrips" ? Use::strip
@@ -197,7 +213,8 @@ void add_strip(const std::vector<double>& corners, std::vector<Triangle>& triang
 
 }  // namespace
 
-Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgress& progress) {
+Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgress& progress,
+                          ScanParts parts) {
   VACUFORM_TRY(header, read_header(bytes, where));
   const bool ascii = header.encoding == Header::Encoding::ascii;
   ScanFile scan;
@@ -208,8 +225,10 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
   Values values(bytes.subspan(header.bytes), ascii, header.encoding == Header::Encoding::big);
   std::vector<double> corners;
   double largest = -1;
+  ScanColours colours;
 
   for (const auto& element : header.elements) {
+    bool coloured = false;
     // The fewest bytes that a row can take: a word and its separator in ASCII, empty lists in binary.
     std::uint64_t row_bytes = 0;
     for (const auto& p : element.properties) row_bytes += ascii ? 2 : size_of(p.list ? p.count_kind : p.kind);
@@ -228,8 +247,11 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
                     "reduce it (quadric decimation) to a few hundred thousand triangles");
       int used = 0;
       for (const auto& p : element.properties) used |= p.use == Use::none ? 0 : 1 << static_cast<int>(p.use);
-      if (used != 0b1110) return corrupt("the vertices of the PLY file do not have x, y and z", where);
+      if ((used & 0b1110) != 0b1110)
+        return corrupt("the vertices of the PLY file do not have x, y and z", where);
       vertices.reserve(vertices.size() + element.count);
+      coloured = parts == ScanParts::with_colours && used >> static_cast<int>(Use::red) == 0b111;
+      if (coloured) colours.vertex.resize(vertices.size(), Eigen::Vector3f::Ones());
     }
     for (std::uint64_t row = 0; row < element.count; ++row) {
       if (row % 65536 == 0) VACUFORM_CHECK(progress.tick());
@@ -240,11 +262,19 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
                        at());
       };
       Eigen::Vector3d point = Eigen::Vector3d::Zero();
+      Eigen::Vector3f colour;
       for (const auto& p : element.properties) {
         double value = 0;
         if (!p.list) {
-          if (p.use == Use::none ? !values.skip(p.kind, 1) : !values.read(p.kind, value)) return ended();
-          if (p.use != Use::none) point[static_cast<int>(p.use) - 1] = value;
+          const bool skipped = p.use == Use::none || (is_colour(p.use) && !coloured);
+          if (skipped ? !values.skip(p.kind, 1) : !values.read(p.kind, value)) return ended();
+          if (skipped) continue;
+          if (!is_colour(p.use))
+            point[static_cast<int>(p.use) - 1] = value;
+          else if (std::isfinite(value))
+            colour[static_cast<int>(p.use) - static_cast<int>(Use::red)] = linear_from(p.kind, value);
+          else
+            return corrupt("a colour of the PLY file is not a finite number", at());
           continue;
         }
         if (!values.read(p.count_kind, value)) return ended();
@@ -281,6 +311,7 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
               {static_cast<int>(corners[0]), static_cast<int>(corners[k - 1]), static_cast<int>(corners[k])});
       }
       if (element.name == "vertex") vertices.push_back(point);
+      if (coloured) colours.vertex.push_back(colour);
     }
   }
   if (largest >= static_cast<double>(vertices.size()))
@@ -288,6 +319,12 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
                        ", but the PLY file has " + std::to_string(vertices.size()) +
                        " vertices, counted from 0",
                    where);
+  if (!colours.vertex.empty()) {
+    colours.vertex.resize(vertices.size(), Eigen::Vector3f::Ones());
+    colours.materials.emplace_back();
+    colours.material.assign(triangles.size(), 0);
+    scan.colours = std::move(colours);
+  }
   return scan;
 }
 

@@ -98,20 +98,21 @@ std::optional<Format> recognise(Bytes bytes, const std::string& extension) {
   return std::nullopt;
 }
 
-Result<ScanFile> read_as(Format format, Bytes bytes, const std::string& where, const ScanProgress& progress) {
+Result<ScanFile> read_as(Format format, Bytes bytes, const std::string& where, const ScanProgress& progress,
+                         ScanParts parts) {
   switch (format) {
     case Format::stl_binary:
       return read_stl_binary(bytes, where, progress);
     case Format::stl_ascii:
       return read_stl_ascii(bytes, where, progress);
     case Format::obj:
-      return read_obj(bytes, where, progress);
+      return read_obj(bytes, where, progress, parts);
     case Format::ply:
-      return read_ply(bytes, where, progress);
+      return read_ply(bytes, where, progress, parts);
     case Format::off:
       return read_off(bytes, where, progress);
     case Format::glb:
-      return read_glb(bytes, where, progress);
+      return read_glb(bytes, where, progress, parts);
   }
   return fail(Code::internal, "a format without a reader", where);
 }
@@ -137,7 +138,8 @@ std::string text_mode_damage(Bytes bytes) {
   return {};
 }
 
-Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const ScanProgress& progress) {
+Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const ScanProgress& progress,
+                           ScanParts parts) {
   if (bytes.empty())
     return fail(Code::corrupt_file, "the scan file is empty", file_name, "upload or export it again");
   if (bytes.size() > scan_limits.bytes)
@@ -151,7 +153,7 @@ Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const Scan
                 kind.empty() ? "not a scan of a known format" : "the scan is " + std::string(kind), file_name,
                 "give STL, OBJ, PLY, OFF or GLB");
   }
-  VACUFORM_TRY(scan, read_as(*format, bytes, file_name, progress));
+  VACUFORM_TRY(scan, read_as(*format, bytes, file_name, progress, parts));
   for (std::size_t i = 0; i < scan.mesh.vertices.size(); ++i) {
     const auto& p = scan.mesh.vertices[i];
     if (!p.allFinite())

@@ -6,11 +6,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "api/base/error.hpp"
 #include "api/job_limits.hpp"
+#include "worker/scan/scan_colours.hpp"
 #include "worker/scan/scan_progress.hpp"
 #include "worker/surface/triangle_mesh.hpp"
 
@@ -29,22 +31,29 @@ struct ScanFile {
   std::string format;  // "STL (binary)", "PLY (ASCII)", "OBJ", ...
   TriangleMesh mesh;   // as in the file: not welded, any orientation, any unit; at least one triangle
   bool y_up = false;   // the format itself says that +Y is up (glTF)
+  std::optional<ScanColours> colours = {};  // if they were asked for and the file has any
 };
+
+// What to read of a scan file. Colours cost memory, and a file whose colours are damaged can still have a sound shape.
+enum class ScanParts { shape, with_colours };
 
 // Detects the format by the bytes and, if they are not conclusive, by the extension of `file_name`; then reads it.
 // Errors: unsupported_format, corrupt_file, too_large, unusable_scan (no triangles), cancelled. Messages name the line,
-// the byte or the element.
+// the byte or the element. The mesh is the same whatever `parts` says, triangle by triangle.
 Result<ScanFile> read_scan(std::span<const std::uint8_t> bytes, const std::string& file_name,
-                           const ScanProgress& progress);
+                           const ScanProgress& progress, ScanParts parts = ScanParts::shape);
 
 // The readers. `where` is the file's name, for messages.
 using Bytes = std::span<const std::uint8_t>;
 Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const ScanProgress& progress);
 Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const ScanProgress& progress);
-Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgress& progress);
-Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgress& progress);
+Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgress& progress,
+                          ScanParts parts);
+Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgress& progress,
+                          ScanParts parts);
 Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgress& progress);
-Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress);
+Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress,
+                          ScanParts parts);
 
 // If the bytes of a binary file show that it went through a text-mode copy, a sentence that says how; otherwise empty.
 // Looks for bytes replaced by U+FFFD, for line feeds that all became CR LF and for Latin-1 turned into UTF-8.
