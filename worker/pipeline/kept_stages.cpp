@@ -42,8 +42,12 @@ void fields(A& a, TriangleMesh& m) {
   a(m.vertices, m.triangles);
 }
 template <class A>
+void fields(A& a, ScanPlacing& p) {
+  a(p.x, p.y, p.z, p.origin);
+}
+template <class A>
 void fields(A& a, Mold& m) {
-  a(m.mesh, m.top, m.undercuts, m.findings, m.warnings);
+  a(m.mesh, m.top, m.undercuts, m.findings, m.warnings, m.placing);
 }
 template <class A>
 void fields(A& a, Vent& v) {

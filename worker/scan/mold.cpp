@@ -32,11 +32,12 @@ void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
-// On z = 0, around x = y = 0: far from there a turn would round more.
-void stand_on_floor(TriangleMesh& mesh) {
+// On z = 0, around x = y = 0: far from there a turn would round more. Returns the point that comes to the origin.
+Eigen::Vector3d stand_on_floor(TriangleMesh& mesh) {
   const Box box = bounds(mesh);
   const Eigen::Vector3d foot(box.centre().x(), box.centre().y(), box.low.z());
   for (auto& p : mesh.vertices) p -= foot;
+  return foot;
 }
 
 // Of vertices that rounding tells apart the one nearest the axis, so that the top does not jump when the scan is turned.
@@ -122,7 +123,7 @@ Result<TriangleMesh> close(const OuterSkin& skin, double clearance_mm, Mold& mol
 struct Placed {
   TriangleMesh mesh;
   int crumbs = 0;
-  Eigen::Vector2d middle;  // of the cut mesh, which came to x = y = 0
+  Eigen::Vector3d origin;  // where the middle of the cut mesh was, at the height of the cut
 };
 
 // Cuts at the height and puts the rest on the platform, turned by `turn` about the vertical axis, the middle of the
@@ -134,8 +135,9 @@ std::optional<Placed> cut_and_place(const TriangleMesh& mesh, double height, con
     if (!cut || cut->triangles.empty()) continue;
     Placed placed;
     placed.crumbs = drop_crumbs(*cut);
-    placed.middle = enclosing_circle(*cut).centre;
-    const Eigen::Vector3d origin(placed.middle.x(), placed.middle.y(), height + raise);
+    const Eigen::Vector2d middle = enclosing_circle(*cut).centre;
+    const Eigen::Vector3d origin(middle.x(), middle.y(), height + raise);
+    placed.origin = origin;
     for (auto& p : cut->vertices) {
       const Eigen::Vector3d turned = turn * (p - origin);
       p = {as_float(turned.x()), as_float(turned.y()), as_float(turned.z())};
@@ -229,7 +231,7 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   const Eigen::Matrix3d upright = scan_turn(settings, findings.up);
   turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
   turn(skin.mesh, upright, 1);
-  stand_on_floor(skin.mesh);
+  const Eigen::Vector3d foot = stand_on_floor(skin.mesh);
   findings.size_mm = bounds(skin.mesh).size();
   VACUFORM_CHECK(progress.reach(0.35));
 
@@ -271,9 +273,11 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
 
   mold.mesh = std::move(placed->mesh);
   mold.top = top_of(mold.mesh);
+  const Eigen::Matrix3d axes = scale * upright;
+  mold.placing = {axes.col(0), axes.col(1), axes.col(2), -foot - principal.transpose() * placed->origin};
   findings.crumbs_dropped = placed->crumbs;
   const auto in_mold = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
-    return principal.transpose() * (p - Eigen::Vector3d(placed->middle.x(), placed->middle.y(), 0));
+    return principal.transpose() * (p - Eigen::Vector3d(placed->origin.x(), placed->origin.y(), 0));
   };
   if (trim.warning) {
     for (auto& mark : trim.warning->marks)

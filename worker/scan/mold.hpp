@@ -58,12 +58,22 @@ struct ScanFindings {
   int crumbs_dropped = 0;  // pieces that the cut left next to the mold, each below a thousandth of its volume
 };
 
+// Where the file's origin and its axes, one unit long, come to lie in the mold's frame, mm: a similarity, which mirrors if
+// scan.mirror asks for it. The mold's surface is that of the placed scan where nothing was closed, rebuilt or grown.
+struct ScanPlacing {
+  Eigen::Vector3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin{0, 0, 0};
+  Eigen::Vector3d operator()(const Eigen::Vector3d& p) const {
+    return origin + p.x() * x + p.y() * y + p.z() * z;
+  }
+};
+
 struct Mold {
   TriangleMesh mesh;                // watertight, oriented outwards, z >= 0
   Eigen::Vector3d top;              // the highest point; of several, the one nearest the axis
   std::vector<Undercut> undercuts;  // of the mold as trimmed, those reported, deepest first
   ScanFindings findings;
   std::vector<Warning> warnings;
+  ScanPlacing placing = {};  // of the coordinates of the file
 };
 
 // Makes the mold. Pure: the same bytes and settings give the same mold. Its coordinates are those of mold.stl, exactly.

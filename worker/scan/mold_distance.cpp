@@ -8,10 +8,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "worker/scan/embree_scene.hpp"
+#include "worker/surface/nearest_point.hpp"
 
 namespace vacuform {
 namespace {
@@ -42,11 +44,35 @@ Vector3d way_to(const Vector3d& p, const Vector3d& a, const Vector3d& b, const V
   return vb / sum * ab + vc / sum * ac - ap;
 }
 
+// Weights of the corners at the point of the triangle that is closest to p.
+Vector3d closest_weights(const Vector3d& p, const std::array<Vector3d, 3>& corners) {
+  const Vector3d ab = corners[1] - corners[0], ac = corners[2] - corners[0], ap = p - corners[0];
+  const double bb = ab.squaredNorm(), bc = ab.dot(ac), cc = ac.squaredNorm(), d = bb * cc - bc * bc;
+  if (d > 0) {
+    const double v = (cc * ab.dot(ap) - bc * ac.dot(ap)) / d, w = (bb * ac.dot(ap) - bc * ab.dot(ap)) / d;
+    if (v >= 0 && w >= 0 && v + w <= 1) return {1 - v - w, v, w};
+  }
+  Vector3d best = Vector3d::UnitX();
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3;
+    const Vector3d &a = corners[static_cast<std::size_t>(k)], &b = corners[static_cast<std::size_t>(next)];
+    const double along = nearest_on_edge(p, a, b), squared = (p - a - along * (b - a)).squaredNorm();
+    if (!(squared < least)) continue;
+    least = squared;
+    best = Vector3d::Zero();
+    best[k] = 1 - along;
+    best[next] = along;
+  }
+  return best;
+}
+
 struct Search {
   const TriangleMesh& mesh;
   Vector3d point;
   double best = std::numeric_limits<double>::infinity();  // squared
   Vector3d way = Vector3d::Zero();                        // to the best
+  int triangle = -1;                                      // of the best
   double enough = 0;                                      // squared: nothing nearer is looked for
 };
 
@@ -61,6 +87,7 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
   if (!(squared < search.best)) return false;
   search.best = squared;
   search.way = way;
+  search.triangle = static_cast<int>(arguments->primID);
   // The tree holds floats: its boxes may be off by a little, so it is searched a little further.
   arguments->query->radius =
       squared < search.enough ? 0 : static_cast<float>(std::sqrt(squared) * 1.0001 + 1e-3);
@@ -107,6 +134,16 @@ bool MoldDistance::within(const Vector3d& point, double distance_mm) const {
   Search search{.mesh = mesh_, .point = point, .enough = distance_mm * distance_mm};
   look(*scene_, search, static_cast<float>(distance_mm * 1.0001 + 1e-3));
   return search.best < search.enough;
+}
+
+std::optional<MoldDistance::Nearest> MoldDistance::nearest(const Vector3d& point, double reach_mm) const {
+  Search search{.mesh = mesh_, .point = point};
+  look(*scene_, search, static_cast<float>(reach_mm * 1.0001 + 1e-3));
+  const double distance = std::sqrt(search.best);
+  if (search.triangle < 0 || !(distance <= reach_mm)) return std::nullopt;
+  const Triangle& t = mesh_.triangles[static_cast<std::size_t>(search.triangle)];
+  const auto corner = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(t[k])]; };
+  return Nearest{search.triangle, closest_weights(point, {corner(0), corner(1), corner(2)}), distance};
 }
 
 }  // namespace vacuform

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 
 #include "worker/scan/ray_caster.hpp"
 #include "worker/surface/triangle_mesh.hpp"
@@ -23,6 +24,15 @@ class MoldDistance {
   Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
   // Whether the distance is less than this many mm; ends with the first triangle that is so near.
   bool within(const Eigen::Vector3d& point, double distance_mm) const;
+
+  // The closest point itself: barycentric weights of the corners of a triangle of the mesh. Nothing further away than
+  // `reach_mm`. Of several closest triangles always the same one is chosen. Thread safe and deterministic.
+  struct Nearest {
+    int triangle;
+    Eigen::Vector3d weights;
+    double distance_mm;
+  };
+  std::optional<Nearest> nearest(const Eigen::Vector3d& point, double reach_mm) const;
 
  private:
   const TriangleMesh& mesh_;

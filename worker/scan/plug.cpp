@@ -132,6 +132,7 @@ Result<Mold> on_plug(Mold mold, double height_mm) {
   for (auto& p : mold.mesh.vertices) p.z() = raise(p.z());
   extrude(mold.mesh, base);
   mold.top.z() = raise(mold.top.z());
+  mold.placing.origin.z() += height_mm;
   for (Undercut& undercut : mold.undercuts) undercut.place.z() += height_mm;
   for (Warning& warning : mold.warnings)
     if (warning.code == "undercut") warning = undercut_warning(mold.undercuts);
