@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "api/redaction/picture_names.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -193,33 +195,96 @@ class JsonTexts {
   std::vector<View> views_;
 };
 
+// A picture of the binary chunk: PNG and JPEG keep their pixels and lose their texts, any other becomes zeros.
+class PictureNames {
+ public:
+  void take(std::string_view in, std::string& out) {
+    if (kind_ == Kind::undecided) {
+      const std::size_t wanted = std::min(magic_size - head_.size(), in.size());
+      head_ += in.substr(0, wanted);
+      in.remove_prefix(wanted);
+      if (head_.size() < magic_size) return;
+      kind_ = head_ == "\x89PNG\r\n\x1a\n"        ? Kind::png
+              : head_.starts_with("\xff\xd8\xff") ? Kind::jpeg
+                                                  : Kind::other;
+      format_ = format_of(kind_);
+      pass(std::exchange(head_, {}), out);
+    }
+    pass(in, out);
+  }
+  // Of one picture; the next may begin.
+  void end(std::string& out) {
+    out.append(head_.size(), '\0');
+    if (format_) format_->end(out);
+    *this = {};
+  }
+  void fields(FilterState& state) {
+    state(kind_, head_);
+    if (state.reads()) format_ = format_of(kind_);
+    if (format_) format_->fields(state);
+  }
+
+ private:
+  enum class Kind { undecided, png, jpeg, other };
+  static constexpr std::size_t magic_size = 8;
+
+  static std::unique_ptr<NameFilter::Format> format_of(Kind kind) {
+    return kind == Kind::png ? png_names() : kind == Kind::jpeg ? jpeg_names() : nullptr;
+  }
+  void pass(std::string_view in, std::string& out) {
+    if (format_)
+      format_->take(in, out);
+    else
+      out.append(in.size(), '\0');
+  }
+
+  Kind kind_ = Kind::undecided;
+  std::string head_;
+  std::unique_ptr<NameFilter::Format> format_;
+};
+
 class GlbNames : public NameFilter::Format {
  public:
   void take(std::string_view in, std::string& out) override {
     while (!in.empty()) {
-      const std::size_t n = as_they_are(in.size());
-      out += in.substr(0, n);
+      const std::size_t n = many(in, out);
       in.remove_prefix(n);
       if (n > 0 || in.empty()) continue;
       out += step(in[0]);
       in.remove_prefix(1);
     }
   }
+  void end(std::string& out) override { picture_.end(out); }
   void fields(FilterState& state) override {
     state(place_, head_, left_, padding_, at_);
     json_.fields(state);
+    picture_.fields(state);
   }
 
  private:
   enum class Place { head, json, padding, binary_head, binary, behind, as_it_is };
 
-  // How many of the next bytes can be skipped, 0 for none.
-  std::size_t as_they_are(std::size_t bytes) {
-    if (place_ == Place::as_it_is) return bytes;
-    if (place_ != Place::binary || !pictures_known_ || next_ < pictures_.size()) return 0;
-    const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, left_));
+  // Takes as many of the next bytes as are of one sort, 0 if they go one by one.
+  std::size_t many(std::string_view in, std::string& out) {
+    if (place_ == Place::as_it_is) {
+      out += in;
+      return in.size();
+    }
+    if (place_ != Place::binary) return 0;
+    if (!pictures_known_) find_pictures();
+    while (next_ < pictures_.size() && at_ >= pictures_[next_].end) ++next_;
+    const bool in_picture = next_ < pictures_.size() && at_ >= pictures_[next_].begin;
+    const std::uint64_t stop = next_ == pictures_.size() ? at_ + left_
+                               : in_picture              ? pictures_[next_].end
+                                                         : pictures_[next_].begin;
+    const auto n = static_cast<std::size_t>(std::min({std::uint64_t{in.size()}, left_, stop - at_}));
     at_ += n;
     left_ -= n;
+    if (in_picture)
+      picture_.take(in.substr(0, n), out);
+    else
+      out += in.substr(0, n);
+    if (in_picture && (at_ == stop || left_ == 0)) picture_.end(out);
     if (left_ == 0) place_ = Place::behind;
     return n;
   }
@@ -241,14 +306,11 @@ class GlbNames : public NameFilter::Format {
         head_ += c;
         if (head_.size() == 8) begin_binary();
         return c;
-      case Place::binary:
-        c = in_picture(at_++) ? '\0' : c;
-        if (--left_ == 0) place_ = Place::behind;
-        return c;
       case Place::behind:
         return '\0';
+      case Place::binary:
       case Place::as_it_is:
-        break;
+        break;  // many() took them
     }
     return c;
   }
@@ -272,11 +334,6 @@ class GlbNames : public NameFilter::Format {
                                                     : Place::behind;
   }
 
-  bool in_picture(std::uint64_t at) {
-    if (!pictures_known_) find_pictures();
-    while (next_ < pictures_.size() && at >= pictures_[next_].end) ++next_;
-    return next_ < pictures_.size() && at >= pictures_[next_].begin;
-  }
   // The parts of the binary chunk that only pictures use, in order and without overlaps.
   void find_pictures() {
     pictures_known_ = true;
@@ -304,6 +361,7 @@ class GlbNames : public NameFilter::Format {
   JsonTexts json_;
   std::vector<Stretch> pictures_;  // made from json_ when they are needed
   std::size_t next_ = 0;
+  PictureNames picture_;  // where next_ is
   bool pictures_known_ = false;
 };
 

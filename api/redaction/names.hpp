@@ -1,5 +1,5 @@
 // Names in files. Scans and pictures contain hidden texts: the header of an STL file, comments in OBJ, PLY, OFF and
-// CSV, texts, pictures and extras in GLB, texts and Exif in PNG and JPEG, everything in SVG besides the drawing. Often
+// CSV, texts and extras in GLB, also in its pictures, texts and Exif in PNG and JPEG, everything in SVG besides the drawing. Often
 // they name the patient, or the person who made the scan. Such texts are blanked before a file is stored or used.
 //
 // The texts are blanked, not cut out: every file keeps its length, its lines and its geometry, bit for bit, so errors
