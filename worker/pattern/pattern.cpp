@@ -191,8 +191,8 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
       const bool png = format_of(bytes) == Format::png;
       picture->format = png ? "PNG" : "JPEG";
       VACUFORM_TRY(raster, decode([&](int channels) {
-                     return png ? read_png(bytes, file_name, channels)
-                                : read_jpeg(bytes, file_name, channels);
+                     const RasterUse use{.channels = channels};
+                     return png ? read_png(bytes, file_name, use) : read_jpeg(bytes, file_name, use);
                    }));
       if (!settings.width_mm && !raster.pixel_mm) return sizeless("the " + picture->format);
       // Pixels need not be square; a given width keeps their shape.
@@ -246,6 +246,18 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
                                      ": its edges will look soft.",
                                  {},
                                  Warning::Figure{has_dpi, "1/in", wanted_dpi}});
+  return Pattern(std::move(picture));
+}
+
+Pattern Pattern::of_picture(const Eigen::Vector2i& size_pixels, std::vector<std::uint8_t> premultiplied,
+                            const Eigen::Vector2d& size_mm, std::string format) {
+  auto picture = std::make_shared<Picture>();
+  picture->format = std::move(format);
+  picture->size_mm = size_mm;
+  Raster raster;
+  raster.width = size_pixels.x(), raster.height = size_pixels.y(), raster.channels = 4;
+  raster.pixels = std::move(premultiplied);
+  picture->build(std::move(raster));
   return Pattern(std::move(picture));
 }
 

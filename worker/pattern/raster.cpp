@@ -5,6 +5,16 @@
 
 namespace vacuform {
 
+tl::unexpected<Error> too_many_pixels(std::int64_t width, std::int64_t height, const std::string& file_name,
+                                      const RasterUse& use) {
+  return fail(Code::too_large,
+              std::string("the ") + use.noun() + " has " + std::to_string(width) + " x " +
+                  std::to_string(height) + " pixels",
+              file_name,
+              "give one of at most " + std::to_string(use.most_pixels / 1'000'000) + " million pixels" +
+                  (use.texture ? "" : ", or an SVG"));
+}
+
 bool Raster::append(const std::uint8_t* row) {
   if (channels == 4) {
     pixels.insert(pixels.end(), row, row + 4 * static_cast<std::ptrdiff_t>(width));

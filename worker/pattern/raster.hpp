@@ -1,4 +1,4 @@
-// The decoders of drawings: bytes of a drawing in, rows of pixels out. Internal to worker/pattern.
+// The decoders of drawings, and of the textures of scans (worker/colour): bytes in, rows of pixels out.
 //
 // Decoders trust nothing: sizes are checked before anything is allocated, memory grows with the rows that
 // really arrive, and a file that breaks its format's rules is refused whole.
@@ -35,10 +35,23 @@ struct Raster {
   void turn_upright();
 };
 
+// What a picture is read for.
+struct RasterUse {
+  int channels = 4;
+  bool texture = false;  // 4 channels as in the file: not premultiplied, and not turned by Exif
+  std::int64_t most_pixels = largest_raster;
+  const char* noun() const { return texture ? "texture" : "drawing"; }
+};
+
 // Each decodes into a raster of 1 or 4 channels and stops early, with needs_colour set, when 1 is not enough.
 // Errors: corrupt_file, too_large, unsupported_format.
-Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& file_name, int channels);
-Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string& file_name, int channels);
+Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& file_name,
+                        const RasterUse& use);
+Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string& file_name,
+                         const RasterUse& use);
+// The error of a picture with too many pixels.
+tl::unexpected<Error> too_many_pixels(std::int64_t width, std::int64_t height, const std::string& file_name,
+                                      const RasterUse& use);
 
 // What an SVG says of its size. Where it has no absolute size, size_mm is empty and only the aspect is known.
 struct SvgSize {

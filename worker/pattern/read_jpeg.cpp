@@ -117,26 +117,24 @@ std::optional<Eigen::Vector2d> pixel_mm(const jpeg_decompress_struct& info) {
 
 }  // namespace
 
-Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string& file_name, int channels) {
+Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string& file_name,
+                         const RasterUse& use) {
   JpegReader reader(bytes);
   const auto corrupt = [&] {
     return fail(Code::corrupt_file, std::string("the JPEG is damaged: ") + reader.message(), file_name,
-                "export the drawing again");
+                std::string("export the ") + use.noun() + " again");
   };
   if (!reader.header()) return corrupt();
   const auto& info = reader.info();
   const std::int64_t width = info.image_width, height = info.image_height;
-  if (width * height > largest_raster)
-    return fail(Code::too_large,
-                "the drawing has " + std::to_string(width) + " x " + std::to_string(height) + " pixels",
-                file_name, "give one of at most 64 million pixels, or an SVG");
+  if (width * height > use.most_pixels) return too_many_pixels(width, height, file_name, use);
   if (info.num_components != 1 && info.num_components != 3)
     return fail(Code::unsupported_format, "the JPEG is in CMYK colours", file_name,
                 "save it in RGB or grayscale");
 
   Raster raster{.width = static_cast<int>(width),
                 .height = static_cast<int>(height),
-                .channels = channels,
+                .channels = use.channels,
                 .pixels = {},
                 .pixel_mm = pixel_mm(info),
                 .orientation = 1,
@@ -155,7 +153,7 @@ Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string&
     if (!raster.append(rgba.data())) return raster;
   }
   if (!reader.end()) return corrupt();
-  raster.turn_upright();
+  if (!use.texture) raster.turn_upright();
   return raster;
 }
 

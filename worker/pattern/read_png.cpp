@@ -20,18 +20,18 @@ std::uint32_t big_endian(const std::uint8_t* p) {
 
 }  // namespace
 
-Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& file_name, int channels) {
+Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& file_name,
+                        const RasterUse& use) {
   const auto corrupt = [&](const std::string& what) {
-    return fail(Code::corrupt_file, "the PNG is damaged: " + what, file_name, "export the drawing again");
+    return fail(Code::corrupt_file, "the PNG is damaged: " + what, file_name,
+                std::string("export the ") + use.noun() + " again");
   };
   if (bytes.size() < 33) return corrupt("the file ends early");
   // Sizes first, from the header itself: libpng's own limits cannot tell a large picture from a damaged one.
   const std::int64_t width = big_endian(&bytes[16]), height = big_endian(&bytes[20]);
   if (width == 0 || height == 0 || width > INT32_MAX || height > INT32_MAX) return corrupt("it has no size");
-  if (width > 1'000'000 || height > 1'000'000 || width * height > largest_raster)
-    return fail(Code::too_large,
-                "the drawing has " + std::to_string(width) + " x " + std::to_string(height) + " pixels",
-                file_name, "give one of at most 64 million pixels, or an SVG");
+  if (width > 1'000'000 || height > 1'000'000 || width * height > use.most_pixels)
+    return too_many_pixels(width, height, file_name, use);
 
   PngReader reader(bytes);
   if (!reader.begin(PngReader::Rows::rgba8)) return corrupt(reader.message());
@@ -39,15 +39,17 @@ Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& 
   const std::int64_t packed_at_least = (width * reader.bits_per_pixel() + 7) / 8 * height / 1032;
   if (packed_at_least > static_cast<std::int64_t>(bytes.size()))
     return corrupt("the file is too short for its size");
-  if (reader.passes() > 1 && width * height > largest_raster / 4)
-    return fail(Code::too_large, "the drawing is an interlaced PNG of more than 16 million pixels", file_name,
-                "save it without interlacing");
+  if (reader.passes() > 1 && width * height > use.most_pixels / 4)
+    return fail(Code::too_large,
+                std::string("the ") + use.noun() + " is an interlaced PNG of more than " +
+                    std::to_string(use.most_pixels / 4'000'000) + " million pixels",
+                file_name, "save it without interlacing");
 
   const auto pixel = reader.pixel_size();
   Raster raster{
       .width = static_cast<int>(width),
       .height = static_cast<int>(height),
-      .channels = channels,
+      .channels = use.channels,
       .pixels = {},
       .pixel_mm = pixel ? std::optional(Eigen::Vector2d(pixel->width_mm, pixel->height_mm)) : std::nullopt,
       .orientation = 1,
@@ -57,7 +59,7 @@ Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& 
   if (reader.passes() == 1) {
     for (std::int64_t y = 0; y < height; ++y) {
       if (!reader.row(row.data())) return corrupt(reader.message());
-      premultiply(row);
+      if (!use.texture) premultiply(row);
       if (!raster.append(row.data())) return raster;
     }
   } else {
@@ -68,7 +70,7 @@ Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& 
           return corrupt(reader.message());
     for (std::int64_t y = 0; y < height; ++y) {
       std::copy_n(image.data() + static_cast<std::size_t>(y) * row_bytes, row_bytes, row.data());
-      premultiply(row);
+      if (!use.texture) premultiply(row);
       if (!raster.append(row.data())) return raster;
     }
   }

@@ -74,7 +74,7 @@ Result<void> check_embedded(std::string_view address, const std::string& file_na
   const std::unique_ptr<guchar, void (*)(gpointer)> data(g_base64_decode(text.c_str(), &size), g_free);
   const std::span<const std::uint8_t> bytes(data.get(), size);
   const std::string name = file_name + ", embedded picture";
-  VACUFORM_TRY(raster, png ? read_png(bytes, name, 4) : read_jpeg(bytes, name, 4));
+  VACUFORM_TRY(raster, png ? read_png(bytes, name, {}) : read_jpeg(bytes, name, {}));
   pixels += std::int64_t{raster.width} * raster.height;
   if (pixels > largest_raster / 4)
     return fail(Code::too_large, "the pictures inside the SVG have more than 16 million pixels", file_name,
