@@ -1,0 +1,278 @@
+// The colours of a sphere on a sheet that lies on it: a dome of radius 60 mm (hand_made_sheets.hpp), whose colours are known
+// at every place.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "tests/unit/fixtures/coloured_scans.hpp"
+#include "tests/unit/fixtures/hand_made_sheets.hpp"
+#include "worker/colour/sheet_colours.hpp"
+#include "worker/forming/sheet_map.hpp"
+#include "worker/printing/colour_raster.hpp"
+
+namespace vacuform {
+namespace {
+
+using coloured::Model;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using shapes::FileBytes;
+
+constexpr double pi = std::numbers::pi, sphere_mm = 60, on_dome_mm = 67, pixel_mm = 0.2;
+
+struct Printed {
+  int side = 0;
+  std::vector<std::uint8_t> rgba;
+
+  const std::uint8_t* at(int x, int y) const {
+    return &rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(side) +
+                      static_cast<std::size_t>(x))];
+  }
+  Vector3f linear(int x, int y) const {
+    const std::uint8_t* p = at(x, y);
+    return {linear_from_srgb(static_cast<float>(p[0]) / 255),
+            linear_from_srgb(static_cast<float>(p[1]) / 255),
+            linear_from_srgb(static_cast<float>(p[2]) / 255)};
+  }
+  Vector2d rest(int x, int y) const {
+    return {(x + 0.5 - side / 2.0) * pixel_mm, (side / 2.0 - y - 0.5) * pixel_mm};
+  }
+  // Between pixels.
+  Vector3f linear(const Vector2d& rest) const {
+    const double x = rest.x() / pixel_mm + side / 2.0 - 0.5, y = side / 2.0 - rest.y() / pixel_mm - 0.5;
+    const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+    const float fx = static_cast<float>(x - i), fy = static_cast<float>(y - j);
+    return (1 - fy) * ((1 - fx) * linear(i, j) + fx * linear(i + 1, j)) +
+           fy * ((1 - fx) * linear(i, j + 1) + fx * linear(i + 1, j + 1));
+  }
+};
+
+Printed printed(const FormedSheet& sheet, const FileBytes& scan, const std::string& name,
+                double fade_mm = 3) {
+  const auto surface = ColouredSurface::read(scan, name, {}, Context());
+  EXPECT_TRUE(surface) << surface.error().text();
+  const SheetColours colours(*surface, sheet, colour_reach(0, fade_mm));
+  Printed out;
+  out.side = 1500;
+  const ColourRaster raster(colours, out.side, out.side, pixel_mm);
+  for (int top = 0; top < out.side; top += raster.band_rows()) {
+    const auto rows = raster.rows(top, std::min(top + raster.band_rows(), out.side));
+    out.rgba.insert(out.rgba.end(), rows.begin(), rows.end());
+  }
+  return out;
+}
+
+const FormedSheet& dome_sheet() {
+  static const FormedSheet sheet = hand_made::dome(150).sheet;
+  return sheet;
+}
+
+struct OnSphere {
+  double along, down;  // of sphere(): u 2 pi and v pi
+};
+OnSphere on_sphere(const Vector3d& p) {
+  const double along = std::atan2(p.y(), p.x());
+  return {along < 0 ? along + 2 * pi : along, std::acos(p.z() / p.norm())};
+}
+
+// The share of [from, to] on which a wave of this period is high.
+double share_high(double from, double to, double period) {
+  const auto sum = [&](double x) {
+    return std::floor(x / period) * period / 2 + std::min(std::fmod(x, period), period / 2);
+  };
+  return (sum(to) - sum(from)) / (to - from);
+}
+
+// Ten degrees of light, ten of dark.
+constexpr double band = 20 * pi / 180;
+
+TEST(ColouredSheet, HasEveryLatitudeInItsPlace) {
+  constexpr int height = 1024;
+  const auto image = coloured::png(2, height, [](double, double v) {
+    const double half = 0.5 / height;
+    return Vector3f::Constant(static_cast<float>(share_high(pi * (v - half), pi * (v + half), band))).eval();
+  });
+  const Printed print =
+      printed(dome_sheet(), coloured::glb(coloured::sphere(sphere_mm, 240), image), "a.glb");
+  const SheetMap map(dome_sheet());
+  std::vector<double> errors;
+  for (int k = 0; k < 90; ++k) {
+    const Vector2d along(std::cos(pi * k / 45), std::sin(pi * k / 45));
+    constexpr double step = 0.05;
+    for (double r = 2; r < on_dome_mm; r += step) {
+      const float a = print.linear(r * along).x() - 0.5f, b = print.linear((r + step) * along).x() - 0.5f;
+      if ((a > 0) == (b > 0)) continue;
+      const double down = on_sphere(*map((r + step * a / (a - b)) * along)).down;
+      errors.push_back(sphere_mm * std::abs(down - std::round(down / (band / 2)) * (band / 2)));
+    }
+  }
+  EXPECT_EQ(errors.size(), 90u * 7);  // at 10, 20 ... 70 degrees
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() * 99 / 100], 0.2);
+  RecordProperty("p99_um", static_cast<int>(1000 * errors[errors.size() * 99 / 100]));
+}
+
+TEST(ColouredSheet, HasEveryLongitudeInItsPlace) {
+  constexpr int width = 2048;
+  const auto image = coloured::png(width, 2, [](double u, double) {
+    const double half = 0.5 / width;
+    return Vector3f::Constant(static_cast<float>(share_high(2 * pi * (u - half), 2 * pi * (u + half), band)))
+        .eval();
+  });
+  const Printed print =
+      printed(dome_sheet(), coloured::glb(coloured::sphere(sphere_mm, 240), image), "a.glb");
+  const SheetMap map(dome_sheet());
+  std::vector<double> errors;
+  for (double r = 20; r < on_dome_mm; r += 1.3) {
+    constexpr double step = 0.0005;
+    const auto place = [&](double angle) { return Vector2d(r * std::cos(angle), r * std::sin(angle)); };
+    for (double angle = 0.05; angle < 2 * pi - 0.05; angle += step) {
+      const float a = print.linear(place(angle)).x() - 0.5f, b = print.linear(place(angle + step)).x() - 0.5f;
+      if ((a > 0) == (b > 0)) continue;
+      const OnSphere at = on_sphere(*map(place(angle + step * a / (a - b))));
+      errors.push_back(sphere_mm * std::sin(at.down) *
+                       std::abs(at.along - std::round(at.along / (band / 2)) * (band / 2)));
+    }
+  }
+  EXPECT_EQ(errors.size(), 37u * 35);  // rings, and 10, 20 ... 350 degrees
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() * 99 / 100], 0.2);
+  RecordProperty("p99_um", static_cast<int>(1000 * errors[errors.size() * 99 / 100]));
+}
+
+// Smooth and colourful all around.
+Vector3f smooth(double along, double down) {
+  return {static_cast<float>(0.5 + 0.4 * std::sin(3 * along)),
+          static_cast<float>(0.5 + 0.4 * std::cos(2 * along + 4 * down)),
+          static_cast<float>(0.5 + 0.4 * std::sin(5 * down))};
+}
+
+struct Difference {
+  double mean = 0, largest = 0;
+};
+Difference difference_from_smooth(const Printed& print) {
+  const SheetMap map(dome_sheet());
+  Difference out;
+  int count = 0;
+  for (int y = 0; y < print.side; y += 3)
+    for (int x = 0; x < print.side; x += 3) {
+      const Vector2d rest = print.rest(x, y);
+      if (rest.norm() > on_dome_mm || rest.norm() < 6)
+        continue;  // at the pole the longitude changes within a pixel
+      const OnSphere at = on_sphere(*map(rest));
+      const double d =
+          coloured::ciede2000(coloured::lab(print.linear(x, y)), coloured::lab(smooth(at.along, at.down)));
+      out.mean += d;
+      out.largest = std::max(out.largest, d);
+      ++count;
+    }
+  out.mean /= count;
+  return out;
+}
+
+FileBytes smooth_glb() {
+  const auto image = coloured::png(1024, 512, [](double u, double v) { return smooth(2 * pi * u, pi * v); });
+  return coloured::glb(coloured::sphere(sphere_mm, 240), image);
+}
+
+TEST(ColouredSheet, HasTheColoursOfTheModel) {
+  const Difference d = difference_from_smooth(printed(dome_sheet(), smooth_glb(), "a.glb"));
+  EXPECT_LT(d.mean, 1);
+  EXPECT_LT(d.largest, 2);
+  RecordProperty("mean_milli", static_cast<int>(1000 * d.mean));
+  RecordProperty("largest_milli", static_cast<int>(1000 * d.largest));
+}
+
+// Ten by five patches of the sphere, each in a separate cell of the image in another order, and black between them.
+TEST(ColouredSheet, ShowsNoSeamBetweenFiftyIslands) {
+  constexpr int columns = 10, rows = 5;
+  constexpr double margin = 0.08;
+  Model model = coloured::sphere(sphere_mm, 240);
+  for (std::size_t i = 0; i < model.uv.size(); i += 3) {
+    const Vector2d middle = (model.uv[i] + model.uv[i + 1] + model.uv[i + 2]) / 3;
+    const int column = static_cast<int>(columns * middle.x()), row = static_cast<int>(rows * middle.y());
+    const int cell = (7 * (row * columns + column) + 3) % (columns * rows);
+    for (std::size_t k = i; k < i + 3; ++k) {
+      const Vector2d within(columns * model.uv[k].x() - column, rows * model.uv[k].y() - row);
+      model.uv[k] = {(cell % columns + margin + (1 - 2 * margin) * within.x()) / columns,
+                     (static_cast<double>(cell / columns) + margin + (1 - 2 * margin) * within.y()) / rows};
+    }
+  }
+  constexpr int width = 1200, height = 600;
+  const auto atlas = coloured::png(width, height, [&](double u, double v) -> Vector3f {
+    const int at_column = static_cast<int>(columns * u), at_row = static_cast<int>(rows * v);
+    const int cell = at_row * columns + at_column;
+    int home = 0;
+    while ((7 * home + 3) % (columns * rows) != cell) ++home;
+    const Vector2d within((columns * u - at_column - margin) / (1 - 2 * margin),
+                          (rows * v - at_row - margin) / (1 - 2 * margin));
+    if (within.minCoeff() < 0 || within.maxCoeff() > 1) return Vector3f::Zero();
+    return smooth(2 * pi * (home % columns + within.x()) / columns,
+                  pi * (static_cast<double>(home / columns) + within.y()) / rows);
+  });
+  const Difference d = difference_from_smooth(printed(dome_sheet(), coloured::glb(model, atlas), "a.glb"));
+  EXPECT_LT(d.mean, 1);
+  EXPECT_LT(d.largest, 3);
+  RecordProperty("largest_milli", static_cast<int>(1000 * d.largest));
+}
+
+TEST(ColouredSheet, IsTheSameFromEveryFormat) {
+  Model model = coloured::sphere(sphere_mm, 160);
+  for (const Vector3d& p : model.places) {
+    const OnSphere at = on_sphere(p);
+    model.colours.push_back(smooth(at.along, at.down));
+  }
+  model.uv.clear();
+  const Printed of_glb = printed(dome_sheet(), coloured::glb(model, {}), "a.glb");
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, FileBytes>{"a.ply", coloured::ply(model)}, {"a.obj", coloured::obj(model)}}) {
+    const Printed other = printed(dome_sheet(), bytes, name);
+    int largest = 0;
+    for (std::size_t i = 0; i < of_glb.rgba.size(); ++i)
+      largest = std::max(largest, std::abs(of_glb.rgba[i] - other.rgba[i]));
+    EXPECT_LE(largest, 1) << name;
+  }
+}
+
+TEST(ColouredSheet, FadesWhereTheSheetLeavesTheScan) {
+  const Printed print = printed(dome_sheet(), smooth_glb(), "a.glb"),
+                none = printed(dome_sheet(), smooth_glb(), "a.glb", 0);
+  const auto opacity = [](const Printed& of, double r) {
+    return of.at(of.side / 2 + static_cast<int>(r / pixel_mm), of.side / 2)[3];
+  };
+  EXPECT_EQ(opacity(print, 60), 255);
+  EXPECT_EQ(opacity(print, 140), 0);
+  int faded = 0, faded_without = 0;
+  for (double r = 60; r < 140; r += pixel_mm) {
+    EXPECT_LE(opacity(print, r + pixel_mm), opacity(print, r)) << r;
+    faded += opacity(print, r) > 20 && opacity(print, r) < 235;
+    faded_without += opacity(none, r) > 20 && opacity(none, r) < 235;
+  }
+  EXPECT_GE(faded, 5);
+  EXPECT_LE(faded_without, 1);
+}
+
+TEST(ColouredSheet, IsTheSameWithOneThread) {
+  const FileBytes scan = smooth_glb();
+  const Printed many = printed(dome_sheet(), scan, "a.glb");
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(printed(dome_sheet(), scan, "a.glb").rgba, many.rgba);
+}
+
+TEST(ColouredSheet, NeedsAScanWithColours) {
+  const auto surface = ColouredSurface::read(shapes::stl(shapes::cube(100)), "a.stl", {}, Context());
+  ASSERT_FALSE(surface);
+  EXPECT_EQ(surface.error().code, Code::unusable_scan);
+  EXPECT_NE(surface.error().text().find("no colours (STL (binary))"), std::string::npos)
+      << surface.error().text();
+}
+
+TEST(ColouredSheet, DifferenceOfColoursIsThatOfTheStandard) {
+  // Pairs 1, 7 and 17 of the test data of Sharma, Wu and Dalal 2005.
+  EXPECT_NEAR(coloured::ciede2000({50, 2.6772, -79.7751}, {50, 0, -82.7485}), 2.0425, 1e-4);
+  EXPECT_NEAR(coloured::ciede2000({50, 0, 0}, {50, -1, 2}), 2.3669, 1e-4);
+  EXPECT_NEAR(coloured::ciede2000({50, 2.5, 0}, {73, 25, -18}), 27.1492, 1e-4);
+}
+
+}  // namespace
+}  // namespace vacuform

@@ -1,0 +1,125 @@
+#include "worker/colour/coloured_surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace vacuform {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+namespace {
+
+// On the last triangle and this near to it, no other triangle is looked for: the sheet touches the surface there.
+constexpr double beside_mm = 0.25;
+
+using UvCorners = std::array<Eigen::Vector2f, 3>;
+
+Vector2d uv_at(const UvCorners& uv, const Vector3d& weights) {
+  return weights[0] * uv[0].cast<double>() + weights[1] * uv[1].cast<double>() +
+         weights[2] * uv[2].cast<double>();
+}
+
+void mark_shown(const ScanColours& colours, std::vector<Texture>& textures) {
+  std::vector<std::vector<UvCorners>> of_material(colours.materials.size());
+  for (std::size_t t = 0; t < colours.material.size(); ++t) {
+    const auto m = static_cast<std::size_t>(colours.material[t]);
+    if (colours.materials[m].image >= 0) of_material[m].push_back(colours.uv[t]);
+  }
+  for (std::size_t m = 0; m < of_material.size(); ++m)
+    if (const ScanMaterial& material = colours.materials[m]; material.image >= 0)
+      textures[static_cast<std::size_t>(material.image)].mark_shown(of_material[m], material.across,
+                                                                    material.down);
+}
+
+}  // namespace
+
+Result<ColouredSurface> ColouredSurface::read(std::span<const std::uint8_t> bytes,
+                                              const std::string& file_name, const ScanPlacing& placing,
+                                              const Context& context) {
+  const ScanProgress progress(context);
+  VACUFORM_TRY(scan, read_scan(bytes, file_name, progress, ScanParts::with_colours));
+  if (!scan.colours)
+    return fail(Code::unusable_scan, "the scan has no colours (" + scan.format + ")", file_name,
+                "give a GLB with textures or a PLY or OBJ with vertex colours, or pattern.source=file and a "
+                "pattern");
+  for (auto& p : scan.mesh.vertices) p = placing(p);
+  std::vector<Texture> textures;
+  std::int64_t left = most_texture_pixels;
+  for (ScanImage& image : scan.colours->images) {
+    VACUFORM_CHECK(progress.tick());
+    VACUFORM_TRY(texture, Texture::read(image, file_name, left));
+    left -= texture.pixels();
+    image.bytes = {};
+    textures.push_back(std::move(texture));
+  }
+  mark_shown(*scan.colours, textures);
+  for (Texture& texture : textures) {
+    VACUFORM_CHECK(progress.tick());
+    texture.build();
+  }
+  auto parts = std::make_shared<Parts>(std::move(scan.mesh), *std::move(scan.colours));
+  parts->textures = std::move(textures);
+  return ColouredSurface(std::move(parts));
+}
+
+void ColourWalk::enter(int triangle) {
+  if (triangle == triangle_) return;
+  triangle_ = triangle;
+  const auto t = static_cast<std::size_t>(triangle);
+  const Triangle& corners = parts_.mesh.triangles[t];
+  const auto corner = [&](std::size_t k) -> const Vector3d& {
+    return parts_.mesh.vertices[static_cast<std::size_t>(corners[k])];
+  };
+  origin_ = corner(0);
+  const Vector3d ab = corner(1) - origin_, ac = corner(2) - origin_;
+  const double bb = ab.squaredNorm(), bc = ab.dot(ac), cc = ac.squaredNorm(), d = bb * cc - bc * bc;
+  normal_ = d > 0 ? ab.cross(ac).normalized() : Vector3d::Zero();
+  second_ = d > 0 ? Vector3d((cc * ab - bc * ac) / d) : Vector3d::Zero();
+  third_ = d > 0 ? Vector3d((bb * ac - bc * ab) / d) : Vector3d::Zero();
+  material_ = &parts_.colours.materials[static_cast<std::size_t>(parts_.colours.material[t])];
+  texture_ = material_->image < 0 ? nullptr : &parts_.textures[static_cast<std::size_t>(material_->image)];
+  if (!texture_) return;
+  const UvCorners& uv = parts_.colours.uv[t];
+  const Vector2d along_ab = (uv[1] - uv[0]).cast<double>(), along_ac = (uv[2] - uv[0]).cast<double>();
+  const auto change = [&](const Vector3d& by) -> Vector2d {
+    return second_.dot(by) * along_ab + third_.dot(by) * along_ac;
+  };
+  footprint_ = texture_->footprint(change(across_), change(down_));
+}
+
+Vector3f ColourWalk::colour(const Vector3d& weights) const {
+  Vector3f out = material_->factor;
+  const auto t = static_cast<std::size_t>(triangle_);
+  if (texture_)
+    out = out.cwiseProduct(texture_->sample(uv_at(parts_.colours.uv[t], weights), footprint_,
+                                            material_->across, material_->down));
+  if (const auto& vertex = parts_.colours.vertex; !vertex.empty()) {
+    const Triangle& corners = parts_.mesh.triangles[t];
+    Vector3f mean = Vector3f::Zero();
+    for (int k = 0; k < 3; ++k)
+      mean += static_cast<float>(weights[k]) *
+              vertex[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
+    out = out.cwiseProduct(mean);
+  }
+  return out;
+}
+
+std::optional<ColourWalk::Found> ColourWalk::at(const Vector3d& place, double within_mm) {
+  if (triangle_ >= 0) {
+    const Vector3d from = place - origin_;
+    const double b = second_.dot(from), c = third_.dot(from), a = 1 - b - c,
+                 distance = std::abs(normal_.dot(from));
+    if (a >= 0 && b >= 0 && c >= 0 && distance <= std::min(beside_mm, within_mm) &&
+        normal_ != Vector3d::Zero())
+      return Found{colour({a, b, c}), distance};
+  }
+  const auto nearest = parts_.distance.nearest(place, within_mm);
+  if (!nearest) return std::nullopt;
+  enter(nearest->triangle);
+  return Found{colour(nearest->weights), nearest->distance_mm};
+}
+
+}  // namespace vacuform

@@ -1,0 +1,112 @@
+#include "worker/printing/colour_raster.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/stage/parallel.hpp"
+#include "worker/surface/scan_lines.hpp"
+
+namespace vacuform {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm)
+    : colours_(colours),
+      width_(width),
+      height_(height),
+      // As many samples as a drawing has (sheet_raster.cpp).
+      samples_(std::clamp(static_cast<int>(std::ceil(pixel_mm * 600 / 25.4 - 1e-9)), 2, 4)),
+      band_(std::clamp(1'000'000 / width, 16, 256)) {
+  const double n = samples_;
+  const FormedSheet& sheet = colours.sheet();
+  Vector2d low(width_, height_), high(0, 0);
+  for (const int t : colours.triangles()) {
+    Piece piece;
+    std::array<Vector3d, 3> formed;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto v = static_cast<std::size_t>(sheet.triangles[static_cast<std::size_t>(t)][k]);
+      const Vector2d pixel(sheet.rest[v].x() / pixel_mm + 0.5 * width_,
+                           0.5 * height_ - sheet.rest[v].y() / pixel_mm);
+      piece.corners[k] = n * pixel;
+      formed[k] = sheet.formed[v];
+      low = low.cwiseMin(pixel);
+      high = high.cwiseMax(pixel);
+    }
+    Matrix2d place;
+    place << piece.corners[1] - piece.corners[0], piece.corners[2] - piece.corners[0];
+    Eigen::Matrix<double, 3, 2> formed_sides;
+    formed_sides << formed[1] - formed[0], formed[2] - formed[0];
+    const Eigen::Matrix<double, 3, 2> map = formed_sides * place.inverse();
+    if (!map.allFinite() || !piece.corners[0].allFinite()) continue;
+    piece.across = map.col(0);
+    piece.down = map.col(1);
+    piece.origin = formed[0] - map * piece.corners[0];
+    pieces_.push_back(piece);
+  }
+  const auto pixel = [](double x, int limit) {
+    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
+  };
+  box_ = {pixel(std::floor(low.x()), width_ - 1), pixel(std::floor(low.y()), height_ - 1), 0, 0};
+  box_.right = std::max(box_.left + 1, pixel(std::ceil(high.x()), width_));
+  box_.bottom = std::max(box_.top + 1, pixel(std::ceil(high.y()), height_));
+
+  of_band_.resize(static_cast<std::size_t>((height_ + band_ - 1) / band_));
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const auto& c = pieces_[i].corners;
+    const double top = std::min({c[0].y(), c[1].y(), c[2].y()}) / n,
+                 bottom = std::max({c[0].y(), c[1].y(), c[2].y()}) / n;
+    const int first = pixel(top - 1, height_ - 1) / band_, last = pixel(bottom + 1, height_ - 1) / band_;
+    for (int b = first; b <= last; ++b) of_band_[static_cast<std::size_t>(b)].push_back(static_cast<int>(i));
+  }
+}
+
+void ColourRaster::scan(const Piece& piece, int first_row, int last_row, int top,
+                        std::vector<float>& sums) const {
+  const int n = samples_;
+  const ColourReach& reach = colours_.reach();
+  ColourWalk walk(colours_.surface(), piece.across, piece.down);
+  scan_triangle(piece.corners, width_ * n, first_row * n, last_row * n, [&](int row, int begin, int end) {
+    float* out = sums.data() + static_cast<std::ptrdiff_t>(row / n - top) * (box_.right - box_.left) * 4;
+    const Vector3d start = piece.origin + (row + 0.5) * piece.down;
+    for (int x = std::max(begin, box_.left * n); x < std::min(end, box_.right * n); ++x) {
+      const auto found = walk.at(start + (x + 0.5) * piece.across, reach.end_mm());
+      if (!found) continue;
+      const float share = static_cast<float>(reach.share(found->distance_mm));
+      float* sum = out + static_cast<std::ptrdiff_t>(x / n - box_.left) * 4;
+      for (int c = 0; c < 3; ++c) sum[c] += share * found->linear[c];
+      sum[3] += share;
+    }
+  });
+}
+
+std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
+  std::vector<std::uint8_t> pixels(
+      4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(bottom - top), 0);
+  const auto& pieces = of_band_[static_cast<std::size_t>(top / band_)];
+  if (pieces.empty()) return pixels;
+  const int box_width = box_.right - box_.left;
+  std::vector<float> sums(4 * static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top),
+                          0.0f);
+  const float scale = 1.0f / static_cast<float>(samples_ * samples_);
+  in_parallel(top, bottom, [&](int first, int last) {
+    // One row of pixels at a time, so that the walk over the scan does not depend on how the rows are shared out.
+    for (int y = first; y < last; ++y)
+      for (const int i : pieces) scan(pieces_[static_cast<std::size_t>(i)], y, y + 1, top, sums);
+    for (int y = first; y < last; ++y) {
+      const float* sum = sums.data() + static_cast<std::ptrdiff_t>(y - top) * box_width * 4;
+      std::uint8_t* out = pixels.data() + (static_cast<std::ptrdiff_t>(y - top) * width_ + box_.left) * 4;
+      for (int x = 0; x < box_width; ++x, sum += 4, out += 4) {
+        if (!(sum[3] > 0)) continue;
+        for (int c = 0; c < 3; ++c)
+          out[c] = static_cast<std::uint8_t>(srgb_from_linear(sum[c] / sum[3]) * 255 + 0.5f);
+        out[3] = static_cast<std::uint8_t>(std::min(1.0f, sum[3] * scale) * 255 + 0.5f);
+      }
+    }
+  });
+  return pixels;
+}
+
+}  // namespace vacuform

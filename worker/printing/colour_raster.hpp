@@ -1,0 +1,38 @@
+// The colours of a scan on the flat sheet, in rows of print pixels. Internal to worker/printing and worker/inspection.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "worker/colour/sheet_colours.hpp"
+#include "worker/printing/row_source.hpp"
+
+namespace vacuform {
+
+// Keeps a reference to the colours. Pixels are those of the print before any mirroring, RGBA: each is the mean, in linear
+// light, of 4 to 16 places of the sheet, each with the mean colour of the scan's surface around its closest point. The
+// same bytes for any number of threads.
+class ColourRaster : public RowSource {
+ public:
+  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm);
+
+  PixelBox box() const override { return box_; }
+  int band_rows() const override { return band_; }
+  std::vector<std::uint8_t> rows(int top, int bottom) const override;
+
+ private:
+  // One triangle: its corners on the grid of samples, and the affine map from there to the formed sheet.
+  struct Piece {
+    std::array<Eigen::Vector2d, 3> corners;
+    Eigen::Vector3d origin, across, down;
+  };
+  void scan(const Piece& piece, int first_row, int last_row, int top, std::vector<float>& sums) const;
+
+  const SheetColours& colours_;
+  int width_, height_, samples_, band_;
+  PixelBox box_;
+  std::vector<Piece> pieces_;
+  std::vector<std::vector<int>> of_band_;  // pieces that may touch each band, ascending
+};
+
+}  // namespace vacuform
