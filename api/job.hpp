@@ -48,9 +48,10 @@ inline constexpr std::array<InputKind, 4> input_kinds{{
 }};
 // nullptr when no input has that name.
 const InputKind* input_kind(std::string_view name);
-// Whether every job of that kind needs the input. Others are stored with the job for a later print made from it.
-constexpr bool needs(JobKind job, const InputKind& input) {
-  return input.always && (job == JobKind::print || input.name == "scan");
+// Whether every job of that kind needs the input. Others are stored with the job for a later print made from it. A print
+// of the colours of the scan (pattern.source=scan) needs no pattern.
+constexpr bool needs(JobKind job, const InputKind& input, bool prints_scan = false) {
+  return input.always && ((job == JobKind::print && !prints_scan) || input.name == "scan");
 }
 // Whether a job of that kind reads the input if it has it.
 constexpr bool uses(JobKind job, const InputKind& input) {

@@ -222,6 +222,22 @@ Result<void> check_heat(const Settings& s) {
   return {};
 }
 
+// The colours of a scan lie where the scan has them: there is no drawing to lay, to weigh or to decouple.
+Result<void> check_source(const Settings& s) {
+  if (s.pattern.source != PatternSource::scan) return {};
+  const auto refuse = [](const char* key, const char* fix) {
+    return fail(Code::bad_settings, "the setting is for a drawing, and pattern.source=scan has none", key,
+                fix);
+  };
+  if (s.pattern.placement != PatternPlacement::automatic && s.pattern.placement != PatternPlacement::chart)
+    return refuse("pattern.placement", "leave it out");
+  if (!s.pattern.points.empty()) return refuse("pattern.points", "leave it out");
+  if (s.coils.decouple) return refuse("coils.decouple", "leave it out");
+  if (s.flattening.weights == FlatteningWeights::ink || s.flattening.weights == FlatteningWeights::painted)
+    return refuse("flattening.weights", "give uniform or center");
+  return {};
+}
+
 constexpr double coarsest_fast_mm = 3;  // then the coarsest grid is one of 12 mm
 
 // What no single field can know.
@@ -247,6 +263,7 @@ Result<void> check_together(const Settings& s) {
     return fail(Code::bad_settings, "where the ink lies is known by pattern.offset_mm, not by pattern.points",
                 "flattening.weights",
                 "lay the drawing by pattern.offset_mm and rotate_deg, or choose other weights");
+  VACUFORM_CHECK(check_source(s));
   if (s.forming.quality == FormingQuality::fast && s.forming.model != FormingModel::membrane)
     return fail(Code::bad_settings, "only the membrane model can be extrapolated from coarser grids",
                 "forming.quality", "give standard, or forming.model=membrane");

@@ -27,6 +27,7 @@ inline constexpr std::array<std::string_view, 2> integrator_names{"implicit_eule
 inline constexpr std::array<std::string_view, 5> method_names{"arap", "symmetric_dirichlet", "lscm",
                                                               "cgal_arap", "bfs"};
 inline constexpr std::array<std::string_view, 4> weights_names{"uniform", "ink", "center", "painted"};
+inline constexpr std::array<std::string_view, 2> pattern_source_names{"file", "scan"};
 inline constexpr std::array<std::string_view, 4> placement_names{"auto", "elements", "chart", "segments"};
 inline constexpr std::array<std::string_view, 2> keep_names{"area", "diameter"};
 inline constexpr std::array<std::string_view, 3> region_names{"dome", "front", "back"};
@@ -47,6 +48,7 @@ inline std::span<const std::string_view> names_of(MembraneLaw) { return law_name
 inline std::span<const std::string_view> names_of(Integrator) { return integrator_names; }
 inline std::span<const std::string_view> names_of(FlatteningMethod) { return method_names; }
 inline std::span<const std::string_view> names_of(FlatteningWeights) { return weights_names; }
+inline std::span<const std::string_view> names_of(PatternSource) { return pattern_source_names; }
 inline std::span<const std::string_view> names_of(PatternPlacement) { return placement_names; }
 inline std::span<const std::string_view> names_of(CoilKeep) { return keep_names; }
 inline std::span<const std::string_view> names_of(ArrayRegion) { return region_names; }
@@ -188,6 +190,11 @@ void describe(S& s, V& v) {
           "Points of the sheet held at points of the chart, as rows [s, t, u, v]");
 
   v.group("pattern", "Pattern: how the drawing lies on the head");
+  v.field("source", s.pattern.source,
+          "What is printed: the drawing of a file, or the colours of the scan itself, which needs no file");
+  v.field("fade_mm", s.pattern.fade_mm, {0, 100, "mm"},
+          "Colours of the scan: where the sheet does not touch it they fade out over this distance; 0: none "
+          "there");
   v.field("width_mm", s.pattern.width_mm, {1, 2000, "mm"},
           "Physical width of the drawing; auto takes the file's own");
   v.field("placement", s.pattern.placement,

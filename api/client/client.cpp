@@ -16,6 +16,7 @@
 #include "api/base/sha256.hpp"
 #include "api/job_text.hpp"
 #include "api/problem.hpp"
+#include "api/settings.hpp"
 #include "api/version.hpp"
 #include "api/worker_protocol.hpp"
 
@@ -255,8 +256,10 @@ Result<std::optional<Lease>> WorkerClient::lease(const std::string& worker,
       if (const auto from = inputs->find(kind.name); from != inputs->end() && from->is_object())
         lease.inputs.push_back(input_from(kind, *from));
   lease.kind = job_kind.value_or(JobKind::print);
+  const auto of_job = settings_from_text(lease.settings);
+  const bool prints_scan = of_job && of_job->pattern.source == PatternSource::scan;
   const bool whole = std::all_of(input_kinds.begin(), input_kinds.end(), [&](const InputKind& input) {
-    return !needs(lease.kind, input) ||
+    return !needs(lease.kind, input, prints_scan) ||
            std::any_of(lease.inputs.begin(), lease.inputs.end(),
                        [&](const LeasedInput& leased) { return leased.name == input.name; });
   });

@@ -24,9 +24,13 @@ bool has(const NewJob& job, std::string_view name) {
 }
 
 // Every job of this kind needs these files, and they must not be empty.
-Result<void> check_files(const NewJob& job) {
+Result<void> check_files(const NewJob& job, const Settings& settings) {
+  const bool prints_scan = settings.pattern.source == PatternSource::scan;
+  if (prints_scan && job.kind == JobKind::print && has(job, "pattern"))
+    return fail(Code::bad_settings, "a pattern is given, but the colours of the scan are to be printed",
+                "pattern.source", "leave the pattern out, or send pattern.source=file");
   for (const InputKind& kind : input_kinds)
-    if (needs(job.kind, kind) && !has(job, kind.name))
+    if (needs(job.kind, kind, prints_scan) && !has(job, kind.name))
       return fail(Code::bad_usage, "there is no " + std::string(kind.name) + ", or it is empty",
                   std::string(kind.name), "choose a file: " + std::string(kind.extensions));
   return {};
@@ -133,6 +137,7 @@ void share_inputs(const Job& from, const Settings& settings, NewJob& job) {
   for (const Input& input : from.inputs) {
     const bool asked = input.name == "temperature" ? settings.heat.source == HeatSource::measured
                        : input.name == "weights"   ? settings.flattening.weights == FlatteningWeights::painted
+                       : input.name == "pattern"   ? settings.pattern.source == PatternSource::file
                                                    : true;
     if (asked && !has(job, input.name)) job.add(input.name, input.blob, input.extension);
   }
@@ -224,7 +229,7 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
     share_inputs(*from, settings, job);
     job.derived_from = from->id;
   }
-  VACUFORM_CHECK(check_files(job));
+  VACUFORM_CHECK(check_files(job, settings));
   VACUFORM_TRY(priority, priority_of(form, caller));
   job.priority = priority;
   VACUFORM_CHECK(match_files(job, settings));

@@ -28,9 +28,13 @@ Result<void> run(const RunOptions& o, const Context& context) {
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
-  VACUFORM_TRY(pattern, read_file(o.pattern));
   blank_names(scan, o.scan);  // as the service does, so that both make the same result from a file
-  blank_names(pattern, o.pattern);
+  std::vector<std::uint8_t> pattern;
+  if (!o.pattern.empty()) {
+    VACUFORM_TRY(drawing, read_file(o.pattern));
+    pattern = std::move(drawing);
+    blank_names(pattern, o.pattern);
+  }
   Inputs inputs{scan, o.scan, pattern, o.pattern, settings};
   std::vector<std::uint8_t> temperature;
   if (!o.temperature.empty()) {
@@ -87,7 +91,10 @@ void add_run(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Make the print of a scan and a pattern, without a server");
   command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("FILE");
-  command->add_option("--pattern", options->pattern, "SVG, PNG or JPEG")->required()->type_name("FILE");
+  command
+      ->add_option("--pattern", options->pattern,
+                   "SVG, PNG or JPEG; with pattern.source=scan, which prints the colours of the scan, none")
+      ->type_name("FILE");
   command->add_option("--out", options->out, "Folder for the artifacts; made when absent")
       ->required()
       ->type_name("DIR");

@@ -41,9 +41,16 @@ struct SubmitOptions {
 
 JobKind kind_of(const SubmitOptions& o) { return job_kind_from(o.kind).value_or(JobKind::print); }
 
+// Whether the settings ask for the colours of the scan. Settings that cannot be read are refused later.
+bool prints_scan(const SubmitOptions& o) {
+  const auto given = o.settings.read();
+  const auto settings = given ? settings_from_json(*given) : Result<Settings>(Settings{});
+  return settings && settings->pattern.source == PatternSource::scan;
+}
+
 bool lacks_files(const SubmitOptions& o) {
   for (std::size_t i = 0; i < input_kinds.size(); ++i)
-    if (needs(kind_of(o), input_kinds[i]) && o.files[i].empty()) return true;
+    if (needs(kind_of(o), input_kinds[i], prints_scan(o)) && o.files[i].empty()) return true;
   return false;
 }
 

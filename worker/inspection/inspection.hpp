@@ -53,10 +53,11 @@ struct Finished {
   const Pattern& pattern;
   const Print& print;
   HeatSummary heat = {};
-  Alignment alignment = {};              // of the drawing on the chart
-  const Measured* measured = nullptr;    // where the print is one of vectors
-  const Placement* placement = nullptr;  // how the drawing is laid; none: on the one chart
-  std::string label = {};                // of the print, as its marks say it
+  Alignment alignment = {};               // of the drawing on the chart
+  const Measured* measured = nullptr;     // where the print is one of vectors
+  const Placement* placement = nullptr;   // how the drawing is laid; none: on the one chart
+  std::string label = {};                 // of the print, as its marks say it
+  const SheetColours* colours = nullptr;  // of the scan, where the print shows them
 };
 inline bool in_segments(const Finished& job) {
   return job.placement && job.settings.pattern.placement == PatternPlacement::segments;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "worker/colour/sheet_colours.hpp"
 #include "worker/forming/material.hpp"
 #include "worker/inspection/coil_json.hpp"
 #include "worker/inspection/inspection.hpp"
@@ -140,6 +141,16 @@ Json pattern_of(const Finished& job) {
           {"ink_on_head", rounded(job.print.ink_on_head, 5)}};
 }
 
+// Where the formed sheet takes the colours of the scan.
+Json colours_of(const SheetColours& colours) {
+  const ColouredArea& area = colours.area();
+  const double whole = area.full_mm2 + area.faded_mm2;
+  return {{"full_mm2", rounded(area.full_mm2, 1)},
+          {"faded_mm2", rounded(area.faded_mm2, 1)},
+          {"faded_share", rounded(whole > 0 ? area.faded_mm2 / whole : 0, 4)},
+          {"distance_p99_mm", rounded(area.p99_mm, 3)}};
+}
+
 Json print_of(const Finished& job) {
   return {{"size_pixels", {job.print.width, job.print.height}},
           {"dpi", job.settings.print.dpi},
@@ -209,6 +220,7 @@ Json report(const Finished& job) {
   out["thickness"] = thickness_of(job);
   out["flattening"] = flattening_of(job.flattening);
   out["pattern"] = pattern_of(job);
+  if (job.colours) out["pattern"]["colours"] = colours_of(*job.colours);
   out["print"] = print_of(job);
   const CornersUv before = corners_of(job.sheet, job.flattening, job.sheet.rest),
                   after = corners_of(job.print, job.alignment);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/printing/colour_raster.hpp"
 #include "worker/printing/sheet_raster.hpp"
 #include "worker/printing/vector_raster.hpp"
 
@@ -15,11 +16,15 @@ constexpr double pixel_mm = 0.15;
 SheetPicture::SheetPicture(const Finished& job)
     : job_(job), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
   const bool parts = job.placement && !job.placement->elements.empty();
-  if (!job.print.vectors && !parts) return;
+  if (!job.print.vectors && !parts && !job.colours) return;
   width_ = static_cast<int>(std::ceil(job.settings.sheet.width_mm / pixel_mm));
   height_ = static_cast<int>(std::ceil(job.settings.sheet.height_mm / pixel_mm));
   if (job.print.vectors) {
     take(VectorRaster(*job.print.vectors, width_, height_, pixel_mm, false), 4);
+    return;
+  }
+  if (job.colours) {
+    take(ColourRaster(*job.colours, width_, height_, pixel_mm), 4);
     return;
   }
   Print size;

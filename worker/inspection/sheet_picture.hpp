@@ -11,7 +11,7 @@
 
 namespace vacuform {
 
-// Of a print of vectors, or of a picture in parts, the print itself, 0.15 mm a pixel; of any other the pattern under the
+// Of a print of vectors, of a picture in parts, or of the colours of the scan, the print itself, 0.15 mm a pixel; of any other the pattern under the
 // charts. Keeps a reference to the job.
 class SheetPicture {
  public:

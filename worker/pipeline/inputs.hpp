@@ -23,8 +23,8 @@ struct WeightsFile {
 
 struct Inputs {
   std::span<const std::uint8_t> scan;
-  std::string scan_name;  // for messages and the format
-  std::span<const std::uint8_t> pattern;
+  std::string scan_name;                  // for messages and the format
+  std::span<const std::uint8_t> pattern;  // empty if pattern.source is scan
   std::string pattern_name;
   Settings settings;
   std::optional<MeasuredFile> temperature = {};  // of the sheet; if and only if heat.source is measured

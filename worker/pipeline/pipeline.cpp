@@ -5,6 +5,7 @@
 #include "api/base/sha256.hpp"
 #include "api/version.hpp"
 #include "worker/coils/coupled_neighbours.hpp"
+#include "worker/colour/sheet_colours.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/inked_face.hpp"
 #include "worker/inspection/inspection.hpp"
@@ -27,6 +28,14 @@ Result<void> check_together(const Inputs& inputs) {
   if (!s.pattern.seams.empty() && s.pattern.placement != PatternPlacement::segments)
     return fail(Code::bad_settings, "pattern.seams are given, but the drawing is not laid in segments",
                 "pattern.seams", "give pattern.placement=segments as well");
+  const bool of_scan = s.pattern.source == PatternSource::scan;
+  if (of_scan && !inputs.pattern.empty())
+    return fail(Code::bad_settings, "a pattern is given, but the colours of the scan are to be printed",
+                "pattern.source", "leave the pattern out, or give pattern.source=file");
+  if (!of_scan && inputs.pattern.empty())
+    return fail(Code::bad_usage, "there is no pattern, or it is empty", inputs.pattern_name,
+                "give a drawing with --pattern FILE, or print the colours of the scan with "
+                "--set pattern.source=scan");
   const bool painted = s.flattening.weights == FlatteningWeights::painted;
   if (painted && !inputs.weights)
     return fail(
@@ -53,24 +62,79 @@ struct Identity {
   nlohmann::ordered_json sha256;
 };
 Identity identity_of(const Inputs& inputs) {
+  const bool of_scan = inputs.settings.pattern.source == PatternSource::scan;
   nlohmann::ordered_json whole = {{"scan", sha256_hex(inputs.scan)},
                                   {"pattern", sha256_hex(inputs.pattern)},
                                   {"settings", to_json(inputs.settings)},
                                   {"version", version}};
+  if (of_scan)
+    whole.erase("pattern");
+  else  // the print of a drawing keeps the name that it had before scans could be printed
+    for (const char* key : {"source", "fade_mm"}) whole["settings"]["pattern"].erase(key);
   if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
   if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
   Sha256 digest;
   digest.add(whole.dump());
-  nlohmann::ordered_json of_files = {{"scan", whole["scan"]}, {"pattern", whole["pattern"]}};
-  for (const char* more : {"temperature", "weights"})
+  nlohmann::ordered_json of_files = {{"scan", whole["scan"]}};
+  for (const char* more : {"pattern", "temperature", "weights"})
     if (whole.contains(more)) of_files[more] = whole[more];
   return {digest.hex().substr(0, 12), std::move(of_files)};
+}
+
+// The report with what only the pipeline knows.
+nlohmann::ordered_json whole_report(const Inputs& inputs, const Identity& identity, const Finished& job) {
+  nlohmann::ordered_json whole = {
+      {"vacuform", version},
+      {"label", identity.label},
+      {"reference",
+       inputs.reference.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(inputs.reference)},
+      {"sha256", identity.sha256}};
+  whole.update(report(job));
+  return whole;
+}
+
+std::vector<Artifact> with_report(std::vector<Artifact> files, const nlohmann::ordered_json& whole) {
+  const auto add = [&](const char* name, const std::string& text) {
+    files.push_back({name, {text.begin(), text.end()}});
+  };
+  add("report.html", report_html(whole, files));
+  add("report.json", whole.dump(2) + "\n");
+  return files;
+}
+
+// The colours of the scan as a print: the sheet's own coordinates are those of the pattern, and nothing is bent.
+Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Context& context) {
+  const Settings& s = inputs.settings;
+  VACUFORM_TRY(formed, form_head(inputs, context));
+  const InkedSurface inked = inked_surface(formed.sheet, s.pattern.inked_face);
+  VACUFORM_TRY(flattening, flatten(formed.sheet, inked, formed.mold, s.flattening, context));
+  const ChartedSurface charted(inked, flattening);
+  const Identity identity = identity_of(inputs);
+  const Portion reading(context, Stage::printing, 0, 0.2), looking(context, Stage::printing, 0.2, 0.3),
+      printing(context, Stage::printing, 0.3, 1);
+  VACUFORM_CHECK(context.step(Stage::printing, 0));
+  VACUFORM_TRY(surface, ColouredSurface::read(inputs.scan, inputs.scan_name, formed.mold.placing, context));
+  const SheetColours colours(std::move(surface), formed.sheet,
+                             colour_reach(s.scan.clearance_mm, s.pattern.fade_mm));
+  if (colours.triangles().empty())
+    return fail(Code::unusable_surface, "no part of the formed sheet comes near the scan", inputs.scan_name,
+                "give a lower scan.trim_mm or a larger pattern.fade_mm");
+  VACUFORM_TRY(picture, picture_of(colours, s.sheet, looking.context()));
+  const Placement placement = lay_flat(charted);
+  VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, {identity.label, inputs.reference},
+                                 printing.context(), &colours));
+  const Alignment alignment{.shift_mm = -flattening.top_rest};
+  const Finished job{s,           formed.mold, formed.sheet, inked,      flattening,     picture, print,
+                     formed.heat, alignment,   nullptr,      &placement, identity.label, &colours};
+  VACUFORM_TRY(files, artifacts(job, context));
+  return with_report(std::move(files), whole_report(inputs, identity, job));
 }
 
 Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Context& context) {
   const Settings& s = inputs.settings;
   VACUFORM_CHECK(check_for(JobKind::print, s));
   VACUFORM_CHECK(check_together(inputs));
+  if (s.pattern.source == PatternSource::scan) return colour_artifacts(inputs, context);
   VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
   VACUFORM_TRY(weights, weights_of(inputs, pattern));
   VACUFORM_TRY(formed, form_head(inputs, context));
@@ -118,13 +182,7 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
                      &placement, identity.label};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
-  nlohmann::ordered_json whole = {
-      {"vacuform", version},
-      {"label", identity.label},
-      {"reference",
-       inputs.reference.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(inputs.reference)},
-      {"sha256", identity.sha256}};
-  whole.update(report(job));
+  nlohmann::ordered_json whole = whole_report(inputs, identity, job);
   if (inputs.sensitivity) {
     auto coils = printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv);
     for (const PlacedElement& element :
@@ -134,12 +192,7 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
           coil.rest = element.centre_rest;
     whole["sensitivity"] = sensitivity_json(sheet, formed.variants, coils);
   }
-  const auto add = [&](const char* name, const std::string& text) {
-    files.push_back({name, {text.begin(), text.end()}});
-  };
-  add("report.html", report_html(whole, files));
-  add("report.json", whole.dump(2) + "\n");
-  return files;
+  return with_report(std::move(files), whole);
 }
 
 // What the mold can show: it was made, and then the sheet did not fit it, or did not form or flatten on it.

@@ -203,4 +203,17 @@ void take_layout(const InkedSurface& surface, const Drawing& drawing, double sca
         placed(surface, drawing, scale, out.layout.elements[i], out.layout.centres[i], out.laid[i]));
 }
 
+Placement lay_flat(const ChartedSurface& charted) {
+  const InkedSurface& surface = charted.surface();
+  const std::vector<int>& region = charted.flattening().triangles;
+  Segment sheet{{{}, surface.rest(), surface.rest(), surface.inked()}, {}, 1};
+  for (const int t : region) {
+    sheet.triangles.push_back(static_cast<int>(sheet.triangles.size()));
+    sheet.patch.triangles.push_back(surface.triangles()[static_cast<std::size_t>(t)]);
+  }
+  Placement placement;
+  placement.charts.push_back(std::move(sheet));
+  return placement;
+}
+
 }  // namespace vacuform

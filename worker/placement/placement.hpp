@@ -55,6 +55,9 @@ struct Placement {
 Result<Placement> place(const ChartedSurface& charted, const Drawing* drawing, const Settings& settings,
                         const Context& context, const std::vector<Edge>& cuts = {});
 
+// The region of interest with sheet coordinates as its pattern coordinates: for a picture of the flat sheet itself.
+Placement lay_flat(const ChartedSurface& charted);
+
 // Stores elements that were moved or resized in the placement: its layout, elements, distances of pairs and warnings.
 // `scale` is that of the drawing (pattern.scale).
 void take_layout(const InkedSurface& surface, const Drawing& drawing, double scale, ElementLayout layout,

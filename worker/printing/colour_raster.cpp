@@ -9,18 +9,19 @@
 
 namespace vacuform {
 
+namespace {
+// Along each side of a pixel. Each sample is averaged over its part of the pixel, so that more of them only make the edge of
+// the coloured part smoother.
+constexpr int samples_a_side = 2;
+}  // namespace
+
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm)
-    : colours_(colours),
-      width_(width),
-      height_(height),
-      // As many samples as a drawing has (sheet_raster.cpp).
-      samples_(std::clamp(static_cast<int>(std::ceil(pixel_mm * 600 / 25.4 - 1e-9)), 2, 4)),
-      band_(std::clamp(1'000'000 / width, 16, 256)) {
-  const double n = samples_;
+    : colours_(colours), width_(width), height_(height), band_(std::clamp(1'000'000 / width, 16, 256)) {
+  const double n = samples_a_side;
   const FormedSheet& sheet = colours.sheet();
   Vector2d low(width_, height_), high(0, 0);
   for (const int t : colours.triangles()) {
@@ -65,7 +66,7 @@ ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, d
 
 void ColourRaster::scan(const Piece& piece, int first_row, int last_row, int top,
                         std::vector<float>& sums) const {
-  const int n = samples_;
+  constexpr int n = samples_a_side;
   const ColourReach& reach = colours_.reach();
   ColourWalk walk(colours_.surface(), piece.across, piece.down);
   scan_triangle(piece.corners, width_ * n, first_row * n, last_row * n, [&](int row, int begin, int end) {
@@ -90,7 +91,7 @@ std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
   const int box_width = box_.right - box_.left;
   std::vector<float> sums(4 * static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top),
                           0.0f);
-  const float scale = 1.0f / static_cast<float>(samples_ * samples_);
+  const float scale = 1.0f / static_cast<float>(samples_a_side * samples_a_side);
   in_parallel(top, bottom, [&](int first, int last) {
     // One row of pixels at a time, so that the walk over the scan does not depend on how the rows are shared out.
     for (int y = first; y < last; ++y)

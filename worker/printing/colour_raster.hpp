@@ -10,7 +10,7 @@
 namespace vacuform {
 
 // Keeps a reference to the colours. Pixels are those of the print before any mirroring, RGBA: each is the mean, in linear
-// light, of 4 to 16 places of the sheet, each with the mean colour of the scan's surface around its closest point. The
+// light, of 4 places of the sheet, each with the mean colour of the scan's surface around its closest point. The
 // same bytes for any number of threads.
 class ColourRaster : public RowSource {
  public:
@@ -29,7 +29,7 @@ class ColourRaster : public RowSource {
   void scan(const Piece& piece, int first_row, int last_row, int top, std::vector<float>& sums) const;
 
   const SheetColours& colours_;
-  int width_, height_, samples_, band_;
+  int width_, height_, band_;
   PixelBox box_;
   std::vector<Piece> pieces_;
   std::vector<std::vector<int>> of_band_;  // pieces that may touch each band, ascending

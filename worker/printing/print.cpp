@@ -9,6 +9,7 @@
 #include "api/base/utf8.hpp"
 #include "worker/pattern/curve.hpp"
 #include "worker/png/png_writer.hpp"
+#include "worker/printing/colour_raster.hpp"
 #include "worker/printing/ink_compensation.hpp"
 #include "worker/printing/ink_on_chart.hpp"
 #include "worker/printing/laid_ink.hpp"
@@ -149,6 +150,16 @@ std::vector<Eigen::AlignedBox2d> taken_by(const Patch& chart, const Print& print
           for (std::size_t k = i; k < i + 4; ++k) extend(taken.back(), curve.points[k], print.mirrored);
         }
   return taken;
+}
+
+// And the colours of a scan, which reach beyond the chart.
+void add_coloured(const SheetColours& colours, bool mirrored, std::vector<Eigen::AlignedBox2d>& taken) {
+  const FormedSheet& sheet = colours.sheet();
+  for (const int t : colours.triangles()) {
+    taken.emplace_back();
+    for (const int v : sheet.triangles[static_cast<std::size_t>(t)])
+      extend(taken.back(), sheet.rest[static_cast<std::size_t>(v)], mirrored);
+  }
 }
 
 // Where the plastic leaves the mold, print coordinates.
@@ -293,7 +304,7 @@ Result<void> draw(const RowSource& source, const Marks& marks, const Settings& s
 
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
                          const Placement& placement, const Settings& settings, const PrintLabel& label,
-                         const Context& context) {
+                         const Context& context, const SheetColours* colours) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   Print print;
   print.warnings = pattern.warnings();
@@ -307,7 +318,7 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
     print.ink_printed = lost < 1e-9 ? 1 : std::clamp(1 - lost, 0.0, 1.0);
     print.vectors = std::move(vectors);
   } else {
-    print.ink_printed = ink_on_chart(print.pattern_uv, pattern);
+    print.ink_printed = colours ? 1 : ink_on_chart(print.pattern_uv, pattern);
   }
   VACUFORM_CHECK(check_ink(print));
 
@@ -325,7 +336,9 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
   const PrintLabel shown = printable(label, print.warnings);
   if (settings.print.marks) {
     const Patch region = whole_region(charted, print);
-    marks = lay_out_marks(settings, shown, taken_by(region, print),
+    auto taken = taken_by(region, print);
+    if (colours) add_coloured(*colours, print.mirrored, taken);
+    marks = lay_out_marks(settings, shown, taken,
                           outline_of_mold(region, settings.sheet.resolution_mm, ink, print.mirrored));
     print.ruler_mm = marks.ruler_mm;
     print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
@@ -335,6 +348,8 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
   if (drawing)
     source = std::make_unique<VectorRaster>(*print.vectors, print.width, print.height, print.pixel_mm,
                                             pattern.grayscale());
+  else if (colours)
+    source = std::make_unique<ColourRaster>(*colours, print.width, print.height, print.pixel_mm);
   else
     source =
         std::make_unique<SheetRaster>(layers, parts ? &*parts : nullptr, print, pattern, settings.print.dpi);
@@ -342,6 +357,24 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
       draw(*source, marks, settings, pattern.grayscale() ? 1 : 4, shown, drawing ? 0.2 : 0, context, print));
   VACUFORM_CHECK(context.step(Stage::printing, 1));
   return print;
+}
+
+Result<Pattern> picture_of(const SheetColours& colours, const SheetSettings& sheet, const Context& context) {
+  const double pixel_mm = std::max(0.2, std::max(sheet.width_mm, sheet.height_mm) / 4000);
+  const Eigen::Vector2i size(static_cast<int>(std::ceil(sheet.width_mm / pixel_mm - 1e-9)),
+                             static_cast<int>(std::ceil(sheet.height_mm / pixel_mm - 1e-9)));
+  const ColourRaster raster(colours, size.x(), size.y(), pixel_mm);
+  std::vector<std::uint8_t> pixels;
+  pixels.reserve(4 * static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));
+  for (int top = 0; top < size.y(); top += raster.band_rows()) {
+    VACUFORM_CHECK(context.step(Stage::printing, static_cast<double>(top) / size.y()));
+    const auto band = raster.rows(top, std::min(top + raster.band_rows(), size.y()));
+    pixels.insert(pixels.end(), band.begin(), band.end());
+  }
+  for (std::size_t i = 0; i < pixels.size(); i += 4)
+    for (std::size_t k = i; k < i + 3; ++k)
+      pixels[k] = static_cast<std::uint8_t>((pixels[k] * pixels[i + 3] + 127) / 255);
+  return Pattern::of_picture(size, std::move(pixels), pixel_mm * size.cast<double>(), "scan");
 }
 
 }  // namespace vacuform

@@ -23,6 +23,8 @@
 
 namespace vacuform {
 
+class SheetColours;  // worker/colour
+
 struct Print {
   // Parallel to Flattening::triangles: pattern coordinates of the corners, mm, from the charts of the placement.
   // Triangles that share a vertex have different coordinates there only across a seam.
@@ -66,8 +68,15 @@ struct Print {
 // name of the job on the print (the digest of its inputs, so that bytes repeat) and its reference. The fonts of the print
 // show Latin-1: other characters become '?', with the warning "reference-incomplete" for those of the reference. Pure and deterministic for any number of threads. Errors: cancelled; unusable_pattern (no
 // ink falls onto the chart); too_large (more than 32,000 pixels per side).
+//
+// With `colours`, the print shows the colours of the scan. `pattern` is then the result of picture_of() for them, `placement`
+// that of lay_flat(), and there is no drawing. All of the ink counts as printed.
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
                          const Placement& placement, const Settings& settings, const PrintLabel& label,
-                         const Context& context);
+                         const Context& context, const SheetColours* colours = nullptr);
+
+// The colours of a scan as a picture of the flat sheet in sheet coordinates, 0.2 mm a pixel or 4000 pixels on the longer
+// side, for what shows a drawing. Errors: cancelled.
+Result<Pattern> picture_of(const SheetColours& colours, const SheetSettings& sheet, const Context& context);
 
 }  // namespace vacuform

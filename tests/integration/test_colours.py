@@ -1,0 +1,129 @@
+"""The colours of a scan as the print: from the command line and through the service, and what is refused."""
+import hashlib
+import json
+import struct
+import unittest
+import zlib
+
+import hostile
+from harness import Case, Server, vacuform
+
+NAME = b"Erika Mustermann"
+COARSE = {"scan": {"units": "mm"}, "sheet": {"resolution_mm": 6}, "print": {"dpi": 72, "marks": False},
+          "pattern": {"source": "scan"}}
+RED, BLUE = (200, 30, 20), (20, 40, 210)
+
+
+def texture(left, right):
+    rows = b"".join(b"\0" + bytes(left) * 4 + bytes(right) * 4 for _ in range(8))
+    return (b"\x89PNG\r\n\x1a\n" + hostile.chunk(b"IHDR", struct.pack(">IIBBBBB", 8, 8, 8, 2, 0, 0, 0)) +
+            hostile.chunk(b"tEXt", b"Author\0" + NAME) + hostile.chunk(b"IDAT", zlib.compress(rows)) + hostile.chunk(b"IEND", b""))
+
+
+def coloured_dome(picture):
+    """A dome of 45 mm whose texture is laid over it from above, from its left (x = -50 mm) to its right."""
+    points, faces = hostile.dome()
+    vertices = b"".join(struct.pack("<5f", x, z, -y, x / 100 + 0.5, 0.5 - y / 100) for x, y, z in points)
+    indices = b"".join(struct.pack("<3I", *face) for face in faces)
+    views, at = [], 0
+    for part, more in ((vertices, {"byteStride": 20}), (indices, {}), (picture, {})):
+        views.append({"buffer": 0, "byteOffset": at, "byteLength": len(part), **more})
+        at += len(part)
+    return hostile.glb({
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}],
+        "images": [{"bufferView": 2, "mimeType": "image/png"}], "buffers": [{"byteLength": at}], "bufferViews": views,
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": len(points)},
+                      {"bufferView": 0, "byteOffset": 12, "componentType": 5126, "type": "VEC2", "count": len(points)},
+                      {"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": 3 * len(faces)}]},
+        vertices + indices + picture)
+
+
+def pixels(png):
+    """Rows of an RGB picture as print.png is: without filters."""
+    at, data = 8, b""
+    while at < len(png):
+        size, kind = struct.unpack(">I4s", png[at:at + 8])
+        body = png[at + 8:at + 8 + size]
+        if kind == b"IHDR":
+            width, height, depth, colour = struct.unpack(">IIBB", body[:10])
+            assert (depth, colour) == (8, 2)
+        data += body if kind == b"IDAT" else b""
+        at += size + 12
+    raw = zlib.decompress(data)
+    rows = [raw[y * (3 * width + 1):(y + 1) * (3 * width + 1)] for y in range(height)]
+    assert all(row[0] == 0 for row in rows)
+    return [[tuple(row[1 + 3 * x:4 + 3 * x]) for x in range(width)] for row in rows]
+
+
+def hashes(folder):
+    return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir()}
+
+
+class Colours(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scan, cls.settings = cls.folder / "dome.glb", cls.folder / "colours.json"
+        cls.scan.write_bytes(coloured_dome(texture(RED, BLUE)))
+        cls.settings.write_text(json.dumps(COARSE))
+        cls.out = cls.folder / "out"
+        done = cls.run_with(cls.scan, cls.out)
+        assert done.returncode == 0, done.stderr
+
+    @classmethod
+    def run_with(cls, scan, out, *words):
+        return vacuform("run", "--scan", scan, "--settings", cls.settings, "--out", out, *words)
+
+    def test_the_print_has_the_colours_where_the_scan_has_them(self):
+        rows = pixels((self.out / "print.png").read_bytes())
+        middle, per_mm = len(rows) // 2, 72 / 25.4
+        for x, y, wanted in ((-15, 10, RED), (15, 10, BLUE), (-15, -10, RED), (15, -10, BLUE), (140, 140, (255, 255, 255))):
+            self.assertEqual(rows[middle - round(y * per_mm)][middle + round(x * per_mm)], wanted, (x, y))
+        report = json.loads((self.out / "report.json").read_text())
+        self.assertEqual(report["pattern"]["format"], "scan")
+        self.assertEqual(list(report["sha256"]), ["scan"])
+        colours = report["pattern"]["colours"]
+        self.assertGreater(colours["full_mm2"], 6000)  # of 12,700 mm2
+        self.assertTrue(0 < colours["faded_share"] < 0.5, colours)
+        self.assertIn(b"/Subtype /Image", (self.out / "print.pdf").read_bytes())
+
+    def test_names_in_the_texture_are_kept_nowhere(self):
+        for file in self.out.iterdir():
+            self.assertNotIn(NAME, file.read_bytes(), file.name)
+
+    def test_the_service_makes_the_same(self):
+        with Server(self.folder, workers=1) as server:
+            out = self.folder / "submitted"
+            done = vacuform("submit", "--server", server.url, "--scan", self.scan, "--settings", self.settings, "--wait", "--out", out)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(hashes(out), hashes(self.out))
+            for path in [p for p in server.data.rglob("*") if p.is_file()]:
+                self.assertNotIn(NAME, path.read_bytes(), path)
+            pattern = self.folder / "ring.svg"
+            pattern.write_bytes(hostile.GOOD_SVG)
+            refused = server.post(self.scan, pattern, COARSE)
+            self.assertEqual((refused.status, refused.json["type"]), (422, "/problems/bad-settings"), refused)
+
+    def test_refusals(self):
+        plain, pattern, webp = self.folder / "plain.stl", self.folder / "ring.svg", self.folder / "webp.glb"
+        plain.write_bytes(hostile.stl(hostile.dome_triangles()))
+        pattern.write_bytes(hostile.GOOD_SVG)
+        webp.write_bytes(coloured_dome(b"RIFF\x20\0\0\0WEBPVP8 " + bytes(16)))
+        for scan, words, said in (
+                (plain, (), "the scan has no colours (STL (binary))"),
+                (webp, (), "the texture is neither PNG nor JPEG"),
+                (self.scan, ("--pattern", pattern), "a pattern is given, but the colours of the scan are to be printed"),
+                (self.scan, ("--set", "pattern.source=file"), "there is no pattern"),
+                (self.scan, ("--set", "pattern.placement=segments"), "pattern.source=scan has none (pattern.placement)"),
+                (self.scan, ("--set", "coils.decouple=true"), "(coils.decouple)"),
+                (self.scan, ("--set", "flattening.weights=ink"), "(flattening.weights)")):
+            done = self.run_with(scan, self.folder / "refused", *words)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(said, done.stderr)
+            self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
