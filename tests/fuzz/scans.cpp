@@ -3,6 +3,7 @@
 
 #include "tests/fuzz/targets.hpp"
 #include "worker/scan/mold.hpp"
+#include "worker/scan/scan_file.hpp"
 
 namespace vacuform::fuzz {
 namespace {
@@ -17,6 +18,25 @@ void check(const Mold& mold) {
               "indices are valid");
 }
 
+void check_colours(const Result<ScanFile>& scan) {
+  if (!scan) return require(scan.error().code != Code::internal, "a bad scan is no fault of Vacuform's");
+  if (!scan->colours) return;
+  const ScanColours& colours = *scan->colours;
+  const std::size_t triangles = scan->mesh.triangles.size();
+  require(colours.material.size() == triangles, "every triangle has a material");
+  require(colours.uv.empty() || colours.uv.size() == triangles, "every triangle has its place in the image");
+  require(colours.vertex.empty() || colours.vertex.size() == scan->mesh.vertices.size(),
+          "every vertex has its colour");
+  for (const int m : colours.material)
+    require(m >= 0 && static_cast<std::size_t>(m) < colours.materials.size(), "materials are valid");
+  for (const ScanMaterial& material : colours.materials)
+    require(material.image < static_cast<int>(colours.images.size()) &&
+                (material.image < 0 || !colours.uv.empty()),
+            "images are valid and lie on triangles");
+  for (const auto& corners : colours.uv)
+    for (const auto& uv : corners) require(uv.allFinite(), "texture coordinates are finite");
+}
+
 // The scan's own unit is mostly refused, so it is scaled. The length of the file chooses what else is asked, so that
 // skins and given trims are reached too.
 void read(Bytes bytes, const char* file_name) {
@@ -29,6 +49,8 @@ void read(Bytes bytes, const char* file_name) {
     check(*mold);
   else
     require(mold.error().code != Code::internal, "a bad scan is no fault of Vacuform's");
+  const Context context;
+  check_colours(read_scan(bytes, file_name, ScanProgress(context), ScanParts::with_colours));
 }
 
 }  // namespace
