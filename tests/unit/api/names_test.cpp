@@ -185,6 +185,25 @@ TEST(Names, OfGlb) {
               glb(std::string("{\"extras\":0") + blanks(value.size()) + ",\"scene\":7}", ""));
 }
 
+TEST(Names, OfGlbLeaveThePixelsOfItsPictures) {
+  const std::string text = "Author" + std::string(1, '\0') + name;
+  const std::string png = "\x89PNG\r\n\x1a\n" + chunk("tEXt", text, 3) +
+                          chunk("IDAT", std::string(60, 'x'), 2) + chunk("IEND", "", 0xAE426082);
+  const std::string jpeg =
+      "\xff\xd8" + segment('\xfe', name) + segment('\xda', "scan") + std::string(40, 'x') + "\xff\xd9";
+  const std::string webp = "RIFF....WEBP" + name;
+  for (const auto& [picture, kept] : {std::pair{png, blanked(png, "png")},
+                                      {jpeg, blanked(jpeg, "jpg")},
+                                      {webp, std::string(webp.size(), '\0')}}) {
+    const std::string json =
+        R"({"accessors":[{"bufferView":0}],"bufferViews":[{"byteLength":4},{"byteOffset":4,)"
+        R"("byteLength":)" +
+        std::to_string(picture.size()) + R"(}],"images":[{"bufferView":1}]})";
+    EXPECT_EQ(blanked(glb(json, "vert" + picture + "rest"), "glb"), glb(json, "vert" + kept + "rest"));
+    EXPECT_EQ(kept.find("xxxx") == std::string::npos, picture == webp);
+  }
+}
+
 TEST(Names, OfSvg) {
   const std::string gone = blanks(name.size());
   const auto drawing = [](const std::string& text, const std::string& comment) {
