@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import type {SettingsSchema} from '../src/api/types';
 import {
-  accepting, attemptFor, withDefaultProfile, changed, doubtsOf, emptyDraft, emptyForm, redone, restored, saved, scanSettings, separated, staleJob, statusOf,
+  accepting, attemptFor, withDefaultProfile, changed, doubtsOf, emptyDraft, emptyForm, hasPattern, redone, restored, saved, scanSettings, separated, staleJob, statusOf,
   submission, undone, withProfile, withSetting, withSettings, type DraftState, type Origin, type Pattern, type SentFile} from '../src/state/draft';
 
 const schema: SettingsSchema = {properties: {
@@ -27,6 +27,14 @@ test('a new print begins with the default profile, one from another job does not
   assert.deepEqual(withDefaultProfile({...fresh, profiles: [profiles[0]!]}), {});
   assert.deepEqual(withDefaultProfile({...fresh, form: {...emptyForm, reference: 'C-1'}}), {}, 'what a person has typed stays');
   assert.deepEqual(withDefaultProfile({...fresh, from}), {});
+});
+
+test('a print of the colours of the scan needs no drawing and sends none', () => {
+  const now = draft({schema, scan, form: {...emptyForm, pattern, settings: {pattern: {source: 'scan'}}}});
+  assert.equal(hasPattern({...now, form: {...now.form, pattern: null}}), true);
+  assert.equal(hasPattern(draft({scan})), false);
+  assert.equal(fields(now)['pattern_upload'], undefined);
+  assert.equal(fields({...now, form: {...now.form, settings: {}}})['pattern_upload'], 'u2');
 });
 
 test('undo and redo go over the whole form', () => {

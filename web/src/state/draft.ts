@@ -162,8 +162,9 @@ function without(settings: Settings, group: string): Settings {
 // Submission
 
 export const hasScan = (draft: Draft): boolean => draft.scan ? draft.scan.whole : draft.from !== null;
+export const printsScan = (draft: Draft): boolean => settingOf(draft.form.settings, 'pattern.source') === 'scan';
 export const hasPattern = (draft: Draft): boolean =>
-  draft.form.pattern ? draft.form.pattern.whole : draft.from?.pattern != null;
+  printsScan(draft) ? true : draft.form.pattern ? draft.form.pattern.whole : draft.from?.pattern != null;
 
 // The fields of the form that makes this job, as the API names them. From another job every setting is sent, so that one which
 // went back to its default counts too.
@@ -175,7 +176,7 @@ export function submission(draft: Draft, kind: JobKind, schema: SettingsSchema):
   const fields: [string, string][] = [['kind', kind], ['settings', JSON.stringify(settings)]];
   if (draft.from) fields.push(['from', draft.from.job]);
   if (draft.scan) fields.push(['scan_upload', draft.scan.upload]);
-  if (kind === 'print' && draft.form.pattern) fields.push(['pattern_upload', draft.form.pattern.upload]);
+  if (kind === 'print' && draft.form.pattern && !printsScan(draft)) fields.push(['pattern_upload', draft.form.pattern.upload]);
   if (draft.form.reference) fields.push(['reference', draft.form.reference]);
   if (kind === 'print' && draft.form.note) fields.push(['note', draft.form.note]);
   return fields;

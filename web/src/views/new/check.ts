@@ -11,7 +11,7 @@ import {choiceOf, labelOf, valueText} from '../../parts/settings-form';
 import {toJob} from '../../route';
 import {announce} from '../../state';
 import {
-  accepting, doubtsOf, fieldOf, hasPattern, hasScan, idsOf, sectionOf, settingOf, valueOf, type Doubt, type DraftState,
+  accepting, doubtsOf, fieldOf, hasPattern, hasScan, idsOf, printsScan, sectionOf, settingOf, valueOf, type Doubt, type DraftState,
   type Section} from '../../state/draft';
 import {bytes, t} from '../../text';
 import {follow, live} from '../../view';
@@ -86,7 +86,8 @@ function rows(now: DraftState, {schema, go}: CheckOptions): Children {
     fieldOf(schema, 'scan.left_side') !== undefined && {name: 'side', label: t('new.row_side'), go: () => go('scan'), value:
       side === 'unknown' ? missing(t('new.side_open')) : [icon('check'), ' ', choiceOf('scan.left_side', side)]},
     {name: 'pattern', label: t('new.row_pattern'), go: () => go('pattern'), value:
-      pattern ? [el('span', {class: 'file-name'}, pattern.layout ? t('new.pattern_made') : pattern.name), el('br'),
+      printsScan(draft()) ? choiceOf('pattern.source', 'scan')
+      : pattern ? [el('span', {class: 'file-name'}, pattern.layout ? t('new.pattern_made') : pattern.name), el('br'),
                  size ? t('new.size_on_head', {size: sizeText([size[0] * scale, size[1] * scale])}) : missing(t('new.no_size'))]
       : from?.pattern ? t('new.pattern_of_this_job', {job: shortId(from.job)})
       : missing(t('new.pattern_missing'))},

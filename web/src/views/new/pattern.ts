@@ -7,12 +7,13 @@ import {icon} from '../../parts/icon';
 import {problemBox} from '../../parts/problem';
 import {svgWithSize} from '../../read/drawing';
 import {toJob} from '../../route';
-import {hasScan, valueOf, type DraftState, type Pattern} from '../../state/draft';
+import {choiceOf} from '../../parts/words';
+import {hasScan, printsScan, valueOf, type DraftState, type Pattern} from '../../state/draft';
 import {bytes, number, percent, t} from '../../text';
 import {follow, live, onEnd} from '../../view';
 import {draftFields} from './fields';
 import {transferLine} from './transfer';
-import {cancelLayout, draft, layout, makeLayout, onSideJob, pictureOf, removePattern, takePattern} from './work';
+import {cancelLayout, draft, layout, makeLayout, onSideJob, pictureOf, removePattern, setSetting, takePattern} from './work';
 
 export const patternTypes = ['.svg', '.png', '.jpg', '.jpeg'] as const;
 const placed = ['pattern.inked_face', 'pattern.width_mm', 'pattern.rotate_deg', 'pattern.scale', 'pattern.offset_mm'];
@@ -108,17 +109,21 @@ export function patternSection(schema: SettingsSchema): Children {
   onEnd(zone.end);
   const now = draft();
   const arranging = 'layout' in schema.properties && (now.layout !== '' || (now.form.pattern?.layout ?? '') !== '');
-  const drawing = el('div', {hidden: arranging}, zone.element, refused);
-  const array = 'layout' in schema.properties ? el('div', {hidden: !arranging}, arrange(schema)) : null;
+  const ofScan = printsScan(now);
+  const drawing = el('div', {hidden: arranging || ofScan}, zone.element, refused);
+  const array = 'layout' in schema.properties ? el('div', {hidden: !arranging || ofScan}, arrange(schema)) : null;
   const source = (value: string, label: string, on: boolean): HTMLElement => el('label', {class: 'choice'},
     el('input', {type: 'radio', name: 'pattern-source', value, checked: on, onchange: () => {
+      setSetting('pattern.source', value === 'scan' ? value : undefined);
       drawing.hidden = value !== 'drawing';
       if (array) array.hidden = value !== 'array';
     }}), label);
   return [
     array && el('fieldset', null, el('legend', null, t('new.pattern_source')),
-      el('div', {class: 'row'}, source('drawing', t('new.source_drawing'), !arranging), source('array', t('new.source_array'), arranging))),
+      el('div', {class: 'row'}, source('drawing', t('new.source_drawing'), !arranging && !ofScan), source('array', t('new.source_array'), arranging && !ofScan),
+        source('scan', choiceOf('pattern.source', 'scan'), ofScan))),
     drawing, array, transferLine('pattern'),
-    live(({draft: {form, from}}) => [form.pattern, from, valueOf(schema, form.settings, 'pattern.width_mm')] as const, () => chosen(draft())),
+    live(({draft: {form, from}}) => [form.pattern, from, valueOf(schema, form.settings, 'pattern.width_mm'), form.settings['pattern']?.['source']] as const,
+      () => !printsScan(draft()) && chosen(draft())),
     el('h3', null, t('new.place_pattern')), draftFields(schema, 'pattern', placed).element];
 }
