@@ -25,6 +25,8 @@ struct ColouredArea {
       0;  // further, but not beyond the end: where the sheet bridges, webs or nears the platform
   // Distance of the sheet from the scan over both, mm.
   double p99_mm = 0;
+
+  double faded_share() const { return faded_mm2 > 0 ? faded_mm2 / (full_mm2 + faded_mm2) : 0; }
 };
 
 class SheetColours {

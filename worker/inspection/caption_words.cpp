@@ -29,4 +29,10 @@ std::string ink_caption(double printed, double on_head) {
   return "All of the drawing's ink lies on the head.";
 }
 
+std::string colours_caption(double faded) {
+  constexpr double none = 0.0005;
+  if (faded < none) return "The coloured area touches the scan everywhere.";
+  return in_percent(1 - faded, 1) + " of the coloured area touches the scan; on the rest the colours fade.";
+}
+
 }  // namespace vacuform

@@ -16,4 +16,7 @@ std::string coils_caption(const CoilTable& table, CoilSummary CoilTable::*way);
 // on a share counts as all.
 std::string ink_caption(double printed, double on_head);
 
+// Where the colours of the scan go: `faded` is the share of the coloured area that is not on the scan.
+std::string colours_caption(double faded);
+
 }  // namespace vacuform

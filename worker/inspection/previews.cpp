@@ -8,6 +8,7 @@
 #include "api/base/decimal.hpp"
 #include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
+#include "worker/colour/sheet_colours.hpp"
 #include "worker/inspection/caption_words.hpp"
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/flat_previews.hpp"
@@ -64,7 +65,10 @@ std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const D
   if (!job.measured || job.measured->coils.coils.empty()) return figures_of(chart);
   return coils_caption(job.measured->coils, way);
 }
-std::string ink_note(const Print& print) { return ink_caption(print.ink_printed, print.ink_on_head); }
+std::string ink_note(const Finished& job) {
+  return job.colours ? colours_caption(job.colours->area().faded_share())
+                     : ink_caption(job.print.ink_printed, job.print.ink_on_head);
+}
 std::string figures_of(const Statistics& s) {
   return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) +
          ", 99 % below " + decimal(s.p99, 3) + ", largest " + decimal(s.max, 2);
@@ -184,7 +188,7 @@ Result<Picture> views(const Finished& job, const Distortion& after, View& view, 
   write({"The print on the head from all sides",
          figures_of(job, &CoilTable::with, after),
          {},
-         ink_note(job.print)},
+         ink_note(job)},
         whole);
   Canvas canvas(whole);
   for (std::size_t i = 0; i < std::size(sides); ++i) {
@@ -261,7 +265,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
 
   double least = INFINITY;
   for (const double h : job.sheet.element_thickness) least = std::min(least, h);
-  const std::string lost = ink_note(job.print);
+  const std::string lost = ink_note(job);
   const Caption captions[] = {
       {"The plain pattern, printed as drawn, then formed",
        figures_of(job, &CoilTable::without, before),

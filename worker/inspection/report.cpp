@@ -144,10 +144,9 @@ Json pattern_of(const Finished& job) {
 // Where the formed sheet takes the colours of the scan.
 Json colours_of(const SheetColours& colours) {
   const ColouredArea& area = colours.area();
-  const double whole = area.full_mm2 + area.faded_mm2;
   return {{"full_mm2", rounded(area.full_mm2, 1)},
           {"faded_mm2", rounded(area.faded_mm2, 1)},
-          {"faded_share", rounded(whole > 0 ? area.faded_mm2 / whole : 0, 4)},
+          {"faded_share", rounded(area.faded_share(), 4)},
           {"distance_p99_mm", rounded(area.p99_mm, 3)}};
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "worker/inspection/caption_words.hpp"
 #include "worker/inspection/report_sections.hpp"
 
 namespace vacuform {
@@ -92,15 +93,20 @@ std::string summary_text(const ReportJson& report, const std::string& out) {
                      (reference.is_string() ? ", reference " + text_of(reference) : "") + ", for the " +
                      text_of(at(report, {"print", "inked_face"})) + " face" +
                      (at(report, {"print", "mirrored"}) == true ? " (mirrored)" : "");
-  if (size.is_array() && size.size() == 2)
-    text += ", of a drawing of " + number_text(size[0], 1) + " × " + number_text(size[1], 1) + " mm";
-  text += ".\n" + percent_text(at(report, {"pattern", "ink_on_head"}), 1) + " of its ink lies on the head";
-  if (const ReportJson on_head = coils_on_head(report); on_head.is_number())
-    text += ", with " + text_of(on_head) + " of " + std::to_string(at(report, {"coils"}).size()) + " coils";
-  text += ".\n\n";
-  std::vector<std::array<std::string, 3>> rows{{"", "as drawn", "with Vacuform"}};
-  for (auto& row : key_figures(report)) rows.push_back(std::move(row));
-  text += table(rows) + "\n";
+  const ReportJson& faded = at(report, {"pattern", "colours", "faded_share"});
+  if (faded.is_number()) {
+    text += ", of the colours of the scan.\n" + colours_caption(faded.get<double>()) + "\n\n";
+  } else {
+    if (size.is_array() && size.size() == 2)
+      text += ", of a drawing of " + number_text(size[0], 1) + " × " + number_text(size[1], 1) + " mm";
+    text += ".\n" + percent_text(at(report, {"pattern", "ink_on_head"}), 1) + " of its ink lies on the head";
+    if (const ReportJson on_head = coils_on_head(report); on_head.is_number())
+      text += ", with " + text_of(on_head) + " of " + std::to_string(at(report, {"coils"}).size()) + " coils";
+    text += ".\n\n";
+    std::vector<std::array<std::string, 3>> rows{{"", "as drawn", "with Vacuform"}};
+    for (auto& row : key_figures(report)) rows.push_back(std::move(row));
+    text += table(rows) + "\n";
+  }
   if (const std::string coupling = coupling_text(report); !coupling.empty()) {
     text += coupling + "\n";
     if (const std::string why = what_geometry_allows(report); !why.empty()) text += why + "\n";

@@ -184,6 +184,19 @@ TEST(Summary, ListsSeriousWarningsFirstWithPlaceAndFix) {
   EXPECT_NE(summary_text(none, "out").find("No warnings."), std::string::npos);
 }
 
+TEST(Summary, OfTheColoursOfAScanSaysWhereTheyTouchIt) {
+  ReportJson report = small_report();
+  report["pattern"]["colours"] = {{"faded_share", 0.0484}};
+  const std::string text = summary_text(report, "out");
+  EXPECT_NE(text.find("of the colours of the scan.\n95.2 % of the coloured area touches the scan"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("as drawn"), std::string::npos);
+  report["pattern"]["colours"]["faded_share"] = 0.0;
+  EXPECT_NE(summary_text(report, "out").find("The coloured area touches the scan everywhere."),
+            std::string::npos);
+}
+
 TEST(Summary, HasTheSameAsJson) {
   const ReportJson report = small_report(), summary = summary_json(report, "out");
   EXPECT_EQ(summary["coils"], 19);
