@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "api/base/decimal.hpp"
+#include "worker/colour/sheet_colours.hpp"
 #include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
-#include "worker/colour/sheet_colours.hpp"
 #include "worker/inspection/caption_words.hpp"
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/flat_previews.hpp"
@@ -185,10 +185,7 @@ Result<Picture> views(const Finished& job, const Distortion& after, View& view, 
       std::copy_n(pictures.front().pixels.begin() + static_cast<std::ptrdiff_t>(y) * width, width,
                   whole.pixels.begin() + static_cast<std::ptrdiff_t>(top + y) * whole.width + left);
   }
-  write({"The print on the head from all sides",
-         figures_of(job, &CoilTable::with, after),
-         {},
-         ink_note(job)},
+  write({"The print on the head from all sides", figures_of(job, &CoilTable::with, after), {}, ink_note(job)},
         whole);
   Canvas canvas(whole);
   for (std::size_t i = 0; i < std::size(sides); ++i) {
