@@ -75,7 +75,10 @@ void take_over(const Process& process, SheetState& state, const Process& from_pr
     const auto shares = interpolation.shares(i);
     const auto nearest = std::max_element(shares.begin(), shares.end()) - shares.begin();
     state.folded[i] = from.folded[corners[static_cast<std::size_t>(nearest)]];
-    if (state.contact[i] == Contact::clamp) return;  // by the frame
+    if (state.contact[i] == Contact::clamp) {  // by the frame, which holds all its vertices at one height
+      place << state.rest[i], from.x(2, 0);
+      return;
+    }
     const auto all_touch = [&](Contact with) {
       return std::all_of(corners.begin(), corners.end(), [&](int v) { return from.contact[v] == with; });
     };

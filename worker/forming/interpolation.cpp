@@ -41,10 +41,23 @@ SmoothInterpolation::SmoothInterpolation(const SheetGrid& from, const std::vecto
     moved_.push_back(k);
     off_.push_back(rest[k] - home);
   }
-  for (const auto& p : to) places_.push_back({line(from.columns, p.x()), line(from.rows, p.y())});
+  // The edges of the window are where the middle row and the middle column come out from under the frame.
+  std::vector<char> column_kinks(from.columns.size(), 0), row_kinks(from.rows.size(), 0);
+  const auto mark = [&](std::vector<char>& kinks, int first, int stride) {
+    const auto clamped = [&](std::size_t k) {
+      return from.clamped[first + stride * static_cast<int>(k)] != 0;
+    };
+    for (std::size_t k = 1; k + 1 < kinks.size(); ++k)
+      kinks[k] = clamped(k) && !(clamped(k - 1) && clamped(k + 1));
+  };
+  mark(column_kinks, rows_ / 2 * columns_, 1);
+  mark(row_kinks, columns_ / 2, columns_);
+  for (const auto& p : to)
+    places_.push_back({line(from.columns, column_kinks, p.x()), line(from.rows, row_kinks, p.y())});
 }
 
-SmoothInterpolation::Line SmoothInterpolation::line(const std::vector<double>& lines, double at) {
+SmoothInterpolation::Line SmoothInterpolation::line(const std::vector<double>& lines,
+                                                    const std::vector<char>& kink, double at) {
   const auto [i, u] = locate(lines, at);
   const int last = static_cast<int>(lines.size()) - 1;
   const double h = lines[i + 1] - lines[i], v = 1 - u;
@@ -55,7 +68,7 @@ SmoothInterpolation::Line SmoothInterpolation::line(const std::vector<double>& l
     const int here = i + side;
     // The slope of the parabola through three lines is a mean of those of its two chords.
     double left = side, right = 1 - side;
-    if (here > 0 && here < last) {
+    if (here > 0 && here < last && !kink[here]) {
       const double before = lines[here] - lines[here - 1], after = lines[here + 1] - lines[here];
       left = after / (before + after), right = before / (before + after);
     }

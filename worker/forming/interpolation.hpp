@@ -26,7 +26,8 @@ class Interpolation {
 };
 
 // The same without kinks between the cells: bicubic, by Hermite's formula on the slopes of the parabola through three
-// lines (Catmull-Rom where they are equidistant).
+// lines (Catmull-Rom where they are equidistant). Along the edges of the window, where the sheet has a kink, the slopes are
+// those of each side.
 class SmoothInterpolation {
  public:
   // `rest`: where the vertices of `from` are; some may be off its grid lines.
@@ -45,7 +46,7 @@ class SmoothInterpolation {
     int first;    // line of the first weight
     std::array<double, 4> weight;
   };
-  static Line line(const std::vector<double>& lines, double at);
+  static Line line(const std::vector<double>& lines, const std::vector<char>& kink, double at);
   // The values on the grid lines.
   Points on_lines(const Points& values) const;
 
