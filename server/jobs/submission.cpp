@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "api/base/log.hpp"
+#include "api/base/secrets.hpp"
 #include "api/base/text.hpp"
 #include "api/job_text.hpp"
 #include "api/settings.hpp"
@@ -189,7 +190,8 @@ Result<std::string> base_of(Service& service, const SubmissionForm& form, JobKin
 Result<void> read_texts(const SubmissionForm& form, const std::optional<Job>& from, NewJob& job) {
   VACUFORM_TRY(reference, clean_reference(form.field("reference")));
   VACUFORM_TRY(note, clean_note(form.field("note")));
-  job.reference = reference.empty() && from ? from->reference : std::move(reference);
+  job.reference = std::move(reference);
+  if (job.reference.empty() && from) job.reference = from->reference;
   job.note = std::move(note);
   return {};
 }

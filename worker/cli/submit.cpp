@@ -14,6 +14,7 @@
 #include "api/client/client.hpp"
 #include "api/client/token.hpp"
 #include "api/job_text.hpp"
+#include "api/settings.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/outcome.hpp"
 #include "worker/cli/progress_bar.hpp"

@@ -58,7 +58,9 @@ SmoothInterpolation::SmoothInterpolation(const SheetGrid& from, const std::vecto
 
 SmoothInterpolation::Line SmoothInterpolation::line(const std::vector<double>& lines,
                                                     const std::vector<char>& kink, double at) {
-  const auto [i, u] = locate(lines, at);
+  const auto located = locate(lines, at);
+  const int i = located.first;
+  const double u = located.second;
   const int last = static_cast<int>(lines.size()) - 1;
   const double h = lines[i + 1] - lines[i], v = 1 - u;
   // Hermite's polynomials: values and slopes at the two lines.

@@ -102,8 +102,8 @@ std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
       for (int x = 0; x < box_width; ++x, sum += 4, out += 4) {
         if (!(sum[3] > 0)) continue;
         for (int c = 0; c < 3; ++c)
-          out[c] = static_cast<std::uint8_t>(srgb_from_linear(sum[c] / sum[3]) * 255 + 0.5f);
-        out[3] = static_cast<std::uint8_t>(std::min(1.0f, sum[3] * scale) * 255 + 0.5f);
+          out[c] = static_cast<std::uint8_t>(std::lround(srgb_from_linear(sum[c] / sum[3]) * 255));
+        out[3] = static_cast<std::uint8_t>(std::lround(std::min(1.0f, sum[3] * scale) * 255));
       }
     }
   });
