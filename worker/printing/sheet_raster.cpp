@@ -142,7 +142,7 @@ std::vector<std::uint8_t> SheetRaster::rows(int top, int bottom) const {
           pixels.data() + (static_cast<std::ptrdiff_t>(y - top) * width_ + box_.left) * channels_;
       for (int x = 0; x < box_width; ++x, sum += channels_, out += channels_) {
         const auto byte = [](float v) {
-          return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255 + 0.5f);
+          return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255));
         };
         if (channels_ == 1) {
           out[0] = byte(1 - sum[0] * scale);

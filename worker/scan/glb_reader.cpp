@@ -113,7 +113,7 @@ struct Reader {
       if (!m) return std::nullopt;
       for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 3; ++row)
-          transform(row, column) = (*m)[static_cast<std::size_t>(4 * column + row)];
+          transform(row, column) = (*m)[4 * static_cast<std::size_t>(column) + static_cast<std::size_t>(row)];
       return transform;
     }
     const auto t = numbers("translation", {0, 0, 0}), r = numbers("rotation", {0, 0, 0, 1}),
@@ -196,9 +196,9 @@ bool harmless(std::string_view extension) {
 
 Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress,
                           ScanParts parts) {
-  const auto damaged = [&](std::string otherwise) {
+  const auto damaged = [&](const std::string& otherwise) {
     const std::string damage = text_mode_damage(bytes);
-    return corrupt(damage.empty() ? std::move(otherwise) : damage, where);
+    return corrupt(damage.empty() ? otherwise : damage, where);
   };
   if (bytes.size() < 20) return damaged("the GLB file ends within its header of 20 bytes");
   const std::uint32_t version = u32(bytes, 4), length = u32(bytes, 8), json_bytes = u32(bytes, 12);
