@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/printing/raster_bands.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/scan_lines.hpp"
 
@@ -20,7 +21,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm)
-    : colours_(colours), width_(width), height_(height), band_(std::clamp(1'000'000 / width, 16, 256)) {
+    : colours_(colours), width_(width), height_(height), band_(band_rows_of(width)) {
   const double n = samples_a_side;
   const FormedSheet& sheet = colours.sheet();
   Vector2d low(width_, height_), high(0, 0);
@@ -47,21 +48,8 @@ ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, d
     piece.origin = formed[0] - map * piece.corners[0];
     pieces_.push_back(piece);
   }
-  const auto pixel = [](double x, int limit) {
-    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
-  };
-  box_ = {pixel(std::floor(low.x()), width_ - 1), pixel(std::floor(low.y()), height_ - 1), 0, 0};
-  box_.right = std::max(box_.left + 1, pixel(std::ceil(high.x()), width_));
-  box_.bottom = std::max(box_.top + 1, pixel(std::ceil(high.y()), height_));
-
-  of_band_.resize(static_cast<std::size_t>((height_ + band_ - 1) / band_));
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const auto& c = pieces_[i].corners;
-    const double top = std::min({c[0].y(), c[1].y(), c[2].y()}) / n,
-                 bottom = std::max({c[0].y(), c[1].y(), c[2].y()}) / n;
-    const int first = pixel(top - 1, height_ - 1) / band_, last = pixel(bottom + 1, height_ - 1) / band_;
-    for (int b = first; b <= last; ++b) of_band_[static_cast<std::size_t>(b)].push_back(static_cast<int>(i));
-  }
+  box_ = box_between(low, high, width_, height_);
+  of_band_ = pieces_by_band(pieces_, n, height_, band_);
 }
 
 void ColourRaster::scan(const Piece& piece, int first_row, int last_row, int top,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/printing/raster_bands.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/scan_lines.hpp"
 
@@ -31,7 +32,7 @@ SheetRaster::SheetRaster(const std::vector<RasterLayer>& layers, const InkParts*
       channels_(pattern.grayscale() ? 1 : 4),
       // Coarse prints need more samples for edges that look as smooth as those of fine prints.
       samples_(std::clamp((600 + dpi - 1) / dpi, 2, 4)),
-      band_(std::clamp(1'000'000 / print.width, 16, 256)) {
+      band_(band_rows_of(print.width)) {
   const double n = samples_;
   Vector2d low(width_, height_), high(0, 0);
   for (const RasterLayer& layer : layers)
@@ -62,21 +63,8 @@ SheetRaster::SheetRaster(const std::vector<RasterLayer>& layers, const InkParts*
       piece.part = layer.part;
       pieces_.push_back(piece);
     }
-  const auto pixel = [](double x, int limit) {
-    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(limit)));
-  };
-  box_ = {pixel(std::floor(low.x()), width_ - 1), pixel(std::floor(low.y()), height_ - 1), 0, 0};
-  box_.right = std::max(box_.left + 1, pixel(std::ceil(high.x()), width_));
-  box_.bottom = std::max(box_.top + 1, pixel(std::ceil(high.y()), height_));
-
-  of_band_.resize(static_cast<std::size_t>((height_ + band_ - 1) / band_));
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const auto& c = pieces_[i].corners;
-    const double top = std::min({c[0].y(), c[1].y(), c[2].y()}) / n,
-                 bottom = std::max({c[0].y(), c[1].y(), c[2].y()}) / n;
-    const int first = pixel(top - 1, height_ - 1) / band_, last = pixel(bottom + 1, height_ - 1) / band_;
-    for (int b = first; b <= last; ++b) of_band_[static_cast<std::size_t>(b)].push_back(static_cast<int>(i));
-  }
+  box_ = box_between(low, high, width_, height_);
+  of_band_ = pieces_by_band(pieces_, n, height_, band_);
 }
 
 void SheetRaster::scan(const Piece& piece, int first_row, int last_row, int top,
