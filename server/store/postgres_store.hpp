@@ -27,7 +27,7 @@ class PostgresStore : public SqlStore {
                 File lock);
   // Errors: unavailable; corrupt_file (tables of a newer version, or a data folder of another store).
   Result<void> open(const std::filesystem::path& data);
-  // Whether it hears of changes that other servers make; otherwise it looks every two seconds.
+  // Whether it is notified of changes that other servers make; otherwise it looks every two seconds.
   bool hears() const { return announcements_ && announcements_->hears(); }
 
  protected:

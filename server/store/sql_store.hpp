@@ -94,7 +94,7 @@ class SqlStore : public Store {
   using Look = std::function<Result<void>(Database&)>;
   using Change = std::function<bool(Database&)>;
 
-  // `poll`: how long a waiter trusts that it hears of changes.
+  // `poll`: how long a waiter trusts that it is notified of changes.
   SqlStore(StoreOptions options, std::shared_ptr<DiskRoom> room, std::unique_ptr<BlobStore> blobs,
            std::chrono::milliseconds poll)
       : options_(std::move(options)),

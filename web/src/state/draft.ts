@@ -164,7 +164,7 @@ function without(settings: Settings, group: string): Settings {
 export const hasScan = (draft: Draft): boolean => draft.scan ? draft.scan.whole : draft.from !== null;
 export const printsScan = (draft: Draft): boolean => settingOf(draft.form.settings, 'pattern.source') === 'scan';
 export const hasPattern = (draft: Draft): boolean =>
-  printsScan(draft) ? true : draft.form.pattern ? draft.form.pattern.whole : draft.from?.pattern != null;
+  printsScan(draft) || (draft.form.pattern ? draft.form.pattern.whole : draft.from?.pattern != null);
 
 // The fields of the form that makes this job, as the API names them. From another job every setting is sent, so that one which
 // went back to its default counts too.
