@@ -17,7 +17,7 @@ using Eigen::Vector4f;
 
 namespace {
 
-// Linear light of each encoded value, and the encoded value of each step of linear light.
+// Linear light of each encoded value, and the encoded value at the middle of each step of linear light.
 struct Curve8 {
   static constexpr int steps = 1 << 14;
   std::array<float, 256> linear;
@@ -25,11 +25,12 @@ struct Curve8 {
   Curve8() : encoded(steps + 1) {
     for (std::size_t i = 0; i < 256; ++i) linear[i] = linear_from_srgb(static_cast<float>(i) / 255);
     for (int i = 0; i <= steps; ++i)
-      encoded[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(
-          std::lround(255 * srgb_from_linear(static_cast<float>(i) / static_cast<float>(steps))));
+      encoded[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(
+          255 *
+          srgb_from_linear(std::min(1.0f, (static_cast<float>(i) + 0.5f) / static_cast<float>(steps)))));
   }
   std::uint8_t encode(float x) const {
-    return encoded[static_cast<std::size_t>(std::clamp(x, 0.0f, 1.0f) * steps + 0.5f)];
+    return encoded[static_cast<std::size_t>(std::clamp(x, 0.0f, 1.0f) * steps)];
   }
 };
 const Curve8& curve8() {
