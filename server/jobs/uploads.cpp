@@ -1,7 +1,10 @@
 #include "server/jobs/uploads.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <vector>
 
 #include "api/base/log.hpp"
@@ -19,6 +22,16 @@ constexpr std::size_t most_writers = 16;
 tl::unexpected<Error> held(const std::string& id) {
   return fail(Code::locked, "another request is sending bytes of this upload", id,
               "try again when it has ended");
+}
+
+// Of a writer: a request that asks for the offset holds the upload for a moment, so this waits for that long.
+std::unique_lock<std::mutex> held_soon(std::mutex& busy) {
+  std::unique_lock writing(busy, std::try_to_lock);
+  for (int tries = 0; !writing && tries < 50; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    writing.try_lock();
+  }
+  return writing;
 }
 
 }  // namespace
@@ -84,7 +97,7 @@ Result<std::uint64_t> Uploads::offset(const StoredUpload& upload) {
 Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t offset,
                                       http::Request& request, bool whole) {
   const auto writer = writer_of(upload.id);
-  const std::unique_lock writing(writer->busy, std::try_to_lock);
+  const auto writing = held_soon(writer->busy);
   if (!writing) return held(upload.id);
   VACUFORM_TRY(now, store_.find_upload(upload.id));  // it may have been finished or removed meanwhile
   if (now.blob)
@@ -166,7 +179,7 @@ Result<StoredUpload> Uploads::whole(const StoredUpload& upload) {
 
 Result<void> Uploads::remove(const std::string& id) {
   const auto writer = writer_of(id);
-  const std::unique_lock writing(writer->busy, std::try_to_lock);
+  const auto writing = held_soon(writer->busy);
   if (!writing) return held(id);
   VACUFORM_CHECK(store_.remove_upload(id));
   writer->file.reset();

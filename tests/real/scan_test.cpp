@@ -95,7 +95,7 @@ TEST(RealScans, TheNeonateIsTheSameTwiceAndHoldsItsPlace) {
 class RealScanMoves : public testing::TestWithParam<const char*> {};
 
 // Trim and place of a scan that is turned, mirrored, doubled or shifted before it is exported.
-TEST_P(RealScanMoves, AndItsMoldWithIt) {
+TEST_P(RealScanMoves, MoveTheMold) {
   VACUFORM_READ_REAL_SCAN(file, GetParam());
   auto scan = read_scan(file, GetParam(), ScanProgress(Context()));
   ASSERT_TRUE(scan);

@@ -46,7 +46,7 @@ std::string blanked(const std::string& bytes, const std::string& extension) {
 std::string padded(std::string text, std::size_t size) { return text.append(size - text.size(), ' '); }
 std::string blanks(std::size_t n) { return std::string(n, ' '); }
 
-TEST(Names, OfBinaryStl) {
+TEST(Names, AreBlankedInBinaryStl) {
   const std::string body = std::string("\x01\0\0\0", 4) + std::string(50, '\x07');
   for (const std::string& head : {padded(name, 80), padded("solid " + name, 80)})
     for (const char* extension : {"stl", ""}) {
@@ -55,7 +55,7 @@ TEST(Names, OfBinaryStl) {
     }
 }
 
-TEST(Names, OfTextStl) {
+TEST(Names, AreBlankedInTextStl) {
   const std::string facets =
       "facet normal 0 0 1\n outer loop\n  vertex 1 2 3\n  vertex 1e-3 2 3\n  vertex 3 3 3\n "
       "endloop\nendfacet\n";
@@ -67,7 +67,7 @@ TEST(Names, OfTextStl) {
   EXPECT_EQ(blanked("solid x\n" + facets + "nonsense 7\n", "stl"), "solid  \n" + facets + "nonsense 7\n");
 }
 
-TEST(Names, OfObj) {
+TEST(Names, AreBlankedInObj) {
   const std::string kept = "v 1 2 3\nvn 0 0 1\nvt 0.5 0.25\nf 1/1/1 2/2/2 \\\n 3/3/3\ns off\n";
   EXPECT_EQ(blanked("# " + name + "\nmtllib " + name + ".mtl\no " + name + "\n" + kept + "v 1 2 3 # " + name +
                         "\n" + name + " 1\n",
@@ -79,7 +79,7 @@ TEST(Names, OfObj) {
   EXPECT_EQ(blanked("g " + name, ""), "g " + blanks(name.size()));
 }
 
-TEST(Names, OfPlyAndOff) {
+TEST(Names, AreBlankedInPlyAndOff) {
   const std::string body =
       "end_header\n\x01\x02"
       "comment stays\n";
@@ -102,7 +102,7 @@ std::string chunk(const std::string& type, const std::string& data, std::uint32_
   return big_endian(static_cast<std::uint32_t>(data.size())) + type + data + big_endian(crc);
 }
 
-TEST(Names, OfPng) {
+TEST(Names, AreBlankedInPng) {
   const std::string signature = "\x89PNG\r\n\x1a\n", end = chunk("IEND", "", 0xAE426082);
   const std::string picture =
       chunk("IHDR", std::string(13, '\x01'), 1) + chunk("IDAT", "tEXt" + std::string(60, 'x'), 2);
@@ -127,7 +127,7 @@ std::string exif(char orientation) {
          std::string("\x01\x12\0\x03\0\0\0\x01\0", 9) + orientation + std::string("\0\0\0\0\0\0", 6) + name;
 }
 
-TEST(Names, OfJpeg) {
+TEST(Names, AreBlankedInJpeg) {
   const std::string start = "\xFF\xD8",
                     jfif = segment('\xE0', std::string("JFIF\0\1\1\1\1\x2c\1\x2c\0\0", 14));
   const std::string scan =
@@ -164,7 +164,7 @@ std::string glb(const std::string& json, const std::string& binary) {
   return "glTF" + little_endian(2) + little_endian(12 + chunks.size()) + chunks;
 }
 
-TEST(Names, OfGlb) {
+TEST(Names, AreBlankedInGlb) {
   const auto json = [](const std::string& text, const std::string& nought) {
     return R"({"asset":{"version":"2.0","generator":")" + text + R"(","copyright":")" + text +
            R"(","extras":)" + nought + R"(},"extensionsUsed":["KHR_lights_punctual"],"nodes":[{"name":")" +
@@ -185,7 +185,7 @@ TEST(Names, OfGlb) {
               glb(std::string("{\"extras\":0") + blanks(value.size()) + ",\"scene\":7}", ""));
 }
 
-TEST(Names, OfGlbLeaveThePixelsOfItsPictures) {
+TEST(Names, LeaveThePixelsOfTexturesInGlb) {
   const std::string text = "Author" + std::string(1, '\0') + name;
   const std::string png = "\x89PNG\r\n\x1a\n" + chunk("tEXt", text, 3) +
                           chunk("IDAT", std::string(60, 'x'), 2) + chunk("IEND", "", 0xAE426082);
@@ -204,7 +204,7 @@ TEST(Names, OfGlbLeaveThePixelsOfItsPictures) {
   }
 }
 
-TEST(Names, OfSvg) {
+TEST(Names, AreBlankedInSvg) {
   const std::string gone = blanks(name.size());
   const auto drawing = [](const std::string& text, const std::string& comment) {
     return "\xef\xbb\xbf<?xml version='1.0'?>\n<?who " + text + "?><!--" + comment +
@@ -227,7 +227,7 @@ TEST(Names, OfSvg) {
 }
 
 // By "base64" of coreutils.
-TEST(Names, OfPicturesInSvg) {
+TEST(Names, AreBlankedInPicturesOfSvg) {
   const std::string begin = "<svg><image href='data:image/jpeg;base64,", end = "'/></svg>";
   // FF D8 FF FE 00 0D "JaneDoe1984" FF DA 00 02 78 FF D9
   EXPECT_EQ(blanked(begin + "/9j//gANSmFuZURvZTE5ODT/2gACeP/Z" + end, "svg"),
@@ -245,7 +245,7 @@ TEST(Names, OfPicturesInSvg) {
   for (const char* odd : {"", "A", "/9j/4Q", "/9j/4QA=", "=", "/9j=Jane"}) blanked(begin + odd + end, "svg");
 }
 
-TEST(Names, OfTables) {
+TEST(Names, AreBlankedInTables) {
   EXPECT_EQ(
       blanked("# " + name + "\n120,121 # no remark\n \t#" + name + "\r\n122,123\n", "csv"),
       blanks(2 + name.size()) + "\n120,121 # no remark\n \t" + blanks(1 + name.size()) + "\r\n122,123\n");
@@ -253,7 +253,7 @@ TEST(Names, OfTables) {
             "\xef\xbb\xbf  " + blanks(name.size()) + "\n1\n");
 }
 
-TEST(Names, OfNothingThatItDoesNotKnow) {
+TEST(Names, AreLeftInUnknownFormats) {
   for (const std::string& bytes :
        {std::string(), std::string("This is a letter.\n"), std::string("PK\x03\x04") + std::string(200, '\0'),
         std::string("glTF") + std::string(200, '\x01'), std::string("<svg><g id='coil'>\n</g></svg>")})
@@ -262,7 +262,7 @@ TEST(Names, OfNothingThatItDoesNotKnow) {
 }
 
 // Whatever the bytes, as many come out as went in.
-TEST(Names, OfNoiseKeepTheirLength) {
+TEST(Names, KeepTheLengthOfNoise) {
   std::uint32_t state = 1;
   for (const std::string& begin :
        {std::string("\x89PNG\r\n\x1a\n"), std::string("\xff\xd8\xff\xe1"), std::string("ply\n"),

@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"print": {"dpi": 1e999}})", "settings", "too large"},
         Refusal{R"({"print": {"dpi": 72}, "print": {}})", "settings", "twice"}));
 
-TEST(Settings, OfALayoutAreRefusedInOtherJobs) {
+TEST(Settings, RefuseThoseOfALayoutInOtherJobs) {
   for (const char* text : {R"({"layout": {"count": 9}})", R"({"layout": {"diameter_mm": 40}})",
                            R"({"layout": {"region": "back"}})", R"({"layout": {"overlap": 0.5}})"}) {
     const auto settings = settings_from_text(text);

@@ -244,7 +244,7 @@ class FullDisk : public testing::Test {
 
 TEST_F(FullDisk, AMomentAtAnyCallLosesNothing) { meets_every_call(Full::once); }
 
-TEST_F(FullDisk, FromAnyCallOnItLosesNothing) { meets_every_call(Full::from_then_on); }
+TEST_F(FullDisk, LosesNothingAtAnyCall) { meets_every_call(Full::from_then_on); }
 
 TEST_F(FullDisk, ATransactionThatFindsItFullIsTriedAgainWithTheReserve) {
   const auto store = std::move(*open_store(folder_ / "data", options()));
@@ -294,7 +294,7 @@ TEST_F(FullDisk, NewFilesLeaveRoomForTheRest) {
   EXPECT_TRUE(create(*store, "another"));
 }
 
-TEST_F(FullDisk, WhatCannotBeDeletedIsTriedAgain) {
+TEST_F(FullDisk, TriesAgainToDeleteAFile) {
   const auto store = std::move(*open_store(folder_ / "data", options()));
   const Job job = *create(*store, "a scan");
   const std::string hash = job.input("scan")->blob.sha256;

@@ -31,7 +31,7 @@ TEST(Digest, IsWrittenAndReadAsTheStandardSays) {
   EXPECT_EQ(stated({{"Content-Digest", std::string(solid) + "," + nothing}}), text_hash(""));
 }
 
-TEST(Digest, OfOtherAlgorithmsIsIgnoredAndAMalformedOneRefused) {
+TEST(Digest, IgnoresOtherAlgorithmsAndRefusesAMalformedOne) {
   EXPECT_EQ(stated({}), "");
   EXPECT_EQ(stated({{"Content-Digest", "sha-512=:AAAA:"}, {"Repr-Digest", solid}}), "");
   const std::string digits = std::string(solid).substr(9, 44);

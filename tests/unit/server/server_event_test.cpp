@@ -100,7 +100,7 @@ TEST_F(ServerEvent, AnEntityTagThatMustMatchIsLookedAt) {
 }
 
 // The store may be older than what a client has heard: a copy that was put in its place.
-TEST_F(ServerEvent, WhatWasHeardOfALaterStoreCountsForNothing) {
+TEST_F(ServerEvent, IgnoresEventsOfALaterStore) {
   ask("POST", path_ + "/cancel");
   for (const char* last : {"999.0", "9223372036854775807.9223372036854775807"}) {
     const Answer answer = parsed(receive_all(following(last)));

@@ -51,7 +51,7 @@ TEST_F(ServerSemantics, AnswersWithoutABodySayNothingOfItsLength) {
   EXPECT_EQ(deleted.header("Content-Length"), "");
 }
 
-TEST_F(ServerSemantics, OfTwoPutsWithOneTagOneWins) {
+TEST_F(ServerSemantics, LetOneOfTwoPutsWithOneTagWin) {
   const std::string at = "/api/v1/profiles/shared", as_admin = bearer(admin_);
   for (int round = 0; round < 10; ++round) {
     const std::string width = std::to_string(400 + 10 * round);

@@ -15,7 +15,7 @@ std::string seems(const std::string& input, const std::string& bytes, const std:
   return format ? std::string(*format) : std::string(meaning(format.error().code).slug);
 }
 
-TEST(Formats, OfScans) {
+TEST(Formats, AreRecognisedForScans) {
   const std::string binary_stl =
       std::string("solid by name only").append(62, ' ').append("\x01\0\0\0", 4).append(50, 'x');
   EXPECT_EQ(seems("scan", binary_stl), "stl");
@@ -35,7 +35,7 @@ TEST(Formats, OfScans) {
   EXPECT_EQ(seems("scan", std::string(128, '\0').append("DICM...."), "stl"), "unsupported-format");
 }
 
-TEST(Formats, OfDrawingsAndTemperatures) {
+TEST(Formats, AreRecognisedForDrawingsAndTemperatures) {
   for (const char* input : {"pattern", "weights"}) {
     EXPECT_EQ(seems(input, "\x89PNG\r\n\x1a\n...."), "png");
     EXPECT_EQ(seems(input, "\xff\xd8\xff\xe0...."), "jpeg");

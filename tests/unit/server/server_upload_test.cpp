@@ -241,7 +241,7 @@ TEST_F(ServerUpload, AScanIsKeptOnceForManyJobs) {
     EXPECT_EQ(post(wrong).status, 400);
 }
 
-TEST_F(ServerUpload, WhatAnInspectionFindsStandsWithItsScan) {
+TEST_F(ServerUpload, KeepsTheFindingsOfAnInspectionWithItsScan) {
   const Answer made = ask("POST", "/api/v1/scans", form_type, part("scan", "a.stl", "solid") + "--XX--\r\n");
   const std::string at = made.header("Location"), id = json::parse(made.body)["id"];
   EXPECT_TRUE(json::parse(made.body)["inspection"].is_null());

@@ -99,7 +99,7 @@ TEST_F(PartialFileTest, NoWholeNameStandsOnTheDiskMeanwhile) {
   EXPECT_LE(std::filesystem::file_size(data_ / "upload.state"), 200u);
 }
 
-TEST_F(PartialFileTest, WhatWasNotFlushedGivesItsSpaceBack) {
+TEST_F(PartialFileTest, FreesTheSpaceOfUnflushedBytes) {
   {
     auto file = PartialFile::open(name_, "stl");
     ASSERT_TRUE(file && file->take(std::string(1000, '\1')) && file->flush());

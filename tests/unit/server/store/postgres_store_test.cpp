@@ -266,7 +266,7 @@ TEST_F(PostgresStoreTest, NoLeaseEndsRightAfterAnOutage) {
   EXPECT_TRUE(store->heartbeat({lease->job.id, lease->token}, Stage::scan, 0));
 }
 
-TEST_F(PostgresStoreTest, WhatWasAcknowledgedSurvivesAKilledDatabase) {
+TEST_F(PostgresStoreTest, KeepsAcknowledgedJobsWhenTheDatabaseIsKilled) {
   const auto store = server("one");
   for (int round = 0; round < 3; ++round) {
     std::mutex mutex;

@@ -151,12 +151,12 @@ class PowerLossWhileWorking : public PowerLoss {
   }
 };
 
-TEST_F(PowerLossWhileWorking, WhatWasAnsweredIsThereAfterALossAtEveryFlush) {
+TEST_F(PowerLossWhileWorking, KeepsAcknowledgedWorkAfterALossAtEveryFlush) {
   work();
   expect_what_was_answered([](const Moment& moment) { return moment.disk; });
 }
 
-TEST_F(PowerLossWhileWorking, WhatWasAnsweredIsThereWhenUnflushedWritesAreTornAndReordered) {
+TEST_F(PowerLossWhileWorking, KeepsAcknowledgedWorkWhenUnflushedWritesAreTornAndReordered) {
   work();
   for (unsigned seed = 1; seed <= 5; ++seed)
     expect_what_was_answered([&](const Moment& moment) { return torn_disk(moment.disk, moment.live, seed); });

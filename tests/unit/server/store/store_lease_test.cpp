@@ -155,7 +155,7 @@ TEST_P(StoreTest, ASecondCrashEndsAJobWithItsLog) {
   EXPECT_EQ(store_->log_after(id, 0, 100)->size(), 7u);
 }
 
-TEST_P(StoreTest, WhatBefellItsWorkersIsNotHeldAgainstAJob) {
+TEST_P(StoreTest, DoesNotCountTheFailuresOfAWorkerAgainstAJob) {
   const std::string id = create().id;
   const Error error{Code::internal, "broke down", "", ""};
   ASSERT_TRUE(store_->fail_job(lease(), error, Retry::after_crash));

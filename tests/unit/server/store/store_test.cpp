@@ -188,7 +188,7 @@ TEST_P(StoreTest, CountsItsJobsByState) {
   EXPECT_EQ(store_->counts().value(), expected);
 }
 
-TEST_P(StoreTest, WhatWasCreatedSurvivesACrashAndWhatWasNotLeavesNothing) {
+TEST_P(StoreTest, KeepsCreatedJobsAfterACrashAndNothingOfOthers) {
   const Job made = create("kept", "kept too");
   Upload unfinished = upload("half a scan");
   crash();

@@ -61,7 +61,7 @@ TEST_F(KeptScansTest, AFolderThatOthersReadIsRefused) {
   EXPECT_EQ(KeptScans::open(folder / "link", 1, std::chrono::hours(1)).error().code, Code::unreadable);
 }
 
-TEST_F(KeptScansTest, WhatWasUsedTheLongestAgoGivesWay) {
+TEST_F(KeptScansTest, DeletesTheLeastRecentlyUsedScanFirst) {
   using std::chrono::hours;
   const KeptScans kept = open(250);
   const fs::path old = used(kept, 'a', 100, hours(3)), middle = used(kept, 'b', 100, hours(2)),
@@ -77,7 +77,7 @@ TEST_F(KeptScansTest, WhatWasUsedTheLongestAgoGivesWay) {
   EXPECT_FALSE(fs::exists(young));
 }
 
-TEST_F(KeptScansTest, WhatWasNotUsedForLongGoes) {
+TEST_F(KeptScansTest, DeletesAScanThatIsLongUnused) {
   using std::chrono::hours;
   const KeptScans kept = open(1000, hours(48));
   const fs::path old = used(kept, 'a', 1, hours(49)), young = used(kept, 'b', 1, hours(47));

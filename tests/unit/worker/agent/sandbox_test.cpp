@@ -88,7 +88,7 @@ TEST_F(InSandbox, HonestWorkIsDone) {
 }
 
 // Everything below succeeds without the sandbox; otherwise the tests would prove nothing.
-TEST_F(InSandbox, WithoutItAllIsOpen) {
+TEST_F(InSandbox, IsOpenWithoutTheSandbox) {
   const Listener listener;
   EXPECT_EQ(attempt(none, "read", folder / "secret"), 0);
   EXPECT_EQ(attempt(none, "write", folder / "new"), 0);

@@ -42,7 +42,7 @@ TEST_F(WorkFolders, ArePrivateAndGoWithTheirJob) {
   EXPECT_FALSE(fs::exists(path));
 }
 
-TEST_F(WorkFolders, OfTheLivingStayAndOfTheDeadGo) {
+TEST_F(WorkFolders, StayForRunningWorkersAndGoForDeadOnes) {
   ASSERT_TRUE(sweep(parent));
   const auto living = WorkFolder::make(parent);
   ASSERT_TRUE(living);

@@ -21,7 +21,7 @@ LayoutSettings wish(int count, double diameter_mm, ArrayRegion region = ArrayReg
   return w;
 }
 
-TEST(ArrayLayout, OfSevenOnASphereIsAFlowerThatLandsWhereItWasLaid) {
+TEST(ArrayLayout, LaysSevenOnASphereAsAFlowerThatLandsInPlace) {
   const Sample x = hand_made::sphere(80, 260, 90, 110);
   const auto array = lay_out_array(hand_made::Charted(x), wish(7, 40), CoilSettings(), Context());
   ASSERT_TRUE(array) << array.error().text();

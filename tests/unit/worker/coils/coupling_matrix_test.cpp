@@ -37,7 +37,7 @@ std::vector<InductiveLoop> critical_hexagon() {
   return loops;
 }
 
-TEST(CouplingMatrix, OfACriticalHexagonShowsWhatNeighboursHide) {
+TEST(CouplingMatrix, ShowsPairsBeyondTheNeighboursInACriticalHexagon) {
   const auto k = coupling_matrix(critical_hexagon(), Stage::inspection, 0, Context());
   ASSERT_TRUE(k);
   ASSERT_EQ(k->count(), 7);
@@ -61,7 +61,7 @@ TEST(CouplingMatrix, OfACriticalHexagonShowsWhatNeighboursHide) {
 }
 
 // Just beyond the distance of dipoles, where they are worst.
-TEST(CouplingMatrix, OfFarLoopsIsNeumannsIntegralToWithin3e5) {
+TEST(CouplingMatrix, MatchesNeumannsIntegralWithin3e5ForFarLoops) {
   constexpr double radius = 10, far = 1.001 * dipole_distance * radius;
   const Points at_origin = circle({0, 0, 0}, radius);
   const double tilt = 0.7;

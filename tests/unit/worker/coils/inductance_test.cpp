@@ -32,7 +32,7 @@ double zero_of(const std::function<double(double)>& f, double low, double high) 
   return (low + high) / 2;
 }
 
-TEST(Inductance, OfCoaxialCirclesIsMaxwellsEllipticIntegral) {
+TEST(Inductance, MatchesMaxwellsEllipticIntegralForCoaxialCircles) {
   for (const auto& [a, b, z] : {std::array{40.0, 40.0, 30.0}, {40.0, 25.0, 5.0}, {20.0, 30.0, 80.0}}) {
     const double m = std::sqrt(4 * a * b / ((a + b) * (a + b) + z * z));
     const double exact =
@@ -43,7 +43,7 @@ TEST(Inductance, OfCoaxialCirclesIsMaxwellsEllipticIntegral) {
   }
 }
 
-TEST(Inductance, OfALoopOfStrip) {
+TEST(Inductance, MatchesALoopOfStrip) {
   // L = mu0 a [ln(8 a / b) - 2], b = width / 4: 178 nH.
   const double exact = 0.4 * M_PI * 40 * (std::log(8 * 40 / 1.25) - 2);
   EXPECT_NEAR(exact, 178, 0.5);
@@ -52,14 +52,14 @@ TEST(Inductance, OfALoopOfStrip) {
               0.4 * M_PI * 20 * (std::log(8 * 20 / 0.75) - 2), 0.4);
 }
 
-TEST(Inductance, OfCoplanarCirclesVanishesAt1516Radii) {
+TEST(Inductance, VanishesForCoplanarCirclesAt1516Radii) {
   const Points a = circle({0, 0, 0}, 40);
   const auto k = [&](double d) { return coupling(a, 5, circle({d, 0, 0}, 40), 5); };
   EXPECT_NEAR(zero_of(k, 50, 75), 1.51604 * 40, 0.1);
   EXPECT_NEAR((k(61) - k(60)) / 1, -0.0071, 0.0007);
 }
 
-TEST(Inductance, OfCirclesOnASphereVanishesAt5891) {
+TEST(Inductance, OfMutualCirclesOnASphereVanishesAt5891) {
   constexpr double radius = 85, angle = 40 / radius;
   const auto loop = [&](double d) {
     const Eigen::AngleAxisd turn(d / radius, Vector3d::UnitY());

@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadImage{lying_png(18, 0x40), Code::corrupt_file, "damaged"},  // 16,392 pixels wide
                     BadImage{shapes::text_bytes("\xff\xd8\xff\xe0"), Code::corrupt_file, "damaged"}));
 
-TEST(Texture, OfTooManyPixelsIsRefused) {
+TEST(Texture, RefusesTooManyPixels) {
   const auto bytes = coloured::png(64, 64, [](double, double) { return red; });
   const auto texture = Texture::read({"image 0", bytes}, "a.glb", 4095);
   ASSERT_FALSE(texture);

@@ -84,7 +84,7 @@ TEST(FormingFindings, ASheetThatRanAwayIsTorn) {
 }
 
 // The fillet between mold and platform is free too, and no pocket.
-TEST(FormingFindings, WhatReachesThePlatformIsNoPocket) {
+TEST(FormingFindings, DoNotCallAGapThatReachesThePlatformAPocket) {
   FormedSheet sheet = sheet_on_mold();
   for (int j : {5, 6})
     for (int i : {15, 16}) sheet.contact[21 * j + i] = Contact::free;

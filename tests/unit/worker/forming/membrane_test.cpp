@@ -99,7 +99,7 @@ TEST(Membrane, UniformStretchCostsWhatTheLawSays) {
 
 // A sheet that is tight, wrinkled or crushed, on a grid with and without threads, gives the same energy and gradient
 // packed as triangle by triangle, and the same bytes with and without AVX2.
-TEST(FreeMembrane, IsTheMembraneWhereItIsFree) {
+TEST(FreeMembrane, EqualsTheMembraneWhereNothingTouches) {
   for (const double resolution : {1.5, 6.0}) {
     SheetSettings sheet;
     sheet.resolution_mm = resolution;
@@ -175,7 +175,7 @@ TEST(Membrane, AViscousBalloonGrowsAsTheExactOne) {
   EXPECT_NEAR(1 / std::pow(l, 3), 1 - p * t / 4, 2e-3);
 }
 
-TEST(Membrane, WhatFlowsKeepsAPowerOfItsStretch) {
+TEST(Membrane, KeepsAPowerOfItsStretchWhenItFlows) {
   const std::vector<Eigen::Vector2d> rest{{0, 0}, {2, 0.3}, {0.1, 1}};
   Membrane patch(rest, {{0, 1, 2}}, MembraneLaw::neo_hookean, {1.0});
   Points x(3, 3), g(3, 3);

@@ -112,7 +112,7 @@ TEST(PointContact, TheSheetBendsAtARimAndNotBesideIt) {
   EXPECT_LT(formed->fit.penetration.max, 0.3) << formed->fit.penetration.place.transpose();
 }
 
-TEST(PointContact, WhatComesThroughTheSheetIsSaidWithItsPlace) {
+TEST(PointContact, NamesThePlaceWhereTheMoldPiercesTheSheet) {
   FormingSettings springs;  // whose contact is that of its vertices alone
   springs.model = FormingModel::projection;
   const auto formed =

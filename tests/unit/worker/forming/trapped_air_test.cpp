@@ -113,14 +113,14 @@ TEST(TrappedAir, ABowlIsMeasured) {
   EXPECT_EQ(vents[0].diameter_mm, 1.5);  // half of a thick sheet
 }
 
-TEST(TrappedAir, WhatIsShallowOrACellOrTwoIsNone) {
+TEST(TrappedAir, IgnoresShallowOrTinyPockets) {
   EXPECT_TRUE(trapped_air(Bowl{0.4, 40}.sheet(), {}).empty());
   EXPECT_TRUE(trapped_air(Bowl{6, 6}.sheet(), {}).empty());
   EXPECT_TRUE(trapped_air(Bowl{-6, 40}.sheet(), {}).empty());  // a bump is reached last, and shuts in nothing
 }
 
 // The same bowl open to the platform through a slot: the vacuum drains it.
-TEST(TrappedAir, WhatReachesThePlatformIsDrained) {
+TEST(TrappedAir, DrainsAPocketThatReachesThePlatform) {
   FormedSheet sheet = Bowl{}.sheet();
   for (std::size_t v = 0; v < sheet.rest.size(); ++v)
     if (sheet.rest[v].y() == 0 && sheet.rest[v].x() > 0 && sheet.contact[v] == Contact::mold)

@@ -27,7 +27,7 @@ CoilTable measured_flat(const Drawing& drawing) {
                         {}, Context());
 }
 
-TEST(CoilCouplings, OfACriticalHexagonNameTheWorstOfAllPairsBesideTheWorstNeighbours) {
+TEST(CoilCouplings, NameTheWorstOfAllPairsAndOfTheNeighboursInACriticalHexagon) {
   const CoilTable table = measured_flat(hand_made::seven_rings(20, 1.51604 * 20));
   EXPECT_EQ(table.pairs.size(), 12u);
   const CoilSummary& flat = table.without;
@@ -124,7 +124,7 @@ TEST(CoilWarnings, NameCoupledNeighboursOnTheHeadStrongestFirst) {
   EXPECT_EQ(coupled.what_to_do(), warning_kind("coils-coupled").fix);
 }
 
-TEST(CoilWarnings, OfCoupledNeighboursThatWereNotDecoupledSaySo) {
+TEST(CoilWarnings, SayThatCoupledNeighboursWereNotDecoupled) {
   CoilTable table = coupled_table();
   const auto warnings = coil_warnings(table, false);
   ASSERT_EQ(warnings.size(), 1u);

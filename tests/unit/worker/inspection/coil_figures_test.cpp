@@ -60,7 +60,7 @@ std::vector<Vector2d> circle_on_dome(const Vector2d& centre_rest, double geodesi
   return line;
 }
 
-TEST(LoopFigures, OfACircleOnAFlatSheetAreItsOwn) {
+TEST(LoopFigures, MatchACircleOnAFlatSheet) {
   const Sample x = hand_made::flat(200, 50);
   const hand_made::Charted charted(x);
   const MeasuredSheet sheet(charted);
@@ -78,7 +78,7 @@ TEST(LoopFigures, OfACircleOnAFlatSheetAreItsOwn) {
   EXPECT_LT((plane.centre - Vector2d(7, -3)).norm(), 1e-6);
 }
 
-TEST(LoopFigures, OfAStretchedCircleAreThoseOfTheEllipse) {
+TEST(LoopFigures, MatchTheEllipseOfAStretchedCircle) {
   Matrix2d stretch;
   stretch << 1.2, 0, 0, 0.9;
   const Sample x = hand_made::stretched(200, 50, stretch);
@@ -102,7 +102,7 @@ TEST(LoopFigures, OfAStretchedCircleAreThoseOfTheEllipse) {
 }
 
 // Geodesic circles of a sphere: the polyhedron of 3 mm edges is inside of it by at most 3^2 / (8 60) mm.
-TEST(LoopFigures, OfGeodesicCirclesOnADomeAreExact) {
+TEST(LoopFigures, AreExactForGeodesicCirclesOnADome) {
   const Sample x = hand_made::dome(100);
   const hand_made::Charted charted(x);
   const MeasuredSheet sheet(charted);
@@ -376,7 +376,7 @@ void expect_same(const CoilTable& one, const CoilTable& other, double bound) {
 
 const Vector2d at(10, 5);
 
-TEST(CoilFigures, OfAFilledRingAreThoseOfTheLineBetweenItsEdges) {
+TEST(CoilFigures, MeasureTheLineBetweenTheEdgesOfAFilledRing) {
   const CoilTable plain = on_the_dome(drawn_with({full_circle(at, 20)}, false));
   expect_same(on_the_dome(drawn_with({full_circle(at, 18.5), full_circle(at, 21.5)}, true)), plain, 0.001);
   Curve turned = full_circle(at, 18.5);
@@ -384,7 +384,7 @@ TEST(CoilFigures, OfAFilledRingAreThoseOfTheLineBetweenItsEdges) {
   expect_same(on_the_dome(drawn_with({full_circle(at, 21.5), turned}, true, false)), plain, 0.001);
 }
 
-TEST(CoilFigures, OfALineWithGapsAreThoseOfTheWholeOne) {
+TEST(CoilFigures, AreTheSameForALineWithGapsAndAWholeOne) {
   const CoilTable plain = on_the_dome(drawn_with({full_circle(at, 20)}, false));
   const double half = 0.75 / 20 * 180 / M_PI;  // of a gap of 1.5 mm, in degrees
   expect_same(on_the_dome(drawn_with({arc(at, 20, half, 360 - half)}, false)), plain, 0.001);

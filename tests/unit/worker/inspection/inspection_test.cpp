@@ -62,7 +62,7 @@ TEST(SingularValues, AreThoseOfKnownMaps) {
   }
 }
 
-TEST(Distortion, OfAStretchIsThatStretch) {
+TEST(Distortion, EqualsTheStretchOfASheet) {
   Matrix2d stretch;
   stretch << 2, 0.3, 0, 1.25;
   const Sample x = hand_made::stretched(100, 10, stretch);

@@ -184,7 +184,7 @@ TEST(Summary, ListsSeriousWarningsFirstWithPlaceAndFix) {
   EXPECT_NE(summary_text(none, "out").find("No warnings."), std::string::npos);
 }
 
-TEST(Summary, OfTheColoursOfAScanSaysWhereTheyTouchIt) {
+TEST(Summary, SaysWhereTheColoursOfAScanTouchIt) {
   ReportJson report = small_report();
   report["pattern"]["colours"] = {{"faded_share", 0.0484}};
   const std::string text = summary_text(report, "out");

@@ -31,7 +31,7 @@ Line moved(Line line, double degrees, const Vector2d& shift, std::size_t begin) 
   return line;
 }
 
-TEST(ShapeDistance, IsNoneAfterATurnAndAShift) {
+TEST(ShapeDistance, IsZeroAfterATurnAndAShift) {
   for (const Line& shape : {ellipse(30, 20), ellipse(20, 20), hexagon(25), Line{{0, 0}, {40, 0}, {30, 25}}}) {
     const ShapeDistance d = shape_distance(moved(shape, 73, {14, -9}, shape.size() / 3), shape);
     EXPECT_LT(d.largest_mm, 0.02);
@@ -53,7 +53,9 @@ TEST(ShapeDistance, FindsWhatOnlyOneOfTheLinesHas) {
   EXPECT_NEAR(shape_distance(ellipse(30.6, 20), ellipse(30, 20)).largest_mm, 0.6, 0.05);
 }
 
-TEST(ShapeDistance, OfNoLineIsInfinite) { EXPECT_EQ(shape_distance({}, hexagon(3)).largest_mm, INFINITY); }
+TEST(ShapeDistance, IsInfiniteWithoutALine) {
+  EXPECT_EQ(shape_distance({}, hexagon(3)).largest_mm, INFINITY);
+}
 
 // Lambert's map takes the ellipse to a sphere of 60 mm: its geodesic polar coordinates come back as the ellipse.
 TEST(TrueToArea, TakesALoopOfASphereBackToItsDrawing) {

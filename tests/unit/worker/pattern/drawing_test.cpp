@@ -284,7 +284,7 @@ TEST(Drawing, OpacityOfOneShapeIsItsColoursAndOfMoreIsRefused) {
   EXPECT_FALSE(read_page("<circle r='8' stroke='#000' opacity='0.5'/>").drawing);
 }
 
-TEST(Drawing, WhatIsNoLinesIsAPictureAndSaysWhy) {
+TEST(Drawing, BecomesAPictureWithAReasonWhenItIsNotLines) {
   const std::string dot = "<circle r='8'/>";
   for (const auto& [body, what] : {std::pair<std::string, std::string>{"<text x='0' y='0'>A</text>", "text"},
                                    {"<rect width='9' height='9' fill='url(#g)'/>", "gradients"},

@@ -129,7 +129,7 @@ TEST_F(KeptStagesTest, TheOldestMakeRoom) {
   EXPECT_TRUE(tight.mold({{"scan", "c"}}));
 }
 
-TEST_F(KeptStagesTest, WithoutAFolderNothingIsKept) {
+TEST_F(KeptStagesTest, KeepNothingWithoutAFolder) {
   const KeptStages none;
   none.keep({{"scan", "a"}}, mold);
   EXPECT_FALSE(none.mold({{"scan", "a"}}));

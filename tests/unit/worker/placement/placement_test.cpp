@@ -8,7 +8,7 @@
 namespace vacuform {
 namespace {
 
-TEST(Placement, OnTheChartTurnsMovesAndScales) {
+TEST(Placement, TurnsMovesAndScalesOnTheChart) {
   FormedSheet sheet;
   sheet.triangles = {{0, 1, 2}, {1, 3, 2}};
   sheet.rest = {{0, 0}, {10, 0}, {0, 10}, {10, 10}};
@@ -89,7 +89,7 @@ TEST(Placement, TellsWhatLiesOffTheHeadAndLeavesOutWhatLiesBeyondIt) {
   EXPECT_NE(p->warnings[1].text.find("half and beyond"), std::string::npos);
 }
 
-TEST(Placement, OnOneChartWhereAskedForOrWhereNothingHasAnId) {
+TEST(Placement, UsesOneChartOnRequestOrWithoutIds) {
   const Sample x = hand_made::flat(100, 20);
   Drawing drawing;
   drawing.elements = {hand_made::ring("", {0, 0}, 20)};
@@ -109,7 +109,7 @@ Result<Alignment> aligned(const Sample& x, const PatternSettings& settings) {
   return align(hand_made::Charted(x), settings);
 }
 
-TEST(Alignment, OfOnePointShiftsAndOfTwoTurns) {
+TEST(Alignment, ShiftsByOnePointAndTurnsByTwo) {
   const Sample x = hand_made::flat(100, 20);
   PatternSettings s;
   s.points = {{10, 0, 5, 7, 2}};
@@ -134,7 +134,7 @@ TEST(Alignment, OfOnePointShiftsAndOfTwoTurns) {
   EXPECT_LT((a->pattern(a->chart({3, -4})) - Vector2d(3, -4)).norm(), 1e-9);
 }
 
-TEST(Alignment, OfThreePointsIsRigidLeastSquares) {
+TEST(Alignment, FitsThreePointsByRigidLeastSquares) {
   const Sample x = hand_made::flat(100, 20);
   PatternSettings s;
   const Alignment exact{25, 1, {4, -6}};

@@ -72,7 +72,7 @@ TEST(Segments, StayBelowTheLimitAndCoverTheRegionOnce) {
   }
 }
 
-TEST(Segments, WhatCanBeFlattenedIsNotCut) {
+TEST(Segments, DoNotCutASurfaceThatFlattens) {
   const auto cut = cut_into_segments(surface(40, 4, plane), 1, 1.02, {}, Context{});
   ASSERT_TRUE(cut);
   EXPECT_EQ(cut->parts.size(), 1u);

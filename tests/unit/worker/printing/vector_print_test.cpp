@@ -250,7 +250,7 @@ TEST(VectorPrint, AFormedLineHasItsDrawnWidth) {
   }
 }
 
-TEST(VectorPrint, WhatLeavesThePatchIsCutAlongItsBorder) {
+TEST(VectorPrint, CutsLinesAtTheBorderOfThePatch) {
   Placement placement;
   placement.charts = {whole(identity(30, 3))};
   const VectorPrint print =

@@ -24,7 +24,7 @@ Model one_triangle() {
 }
 const FileBytes some_image = text_bytes("not looked into");
 
-TEST(ScanColours, OfAGlbAreTiedToItsTriangles) {
+TEST(ScanColours, AreTiedToTheTrianglesOfAGlb) {
   const auto scan = read_colours(coloured::glb(one_triangle(), some_image), "a.glb");
   ASSERT_TRUE(scan) << scan.error().text();
   ASSERT_TRUE(scan->colours);
@@ -39,7 +39,7 @@ TEST(ScanColours, OfAGlbAreTiedToItsTriangles) {
   EXPECT_TRUE(colours.vertex.empty());
 }
 
-TEST(ScanColours, OfAGlbFollowTheTransformOfItsTexture) {
+TEST(ScanColours, FollowTheTextureTransformOfAGlb) {
   GlbParts parts;
   parts.uv_name = "TEXCOORD_3";
   parts.material =
@@ -57,7 +57,7 @@ TEST(ScanColours, OfAGlbFollowTheTransformOfItsTexture) {
   EXPECT_EQ(scan->colours->materials[0].down, Wrap::mirror);
 }
 
-TEST(ScanColours, OfVerticesAreLinearInGlbAndEncodedInPlyAndObj) {
+TEST(ScanColours, TakeVerticesAsLinearInGlbAndEncodedInPlyAndObj) {
   Model model = one_triangle();
   model.uv.clear();
   model.colours = {{1, 0, 0}, {0, 0.5f, 0}, {0.2f, 0.2f, 0.2f}};
@@ -73,7 +73,7 @@ TEST(ScanColours, OfVerticesAreLinearInGlbAndEncodedInPlyAndObj) {
   }
 }
 
-TEST(ScanColours, OfAnObjMayCountTo255) {
+TEST(ScanColours, ReadAnObjThatCountsTo255) {
   const auto scan = read_colours(text_bytes("v 0 0 0 255 0 0\nv 9 0 0 0 255 0\nv 0 9 0\nf 1 2 3\n"), "a.obj");
   ASSERT_TRUE(scan) << scan.error().text();
   EXPECT_EQ(scan->colours->vertex[0], Eigen::Vector3f(1, 0, 0));

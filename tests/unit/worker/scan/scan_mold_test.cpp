@@ -44,7 +44,7 @@ void expect_sound(const Mold& mold) {
 // The sphere's volume above a plane h below its top.
 double cap_volume(double radius, double h) { return pi * h * h * (radius - h / 3); }
 
-TEST(Trim, OfASphereLeavesASeventiethOfItsRadius) {
+TEST(Trim, LeavesASeventiethOfTheRadiusOfASphere) {
   for (const double radius : {50.0, 85.0}) {
     const auto mold = mold_of(sphere(radius, 96), upright());
     ASSERT_TRUE(mold) << mold.error().text();
@@ -95,7 +95,7 @@ TEST(Trim, ThroughVerticesAndFlatFacesStaysWatertight) {
   }
 }
 
-TEST(Undercuts, OfAMushroomHaveTheirDepthPlaceAndArea) {
+TEST(Undercuts, GiveDepthPlaceAndAreaOnAMushroom) {
   const auto mold = mold_of(mushroom(40), upright(10.0));
   ASSERT_TRUE(mold) << mold.error().text();
   expect_sound(*mold);
@@ -109,7 +109,7 @@ TEST(Undercuts, OfAMushroomHaveTheirDepthPlaceAndArea) {
   EXPECT_NE(mold->warnings.back().text.find("it reaches 2"), std::string::npos) << mold->warnings.back().text;
 }
 
-TEST(Undercuts, OfAMushroomAreTrimmedAway) {
+TEST(Undercuts, AreTrimmedFromAMushroom) {
   const auto mold = mold_of(mushroom(40), upright());
   ASSERT_TRUE(mold) << mold.error().text();
   expect_sound(*mold);

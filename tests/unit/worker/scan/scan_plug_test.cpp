@@ -43,7 +43,7 @@ void expect_on_plug(const Mold& mold, double height) {
   EXPECT_NEAR(base_area(raised->mesh), area, 1e-9 * area);
 }
 
-TEST(Plug, OfNoHeightChangesNothing) {
+TEST(Plug, WithoutHeightChangesNothing) {
   const Mold mold = mold_of(cube(30));
   const auto same = on_plug(mold, 0);
   ASSERT_TRUE(same);

@@ -473,7 +473,7 @@ TEST(Up, HolesAllOverAreNoOpening) {
   }
 }
 
-TEST(Up, OfGltfIsPlusY) {
+TEST(Up, IsPlusYInGltf) {
   const auto upright =
       fallen(lathe({{0, -40}, {60, -40}, {75, 0}, {70, 40}, {50, 70}, {20, 85}, {0, 87}}, 24),
              Eigen::Vector3d::UnitY());
@@ -506,7 +506,7 @@ TEST(Up, AFlatCutLiesOnThePlatform) {
   }
 }
 
-TEST(Up, WhatTheShapeDoesNotTellIsWarnedOf) {
+TEST(Up, WarnsWhenTheShapeDoesNotTell) {
   const auto mold = mold_of(sphere(100));
   ASSERT_TRUE(mold) << mold.error().text();
   EXPECT_EQ(mold->findings.up, UpAxis::plus_z);

@@ -135,7 +135,7 @@ TEST(Convergence, ComparesTheSamePointsOfTheSheet) {
   EXPECT_GT(*found->order, 0.7);
 }
 
-TEST(CoilCentres, OfGroupsShapesAndLayers) {
+TEST(CoilCentres, AreFoundForGroupsShapesAndLayers) {
   const std::string_view svg =
       "<svg xmlns='http://www.w3.org/2000/svg' xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape' "
       "width='100mm' height='60mm' viewBox='0 0 200 120'><defs><circle id='not-me' r='5'/></defs>"
@@ -155,7 +155,7 @@ TEST(CoilCentres, OfGroupsShapesAndLayers) {
   EXPECT_LT((centres[2].uv - Eigen::Vector2d(30, -20)).norm(), 0.1);
 }
 
-TEST(CoilCentres, OfConnectedInkWhereNothingHasAName) {
+TEST(CoilCentres, AreThoseOfConnectedInkWithoutNames) {
   const std::string_view svg =
       "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='60mm' viewBox='0 0 100 60'>"
       "<circle cx='70' cy='15' r='10' fill='none' stroke='#000' stroke-width='2'/><rect x='10' y='30' "

@@ -15,7 +15,7 @@ using hand_made::Sample;
 
 SheetPoint at(const ChartedSurface& charted, const Vector2d& chart) { return charted.at_chart(chart).point; }
 
-TEST(Geodesic, OnAFlatSheetIsAStraightLineAlsoThroughVerticesAndAlongEdges) {
+TEST(Geodesic, IsStraightOnAFlatSheetAlsoThroughVerticesAndAlongEdges) {
   const Sample x = hand_made::flat(100, 20);
   const hand_made::Charted charted(x);
   const InkedSurface& surface = charted.surface;
@@ -39,7 +39,7 @@ TEST(Geodesic, StopsAtTheBorderOfTheSheet) {
   EXPECT_NEAR(surface.place(walk.at()).x(), 50, 1e-6);
 }
 
-TEST(Geodesic, OnASphereFollowsTheGreatCircle) {
+TEST(Geodesic, FollowsTheGreatCircleOnASphere) {
   constexpr double radius = 85;
   const Sample x = hand_made::sphere(radius, 240, 120);
   const hand_made::Charted charted(x);
@@ -141,7 +141,7 @@ SheetPoint vertex(const std::vector<Triangle>& triangles, int v) {
   return {};
 }
 
-TEST(ExactGeodesics, OnAFlatSheetAreStraightAndEndAtTheReach) {
+TEST(ExactGeodesics, AreStraightOnAFlatSheetAndEndAtTheReach) {
   const Sample x = hand_made::flat(100, 10);
   const hand_made::Charted charted(x);
   const InkedSurface& surface = charted.surface;
@@ -266,7 +266,7 @@ TEST(ExactGeodesics, AreAsLongThereAsBackAlsoOverBumps) {
   }
 }
 
-TEST(ExactGeodesics, ToOneTargetAreAsLongAsToAll) {
+TEST(ExactGeodesics, AreAsLongToOneTargetAsToAll) {
   const Sample x = hand_made::bumpy_sphere(70, 110, 55, 1.5);
   const hand_made::Charted charted(x);
   const InkedSurface& surface = charted.surface;

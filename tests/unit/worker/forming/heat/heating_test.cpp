@@ -49,7 +49,7 @@ TEST(Heating, StopsWhenTheSheetWillBeWarmEnoughOnTheMold) {
 }
 
 // A given time is one number: the slab of the middle, advanced by hand.
-TEST(Heating, OfAGivenTimeIsThatOfItsSlab) {
+TEST(Heating, MatchesTheSlabAtAGivenTime) {
   HeatSettings heat;
   heat.seconds = 30;
   heat.transfer_seconds = 0;
@@ -87,7 +87,7 @@ TEST(Heating, ZonesEvenOutTheSheet) {
   EXPECT_LT(spread(0.7, 1), even - 10);
 }
 
-TEST(Heating, OfHeatersTooWeakIsRefusedByName) {
+TEST(Heating, RefusesHeatersThatAreTooWeakByName) {
   HeatSettings heat;
   for (const double celsius : {23.0, 60.0, 160.0}) {
     const auto heated = heat_sheet({}, bank(celsius), heat, Context{});

@@ -11,7 +11,7 @@
 namespace vacuform {
 namespace {
 
-TEST(ViewFactor, OfCornersAndCentredSquares) {
+TEST(ViewFactor, MatchesCornersAndCentredSquares) {
   EXPECT_NEAR(view_factor(0, 1, 0, 1, 1), 0.138532, 1e-6);
   EXPECT_NEAR(view_factor(-1, 1, -1, 1, 1), 0.554126, 1e-6);
   EXPECT_NEAR(view_factor(-100, 100, -100, 100, 100), 0.554126, 1e-6);
@@ -19,7 +19,7 @@ TEST(ViewFactor, OfCornersAndCentredSquares) {
 }
 
 // Anywhere: the parts of a rectangle add up to it, and a small one is cos^2 / (pi r^2) of its area.
-TEST(ViewFactor, OfRectanglesAnywhere) {
+TEST(ViewFactor, MatchesRectanglesAnywhere) {
   const double whole = view_factor(30, 90, -20, 50, 40);
   EXPECT_NEAR(view_factor(30, 70, -20, 50, 40) + view_factor(70, 90, -20, 50, 40), whole, 1e-15);
   EXPECT_NEAR(view_factor(-90, -30, -20, 50, 40), whole, 1e-15);
@@ -43,7 +43,7 @@ TEST(Irradiance, SumsExactViewFactorsOfEachSide) {
               0.5 * view_factor(-50, 50, -50, 50, 200) * (black(400) - black(23)), 1e-9);
 }
 
-TEST(Irradiance, OfPowerAndGain) {
+TEST(Irradiance, FollowsPowerAndGain) {
   MachineSettings machine;
   machine.heaters = {heater(0, 0, 200, 100, 100, 0)};
   machine.heaters[0].celsius.reset();
@@ -57,7 +57,7 @@ TEST(Irradiance, OfPowerAndGain) {
 
 // A flat 300 x 450 panel at 75 to 200 mm gives the corners of a sheet of its size, 10 mm in under the clamp, only 0.36 to
 // 0.44 of the centre.
-TEST(Irradiance, OfAPanelAtTheCornersOfTheSheet) {
+TEST(Irradiance, MatchesAPanelAtTheCornersOfTheSheet) {
   HeatSettings heat;
   for (const auto& [z, share] : {std::pair(75.0, 0.36), std::pair(200.0, 0.44)}) {
     MachineSettings machine;

@@ -72,7 +72,7 @@ TEST(Measured, PointsOfAPlaneGiveThePlane) {
   EXPECT_NEAR(through_points(points, 300, 300).at({80, 20}), 144, 0.05);
 }
 
-TEST(Measured, WhatIsWrongIsSaidWithItsLine) {
+TEST(Measured, NamesTheLineOfAnError) {
   struct Case {
     const char *text, *where, *says;
   };
