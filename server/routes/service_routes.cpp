@@ -1,4 +1,4 @@
-// How the service does, for administrators.
+// How the service does, for administrators, and how long its queue is, for what starts workers.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -41,20 +41,39 @@ ordered_json all_workers_json(const Workers& workers, const StoreStatus& status)
   return list;
 }
 
+std::size_t number_of(const StoreStatus& status, JobState state) {
+  return status.counts[static_cast<std::size_t>(state)];
+}
+
+// Age of the queued job that was created first, or null.
+ordered_json oldest_seconds(const StoreStatus& status) {
+  if (!status.oldest_queued) return nullptr;
+  return std::max<Millis>(0, wall_clock() - *status.oldest_queued) / 1000;
+}
+
+// Counts alone, of nobody in particular: a read-only token of an owner without jobs is enough.
+Result<Response> show_queue(Service& service, Request&, const Caller&) {
+  VACUFORM_TRY(status, service.store.status());
+  const std::size_t queued = number_of(status, JobState::queued);
+  const std::size_t running = number_of(status, JobState::running) + number_of(status, JobState::cancelling);
+  return json_response({{"queued", queued},
+                        {"running", running},
+                        {"oldest_seconds", oldest_seconds(status)},
+                        {"wanted_workers", queued + running}});
+}
+
 Result<Response> show_service(Service& service, Request&, const Caller&) {
   VACUFORM_TRY(status, service.store.status());
   ordered_json jobs = ordered_json::object();
   for (std::size_t i = 0; i < status.counts.size(); ++i)
     jobs[std::string(job_state_names[i])] = status.counts[i];
-  const auto queued = status.counts[static_cast<std::size_t>(JobState::queued)];
-  ordered_json oldest;
-  if (status.oldest_queued) oldest = std::max<Millis>(0, wall_clock() - *status.oldest_queued) / 1000;
   return json_response(
       {{"version", version},
        {"uptime_seconds", (boot_clock() - service.started) / 1000},
        {"schema", status.schema},
        {"jobs", std::move(jobs)},
-       {"queue", {{"length", queued}, {"oldest_seconds", std::move(oldest)}}},
+       {"queue",
+        {{"length", number_of(status, JobState::queued)}, {"oldest_seconds", oldest_seconds(status)}}},
        {"workers", all_workers_json(service.workers, status)},
        {"disk",
         {{"total_bytes", status.disk.total},
@@ -66,6 +85,7 @@ Result<Response> show_service(Service& service, Request&, const Caller&) {
 }  // namespace
 
 void add_service_routes(http::Router& router, Service& service) {
+  add_guarded(router, service, Scope::read, "GET", "/api/v1/queue", show_queue);
   add_guarded(router, service, Scope::admin, "GET", "/api/v1/service", show_service);
 }
 

@@ -146,6 +146,7 @@ class Exchanges(Case):
     def say_what_the_service_is(self):
         for path in ("/healthz", "/api/v1/limits", "/api/v1/session", "/api/v1/settings-schema", "/api/v1/openapi.yaml"):
             self.taken(self.server.url + path)
+        self.assertEqual(self.taken(self.server.api + "/queue").json["wanted_workers"], 0)
         copy = self.folder / "copy"
         copy.mkdir(mode=0o700)
         self.taken(*OF_JSON, "-d", json.dumps({"to": str(copy)}), self.server.api + "/backup")

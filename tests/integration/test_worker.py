@@ -323,6 +323,44 @@ class Worker(Case):
         self.assertEqual(len(self.server.calls("/release")), 1)
         self.assert_nothing_left()
 
+    def test_sigterm_lets_the_job_end_within_the_drain_and_leases_no_other(self):
+        self.server.jobs = 2
+        worker = self.start("printf print > $OUT/print.png; until [ -e %s/go ]; do sleep 0.02; done" % self.here, keep="--no-keep --drain 60")
+        child = self.child()
+        worker.process.send_signal(signal.SIGTERM)
+        self.the_call("/heartbeat")
+        self.assertTrue(runs(child))
+        self.server.away = 2  # a fault meanwhile is borne as before
+        (self.here / "go").touch()
+        self.assertEqual(worker.wait(), 0)
+        self.assertEqual([len(self.server.calls(tail)) for tail in ("/leases", "/complete", "/release", "/fail")], [1, 1, 0, 0])
+        self.assert_nothing_left()
+
+    def test_sigterm_releases_the_job_at_the_end_of_the_drain(self):
+        worker = self.start("sleep 300", keep="--no-keep --drain 0.5")
+        child = self.child()
+        told = time.monotonic()
+        worker.process.send_signal(signal.SIGTERM)
+        self.assertEqual(worker.wait(), 0)
+        self.assertGreaterEqual(self.server.calls("/release")[0][3] - told, 0.5)
+        self.assertFalse(runs(child))
+        self.assertEqual(len(self.server.calls("/fail")), 0)
+
+    def test_worker_exits_after_so_many_jobs(self):
+        self.server.jobs = 5
+        worker = self.start("exit 0", keep="--no-keep --max-jobs 2")
+        self.assertEqual(worker.wait(), 0)
+        self.assertEqual([len(self.server.calls(tail)) for tail in ("/leases", "/complete")], [2, 2])
+        self.assertIn('"why":"max-jobs"', worker.says().replace(" ", ""))
+
+    def test_worker_exits_when_there_is_no_job_for_long(self):
+        begun = time.monotonic()
+        worker = self.start("exit 0", keep="--no-keep --idle-exit 0.5")
+        self.assertEqual(worker.wait(), 0)
+        self.assertGreater(time.monotonic() - begun, 0.5)
+        self.assertEqual(len(self.server.calls("/complete")), 1)
+        self.assertIn('"why":"idle"', worker.says().replace(" ", ""))
+
     def test_killed_worker_leaves_nothing_for_long(self):
         worker = self.start("sleep 300 & wait")
         child = self.child()

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
 
 #include "api/client/http.hpp"
 #include "api/client/token.hpp"
@@ -34,6 +36,18 @@ void WorkerConfiguration::add_to(ConfigurationSources& sources) {
   sources.add("poll_seconds", &poll_seconds, "Pause between two requests for a job")
       ->check(CLI::Range(0.05, 3600.0));
   sources
+      .add("drain", &drain,
+           "Time that the running job has to end after SIGTERM; then it goes back to the queue, without a "
+           "failed attempt")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 86400.0));
+  sources.add("max_jobs", &max_jobs, "Exit after so many jobs; 0: no limit")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1000000));
+  sources.add("idle_exit", &idle_exit, "Exit when the server has had no job for so long; 0: never")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 86400.0));
+  sources
       .add("keep", &keep,
            "Folder for what scan and forming made, so that another job of the same scan skips them; it holds "
            "heads (default: kept in the folder of --work)")
@@ -61,6 +75,8 @@ Result<LeaseLoop> WorkerConfiguration::loop() const {
   loop.server = server;
   loop.name = name;
   loop.poll = std::chrono::milliseconds(static_cast<int>(poll_seconds * 1000));
+  if (max_jobs > 0) loop.most_jobs = max_jobs;
+  if (idle_exit > 0) loop.idle_exit = std::chrono::milliseconds(std::lround(1000 * idle_exit));
   loop.program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vacuform";
   loop.program_file = Descriptor(::open(loop.program.c_str(), O_PATH | O_CLOEXEC));
   if (!loop.program_file || ::access(loop.program.c_str(), X_OK) != 0)

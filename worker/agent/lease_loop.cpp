@@ -84,7 +84,7 @@ class LeasedJob {
     if (worked) return Verdict::completed;
     if (heartbeat_.lost() || worked.error().code == Code::lease_lost) return Verdict::lost;
     if (heartbeat_.cancel_asked()) return told(Verdict::cancelled, [&] { return client_.cancelled(lease_); });
-    if (stop_.within(milliseconds(0))) {
+    if (stop_.drained_within(milliseconds(0))) {
       // Only once: if the server is away now, the lease simply expires.
       const auto released = client_.release(lease_);
       return released ? Verdict::released : Verdict::lost;
@@ -96,7 +96,7 @@ class LeasedJob {
 
  private:
   bool going() const {
-    return !heartbeat_.lost() && !heartbeat_.cancel_asked() && !stop_.within(milliseconds(0));
+    return !heartbeat_.lost() && !heartbeat_.cancel_asked() && !stop_.drained_within(milliseconds(0));
   }
 
   // Retries a call until it is answered, the lease is lost, or the duration of a lease has passed.
@@ -108,7 +108,7 @@ class LeasedJob {
       const bool again = !answer && passing(answer.error());
       retry_ = again ? Retry::after_fault : Retry::never;
       if (!again || heartbeat_.lost() || std::chrono::steady_clock::now() > until) return answer;
-      if (stop_.within(pause)) return answer;
+      if (stop_.drained_within(pause)) return answer;
     }
   }
 
@@ -274,6 +274,10 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
       "worker-started",
       {{"worker", name}, {"sandbox", sandbox.measures(true)}, {"sandbox_lacks", sandbox.measures(false)}});
   milliseconds pause = poll;
+  int jobs = 0;
+  auto busy =
+      std::chrono::steady_clock::now();  // when the server last had a job for this worker, or was away
+  const char* why = "signal";
   auto tidied = std::chrono::steady_clock::now() - tidy_every;
   while (!stop.within(milliseconds(0))) {
     if (const auto now = std::chrono::steady_clock::now(); now - tidied >= tidy_every) {
@@ -284,6 +288,12 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
     const auto lease = client.lease(name, sandbox.measures(true));
     if (!lease && !passing(lease.error())) return tl::make_unexpected(lease.error());
     if (!lease || !*lease) {
+      const auto now = std::chrono::steady_clock::now();
+      if (!lease) busy = now;
+      if (idle_exit && now - busy >= *idle_exit) {
+        why = "idle";
+        break;
+      }
       if (!lease && pause == poll) log_event("server-away", {{"worker", name}, {"why", lease.error().what}});
       pause = lease ? poll : longer(pause);
       stop.within(pause);
@@ -312,8 +322,13 @@ Result<void> LeaseLoop::run(const StopSignal& stop) const {
     log_event(
         "job-left",
         {{"worker", name}, {"job", held.job}, {"attempt", held.attempt}, {"verdict", name_of(verdict)}});
+    busy = std::chrono::steady_clock::now();
+    if (verdict != Verdict::released && ++jobs == most_jobs) {
+      why = "max-jobs";
+      break;
+    }
   }
-  log_event("worker-stopped", {{"worker", name}});
+  log_event("worker-stopped", {{"worker", name}, {"why", why}, {"jobs", jobs}});
   return {};
 }
 

@@ -19,14 +19,16 @@ struct LeaseLoop {
   std::filesystem::path work = ".";  // a private folder of this user, for the folders of the jobs
   std::filesystem::path program;     // `vacuform`, by its name
   Descriptor program_file;           // open, for the processes of jobs: a new version on disk changes nothing
-  std::chrono::milliseconds poll{1000};  // polling interval
+  std::chrono::milliseconds poll{1000};                // polling interval
+  std::optional<int> most_jobs;                        // the loop ends after so many
+  std::optional<std::chrono::milliseconds> idle_exit;  // and when the server has had no job for so long
   ChildLimits limits;
   Sandbox sandbox;
   std::optional<KeptScans> kept;  // where jobs of the same scan find its formed sheet; may be absent
 
-  // Runs until `stop` returns true: then the running child is ended and its job released. A server that is away is
-  // retried, with a pause that grows to 10 s. A job that this program does not understand is released, and the loop
-  // ends. Errors: unauthorized or forbidden (the server rejects the token), conflict (it uses another protocol),
+  // Runs until `stop`, most_jobs or idle_exit. After `stop` no job is leased; the running one goes on until the drain of
+  // `stop` ends, then its child is ended and it is released, which counts no attempt. A server that is away is retried,
+  // with a pause that grows to 10 s. A job that this program does not understand is released, and the loop ends. Errors: unauthorized or forbidden (the server rejects the token), conflict (it uses another protocol),
   // bad_usage (the address is invalid; a job is not understood), unreadable (the work folder).
   Result<void> run(const StopSignal& stop) const;
 };

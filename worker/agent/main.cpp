@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -37,7 +39,7 @@ Result<Sandbox> choose_sandbox(const LeaseLoop& loop, const std::string& setting
               "Landlock and seccomp; or set sandbox to best-effort, if you trust every file that is sent");
 }
 
-// Until a signal ends it.
+// Until a signal, --max-jobs or --idle-exit ends it.
 Result<void> work(const WorkerConfiguration& configuration) {
   VACUFORM_TRY(loop, configuration.loop());
   std::string sandbox = configuration.sandbox;
@@ -60,7 +62,7 @@ Result<void> work(const WorkerConfiguration& configuration) {
     loop.kept = std::move(kept);
   }
   std::signal(SIGPIPE, SIG_IGN);
-  const StopSignal stop;
+  const StopSignal stop(std::chrono::milliseconds(std::lround(1000 * configuration.drain)));
   return loop.run(stop);
 }
 

@@ -5,9 +5,12 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <thread>
+
 namespace vacuform {
 
-StopSignal::StopSignal() {
+StopSignal::StopSignal(std::chrono::milliseconds drain) : drain_(drain) {
   sigset_t set;
   ::sigemptyset(&set);
   ::sigaddset(&set, SIGTERM);
@@ -22,6 +25,20 @@ StopSignal::~StopSignal() { ::close(fd_); }
 bool StopSignal::within(std::chrono::milliseconds time) const {
   pollfd waiting{fd_, POLLIN, 0};
   return ::poll(&waiting, 1, static_cast<int>(time.count())) > 0;
+}
+
+StopSignal::Clock::time_point StopSignal::end() const {
+  Clock::rep seen = 0;
+  const auto now = (Clock::now() + drain_).time_since_epoch().count();
+  if (end_.compare_exchange_strong(seen, now)) seen = now;
+  return Clock::time_point(Clock::duration(seen));
+}
+
+bool StopSignal::drained_within(std::chrono::milliseconds time) const {
+  const auto until = Clock::now() + time;
+  if (!within(time)) return false;
+  std::this_thread::sleep_until(std::min(until, end()));
+  return Clock::now() >= end();
 }
 
 }  // namespace vacuform

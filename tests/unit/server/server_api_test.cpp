@@ -504,6 +504,21 @@ TEST_F(ServerApi, AdministratorsSeeTheStateOfTheService) {
   EXPECT_TRUE(from_rfc3339(busy["workers"][1]["last_seen"].get<std::string>()));
 }
 
+TEST_F(ServerApi, TheQueueIsCountedForAReaderOfNoJobs) {
+  const std::string scaler = bearer(token("scaler", {Scope::read}));
+  const auto queue = [&] { return json::parse(ask("GET", "/api/v1/queue", scaler).body); };
+  EXPECT_EQ(queue(),
+            (json{{"queued", 0}, {"running", 0}, {"oldest_seconds", nullptr}, {"wanted_workers", 0}}));
+  for (int i = 0; i < 3; ++i) created();
+  ASSERT_TRUE(store_->lease("w0"));
+  const json busy = queue();
+  EXPECT_EQ(busy["queued"], 2);
+  EXPECT_EQ(busy["running"], 1);
+  EXPECT_EQ(busy["wanted_workers"], 3);
+  EXPECT_GE(busy["oldest_seconds"], 0);
+  EXPECT_EQ(ask("GET", "/api/v1/queue", worker_headers()).status, 403);
+}
+
 TEST_F(ServerApi, EverySettingHasALabelledField) {
   const std::string page = ask("GET", "/jobs").body;
   const json schema = json::parse(ask("GET", "/api/v1/settings-schema").body);
