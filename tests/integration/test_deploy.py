@@ -80,6 +80,12 @@ class Deploy(Case):
         self.assertNotIn("Running the bundled sample", second.stdout)
         self.assertEqual(self.pid(), pid)
 
+        mask = self.start("--sample", "mask")
+        self.assertEqual(mask.returncode, 0, mask.stderr)
+        self.assertIn(f"The sample's artifacts are in {self.var / 'sample-mask'}", mask.stdout)
+        report = json.loads((self.var / "sample-mask" / "report.json").read_text())
+        self.assertGreater(report["pattern"]["colours"]["full_mm2"], 30000)
+
         other = self.run_script("start", "--listen", f"127.0.0.1:{free_port(2)}")
         self.assertIn(f"already running at http://127.0.0.1:{self.port}", other.stdout)
         self.assertIn("run deploy/stop first", other.stdout)

@@ -1,10 +1,12 @@
-// vacuform sample: writes the bundled head form and coil pattern.
+// vacuform sample: writes the bundled head form and coil pattern, or a model that wears colours.
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <string>
 
 #include "worker/cli/commands.hpp"
+#include "worker/sample/painted_model.hpp"
 #include "worker/sample/sample.hpp"
 #include "worker/scan/mold.hpp"
 
@@ -23,31 +25,41 @@ Result<void> write(const std::filesystem::path& path, const Bytes& bytes) {
   return {};
 }
 
-Result<void> write_sample(const std::filesystem::path& out, HeadForm form) {
+Result<void> write_sample(const std::filesystem::path& out, const std::string& model, HeadForm form) {
   std::error_code error;
   std::filesystem::create_directories(out, error);
   if (error)
     return fail(Code::unreadable, "cannot make the folder: " + error.message(), out.string(),
                 "choose a folder you may write to");
+  if (model != "head")
+    return write(out / (model + ".glb"), painted_glb(model == "mask" ? Model::mask : Model::figurine));
   VACUFORM_CHECK(write(out / "head.stl", stl_bytes(sample_head(form))));
-  VACUFORM_CHECK(write(out / "pattern.svg", sample_pattern()));
-  return {};
+  return write(out / "pattern.svg", sample_pattern());
 }
 
 }  // namespace
 
 void add_sample(CLI::App& app, int& exit_code) {
-  auto* command = app.add_subcommand("sample", "Write the bundled sample: head.stl and pattern.svg");
+  auto* command =
+      app.add_subcommand("sample", "Write a bundled sample: a scan, and the pattern if it needs one");
   auto out = std::make_shared<std::string>();
   command->add_option("--out", *out, "Folder to write into; made when absent")->type_name("DIR")->required();
+  auto model = std::make_shared<std::string>("head");
+  command
+      ->add_option(
+          "--model", *model,
+          "head: head.stl and pattern.svg with coils; mask or figurine: mask.glb or figurine.glb with "
+          "colours of its own (pattern.source=scan)")
+      ->check(CLI::IsMember({"head", "mask", "figurine"}));
   auto head = std::make_shared<std::string>("adult");
   command->add_option("--head", *head, "Size of the head form")->check(CLI::IsMember({"adult", "newborn"}));
-  command->callback([out, head, &exit_code] {
+  command->callback([out, model, head, &exit_code] {
     const HeadForm form = *head == "newborn" ? HeadForm::newborn : HeadForm::adult;
-    if (const auto written = write_sample(*out, form); !written)
+    if (const auto written = write_sample(*out, *model, form); !written)
       exit_code = refuse(written.error());
     else
-      std::cout << "wrote head.stl and pattern.svg into " << *out << '\n';
+      std::cout << "wrote " << (*model == "head" ? "head.stl and pattern.svg" : *model + ".glb") << " into "
+                << *out << '\n';
   });
 }
 

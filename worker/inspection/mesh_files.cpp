@@ -3,7 +3,7 @@
 #include <string>
 
 #include "api/base/decimal.hpp"
-#include "worker/inspection/little_endian.hpp"
+#include "worker/gltf/little_endian.hpp"
 #include "worker/inspection/unfolded_sheet.hpp"
 
 namespace vacuform {

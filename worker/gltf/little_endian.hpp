@@ -1,4 +1,4 @@
-// Numbers as the bytes of files, the low byte first. Internal to worker/inspection.
+// Numbers as the bytes of files, the low byte first.
 #pragma once
 
 #include <bit>
