@@ -22,8 +22,8 @@ using Eigen::Vector3d;
 
 constexpr double degree = std::numbers::pi / 180, quarter = std::numbers::pi / 2;
 constexpr int sectors = 360, circles = 140;  // of the mesh
-constexpr int side = 2048;                // pixels of the texture
-constexpr double share = 0.98;            // of half the texture that the model covers
+constexpr int side = 2048;                   // pixels of the texture
+constexpr double share = 0.98;               // of half the texture that the model covers
 
 double bell(double x, double width) { return std::exp(-(x / width) * (x / width)); }
 double step(double from, double to, double x) {
@@ -35,7 +35,7 @@ double step(double from, double to, double x) {
 class Relief {
  public:
   virtual ~Relief() = default;
-  virtual double reach(double angle) const = 0;             // from the origin to the rim
+  virtual double reach(double angle) const = 0;                   // from the origin to the rim
   virtual double height(const Vector2d& at, double t) const = 0;  // t: share of the reach
 
   Vector3d place(const Vector2d& at) const {
@@ -58,13 +58,13 @@ class Face : public Relief {
   }
   double height(const Vector2d& at, double t) const override {
     const double x = std::abs(at.x()), y = at.y();
-    double features = 17 * bell(x, 10) * step(34, -10, y) * step(-26, -16, y);         // nose
-    features += 5 * bell(x - 10, 6) * bell(y + 14, 8);                                  // its wings
+    double features = 17 * bell(x, 10) * step(34, -10, y) * step(-26, -16, y);  // nose
+    features += 5 * bell(x - 10, 6) * bell(y + 14, 8);                          // its wings
     features += -8 * bell(x - 30, 16) * bell(y - 22, 11) + 5 * bell(x - 30, 10) * bell(y - 22, 7);  // eyes
-    features += 4 * bell(x - 30, 20) * bell(y - 40, 8);                                 // brows
-    features += 5 * bell(x - 38, 19) * bell(y + 16, 20);                                // cheeks
-    features += 5 * bell(x, 20) * bell(y + 43, 4.5) + 5 * bell(x, 17) * bell(y + 52, 5);  // lips
-    features += 7 * bell(x, 16) * bell(y + 76, 11);                                     // chin
+    features += 4 * bell(x - 30, 20) * bell(y - 40, 8);                                             // brows
+    features += 5 * bell(x - 38, 19) * bell(y + 16, 20);                                            // cheeks
+    features += 5 * bell(x, 20) * bell(y + 43, 4.5) + 5 * bell(x, 17) * bell(y + 52, 5);            // lips
+    features += 7 * bell(x, 16) * bell(y + 76, 11);                                                 // chin
     const double bulge = 1 - t * t;
     return deep * std::sqrt(std::max(0.0, bulge)) + features * bulge;
   }
@@ -98,7 +98,7 @@ class Penguin : public Relief {
   }
   double height(const Vector2d& at, double t) const override {
     double sum = std::pow(12 * std::sqrt(std::max(0.0, 1 - t * t)), 4);  // what all parts lie on
-    for (const Part& part : parts) {
+    for (const Part& part : parts_) {
       const double left = 1 - ((at - part.centre).array() / part.half.array()).matrix().squaredNorm();
       if (left > 0) sum += std::pow(part.high * std::sqrt(left), 4);
     }
@@ -114,7 +114,7 @@ class Penguin : public Relief {
   // Where the ray from the origin leaves the last part.
   double far_end(double angle) const {
     double most = 0;
-    for (const Part& part : parts) {
+    for (const Part& part : parts_) {
       const Vector2d d = Vector2d(std::cos(angle), std::sin(angle)).cwiseQuotient(part.half);
       const Vector2d c = part.centre.cwiseQuotient(part.half);
       const double a = d.squaredNorm(), b = d.dot(c), root = b * b - a * (c.squaredNorm() - 1);
@@ -124,12 +124,12 @@ class Penguin : public Relief {
   }
 
   // Body, head, wings, feet.
-  const std::array<Part, 6> parts{{{{0, -18}, {52, 66}, 44},
-                                   {{0, 64}, {36, 38}, 38},
-                                   {{50, -8}, {17, 42}, 20},
-                                   {{-50, -8}, {17, 42}, 20},
-                                   {{24, -80}, {20, 18}, 18},
-                                   {{-24, -80}, {20, 18}, 18}}};
+  const std::array<Part, 6> parts_{{{{0, -18}, {52, 66}, 44},
+                                    {{0, 64}, {36, 38}, 38},
+                                    {{50, -8}, {17, 42}, 20},
+                                    {{-50, -8}, {17, 42}, 20},
+                                    {{24, -80}, {20, 18}, 18},
+                                    {{-24, -80}, {20, 18}, 18}}};
   std::array<double, sectors> reach_{};
 };
 
@@ -140,11 +140,10 @@ std::unique_ptr<Relief> relief_of(Model model) {
 
 std::vector<std::pair<const char*, Vector2d>> landmarks_of(Model model) {
   if (model == Model::mask)
-    return {{"F", {0, 66}},    {"N", {0, 28}},    {"T", {0, -12}},   {"E1", {-48, 22}}, {"E2", {48, 22}},
+    return {{"F", {0, 66}},     {"N", {0, 28}},    {"T", {0, -12}},    {"E1", {-48, 22}}, {"E2", {48, 22}},
             {"C1", {-40, -16}}, {"C2", {40, -16}}, {"M1", {-28, -47}}, {"M2", {28, -47}}, {"G", {0, -76}}};
-  return {{"H", {0, 84}},    {"E1", {-26, 62}}, {"E2", {26, 62}}, {"B", {0, 0}},
-          {"S1", {-30, -30}}, {"S2", {30, -30}}, {"W1", {-54, -10}}, {"W2", {54, -10}},
-          {"F1", {-24, -86}}, {"F2", {24, -86}}};
+  return {{"H", {0, 84}},    {"E1", {-26, 62}},  {"E2", {26, 62}},  {"B", {0, 0}},      {"S1", {-30, -30}},
+          {"S2", {30, -30}}, {"W1", {-54, -10}}, {"W2", {54, -10}}, {"F1", {-24, -86}}, {"F2", {24, -86}}};
 }
 
 // Paints by places on the model's plan, mm.
@@ -171,7 +170,8 @@ class Paint {
   void ellipse(const Vector2d& centre, double half_width, double half_height) {
     std::vector<Vector2d> points;
     for (int i = 0; i < 90; ++i)
-      points.push_back(centre + Vector2d(half_width * std::cos(4 * i * degree), half_height * std::sin(4 * i * degree)));
+      points.push_back(
+          centre + Vector2d(half_width * std::cos(4 * i * degree), half_height * std::sin(4 * i * degree)));
     polygon(points);
   }
   // Width in mm of the middle of the model, where the texture is the finest.
@@ -252,7 +252,8 @@ void paint_face(Paint& paint) {
   for (const double x : {-40.0, 40.0}) paint.ellipse({x, -18}, 17, 14);
   paint.colour(0xc99b78);
   paint.net(0.5);
-  const std::vector<Vector2d> eye{{15, 20}, {22, 27}, {30, 29.5}, {38, 27}, {45, 21}, {37, 16}, {29, 14.5}, {21, 16.5}};
+  const std::vector<Vector2d> eye{{15, 20}, {22, 27}, {30, 29.5}, {38, 27},
+                                  {45, 21}, {37, 16}, {29, 14.5}, {21, 16.5}};
   const std::vector<Vector2d> arch{{13, 36}, {22, 42}, {32, 44}, {42, 42}, {50, 36}};
   for (const bool left : {false, true}) {
     const double x = left ? -30 : 30;
@@ -266,7 +267,16 @@ void paint_face(Paint& paint) {
     paint.line(left ? mirrored(arch) : arch, 3);
   }
   paint.colour(0xb5323c);
-  paint.polygon({{-22, -47}, {-12, -41}, {-4, -38}, {0, -40}, {4, -38}, {12, -41}, {22, -47}, {12, -55}, {0, -58}, {-12, -55}});
+  paint.polygon({{-22, -47},
+                 {-12, -41},
+                 {-4, -38},
+                 {0, -40},
+                 {4, -38},
+                 {12, -41},
+                 {22, -47},
+                 {12, -55},
+                 {0, -58},
+                 {-12, -55}});
   paint.colour(0x7a1f28);
   paint.line({{-20, -47}, {-8, -48}, {0, -47}, {8, -48}, {20, -47}}, 0.8);
 }
@@ -285,7 +295,8 @@ void paint_penguin(Paint& paint) {
   paint.colour(0x101418);
   for (const double x : {-13.0, 13.0}) paint.ellipse({x, 72}, 4, 4.5);
   paint.colour(0xc62f3b);
-  paint.polygon({{-44, 34}, {-20, 27}, {0, 25}, {20, 27}, {44, 34}, {40, 45}, {20, 38}, {0, 36}, {-20, 38}, {-40, 45}});
+  paint.polygon(
+      {{-44, 34}, {-20, 27}, {0, 25}, {20, 27}, {44, 34}, {40, 45}, {20, 38}, {0, 36}, {-20, 38}, {-40, 45}});
   paint.colour(0x2b7a4b);
   for (const double y : {4.0, -14.0, -32.0}) paint.ellipse({0, y}, 3.5, 3.5);
 }
@@ -344,9 +355,11 @@ std::vector<std::uint8_t> painted_glb(Model model) {
   GltfBuffer buffer;
   GltfJson primitive;
   primitive["attributes"]["POSITION"] = buffer.add_attribute(
-      vertices.size(), 3, [&](std::size_t v, std::size_t k) { return vertices[v][static_cast<Eigen::Index>(k)]; });
+      vertices.size(), 3,
+      [&](std::size_t v, std::size_t k) { return vertices[v][static_cast<Eigen::Index>(k)]; });
   primitive["attributes"]["TEXCOORD_0"] = buffer.add_attribute(
-      vertices.size(), 2, [&](std::size_t v, std::size_t k) { return painted.uv[v][static_cast<Eigen::Index>(k)]; });
+      vertices.size(), 2,
+      [&](std::size_t v, std::size_t k) { return painted.uv[v][static_cast<Eigen::Index>(k)]; });
   primitive["indices"] = buffer.add_triangles(painted.mesh.triangles);
   primitive["material"] = 0;
   const char* name = model == Model::mask ? "mask" : "figurine";

@@ -36,8 +36,12 @@ TEST_P(PaintedModels, AreClosedTurnedOutwardsAndWithoutAnUndercut) {
 TEST_P(PaintedModels, HaveEachPlaceOnceOnTheTexture) {
   const PaintedModel model = painted_model(GetParam());
   for (const auto& t : model.mesh.triangles) {
-    const auto place = [&](int k) { return model.uv[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])]; };
-    const auto vertex = [&](int k) { return model.mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])]; };
+    const auto place = [&](int k) {
+      return model.uv[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+    };
+    const auto vertex = [&](int k) {
+      return model.mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+    };
     if (vertex(0).z() == 0 && vertex(1).z() == 0 && vertex(2).z() == 0) continue;  // below
     const Eigen::Vector2d a = place(1) - place(0), b = place(2) - place(0);
     EXPECT_LT(a.x() * b.y() - a.y() * b.x(), 0);  // v is down
