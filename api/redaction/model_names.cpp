@@ -20,8 +20,22 @@ std::string_view next_word(std::string_view& rest) {
   return word;
 }
 
+// Of numbers, of the corners of faces, and between them.
 bool numeric(char c) {
-  return (c >= '0' && c <= '9') || std::string_view("+-.eE/\\ \t").find(c) != std::string_view::npos;
+  switch (c) {
+    case '+':
+    case '-':
+    case '.':
+    case 'e':
+    case 'E':
+    case '/':
+    case '\\':
+    case ' ':
+    case '\t':
+      return true;
+    default:
+      return c >= '0' && c <= '9';
+  }
 }
 
 // The numbers of a line; anything else ends them.

@@ -314,7 +314,9 @@ class ZipNames : public NameFilter::Format {
         bytes.remove_prefix(1);
         continue;
       }
-      const std::size_t end = std::min(bytes.find_first_of("\r\n"), bytes.size());
+      const auto end = static_cast<std::size_t>(
+          std::find_if(bytes.begin(), bytes.end(), [](char c) { return c == '\n' || c == '\r'; }) -
+          bytes.begin());
       line_ += bytes.substr(0, end);
       if (line_.size() > model_zip_limits.line)
         return refuse(Code::corrupt_file, "a line of the model is longer than a mebibyte",

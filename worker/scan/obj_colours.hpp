@@ -29,7 +29,7 @@ class ObjColours {
   // The place in the list of vt that a corner v/vt/vn names; -1 without one.
   std::int64_t uv_of(std::string_view corner) const;
   void add_triangle(const std::array<std::int64_t, 3>& uv);
-  // Nothing if there are none. Errors: corrupt_file (a triangle names a vt that does not exist).
+  // Empty where no triangle has a colour. Errors: corrupt_file (a triangle names a vt that does not exist).
   Result<std::optional<ScanColours>> take(const TriangleMesh& mesh, const std::string& where);
 
  private:
