@@ -40,7 +40,7 @@ struct InputKind {
   bool always = true;  // otherwise only where the settings ask for it
 };
 inline constexpr std::array<InputKind, 4> input_kinds{{
-    {"scan", "Scan of the head", ".stl,.obj,.ply,.off,.glb", 1ull << 30},
+    {"scan", "Scan of the head", ".stl,.obj,.ply,.off,.glb,.zip", 1ull << 30},
     {"pattern", "Pattern", ".svg,.png,.jpg,.jpeg", 256ull << 20},
     {"temperature", "Temperature, where measured", ".csv,.txt,.png", 64ull << 20, false},
     {"weights", "Picture that is dark where the chart is distorted least", ".png,.jpg,.jpeg,.svg",
@@ -66,10 +66,13 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 25> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 28> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
+    {"colours.png", "image/png", "The colours of the scan, in register with the print", false},
+    {"colours.svg", "image/svg+xml", "The colours of the scan at 1:1, user units in mm", false},
+    {"colours.pdf", "application/pdf", "The colours of the scan at 1:1, in register with the print", false},
     {"preview-pattern.png", "image/png", "The drawing"},
     {"preview-print.png", "image/png", "The pre-distorted print on the flat sheet"},
     {"preview-without.png", "image/png", "Formed part with the plain pattern"},

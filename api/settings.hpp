@@ -29,7 +29,7 @@ enum class MembraneLaw { neo_hookean, mooney_rivlin };
 enum class Integrator { implicit_euler, verlet };
 enum class FlatteningMethod { arap, symmetric_dirichlet, lscm, cgal_arap, bfs };
 enum class FlatteningWeights { uniform, ink, center, painted };
-enum class PatternSource { file, scan };
+enum class PatternSource { file, scan, both };
 enum class PatternPlacement { automatic, elements, chart, segments };
 enum class CoilKeep { area, diameter };
 // Front is the half of the formed part towards +y, back the other; scan.yaw_deg turns the head.
@@ -122,10 +122,10 @@ struct FlatteningSettings {
 };
 
 struct PatternSettings {
-  PatternSource source =
-      PatternSource::file;         // scan: the colours of the scan itself; there is no drawing then
-  double fade_mm = 3;              // of those colours, where the sheet does not touch the scan; 0: none there
-  std::optional<double> width_mm;  // physical width; none: the file's own size
+  PatternSource source = PatternSource::
+      file;            // scan: the colours of the scan itself, and no drawing; both: each as its own print
+  double fade_mm = 3;  // of those colours, where the sheet does not touch the scan; 0: none there
+  std::optional<double> width_mm;                            // physical width; none: the file's own size
   PatternPlacement placement = PatternPlacement::automatic;  // elements where the drawing has them
   std::array<double, 2> offset_mm{0, 0};  // the pattern's centre on the chart, from the top of the mold
   double rotate_deg = 0;                  // counter-clockwise on the inked face as drawn

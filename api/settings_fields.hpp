@@ -27,7 +27,7 @@ inline constexpr std::array<std::string_view, 2> integrator_names{"implicit_eule
 inline constexpr std::array<std::string_view, 5> method_names{"arap", "symmetric_dirichlet", "lscm",
                                                               "cgal_arap", "bfs"};
 inline constexpr std::array<std::string_view, 4> weights_names{"uniform", "ink", "center", "painted"};
-inline constexpr std::array<std::string_view, 2> pattern_source_names{"file", "scan"};
+inline constexpr std::array<std::string_view, 3> pattern_source_names{"file", "scan", "both"};
 inline constexpr std::array<std::string_view, 4> placement_names{"auto", "elements", "chart", "segments"};
 inline constexpr std::array<std::string_view, 2> keep_names{"area", "diameter"};
 inline constexpr std::array<std::string_view, 3> region_names{"dome", "front", "back"};
@@ -191,7 +191,8 @@ void describe(S& s, V& v) {
 
   v.group("pattern", "Pattern: how the drawing lies on the head");
   v.field("source", s.pattern.source,
-          "What is printed: the drawing of a file, or the colours of the scan itself, which needs no file");
+          "What is printed: the drawing of a file, the colours of the scan itself, which needs no file, or "
+          "both, each as its own print");
   v.field("fade_mm", s.pattern.fade_mm, {0, 100, "mm"},
           "Colours of the scan: where the sheet does not touch it they fade out over this distance; 0: none "
           "there");

@@ -162,7 +162,7 @@ class Types:
 
 def wrapped(line):
     """A long line in several, of at most 120 columns."""
-    return "\n".join(textwrap.wrap(line, 120, initial_indent="", subsequent_indent=" " * (len(line) - len(line.lstrip()) + 2),
+    return "\n".join(textwrap.wrap(line, 120, break_on_hyphens=False, initial_indent="", subsequent_indent=" " * (len(line) - len(line.lstrip()) + 2),
                                    break_long_words=False, drop_whitespace=True))
 
 

@@ -8,6 +8,7 @@
 #include "api/redaction/picture_names.hpp"
 #include "api/redaction/svg_names.hpp"
 #include "api/redaction/text_names.hpp"
+#include "api/redaction/zip_names.hpp"
 
 namespace vacuform {
 
@@ -56,6 +57,7 @@ NameFilter::Kind NameFilter::kind_of(std::string_view head, const std::string& e
   if (head.starts_with("\x89PNG\r\n\x1a\n")) return Kind::png;
   if (head.starts_with("\xff\xd8\xff")) return Kind::jpeg;
   if (head.starts_with("glTF")) return Kind::glb;
+  if (head.starts_with("PK\x03\x04") && extension == "zip") return Kind::zip;
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return Kind::ply;
   const bool stl = extension == "stl" || extension.empty();
   // The count of a file of at most 1 GiB has a zero or a one in its highest byte, and no text has that.
@@ -101,6 +103,8 @@ std::unique_ptr<NameFilter::Format> NameFilter::format_of(Kind kind) {
       return jpeg_names();
     case Kind::svg:
       return svg_names();
+    case Kind::zip:
+      return zip_names();
     case Kind::unknown:
     case Kind::as_it_is:
       break;
@@ -139,6 +143,12 @@ std::string NameFilter::finish() {
   return out;
 }
 
+Result<void> NameFilter::check() const {
+  auto problem = format_ ? format_->problem() : std::nullopt;
+  if (problem) return tl::make_unexpected(*std::move(problem));
+  return {};
+}
+
 std::string NameFilter::state() const {
   FilterState state;
   Kind kind = kind_;
@@ -157,18 +167,28 @@ bool NameFilter::go_on(std::string_view text) {
   return state.ended();
 }
 
-void blank_names(std::vector<std::uint8_t>& bytes, const std::string& file_name) {
+Result<void> blank_names(std::vector<std::uint8_t>& bytes, const std::string& file_name) {
   const std::size_t dot = file_name.rfind('.');
   NameFilter filter(dot == std::string::npos ? "" : lower(file_name.substr(dot + 1)));
   constexpr std::size_t step = 64 << 10;
   std::size_t done = 0;
-  const auto keep = [&](const std::string& ready) {
-    std::copy(ready.begin(), ready.end(), bytes.begin() + static_cast<std::ptrdiff_t>(done));
-    done += ready.size();  // never beyond what was taken
+  std::vector<std::uint8_t> beyond;  // of a file that grows, once it is longer than what was taken
+  const auto keep = [&](const std::string& ready, std::size_t taken) {
+    const std::size_t in_place = beyond.empty() ? std::min(ready.size(), taken - done) : 0;
+    std::copy_n(ready.begin(), in_place, bytes.begin() + static_cast<std::ptrdiff_t>(done));
+    done += in_place;
+    beyond.insert(beyond.end(), ready.begin() + static_cast<std::ptrdiff_t>(in_place), ready.end());
   };
-  for (std::size_t at = 0; at < bytes.size(); at += step)
-    keep(filter.pass({reinterpret_cast<const char*>(bytes.data()) + at, std::min(step, bytes.size() - at)}));
-  keep(filter.finish());
+  for (std::size_t at = 0; at < bytes.size(); at += step) {
+    const std::size_t n = std::min(step, bytes.size() - at);
+    keep(filter.pass({reinterpret_cast<const char*>(bytes.data()) + at, n}), at + n);
+    VACUFORM_CHECK(filter.check());
+  }
+  keep(filter.finish(), bytes.size());
+  VACUFORM_CHECK(filter.check());
+  bytes.resize(done);
+  bytes.insert(bytes.end(), beyond.begin(), beyond.end());
+  return {};
 }
 
 }  // namespace vacuform

@@ -82,6 +82,7 @@ std::string_view temperature_format(std::string_view head) {
 
 Result<std::string_view> format_of(std::string_view input, std::string_view head, std::uint64_t bytes,
                                    std::string_view extension) {
+  if (input == "scan" && extension == "zip" && head.starts_with("PK\x03\x04")) return "zip";
   const std::string_view other = foreign(head);
   std::string_view format;
   if (other.empty())

@@ -29,7 +29,7 @@ Result<void> check_files(const NewJob& job, const Settings& settings) {
   const bool prints_scan = settings.pattern.source == PatternSource::scan;
   if (prints_scan && job.kind == JobKind::print && has(job, "pattern"))
     return fail(Code::bad_settings, "a pattern is given, but the colours of the scan are to be printed",
-                "pattern.source", "leave the pattern out, or send pattern.source=file");
+                "pattern.source", "leave the pattern out, or send pattern.source=file or both");
   for (const InputKind& kind : input_kinds)
     if (needs(job.kind, kind, prints_scan) && !has(job, kind.name))
       return fail(Code::bad_usage, "there is no " + std::string(kind.name) + ", or it is empty",
@@ -138,7 +138,7 @@ void share_inputs(const Job& from, const Settings& settings, NewJob& job) {
   for (const Input& input : from.inputs) {
     const bool asked = input.name == "temperature" ? settings.heat.source == HeatSource::measured
                        : input.name == "weights"   ? settings.flattening.weights == FlatteningWeights::painted
-                       : input.name == "pattern"   ? settings.pattern.source == PatternSource::file
+                       : input.name == "pattern"   ? settings.pattern.source != PatternSource::scan
                                                    : true;
     if (asked && !has(job, input.name)) job.add(input.name, input.blob, input.extension);
   }

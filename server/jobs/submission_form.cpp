@@ -73,7 +73,8 @@ Result<void> SubmissionForm::data(std::string_view bytes) {
       return fail(Code::too_large,
                   "the " + part_ + " is larger than " + std::to_string(kind_->most_bytes >> 20) + " MiB",
                   part_, "send a smaller file");
-    return file_->upload->write(file_->names->pass(bytes));
+    VACUFORM_CHECK(file_->upload->write(file_->names->pass(bytes)));
+    return file_->names->check();
   }
   text_bytes_ += bytes.size();
   if (text_bytes_ > largest_settings)
@@ -83,7 +84,9 @@ Result<void> SubmissionForm::data(std::string_view bytes) {
 }
 
 Result<void> SubmissionForm::end() {
-  return file_ ? file_->upload->write(file_->names->finish()) : Result<void>();
+  if (!file_) return {};
+  VACUFORM_CHECK(file_->upload->write(file_->names->finish()));
+  return file_->names->check();
 }
 
 // Here settings is an object, and everything else a field.

@@ -89,6 +89,7 @@ Result<std::uint64_t> Uploads::offset(const StoredUpload& upload) {
   const auto writer = writer_of(upload.id);
   const std::unique_lock writing(writer->busy, std::try_to_lock);
   if (!writing) return held(upload.id);
+  if (writer->file) return writer->file->bytes();
   VACUFORM_TRY(flushed, PartialFile::flushed(name_of(upload.id)));
   if (flushed == upload.length) VACUFORM_CHECK(finish_after_crash(upload, *writer));
   return flushed;

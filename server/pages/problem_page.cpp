@@ -28,7 +28,8 @@ Explanation explanation(Code code) {
               "Check that the file exists and that the program may use it."};
     case Code::unsupported_format:
       return {
-          "The file is of a kind that Vacuform does not read. Scans are STL, OBJ, PLY, OFF or GLB; patterns "
+          "The file is of a kind that Vacuform does not read. Scans are STL, OBJ, PLY, OFF, GLB or a zip of "
+          "a model; patterns "
           "are SVG, "
           "PNG or JPEG.",
           "Export the file again in one of these formats."};

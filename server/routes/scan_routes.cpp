@@ -67,14 +67,21 @@ class ScanForm : public http::PartSink {
     if (in_file_ && file->bytes() + bytes.size() > most)
       return fail(Code::too_large, "the scan is larger than " + std::to_string(most >> 20) + " MiB", "scan",
                   "send a smaller file");
-    if (in_file_) return file->write(names_->pass(bytes));
+    if (in_file_) {
+      VACUFORM_CHECK(file->write(names_->pass(bytes)));
+      return names_->check();
+    }
     if (upload.size() + bytes.size() > 64)
       return fail(Code::not_found, "there is no such upload", "scan_upload");
     upload += bytes;
     return {};
   }
 
-  Result<void> end() override { return in_file_ ? file->write(names_->finish()) : Result<void>(); }
+  Result<void> end() override {
+    if (!in_file_) return {};
+    VACUFORM_CHECK(file->write(names_->finish()));
+    return names_->check();
+  }
 
   std::optional<Upload> file;
   std::string extension, upload;

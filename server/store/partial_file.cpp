@@ -111,6 +111,7 @@ Result<void> PartialFile::take(std::string_view bytes) {
   for (; !bytes.empty(); bytes.remove_prefix(std::min(bytes.size(), piece_size))) {
     const std::string_view piece = bytes.substr(0, piece_size);
     VACUFORM_CHECK(keep(filter_.pass(piece)));
+    VACUFORM_CHECK(filter_.check());
     received_ += piece.size();
   }
   return {};
@@ -118,8 +119,10 @@ Result<void> PartialFile::take(std::string_view bytes) {
 
 Result<void> PartialFile::flush() {
   VACUFORM_CHECK(file_.sync());
-  VACUFORM_CHECK(write_text_file(
-      state_of(name_), std::to_string(received_) + " " + std::to_string(kept_) + "\n" + filter_.state()));
+  // Without a state the file begins again after a restart.
+  if (filter_.can_go_on())
+    VACUFORM_CHECK(write_text_file(
+        state_of(name_), std::to_string(received_) + " " + std::to_string(kept_) + "\n" + filter_.state()));
   flushed_received_ = received_;
   flushed_kept_ = kept_;
   return {};
@@ -131,6 +134,7 @@ void PartialFile::drop_unflushed() {
 
 Result<Upload> PartialFile::finish(const fs::path& as) {
   VACUFORM_CHECK(keep(filter_.finish()));
+  VACUFORM_CHECK(filter_.check());
   VACUFORM_CHECK(file_.sync());
   // If the file system does not support hard links, the file is moved.
   if (::link(part_of(name_).c_str(), as.c_str()) != 0 && ::rename(part_of(name_).c_str(), as.c_str()) != 0)

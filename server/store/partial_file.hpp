@@ -4,7 +4,7 @@
 // Each name has two files. NAME.part contains the bytes to store, with names blanked. NAME.state contains the number of
 // bytes received at the last flush, how many of them are in NAME.part, and the state of the filter: the filter decides
 // by the preceding bytes, and blanked bytes no longer contain all of that. After a restart the filter continues from
-// its state, and NAME.part is hashed once. Only the state can contain a name, at most a word of text or an unfinished
+// its state, and NAME.part is hashed once. A zip has no state: after a restart it begins again. Only the state can contain a name, at most a word of text or an unfinished
 // segment of a JPEG (64 KiB); it is deleted when the file is complete or abandoned.
 #pragma once
 

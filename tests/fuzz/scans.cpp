@@ -1,6 +1,9 @@
 // Scans of every format, read and made into a mold. Forming is no part of it: a mold that is made is a mold like any.
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
+#include "api/redaction/names.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/scan/scan_file.hpp"
@@ -60,5 +63,16 @@ void read_obj(Bytes bytes) { read(bytes, "fuzz.obj"); }
 void read_ply(Bytes bytes) { read(bytes, "fuzz.ply"); }
 void read_off(Bytes bytes) { read(bytes, "fuzz.off"); }
 void read_glb(Bytes bytes) { read(bytes, "fuzz.glb"); }
+
+// As the reader meets it without the service before it, and then as the service stores it.
+void read_zip(Bytes bytes) {
+  read(bytes, "fuzz.zip");
+  std::vector<std::uint8_t> stored(bytes.begin(), bytes.end());
+  if (!vacuform::blank_names(stored, "fuzz.zip")) return;
+  std::vector<std::uint8_t> again = stored;
+  require(vacuform::blank_names(again, "fuzz.zip").has_value() && again == stored,
+          "an archive that is written again stays as it is");
+  read(stored, "fuzz.zip");
+}
 
 }  // namespace vacuform::fuzz

@@ -4,11 +4,13 @@ the integration tests.
     seeds.py FOLDER
 """
 import base64
+import io
 import json
 import math
 import pathlib
 import struct
 import sys
+import zipfile
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integration"))
@@ -35,6 +37,32 @@ def ascii_ply(points, faces):
              "property float y", "property float z", f"element face {len(faces)}", "property list uchar int vertex_indices",
              "end_header", *("%g %g %g" % p for p in points), *("3 %d %d %d" % f for f in faces), ""]
     return "\n".join(lines).encode()
+
+
+def archive(files, method=zipfile.ZIP_DEFLATED):
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", method) as packed:
+        for name, data in files.items():
+            packed.writestr(zipfile.ZipInfo(name), data, method)
+    return out.getvalue()
+
+
+def zips():
+    points, faces = small_dome()
+    obj = "mtllib a.mtl\n" + "".join("v %g %g %g\n" % p for p in points) + "".join("vt %g %g\n" % p[:2] for p in points)
+    obj += "usemtl skin\n" + "".join("f " + " ".join(f"{i + 1}/{i + 1}" for i in f) + "\n" for f in faces)
+    mtl = "newmtl skin\nKd 1 0.5 0.2\nmap_Kd -s 2 2 1 -o 0.1 0 -clamp on skin of ours.png\n"
+    picture = coloured_png(21, 17, kind=2)
+    header, body = ascii_ply(points, faces).decode().replace(
+        "comment of our own", "comment TextureFile skin.jpg").replace("vertex_indices", "vertex_indices\nproperty list uchar float texcoord"
+    ).split("end_header\n")
+    rows = body.split("\n")
+    rows[len(points):] = [f"{row} 6 0 0 1 0 1 1" for row in rows[len(points):] if row]
+    files = {"a/a.obj": obj, "a/a.mtl": mtl, "a/skin of ours.png": picture}
+    return {"obj": archive(files), "stored": archive(files, zipfile.ZIP_STORED), "without image": archive({"a.obj": obj, "a.mtl": mtl}),
+            "ply": archive({"a.ply": "\n".join([header + "end_header", *rows, ""]), "skin.jpg": next(iter(JPEGS.values()))}),
+            "two": archive({"a.obj": obj, "b.obj": obj}), "bomb": archive({"a.obj": b"\n" * (4 << 20)}),
+            "canonical": archive({"model.obj": obj, "model.mtl": mtl.replace("skin of ours.png", "texture-1"), "texture-1": picture})}
 
 
 def whole_glb():
@@ -203,7 +231,7 @@ REQUESTS = [REQUEST, REQUEST.replace("5", "99999999999999999999"), REQUEST.repla
 
 def seeds():
     """By target, by name, the bytes."""
-    found = {name: {} for name in ("stl", "obj", "ply", "off", "glb", "png", "jpeg", "svg", "settings", "multipart", "names",
+    found = {name: {} for name in ("stl", "obj", "ply", "off", "glb", "zip", "png", "jpeg", "svg", "settings", "multipart", "names",
                                    "temperature", "request")}
     points, faces = small_dome()
     found["stl"] |= {"binary": hostile.stl(triangles()), "text": hostile.ascii_stl(triangles()),
@@ -213,6 +241,7 @@ def seeds():
     found["ply"] |= {"text": ascii_ply(points, faces), "little": hostile.ply(), "big": hostile.ply(order=">")}
     found["off"]["whole"] = off(points, faces)
     found["glb"]["whole"] = whole_glb()
+    found["zip"] |= zips()
     for name, (_, _, extension, make) in hostile.SCANS.items():
         if extension in found:
             found[extension][name] = make()

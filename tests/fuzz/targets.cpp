@@ -7,11 +7,12 @@
 namespace vacuform::fuzz {
 
 namespace {
-constexpr std::array<Target, 13> all{{{"stl", read_stl},
+constexpr std::array<Target, 14> all{{{"stl", read_stl},
                                       {"obj", read_obj},
                                       {"ply", read_ply},
                                       {"off", read_off},
                                       {"glb", read_glb},
+                                      {"zip", read_zip},
                                       {"png", read_png},
                                       {"jpeg", read_jpeg},
                                       {"svg", read_svg},

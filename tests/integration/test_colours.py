@@ -1,12 +1,15 @@
 """The colours of a scan as the print: from the command line and through the service, and what is refused."""
 import hashlib
+import io
 import json
+import re
 import struct
 import unittest
+import zipfile
 import zlib
 
 import hostile
-from harness import Case, Server, vacuform
+from harness import Case, Server, curl, vacuform
 
 NAME = b"Erika Mustermann"
 COARSE = {"scan": {"units": "mm"}, "sheet": {"resolution_mm": 6}, "print": {"dpi": 72, "marks": False},
@@ -57,6 +60,28 @@ def pixels(png):
     return [[tuple(row[1 + 3 * x:4 + 3 * x]) for x in range(width)] for row in rows]
 
 
+def textures(glb):
+    """The pictures of a GLB."""
+    size = struct.unpack_from("<I", glb, 12)[0]
+    about, start = json.loads(glb[20:20 + size]), 20 + size + 8
+    views = [about["bufferViews"][image["bufferView"]] for image in about["images"]]
+    return [glb[start + view["byteOffset"]:start + view["byteOffset"] + view["byteLength"]] for view in views]
+
+
+def archive_of(files):
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return out.getvalue()
+
+
+def without_label(folder, name):
+    """The file without the name of the print, which is another one for other settings."""
+    label = json.loads((folder / "report.json").read_text())["label"].encode()
+    return (folder / name).read_bytes().replace(label, b"")
+
+
 def hashes(folder):
     return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir()}
 
@@ -89,9 +114,100 @@ class Colours(Case):
         self.assertTrue(0 < colours["faded_share"] < 0.5, colours)
         self.assertIn(b"/Subtype /Image", (self.out / "print.pdf").read_bytes())
 
+    def test_an_obj_prints_the_same_from_a_folder_and_from_a_zip(self):
+        points, faces = hostile.dome()
+        name = NAME.decode()
+        obj = (f"# {name}\nmtllib head of {name}.mtl\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in points) +
+               "".join(f"vt {x / 100 + 0.5} {y / 100 + 0.5}\n" for x, y, z in points) + f"usemtl skin of {name}\n" +
+               "".join("f " + " ".join(f"{i + 1}/{i + 1}" for i in face) + "\n" for face in faces))
+        mtl = f"# {name}\nnewmtl skin of {name}\nKd 1 1 1\nmap_Kd pictures/{name}.png\n"
+        folder = self.folder / "model"
+        (folder / "pictures").mkdir(parents=True)
+        (folder / "head.obj").write_text(obj)
+        (folder / f"head of {name}.mtl").write_text(mtl)
+        (folder / "pictures" / f"{name}.png").write_bytes(texture(RED, BLUE))
+        packed = self.folder / "head.zip"
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in sorted(folder.rglob("*")):
+                archive.write(file, f"export/{file.relative_to(folder)}")
+        outs = {}
+        settings = ("--set", "scan.up=+z")
+        for scan in packed, folder / "head.obj":
+            outs[scan] = self.folder / f"of-{scan.name}"
+            done = self.run_with(scan, outs[scan], *settings)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(*((out / "print.png").read_bytes() for out in outs.values()))
+        rows, of_glb = pixels((outs[packed] / "print.png").read_bytes()), pixels((self.out / "print.png").read_bytes())
+        middle, per_mm = len(rows) // 2, 72 / 25.4
+        for x, y, wanted in ((-15, 10, RED), (15, 10, BLUE), (140, 140, (255, 255, 255))):
+            self.assertEqual(rows[middle - round(y * per_mm)][middle + round(x * per_mm)], wanted, (x, y))
+        self.assertEqual(len(rows), len(of_glb))
+        with Server(self.folder, workers=1) as server:
+            out = self.folder / "zip-submitted"
+            done = vacuform("submit", "--server", server.url, "--scan", packed, "--settings", self.settings, *settings,
+                            "--wait", "--out", out)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(hashes(out), hashes(outs[packed]))
+            for path in [p for p in server.data.rglob("*") if p.is_file()]:
+                self.assertNotIn(NAME, path.read_bytes(), path)
+            (self.folder / "bad.zip").write_bytes(archive_of({"a.obj": obj, "a.mtl": "newmtl a\nmap_Kd ../../secret.png\n"}))
+            refused = curl("-F", f"scan=@{self.folder / 'bad.zip'}", "-F", "settings=" + json.dumps(COARSE), server.api + "/jobs")
+            self.assertEqual(refused.status, 422, refused)
+            self.assertIn("a path leads to a parent folder: ../../secret.png", refused.json["what"])
+            self.assertNotIn("secret", server.program.says())
+
+    def test_hostile_zips_are_refused_by_name(self):
+        obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n"
+        for number, (files, said) in enumerate((
+                ({"a.obj": obj, "a.mtl": "newmtl a\nmap_Kd skin.png\n"}, "lacks the image skin.png"),
+                ({"a.obj": obj, "a.mtl": "newmtl a\nmap_Kd /etc/skin.png\n"}, "a path is absolute: /etc/skin.png"),
+                ({"a.obj": obj, "a.mtl": "newmtl a\nmap_Kd skin.tga\n", "skin.tga": "tga"}, "skin.tga is a TGA image"),
+                ({"a.obj": obj, "b.obj": obj}, "more than one model"),
+                ({"a.obj": "\n" * (8 << 20)}, "unpacks to more than 200 times its size"),
+                ({"readme.txt": "nothing"}, "holds no model"))):
+            scan = self.folder / f"hostile-{number}.zip"
+            scan.write_bytes(archive_of(files))
+            done = self.run_with(scan, self.folder / "refused")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(said, done.stderr)
+
     def test_names_in_the_texture_are_kept_nowhere(self):
         for file in self.out.iterdir():
             self.assertNotIn(NAME, file.read_bytes(), file.name)
+
+    def test_a_drawing_over_the_colours_is_two_prints_in_register(self):
+        drawing = self.folder / "ring.svg"
+        drawing.write_bytes(hostile.GOOD_SVG)
+        folders = {source: self.folder / source for source in ("file", "both", "marked")}
+        for source, words in (("file", ("--set", "pattern.source=file")), ("both", ("--set", "pattern.source=both")),
+                              ("marked", ("--set", "pattern.source=both", "--set", "print.marks=true"))):
+            done = self.run_with(self.scan, folders[source], "--pattern", drawing, *words)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        for kind in "png", "svg", "pdf":
+            self.assertEqual(without_label(folders["both"], f"print.{kind}"), without_label(folders["file"], f"print.{kind}"), kind)
+            self.assertEqual(without_label(folders["both"], f"colours.{kind}"), without_label(self.out, f"print.{kind}"), kind)
+            self.assertFalse((folders["file"] / f"colours.{kind}").exists())
+        layers = [re.search(r'<g id="marks".*</g>', (folders["marked"] / f"{name}.svg").read_text(), re.S).group()
+                  for name in ("print", "colours")]
+        self.assertEqual(*layers)
+        self.assertIn("mark-", layers[0])
+        report = json.loads((folders["both"] / "report.json").read_text())
+        self.assertEqual(list(report["sha256"]), ["scan", "pattern"])
+        self.assertEqual(report["pattern"]["format"], "SVG")
+        self.assertGreater(report["pattern"]["colours"]["full_mm2"], 6000)
+        self.assertEqual([a["name"] for a in report["artifacts"]][:6],
+                         ["print.png", "print.svg", "print.pdf", "colours.png", "colours.svg", "colours.pdf"])
+
+    def test_formed_glb_shows_the_drawing_over_the_colours(self):
+        drawing, out = self.folder / "disc.svg", self.folder / "disc"
+        drawing.write_bytes(hostile.svg('<circle cx="50" cy="50" r="8" fill="black"/>'))
+        done = self.run_with(self.scan, out, "--pattern", drawing, "--set", "pattern.source=both")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for png in textures((out / "formed.glb").read_bytes()):
+            rows = pixels(png)
+            middle, per_mm = len(rows) // 2, 72 / 25.4
+            for x, y, wanted in ((0, 0, (0, 0, 0)), (-15, 10, RED), (15, -10, BLUE), (140, 140, (255, 255, 255))):
+                self.assertEqual(rows[middle - round(y * per_mm)][middle + round(x * per_mm)], wanted, (x, y))
 
     def test_the_service_makes_the_same(self):
         with Server(self.folder, workers=1) as server:
@@ -105,6 +221,16 @@ class Colours(Case):
             pattern.write_bytes(hostile.GOOD_SVG)
             refused = server.post(self.scan, pattern, COARSE)
             self.assertEqual((refused.status, refused.json["type"]), (422, "/problems/bad-settings"), refused)
+            for place, more in ((self.folder / "both-run", ("run",)),
+                                (self.folder / "both-submitted", ("submit", "--server", server.url, "--wait"))):
+                done = vacuform(*more, "--scan", self.scan, "--pattern", pattern, "--settings", self.settings,
+                                "--set", "pattern.source=both", "--out", place)
+                self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(hashes(self.folder / "both-submitted"), hashes(self.folder / "both-run"))
+            alone = vacuform("submit", "--server", server.url, "--scan", self.scan, "--settings", self.settings,
+                             "--set", "pattern.source=both", "--wait")
+            self.assertEqual(alone.returncode, 2, alone.stderr)
+            self.assertIn("a pattern", alone.stderr)
 
     def test_refusals(self):
         plain, pattern, webp = self.folder / "plain.stl", self.folder / "ring.svg", self.folder / "webp.glb"
@@ -116,6 +242,8 @@ class Colours(Case):
                 (webp, (), "the texture is neither PNG nor JPEG"),
                 (self.scan, ("--pattern", pattern), "a pattern is given, but the colours of the scan are to be printed"),
                 (self.scan, ("--set", "pattern.source=file"), "there is no pattern"),
+                (self.scan, ("--set", "pattern.source=both"), "there is no pattern"),
+                (plain, ("--set", "pattern.source=both", "--pattern", pattern), "the scan has no colours (STL (binary))"),
                 (self.scan, ("--set", "pattern.placement=segments"), "pattern.source=scan has none (pattern.placement)"),
                 (self.scan, ("--set", "coils.decouple=true"), "(coils.decouple)"),
                 (self.scan, ("--set", "flattening.weights=ink"), "(flattening.weights)")):

@@ -4,6 +4,7 @@ VACUFORM_UPLOAD_MIB makes the scan larger; 500 was measured by hand.
 """
 import base64
 import hashlib
+import io
 import json
 import os
 import pathlib
@@ -11,6 +12,7 @@ import signal
 import socket
 import struct
 import unittest
+import zipfile
 
 import hostile
 from harness import PATTERNS, Case, Server, curl, wait_for
@@ -53,6 +55,21 @@ class LargeScan:
         return digest.hexdigest()
 
 
+class ZippedScan:
+    """An OBJ in a zip, with a name in it."""
+
+    def __init__(self):
+        packed = io.BytesIO()
+        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("Jane Doe.obj", "# Jane Doe\n" + "".join(
+                "v %d %d %d\n" % struct.unpack("<3H", hashlib.sha256(struct.pack("<I", i)).digest()[:6]) for i in range(20_000)) + "f 1 2 3\n")
+        self.whole = packed.getvalue()
+        self.size = len(self.whole)
+
+    def bytes(self, begin, end):
+        yield self.whole[begin:end]
+
+
 class Uploads(Case):
     def sending(self, server, place, offset, upto, scan):
         """A connection on which a PATCH with the rest of the scan has been sent up to there."""
@@ -82,8 +99,8 @@ class Uploads(Case):
             return answer.headers["upload-offset"]
         return int(wait_for(look, "the end of a broken request"))
 
-    def begin(self, server, size):
-        name = base64.b64encode(b"Jane Doe.STL").decode()
+    def begin(self, server, size, file=b"Jane Doe.STL"):
+        name = base64.b64encode(file).decode()
         answer = curl("-X", "POST", "-H", "Tus-Resumable: 1.0.0", "-H", f"Upload-Length: {size}", "-H",
                       f"Upload-Metadata: filename {name},input c2Nhbg==", server.api + "/uploads")
         self.assertEqual(answer.status, 201, answer)
@@ -128,6 +145,26 @@ class Uploads(Case):
             self.assertEqual(job.json["inputs"]["scan"]["sha256"], upload["sha256"])
             self.assertEqual(curl("-X", "DELETE", f"{server.api}/scans/{kept.json['id']}").status, 204)
             self.assertNotIn("Jane", server.program.says())
+
+    def test_a_zip_goes_on_after_a_break_and_begins_again_after_a_kill(self):
+        scan, stored = ZippedScan(), set()
+        with Server(self.folder, workers=0) as server:
+            for killed in False, True:
+                place = self.begin(server, scan.size, b"Jane Doe.zip")
+                self.assertIsNone(self.send(server, place, 0, scan.size // 2, scan))
+                self.assertEqual(self.offset(server, place), scan.size // 2)
+                if killed:
+                    server.stop(signal.SIGKILL)
+                    server.start()
+                    self.assertEqual(self.offset(server, place), 0)
+                self.assertEqual(self.send(server, place, 0 if killed else scan.size // 2, scan.size, scan), 204)
+                stored.add(curl(server.url + place).json["sha256"])
+            self.assertEqual(len(stored), 1)
+            for path in [p for p in server.data.rglob("*") if p.is_file()]:
+                self.assertNotIn(b"Jane", path.read_bytes(), path)
+            broken = self.begin(server, scan.size - 30, b"Jane Doe.zip")
+            scan.whole, scan.size = scan.whole[:-30], scan.size - 30
+            self.assertEqual(self.send(server, broken, 0, scan.size, scan), 422)
 
     def test_events_tell_a_job_to_its_end(self):
         scan, pattern = self.folder / "dome.stl", self.folder / "rings.svg"

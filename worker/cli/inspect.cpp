@@ -86,7 +86,7 @@ Result<void> inspect(const InspectOptions& o, const Context& context, ProgressBa
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
-  blank_names(scan, o.scan);  // as for a print, so that the kept mold is found
+  VACUFORM_CHECK(blank_names(scan, o.scan));  // as for a print, so that the kept mold is found
   Inputs inputs{scan, o.scan, {}, {}, settings};
   inputs.kept = kept_stages(o.keep, o.progress);
   VACUFORM_TRY(inspection, inspect_scan(inputs, context));
@@ -107,7 +107,9 @@ void add_inspect(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<InspectOptions>();
   CLI::App* command =
       app.add_subcommand("inspect", "Say what is in a scan and what mold it makes, without forming anything");
-  command->add_option("scan,--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")
+  command
+      ->add_option("scan,--scan", options->scan,
+                   "STL, OBJ, PLY, OFF, GLB, or a zip with an OBJ or PLY and its images")
       ->required()
       ->type_name("SCAN");
   options->settings.add_to(*command);

@@ -39,13 +39,13 @@ Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
-  blank_names(scan, o.scan);  // as for a print, so that the kept head is found
+  VACUFORM_CHECK(blank_names(scan, o.scan));  // as for a print, so that the kept head is found
   Inputs inputs{scan, o.scan, {}, {}, settings};
   std::vector<std::uint8_t> temperature;
   if (!o.temperature.empty()) {
     if (settings.heat.source == HeatSource::uniform) inputs.settings.heat.source = HeatSource::measured;
     VACUFORM_TRY(measured, read_file(o.temperature));
-    blank_names(measured, o.temperature);
+    VACUFORM_CHECK(blank_names(measured, o.temperature));
     temperature = std::move(measured);
     inputs.temperature = MeasuredFile{temperature, o.temperature};
   }
@@ -74,7 +74,11 @@ void add_layout(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<LayoutOptions>();
   CLI::App* command = app.add_subcommand(
       "layout", "Make a pattern of coils for a scan: print it with --set coils.decouple=true");
-  command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("FILE");
+  command
+      ->add_option("--scan", options->scan,
+                   "STL, OBJ, PLY, OFF, GLB, or a zip with an OBJ or PLY and its images")
+      ->required()
+      ->type_name("FILE");
   options->settings.add_to(*command);
   add_short_form(*command, *options, "count", "Number of coils: layout.count")->check(CLI::Range(4, 64));
   add_short_form(*command, *options, "diameter_mm",

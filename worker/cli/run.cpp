@@ -8,6 +8,7 @@
 #include "api/redaction/names.hpp"
 #include "worker/cli/commands.hpp"
 #include "worker/cli/interruptible.hpp"
+#include "worker/cli/model_folder.hpp"
 #include "worker/cli/outcome.hpp"
 #include "worker/cli/settings_options.hpp"
 #include "worker/pipeline/pipeline.hpp"
@@ -28,19 +29,22 @@ Result<void> run(const RunOptions& o, const Context& context) {
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
-  blank_names(scan, o.scan);  // as the service does, so that both make the same result from a file
+  std::string scan_file = o.scan;
+  if (settings.pattern.source != PatternSource::file) VACUFORM_CHECK(add_files_beside(scan, scan_file));
+  VACUFORM_CHECK(
+      blank_names(scan, scan_file));  // as the service does, so that both make the same result from a file
   std::vector<std::uint8_t> pattern;
   if (!o.pattern.empty()) {
     VACUFORM_TRY(drawing, read_file(o.pattern));
     pattern = std::move(drawing);
-    blank_names(pattern, o.pattern);
+    VACUFORM_CHECK(blank_names(pattern, o.pattern));
   }
-  Inputs inputs{scan, o.scan, pattern, o.pattern, settings};
+  Inputs inputs{scan, scan_file, pattern, o.pattern, settings};
   std::vector<std::uint8_t> temperature;
   if (!o.temperature.empty()) {
     if (settings.heat.source == HeatSource::uniform) inputs.settings.heat.source = HeatSource::measured;
     VACUFORM_TRY(measured, read_file(o.temperature));
-    blank_names(measured, o.temperature);
+    VACUFORM_CHECK(blank_names(measured, o.temperature));
     temperature = std::move(measured);
     inputs.temperature = MeasuredFile{temperature, o.temperature};
   }
@@ -49,7 +53,7 @@ Result<void> run(const RunOptions& o, const Context& context) {
     if (settings.flattening.weights == FlatteningWeights::uniform)
       inputs.settings.flattening.weights = FlatteningWeights::painted;
     VACUFORM_TRY(painted, read_file(o.weights));
-    blank_names(painted, o.weights);
+    VACUFORM_CHECK(blank_names(painted, o.weights));
     weights = std::move(painted);
     inputs.weights = WeightsFile{weights, o.weights};
   }
@@ -90,7 +94,11 @@ int run_command(const RunOptions& o) {
 void add_run(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "Make the print of a scan and a pattern, without a server");
-  command->add_option("--scan", options->scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("FILE");
+  command
+      ->add_option("--scan", options->scan,
+                   "STL, OBJ, PLY, OFF, GLB, or a zip with an OBJ or PLY and its images")
+      ->required()
+      ->type_name("FILE");
   command
       ->add_option("--pattern", options->pattern,
                    "SVG, PNG or JPEG; with pattern.source=scan, which prints the colours of the scan, none")

@@ -7,7 +7,9 @@
 namespace vacuform::cli {
 
 void StudyOptions::add_to(CLI::App& command) {
-  command.add_option("--scan", scan, "STL, OBJ, PLY, OFF or GLB")->required()->type_name("FILE");
+  command.add_option("--scan", scan, "STL, OBJ, PLY, OFF, GLB, or a zip with an OBJ or PLY and its images")
+      ->required()
+      ->type_name("FILE");
   settings.add_to(command);
   command
       .add_option("--temperature", temperature,

@@ -43,7 +43,8 @@ Result<ColouredSurface> ColouredSurface::read(std::span<const std::uint8_t> byte
   VACUFORM_TRY(scan, read_scan(bytes, file_name, progress, ScanParts::with_colours));
   if (!scan.colours)
     return fail(Code::unusable_scan, "the scan has no colours (" + scan.format + ")", file_name,
-                "give a GLB with textures or a PLY or OBJ with vertex colours, or pattern.source=file and a "
+                "give a GLB with textures, an OBJ or PLY with its textures in a zip or with vertex colours, "
+                "or pattern.source=file and a "
                 "pattern");
   for (auto& p : scan.mesh.vertices) p = placing(p);
   std::vector<Texture> textures;

@@ -73,6 +73,7 @@ SheetColours::SheetColours(ColouredSurface surface, const FormedSheet& sheet, co
     coloured.push_back({farthest, area});
   }
   area_.p99_mm = percentile_99(std::move(coloured));
+  hidden_ = hidden_surface(surface_, sheet, reach.touch_mm);
 }
 
 }  // namespace vacuform

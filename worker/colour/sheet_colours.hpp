@@ -2,6 +2,7 @@
 #pragma once
 
 #include "worker/colour/coloured_surface.hpp"
+#include "worker/colour/hidden_surface.hpp"
 #include "worker/forming/formed_sheet.hpp"
 
 namespace vacuform {
@@ -40,6 +41,8 @@ class SheetColours {
   // Triangles of the sheet that may have colour, ascending.
   const std::vector<int>& triangles() const { return triangles_; }
   const ColouredArea& area() const { return area_; }
+  // What of the scan no colour on the sheet shows.
+  const HiddenSurface& hidden() const { return hidden_; }
 
  private:
   ColouredSurface surface_;
@@ -47,6 +50,7 @@ class SheetColours {
   ColourReach reach_;
   std::vector<int> triangles_;
   ColouredArea area_;
+  HiddenSurface hidden_;
 };
 
 }  // namespace vacuform

@@ -14,6 +14,7 @@ namespace vacuform {
 bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-segments.png") return in_segments(job);
   if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
+  if (kind.name.starts_with("colours.")) return job.print.colours.has_value();
   return kind.always;
 }
 
@@ -23,6 +24,11 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
   files.push_back({"print.png", job.print.png});
   files.push_back({"print.svg", {job.print.svg.begin(), job.print.svg.end()}});
   files.push_back({"print.pdf", job.print.pdf});
+  if (const auto& colours = job.print.colours) {
+    files.push_back({"colours.png", colours->png});
+    files.push_back({"colours.svg", {colours->svg.begin(), colours->svg.end()}});
+    files.push_back({"colours.pdf", colours->pdf});
+  }
   VACUFORM_TRY(pictures, previews(job, context));
   for (auto& picture : pictures) files.push_back(std::move(picture));
   files.push_back({"formed.ply", formed_ply(job)});

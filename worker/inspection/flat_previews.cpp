@@ -120,7 +120,7 @@ Picture print_preview(const Finished& job, const SheetPicture& print, int side) 
   const Frame frame(size, side);
   const double blur = 0.6 / frame.pixels_per_mm;
   const PlaneLocator chart(job.sheet.triangles, job.sheet.rest, job.flattening.triangles);
-  const bool gray = job.pattern.grayscale();
+  const bool gray = in_black(job);
   Picture picture =
       painted(frame, side, [&](const Vector2d& start, const Vector2d& step, std::span<Rgb> out) {
         for (std::size_t k = 0; k < out.size(); ++k) {

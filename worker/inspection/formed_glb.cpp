@@ -3,6 +3,7 @@
 #include <cmath>
 #include <future>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "api/version.hpp"
 #include "worker/gltf/gltf_buffer.hpp"
@@ -67,9 +68,12 @@ GltfJson material(const char* name, int texture) {
 
 Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const Context& context) {
   constexpr const char *with = "pre-distorted", *without = "printed as drawn";
+  std::optional<SheetPicture> picture;
+  if (over_colours(job)) picture.emplace(job);
+  const SheetPicture* const over = picture ? &*picture : nullptr;
   // Beside the other one, or after it where no thread is to be had.
-  auto printed = std::async([&] { return print_texture(job); });
-  VACUFORM_TRY(drawn, drawing_texture(job, context));
+  auto printed = std::async([&] { return print_texture(job, over); });
+  VACUFORM_TRY(drawn, drawing_texture(job, over, context));
   const Unfolded all = unfolded(job);
   GltfBuffer buffer;
   GltfJson primitive;

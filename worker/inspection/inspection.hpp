@@ -57,8 +57,16 @@ struct Finished {
   const Measured* measured = nullptr;     // where the print is one of vectors
   const Placement* placement = nullptr;   // how the drawing is laid; none: on the one chart
   std::string label = {};                 // of the print, as its marks say it
-  const SheetColours* colours = nullptr;  // of the scan, where the print shows them
+  const SheetColours* colours = nullptr;  // of the scan, where they are printed
 };
+// Whether the colours of the scan are all that is printed.
+inline bool of_colours_alone(const Finished& job) {
+  return job.colours && job.settings.pattern.source == PatternSource::scan;
+}
+// Whether the print is a drawing over the colours of the scan.
+inline bool over_colours(const Finished& job) { return job.colours && !of_colours_alone(job); }
+// Whether pictures show all ink in black, its shades as opacity.
+inline bool in_black(const Finished& job) { return job.pattern.grayscale() && !job.colours; }
 inline bool in_segments(const Finished& job) {
   return job.placement && job.settings.pattern.placement == PatternPlacement::segments;
 }
@@ -116,7 +124,8 @@ Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart
 nlohmann::ordered_json report(const Finished& job);
 
 // Whether this job makes the artifact. Every job makes all except preview-temperature.png, which an evenly warm sheet
-// does not need, preview-segments.png, which needs segments, and findings.json, whose content is in report.json.
+// does not need, preview-segments.png, which needs segments, the files of the colours, which need a drawing over them, and
+// findings.json, whose content is in report.json.
 bool makes(const Finished& job, const ArtifactKind& kind);
 
 // All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a

@@ -66,8 +66,8 @@ std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const D
   return coils_caption(job.measured->coils, way);
 }
 std::string ink_note(const Finished& job) {
-  return job.colours ? colours_caption(job.colours->area().faded_share())
-                     : ink_caption(job.print.ink_printed, job.print.ink_on_head);
+  return of_colours_alone(job) ? colours_caption(job.colours->area().faded_share())
+                               : ink_caption(job.print.ink_printed, job.print.ink_on_head);
 }
 std::string figures_of(const Statistics& s) {
   return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) +
@@ -75,7 +75,7 @@ std::string figures_of(const Statistics& s) {
 }
 
 Rgb inked(const Finished& job, const Ink& ink, const Seen& seen) {
-  const Rgb colour = job.pattern.grayscale() ? black_ink : Rgb(ink.r, ink.g, ink.b);
+  const Rgb colour = in_black(job) ? black_ink : Rgb(ink.r, ink.g, ink.b);
   return seen.light * (plastic + ink.a * (colour - plastic)) + Rgb::Constant(seen.gloss);
 }
 
@@ -117,11 +117,13 @@ class FlatPlaces {
 // The two ways of printing, by the ink at a place of the flat sheet.
 struct WithoutVacuform {
   const Finished& job;
+  const SheetPicture& print;
   Eigen::Affine2d to_pattern = job.alignment.to_pattern();
   Ink operator()(const FlatPlace& at) const {
     if (!std::isfinite(at.blur_mm)) return {};
-    return job.pattern.sample(to_pattern * (at.rest - job.flattening.top_rest),
-                              at.blur_mm / job.alignment.scale);
+    return print.over_colours(job.pattern.sample(to_pattern * (at.rest - job.flattening.top_rest),
+                                                 at.blur_mm / job.alignment.scale),
+                              at.rest);
   }
 };
 struct WithVacuform {
@@ -144,7 +146,7 @@ Rgb hot(const Finished& job, const Heat& heat, const Seen& seen) {
 Rgb in_segments(const Finished& job, const SegmentColours& segments, const Ink& ink, const Seen& seen) {
   const auto colour = segments(seen);
   if (!colour) return bare(seen);
-  const Rgb over = job.pattern.grayscale() ? black_ink : Rgb(ink.r, ink.g, ink.b);
+  const Rgb over = in_black(job) ? black_ink : Rgb(ink.r, ink.g, ink.b);
   return seen.light * (*colour + ink.a * (over - *colour)) + Rgb::Constant(seen.gloss);
 }
 
@@ -226,7 +228,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   const Alignment& alignment = job.alignment;
   const SheetPicture print(job);
   const FlatPlaces flat(job.sheet);
-  const WithoutVacuform without{job};
+  const WithoutVacuform without{job, print};
   const WithVacuform with{print};
   const Distortion before = distortion(job.surface, job.flattening.triangles,
                                        corners_of(job.sheet, job.flattening, job.sheet.rest));

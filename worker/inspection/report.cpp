@@ -144,10 +144,17 @@ Json pattern_of(const Finished& job) {
 // Where the formed sheet takes the colours of the scan.
 Json colours_of(const SheetColours& colours) {
   const ColouredArea& area = colours.area();
+  const HiddenSurface& hidden = colours.hidden();
+  Json largest = Json::array();
+  for (const HiddenSurface::Area& each : hidden.largest)
+    largest.push_back({{"place_mm", array(each.place, 1)}, {"mm2", rounded(each.mm2, 0)}});
   return {{"full_mm2", rounded(area.full_mm2, 1)},
           {"faded_mm2", rounded(area.faded_mm2, 1)},
           {"faded_share", rounded(area.faded_share(), 4)},
-          {"distance_p99_mm", rounded(area.p99_mm, 3)}};
+          {"distance_p99_mm", rounded(area.p99_mm, 3)},
+          {"hidden_mm2", rounded(hidden.hidden_mm2, 0)},
+          {"hidden_share", rounded(hidden.share(), 4)},
+          {"hidden", std::move(largest)}};
 }
 
 Json print_of(const Finished& job) {

@@ -113,6 +113,12 @@ std::string key_figures_section(const ReportJson& report) {
   };
   fact("Ink of the drawing that is printed", percent_text(at(report, {"pattern", "ink_printed"}), 1));
   fact("Ink of the drawing that lies on the head", percent_text(at(report, {"pattern", "ink_on_head"}), 1));
+  fact("Coloured surface of the scan that the sheet does not show",
+       percent_text(at(report, {"pattern", "colours", "hidden_share"}), 1));
+  if (const ReportJson& hidden = at(report, {"pattern", "colours", "hidden"}); hidden.is_array())
+    for (const ReportJson& area : hidden)
+      fact("Hidden area",
+           number_text(at(area, {"mm2"}), 0, "mm²") + " at " + place_text(at(area, {"place_mm"})));
   fact("Longest stretch along a printed line",
        signed_percent_text(at(report, {"ink", "worst_stretch"}).is_number()
                                ? ReportJson(at(report, {"ink", "worst_stretch"}).get<double>() - 1)

@@ -15,50 +15,59 @@ constexpr double pixel_mm = 0.15;
 
 SheetPicture::SheetPicture(const Finished& job)
     : job_(job), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
-  const bool parts = job.placement && !job.placement->elements.empty();
-  if (!job.print.vectors && !parts && !job.colours) return;
   width_ = static_cast<int>(std::ceil(job.settings.sheet.width_mm / pixel_mm));
   height_ = static_cast<int>(std::ceil(job.settings.sheet.height_mm / pixel_mm));
   if (job.print.vectors) {
-    take(VectorRaster(*job.print.vectors, width_, height_, pixel_mm, false), 4);
-    return;
+    print_ = pixels_of(VectorRaster(*job.print.vectors, width_, height_, pixel_mm, false), 4);
+  } else if (of_colours_alone(job)) {
+    print_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm), 4);
+  } else if (job.placement && !job.placement->elements.empty()) {
+    Print size;
+    size.width = width_, size.height = height_, size.pixel_mm = pixel_mm;
+    const InkParts of_picture(job.pattern);
+    print_ = pixels_of(SheetRaster(layers_of(*job.placement), &of_picture, size, job.pattern,
+                                   static_cast<int>(25.4 / pixel_mm)),
+                       job.pattern.grayscale() ? 1 : 4);
   }
-  if (job.colours) {
-    take(ColourRaster(*job.colours, width_, height_, pixel_mm), 4);
-    return;
-  }
-  Print size;
-  size.width = width_, size.height = height_, size.pixel_mm = pixel_mm;
-  const InkParts of_picture(job.pattern);
-  take(SheetRaster(layers_of(*job.placement), &of_picture, size, job.pattern,
-                   static_cast<int>(25.4 / pixel_mm)),
-       job.pattern.grayscale() ? 1 : 4);
+  if (vacuform::over_colours(job))
+    colours_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm), 4);
 }
 
-void SheetPicture::take(const RowSource& source, int channels) {
-  rgba_.reserve(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+SheetPicture::Pixels SheetPicture::pixels_of(const RowSource& source, int channels) const {
+  Pixels rgba;
+  rgba.reserve(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   for (int top = 0; top < height_; top += source.band_rows()) {
     const auto band = source.rows(top, std::min(top + source.band_rows(), height_));
     if (channels == 4) {
-      rgba_.insert(rgba_.end(), band.begin(), band.end());
+      rgba.insert(rgba.end(), band.begin(), band.end());
       continue;
     }
     for (const std::uint8_t gray : band)
-      rgba_.insert(rgba_.end(), {0, 0, 0, static_cast<std::uint8_t>(255 - gray)});
+      rgba.insert(rgba.end(), {0, 0, 0, static_cast<std::uint8_t>(255 - gray)});
   }
+  return rgba;
 }
 
 Ink SheetPicture::sample(const Eigen::Vector2d& rest, double blur_mm) const {
-  return rgba_.empty() ? of_pattern(rest, blur_mm) : of_pixels(rest);
+  return over_colours(print_.empty() ? of_pattern(rest, blur_mm) : of_pixels(print_, rest), rest);
+}
+
+Ink SheetPicture::over_colours(const Ink& ink, const Eigen::Vector2d& rest) const {
+  if (colours_.empty()) return ink;
+  const Ink below = of_pixels(colours_, rest);
+  const float through = (1 - ink.a) * below.a, a = ink.a + through;
+  if (!(a > 0)) return {};
+  const auto mixed = [&](float over, float under) { return (ink.a * over + through * under) / a; };
+  return {mixed(ink.r, below.r), mixed(ink.g, below.g), mixed(ink.b, below.b), a};
 }
 
 // Bilinear, each pixel by its opacity.
-Ink SheetPicture::of_pixels(const Eigen::Vector2d& rest) const {
+Ink SheetPicture::of_pixels(const Pixels& rgba, const Eigen::Vector2d& rest) const {
   const double x = rest.x() / pixel_mm + width_ / 2.0 - 0.5, y = height_ / 2.0 - rest.y() / pixel_mm - 0.5;
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
   if (left >= 0 && top >= 0 && left + 1 < width_ && top + 1 < height_) {  // most of the sheet is bare
-    const std::uint8_t* above = &rgba_[4 * (static_cast<std::size_t>(top) * static_cast<std::size_t>(width_) +
-                                            static_cast<std::size_t>(left))];
+    const std::uint8_t* above = &rgba[4 * (static_cast<std::size_t>(top) * static_cast<std::size_t>(width_) +
+                                           static_cast<std::size_t>(left))];
     const std::uint8_t* below = above + 4 * static_cast<std::ptrdiff_t>(width_);
     if ((above[3] | above[7] | below[3] | below[7]) == 0) return {};
   }
@@ -66,8 +75,8 @@ Ink SheetPicture::of_pixels(const Eigen::Vector2d& rest) const {
   for (int j = top; j < top + 2; ++j)
     for (int i = left; i < left + 2; ++i) {
       if (i < 0 || j < 0 || i >= width_ || j >= height_) continue;
-      const std::uint8_t* p = &rgba_[4 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) +
-                                          static_cast<std::size_t>(i))];
+      const std::uint8_t* p = &rgba[4 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) +
+                                         static_cast<std::size_t>(i))];
       const double weight = (1 - std::abs(x - i)) * (1 - std::abs(y - j));
       const float opacity = static_cast<float>(weight) * static_cast<float>(p[3]) / 255;
       for (int k = 0; k < 3; ++k) sum[k] += opacity * static_cast<float>(p[k]) / 255;

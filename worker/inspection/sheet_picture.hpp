@@ -11,24 +11,29 @@
 
 namespace vacuform {
 
-// Of a print of vectors, of a picture in parts, or of the colours of the scan, the print itself, 0.15 mm a pixel; of any other the pattern under the
-// charts. Keeps a reference to the job.
+// Of a print of vectors, of a picture in parts, or of the colours of the scan, the print itself, 0.15 mm a pixel; of any
+// other the pattern under the charts. A drawing over the colours of the scan is shown over them. Keeps a reference to the
+// job.
 class SheetPicture {
  public:
   explicit SheetPicture(const Finished& job);
 
   // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off it.
   Ink sample(const Eigen::Vector2d& rest, double blur_mm) const;
+  // Ink of the drawing at a place of the sheet, over the colours of the scan there if the job prints both.
+  Ink over_colours(const Ink& ink, const Eigen::Vector2d& rest) const;
 
  private:
-  void take(const RowSource& source, int channels);
-  Ink of_pixels(const Eigen::Vector2d& rest) const;
+  using Pixels = std::vector<std::uint8_t>;  // straight RGBA, rows from the top
+  Pixels pixels_of(const RowSource& source, int channels) const;
+  Ink of_pixels(const Pixels& rgba, const Eigen::Vector2d& rest) const;
   Ink of_pattern(const Eigen::Vector2d& rest, double blur_mm) const;  // of the flat sheet
 
   const Finished& job_;
   int width_ = 0, height_ = 0;
-  std::vector<std::uint8_t> rgba_;  // straight, rows from the top; empty: of the pattern
-  PlaneLocator chart_;              // of a pattern: the triangles of the chart
+  Pixels print_;        // empty: of the pattern
+  Pixels colours_;      // below the drawing; empty without
+  PlaneLocator chart_;  // of a pattern: the triangles of the chart
 };
 
 }  // namespace vacuform

@@ -21,31 +21,36 @@ std::uint8_t on_white(float colour, float opacity) {
   return opacity == 0 ? 255 : static_cast<std::uint8_t>(std::lround(255 * (1 + opacity * (colour - 1))));
 }
 
-}  // namespace
+// The pixels of a texture on the flat sheet.
+struct TextureGrid {
+  int width, height;
+  double across, down;  // of a pixel, mm
 
-std::vector<std::uint8_t> print_texture(const Finished& job) {
-  return shrunk_png(job.print.png, texture_width(job.print), 0, job.print.mirrored);
-}
+  explicit TextureGrid(const Print& print)
+      : width(texture_width(print)),
+        height(std::max(1, width * print.height / print.width)),
+        across(print.width * print.pixel_mm / width),
+        down(print.height * print.pixel_mm / height) {}
+  Eigen::Vector2d rest(int x, int y) const {
+    return {(x + 0.5 - width / 2.0) * across, (height / 2.0 - y - 0.5) * down};
+  }
+  double pixel_mm() const { return std::max(across, down); }
+};
 
-Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const Context& context) {
-  const Print& print = job.print;
-  const int width = texture_width(print), height = std::max(1, width * print.height / print.width);
-  const double across = print.width * print.pixel_mm / width, down = print.height * print.pixel_mm / height;
-  const double blur = std::max(across, down) / job.alignment.scale;
-  const std::size_t row_bytes = 3 * static_cast<std::size_t>(width);
-  const Eigen::Affine2d to_pattern = job.alignment.to_pattern();
-  PngWriter writer(width, height, 3);
+// A picture on white. `ink_of` gives the ink of a row of pixels. Errors: those of `step`, which hears what is done.
+template <class InkOf, class Step>
+Result<std::vector<std::uint8_t>> painted_texture(const TextureGrid& grid, InkOf&& ink_of, Step&& step) {
+  const std::size_t row_bytes = 3 * static_cast<std::size_t>(grid.width);
+  PngWriter writer(grid.width, grid.height, 3);
   constexpr int band = 64;
   std::vector<std::uint8_t> rows(band * row_bytes);
-  for (int top = 0; top < height; top += band) {
-    VACUFORM_CHECK(context.step(Stage::inspection, 0.95 + 0.04 * top / height));
-    const int bottom = std::min(top + band, height);
+  for (int top = 0; top < grid.height; top += band) {
+    VACUFORM_CHECK(step(static_cast<double>(top) / grid.height));
+    const int bottom = std::min(top + band, grid.height);
     in_parallel(top, bottom, [&](int first, int last) {
-      std::vector<Ink> line(static_cast<std::size_t>(width));
+      std::vector<Ink> line(static_cast<std::size_t>(grid.width));
       for (int y = first; y < last; ++y) {
-        const Eigen::Vector2d rest((0.5 - width / 2.0) * across, (height / 2.0 - y - 0.5) * down);
-        job.pattern.sample_line(to_pattern * (rest - job.flattening.top_rest),
-                                to_pattern.linear() * Eigen::Vector2d(across, 0), blur, line);
+        ink_of(y, line);
         std::uint8_t* p = &rows[static_cast<std::size_t>(y - top) * row_bytes];
         for (const Ink& ink : line)
           for (const float colour : {ink.r, ink.g, ink.b}) *p++ = on_white(colour, ink.a);
@@ -54,6 +59,36 @@ Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const Con
     for (int y = top; y < bottom; ++y) writer.row(&rows[static_cast<std::size_t>(y - top) * row_bytes]);
   }
   return writer.finish();
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> print_texture(const Finished& job, const SheetPicture* over) {
+  if (!over) return shrunk_png(job.print.png, texture_width(job.print), 0, job.print.mirrored);
+  const TextureGrid grid(job.print);
+  const auto print = [&](int y, std::vector<Ink>& line) {
+    for (int x = 0; x < grid.width; ++x)
+      line[static_cast<std::size_t>(x)] = over->sample(grid.rest(x, y), grid.pixel_mm());
+  };
+  return *painted_texture(grid, print, [](double) { return Result<void>(); });
+}
+
+Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const SheetPicture* over,
+                                                  const Context& context) {
+  const TextureGrid grid(job.print);
+  const double blur = grid.pixel_mm() / job.alignment.scale;
+  const Eigen::Affine2d to_pattern = job.alignment.to_pattern();
+  const Eigen::Vector2d step = to_pattern.linear() * Eigen::Vector2d(grid.across, 0);
+  const auto drawing = [&](int y, std::vector<Ink>& line) {
+    job.pattern.sample_line(to_pattern * (grid.rest(0, y) - job.flattening.top_rest), step, blur, line);
+    if (!over) return;
+    for (int x = 0; x < grid.width; ++x) {
+      Ink& ink = line[static_cast<std::size_t>(x)];
+      ink = over->over_colours(ink, grid.rest(x, y));
+    }
+  };
+  return painted_texture(grid, drawing,
+                         [&](double done) { return context.step(Stage::inspection, 0.95 + 0.04 * done); });
 }
 
 Eigen::Vector2d texture_place(const Print& print, const Eigen::Vector2d& rest) {

@@ -3,16 +3,19 @@
 #pragma once
 
 #include "worker/inspection/inspection.hpp"
+#include "worker/inspection/sheet_picture.hpp"
 
 namespace vacuform {
 
 // Pixels on the longer side; fewer if the print has fewer.
 inline constexpr int largest_texture = 2048;
 
-// print.png, reduced, with its marks.
-std::vector<std::uint8_t> print_texture(const Finished& job);
-// The plain drawing at 1:1, its centre where the top of the mold comes to lie. Errors: cancelled.
-Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const Context& context);
+// print.png, reduced, with its marks. With `over` the print over the colours of the scan, without marks.
+std::vector<std::uint8_t> print_texture(const Finished& job, const SheetPicture* over);
+// The plain drawing at 1:1, its centre where the top of the mold comes to lie. With `over` it lies over the colours of the
+// scan. Errors: cancelled.
+Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const SheetPicture* over,
+                                                  const Context& context);
 
 // Where a point of the sheet lies on them, as glTF counts: from the left and from the top, in [0, 1].
 Eigen::Vector2d texture_place(const Print& print, const Eigen::Vector2d& rest);

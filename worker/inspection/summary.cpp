@@ -94,7 +94,8 @@ std::string summary_text(const ReportJson& report, const std::string& out) {
                      text_of(at(report, {"print", "inked_face"})) + " face" +
                      (at(report, {"print", "mirrored"}) == true ? " (mirrored)" : "");
   const ReportJson& faded = at(report, {"pattern", "colours", "faded_share"});
-  if (faded.is_number()) {
+  const bool both = at(report, {"settings", "pattern", "source"}) == "both";
+  if (!both && faded.is_number()) {
     text += ", of the colours of the scan.\n" + colours_caption(faded.get<double>()) + "\n\n";
   } else {
     if (size.is_array() && size.size() == 2)
@@ -102,7 +103,9 @@ std::string summary_text(const ReportJson& report, const std::string& out) {
     text += ".\n" + percent_text(at(report, {"pattern", "ink_on_head"}), 1) + " of its ink lies on the head";
     if (const ReportJson on_head = coils_on_head(report); on_head.is_number())
       text += ", with " + text_of(on_head) + " of " + std::to_string(at(report, {"coils"}).size()) + " coils";
-    text += ".\n\n";
+    text += ".\n";
+    if (both && faded.is_number()) text += colours_caption(faded.get<double>()) + "\n";
+    text += "\n";
     std::vector<std::array<std::string, 3>> rows{{"", "as drawn", "with Vacuform"}};
     for (auto& row : key_figures(report)) rows.push_back(std::move(row));
     text += table(rows) + "\n";
@@ -113,7 +116,9 @@ std::string summary_text(const ReportJson& report, const std::string& out) {
     text += "\n";
   }
   text += warnings_text(report) + "\n";
-  return text + "Files: " + out + " (print.svg, print.pdf and print.png; begin with report.html)\n";
+  return text + "Files: " + out + " (print.svg, print.pdf and print.png" +
+         (both ? ", of the colours colours.svg, colours.pdf and colours.png" : "") +
+         "; begin with report.html)\n";
 }
 
 }  // namespace vacuform

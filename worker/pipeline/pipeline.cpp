@@ -31,7 +31,7 @@ Result<void> check_together(const Inputs& inputs) {
   const bool of_scan = s.pattern.source == PatternSource::scan;
   if (of_scan && !inputs.pattern.empty())
     return fail(Code::bad_settings, "a pattern is given, but the colours of the scan are to be printed",
-                "pattern.source", "leave the pattern out, or give pattern.source=file");
+                "pattern.source", "leave the pattern out, or give pattern.source=file or both");
   if (!of_scan && inputs.pattern.empty())
     return fail(Code::bad_usage, "there is no pattern, or it is empty", inputs.pattern_name,
                 "give a drawing with --pattern FILE, or print the colours of the scan with "
@@ -69,7 +69,9 @@ Identity identity_of(const Inputs& inputs) {
                                   {"version", version}};
   if (of_scan)
     whole.erase("pattern");
-  else  // the print of a drawing keeps the name that it had before scans could be printed
+  else if (inputs.settings.pattern.source ==
+           PatternSource::
+               file)  // the print of a drawing keeps the name that it had before scans could be printed
     for (const char* key : {"source", "fade_mm"}) whole["settings"]["pattern"].erase(key);
   if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
   if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
@@ -102,6 +104,18 @@ std::vector<Artifact> with_report(std::vector<Artifact> files, const nlohmann::o
   return files;
 }
 
+// The colours of the scan where the sheet comes to lie on it. Keeps a reference to the sheet.
+Result<SheetColours> colours_on(const FormedSheet& sheet, const Mold& mold, const Inputs& inputs,
+                                const Context& context) {
+  const Settings& s = inputs.settings;
+  VACUFORM_TRY(surface, ColouredSurface::read(inputs.scan, inputs.scan_name, mold.placing, context));
+  SheetColours colours(std::move(surface), sheet, colour_reach(s.scan.clearance_mm, s.pattern.fade_mm));
+  if (colours.triangles().empty())
+    return fail(Code::unusable_surface, "no part of the formed sheet comes near the scan", inputs.scan_name,
+                "give a lower scan.trim_mm or a larger pattern.fade_mm");
+  return colours;
+}
+
 // The colours of the scan as a print: the sheet's own coordinates are those of the pattern, and nothing is bent.
 Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Context& context) {
   const Settings& s = inputs.settings;
@@ -113,12 +127,7 @@ Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Conte
   const Portion reading(context, Stage::printing, 0, 0.2), looking(context, Stage::printing, 0.2, 0.3),
       printing(context, Stage::printing, 0.3, 1);
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  VACUFORM_TRY(surface, ColouredSurface::read(inputs.scan, inputs.scan_name, formed.mold.placing, context));
-  const SheetColours colours(std::move(surface), formed.sheet,
-                             colour_reach(s.scan.clearance_mm, s.pattern.fade_mm));
-  if (colours.triangles().empty())
-    return fail(Code::unusable_surface, "no part of the formed sheet comes near the scan", inputs.scan_name,
-                "give a lower scan.trim_mm or a larger pattern.fade_mm");
+  VACUFORM_TRY(colours, colours_on(formed.sheet, formed.mold, inputs, context));
   VACUFORM_TRY(picture, picture_of(colours, s.sheet, looking.context()));
   const Placement placement = lay_flat(charted);
   VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, {identity.label, inputs.reference},
@@ -162,8 +171,14 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
   const Drawing* const laid = parts ? &parts->drawing() : lines;
   VACUFORM_TRY(placement, place(charted, laid, s, placing.context(), cut.edges));
   if (laid) VACUFORM_CHECK(add_couplings(charted, *laid, s, decoupling.context(), placement));
+  std::optional<SheetColours> below;  // the drawing
+  if (s.pattern.source == PatternSource::both) {
+    VACUFORM_TRY(colours, colours_on(sheet, formed.mold, inputs, context));
+    below.emplace(std::move(colours));
+  }
+  const SheetColours* const colours = below ? &*below : nullptr;
   VACUFORM_TRY(print, make_print(charted, pattern, lines, placement, s, {identity.label, inputs.reference},
-                                 printing.context()));
+                                 printing.context(), colours));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   VACUFORM_TRY(alignment, align(charted, s.pattern));
@@ -177,9 +192,9 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
     if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
       print.warnings.push_back(std::move(*coupled));
   }
-  const Finished job{s,          formed.mold,   sheet,       cut.surface, flattening,
-                     pattern,    print,         formed.heat, alignment,   measured ? &*measured : nullptr,
-                     &placement, identity.label};
+  const Finished job{s,          formed.mold,    sheet,       cut.surface, flattening,
+                     pattern,    print,          formed.heat, alignment,   measured ? &*measured : nullptr,
+                     &placement, identity.label, colours};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
   nlohmann::ordered_json whole = whole_report(inputs, identity, job);

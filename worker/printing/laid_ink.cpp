@@ -30,12 +30,18 @@ LaidInk::Grid::Grid(double width_mm, double height_mm)
   height = static_cast<int>(std::ceil(height_mm / pixel_mm));
 }
 
-LaidInk::LaidInk(const RowSource& source, const Grid& grid, int channels) : grid_(grid) {
-  ink_.reserve(static_cast<std::size_t>(grid_.width) * static_cast<std::size_t>(grid_.height));
+LaidInk::LaidInk(const RowSource& source, const Grid& grid, int channels)
+    : grid_(grid),
+      ink_(static_cast<std::size_t>(grid_.width) * static_cast<std::size_t>(grid_.height), std::uint8_t{0}) {
+  add(source, channels);
+}
+
+void LaidInk::add(const RowSource& source, int channels) {
+  auto ink = ink_.begin();
   for (int top = 0; top < grid_.height; top += source.band_rows()) {
     const auto band = source.rows(top, std::min(top + source.band_rows(), grid_.height));
-    for (std::size_t i = 0; i < band.size(); i += static_cast<std::size_t>(channels))
-      ink_.push_back(darkness(&band[i], channels));
+    for (std::size_t i = 0; i < band.size(); i += static_cast<std::size_t>(channels), ++ink)
+      *ink = std::max(*ink, darkness(&band[i], channels));
   }
 }
 

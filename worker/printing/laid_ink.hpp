@@ -20,6 +20,8 @@ class LaidInk {
   };
   // `channels` of the source: 1 gray on white, 4 RGBA.
   LaidInk(const RowSource& source, const Grid& grid, int channels);
+  // Ink of another layer of the same sheet.
+  void add(const RowSource& source, int channels);
 
   // The share of the ink, by its area on the formed surface, that lies on the chart; 1 without any ink.
   double share_on(const ChartedSurface& charted) const;

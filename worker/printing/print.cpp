@@ -21,6 +21,7 @@
 #include "worker/printing/seam_gap.hpp"
 #include "worker/printing/sheet_raster.hpp"
 #include "worker/printing/vector_raster.hpp"
+#include "worker/stage/portion.hpp"
 
 namespace vacuform {
 namespace {
@@ -162,6 +163,11 @@ void add_coloured(const SheetColours& colours, bool mirrored, std::vector<Eigen:
   }
 }
 
+void add_coloured(const SheetColours& colours, const SheetSettings& sheet, LaidInk& ink) {
+  const LaidInk::Grid grid(sheet.width_mm, sheet.height_mm);
+  ink.add(ColourRaster(colours, grid.width, grid.height, grid.pixel_mm), 4);
+}
+
 // Where the plastic leaves the mold, print coordinates.
 std::vector<Line> outline_of_mold(const Patch& chart, double grid_mm, const LaidInk& ink, bool mirrored) {
   std::vector<std::vector<Vector2d>> rings;
@@ -255,49 +261,47 @@ void on_white(const std::vector<std::uint8_t>& rgba, std::vector<std::uint8_t>& 
     }
 }
 
-// Draws the rows, and makes the files of them.
-Result<void> draw(const RowSource& source, const Marks& marks, const Settings& settings, int channels,
-                  const PrintLabel& label, double from, const Context& context, Print& print) {
+// Draws the rows, and makes the files of them. `vectors`: of a print of vectors. `size` has the size of the print.
+Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, const Marks& marks,
+                          const Settings& settings, int channels, const PrintLabel& label, const Print& size,
+                          const Context& context) {
   const PixelBox box = source.box();
   const bool opaque = channels == 4 && settings.print.background == Background::white;
-  PngWriter whole(print.width, print.height, opaque ? 3 : channels, settings.print.dpi);
+  PngWriter whole(size.width, size.height, opaque ? 3 : channels, settings.print.dpi);
   std::optional<PictureFiles> files;
-  if (!print.vectors) files.emplace(box, channels, settings.print.dpi);
+  if (!vectors) files.emplace(box, channels, settings.print.dpi);
   const int band = source.band_rows();
-  std::vector<std::uint8_t> row(static_cast<std::size_t>(print.width) * static_cast<std::size_t>(channels)),
+  std::vector<std::uint8_t> row(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(channels)),
       rgb;
-  for (int top = 0; top < print.height; top += band) {
-    VACUFORM_CHECK(context.step(Stage::printing, from + (1 - from) * top / print.height));
-    const int bottom = std::min(top + band, print.height);
+  for (int top = 0; top < size.height; top += band) {
+    VACUFORM_CHECK(context.step(Stage::printing, static_cast<double>(top) / size.height));
+    const int bottom = std::min(top + band, size.height);
     const std::vector<std::uint8_t> inked = source.rows(top, bottom);
     std::vector<std::uint8_t> marked;
     if (!marks.marks.empty())
-      marked = draw_marks(marks, print.width, print.height, print.pixel_mm, top, bottom - top);
+      marked = draw_marks(marks, size.width, size.height, size.pixel_mm, top, bottom - top);
     for (int y = top; y < bottom; ++y) {
-      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(y - top) * print.width;
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(y - top) * size.width;
       std::copy_n(inked.begin() + at * channels, row.size(), row.begin());
       if (files) files->row(y, row.data());
-      if (print.mirrored) reverse(row, channels);
-      if (!marked.empty()) lay_over(marked.data() + at, print.width, channels, row.data());
+      if (size.mirrored) reverse(row, channels);
+      if (!marked.empty()) lay_over(marked.data() + at, size.width, channels, row.data());
       if (opaque) on_white(row, rgb);
       whole.row(opaque ? rgb.data() : row.data());
     }
   }
-  print.png = whole.finish();
-  const PrintPage page{{settings.sheet.width_mm, settings.sheet.height_mm}, print.mirrored, label};
-  if (!files) {
-    print.svg = make_svg(page, &*print.vectors, nullptr, marks);
-    print.pdf = make_pdf(page, &*print.vectors, nullptr, {}, marks);
-    return {};
-  }
+  const PrintPage page{{settings.sheet.width_mm, settings.sheet.height_mm}, size.mirrored, label};
+  if (!files)
+    return Print::Layer{whole.finish(), make_svg(page, vectors, nullptr, marks),
+                        make_pdf(page, vectors, nullptr, {}, marks)};
   files->finish();
-  const double d = print.pixel_mm;
-  PlacedPicture picture{(box.left - 0.5 * print.width) * d, (box.top - 0.5 * print.height) * d,
+  const double d = size.pixel_mm;
+  PlacedPicture picture{(box.left - 0.5 * size.width) * d, (box.top - 0.5 * size.height) * d,
                         (box.right - box.left) * d, (box.bottom - box.top) * d, files->png};
-  print.svg = make_svg(page, nullptr, &picture, marks);
+  Print::Layer layer{whole.finish(), make_svg(page, nullptr, &picture, marks), {}};
   picture.png = files->colour();
-  print.pdf = make_pdf(page, nullptr, &picture, files->opacity(), marks);
-  return {};
+  layer.pdf = make_pdf(page, nullptr, &picture, files->opacity(), marks);
+  return layer;
 }
 
 }  // namespace
@@ -306,6 +310,8 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
                          const Placement& placement, const Settings& settings, const PrintLabel& label,
                          const Context& context, const SheetColours* colours) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
+  const bool of_colours = colours && settings.pattern.source == PatternSource::scan;
+  const SheetColours* const below = of_colours ? nullptr : colours;  // in files of their own
   Print print;
   print.warnings = pattern.warnings();
   VACUFORM_CHECK(measure(settings, print));
@@ -318,13 +324,13 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
     print.ink_printed = lost < 1e-9 ? 1 : std::clamp(1 - lost, 0.0, 1.0);
     print.vectors = std::move(vectors);
   } else {
-    print.ink_printed = colours ? 1 : ink_on_chart(print.pattern_uv, pattern);
+    print.ink_printed = of_colours ? 1 : ink_on_chart(print.pattern_uv, pattern);
   }
   VACUFORM_CHECK(check_ink(print));
 
   const std::optional<InkParts> parts =
       drawing || placement.elements.empty() ? std::optional<InkParts>() : InkParts(pattern);
-  const LaidInk ink = laid_ink(print, placement, parts ? &*parts : nullptr, pattern, settings.sheet);
+  LaidInk ink = laid_ink(print, placement, parts ? &*parts : nullptr, pattern, settings.sheet);
   print.ink_on_head = print.ink_printed * ink.share_on(charted);
   std::vector<RasterLayer> layers = drawing ? std::vector<RasterLayer>() : layers_of(placement);
   if (settings.print.compensate_ink && !compensate(layers, pattern))
@@ -335,6 +341,7 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
   Marks marks;
   const PrintLabel shown = printable(label, print.warnings);
   if (settings.print.marks) {
+    if (below) add_coloured(*below, settings.sheet, ink);
     const Patch region = whole_region(charted, print);
     auto taken = taken_by(region, print);
     if (colours) add_coloured(*colours, print.mirrored, taken);
@@ -348,13 +355,24 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
   if (drawing)
     source = std::make_unique<VectorRaster>(*print.vectors, print.width, print.height, print.pixel_mm,
                                             pattern.grayscale());
-  else if (colours)
+  else if (of_colours)
     source = std::make_unique<ColourRaster>(*colours, print.width, print.height, print.pixel_mm);
   else
     source =
         std::make_unique<SheetRaster>(layers, parts ? &*parts : nullptr, print, pattern, settings.print.dpi);
-  VACUFORM_CHECK(
-      draw(*source, marks, settings, pattern.grayscale() ? 1 : 4, shown, drawing ? 0.2 : 0, context, print));
+  const VectorPrint* const vectors = print.vectors ? &*print.vectors : nullptr;
+  const double begin = drawing ? 0.2 : 0, end = below ? 0.6 : 1;
+  const Portion first(context, Stage::printing, begin, end), second(context, Stage::printing, end, 1);
+  VACUFORM_TRY(files, draw(*source, vectors, marks, settings, pattern.grayscale() ? 1 : 4, shown, print,
+                           first.context()));
+  print.png = std::move(files.png);
+  print.svg = std::move(files.svg);
+  print.pdf = std::move(files.pdf);
+  if (below) {
+    const ColourRaster raster(*below, print.width, print.height, print.pixel_mm);
+    VACUFORM_TRY(layer, draw(raster, nullptr, marks, settings, 4, shown, print, second.context()));
+    print.colours = std::move(layer);
+  }
   VACUFORM_CHECK(context.step(Stage::printing, 1));
   return print;
 }

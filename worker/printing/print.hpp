@@ -43,6 +43,14 @@ struct Print {
   std::string svg;
   // The same on a page of the size of the sheet, vectors or a losslessly embedded image, texts as texts, in two layers.
   std::vector<std::uint8_t> pdf;
+  // Of pattern.source=both: the colours of the scan as three files of their own, on the same grid and page and with the
+  // same marks.
+  struct Layer {
+    std::vector<std::uint8_t> png;
+    std::string svg;
+    std::vector<std::uint8_t> pdf;
+  };
+  std::optional<Layer> colours;
   std::optional<VectorPrint> vectors;  // the source of the three files, for a vector drawing
   bool mirrored = false;
   std::optional<double> ruler_mm;  // length of the printed ruler; none without marks or without room for it
@@ -69,8 +77,9 @@ struct Print {
 // show Latin-1: other characters become '?', with the warning "reference-incomplete" for those of the reference. Pure and deterministic for any number of threads. Errors: cancelled; unusable_pattern (no
 // ink falls onto the chart); too_large (more than 32,000 pixels per side).
 //
-// With `colours`, the print shows the colours of the scan. `pattern` is then the result of picture_of() for them, `placement`
-// that of lay_flat(), and there is no drawing. All of the ink counts as printed.
+// With `colours` and pattern.source=scan, the print shows the colours of the scan. `pattern` is then the result of
+// picture_of() for them, `placement` that of lay_flat(), and there is no drawing. All of the ink counts as printed. With
+// pattern.source=both, the colours become Print::colours and the print stays that of the drawing; marks keep off both.
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
                          const Placement& placement, const Settings& settings, const PrintLabel& label,
                          const Context& context, const SheetColours* colours = nullptr);

@@ -1,54 +1,22 @@
 // Wavefront OBJ: `v` and `f` make the shape. Indices count from 1, or from the end when negative. Colours are the three
-// numbers that may follow a vertex, encoded as sRGB, from 0 to 1 or from 0 to 255.
-#include <algorithm>
-#include <cmath>
+// numbers that may follow a vertex, encoded as sRGB, from 0 to 1 or from 0 to 255, and those of the MTL in the same zip.
+#include <array>
 
+#include "api/base/text.hpp"
+#include "worker/scan/obj_colours.hpp"
 #include "worker/scan/scan_file.hpp"
 #include "worker/scan/text_cursor.hpp"
 
 namespace vacuform {
 
-namespace {
-
-// The colours that follow vertices, as the file has them.
-class ObjVertexColours {
- public:
-  // The rest of the line of vertex `index`.
-  void take(std::string_view rest, std::size_t index) {
-    double rgb[3];
-    for (double& x : rgb)
-      if (!parse_number(take_word(rest), x) || !std::isfinite(x)) return;  // none, or the weight of a curve
-    given_.resize(index, Eigen::Vector3f(-1, -1, -1));
-    given_.emplace_back(static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]));
-  }
-  std::optional<ScanColours> colours(const TriangleMesh& mesh) {
-    if (given_.empty()) return std::nullopt;
-    given_.resize(mesh.vertices.size(), Eigen::Vector3f(-1, -1, -1));
-    float largest = 0;
-    for (const auto& rgb : given_) largest = std::max(largest, rgb.maxCoeff());
-    const float scale = largest > 1 ? 255.0f : 1.0f;
-    for (auto& rgb : given_)
-      rgb = rgb.minCoeff() < 0 ? Eigen::Vector3f(1, 1, 1)
-                               : Eigen::Vector3f((rgb / scale).unaryExpr(&linear_from_srgb));
-    ScanColours out;
-    out.materials.emplace_back();
-    out.material.assign(mesh.triangles.size(), 0);
-    out.vertex = std::move(given_);
-    return out;
-  }
-
- private:
-  std::vector<Eigen::Vector3f> given_;  // negative: none
-};
-
-}  // namespace
-
 Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgress& progress,
-                          ScanParts parts) {
+                          ScanParts parts, const ModelFiles* files) {
   ScanFile scan;
   scan.format = "OBJ";
   auto& [vertices, triangles] = scan.mesh;
-  ObjVertexColours colours;
+  const bool coloured = parts == ScanParts::with_colours;
+  ObjColours colours(files);
+  if (coloured) VACUFORM_CHECK(colours.read_library(where));
   TextCursor text(bytes);
   std::string_view line;
   const auto at = [&] { return where + ", line " + std::to_string(text.line_number()); };
@@ -65,10 +33,15 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
         return fail(Code::too_large,
                     "the scan has more than " + std::to_string(scan_limits.vertices) + " vertices", where,
                     "reduce it (quadric decimation) to a few hundred thousand triangles");
-      if (parts == ScanParts::with_colours) colours.take(line, vertices.size());
+      if (coloured) colours.add_vertex(line, vertices.size());
       vertices.emplace_back(xyz[0], xyz[1], xyz[2]);
+    } else if (word == "vt" && coloured && files) {
+      VACUFORM_CHECK(colours.add_uv(line, at()));
+    } else if (word == "usemtl" && coloured) {
+      colours.use(trimmed(line));
     } else if (word == "f") {
       std::int64_t first = 0, last = 0;
+      std::array<std::int64_t, 3> uv{-1, -1, -1};
       int corners = 0;
       while (true) {
         auto corner = take_word(line);
@@ -88,13 +61,15 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
                              ", but there are " + std::to_string(count) + " so far",
                          at());
         if (index > largest) largest = index, largest_at = index >= count ? at() : std::string();
+        uv[2] = coloured ? colours.uv_of(corner) : -1;
         if (corners == 0)
-          first = index;
+          first = index, uv[0] = uv[2];
         else if (corners > 1) {
+          if (coloured) colours.add_triangle(uv);
           triangles.push_back({static_cast<int>(first), static_cast<int>(last), static_cast<int>(index)});
           if (triangles.size() > scan_limits.triangles) return too_many_triangles(triangles.size(), where);
         }
-        last = index;
+        last = index, uv[1] = uv[2];
         ++corners;
       }
     }
@@ -103,7 +78,9 @@ Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgr
     return corrupt("a face names vertex " + std::to_string(largest + 1) + ", but the file has " +
                        std::to_string(vertices.size()),
                    largest_at);
-  scan.colours = colours.colours(scan.mesh);
+  if (!coloured) return scan;
+  VACUFORM_TRY(of_file, colours.take(scan.mesh, where));
+  scan.colours = std::move(of_file);
   return scan;
 }
 

@@ -1,12 +1,15 @@
 // PLY: a text header that declares elements and their properties, then rows in ASCII or in either byte order.
 // Only x, y, z of `vertex` and the list vertex_indices (or vertex_index) of `face` and of `tristrips` matter; everything
-// else is stepped over by its declared size. Colours are red, green and blue of `vertex`, encoded as sRGB. In a strip -1 begins the next one. Turk 1994, "The PLY polygon file format".
+// else is stepped over by its declared size. Colours are red, green and blue of `vertex`, encoded as sRGB, and the texture
+// (ply_texture.hpp). In a strip -1 begins the next one. Turk 1994, "The PLY polygon file format".
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <utility>
 #include <vector>
 
-#include "worker/scan/scan_file.hpp"
+#include "api/base/text.hpp"
+#include "worker/scan/ply_texture.hpp"
 #include "worker/scan/text_cursor.hpp"
 
 namespace vacuform {
@@ -43,9 +46,10 @@ std::uint64_t size_of(Kind kind) {
   return 8;
 }
 
-enum class Use { none, x, y, z, corners, strip, red, green, blue };
+enum class Use { none, x, y, z, corners, strip, red, green, blue, u, v, texcoord, texnumber };
 
-bool is_colour(Use use) { return use >= Use::red; }
+bool is_colour(Use use) { return use >= Use::red && use <= Use::blue; }
+bool is_texture(Use use) { return use >= Use::u; }
 
 Use colour_from(std::string_view name) {
   if (name.starts_with("diffuse_")) name.remove_prefix(8);
@@ -53,6 +57,13 @@ Use colour_from(std::string_view name) {
          : name == "green" || name == "g" ? Use::green
          : name == "blue" || name == "b"  ? Use::blue
                                           : Use::none;
+}
+
+Use of_vertex(std::string_view name) {
+  if (name == "x" || name == "y" || name == "z") return name == "x" ? Use::x : name == "y" ? Use::y : Use::z;
+  if (name == "s" || name == "u" || name == "texture_u") return Use::u;
+  if (name == "t" || name == "v" || name == "texture_v") return Use::v;
+  return colour_from(name);
 }
 
 // Linear light from an encoded colour: whole numbers are fractions of their type's largest value.
@@ -130,9 +141,12 @@ class Values {
   bool ascii_, big_;
 };
 
+constexpr std::size_t most_textures = 256;
+
 struct Header {
   enum class Encoding { none, ascii, little, big } encoding = Encoding::none;
   std::vector<Element> elements;
+  std::vector<std::string> textures;
   std::uint64_t bytes = 0;  // of the header itself
 };
 
@@ -185,8 +199,9 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
       if (!kind_from(type, property.kind))
         return corrupt("unknown PLY property type \"" + std::string(type.substr(0, 40)) + "\"", at());
       const auto name = take_word(line);
-      if (element.name == "vertex" && !property.list)
-        property.use = name == "x" ? Use::x : name == "y" ? Use::y : name == "z" ? Use::z : colour_from(name);
+      if (element.name == "vertex" && !property.list) property.use = of_vertex(name);
+      if (element.name == "face" && name == (property.list ? "texcoord" : "texnumber"))
+        property.use = property.list ? Use::texcoord : Use::texnumber;
       if (property.list && (name == "vertex_indices" || name == "vertex_index"))
         property.use = element.name == "face"        ? Use::corners
                        : element.name == "tristrips" ? Use::strip
@@ -194,6 +209,8 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
       if (element.properties.size() == 1024)
         return corrupt("a PLY element declares more than 1024 properties", at());
       element.properties.push_back(property);
+    } else if (word == "comment" && take_word(line) == "TextureFile") {
+      if (header.textures.size() < most_textures) header.textures.emplace_back(trimmed(line));
     } else if (word != "comment" && word != "obj_info" && !word.empty()) {
       return corrupt("\"" + std::string(word.substr(0, 40)) + "\" is not a keyword of a PLY header", at());
     }
@@ -214,7 +231,7 @@ void add_strip(const std::vector<double>& corners, std::vector<Triangle>& triang
 }  // namespace
 
 Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgress& progress,
-                          ScanParts parts) {
+                          ScanParts parts, const ModelFiles* files) {
   VACUFORM_TRY(header, read_header(bytes, where));
   const bool ascii = header.encoding == Header::Encoding::ascii;
   ScanFile scan;
@@ -223,12 +240,13 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
                                                            : "PLY (little-endian)";
   auto& [vertices, triangles] = scan.mesh;
   Values values(bytes.subspan(header.bytes), ascii, header.encoding == Header::Encoding::big);
-  std::vector<double> corners;
+  std::vector<double> corners, texcoord;
+  PlyTexture texture(std::move(header.textures), parts == ScanParts::with_colours ? files : nullptr);
   double largest = -1;
   ScanColours colours;
 
   for (const auto& element : header.elements) {
-    bool coloured = false;
+    bool coloured = false, with_uv = false;
     // The fewest bytes that a row can take: a word and its separator in ASCII, empty lists in binary.
     std::uint64_t row_bytes = 0;
     for (const auto& p : element.properties) row_bytes += ascii ? 2 : size_of(p.list ? p.count_kind : p.kind);
@@ -250,8 +268,9 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
       if ((used & 0b1110) != 0b1110)
         return corrupt("the vertices of the PLY file do not have x, y and z", where);
       vertices.reserve(vertices.size() + element.count);
-      coloured = parts == ScanParts::with_colours && used >> static_cast<int>(Use::red) == 0b111;
+      coloured = parts == ScanParts::with_colours && (used >> static_cast<int>(Use::red) & 0b111) == 0b111;
       if (coloured) colours.vertex.resize(vertices.size(), Eigen::Vector3f::Ones());
+      with_uv = texture.used() && (used >> static_cast<int>(Use::u) & 0b11) == 0b11;
     }
     for (std::uint64_t row = 0; row < element.count; ++row) {
       if (row % 65536 == 0) VACUFORM_CHECK(progress.tick());
@@ -263,13 +282,19 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
       };
       Eigen::Vector3d point = Eigen::Vector3d::Zero();
       Eigen::Vector3f colour;
+      double uv[2] = {0, 0}, number = 0;
+      const std::size_t first_triangle = triangles.size();
+      texcoord.clear();
       for (const auto& p : element.properties) {
         double value = 0;
         if (!p.list) {
-          const bool skipped = p.use == Use::none || (is_colour(p.use) && !coloured);
+          const bool skipped =
+              p.use == Use::none || (is_colour(p.use) && !coloured) || (is_texture(p.use) && !texture.used());
           if (skipped ? !values.skip(p.kind, 1) : !values.read(p.kind, value)) return ended();
           if (skipped) continue;
-          if (!is_colour(p.use))
+          if (is_texture(p.use))
+            (p.use == Use::texnumber ? number : uv[p.use == Use::u ? 0 : 1]) = value;
+          else if (!is_colour(p.use))
             point[static_cast<int>(p.use) - 1] = value;
           else if (std::isfinite(value))
             colour[static_cast<int>(p.use) - static_cast<int>(Use::red)] = linear_from(p.kind, value);
@@ -281,7 +306,13 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
         if (!(value >= 0) || value != std::floor(value) || value > static_cast<double>(values.remaining()))
           return corrupt("a list of the PLY file is longer than the file", at());
         const auto length = static_cast<std::uint64_t>(value);
-        if (p.use == Use::none) {
+        if (p.use == Use::texcoord && texture.used()) {
+          texcoord.resize(length);
+          for (double& each : texcoord)
+            if (!values.read(p.kind, each)) return ended();
+          continue;
+        }
+        if (p.use == Use::none || p.use == Use::texcoord) {
           if (!values.skip(p.kind, length)) return ended();
           continue;
         }
@@ -312,6 +343,9 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
       }
       if (element.name == "vertex") vertices.push_back(point);
       if (coloured) colours.vertex.push_back(colour);
+      if (with_uv) texture.add_vertex(uv[0], uv[1]);
+      if (element.name == "face" && texture.used())
+        texture.add_face(texcoord, number, first_triangle, triangles.size());
     }
   }
   if (largest >= static_cast<double>(vertices.size()))
@@ -319,8 +353,11 @@ Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgr
                        ", but the PLY file has " + std::to_string(vertices.size()) +
                        " vertices, counted from 0",
                    where);
-  if (!colours.vertex.empty()) {
-    colours.vertex.resize(vertices.size(), Eigen::Vector3f::Ones());
+  if (!colours.vertex.empty()) colours.vertex.resize(vertices.size(), Eigen::Vector3f::Ones());
+  if (texture.used()) {
+    VACUFORM_CHECK(texture.lay(scan.mesh, where, colours));
+    scan.colours = std::move(colours);
+  } else if (!colours.vertex.empty()) {
     colours.materials.emplace_back();
     colours.material.assign(triangles.size(), 0);
     scan.colours = std::move(colours);

@@ -6,12 +6,13 @@
 #include <string_view>
 
 #include "api/base/text.hpp"
+#include "worker/scan/model_zip.hpp"
 #include "worker/scan/text_cursor.hpp"
 
 namespace vacuform {
 namespace {
 
-enum class Format { stl_binary, stl_ascii, obj, ply, off, glb };
+enum class Format { stl_binary, stl_ascii, obj, ply, off, glb, zip };
 
 std::string_view as_text(Bytes bytes, std::size_t limit) {
   return {reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), limit)};
@@ -82,6 +83,7 @@ bool looks_like_obj(Bytes bytes) {
 std::optional<Format> recognise(Bytes bytes, const std::string& extension) {
   const std::string_view head = as_text(bytes, 64);
   if (head.starts_with("glTF")) return Format::glb;
+  if (head.starts_with("PK\x03\x04") && extension == "zip") return Format::zip;
   if (head.starts_with("ply\n") || head.starts_with("ply\r")) return Format::ply;
   if (sizes_as_binary_stl(bytes)) return Format::stl_binary;
   if (looks_like_ascii_stl(bytes)) return Format::stl_ascii;
@@ -113,6 +115,13 @@ Result<ScanFile> read_as(Format format, Bytes bytes, const std::string& where, c
       return read_off(bytes, where, progress);
     case Format::glb:
       return read_glb(bytes, where, progress, parts);
+    case Format::zip: {
+      VACUFORM_TRY(files, read_model_zip(bytes, where, progress, parts));
+      VACUFORM_TRY(scan, files.ply ? read_ply(files.model, where, progress, parts, &files)
+                                   : read_obj(files.model, where, progress, parts, &files));
+      scan.format += ", zipped";
+      return scan;
+    }
   }
   return fail(Code::internal, "a format without a reader", where);
 }
@@ -151,7 +160,7 @@ Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const Scan
     const auto kind = foreign_kind(bytes);
     return fail(Code::unsupported_format,
                 kind.empty() ? "not a scan of a known format" : "the scan is " + std::string(kind), file_name,
-                "give STL, OBJ, PLY, OFF or GLB");
+                "give STL, OBJ, PLY, OFF or GLB, or a zip with an OBJ or PLY and its images");
   }
   VACUFORM_TRY(scan, read_as(*format, bytes, file_name, progress, parts));
   for (std::size_t i = 0; i < scan.mesh.vertices.size(); ++i) {

@@ -47,10 +47,12 @@ Result<ScanFile> read_scan(std::span<const std::uint8_t> bytes, const std::strin
 using Bytes = std::span<const std::uint8_t>;
 Result<ScanFile> read_stl_binary(Bytes bytes, const std::string& where, const ScanProgress& progress);
 Result<ScanFile> read_stl_ascii(Bytes bytes, const std::string& where, const ScanProgress& progress);
+// `files`: of the zip that holds the model, or null.
+struct ModelFiles;
 Result<ScanFile> read_obj(Bytes bytes, const std::string& where, const ScanProgress& progress,
-                          ScanParts parts);
+                          ScanParts parts, const ModelFiles* files = nullptr);
 Result<ScanFile> read_ply(Bytes bytes, const std::string& where, const ScanProgress& progress,
-                          ScanParts parts);
+                          ScanParts parts, const ModelFiles* files = nullptr);
 Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgress& progress);
 Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgress& progress,
                           ScanParts parts);

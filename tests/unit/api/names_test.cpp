@@ -38,7 +38,7 @@ std::string blanked(const std::string& bytes, const std::string& extension) {
   EXPECT_EQ(out.size(), bytes.size());
   EXPECT_EQ(out.find(name), std::string::npos);
   std::vector<std::uint8_t> whole(bytes.begin(), bytes.end());
-  blank_names(whole, "Scan of " + name + "." + extension);
+  EXPECT_TRUE(blank_names(whole, "Scan of " + name + "." + extension));
   EXPECT_EQ(std::string(whole.begin(), whole.end()), out);
   return out;
 }

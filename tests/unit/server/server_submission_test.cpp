@@ -82,7 +82,7 @@ TEST_F(ServerSubmission, ValidatedOnlyRefusesWhatASubmissionWould) {
   EXPECT_EQ(validate(part("virus", "x.exe", "MZ")).status, 400);
   const Answer foreign =
       ask("POST", "/api/v1/validate", form_type,
-          part("scan", "head.zip", "PK\x03\x04") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n");
+          part("scan", "head.3mf", "PK\x03\x04") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n");
   EXPECT_EQ(foreign.status, 415);
   EXPECT_EQ(json::parse(foreign.body)["what"], "the scan is a ZIP archive");
   expect_nothing_kept();

@@ -5,7 +5,7 @@ import type {Artifact, Job} from '../api/types';
 import {bytes, t, textIfKnown} from '../text';
 import {icon} from './icon';
 
-const first = ['print.pdf', 'pattern.svg', 'print.svg', 'print.png', 'report.html', 'mold.stl', 'formed.glb'];
+const first = ['print.pdf', 'colours.pdf', 'pattern.svg', 'print.svg', 'print.png', 'report.html', 'mold.stl', 'formed.glb'];
 const rank = (name: string): number => first.includes(name) ? first.indexOf(name) : first.length;
 
 export const titleOf = (artifact: Pick<Artifact, 'name' | 'title'>): string =>

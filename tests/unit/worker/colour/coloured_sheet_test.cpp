@@ -234,6 +234,22 @@ TEST(ColouredSheet, IsTheSameFromEveryFormat) {
   }
 }
 
+TEST(ColouredSheet, IsTheSameFromEveryFormatWithATexture) {
+  const auto image = coloured::png(1024, 512, [](double u, double v) { return smooth(2 * pi * u, pi * v); });
+  const Model model = coloured::sphere(sphere_mm, 160);
+  const Printed of_glb = printed(dome_sheet(), coloured::glb(model, image), "a.glb");
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, FileBytes>{"OBJ", coloured::obj_zip(model, image)},
+        {"PLY with coordinates of corners", coloured::ply_zip(model, image, true)},
+        {"PLY with coordinates of vertices", coloured::ply_zip(model, image, false)}}) {
+    const Printed other = printed(dome_sheet(), bytes, "a.zip");
+    int largest = 0;
+    for (std::size_t i = 0; i < of_glb.rgba.size(); ++i)
+      largest = std::max(largest, std::abs(of_glb.rgba[i] - other.rgba[i]));
+    EXPECT_LE(largest, 1) << name;
+  }
+}
+
 TEST(ColouredSheet, FadesWhereTheSheetLeavesTheScan) {
   const Printed print = printed(dome_sheet(), smooth_glb(), "a.glb"),
                 none = printed(dome_sheet(), smooth_glb(), "a.glb", 0);
@@ -250,6 +266,32 @@ TEST(ColouredSheet, FadesWhereTheSheetLeavesTheScan) {
   }
   EXPECT_GE(faded, 5);
   EXPECT_LE(faded_without, 1);
+}
+
+TEST(ColouredSheet, ListsWhatItDoesNotShow) {
+  constexpr double inner_mm = 30;
+  Model model = coloured::sphere(sphere_mm, 160);
+  const auto hidden_of = [](const Model& of) {
+    const auto image = coloured::png(8, 8, [](double u, double v) { return smooth(2 * pi * u, pi * v); });
+    const auto surface = ColouredSurface::read(coloured::glb(of, image), "a.glb", {}, Context());
+    EXPECT_TRUE(surface) << surface.error().text();
+    return SheetColours(*surface, dome_sheet(), colour_reach(0, 3)).hidden();
+  };
+  const HiddenSurface alone = hidden_of(model);
+  EXPECT_NEAR(alone.whole_mm2, 2 * pi * sphere_mm * sphere_mm, 300);  // above the platform
+  const Model inner = coloured::sphere(inner_mm, 160);
+  model.places.insert(model.places.end(), inner.places.begin(), inner.places.end());
+  model.uv.insert(model.uv.end(), inner.uv.begin(), inner.uv.end());
+  const HiddenSurface both = hidden_of(model);
+  const double half = 2 * pi * inner_mm * inner_mm;
+  EXPECT_NEAR(both.hidden_mm2 - alone.hidden_mm2, half, 0.01 * half);
+  EXPECT_NEAR(both.share(), both.hidden_mm2 / both.whole_mm2, 1e-12);
+  ASSERT_EQ(both.largest.size(), alone.largest.size() + 1);
+  const auto of_inner = std::find_if(both.largest.begin(), both.largest.end(), [&](const auto& area) {
+    return std::abs(area.place.norm() - inner_mm) < 0.5;
+  });
+  ASSERT_NE(of_inner, both.largest.end());
+  EXPECT_NEAR(of_inner->mm2, half, 0.01 * half);
 }
 
 TEST(ColouredSheet, IsTheSameWithOneThread) {

@@ -300,13 +300,14 @@ TEST(Artifacts, ShowTheTemperatureAndTheSegmentsWhereThereAreAny) {
   const auto placement = place(hand_made::Charted(job.sample), nullptr, job.sample.settings, Context());
   ASSERT_TRUE(placement);
   finished.placement = &*placement;
+  job.print.colours = Print::Layer{{1}, "<svg/>", {2}};
   const auto files = artifacts(finished, Context());
   ASSERT_TRUE(files);
   const auto r = report(finished);
   EXPECT_EQ(r["heat"].dump(),
             R"({"source":"heaters","window_c":[121.0,160.0],"least_c":120.0,"mean_c":140.0,"most_c":160.0,)"
             R"("seconds":31.25,"through_thickness_c":2.5})");
-  // The two reports are made of the whole; findings.json is an inspection's, pattern.svg and layout.json a layout's.
+  // The files of the colours are made too. The two reports are made of the whole; findings.json is an inspection's, pattern.svg and layout.json a layout's.
   ASSERT_EQ(files->size() + 5, artifact_kinds.size());
   ASSERT_EQ(r["artifacts"].size() + 3, artifact_kinds.size());
   for (std::size_t i = 0; i < files->size(); ++i) EXPECT_EQ((*files)[i].name, artifact_kinds[i].name);

@@ -197,6 +197,16 @@ TEST(Summary, SaysWhereTheColoursOfAScanTouchIt) {
             std::string::npos);
 }
 
+TEST(Summary, OfADrawingOverTheColoursNamesBothPrints) {
+  ReportJson report = small_report();
+  report["settings"]["pattern"]["source"] = "both";
+  report["pattern"]["colours"] = {{"faded_share", 0.0484}};
+  const std::string text = summary_text(report, "out");
+  EXPECT_NE(text.find("as drawn"), std::string::npos) << text;
+  EXPECT_NE(text.find("95.2 % of the coloured area touches the scan"), std::string::npos) << text;
+  EXPECT_NE(text.find("of the colours colours.svg, colours.pdf and colours.png"), std::string::npos) << text;
+}
+
 TEST(Summary, HasTheSameAsJson) {
   const ReportJson report = small_report(), summary = summary_json(report, "out");
   EXPECT_EQ(summary["coils"], 19);

@@ -80,6 +80,50 @@ TEST(ScanColours, ReadAnObjThatCountsTo255) {
   EXPECT_EQ(scan->colours->vertex[2], Eigen::Vector3f(1, 1, 1));  // has none
 }
 
+TEST(ScanColours, OfAZippedObjFollowItsMaterials) {
+  const auto scan = read_colours(
+      coloured::obj_zip(
+          one_triangle(), some_image,
+          "newmtl m2\nKd 0 0 0\nnewmtl m1\nKd 1 0.5 0\nmap_Kd -s 2 4 1 -o 0.5 0 -clamp on texture-1\n"),
+      "a.zip");
+  ASSERT_TRUE(scan) << scan.error().text();
+  EXPECT_EQ(scan->format, "OBJ, zipped");
+  ASSERT_TRUE(scan->colours);
+  const ScanColours& colours = *scan->colours;
+  ASSERT_EQ(colours.images.size(), 1u);
+  EXPECT_EQ(colours.images[0].bytes, some_image);
+  const ScanMaterial& material = colours.materials[static_cast<std::size_t>(colours.material[0])];
+  EXPECT_EQ(material.image, 0);
+  EXPECT_EQ(material.across, Wrap::clamp);
+  EXPECT_LT((material.factor - Eigen::Vector3f(1, linear_from_srgb(0.5f), 0)).norm(), 1e-6f);
+  // (0.75, 0.5 from below) is scaled to (1.5, 2) and moved to (2, 2 from below).
+  EXPECT_LT((colours.uv[0][1] - Eigen::Vector2f(2, -1)).norm(), 1e-6f);
+}
+
+TEST(ScanColours, OfAnObjWithoutTextureCoordinatesAreThoseOfTheMaterial) {
+  const auto scan =
+      read_colours(coloured::zipped("model.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nusemtl m1\nf 1 2 3\n",
+                                    "newmtl m1\nKd 0 1 0\nmap_Kd texture-1\n", some_image),
+                   "a.zip");
+  ASSERT_TRUE(scan) << scan.error().text();
+  ASSERT_TRUE(scan->colours);
+  const ScanMaterial& shown = scan->colours->materials[static_cast<std::size_t>(scan->colours->material[0])];
+  EXPECT_EQ(shown.image, -1);
+  EXPECT_EQ(shown.factor, Eigen::Vector3f(0, 1, 0));
+}
+
+TEST(ScanColours, OfAZippedPlyAreOfCornersOrOfVertices) {
+  for (const bool of_corners : {true, false}) {
+    const auto scan = read_colours(coloured::ply_zip(one_triangle(), some_image, of_corners), "a.zip");
+    ASSERT_TRUE(scan) << scan.error().text();
+    EXPECT_EQ(scan->format, "PLY (ASCII), zipped");
+    ASSERT_TRUE(scan->colours);
+    EXPECT_EQ(scan->colours->images[0].bytes, some_image);
+    EXPECT_EQ(scan->colours->materials[static_cast<std::size_t>(scan->colours->material[0])].image, 0);
+    EXPECT_LT((scan->colours->uv[0][2] - Eigen::Vector2f(0.25f, 1)).norm(), 1e-6f) << of_corners;
+  }
+}
+
 TEST(ScanColours, AreMissingWhereAFileHasNone) {
   const auto cube = shapes::cube(100);
   for (const auto& [name, bytes] : {std::pair<std::string, FileBytes>{"a.stl", shapes::stl(cube)},
@@ -147,6 +191,19 @@ INSTANTIATE_TEST_SUITE_P(
                   Code::unsupported_format, "WebP"},
         ColourLie{"a.glb", far_uv_glb(std::nan("")), Code::corrupt_file, "not a plausible number"},
         ColourLie{"a.glb", far_uv_glb(1e9), Code::corrupt_file, "not a plausible number"},
+        ColourLie{"a.zip",
+                  coloured::zipped("model.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nusemtl m1\nf 1 2 3\n",
+                                   "newmtl m1\nmap_Kd texture-2\n", some_image),
+                  Code::unusable_scan, "lacks an image that the model names"},
+        ColourLie{
+            "a.zip",
+            coloured::zipped("model.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nvt 0 0\nusemtl m1\nf 1/1 2/1 3/7\n",
+                             "newmtl m1\nmap_Kd texture-1\n", some_image),
+            Code::corrupt_file, "a face names vt 7, but the file has 1"},
+        ColourLie{"a.zip",
+                  coloured::zipped("model.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nusemtl m1\nf 1 2 3\n",
+                                   "newmtl m1\nKd red\n", some_image),
+                  Code::corrupt_file, "MTL, line 2"},
         ColourLie{
             "a.ply",
             text_bytes("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"

@@ -8,7 +8,7 @@ import {problemBox} from '../../parts/problem';
 import {svgWithSize} from '../../read/drawing';
 import {toJob} from '../../route';
 import {choiceOf} from '../../parts/words';
-import {hasScan, printsScan, valueOf, type DraftState, type Pattern} from '../../state/draft';
+import {hasScan, printsScan, settingOf, valueOf, type DraftState, type Pattern} from '../../state/draft';
 import {bytes, number, percent, t} from '../../text';
 import {follow, live, onEnd} from '../../view';
 import {draftFields} from './fields';
@@ -110,18 +110,20 @@ export function patternSection(schema: SettingsSchema): Children {
   const now = draft();
   const arranging = 'layout' in schema.properties && (now.layout !== '' || (now.form.pattern?.layout ?? '') !== '');
   const ofScan = printsScan(now);
-  const drawing = el('div', {hidden: arranging || ofScan}, zone.element, refused);
-  const array = 'layout' in schema.properties ? el('div', {hidden: !arranging || ofScan}, arrange(schema)) : null;
+  const both = settingOf(now.form.settings, 'pattern.source') === 'both';
+  const drawing = el('div', {hidden: arranging && !both || ofScan}, zone.element, refused);
+  const array = 'layout' in schema.properties ? el('div', {hidden: !arranging || ofScan || both}, arrange(schema)) : null;
   const source = (value: string, label: string, on: boolean): HTMLElement => el('label', {class: 'choice'},
     el('input', {type: 'radio', name: 'pattern-source', value, checked: on, onchange: () => {
-      setSetting('pattern.source', value === 'scan' ? value : undefined);
-      drawing.hidden = value !== 'drawing';
+      const colours = value === 'scan' || value === 'both';
+      setSetting('pattern.source', colours ? value : undefined);
+      drawing.hidden = value !== 'drawing' && value !== 'both';
       if (array) array.hidden = value !== 'array';
     }}), label);
   return [
     array && el('fieldset', null, el('legend', null, t('new.pattern_source')),
-      el('div', {class: 'row'}, source('drawing', t('new.source_drawing'), !arranging && !ofScan), source('array', t('new.source_array'), arranging && !ofScan),
-        source('scan', choiceOf('pattern.source', 'scan'), ofScan))),
+      el('div', {class: 'row'}, source('drawing', t('new.source_drawing'), !arranging && !ofScan && !both), source('array', t('new.source_array'), arranging && !ofScan && !both),
+        source('scan', choiceOf('pattern.source', 'scan'), ofScan), source('both', choiceOf('pattern.source', 'both'), both))),
     drawing, array, transferLine('pattern'),
     live(({draft: {form, from}}) => [form.pattern, from, valueOf(schema, form.settings, 'pattern.width_mm'), form.settings['pattern']?.['source']] as const,
       () => !printsScan(draft()) && chosen(draft())),
