@@ -110,7 +110,8 @@ Result<S3Address> s3_address(const std::string& text) {
   if (!text.starts_with(s3_scheme)) return bad_blobs("not a place for files: " + text);
   S3Address address;
   const auto mark = text.find('?');
-  const std::string place = text.substr(s3_scheme.size(), mark == std::string::npos ? mark : mark - s3_scheme.size());
+  const std::string place =
+      text.substr(s3_scheme.size(), mark == std::string::npos ? mark : mark - s3_scheme.size());
   const auto slash = place.find('/');
   address.bucket = place.substr(0, slash);
   if (slash != std::string::npos) address.prefix = place.substr(slash + 1);

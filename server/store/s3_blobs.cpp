@@ -22,9 +22,9 @@ constexpr std::uint64_t small_blob = 1 << 20;   // read with one request
 constexpr std::uint64_t read_ahead = 4 << 20;   // of a larger one
 constexpr std::uint64_t first_piece = 1 << 20;  // where no sequence is to be seen yet
 constexpr std::uint64_t most_parts = 10'000;
-constexpr std::chrono::seconds deleting(1);          // at a time, in collect_again()
+constexpr std::chrono::seconds deleting(1);            // at a time, in collect_again()
 constexpr std::chrono::seconds pause_after_fault(30);  // between deletions
-constexpr const char* mark_key = "vacuform-store";   // the object that says whose bucket this is
+constexpr const char* mark_key = "vacuform-store";     // the object that says whose bucket this is
 
 tl::unexpected<Error> damaged(const std::string& sha256) {
   log_event("blob-damaged", {{"blob", sha256}});

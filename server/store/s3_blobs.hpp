@@ -25,9 +25,9 @@ namespace vacuform {
 
 struct S3Options {
   Clock clock = wall_clock;
-  Millis grace = 3'600'000;                       // from condemning an object to deleting it; no download takes longer
-  std::uint64_t parts_above = 100 << 20;          // larger blobs are sent in parts
-  std::uint64_t part = 64 << 20;                  // of that size, or larger for the 10,000 parts that S3 allows
+  Millis grace = 3'600'000;  // from condemning an object to deleting it; no download takes longer
+  std::uint64_t parts_above = 100 << 20;  // larger blobs are sent in parts
+  std::uint64_t part = 64 << 20;          // of that size, or larger for the 10,000 parts that S3 allows
   std::chrono::milliseconds trust = std::chrono::hours(1);  // in bytes that were found to be right
 };
 

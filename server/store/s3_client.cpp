@@ -16,9 +16,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::string_view no_bytes_sha256 = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
-constexpr seconds small_request(20);       // for the whole of one
-constexpr seconds trying(25);              // begin no further attempt after that
+constexpr std::string_view no_bytes_sha256 =
+    "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+constexpr seconds small_request(20);  // for the whole of one
+constexpr seconds trying(25);         // begin no further attempt after that
 constexpr std::size_t most_idle = 16;
 constexpr std::uint64_t slowest = 256'000;  // bytes a second of a transfer
 
@@ -85,8 +86,9 @@ Result<Http> S3Client::take_connection() {
 }
 
 HttpRequest S3Client::signed_request(const Request& request) const {
-  SignedRequest to_sign{request.method,  address_.root() + "/", request.query, request.headers,
-                        request.payload_sha256.empty() ? std::string(no_bytes_sha256) : request.payload_sha256};
+  SignedRequest to_sign{
+      request.method, address_.root() + "/", request.query, request.headers,
+      request.payload_sha256.empty() ? std::string(no_bytes_sha256) : request.payload_sha256};
   if (!request.of_bucket) to_sign.path += address_.prefix + request.key;
   to_sign.headers["host"] = address_.host();
   to_sign.headers["x-amz-date"] = s3_time(wall_clock());
@@ -103,7 +105,7 @@ HttpRequest S3Client::signed_request(const Request& request) const {
 }
 
 // Gives any answer but those that another attempt may change.
-Result<HttpResponse> S3Client::exchange(Request request) {
+Result<HttpResponse> S3Client::exchange(const Request& request) {
   const auto begun = std::chrono::steady_clock::now();
   VACUFORM_TRY(connection, take_connection());
   for (int attempt = 1;; ++attempt) {
@@ -124,13 +126,13 @@ Result<HttpResponse> S3Client::exchange(Request request) {
 }
 
 Error S3Client::error_in(const Request& request, const HttpResponse& response) const {
-  const std::string reason = reason_in(response), shown = reason.empty() ? reason : std::string(" (").append(reason).append(")");
+  const std::string reason = reason_in(response),
+                    shown = reason.empty() ? reason : std::string(" (").append(reason).append(")");
   const std::string bucket = address_.bucket;
   if (reason == "NoSuchBucket")
     return {Code::unavailable, "there is no such bucket in the object store", bucket,
             "make it, or correct the name in --blobs"};
-  if (response.status == 404)
-    return {Code::not_found, "there is no such object", request.key, ""};
+  if (response.status == 404) return {Code::not_found, "there is no such object", request.key, ""};
   if (response.status == 412)
     return {Code::gone, "an object has changed", request.key, "restore the bucket from a backup"};
   if (response.status == 507 || response.status == 413 || reason == "QuotaExceeded" ||
@@ -148,7 +150,8 @@ Error S3Client::error_in(const Request& request, const HttpResponse& response) c
 }
 
 Result<void> S3Client::check() {
-  const Request request{"GET", "", true, {{"list-type", "2"}, {"max-keys", "1"}, {"prefix", address_.prefix}}};
+  const Request request{
+      "GET", "", true, {{"list-type", "2"}, {"max-keys", "1"}, {"prefix", address_.prefix}}};
   VACUFORM_TRY(answer, exchange(request));
   if (good(answer)) return {};
   Error error = error_in(request, answer);
@@ -222,7 +225,8 @@ Result<std::string> S3Client::complete_upload(const std::string& key, const std:
                                               const std::vector<std::string>& tags) {
   std::string body = "<CompleteMultipartUpload>";
   for (std::size_t i = 0; i < tags.size(); ++i)
-    body += "<Part><PartNumber>" + std::to_string(i + 1) + "</PartNumber><ETag>\"" + tags[i] + "\"</ETag></Part>";
+    body +=
+        "<Part><PartNumber>" + std::to_string(i + 1) + "</PartNumber><ETag>\"" + tags[i] + "\"</ETag></Part>";
   body += "</CompleteMultipartUpload>";
   Request request{"POST", key, false, {{"uploadId", upload}}};
   request.payload_sha256 = text_hash(body);
@@ -267,8 +271,7 @@ Result<void> S3Client::get(const std::string& key, std::uint64_t offset, std::ui
                            const std::string& etag, const std::function<void()>& begin, const Sink& sink) {
   Request request{"GET", key};
   if (bytes > 0)
-    request.headers["range"] =
-        "bytes=" + std::to_string(offset) + "-" + std::to_string(offset + bytes - 1);
+    request.headers["range"] = "bytes=" + std::to_string(offset) + "-" + std::to_string(offset + bytes - 1);
   if (!etag.empty()) request.headers["if-match"] = std::string("\"").append(etag).append("\"");
   request.begin = begin;
   request.http.limit = time_for(bytes > 0 ? bytes : std::uint64_t{16} << 30);

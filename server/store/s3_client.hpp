@@ -71,7 +71,7 @@ class S3Client {
     int tries = 4;
     std::function<void()> begin = {};
   };
-  Result<HttpResponse> exchange(Request request);
+  Result<HttpResponse> exchange(const Request& request);
   HttpRequest signed_request(const Request& request) const;
   Error error_in(const Request& request, const HttpResponse& response) const;
   Result<std::string> begin_upload(const std::string& key);

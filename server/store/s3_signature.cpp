@@ -49,8 +49,7 @@ std::string canonical_request(const SignedRequest& request) {
 
 std::string percent_encoded(const std::string& text, bool keep_slashes) {
   constexpr std::string_view digits = "0123456789ABCDEF";
-  constexpr std::string_view kept =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+  constexpr std::string_view kept = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
   std::string encoded;
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
@@ -89,9 +88,8 @@ std::string s3_authorization(const SignedRequest& request, const S3Credentials& 
   const std::string text =
       std::string(algorithm) + "\n" + time + "\n" + place + "\n" + text_hash(canonical_request(request));
   std::string key = "AWS4" + credentials.secret;
-  for (const std::string_view part :
-       {std::string_view(day), std::string_view(scope.region), std::string_view(scope.service),
-        std::string_view("aws4_request")})
+  for (const std::string_view part : {std::string_view(day), std::string_view(scope.region),
+                                      std::string_view(scope.service), std::string_view("aws4_request")})
     key = hmac_sha256(key, part);
   return std::string(algorithm) + " Credential=" + credentials.key_id + "/" + place +
          ",SignedHeaders=" + signed_names(request) + ",Signature=" + hex_of(hmac_sha256(key, text));

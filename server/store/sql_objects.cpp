@@ -31,10 +31,10 @@ Result<void> SqlStore::add_arriving(const StoredObject& object) {
 Result<void> SqlStore::object_arrived(const StoredObject& object) {
   return write([&](Transaction& tx) -> Result<void> {
     VACUFORM_CHECK(tx.db.take_turns("object " + object.sha256));
-    VACUFORM_CHECK(Query(tx.db,
-                         "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND state='live'",
-                         options_.clock(), object.sha256)
-                       .run());
+    VACUFORM_CHECK(
+        Query(tx.db, "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND state='live'",
+              options_.clock(), object.sha256)
+            .run());
     return Query(tx.db, "UPDATE stored_object SET state='live', since=? WHERE sha256=? AND generation=?",
                  options_.clock(), object.sha256, object.generation)
         .run();

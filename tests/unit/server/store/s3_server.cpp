@@ -1,5 +1,6 @@
 #include "tests/unit/server/store/s3_server.hpp"
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -19,15 +19,18 @@ std::string signature(const SignedRequest& request, const S3Credentials& credent
 std::string of_suite(const std::string& method, const std::string& path,
                      const std::map<std::string, std::string>& query = {}) {
   const S3Credentials credentials{"AKIDEXAMPLE", "wJalrXUtnFEMI/K7MDENG+bPxRfiCYEXAMPLEKEY", ""};
-  const SignedRequest request{
-      method, path, query, {{"host", "example.amazonaws.com"}, {"x-amz-date", "20150830T123600Z"}}, no_payload};
+  const SignedRequest request{method,
+                              path,
+                              query,
+                              {{"host", "example.amazonaws.com"}, {"x-amz-date", "20150830T123600Z"}},
+                              no_payload};
   return signature(request, credentials, {"us-east-1", "service"});
 }
 
 // A request of the S3 documentation.
 std::string of_s3(const std::string& method, const std::string& path,
-                  const std::map<std::string, std::string>& query,
-                  std::map<std::string, std::string> headers, const std::string& payload = "") {
+                  const std::map<std::string, std::string>& query, std::map<std::string, std::string> headers,
+                  const std::string& payload = "") {
   const S3Credentials credentials{"AKIAIOSFODNN7EXAMPLE", "wJalrXUtnFEMI/K7MDENG/bPxRfiCYEXAMPLEKEY", ""};
   headers["host"] = "examplebucket.s3.amazonaws.com";
   headers["x-amz-date"] = "20130524T000000Z";

@@ -74,12 +74,11 @@ void change_object(const fs::path& data, const std::string& sha256, const std::s
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(StoreInFilesTest);
-INSTANTIATE_TEST_SUITE_P(, StoreTest,
-                         testing::Values(Backend{"SqliteAndS3", open_sqlite_and_s3, blob_objects,
-                                                 change_object, hour},
-                                         Backend{"PostgresAndS3", open_postgres_and_s3, blob_objects,
-                                                 change_object, hour}),
-                         [](const auto& backend) { return backend.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    , StoreTest,
+    testing::Values(Backend{"SqliteAndS3", open_sqlite_and_s3, blob_objects, change_object, hour},
+                    Backend{"PostgresAndS3", open_postgres_and_s3, blob_objects, change_object, hour}),
+    [](const auto& backend) { return backend.param.name; });
 
 // Blobs as objects, with the rows of a real store, and with small limits.
 class S3BlobsTest : public testing::Test {
@@ -90,8 +89,9 @@ class S3BlobsTest : public testing::Test {
     StoreOptions rows;
     rows.clock = [this] { return now_; };
     store_ = std::move(*open_store(folder_ / "rows", rows));
-    blobs_ = std::make_unique<S3Blobs>(data(), nullptr, s3_address(S3Server::get().url(folder_of(data()))).value(),
-                                       S3Server::get().credentials(), options());
+    blobs_ =
+        std::make_unique<S3Blobs>(data(), nullptr, s3_address(S3Server::get().url(folder_of(data()))).value(),
+                                  S3Server::get().credentials(), options());
     const auto begun = blobs_->begin(table());
     ASSERT_TRUE(begun) << begun.error().text();
   }
@@ -144,8 +144,9 @@ class S3BlobsTest : public testing::Test {
 };
 
 TEST_F(S3BlobsTest, GivesTheBytesOfBlobsOfEverySize) {
-  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{1} << 20, (std::size_t{1} << 20) + 1,
-                                 std::size_t{2} << 20, (std::size_t{2} << 20) + 1, std::size_t{7'000'001}}) {
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{1}, std::size_t{1} << 20, (std::size_t{1} << 20) + 1,
+        std::size_t{2} << 20, (std::size_t{2} << 20) + 1, std::size_t{7'000'001}}) {
     const std::string text = bytes(size), hash = text_hash(text);
     const auto pin = put(text);
     ASSERT_TRUE(pin) << size << ": " << pin.error().text();
@@ -284,10 +285,12 @@ TEST_F(S3BlobsTest, SaysWhatIsWrongWithTheBucketOrTheKey) {
   S3Credentials wrong = S3Server::get().credentials();
   wrong.secret = "open-sesame";
   const std::string url = S3Server::get().url("any"), refused = refusal(url, wrong);
-  EXPECT_TRUE(refused.starts_with("the object store refuses the access key (SignatureDoesNotMatch)")) << refused;
+  EXPECT_TRUE(refused.starts_with("the object store refuses the access key (SignatureDoesNotMatch)"))
+      << refused;
   EXPECT_EQ(refused.find("open-sesame"), std::string::npos);
   wrong = {"nobody", "open-sesame", ""};
-  EXPECT_TRUE(refusal(url, wrong).starts_with("the object store refuses the access key")) << refusal(url, wrong);
+  EXPECT_TRUE(refusal(url, wrong).starts_with("the object store refuses the access key"))
+      << refusal(url, wrong);
   const std::string none = "s3://no-such-bucket" + url.substr(url.find('?'));
   EXPECT_TRUE(refusal(none, S3Server::get().credentials())
                   .starts_with("there is no such bucket in the object store (no-such-bucket)"));
@@ -318,7 +321,8 @@ TEST(S3Stores, ADataFolderOpensOnlyWithItsOwnBucket) {
 }
 
 TEST(S3Address, IsReadWithItsParameters) {
-  const auto full = s3_address("s3://scans/site-1?endpoint=https://s3.example.org:8443/&region=eu-1&addressing=virtual");
+  const auto full =
+      s3_address("s3://scans/site-1?endpoint=https://s3.example.org:8443/&region=eu-1&addressing=virtual");
   ASSERT_TRUE(full) << full.error().text();
   EXPECT_EQ(full->prefix, "site-1/");
   EXPECT_EQ(full->url(), "https://scans.s3.example.org:8443");
@@ -331,14 +335,16 @@ TEST(S3Address, IsReadWithItsParameters) {
   EXPECT_EQ(least->root(), "/scans");
   EXPECT_EQ(least->prefix, "");
   EXPECT_TRUE(check_blobs("") && check_blobs("file:"));
-  EXPECT_TRUE(check_blobs("s3://a?endpoint=http://127.0.0.1:8085") && check_blobs("s3://a?endpoint=http://[::1]:1"));
+  EXPECT_TRUE(check_blobs("s3://a?endpoint=http://127.0.0.1:8085") &&
+              check_blobs("s3://a?endpoint=http://[::1]:1"));
 }
 
 TEST(S3Address, IsRefusedWhereItCannotBeUsedOrIsNotSafe) {
   for (const char* text :
-       {"s3://", "s3:///folder", "s3://a b", "s3://a/../b", "s3://a//b", "ftp://a", "/var/lib", "s3://a?endpoint=example.org",
-        "s3://a?endpoint=http://s3.example.org", "s3://a?endpoint=http://127.0.0.1.example.org",
-        "s3://a?endpoint=https://user:secret@example.org", "s3://a?addressing=none", "s3://a?region=", "s3://a?secret=b"}) {
+       {"s3://", "s3:///folder", "s3://a b", "s3://a/../b", "s3://a//b", "ftp://a", "/var/lib",
+        "s3://a?endpoint=example.org", "s3://a?endpoint=http://s3.example.org",
+        "s3://a?endpoint=http://127.0.0.1.example.org", "s3://a?endpoint=https://user:secret@example.org",
+        "s3://a?addressing=none", "s3://a?region=", "s3://a?secret=b"}) {
     const auto checked = check_blobs(text);
     ASSERT_FALSE(checked) << text;
     EXPECT_EQ(checked.error().code, Code::bad_usage) << text;
