@@ -33,4 +33,14 @@ std::string sha256_hex(std::span<const std::uint8_t> bytes) {
   return sha.hex();
 }
 
+std::string hmac_sha256(std::string_view key, std::string_view text) {
+  const auto bytes = [](std::string_view t) { return reinterpret_cast<const unsigned char*>(t.data()); };
+  crypto_auth_hmacsha256_state state;
+  crypto_auth_hmacsha256_init(&state, bytes(key), key.size());
+  crypto_auth_hmacsha256_update(&state, bytes(text), text.size());
+  std::string code(crypto_auth_hmacsha256_BYTES, '\0');
+  crypto_auth_hmacsha256_final(&state, reinterpret_cast<unsigned char*>(code.data()));
+  return code;
+}
+
 }  // namespace vacuform

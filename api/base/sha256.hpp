@@ -30,4 +30,7 @@ class Sha256 {
 
 std::string sha256_hex(std::span<const std::uint8_t> bytes);
 
+// HMAC with SHA-256 (RFC 2104), as 32 bytes. The key has any length.
+std::string hmac_sha256(std::string_view key, std::string_view text);
+
 }  // namespace vacuform

@@ -67,7 +67,8 @@ std::size_t take_header(char* bytes, std::size_t, std::size_t count, void* user)
 std::size_t give_file(char* bytes, std::size_t, std::size_t count, void* user) {
   auto& x = *static_cast<Exchange*>(user);
   const auto most = std::min<std::uint64_t>(count, x.request.file_bytes - x.file_sent);
-  const ssize_t n = ::pread(x.request.file, bytes, most, static_cast<off_t>(x.file_sent));
+  const ssize_t n =
+      ::pread(x.request.file, bytes, most, static_cast<off_t>(x.request.file_offset + x.file_sent));
   if (n < 0 || (n == 0 && most > 0)) return CURL_READFUNC_ABORT;
   x.file_sent += static_cast<std::uint64_t>(n);
   return static_cast<std::size_t>(n);
@@ -214,6 +215,8 @@ Result<HttpResponse> Http::send(const HttpRequest& request) {
     curl_easy_setopt(curl, CURLOPT_SEEKFUNCTION, seek_file);
     curl_easy_setopt(curl, CURLOPT_SEEKDATA, &x);
     curl_easy_setopt(curl, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(request.file_bytes));
+  } else if (request.method == "HEAD") {
+    curl_easy_setopt(curl, CURLOPT_NOBODY, 1L);
   } else if (request.method != "GET") {
     curl_easy_setopt(curl, CURLOPT_POSTFIELDS, request.body.data());
     curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body.size()));

@@ -33,8 +33,9 @@ struct HttpRequest {
   std::string path;  // from the server's root, "/api/v1/jobs"
   std::map<std::string, std::string> headers = {};
   std::string body = {};  // sent when there is neither a file nor a form
-  int file = -1;  // an open file, of which the first `file_bytes` bytes are streamed in place of `body`
-  std::uint64_t file_bytes = 0;
+  int file =
+      -1;  // an open file, of which `file_bytes` bytes from `file_offset` on are streamed in place of `body`
+  std::uint64_t file_bytes = 0, file_offset = 0;
   std::vector<FormPart> form = {};                               // multipart/form-data in place of both
   std::function<bool(std::span<const std::uint8_t>)> sink = {};  // takes a 2xx body in pieces; false gives up
   // Called several times a second with the bytes sent and those to send in all (0: unknown); false gives up.

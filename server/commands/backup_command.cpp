@@ -21,14 +21,14 @@ void BackupCommand::add_to(CLI::App& app) {
 bool BackupCommand::asked() const { return command_->parsed(); }
 
 Result<void> BackupCommand::run(const std::filesystem::path& configured_data,
-                                const std::string& database) const {
+                                const StoreOptions& places) const {
   const std::filesystem::path data = data_.empty() ? configured_data : data_;
   if (!start_secrets()) return fail(Code::internal, "this machine provides no random numbers");
   if (!has_store(data)) return no_store(data);
   const std::filesystem::path to = std::filesystem::absolute(to_);
   ::mkdir(to.c_str(), 0700);
   const auto make = [&]() -> Result<nlohmann::ordered_json> {
-    const auto store = open_store(data, {.database = database});
+    const auto store = open_store(data, places);
     if (store) {
       VACUFORM_TRY(report, (*store)->backup(to, [] { return true; }));
       return backup_json(report);

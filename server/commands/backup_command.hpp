@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "api/base/error.hpp"
+#include "server/store/store.hpp"
 
 namespace CLI {
 class App;
@@ -18,9 +19,9 @@ class BackupCommand {
  public:
   void add_to(CLI::App& app);
   bool asked() const;
-  // `configured_data` is the folder of the jobs where --data names none, `database` as StoreOptions::database. Errors: bad_usage (the folder is not empty),
-  // unavailable, internal (something was left out, being damaged).
-  Result<void> run(const std::filesystem::path& configured_data, const std::string& database) const;
+  // `configured_data` is the folder of the jobs where --data names none, `places` says what is kept elsewhere. Errors:
+  // bad_usage (the folder is not empty), unavailable, internal (something was left out, being damaged).
+  Result<void> run(const std::filesystem::path& configured_data, const StoreOptions& places) const;
 
  private:
   CLI::App* command_ = nullptr;

@@ -10,6 +10,7 @@
 
 #include "api/base/text.hpp"
 #include "server/http/origin.hpp"
+#include "server/store/s3_address.hpp"
 
 namespace vacuform {
 
@@ -21,6 +22,14 @@ constexpr std::string_view scheme = "https://";
 
 std::string Configuration::front_host() const {
   return front.empty() ? front : lower(front.substr(scheme.size()));
+}
+
+StoreOptions Configuration::store_options() const {
+  StoreOptions options;
+  options.database = store;
+  options.blobs = blobs;
+  options.blobs_credentials = blobs_credentials;
+  return options;
 }
 
 Result<Address> listen_address(const std::string& text, const std::string& option, const std::string& front) {
@@ -53,6 +62,7 @@ Result<void> check(const Configuration& configuration) {
                 "give for example https://vacuform.example.org");
   VACUFORM_CHECK(listen_address(configuration.listen, "--listen", configuration.front));
   VACUFORM_CHECK(check_database(configuration.store));
+  VACUFORM_CHECK(check_blobs(configuration.blobs));
   VACUFORM_CHECK(listen_address(configuration.status_listen, "--status-listen", configuration.front));
   if (!configuration.worker_user.empty() && ::geteuid() != 0)
     return fail(Code::bad_usage, "only root can start workers as another user", "--worker-user",
@@ -79,8 +89,20 @@ void Configuration::add_to(ConfigurationSources& sources) {
       .add("store", &store,
            "PostgreSQL database that keeps the jobs, as postgresql://USER@HOST/DATABASE without a password, "
            "instead "
-           "of a file of SQLite in --data; scans and results stay in --data")
+           "of a file of SQLite in --data; scans and results stay in --data unless --blobs is given")
       ->type_name("URL");
+  sources
+      .add("blobs", &blobs,
+           "Object store that keeps scans and results, as s3://BUCKET?endpoint=https://HOST&region=NAME, "
+           "instead "
+           "of files in --data")
+      ->type_name("URL");
+  sources
+      .add("blobs_credentials", &blobs_credentials,
+           "File with aws_access_key_id and aws_secret_access_key for --blobs, instead of AWS_ACCESS_KEY_ID "
+           "and "
+           "AWS_SECRET_ACCESS_KEY in the environment")
+      ->type_name("FILE");
   sources.add("workers", &workers, "Workers to start on this machine")->check(CLI::Range(0, 256));
   sources
       .add("lease_seconds", &lease_seconds,

@@ -6,6 +6,7 @@
 
 #include "api/base/configuration.hpp"
 #include "api/base/error.hpp"
+#include "server/store/store.hpp"
 
 namespace vacuform {
 
@@ -14,7 +15,9 @@ struct Configuration {
   std::string status_listen = "127.0.0.1:0";
   std::string front;  // "https://vacuform.example.org", the TLS front; empty: no front
   std::filesystem::path data = "vacuform-data";
-  std::string store;  // "postgresql://user@host/database"; empty: SQLite in `data`
+  std::string store;                        // "postgresql://user@host/database"; empty: SQLite in `data`
+  std::string blobs;                        // "s3://bucket?endpoint=https://..."; empty: files in `data`
+  std::filesystem::path blobs_credentials;  // empty: the environment
   int workers = 0;
   int lease_seconds = 30;
   std::filesystem::path worker_program;  // empty until add_to(): vacuform-worker beside this program
@@ -23,6 +26,8 @@ struct Configuration {
   std::filesystem::path port_file, status_port_file;
 
   void add_to(ConfigurationSources& sources);
+  // Where the store keeps what it has, beside `data`.
+  StoreOptions store_options() const;
   // The front's name as browsers send it in Host, with its port if there is one.
   std::string front_host() const;
 };

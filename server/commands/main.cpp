@@ -123,11 +123,13 @@ Result<void> serve(const Configuration& options) {
   raise_file_limit();
 
   Metrics metrics;
-  StoreOptions store_options;
+  StoreOptions store_options = options.store_options();
   store_options.job_ended = [&metrics](const Job& job) { metrics.job_ended(job); };
-  store_options.database = options.store;
   store_options.lease = options.lease_seconds * Millis{1000};
   VACUFORM_TRY(store, open_store(options.data, store_options));
+  // The workers, which this process starts, must not inherit them.
+  for (const char* name : {"AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN"})
+    ::unsetenv(name);
   VACUFORM_TRY(kept, KeptFolder::open(options.data, *store));
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
   VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
@@ -198,8 +200,8 @@ Result<void> serve(const Configuration& options) {
 Result<void> run(ConfigurationSources& sources, const Configuration& configuration, TokenCommand& token,
                  BackupCommand& backup, int argc, char** argv) {
   VACUFORM_CHECK(sources.read(argc, argv));
-  if (token.asked()) return token.run(configuration.data, configuration.store);
-  if (backup.asked()) return backup.run(configuration.data, configuration.store);
+  if (token.asked()) return token.run(configuration.data, configuration.store_options());
+  if (backup.asked()) return backup.run(configuration.data, configuration.store_options());
   if (!sources.only_check()) return serve(configuration);
   VACUFORM_CHECK(check(configuration));
   std::printf("%s\n", sources.text().c_str());

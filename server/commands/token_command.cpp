@@ -16,13 +16,13 @@ namespace {
 
 // Does `with_store` where no server runs, and asks the server otherwise. Errors: not_found, when there is no store.
 template <class WithStore>
-Result<ordered_json> do_or_ask(const std::filesystem::path& data, const std::string& database,
+Result<ordered_json> do_or_ask(const std::filesystem::path& data, const StoreOptions& places,
                                const WithStore& with_store, const std::string& method,
                                const std::string& tail, const std::string& body = {},
                                bool may_begin = false) {
   if (!may_begin && !has_store(data)) return no_store(data);
   if (!start_secrets()) return fail(Code::internal, "this machine provides no random numbers");
-  const auto store = open_store(data, {.database = database});
+  const auto store = open_store(data, places);
   if (store) return with_store(**store);
   if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
   return ask_server(data, method, "/api/v1/tokens" + tail, body);
@@ -53,8 +53,8 @@ void TokenCommand::add_to(CLI::App& app) {
 
 bool TokenCommand::asked() const { return token_->parsed(); }
 
-Result<void> TokenCommand::run(const std::filesystem::path& configured_data, const std::string& database) {
-  database_ = database;
+Result<void> TokenCommand::run(const std::filesystem::path& configured_data, const StoreOptions& places) {
+  places_ = places;
   data_named_ = !data_.empty();
   if (!data_named_) data_ = configured_data;
   if (create_->parsed()) return create();
@@ -81,7 +81,7 @@ Result<void> TokenCommand::create() const {
   // The first token is made before the first start: in the configured folder, or in an empty one.
   std::error_code error;
   const bool may_begin = !data_named_ || std::filesystem::is_empty(data_, error);
-  VACUFORM_TRY(made, do_or_ask(data_, database_, here, "POST", "", wanted.dump(), may_begin && !error));
+  VACUFORM_TRY(made, do_or_ask(data_, places_, here, "POST", "", wanted.dump(), may_begin && !error));
   const std::string text = made.value("token", "") + "\n";
   if (!out_.empty()) return write_text_file(out_, text);
   std::fputs(text.c_str(), stdout);
@@ -95,7 +95,7 @@ Result<void> TokenCommand::list() const {
     for (const Token& token : tokens) all.push_back(token_json(token));
     return ordered_json{{"tokens", all}};
   };
-  VACUFORM_TRY(answer, do_or_ask(data_, database_, here, "GET", ""));
+  VACUFORM_TRY(answer, do_or_ask(data_, places_, here, "GET", ""));
   for (const auto& token : answer.value("tokens", ordered_json::array())) {
     std::string scopes;
     for (const auto& scope : token.at("scopes"))
@@ -121,7 +121,7 @@ Result<void> TokenCommand::revoke() const {
   if (id_.find_first_not_of("0123456789abcdef") != std::string::npos)
     return fail(Code::bad_usage, "not the id of a token: " + id_, "id",
                 "take it from vacuform-server token list");
-  VACUFORM_CHECK(do_or_ask(data_, database_, here, "DELETE", "/" + id_));
+  VACUFORM_CHECK(do_or_ask(data_, places_, here, "DELETE", "/" + id_));
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "api/base/error.hpp"
+#include "server/store/store.hpp"
 
 namespace CLI {
 class App;
@@ -19,9 +20,9 @@ class TokenCommand {
  public:
   void add_to(CLI::App& app);
   bool asked() const;
-  // `configured_data` is the data folder if --data is absent, `database` as StoreOptions::database. Errors: bad_usage, not_found, unauthorized (the
-  // administrator's token is missing or was revoked), those of the store.
-  Result<void> run(const std::filesystem::path& configured_data, const std::string& database);
+  // `configured_data` is the data folder if --data is absent, `places` says what is kept elsewhere. Errors: bad_usage,
+  // not_found, unauthorized (the administrator's token is missing or was revoked), those of the store.
+  Result<void> run(const std::filesystem::path& configured_data, const StoreOptions& places);
 
  private:
   Result<void> create() const;
@@ -30,7 +31,8 @@ class TokenCommand {
 
   CLI::App *token_ = nullptr, *create_ = nullptr, *list_ = nullptr, *revoke_ = nullptr;
   std::filesystem::path data_, out_;
-  std::string database_, owner_, scopes_, id_;
+  StoreOptions places_;
+  std::string owner_, scopes_, id_;
   double days_ = 0;
   bool data_named_ = false;  // by --data
 };

@@ -48,6 +48,11 @@ Result<std::int64_t> jobs_in(Database& db) {
   return count.integer(0);
 }
 
+// The blobs of the copy are files, wherever those of the store are.
+Result<void> forget_bucket(Database& db) {
+  return db.execute("BEGIN; DELETE FROM stored_object; DELETE FROM remembered WHERE name='bucket'; COMMIT");
+}
+
 }  // namespace
 
 Result<BackupReport> make_backup(const fs::path& to, BlobStore& blobs,
@@ -60,6 +65,7 @@ Result<BackupReport> make_backup(const fs::path& to, BlobStore& blobs,
   BackupReport report;
   SqliteDatabase copy;
   VACUFORM_CHECK(copy.open(file.string()));
+  VACUFORM_CHECK(forget_bucket(copy));
   VACUFORM_TRY(jobs, jobs_in(copy));
   report.jobs = jobs;
   VACUFORM_TRY(hashes, hashes_in(copy));

@@ -43,6 +43,7 @@ class Upload {
   Result<void> write(std::string_view bytes);
   std::uint64_t bytes() const { return blob_.bytes; }
   const File& file() const { return file_; }  // the written bytes, for reading
+  const std::filesystem::path& path() const { return path_; }
   // Fixes the hash; no writes afterwards.
   const Blob& digest();
   // Returns when the bytes are on the disk. Errors: disk_full, unavailable.
@@ -108,6 +109,8 @@ class BlobPins : public std::enable_shared_from_this<BlobPins> {
   std::set<std::string> deleting_;
 };
 
+class ObjectTable;
+
 // From any thread.
 class BlobStore {
  public:
@@ -115,6 +118,9 @@ class BlobStore {
   using Named = std::function<Result<bool>(const std::string& sha256)>;
 
   virtual ~BlobStore() = default;
+  // Called once before anything else, when the rows can be read and written. Errors: unavailable; corrupt_file: the blobs
+  // of these rows are somewhere else; bad_usage.
+  virtual Result<void> begin(ObjectTable& objects) = 0;
   // Starts a local file. Errors: disk_full, unavailable.
   virtual Result<Upload> upload(Use use = Use::submission) = 0;
   // A new name for a local file; a file left there is deleted at the next start.

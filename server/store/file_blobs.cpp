@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "api/base/log.hpp"
+#include "server/store/object_table.hpp"
 
 namespace vacuform {
 
@@ -35,29 +36,19 @@ class FileReader : public BlobReader {
 
 std::unique_ptr<BlobReader> reader_of(File file) { return std::make_unique<FileReader>(std::move(file)); }
 
-Result<void> delete_file(const fs::path& file) {
-  if (::unlink(file.c_str()) == 0 || errno == ENOENT) return {};
-  return fail(Code::unavailable, "deleting a file failed: " + std::generic_category().message(errno),
-              file.filename().string(), "check that the server may write to its data folder");
-}
-
 Result<std::unique_ptr<BlobStore>> FileBlobs::open(const fs::path& data, std::shared_ptr<const DiskRoom> room,
                                                    std::chrono::milliseconds trust) {
   std::unique_ptr<FileBlobs> blobs(new FileBlobs(data, std::move(room), trust));
   VACUFORM_CHECK(make_directory(blobs->blobs_));
-  VACUFORM_CHECK(make_directory(blobs->incoming_));
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(blobs->incoming_, error))
-    if (const auto deleted = delete_file(entry.path()); !deleted)
-      log_event("file-not-deleted", {{"folder", "incoming"}, {"problem", deleted.error().what}});
+  VACUFORM_CHECK(blobs->incoming_.open());
   return std::unique_ptr<BlobStore>(std::move(blobs));
 }
 
-Result<Upload> FileBlobs::upload(Use use) {
-  if (room_) VACUFORM_CHECK(room_->check(use));
-  fs::path path = temporary_path();
-  VACUFORM_TRY(file, File::create(path));
-  return Upload(std::move(file), std::move(path), room_, use);
+Result<void> FileBlobs::begin(ObjectTable& objects) {
+  VACUFORM_TRY(rows, objects.bucket());
+  if (!rows.number) return {};
+  return fail(Code::corrupt_file, "the files of the jobs are in an object store", "--blobs",
+              "give its address with --blobs, or another data folder with --data");
 }
 
 Result<Pin> FileBlobs::put(Upload& upload) {

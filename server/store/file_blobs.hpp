@@ -12,13 +12,11 @@
 #include <vector>
 
 #include "api/base/file.hpp"
-#include "api/base/secrets.hpp"
 #include "server/store/blob_store.hpp"
+#include "server/store/incoming.hpp"
 
 namespace vacuform {
 
-// Deletes a file; one that does not exist is fine. Errors: unavailable.
-Result<void> delete_file(const std::filesystem::path& file);
 // The bytes of an open file.
 std::unique_ptr<BlobReader> reader_of(File file);
 
@@ -53,8 +51,9 @@ class FileBlobs : public BlobStore {
                                                  std::shared_ptr<const DiskRoom> room = nullptr,
                                                  std::chrono::milliseconds trust = std::chrono::hours(1));
 
-  Result<Upload> upload(Use use = Use::submission) override;
-  std::filesystem::path temporary_path() const override { return incoming_ / random_hex(16); }
+  Result<void> begin(ObjectTable& objects) override;
+  Result<Upload> upload(Use use = Use::submission) override { return incoming_.upload(use); }
+  std::filesystem::path temporary_path() const override { return incoming_.temporary_path(); }
   Result<Pin> put(Upload& upload) override;
   Pin pin(const std::string& sha256) override { return pins_->pin(sha256); }
   Result<std::unique_ptr<BlobReader>> open(const std::string& sha256) override;
@@ -71,7 +70,7 @@ class FileBlobs : public BlobStore {
   };
   FileBlobs(const std::filesystem::path& data, std::shared_ptr<const DiskRoom> room,
             std::chrono::milliseconds trust)
-      : blobs_(data / "blobs"), incoming_(data / "incoming"), room_(std::move(room)), checked_(trust) {}
+      : blobs_(data / "blobs"), incoming_(data, std::move(room)), checked_(trust) {}
   std::filesystem::path place(const std::string& sha256) const {
     return blobs_ / sha256.substr(0, 2) / sha256;
   }
@@ -82,8 +81,8 @@ class FileBlobs : public BlobStore {
   void collect(const std::string& sha256, const Named& named, bool logged);
   void try_later(const std::string& sha256, bool logged);
 
-  const std::filesystem::path blobs_, incoming_;
-  const std::shared_ptr<const DiskRoom> room_;
+  const std::filesystem::path blobs_;
+  const Incoming incoming_;
   const std::shared_ptr<BlobPins> pins_ = std::make_shared<BlobPins>();
   mutable CheckedFiles checked_;
   std::mutex mutex_;

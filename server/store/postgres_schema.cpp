@@ -92,6 +92,15 @@ CREATE TRIGGER job_made AFTER INSERT OR DELETE ON job FOR EACH ROW EXECUTE FUNCT
 CREATE TRIGGER job_moved AFTER UPDATE OF state ON job FOR EACH ROW WHEN (OLD.state<>NEW.state)
   EXECUTE FUNCTION count_job();
 )sql",
+    // 1: all blobs were files
+    R"sql(
+CREATE TABLE stored_object(
+  sha256 text COLLATE "C" NOT NULL, generation text COLLATE "C" NOT NULL, bytes bigint NOT NULL, state text NOT NULL,
+  since bigint NOT NULL, PRIMARY KEY(sha256, generation)
+);
+CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
+CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
+)sql",
 };
 
 constexpr std::array tables{

@@ -4,7 +4,6 @@
 #include <thread>
 
 #include "api/base/secrets.hpp"
-#include "server/store/file_blobs.hpp"
 #include "server/store/postgres_schema.hpp"
 #include "server/store/schema.hpp"
 #include "server/store/sqlite.hpp"
@@ -100,8 +99,7 @@ Result<void> PostgresStore::open(const std::filesystem::path& data) {
     return {};
   });
   VACUFORM_CHECK(looked);
-  // A crash may have come between a file and the row that names it.
-  VACUFORM_CHECK(sweep_blobs());
+  VACUFORM_CHECK(begin_blobs());
   announcements_ = std::make_unique<PostgresNews>(pool_, news());
   return {};
 }
@@ -292,7 +290,7 @@ Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& 
   VACUFORM_CHECK(check_database(options.database));
   VACUFORM_TRY(lock, lock_data_folder(data));
   auto room = DiskRoom::open(data, options.kept_free);
-  VACUFORM_TRY(blobs, FileBlobs::open(data, room));
+  VACUFORM_TRY(blobs, open_blobs(data, options, room));
   auto store =
       std::make_unique<PostgresStore>(std::move(options), std::move(room), std::move(blobs), std::move(lock));
   VACUFORM_CHECK(store->open(data));

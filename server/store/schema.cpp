@@ -155,6 +155,15 @@ CREATE TABLE remembered(name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT, W
     R"sql(
 ALTER TABLE profile ADD COLUMN is_default INTEGER NOT NULL DEFAULT 0;
 )sql",
+    // 13: all blobs were files
+    R"sql(
+CREATE TABLE stored_object(
+  sha256 TEXT NOT NULL, generation TEXT NOT NULL, bytes INTEGER NOT NULL, state TEXT NOT NULL, since INTEGER NOT NULL,
+  PRIMARY KEY(sha256, generation)
+) STRICT, WITHOUT ROWID;
+CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
+CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
+)sql",
 };
 
 }  // namespace

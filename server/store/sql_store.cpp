@@ -7,7 +7,9 @@
 #include <cerrno>
 
 #include "server/store/backup.hpp"
+#include "server/store/file_blobs.hpp"
 #include "server/store/job_id.hpp"
+#include "server/store/s3_blobs.hpp"
 
 namespace vacuform {
 
@@ -79,7 +81,8 @@ Result<void> SqlStore::check_shared(Database& db, const NewInput& input) {
   return fail(Code::gone, "the file was deleted in the meantime", input.name, "send it again");
 }
 
-Result<void> SqlStore::sweep_blobs() {
+Result<void> SqlStore::begin_blobs() {
+  VACUFORM_CHECK(blobs_->begin(*this));
   return blobs_->sweep(
       [this](const std::string& sha256) { return read([&](Database& db) { return named(db, sha256); }); });
 }
@@ -134,6 +137,17 @@ Result<File> lock_data_folder(const std::filesystem::path& data) {
     return fail(Code::unavailable, "another server uses this data folder", data.string(),
                 "stop it, or give another folder with --data");
   return lock;
+}
+
+Result<std::unique_ptr<BlobStore>> open_blobs(const std::filesystem::path& data, const StoreOptions& options,
+                                              std::shared_ptr<const DiskRoom> room) {
+  if (blobs_in_files(options.blobs)) return FileBlobs::open(data, std::move(room));
+  VACUFORM_TRY(address, s3_address(options.blobs));
+  VACUFORM_TRY(credentials, s3_credentials(options.blobs_credentials));
+  S3Options s3;
+  s3.clock = options.clock;
+  return std::make_unique<S3Blobs>(data, std::move(room), std::move(address), std::move(credentials),
+                                   std::move(s3));
 }
 
 }  // namespace vacuform

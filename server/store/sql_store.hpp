@@ -20,13 +20,14 @@
 #include "server/store/blob_store.hpp"
 #include "server/store/lease_times.hpp"
 #include "server/store/news.hpp"
+#include "server/store/object_table.hpp"
 #include "server/store/sql.hpp"
 #include "server/store/store.hpp"
 #include "server/store/transitions.hpp"
 
 namespace vacuform {
 
-class SqlStore : public Store {
+class SqlStore : public Store, public ObjectTable {
  public:
   Result<Upload> upload(Use use) override { return blobs_->upload(use); }
   Result<void> room_for(std::uint64_t bytes) override { return room_->check(Use::submission, bytes); }
@@ -121,8 +122,9 @@ class SqlStore : public Store {
   // After a commit: tells other servers which jobs have changed.
   virtual void announce(const std::vector<std::string>&) {}
 
-  // Deletes blobs that no row names. Before anything is stored.
-  Result<void> sweep_blobs();
+  // Checks that the blobs are those of the rows, and deletes blobs that no row names: a crash may have come between the
+  // two. Before anything is stored.
+  Result<void> begin_blobs();
   // New ids come after those of jobs created up to then.
   void ids_after(Millis created) { last_id_time_ = std::max(created, last_id_time_.load()); }
   News& news() { return news_; }
@@ -252,6 +254,18 @@ class SqlStore : public Store {
     return write(change);
   }
   Result<std::vector<Expired>> end_leases();
+
+  // sql_objects.cpp
+  Result<std::optional<StoredObject>> live_object(const std::string& sha256) override;
+  Result<void> add_arriving(const StoredObject& object) override;
+  Result<void> object_arrived(const StoredObject& object) override;
+  Result<void> condemn(const StoredObject& object) override;
+  Result<void> condemn_unnamed() override;
+  Result<std::vector<StoredObject>> condemned_until(Millis time, int limit) override;
+  Result<void> forget(const StoredObject& object) override;
+  Result<Bucket> bucket() override;
+  Result<void> remember_bucket(std::int64_t number) override;
+
   Result<std::optional<std::string>> next_queued(Database& db);  // the id of the job whose turn it is, locked
   Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error = {},
                      Retry retry = Retry::never, std::optional<int> serious_warnings = {});
@@ -268,5 +282,9 @@ class SqlStore : public Store {
 
 // The lock of a data folder: one server at a time. Errors: unavailable (another server uses it), disk_full.
 Result<File> lock_data_folder(const std::filesystem::path& data);
+
+// The blobs of a data folder: in it, or in the object store that the options name.
+Result<std::unique_ptr<BlobStore>> open_blobs(const std::filesystem::path& data, const StoreOptions& options,
+                                              std::shared_ptr<const DiskRoom> room);
 
 }  // namespace vacuform

@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "server/store/file_blobs.hpp"
 #include "server/store/postgres_store.hpp"
 #include "server/store/schema.hpp"
 
@@ -23,8 +22,7 @@ Result<void> SqliteStore::open(const std::filesystem::path& data) {
     if (found) ids_after(newest.integer(0));
   }
   VACUFORM_CHECK(leases_.open(db_));
-  // A crash may have come between a file and the row that names it.
-  return sweep_blobs();
+  return begin_blobs();
 }
 
 Result<void> SqliteStore::look_at_rows(const Look& look) {
@@ -143,7 +141,7 @@ Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, Sto
     return fail(Code::corrupt_file, "the jobs of this data folder are in PostgreSQL", data.string(),
                 "give their database with --store, or another folder with --data");
   auto room = DiskRoom::open(data, options.kept_free);
-  VACUFORM_TRY(blobs, FileBlobs::open(data, room));
+  VACUFORM_TRY(blobs, open_blobs(data, options, room));
   auto store =
       std::make_unique<SqliteStore>(std::move(options), std::move(room), std::move(blobs), std::move(lock));
   VACUFORM_CHECK(store->open(data));

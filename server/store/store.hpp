@@ -103,7 +103,10 @@ class Store : public JobTable,
 struct StoreOptions {
   // "postgresql://user@host/database" keeps the rows there. Empty: in a file of SQLite in the data folder.
   std::string database = {};
-  Clock clock = wall_clock;  // for what is shown and kept
+  // "s3://bucket?endpoint=https://..." keeps the blobs there (s3_address.hpp). Empty or "file:": in the data folder.
+  std::string blobs = {};
+  std::filesystem::path blobs_credentials = {};  // the file with the access key; empty: the environment
+  Clock clock = wall_clock;                      // for what is shown and kept
   // For leases and rests. None: boot_clock of this machine with SQLite, the clock of the database with PostgreSQL.
   Clock elapsed = {};
   std::optional<std::uint64_t> kept_free =

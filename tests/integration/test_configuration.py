@@ -103,7 +103,7 @@ class Configuration:
 
 class ServerConfiguration(Configuration, Case):
     program, number, largest, text, made = "server", "lease_seconds", 3600, "port_file", "data"
-    first_names = "listen, status_listen, front, data, store, workers, lease_seconds"
+    first_names = "listen, status_listen, front, data, store, blobs, blobs_credentials, workers, lease_seconds"
 
     def test_defaults(self):
         settings = self.settings()

@@ -13,7 +13,7 @@ MAY_INCLUDE = {
     "api/redaction": "api/base",
     "api": "api/base",
     "api/client": "api +",
-    "server/store": "api + api/redaction",
+    "server/store": "api/client + api/redaction",
     "server/http": "api +",
     "server/access": "server/store + server/http",
     "server/jobs": "server/access +",

@@ -23,6 +23,8 @@ Result<std::unique_ptr<Store>> open_in_postgres(const fs::path& data, StoreOptio
 
 INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Postgres", open_in_postgres}),
                          [](const auto& backend) { return backend.param.name; });
+INSTANTIATE_TEST_SUITE_P(, StoreInFilesTest, testing::Values(Backend{"Postgres", open_in_postgres}),
+                         [](const auto& backend) { return backend.param.name; });
 
 class PostgresStoreTest : public testing::Test {
  protected:

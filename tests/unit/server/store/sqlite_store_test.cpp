@@ -14,6 +14,8 @@ namespace {
 
 INSTANTIATE_TEST_SUITE_P(, StoreTest, testing::Values(Backend{"Sqlite", open_store}),
                          [](const auto& backend) { return backend.param.name; });
+INSTANTIATE_TEST_SUITE_P(, StoreInFilesTest, testing::Values(Backend{"Sqlite", open_store}),
+                         [](const auto& backend) { return backend.param.name; });
 
 class SqliteStoreTest : public testing::Test {
  protected:

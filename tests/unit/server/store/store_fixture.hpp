@@ -20,10 +20,26 @@ namespace vacuform {
 
 namespace fs = std::filesystem;
 
-// A store by its name and the way to open it; blobs lie in its folder whatever keeps the rows.
+// The hashes of the blobs that lie in a data folder.
+inline std::set<std::string> blob_files(const fs::path& data) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(data / "blobs"))
+    if (entry.is_regular_file()) names.insert(entry.path().filename().string());
+  return names;
+}
+
+inline void change_blob_file(const fs::path& data, const std::string& sha256, const std::string& bytes) {
+  std::ofstream(data / "blobs" / sha256.substr(0, 2) / sha256) << bytes;
+}
+
+// A store by its name and the way to open it; and what others see of its blobs, and do to them.
 struct Backend {
   const char* name;
   Result<std::unique_ptr<Store>> (*open)(const std::filesystem::path& data, StoreOptions options);
+  std::set<std::string> (*blobs)(const fs::path& data) = blob_files;
+  void (*change_blob)(const fs::path& data, const std::string& sha256,
+                      const std::string& bytes) = change_blob_file;
+  Millis grace = 0;  // after which unwanted blobs are deleted
 };
 
 inline void PrintTo(const Backend& backend, std::ostream* out) { *out << backend.name; }
@@ -105,11 +121,20 @@ class StoreTest : public testing::TestWithParam<Backend> {
     return store_->complete(key);
   }
   Job job(const std::string& id) { return store_->job(id).value(); }
-  std::set<std::string> blobs() const {
-    std::set<std::string> names;
-    for (const auto& entry : fs::recursive_directory_iterator(data() / "blobs"))
-      if (entry.is_regular_file()) names.insert(entry.path().filename().string());
-    return names;
+  // The hashes of the blobs that are stored, once what is unwanted had its time to go.
+  std::set<std::string> blobs() {
+    auto found = GetParam().blobs(data());
+    if (GetParam().grace == 0) return found;
+    clock_set_ += GetParam().grace;
+    for (std::size_t before = found.size() + 1; found.size() < before; found = GetParam().blobs(data())) {
+      before = found.size();
+      EXPECT_TRUE(store_->expire());
+    }
+    clock_set_ -= GetParam().grace;
+    return found;
+  }
+  void change_blob(const std::string& sha256, const std::string& bytes) const {
+    GetParam().change_blob(data(), sha256, bytes);
   }
   std::string bytes_of(const Blob& blob) {
     auto file = store_->open(blob);
@@ -124,5 +149,8 @@ class StoreTest : public testing::TestWithParam<Backend> {
   Millis clock_set_ = 0;  // by how much the wall clock was set forward
   std::unique_ptr<Store> store_;
 };
+
+// What holds for blobs in files alone.
+using StoreInFilesTest = StoreTest;
 
 }  // namespace vacuform

@@ -266,11 +266,11 @@ TEST_P(StoreTest, KnowsTheNewestInspectionOfAScan) {
   EXPECT_FALSE((*found)->input("pattern"));
 }
 
-TEST_P(StoreTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
+TEST_P(StoreInFilesTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
   create("kept", "kept too");
   const std::string orphan = text_hash("orphan");
   fs::create_directories(data() / "blobs" / orphan.substr(0, 2));
-  std::ofstream(data() / "blobs" / orphan.substr(0, 2) / orphan) << "orphan";
+  change_blob(orphan, "orphan");
   reopen();
   EXPECT_EQ(blobs().count(orphan), 0u);
   EXPECT_EQ(blobs().size(), 2u);
@@ -292,7 +292,7 @@ TEST_P(StoreTest, ADamagedFileIsNotGiven) {
   const Job made = create("a scan", "a pattern");
   reopen();
   const std::string hash = made.input("scan")->blob.sha256;
-  std::ofstream(data() / "blobs" / hash.substr(0, 2) / hash) << "a scar";
+  change_blob(hash, "a scar");
   EXPECT_EQ(store_->open(made.input("scan")->blob).error().code, Code::gone);
   EXPECT_EQ(bytes_of(made.input("pattern")->blob), "a pattern");
 }
@@ -300,17 +300,14 @@ TEST_P(StoreTest, ADamagedFileIsNotGiven) {
 TEST_P(StoreTest, SendingADamagedFileAgainRepairsIt) {
   const Job made = create("a scan", "a pattern");
   const std::string hash = made.input("scan")->blob.sha256;
-  std::ofstream(data() / "blobs" / hash.substr(0, 2) / hash) << "a scar";
+  change_blob(hash, "a scar");
   create("a scan", "another pattern");
   EXPECT_EQ(bytes_of(made.input("scan")->blob), "a scan");
 }
 
 TEST_P(StoreTest, ABlobGoesWithTheLastJobThatNamesIt) {
   const Job first = create("a scan", "one"), second = create("a scan", "two");
-  const auto kept = [&](const char* text) {
-    const std::string hash = text_hash(text);
-    return fs::exists(data() / "blobs" / hash.substr(0, 2) / hash);
-  };
+  const auto kept = [&](const char* text) { return blobs().count(text_hash(text)) > 0; };
   ASSERT_TRUE(store_->cancel(first.id) && store_->remove(first.id));
   EXPECT_FALSE(kept("one"));
   EXPECT_TRUE(kept("a scan") && kept("two"));
@@ -319,7 +316,7 @@ TEST_P(StoreTest, ABlobGoesWithTheLastJobThatNamesIt) {
 }
 
 // A deletion may take long, as that of a large file does.
-TEST_P(StoreTest, TheStoreWorksWhileADeletionGoesOn) {
+TEST_P(StoreInFilesTest, TheStoreWorksWhileADeletionGoesOn) {
   const std::string id = create().id;
   std::future<bool> worked;
   std::atomic<bool> started{false};
@@ -370,7 +367,7 @@ TEST_P(StoreTest, ABackupKeepsWhatIsDeletedMeanwhileAndLeavesOutWhatIsDamaged) {
   ASSERT_TRUE(store_->cancel(made.id));
   const std::string damaged = create("damaged", "whole").input("scan")->blob.sha256;
   reopen();
-  std::ofstream(data() / "blobs" / damaged.substr(0, 2) / damaged) << "other";
+  change_blob(damaged, "other");
   const fs::path to = folder_ / "backup";
   fs::create_directory(to);
   fs::permissions(to, fs::perms::owner_all);

@@ -1,0 +1,111 @@
+// The rows of objects in an object store.
+#include "server/store/sql_store.hpp"
+
+namespace vacuform {
+
+namespace {
+
+constexpr std::string_view bucket_number = "bucket";
+
+}  // namespace
+
+Result<std::optional<StoredObject>> SqlStore::live_object(const std::string& sha256) {
+  return read([&](Database& db) -> Result<std::optional<StoredObject>> {
+    Query query(db, "SELECT generation, bytes FROM stored_object WHERE sha256=? AND state='live'", sha256);
+    VACUFORM_TRY(found, query.row());
+    if (!found) return std::nullopt;
+    return StoredObject{sha256, query.text(0), static_cast<std::uint64_t>(query.integer(1))};
+  });
+}
+
+Result<void> SqlStore::add_arriving(const StoredObject& object) {
+  return write([&](Transaction& tx) {
+    return Query(tx.db,
+                 "INSERT INTO stored_object(sha256, generation, bytes, state, since)"
+                 " VALUES(?,?,?,'arriving',?)",
+                 object.sha256, object.generation, object.bytes, options_.clock())
+        .run();
+  });
+}
+
+Result<void> SqlStore::object_arrived(const StoredObject& object) {
+  return write([&](Transaction& tx) -> Result<void> {
+    VACUFORM_CHECK(tx.db.take_turns("object " + object.sha256));
+    VACUFORM_CHECK(
+        Query(tx.db, "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND state='live'",
+              options_.clock(), object.sha256)
+            .run());
+    return Query(tx.db, "UPDATE stored_object SET state='live', since=? WHERE sha256=? AND generation=?",
+                 options_.clock(), object.sha256, object.generation)
+        .run();
+  });
+}
+
+Result<void> SqlStore::condemn(const StoredObject& object) {
+  return write([&](Transaction& tx) {
+    return Query(tx.db, "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND generation=?",
+                 options_.clock(), object.sha256, object.generation)
+        .run();
+  });
+}
+
+Result<void> SqlStore::condemn_unnamed() {
+  return write([&](Transaction& tx) {
+    return Query(tx.db,
+                 "UPDATE stored_object SET state='condemned', since=? WHERE state='arriving' OR (state='live'"
+                 " AND NOT EXISTS(SELECT 1 FROM input WHERE blob=sha256)"
+                 " AND NOT EXISTS(SELECT 1 FROM artifact WHERE blob=sha256)"
+                 " AND NOT EXISTS(SELECT 1 FROM upload WHERE blob=sha256)"
+                 " AND NOT EXISTS(SELECT 1 FROM scan WHERE blob=sha256))",
+                 options_.clock())
+        .run();
+  });
+}
+
+Result<std::vector<StoredObject>> SqlStore::condemned_until(Millis time, int limit) {
+  return read([&](Database& db) -> Result<std::vector<StoredObject>> {
+    std::vector<StoredObject> objects;
+    Query query(db,
+                "SELECT sha256, generation, bytes FROM stored_object WHERE state='condemned' AND since<=?"
+                " ORDER BY since LIMIT ?",
+                time, limit);
+    for (;;) {
+      VACUFORM_TRY(more, query.row());
+      if (!more) return objects;
+      objects.push_back({query.text(0), query.text(1), static_cast<std::uint64_t>(query.integer(2))});
+    }
+  });
+}
+
+Result<void> SqlStore::forget(const StoredObject& object) {
+  return write([&](Transaction& tx) {
+    return Query(tx.db, "DELETE FROM stored_object WHERE sha256=? AND generation=?", object.sha256,
+                 object.generation)
+        .run();
+  });
+}
+
+Result<ObjectTable::Bucket> SqlStore::bucket() {
+  return read([&](Database& db) -> Result<Bucket> {
+    Bucket bucket;
+    Query number(db, "SELECT value FROM remembered WHERE name=?", bucket_number);
+    VACUFORM_TRY(found, number.row());
+    if (found) bucket.number = number.integer(0);
+    Query rows(db,
+               "SELECT CASE WHEN EXISTS(SELECT 1 FROM input) OR EXISTS(SELECT 1 FROM artifact)"
+               " OR EXISTS(SELECT 1 FROM scan) OR EXISTS(SELECT 1 FROM upload WHERE blob IS NOT NULL)"
+               " THEN 1 ELSE 0 END, CASE WHEN EXISTS(SELECT 1 FROM stored_object) THEN 1 ELSE 0 END");
+    VACUFORM_CHECK(rows.row());
+    bucket.named_blobs = rows.integer(0) != 0;
+    bucket.objects = rows.integer(1) != 0;
+    return bucket;
+  });
+}
+
+Result<void> SqlStore::remember_bucket(std::int64_t number) {
+  return write([&](Transaction& tx) {
+    return Query(tx.db, "INSERT INTO remembered(name, value) VALUES(?,?)", bucket_number, number).run();
+  });
+}
+
+}  // namespace vacuform

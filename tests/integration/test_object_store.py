@@ -1,0 +1,119 @@
+"""The service with its files in a real object store: from a scan to its findings, parts of a download, deletion, an object
+store that dies in mid-job, and refusals."""
+import hashlib
+import os
+import signal
+import subprocess
+import unittest
+
+import made_scans
+from harness import BIN, DUE_ARTIFACTS, PATTERNS, Case, Server, curl, wait_for
+from object_store import KEY_ID, SECRET, Swift
+
+
+class InAnObjectStore(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.store = cls.enterClass(Swift())
+        cls.key = cls.folder / "key"
+        cls.key.write_text(f"[default]\naws_access_key_id = {KEY_ID}\naws_secret_access_key = {SECRET}\n")
+        cls.key.chmod(0o600)
+        cls.server = cls.enterClass(Server(cls.folder, workers=1, options=["--blobs", cls.store.url,
+                                                                          "--blobs-credentials", cls.key]))
+
+    def command(self, *words, environment=None):
+        return subprocess.run([BIN / "vacuform-server", *map(str, words)], capture_output=True, text=True,
+                              env={**os.environ, **(environment or {})})
+
+    def hashes(self):
+        return {key.partition(".")[0] for key in self.store.keys() if key != "vacuform-store"}
+
+    def download(self, job, artifact, *words):
+        return curl(*words, f"{self.server.api}/jobs/{job}/artifacts/{artifact}")
+
+    def refused_artifacts(self):
+        return [line for line in self.server.program.says().splitlines()
+                if '"request-failed"' in line and '"PUT"' in line and "/artifacts/" in line]
+
+    def assert_whole(self, job):
+        """Every artifact of the job is in the bucket, and a download has its bytes."""
+        artifacts = {a["name"]: a for a in self.server.job(job)["artifacts"]}
+        self.assertLessEqual(DUE_ARTIFACTS, set(artifacts))
+        for name, artifact in artifacts.items():
+            got = self.download(job, name)
+            self.assertEqual(got.status, 200, got)
+            self.assertEqual(hashlib.sha256(got.body).hexdigest(), artifact["sha256"], name)
+        self.assertLessEqual({a["sha256"] for a in artifacts.values()}, self.hashes())
+
+    def test_a_job_runs_and_its_files_are_objects(self):
+        job = self.server.submit(made_scans.newborn(), PATTERNS / "rings-7x40mm.svg")
+        self.assertEqual(self.server.wait(job)["state"], "succeeded", self.server.job(job))
+        self.assert_whole(job)
+        self.assertFalse((self.server.data / "blobs").exists())
+        self.assertEqual(list((self.server.data / "incoming").iterdir()), [])
+        whole = self.download(job, "formed.ply").body
+        self.assertGreater(len(whole), 1 << 20)  # read by ranges
+        for first, last in ((0, 0), (1000, 70_000), (len(whole) - 10, len(whole) - 1)):
+            part = self.download(job, "formed.ply", "-r", f"{first}-{last}")
+            self.assertEqual((part.status, part.body), (206, whole[first:last + 1]))
+        self.assertEqual(curl("-X", "DELETE", f"{self.server.api}/jobs/{job}").status, 204)
+        self.assertEqual(self.download(job, "formed.ply").status, 404)
+
+    def test_a_job_survives_an_object_store_that_dies(self):
+        job = self.server.submit(made_scans.newborn(), PATTERNS / "rings-7x40mm.svg", {"print": {"dpi": 200}})
+        self.server.wait(job, lambda j: j["state"] == "running" and j["progress"] > 0.1, "a job that has its inputs")
+        self.store.kill()
+        refused = self.server.post(made_scans.newborn(), PATTERNS / "rings-7x40mm.svg", {"print": {"dpi": 201}})
+        self.assertEqual(refused.status, 503, refused)
+        self.assertIn("the object store cannot be reached", refused.json["what"])
+        wait_for(lambda: self.refused_artifacts(), "an artifact that cannot be stored")
+        self.assertEqual(self.server.job(job)["state"], "running")
+        self.store.start()
+        self.assertEqual(self.server.wait(job)["state"], "succeeded", self.server.job(job))
+        self.assert_whole(job)
+        self.server.stop(signal.SIGKILL)
+        self.server.start()
+        self.assert_whole(job)
+
+    def test_a_backup_is_a_store_of_files(self):
+        sent = curl("-H", "Idempotency-Key: for-the-backup", "-F", f"scan=@{made_scans.newborn()}", "-F", "kind=inspection",
+                    self.server.api + "/jobs")
+        job = sent.json["id"]
+        self.assertEqual(self.server.wait(job)["state"], "succeeded")
+        copy = self.folder / "copy"
+        saved = self.command("backup", "--data", self.server.data, "--to", copy)
+        self.assertEqual(saved.returncode, 0, saved.stderr)
+        folder = self.folder / "restored"
+        folder.mkdir()
+        copy.rename(folder / "data")
+        with Server(folder, workers=0) as restored:
+            found = curl(f"{restored.api}/jobs/{job}/artifacts/findings.json")
+            self.assertEqual(found.status, 200, found)
+        again = curl(f"{self.server.api}/jobs/{job}/artifacts/findings.json")
+        self.assertEqual(found.body, again.body)
+
+    def test_a_wrong_secret_is_refused_at_the_start_and_not_shown(self):
+        data = self.folder / "refused"
+        words = ["--data", data, "--listen", "127.0.0.1:0", "--blobs", self.store.url]
+        done = self.command(*words, environment={"AWS_ACCESS_KEY_ID": KEY_ID, "AWS_SECRET_ACCESS_KEY": "open-sesame"})
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("the object store refuses the access key (SignatureDoesNotMatch)", done.stderr)
+        self.assertNotIn("open-sesame", done.stdout + done.stderr)
+        self.assertNotIn(SECRET, self.server.program.says())
+        without = self.command(*words, environment={"AWS_ACCESS_KEY_ID": "", "AWS_SECRET_ACCESS_KEY": ""})
+        self.assertEqual(without.returncode, 2)
+        self.assertIn("there is no access key for the object store", without.stderr)
+
+    def test_an_address_that_is_not_safe_is_refused(self):
+        for url, what in (("s3://a?endpoint=http://s3.example.org", "refusing plain HTTP"),
+                          ("s3://a?secret=open-sesame", "not a parameter of an object store: secret"),
+                          ("/var/lib/blobs", "not a place for files")):
+            done = self.command("--data", self.folder / "refused", "--blobs", url, "--check-config")
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn(what, done.stderr)
+            self.assertNotIn("open-sesame", done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
