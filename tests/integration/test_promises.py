@@ -15,6 +15,17 @@ class Promises(unittest.TestCase):
         build = pathlib.Path(os.environ["VACUFORM_BIN"]).parent
         listed = subprocess.run(["ctest", "-N", "--test-dir", build], capture_output=True, text=True, check=True).stdout
         cls.known = set(re.findall(r"Test +#\d+: (\S+)", listed))
+        for program in [name for name in cls.known if "." not in name and (build / "bin" / name).exists()]:
+            cls.known.update(cls.listed_by(build / "bin" / program))  # of a program that ctest runs as one test
+
+    @staticmethod
+    def listed_by(program):
+        suite = ""
+        for line in subprocess.run([program, "--gtest_list_tests"], capture_output=True, text=True, check=True).stdout.splitlines():
+            if not line.startswith(" "):
+                suite = line.split()[0]
+            else:
+                yield f"{program.name}.{suite}{line.split()[0]}"
 
     def exists(self, name):
         file, colons, method = name.partition("::")
