@@ -152,7 +152,7 @@ class ServerConfiguration(Configuration, Case):
 
 class WorkerConfiguration(Configuration, Case):
     program, number, largest, text, made = "worker", "keep_days", 3650, "name", "work"
-    first_names = "server, token_file, name, work, poll_seconds, keep, keep_days"
+    first_names = "server, token_file, name, work, poll_seconds, drain, max_jobs"
 
     @classmethod
     def setUpClass(cls):
