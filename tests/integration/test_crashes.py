@@ -11,7 +11,7 @@ from harness import BIN, DUE_ARTIFACTS, PATTERNS, Case, Program, Server, childre
 
 NEWBORN, RINGS = made_scans.newborn(), PATTERNS / "rings-7x40mm.svg"
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
-LONG = {"sheet": {"resolution_mm": 2.5}, "print": {"dpi": 100}}  # some seconds of forming
+LONG = {"sheet": {"resolution_mm": 1.2}, "print": {"dpi": 100}}  # some seconds of forming: more than two heartbeats
 LEASE = 4
 
 
