@@ -1,4 +1,4 @@
-// How the service does, for administrators, and how long its queue is, for what starts workers.
+// The state of the service, for administrators; the length of its queue, for programs that start workers.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>

@@ -26,10 +26,11 @@ struct LeaseLoop {
   Sandbox sandbox;
   std::optional<KeptScans> kept;  // where jobs of the same scan find its formed sheet; may be absent
 
-  // Runs until `stop`, most_jobs or idle_exit. After `stop` no job is leased; the running one goes on until the drain of
-  // `stop` ends, then its child is ended and it is released, which counts no attempt. A server that is away is retried,
-  // with a pause that grows to 10 s. A job that this program does not understand is released, and the loop ends. Errors: unauthorized or forbidden (the server rejects the token), conflict (it uses another protocol),
-  // bad_usage (the address is invalid; a job is not understood), unreadable (the work folder).
+  // Runs until `stop`, most_jobs or idle_exit. After `stop` it leases no job; the running one goes on until the drain of
+  // `stop` ends. Then its child is ended and it is released, which counts no attempt. A server that is away is retried,
+  // with a pause that grows to 10 s. A job that this program does not understand is released, and the loop ends.
+  // Errors: unauthorized or forbidden (the server rejects the token), conflict (it uses another protocol), bad_usage
+  // (the address is invalid; a job is not understood), unreadable (the work folder).
   Result<void> run(const StopSignal& stop) const;
 };
 
