@@ -5,6 +5,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "api/base/log.hpp"
@@ -38,12 +39,13 @@ std::unique_lock<std::mutex> held_soon(std::mutex& busy) {
 
 Result<std::unique_ptr<Uploads>> Uploads::open(Store& store, fs::path folder, Clock clock) {
   VACUFORM_CHECK(make_directory(folder));
+  const bool in_pieces = store.keeps_pieces();
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const auto upload = store.find_upload(entry.path().stem().string());
     const bool unknown =
         !upload && (upload.error().code == Code::not_found || upload.error().code == Code::gone);
-    if (!unknown && PartialFile::is_one(entry.path())) continue;
+    if (!in_pieces && !unknown && PartialFile::is_one(entry.path())) continue;
     if (const auto deleted = delete_file(entry.path()); !deleted)
       log_event("file-not-deleted", {{"folder", "uploads"}, {"problem", deleted.error().what}});
   }
@@ -79,6 +81,7 @@ std::shared_ptr<Uploads::Writer> Uploads::writer_of(const std::string& id) {
           (oldest == writers_.end() || it->second->used < oldest->second->used))
         oldest = it;
     if (oldest == writers_.end()) break;
+    if (store_.keeps_pieces() && !PartialFile::remove(name_of(oldest->first))) undeleted_.insert(oldest->first);
     writers_.erase(oldest);
   }
   return found;
@@ -89,7 +92,9 @@ Result<std::uint64_t> Uploads::offset(const StoredUpload& upload) {
   const auto writer = writer_of(upload.id);
   const std::unique_lock writing(writer->busy, std::try_to_lock);
   if (!writing) return held(upload.id);
-  if (writer->file) return writer->file->bytes();
+  if (upload.pieces > 0) return upload.received;
+  if (writer->file && writer->pieces == 0) return writer->file->bytes();
+  if (store_.keeps_pieces()) return 0;
   VACUFORM_TRY(flushed, PartialFile::flushed(name_of(upload.id)));
   if (flushed == upload.length) VACUFORM_CHECK(finish_after_crash(upload, *writer));
   return flushed;
@@ -105,10 +110,7 @@ Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t 
     return offset == now.length && request.content_length == 0
                ? Result<std::uint64_t>(now.length)
                : fail(Code::conflict, "the upload is complete already", upload.id, "use it");
-  if (!writer->file) {
-    VACUFORM_TRY(opened, PartialFile::open(name_of(upload.id), upload.extension));
-    writer->file.emplace(std::move(opened));
-  }
+  VACUFORM_CHECK(open_file(now, *writer));
   PartialFile& file = *writer->file;
   if (offset != file.bytes())
     return fail(Code::conflict,
@@ -118,7 +120,7 @@ Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t 
     return fail(Code::too_large, "there are more bytes than the upload's length", "Upload-Length",
                 "begin an upload of the right length");
   VACUFORM_CHECK(store_.room_for(request.content_length));
-  const auto received = receive(file, upload.length, request, whole);
+  const auto received = receive(upload, *writer, request, whole);
   if (!received && !file.is_flushed()) {  // only flushed bytes count
     file.drop_unflushed();
     writer->file.reset();
@@ -132,22 +134,59 @@ Result<std::uint64_t> Uploads::append(const StoredUpload& upload, std::uint64_t 
   return bytes;
 }
 
-Result<void> Uploads::receive(PartialFile& file, std::uint64_t length, http::Request& request, bool whole) {
+Result<void> Uploads::open_file(const StoredUpload& upload, Writer& writer) {
+  if (writer.pieces != upload.pieces) writer.file.reset();
+  if (writer.file) return {};
+  const fs::path name = name_of(upload.id);
+  std::vector<std::unique_ptr<BlobReader>> readers;
+  if (upload.pieces > 0) {
+    VACUFORM_TRY(pieces, store_.pieces(upload.id));
+    for (const Blob& piece : pieces) {
+      VACUFORM_TRY(reader, store_.open(piece));
+      readers.push_back(std::move(reader));
+    }
+  } else if (store_.keeps_pieces()) {
+    VACUFORM_CHECK(PartialFile::remove(name));
+  }
+  auto file = readers.empty() ? PartialFile::open(name, upload.extension)
+                              : PartialFile::of_pieces(name, upload.extension, readers);
+  if (!file) return tl::make_unexpected(std::move(file.error()));
+  writer.file.emplace(std::move(*file));
+  writer.pieces = upload.pieces;
+  return {};
+}
+
+// Makes what has come survive this server.
+Result<void> Uploads::flush(const StoredUpload& upload, Writer& writer) {
+  PartialFile& file = *writer.file;
+  if (file.is_flushed()) return {};
+  VACUFORM_CHECK(file.flush());
+  if (!store_.keeps_pieces() || !file.can_go_on() || file.bytes() == upload.length) return {};
+  const int number = std::exchange(writer.pieces, -1);
+  VACUFORM_TRY(piece, store_.upload());
+  VACUFORM_CHECK(file.write_piece(piece));
+  VACUFORM_CHECK(store_.add_piece(upload.id, number, std::move(piece), file.bytes()));
+  writer.pieces = number + 1;
+  return {};
+}
+
+Result<void> Uploads::receive(const StoredUpload& upload, Writer& writer, http::Request& request, bool whole) {
+  PartialFile& file = *writer.file;
   std::vector<char> piece(64 * 1024);
   std::uint64_t flushed = file.bytes();
   for (;;) {
     const auto n = request.body->read(piece);
     if (!n || *n == 0) {
-      if (n || !whole) VACUFORM_CHECK(file.flush());
+      if (n || !whole) VACUFORM_CHECK(flush(upload, writer));
       if (!n) return tl::make_unexpected(n.error());
       return {};
     }
-    if (*n > length - file.bytes())
+    if (*n > upload.length - file.bytes())
       return fail(Code::too_large, "there are more bytes than the upload's length");
     VACUFORM_CHECK(store_.room_for(*n));
     VACUFORM_CHECK(file.take({piece.data(), *n}));
     if (whole || file.bytes() - flushed < flush_every) continue;
-    VACUFORM_CHECK(file.flush());
+    VACUFORM_CHECK(flush(upload, writer));
     flushed = file.bytes();
   }
 }

@@ -4,6 +4,9 @@
 // What a request has sent when it breaks off is kept; while a long one goes on, every 8 MiB are flushed, so that a killed
 // server loses no more than these. Memory: the last 16 uploads that were written to keep their filters and hashes, some
 // 100 KiB each; others read themselves through once when they go on.
+//
+// Where several servers use the store, each flush also puts a piece into the store, from which another server continues.
+// A zip cannot be continued, so it has to arrive in requests to one server.
 #pragma once
 
 #include <filesystem>
@@ -47,13 +50,17 @@ class Uploads {
   struct Writer {
     std::mutex busy;
     std::optional<PartialFile> file;
+    int pieces = 0;  // in the store, of the bytes in the file; -1: unknown, since keeping one failed
     std::uint64_t used = 0;
   };
   Uploads(Store& store, std::filesystem::path folder, Clock clock)
       : store_(store), folder_(std::move(folder)), clock_(std::move(clock)) {}
   std::filesystem::path name_of(const std::string& id) const { return folder_ / id; }
   std::shared_ptr<Writer> writer_of(const std::string& id);
-  Result<void> receive(PartialFile& file, std::uint64_t length, http::Request& request, bool whole);
+  // Opens the writer's file unless it is open and no other server has received bytes since.
+  Result<void> open_file(const StoredUpload& upload, Writer& writer);
+  Result<void> receive(const StoredUpload& upload, Writer& writer, http::Request& request, bool whole);
+  Result<void> flush(const StoredUpload& upload, Writer& writer);
   Result<void> finish_after_crash(const StoredUpload& upload, Writer& writer);
   Result<void> finish(const StoredUpload& upload, PartialFile& file);
   // Deletes the files of an upload; collect() tries again what could not be deleted.

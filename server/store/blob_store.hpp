@@ -121,6 +121,8 @@ class BlobStore {
   // Called once before anything else, when the rows can be read and written. Errors: unavailable; corrupt_file: the blobs
   // of these rows are somewhere else; bad_usage.
   virtual Result<void> begin(ObjectTable& objects) = 0;
+  // Whether another server may delete a blob, as the rows of object_table.hpp say.
+  virtual bool shared() const { return false; }
   // Starts a local file. Errors: disk_full, unavailable.
   virtual Result<Upload> upload(Use use = Use::submission) = 0;
   // A new name for a local file; a file left there is deleted at the next start.
@@ -141,7 +143,7 @@ class BlobStore {
   // collect_again() tries again; the latter is logged.
   virtual void collect(const std::string& sha256, const Named& named) = 0;
   virtual void collect_again(const Named& named) = 0;
-  // Deletes every blob that no row names. Only before anything is put. Errors: unavailable.
+  // Deletes blobs that no row names. Only before anything is put. Errors: unavailable.
   virtual Result<void> sweep(const Named& named) = 0;
 };
 

@@ -32,8 +32,11 @@ class ObjectTable {
   // Makes it live, and condemns the one that was.
   virtual Result<void> object_arrived(const StoredObject& object) = 0;
   virtual Result<void> condemn(const StoredObject& object) = 0;
-  // At the start: all that are arriving, and all that no other row names.
-  virtual Result<void> condemn_unnamed() = 0;
+  // The live object of a blob that no other row names. A row that begins to name it comes before this or finds it
+  // condemned.
+  virtual Result<void> condemn_if_unnamed(const std::string& sha256) = 0;
+  // All that have been arriving for a time, or have been live for it without another row that names them.
+  virtual Result<void> condemn_unnamed(Millis age) = 0;
   // Those that were condemned up to a time, the oldest first.
   virtual Result<std::vector<StoredObject>> condemned_until(Millis time, int limit) = 0;
   virtual Result<void> forget(const StoredObject& object) = 0;

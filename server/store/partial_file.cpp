@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <initializer_list>
+#include <optional>
 #include <system_error>
 #include <vector>
 
@@ -29,20 +31,56 @@ struct State {
   std::string filter;
 };
 
+// Reads the numbers of a line, each with the character after it; what follows them in the text is left in it. False if
+// the text begins otherwise.
+bool take_numbers(std::string_view& text,
+                  std::initializer_list<std::pair<std::uint64_t*, char>> numbers_and_marks) {
+  for (const auto& [number, mark] : numbers_and_marks) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, *number);
+    if (error != std::errc() || stop == end || *stop != mark) return false;
+    text.remove_prefix(static_cast<std::size_t>(stop + 1 - text.data()));
+  }
+  return true;
+}
+
 // "<received> <kept>\n" and the state of the filter; nullopt if it is missing or invalid.
 Result<std::optional<State>> read_state(const fs::path& name) {
   auto text = read_text_file(state_of(name), most_state);
   if (!text && text.error().code == Code::not_found) return std::optional<State>();
   if (!text) return tl::make_unexpected(std::move(text.error()));
   State state;
-  const char *at = text->data(), *const end = at + text->size();
-  for (const auto& [number, mark] : {std::pair{&state.received, ' '}, {&state.kept, '\n'}}) {
-    const auto [stop, error] = std::from_chars(at, end, *number);
-    if (error != std::errc() || stop == end || *stop != mark) return std::optional<State>();
-    at = stop + 1;
-  }
-  state.filter.assign(at, end);
+  std::string_view rest = *text;
+  if (!take_numbers(rest, {{&state.received, ' '}, {&state.kept, '\n'}})) return std::optional<State>();
+  state.filter = rest;
   return state.kept <= state.received ? std::optional(std::move(state)) : std::nullopt;
+}
+
+tl::unexpected<Error> cannot_resume() {
+  return fail(Code::unreadable, "an upload cannot be resumed", {}, "begin it again");
+}
+
+// Appends a piece's bytes to the file. Gives the state in the piece.
+Result<std::string> append_piece(const BlobReader& piece, File& file) {
+  std::string state(32, '\0');
+  VACUFORM_TRY(begun, piece.read_at(0, state));
+  state.resize(begun);
+  std::string_view rest = state;
+  std::uint64_t length = 0;
+  if (!take_numbers(rest, {{&length, '\n'}}) || length > most_state) return cannot_resume();
+  std::uint64_t at = state.size() - rest.size();
+  state.resize(length);
+  for (std::size_t had = 0; had < length;) {
+    VACUFORM_TRY(n, piece.read_at(at, {state.data() + had, length - had}));
+    if (n == 0) return cannot_resume();
+    had += n, at += n;
+  }
+  for (std::vector<char> bytes(piece_size);;) {
+    VACUFORM_TRY(n, piece.read_at(at, bytes));
+    if (n == 0) return state;
+    VACUFORM_CHECK(file.write({bytes.data(), n}));
+    at += n;
+  }
 }
 
 }  // namespace
@@ -71,11 +109,43 @@ Result<PartialFile> PartialFile::open(fs::path name, const std::string& extensio
     return file;
   }
   if (!file.filter_.go_on(state->filter))
-    return fail(Code::unreadable, "an upload cannot be resumed", {}, "begin it again");
+    return cannot_resume();
   file.received_ = file.flushed_received_ = state->received;
   file.kept_ = file.flushed_kept_ = state->kept;
   VACUFORM_CHECK(file.hash_again());
   return file;
+}
+
+Result<PartialFile> PartialFile::of_pieces(fs::path name, const std::string& extension,
+                                           const std::vector<std::unique_ptr<BlobReader>>& pieces) {
+  VACUFORM_CHECK(remove(name));
+  {
+    VACUFORM_TRY(part, File::create(part_of(name)));
+    std::string state;
+    for (const auto& piece : pieces) {
+      VACUFORM_TRY(last, append_piece(*piece, part));
+      state = std::move(last);
+    }
+    VACUFORM_CHECK(write_text_file(state_of(name), state));
+  }
+  VACUFORM_TRY(file, open(std::move(name), extension));
+  file.in_pieces_ = file.kept_;
+  return file;
+}
+
+Result<void> PartialFile::write_piece(Upload& into) {
+  VACUFORM_TRY(state, read_text_file(state_of(name_), most_state));
+  VACUFORM_CHECK(into.write(std::to_string(state.size()) + "\n" + state));
+  std::vector<char> bytes(piece_size);
+  while (in_pieces_ < flushed_kept_) {
+    const auto wanted =
+        static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), flushed_kept_ - in_pieces_));
+    VACUFORM_TRY(n, file_.read_at(in_pieces_, {bytes.data(), wanted}));
+    if (n == 0) return fail(Code::unreadable, "a part of an upload is missing", {}, "begin it again");
+    VACUFORM_CHECK(into.write({bytes.data(), n}));
+    in_pieces_ += n;
+  }
+  return {};
 }
 
 Result<void> PartialFile::begin() {

@@ -4,14 +4,20 @@
 // Each name has two files. NAME.part contains the bytes to store, with names blanked. NAME.state contains the number of
 // bytes received at the last flush, how many of them are in NAME.part, and the state of the filter: the filter decides
 // by the preceding bytes, and blanked bytes no longer contain all of that. After a restart the filter continues from
-// its state, and NAME.part is hashed once. A zip has no state: after a restart it begins again. Only the state can contain a name, at most a word of text or an unfinished
-// segment of a JPEG (64 KiB); it is deleted when the file is complete or abandoned.
+// its state, and NAME.part is hashed once. A zip has no state: after a restart it begins again. Only the state can
+// contain a name, at most a word of text or an unfinished segment of a JPEG (64 KiB); it is deleted when the file is
+// complete or abandoned.
+//
+// For another server that may continue the file, what was flushed can be written as pieces: the length of NAME.state in
+// decimal, a line feed, NAME.state, and the bytes of NAME.part since the piece before.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/redaction/names.hpp"
 #include "server/store/blob_store.hpp"
@@ -26,6 +32,10 @@ class PartialFile {
   static Result<std::uint64_t> flushed(const std::filesystem::path& name);
   // Errors: unavailable.
   static Result<void> remove(const std::filesystem::path& name);
+  // Makes the file of that name from all pieces that write_piece() gave, in their order, and opens it; an earlier file of
+  // that name goes. Errors: unavailable, unreadable (they are not such pieces), and those of the readers.
+  static Result<PartialFile> of_pieces(std::filesystem::path name, const std::string& extension,
+                                       const std::vector<std::unique_ptr<BlobReader>>& pieces);
   // Whether a file of that name is one of these two; other files do not belong to the upload.
   static bool is_one(const std::filesystem::path& file);
 
@@ -33,6 +43,10 @@ class PartialFile {
   // Appends the next bytes. They are lost in a crash before flush(). Errors: disk_full, unavailable.
   Result<void> take(std::string_view bytes);
   Result<void> flush();
+  // Whether the file can be continued from its state, by open() or of_pieces(): a zip cannot.
+  bool can_go_on() const { return filter_.can_go_on(); }
+  // Writes the state of the last flush, and the bytes that were flushed since the last piece.
+  Result<void> write_piece(Upload& into);
   // Whether all appended bytes are flushed.
   bool is_flushed() const { return received_ == flushed_received_; }
   // Frees the space of the bytes since the last flush; then the file must be opened again.
@@ -54,6 +68,7 @@ class PartialFile {
   Sha256 hash_;
   std::uint64_t received_ = 0, kept_ = 0;  // kept_: of NAME.part; the filter holds a few back
   std::uint64_t flushed_received_ = 0, flushed_kept_ = 0;
+  std::uint64_t in_pieces_ = 0;  // of NAME.part
 };
 
 }  // namespace vacuform

@@ -101,6 +101,15 @@ CREATE TABLE stored_object(
 CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
 CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
 )sql",
+    // 2: unfinished uploads were files of one server
+    R"sql(
+ALTER TABLE upload ADD COLUMN received bigint NOT NULL DEFAULT 0;
+CREATE TABLE upload_piece(
+  upload text COLLATE "C" NOT NULL REFERENCES upload(id) ON DELETE CASCADE, number integer NOT NULL,
+  blob text COLLATE "C" NOT NULL, bytes bigint NOT NULL, PRIMARY KEY(upload, number)
+);
+CREATE INDEX upload_piece_by_blob ON upload_piece(blob);
+)sql",
 };
 
 constexpr std::array tables{

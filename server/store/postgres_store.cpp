@@ -5,6 +5,7 @@
 
 #include "api/base/secrets.hpp"
 #include "server/store/postgres_schema.hpp"
+#include "server/store/s3_address.hpp"
 #include "server/store/schema.hpp"
 #include "server/store/sqlite.hpp"
 
@@ -156,7 +157,7 @@ Result<void> PostgresStore::change_rows(const Change& change) {
 }
 
 // The start deletes blobs that no row names, so the folder and the database must belong together. Both keep the same
-// number.
+// number. A folder whose blobs are in an object store has none to lose, so any number of them go with one database.
 Result<void> PostgresStore::match_folder(const std::filesystem::path& data) {
   const std::filesystem::path file = data / database_mark;
   std::string mark;
@@ -188,7 +189,7 @@ Result<void> PostgresStore::match_folder(const std::filesystem::path& data) {
   if (std::filesystem::exists(data / "jobs.sqlite", error))
     return fail(Code::corrupt_file, "the jobs of this data folder are in SQLite", data.string(),
                 "leave --store out, or give an empty folder with --data");
-  if (jobs)
+  if (jobs && blobs_in_files(options_.blobs))
     return fail(Code::corrupt_file, "the files of the jobs in the database are in another data folder",
                 data.string(), "give that folder with --data, or an empty database with --store");
   return write_text_file(file, found + "\n");

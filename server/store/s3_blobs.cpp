@@ -24,6 +24,7 @@ constexpr std::uint64_t first_piece = 1 << 20;  // where no sequence is to be se
 constexpr std::uint64_t most_parts = 10'000;
 constexpr std::chrono::seconds deleting(1);            // at a time, in collect_again()
 constexpr std::chrono::seconds pause_after_fault(30);  // between deletions
+constexpr Millis longest_request = 4 * 3'600'000, between_sweeps = 3'600'000;
 constexpr const char* mark_key = "vacuform-store";     // the object that says whose bucket this is
 
 tl::unexpected<Error> damaged(const std::string& sha256) {
@@ -270,9 +271,13 @@ void S3Blobs::collect(const std::string& sha256, const Named& named) {
 Result<void> S3Blobs::condemn_if_unwanted(const std::string& sha256, const Named& named) {
   VACUFORM_TRY(used, named(sha256));
   if (used) return {};
-  VACUFORM_TRY(object, objects_->live_object(sha256));
-  if (!object) return {};
-  return objects_->condemn(*object);
+  return objects_->condemn_if_unnamed(sha256);
+}
+
+Result<void> S3Blobs::sweep(const Named&) {
+  const std::lock_guard hold(mutex_);
+  swept_ = options_.clock();
+  return objects_->condemn_unnamed(options_.alone ? 0 : longest_request);
 }
 
 void S3Blobs::collect_again(const Named& named) {
@@ -282,7 +287,21 @@ void S3Blobs::collect_again(const Named& named) {
     later.swap(later_);
   }
   for (const std::string& sha256 : later) collect(sha256, named);
+  sweep_again();
   delete_condemned();
+}
+
+// What a crashed server left is deleted by those that run on.
+void S3Blobs::sweep_again() {
+  if (options_.alone) return;
+  const Millis now = options_.clock();
+  {
+    const std::lock_guard hold(mutex_);
+    if (now < swept_ + between_sweeps) return;
+    swept_ = now;
+  }
+  if (const auto swept = objects_->condemn_unnamed(longest_request); !swept)
+    log_event("store-failed", {{"problem", swept.error().text()}});
 }
 
 // Stops at the first fault: the object store is probably away.

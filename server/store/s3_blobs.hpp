@@ -25,7 +25,12 @@ namespace vacuform {
 
 struct S3Options {
   Clock clock = wall_clock;
-  Millis grace = 3'600'000;  // from condemning an object to deleting it; no download takes longer
+  // From condemning an object to deleting it. No download takes more than an hour, and the clocks of two servers may
+  // differ by one.
+  Millis grace = 3 * 3'600'000;
+  // No other server uses the rows. Otherwise an object that no row names may be that of a request to another server,
+  // unless it is older than any request.
+  bool alone = true;
   std::uint64_t parts_above = 100 << 20;  // larger blobs are sent in parts
   std::uint64_t part = 64 << 20;          // of that size, or larger for the 10,000 parts that S3 allows
   std::chrono::milliseconds trust = std::chrono::hours(1);  // in bytes that were found to be right
@@ -59,6 +64,7 @@ class S3Blobs : public BlobStore {
         checked_(std::make_shared<CheckedObjects>(options_.trust)) {}
 
   Result<void> begin(ObjectTable& objects) override;
+  bool shared() const override { return true; }
   Result<Upload> upload(Use use = Use::submission) override { return incoming_.upload(use); }
   std::filesystem::path temporary_path() const override { return incoming_.temporary_path(); }
   Result<Pin> put(Upload& upload) override;
@@ -68,7 +74,7 @@ class S3Blobs : public BlobStore {
   // Condemns the object; collect_again() deletes it after the time of grace.
   void collect(const std::string& sha256, const Named& named) override;
   void collect_again(const Named& named) override;
-  Result<void> sweep(const Named&) override { return objects_->condemn_unnamed(); }
+  Result<void> sweep(const Named&) override;
 
  private:
   Result<void> match_bucket();
@@ -78,6 +84,7 @@ class S3Blobs : public BlobStore {
   Result<std::string> verified(const StoredObject& object);
   Result<void> send(const StoredObject& object, const std::filesystem::path& file);
   Result<void> condemn_if_unwanted(const std::string& sha256, const Named& named);
+  void sweep_again();
   void delete_condemned();
 
   const S3Options options_;
@@ -89,6 +96,7 @@ class S3Blobs : public BlobStore {
   std::mutex mutex_;
   std::set<std::string> later_;  // blobs to collect again
   std::chrono::steady_clock::time_point no_deletion_until_{};
+  Millis swept_ = 0;  // when condemn_unnamed() was called last
 };
 
 }  // namespace vacuform

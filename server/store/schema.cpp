@@ -164,6 +164,15 @@ CREATE TABLE stored_object(
 CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
 CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
 )sql",
+    // 14: unfinished uploads were files of one server
+    R"sql(
+ALTER TABLE upload ADD COLUMN received INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE upload_piece(
+  upload TEXT NOT NULL REFERENCES upload(id) ON DELETE CASCADE, number INTEGER NOT NULL,
+  blob TEXT NOT NULL, bytes INTEGER NOT NULL, PRIMARY KEY(upload, number)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX upload_piece_by_blob ON upload_piece(blob);
+)sql",
 };
 
 }  // namespace

@@ -44,8 +44,13 @@ Result<Job> SqlStore::create(NewJob job, bool* repeated) {
                          id, name(job.kind), client_key, now, job.settings, job.request, job.owner,
                          job.priority, job.derived_from, job.reference, job.note)
                        .run());
+    std::vector<std::string> hashes;
     for (std::size_t i = 0; i < blobs.size(); ++i) {
       VACUFORM_CHECK(check_shared(tx.db, job.inputs[i]));
+      hashes.push_back(blobs[i].sha256);
+    }
+    VACUFORM_CHECK(hold_objects(tx.db, std::move(hashes)));
+    for (std::size_t i = 0; i < blobs.size(); ++i) {
       VACUFORM_CHECK(Query(tx.db, "INSERT INTO input(job, name, blob, bytes, extension) VALUES(?,?,?,?,?)",
                            id, job.inputs[i].name, blobs[i].sha256, blobs[i].bytes, job.inputs[i].extension)
                          .run());

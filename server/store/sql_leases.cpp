@@ -115,6 +115,7 @@ Result<void> SqlStore::put_artifact(const LeaseKey& key, const std::string& name
     VACUFORM_TRY(artifacts, artifacts_of(tx.db, row.job.id));
     for (const auto& old : artifacts)
       if (old.name == name) tx.garbage.push_back(old.blob.sha256);
+    VACUFORM_CHECK(hold_objects(tx.db, {blob.sha256}));
     return Query(tx.db,
                  "INSERT INTO artifact(job, name, blob, bytes) VALUES(?,?,?,?)"
                  " ON CONFLICT(job, name) DO UPDATE SET blob=excluded.blob, bytes=excluded.bytes",

@@ -1,4 +1,6 @@
 // The rows of objects in an object store.
+#include <algorithm>
+
 #include "server/store/sql_store.hpp"
 
 namespace vacuform {
@@ -6,6 +8,13 @@ namespace vacuform {
 namespace {
 
 constexpr std::string_view bucket_number = "bucket";
+
+#define VACUFORM_UNNAMED                                               \
+  " AND NOT EXISTS(SELECT 1 FROM input WHERE blob=sha256)"    \
+  " AND NOT EXISTS(SELECT 1 FROM artifact WHERE blob=sha256)" \
+  " AND NOT EXISTS(SELECT 1 FROM upload WHERE blob=sha256)"   \
+  " AND NOT EXISTS(SELECT 1 FROM upload_piece WHERE blob=sha256)" \
+  " AND NOT EXISTS(SELECT 1 FROM scan WHERE blob=sha256)"
 
 }  // namespace
 
@@ -35,7 +44,8 @@ Result<void> SqlStore::object_arrived(const StoredObject& object) {
         Query(tx.db, "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND state='live'",
               options_.clock(), object.sha256)
             .run());
-    return Query(tx.db, "UPDATE stored_object SET state='live', since=? WHERE sha256=? AND generation=?",
+    return Query(tx.db, "UPDATE stored_object SET state='live', since=? WHERE sha256=? AND generation=?"
+                 " AND state='arriving'",
                  options_.clock(), object.sha256, object.generation)
         .run();
   });
@@ -49,17 +59,50 @@ Result<void> SqlStore::condemn(const StoredObject& object) {
   });
 }
 
-Result<void> SqlStore::condemn_unnamed() {
-  return write([&](Transaction& tx) {
+Result<void> SqlStore::condemn_if_unnamed(const std::string& sha256) {
+  return write([&](Transaction& tx) -> Result<void> {
+    VACUFORM_CHECK(tx.db.take_turns("object " + sha256));
     return Query(tx.db,
-                 "UPDATE stored_object SET state='condemned', since=? WHERE state='arriving' OR (state='live'"
-                 " AND NOT EXISTS(SELECT 1 FROM input WHERE blob=sha256)"
-                 " AND NOT EXISTS(SELECT 1 FROM artifact WHERE blob=sha256)"
-                 " AND NOT EXISTS(SELECT 1 FROM upload WHERE blob=sha256)"
-                 " AND NOT EXISTS(SELECT 1 FROM scan WHERE blob=sha256))",
-                 options_.clock())
+                 "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND state='live'" VACUFORM_UNNAMED,
+                 options_.clock(), sha256)
         .run();
   });
+}
+
+// One at a time: a transaction that takes turns for many objects would wait for all requests.
+Result<void> SqlStore::condemn_unnamed(Millis age) {
+  const Millis until = options_.clock() - age;
+  auto unnamed = read([&](Database& db) -> Result<std::vector<std::string>> {
+    std::vector<std::string> hashes;
+    Query query(db, "SELECT sha256 FROM stored_object WHERE state='live' AND since<=?" VACUFORM_UNNAMED, until);
+    for (;;) {
+      VACUFORM_TRY(more, query.row());
+      if (!more) return hashes;
+      hashes.push_back(query.text(0));
+    }
+  });
+  if (!unnamed) return tl::make_unexpected(std::move(unnamed.error()));
+  for (const std::string& sha256 : *unnamed) VACUFORM_CHECK(condemn_if_unnamed(sha256));
+  return write([&](Transaction& tx) {
+    return Query(tx.db,
+                 "UPDATE stored_object SET state='condemned', since=? WHERE state='arriving' AND since<=?",
+                 options_.clock(), until)
+        .run();
+  });
+}
+
+Result<void> SqlStore::hold_objects(Database& db, std::vector<std::string> hashes) {
+  if (!blobs_->shared()) return {};
+  std::sort(hashes.begin(), hashes.end());  // in one order, so that no two transactions wait for each other
+  for (const std::string& sha256 : hashes) {
+    VACUFORM_CHECK(db.take_turns("object " + sha256));
+    Query query(db, "SELECT 1 FROM stored_object WHERE sha256=? AND state='live'", sha256);
+    VACUFORM_TRY(live, query.row());
+    if (!live)
+      return fail(Code::unavailable, "another server has just deleted a file of this request", {},
+                  "send the request again");
+  }
+  return {};
 }
 
 Result<std::vector<StoredObject>> SqlStore::condemned_until(Millis time, int limit) {
@@ -107,5 +150,7 @@ Result<void> SqlStore::remember_bucket(std::int64_t number) {
     return Query(tx.db, "INSERT INTO remembered(name, value) VALUES(?,?)", bucket_number, number).run();
   });
 }
+
+#undef VACUFORM_UNNAMED
 
 }  // namespace vacuform

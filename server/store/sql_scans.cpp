@@ -33,6 +33,7 @@ Result<StoredScan> SqlStore::add_scan(const std::string& owner, std::variant<Upl
     }
     VACUFORM_CHECK(room_for(0));
     VACUFORM_CHECK(check_shared(tx.db, input));
+    VACUFORM_CHECK(hold_objects(tx.db, {blob.sha256}));
     const StoredScan scan{next_id(), owner, options_.clock(), blob, extension};
     VACUFORM_CHECK(Query(tx.db,
                          "INSERT INTO scan(id, owner, created, blob, bytes, extension) VALUES(?,?,?,?,?,?)",

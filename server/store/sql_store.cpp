@@ -68,7 +68,8 @@ Result<bool> SqlStore::named(Database& db, const std::string& sha256) {
   Query query(
       db,
       "SELECT 1 FROM input WHERE blob=?1 UNION ALL SELECT 1 FROM artifact WHERE blob=?1"
-      " UNION ALL SELECT 1 FROM upload WHERE blob=?1 UNION ALL SELECT 1 FROM scan WHERE blob=?1 LIMIT 1",
+      " UNION ALL SELECT 1 FROM upload WHERE blob=?1 UNION ALL SELECT 1 FROM upload_piece WHERE blob=?1"
+      " UNION ALL SELECT 1 FROM scan WHERE blob=?1 LIMIT 1",
       sha256);
   return query.row();
 }
@@ -146,6 +147,7 @@ Result<std::unique_ptr<BlobStore>> open_blobs(const std::filesystem::path& data,
   VACUFORM_TRY(credentials, s3_credentials(options.blobs_credentials));
   S3Options s3;
   s3.clock = options.clock;
+  s3.alone = options.database.empty();
   return std::make_unique<S3Blobs>(data, std::move(room), std::move(address), std::move(credentials),
                                    std::move(s3));
 }

@@ -60,6 +60,9 @@ class SqlStore : public Store, public ObjectTable {
   Result<StoredUpload> find_upload(const std::string& id) override;
   Result<StoredUpload> finish_upload(const std::string& id, Upload file) override;
   Result<void> remove_upload(const std::string& id) override;
+  bool keeps_pieces() const override { return !options_.database.empty() && blobs_->shared(); }
+  Result<void> add_piece(const std::string& id, int number, Upload piece, std::uint64_t received) override;
+  Result<std::vector<Blob>> pieces(const std::string& id) override;
   Result<std::vector<std::string>> expire_uploads() override;
 
   Result<StoredScan> add_scan(const std::string& owner, std::variant<Upload, Blob> file,
@@ -240,6 +243,7 @@ class SqlStore : public Store, public ObjectTable {
   Result<void> check_room(Database& db, const std::string& owner);
   static Result<Token> token_row(Database& db, const std::string& id);
   Result<StoredUpload> upload_row(Database& db, const std::string& id);
+  static Result<void> drop_pieces(Transaction& tx, const std::string& id);
   static Result<StoredScan> scan_row(Database& db, const std::string& id);
   static Result<Profile> profile_row(Database& db, const std::string& name);
   static Result<std::optional<Profile>> allowed_profile(Database& db, const std::string& name,
@@ -260,7 +264,11 @@ class SqlStore : public Store, public ObjectTable {
   Result<void> add_arriving(const StoredObject& object) override;
   Result<void> object_arrived(const StoredObject& object) override;
   Result<void> condemn(const StoredObject& object) override;
-  Result<void> condemn_unnamed() override;
+  Result<void> condemn_if_unnamed(const std::string& sha256) override;
+  Result<void> condemn_unnamed(Millis age) override;
+  // In a transaction that begins to name blobs: until it ends, no server condemns their objects. Errors: unavailable,
+  // if one has.
+  Result<void> hold_objects(Database& db, std::vector<std::string> hashes);
   Result<std::vector<StoredObject>> condemned_until(Millis time, int limit) override;
   Result<void> forget(const StoredObject& object) override;
   Result<Bucket> bucket() override;

@@ -36,8 +36,8 @@ Result<void> SqlStore::add_upload(const StoredUpload& upload) {
 
 Result<StoredUpload> SqlStore::upload_row(Database& db, const std::string& id) {
   Query query(db,
-              "SELECT id, owner, input, extension, length, created, expires, blob, bytes FROM upload"
-              " WHERE id=?",
+              "SELECT id, owner, input, extension, length, created, expires, blob, bytes, received,"
+              " (SELECT count(*) FROM upload_piece WHERE upload=upload.id) FROM upload WHERE id=?",
               id);
   VACUFORM_TRY(found, query.row());
   if (!found) return no_upload(id);
@@ -52,7 +52,55 @@ Result<StoredUpload> SqlStore::upload_row(Database& db, const std::string& id) {
   if (upload.expires <= options_.clock())
     return fail(Code::gone, "the upload has expired", id, "begin it again");
   if (!query.null(7)) upload.blob = Blob{query.text(7), static_cast<std::uint64_t>(query.integer(8))};
+  upload.received = static_cast<std::uint64_t>(query.integer(9));
+  upload.pieces = static_cast<int>(query.integer(10));
   return upload;
+}
+
+// Forgets the pieces of an upload that needs them no more.
+Result<void> SqlStore::drop_pieces(Transaction& tx, const std::string& id) {
+  {
+    Query query(tx.db, "SELECT blob FROM upload_piece WHERE upload=?", id);
+    for (;;) {
+      VACUFORM_TRY(more, query.row());
+      if (!more) break;
+      tx.garbage.push_back(query.text(0));
+    }
+  }
+  return Query(tx.db, "DELETE FROM upload_piece WHERE upload=?", id).run();
+}
+
+Result<void> SqlStore::add_piece(const std::string& id, int number, Upload piece, std::uint64_t received) {
+  const Deletion deletion(*this);
+  Stored stored(*this);
+  std::variant<Upload, Blob> bytes(std::move(piece));
+  VACUFORM_TRY(blob, stored.add(bytes));
+  const auto added = write([&](Transaction& tx) -> Result<void> {
+    VACUFORM_CHECK(tx.db.take_turns("upload " + id));
+    VACUFORM_TRY(upload, upload_row(tx.db, id));
+    if (upload.blob || upload.pieces != number)
+      return fail(Code::locked, "another request is sending bytes of this upload", id,
+                  "try again when it has ended");
+    VACUFORM_CHECK(hold_objects(tx.db, {blob.sha256}));
+    VACUFORM_CHECK(Query(tx.db, "INSERT INTO upload_piece(upload, number, blob, bytes) VALUES(?,?,?,?)", id,
+                         number, blob.sha256, blob.bytes)
+                       .run());
+    return Query(tx.db, "UPDATE upload SET received=? WHERE id=?", received, id).run();
+  });
+  stored.written(added);
+  return added;
+}
+
+Result<std::vector<Blob>> SqlStore::pieces(const std::string& id) {
+  return read([&](Database& db) -> Result<std::vector<Blob>> {
+    std::vector<Blob> pieces;
+    Query query(db, "SELECT blob, bytes FROM upload_piece WHERE upload=? ORDER BY number", id);
+    for (;;) {
+      VACUFORM_TRY(more, query.row());
+      if (!more) return pieces;
+      pieces.push_back({query.text(0), static_cast<std::uint64_t>(query.integer(1))});
+    }
+  });
 }
 
 Result<StoredUpload> SqlStore::find_upload(const std::string& id) {
@@ -65,7 +113,10 @@ Result<StoredUpload> SqlStore::finish_upload(const std::string& id, Upload file)
   std::variant<Upload, Blob> bytes(std::move(file));
   VACUFORM_TRY(blob, stored.add(bytes));
   auto finished = write([&](Transaction& tx) -> Result<StoredUpload> {
+    VACUFORM_CHECK(tx.db.take_turns("upload " + id));
     VACUFORM_CHECK(upload_row(tx.db, id));
+    VACUFORM_CHECK(drop_pieces(tx, id));
+    VACUFORM_CHECK(hold_objects(tx.db, {blob.sha256}));
     VACUFORM_CHECK(
         Query(tx.db, "UPDATE upload SET blob=?, bytes=? WHERE id=?", blob.sha256, blob.bytes, id).run());
     return upload_row(tx.db, id);
@@ -79,6 +130,7 @@ Result<void> SqlStore::remove_upload(const std::string& id) {
   return write([&](Transaction& tx) -> Result<void> {
     VACUFORM_TRY(upload, upload_row(tx.db, id));
     if (upload.blob) tx.garbage.push_back(upload.blob->sha256);
+    VACUFORM_CHECK(drop_pieces(tx, id));
     return Query(tx.db, "DELETE FROM upload WHERE id=?", id).run();
   });
 }
@@ -98,6 +150,7 @@ Result<std::vector<std::string>> SqlStore::expire_uploads() {
       }
     }
     if (ids.empty()) return ids;
+    for (const std::string& id : ids) VACUFORM_CHECK(drop_pieces(tx, id));
     VACUFORM_CHECK(
         Query(tx.db, "UPDATE upload SET collected=1, blob=NULL WHERE collected=0 AND expires<=?", now).run());
     VACUFORM_CHECK(Query(tx.db, "DELETE FROM upload WHERE expires<=?", now - remembered).run());

@@ -20,6 +20,9 @@ struct StoredUpload {
   std::uint64_t length = 0;
   Millis created = 0, expires = 0;
   std::optional<Blob> blob;  // once it is whole
+  // What add_piece() kept: how many bytes of the file have come, in how many pieces.
+  std::uint64_t received = 0;
+  int pieces = 0;
 };
 
 // Of one owner, whole or not, until they expire or are given up.
@@ -36,6 +39,14 @@ class UploadTable {
   // Keeps the blob. Errors: as above.
   virtual Result<StoredUpload> finish_upload(const std::string& id, Upload file) = 0;
   virtual Result<void> remove_upload(const std::string& id) = 0;
+  // Whether several servers may use the store, so that what one has received of an upload is kept here in pieces, and
+  // another can continue it.
+  virtual bool keeps_pieces() const = 0;
+  // Keeps what has come since piece `number` - 1; `received` bytes of the file have come then. The bytes of a piece are for
+  // the caller to read. Errors: locked: another server has kept this piece; those of find_upload().
+  virtual Result<void> add_piece(const std::string& id, int number, Upload piece, std::uint64_t received) = 0;
+  // In their order, until the upload is whole.
+  virtual Result<std::vector<Blob>> pieces(const std::string& id) = 0;
   // Forgets those that have expired since the last call; gives their ids.
   virtual Result<std::vector<std::string>> expire_uploads() = 0;
 };

@@ -76,8 +76,8 @@ void change_object(const fs::path& data, const std::string& sha256, const std::s
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(StoreInFilesTest);
 INSTANTIATE_TEST_SUITE_P(
     , StoreTest,
-    testing::Values(Backend{"SqliteAndS3", open_sqlite_and_s3, blob_objects, change_object, hour},
-                    Backend{"PostgresAndS3", open_postgres_and_s3, blob_objects, change_object, hour}),
+    testing::Values(Backend{"SqliteAndS3", open_sqlite_and_s3, blob_objects, change_object, 4 * hour},
+                    Backend{"PostgresAndS3", open_postgres_and_s3, blob_objects, change_object, 4 * hour}),
     [](const auto& backend) { return backend.param.name; });
 
 // Blobs as objects, with the rows of a real store, and with small limits.
@@ -363,6 +363,132 @@ TEST(S3Credentials, AreReadFromAPrivateFile) {
   fs::permissions(file, fs::perms::others_read, fs::perm_options::remove);
   EXPECT_EQ(s3_credentials(file).error().what, "the file has no access key for the object store");
   fs::remove(file);
+}
+
+// Servers with a data folder each, on one database and one bucket.
+class ServersTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(start_secrets());
+    folder_ = fs::temp_directory_path() / ("vacuform-servers-" + random_hex(8));
+    one_ = server("one");
+    two_ = server("two");
+  }
+  void TearDown() override {
+    one_.reset();
+    two_.reset();
+    fs::remove_all(folder_);
+  }
+
+  std::unique_ptr<Store> server(const std::string& name) {
+    StoreOptions options = with_objects(folder_ / "data", {});
+    std::string schema = folder_.filename().string();
+    std::replace(schema.begin(), schema.end(), '-', '_');
+    options.database = PostgresServer::get().url(schema);
+    options.clock = [this] { return wall_clock() + clock_set_; };
+    auto store = open_store(folder_ / name, std::move(options));
+    EXPECT_TRUE(store) << store.error().text();
+    return store ? std::move(*store) : nullptr;
+  }
+  static Upload file(Store& store, const std::string& bytes) {
+    auto upload = store.upload();
+    EXPECT_TRUE(upload && upload->write(bytes));
+    return std::move(*upload);
+  }
+  static Result<Job> create(Store& store, const std::string& scan) {
+    NewJob job{"{}", ""};
+    job.add("scan", file(store, scan), "stl");
+    return store.create(std::move(job));
+  }
+  static std::string bytes_of(Store& store, const Blob& blob) {
+    const auto reader = store.open(blob);
+    if (!reader) return reader.error().text();
+    std::string bytes(blob.bytes, '\0');
+    EXPECT_TRUE((*reader)->read_at(0, bytes));
+    return bytes;
+  }
+  static ObjectTable& objects(Store& store) { return dynamic_cast<ObjectTable&>(store); }
+
+  fs::path folder_;
+  std::atomic<Millis> clock_set_{0};  // by how much the clocks of the servers are wrong
+  std::unique_ptr<Store> one_, two_;
+};
+
+TEST_F(ServersTest, AJobOfOneIsReadAndDeletedByTheOther) {
+  const auto job = create(*one_, "a scan");
+  ASSERT_TRUE(job) << job.error().text();
+  EXPECT_EQ(bytes_of(*two_, job->inputs[0].blob), "a scan");
+  ASSERT_TRUE(two_->cancel(job->id, {}));
+  ASSERT_TRUE(two_->remove(job->id, {}));
+  EXPECT_EQ(one_->job(job->id).error().code, Code::not_found);
+  const auto again = create(*one_, "a scan");
+  ASSERT_TRUE(again) << again.error().text();
+  EXPECT_EQ(bytes_of(*two_, again->inputs[0].blob), "a scan");
+}
+
+// One server stores the same bytes that another is deleting.
+TEST_F(ServersTest, AFileThatAnAcceptedJobNamesIsNeverDeleted) {
+  std::atomic<int> accepted{0}, refused{0};
+  const auto work = [&](Store& store) {
+    for (int i = 0; i < 25; ++i) {
+      const auto job = create(store, "the same scan");
+      if (!job) {
+        EXPECT_EQ(job.error().code, Code::unavailable) << job.error().text();
+        ++refused;
+        continue;
+      }
+      ++accepted;
+      EXPECT_EQ(bytes_of(store, job->inputs[0].blob), "the same scan");
+      EXPECT_TRUE(store.cancel(job->id, {}));
+      EXPECT_TRUE(store.remove(job->id, {}));
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 2; ++i)
+    for (Store* store : {one_.get(), two_.get()}) threads.emplace_back([&work, store] { work(*store); });
+  for (auto& thread : threads) thread.join();
+  EXPECT_GT(accepted, 50) << refused;
+}
+
+TEST_F(ServersTest, AStartLeavesTheFilesOfRequestsToOtherServers) {
+  const StoredObject coming{text_hash("coming"), "0123456789abcdef", 6};
+  ASSERT_TRUE(objects(*one_).add_arriving(coming));
+  const StoredObject come{text_hash("come"), "0123456789abcdef", 4};
+  ASSERT_TRUE(objects(*one_).add_arriving(come));
+  ASSERT_TRUE(objects(*one_).object_arrived(come));
+  two_.reset();
+  two_ = server("two");
+  EXPECT_TRUE(objects(*one_).live_object(come.sha256).value());
+  ASSERT_TRUE(objects(*one_).object_arrived(coming));
+  EXPECT_TRUE(objects(*one_).live_object(coming.sha256).value());
+  clock_set_ = 5 * hour;  // no request takes so long
+  ASSERT_TRUE(one_->expire());
+  EXPECT_FALSE(objects(*two_).live_object(come.sha256).value());
+  EXPECT_FALSE(objects(*two_).live_object(coming.sha256).value());
+}
+
+TEST_F(ServersTest, AnUploadContinuesOnTheOther) {
+  EXPECT_TRUE(one_->keeps_pieces());
+  const Millis now = wall_clock();
+  const StoredUpload upload{random_hex(16), "a", "scan", "stl", 10, now, now + hour, std::nullopt};
+  ASSERT_TRUE(one_->add_upload(upload));
+  ASSERT_TRUE(one_->add_piece(upload.id, 0, file(*one_, "one"), 4));
+  ASSERT_TRUE(two_->add_piece(upload.id, 1, file(*two_, "two"), 8));
+  const auto late = one_->add_piece(upload.id, 1, file(*one_, "too late"), 9);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, Code::locked);
+  const auto found = one_->find_upload(upload.id);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->received, 8U);
+  EXPECT_EQ(found->pieces, 2);
+  const auto pieces = one_->pieces(upload.id);
+  ASSERT_TRUE(pieces);
+  ASSERT_EQ(pieces->size(), 2U);
+  EXPECT_EQ(bytes_of(*one_, (*pieces)[0]) + bytes_of(*one_, (*pieces)[1]), "onetwo");
+  ASSERT_TRUE(one_->finish_upload(upload.id, file(*one_, "the whole")));
+  EXPECT_EQ(two_->find_upload(upload.id)->pieces, 0);
+  EXPECT_FALSE(objects(*two_).live_object(text_hash("one")).value());
+  EXPECT_TRUE(two_->find_upload(upload.id)->blob);
 }
 
 }  // namespace

@@ -125,12 +125,14 @@ class StoreTest : public testing::TestWithParam<Backend> {
   std::set<std::string> blobs() {
     auto found = GetParam().blobs(data());
     if (GetParam().grace == 0) return found;
-    clock_set_ += GetParam().grace;
-    for (std::size_t before = found.size() + 1; found.size() < before; found = GetParam().blobs(data())) {
-      before = found.size();
-      EXPECT_TRUE(store_->expire());
+    for (int i = 0; i < 2; ++i) {  // a crashed server's are found unwanted first
+      clock_set_ += GetParam().grace;
+      for (std::size_t before = found.size() + 1; found.size() < before; found = GetParam().blobs(data())) {
+        before = found.size();
+        EXPECT_TRUE(store_->expire());
+      }
     }
-    clock_set_ -= GetParam().grace;
+    clock_set_ -= 2 * GetParam().grace;
     return found;
   }
   void change_blob(const std::string& sha256, const std::string& bytes) const {
