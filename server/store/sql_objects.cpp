@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::string_view bucket_number = "bucket";
 
-#define VACUFORM_UNNAMED                                               \
-  " AND NOT EXISTS(SELECT 1 FROM input WHERE blob=sha256)"    \
-  " AND NOT EXISTS(SELECT 1 FROM artifact WHERE blob=sha256)" \
-  " AND NOT EXISTS(SELECT 1 FROM upload WHERE blob=sha256)"   \
+#define VACUFORM_UNNAMED                                          \
+  " AND NOT EXISTS(SELECT 1 FROM input WHERE blob=sha256)"        \
+  " AND NOT EXISTS(SELECT 1 FROM artifact WHERE blob=sha256)"     \
+  " AND NOT EXISTS(SELECT 1 FROM upload WHERE blob=sha256)"       \
   " AND NOT EXISTS(SELECT 1 FROM upload_piece WHERE blob=sha256)" \
   " AND NOT EXISTS(SELECT 1 FROM scan WHERE blob=sha256)"
 
@@ -44,7 +44,8 @@ Result<void> SqlStore::object_arrived(const StoredObject& object) {
         Query(tx.db, "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND state='live'",
               options_.clock(), object.sha256)
             .run());
-    return Query(tx.db, "UPDATE stored_object SET state='live', since=? WHERE sha256=? AND generation=?"
+    return Query(tx.db,
+                 "UPDATE stored_object SET state='live', since=? WHERE sha256=? AND generation=?"
                  " AND state='arriving'",
                  options_.clock(), object.sha256, object.generation)
         .run();
@@ -63,7 +64,8 @@ Result<void> SqlStore::condemn_if_unnamed(const std::string& sha256) {
   return write([&](Transaction& tx) -> Result<void> {
     VACUFORM_CHECK(tx.db.take_turns("object " + sha256));
     return Query(tx.db,
-                 "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND state='live'" VACUFORM_UNNAMED,
+                 "UPDATE stored_object SET state='condemned', since=? WHERE sha256=? AND "
+                 "state='live'" VACUFORM_UNNAMED,
                  options_.clock(), sha256)
         .run();
   });
@@ -74,7 +76,8 @@ Result<void> SqlStore::condemn_unnamed(Millis age) {
   const Millis until = options_.clock() - age;
   auto unnamed = read([&](Database& db) -> Result<std::vector<std::string>> {
     std::vector<std::string> hashes;
-    Query query(db, "SELECT sha256 FROM stored_object WHERE state='live' AND since<=?" VACUFORM_UNNAMED, until);
+    Query query(db, "SELECT sha256 FROM stored_object WHERE state='live' AND since<=?" VACUFORM_UNNAMED,
+                until);
     for (;;) {
       VACUFORM_TRY(more, query.row());
       if (!more) return hashes;
