@@ -11,7 +11,7 @@ namespace vacuform {
 
 namespace {
 
-// As in the archive that is written without names.
+// The limits of the archive that api/redaction writes without names.
 constexpr zip_int64_t most_entries = 1000;
 constexpr std::uint64_t most_ratio = 200, small_entry = 1 << 20;
 
@@ -83,7 +83,7 @@ Result<ModelFiles> read_model_zip(Bytes bytes, const std::string& where, const S
     if (!opened ||
         ::zip_fread(opened.get(), file->data(), about.size) != static_cast<zip_int64_t>(about.size))
       return damaged("is damaged");
-    // Reading on to the end compares the checksum.
+    // libzip compares the checksum when it reaches the end.
     if (char more = 0; ::zip_fread(opened.get(), &more, 1) != 0) return damaged("is damaged");
   }
   if (!model) return fail(Code::unusable_scan, "the zip holds no model", where, "pack one OBJ or one PLY");

@@ -14,7 +14,7 @@ namespace vacuform {
 
 class PlyTexture {
  public:
-  // The names of the header, in its order, and the files of the zip, or null: then there is no texture.
+  // `names`: from the header, in its order. `files`: of the zip; null if there is none, and then there is no texture.
   PlyTexture(std::vector<std::string> names, const ModelFiles* files)
       : names_(std::move(names)), files_(files) {}
 
