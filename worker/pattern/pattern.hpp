@@ -57,7 +57,7 @@ class Pattern {
   // per point, the coverage; any other gives four, premultiplied red, green, blue and alpha.
   void sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
                    float* out) const;
-  // The same as sample() gives it.
+  // The same, in the form that sample() returns.
   void sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, double blur_mm,
                    std::span<Ink> out) const;
 

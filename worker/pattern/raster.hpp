@@ -1,7 +1,7 @@
 // The decoders of drawings, and of the textures of scans (worker/colour): bytes in, rows of pixels out.
 //
-// Decoders trust nothing: sizes are checked before anything is allocated, memory grows with the rows that
-// really arrive, and a file that breaks its format's rules is refused whole.
+// Decoders trust nothing: sizes are checked before anything is allocated, memory grows with the rows that really
+// arrive, and a file that breaks its format's rules is rejected as a whole.
 #pragma once
 
 #include <Eigen/Core>
@@ -60,8 +60,8 @@ struct SvgSize {
   SvgWork work;
 };
 
-// Refuses what is not SVG, breaks XML, refers to other files (nothing outside the bytes is ever read), or is too much to
-// draw.
+// Rejects bytes that are not SVG or not well-formed XML, that refer to other files (nothing outside the bytes is ever
+// read), or that are too much to draw.
 Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::string& file_name);
 // Draws the whole document onto width x height pixels.
 Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width,

@@ -30,7 +30,7 @@ enum class Property {
   marker_start,
   marker_mid,
   marker_end,
-  // From here on not inherited.
+  // Not inherited from here on.
   opacity,
   display,
   clip_path,
