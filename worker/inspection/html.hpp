@@ -15,7 +15,7 @@ struct Column {
   std::string title;
   bool number = false;  // set to the right, in figures of one width
 };
-// The first cell of a row is its heading. Cells are texts, escaped here. A row of one cell goes over the whole width.
+// The first cell of a row is its heading. Cells are texts, escaped here. A row of one cell spans the whole width.
 using Rows = std::vector<std::vector<std::string>>;
 std::string table(std::string_view caption, const std::vector<Column>& columns, const Rows& rows);
 
@@ -44,7 +44,7 @@ struct Bars {
 };
 std::string bars(const Bars& bars);
 
-// The words that tell the two ways apart, with the colours and patterns of the charts.
+// The texts that identify the two ways of printing, with the colours and patterns of the charts.
 std::string legend();
 
 // The style of the whole page, light and dark, on screen and on paper.

@@ -27,8 +27,8 @@ class MeasuredSheet {
   bool on_chart(const SheetPoint& at) const { return charted_.on_chart(at.triangle); }
   const InkedSurface& surface() const { return charted_.surface(); }
 
-  // Paths over the surface for one thread, given back by the pointer. They are made for all of the sheet, but a use costs
-  // only what is within reach; so those that were given back are lent again.
+  // Paths over the surface for one thread; the pointer returns them. They are made for the whole sheet, but each use
+  // costs only what is within reach, so returned ones are used again.
   struct GiveBack {
     const MeasuredSheet* sheet;
     void operator()(Geodesics* paths) const { sheet->take_back(paths); }

@@ -1,4 +1,5 @@
-// What forming does to the flat sheet, one figure a vertex: the values of the heat maps. Internal to worker/inspection.
+// How forming changes the flat sheet, one figure for each vertex: the values of the heat maps. Internal to
+// worker/inspection.
 #pragma once
 
 #include <vector>

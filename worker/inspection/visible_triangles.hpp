@@ -19,7 +19,8 @@ struct Camera {
   double pixel = 1;                                            // its size at distance 1
   double middle_x = 0, middle_y = 0;                           // where it looks, in pixels from the top left
 
-  // Through a place in the picture, in pixels from the top left; as long as it leads 1 away from the eye's plane.
+  // The direction through a place in the picture, in pixels from the top left; so long that it leads 1 away from the
+  // eye's plane.
   Eigen::Vector3d aim(double x, double y) const {
     return (x - middle_x) * pixel * right + (middle_y - y) * pixel * up - back;
   }
