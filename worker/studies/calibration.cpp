@@ -20,15 +20,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int most_rounds = 4;      // on each of the two grids
-constexpr double inside = 0.75;     // half widths: the minimum is well inside what the formings cover
-constexpr double least_cells = 40;  // across the window: a coarser grid leads astray
+constexpr double inside = 0.75;     // half widths: nearer to the centre, a minimum is well inside
+constexpr double least_cells = 40;  // across the window: a coarser grid misleads
 constexpr double finest_mm = 0.5;   // of any grid
 constexpr double least_known = 0.01, hardly_known = 4;  // information of the points over that of the prior
 constexpr double strong = 0.8;                          // a correlation that is named
 constexpr double large_share = 0.3;
 
-// One parameter: its setting, how far it may go, the half width of its design and its prior; the last four of its
-// logarithm where it is logarithmic.
+// One parameter: its setting, its limits, the half width of its design and the error of its prior. The last four are of
+// the logarithm if the parameter is logarithmic.
 struct Parameter {
   std::string name;
   double& (*in)(Settings&);
@@ -149,8 +149,8 @@ class Search {
     return lay_points(problem_, formed);
   }
 
-  // The spacing at which the window holds as many cells as it does at the design's centre: a cell more or less would
-  // move the sheet by as much as a millimetre of window.
+  // The spacing at which the window holds as many cells as it does at the design's centre. One cell more or less would
+  // move the sheet by as much as a millimetre of window does.
   double even_spacing(const MachineSettings& now, const MachineSettings& centre, double spacing_mm) const {
     const auto even = [&](double is, double was) {
       return is / 2 / std::ceil(was / 2 / spacing_mm - 1e-9) * (1 + 1e-12);
@@ -160,7 +160,8 @@ class Search {
     return std::max(across, even(now.window_height_mm, centre.window_height_mm));
   }
 
-  // Designs around the best values, until the minimum lies well inside one. Moves t; leaves fit_ and the last problem_.
+  // Fits designs around the best values until the minimum lies well inside one. Moves t; leaves fit_ and the last
+  // problem_.
   Result<void> search(VectorXd& t, double spacing_mm, double width, double from, double to,
                       Calibration& out) {
     out.converged = false;
