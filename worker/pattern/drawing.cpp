@@ -70,12 +70,13 @@ class Reader {
       refuse("a style sheet with selectors of several parts", "export it with plain attributes");
     read_root();
     if (!refused()) return std::move(drawing_);
-    warnings.push_back({"pattern-as-picture",
-                        std::string("The drawing is printed as a picture and not as lines, for it holds ") +
-                            refusal_.what() + ".",
-                        {},
-                        {},
-                        "To keep its lines exact, " + refusal_.fix() + "."});
+    warnings.push_back(
+        {"pattern-as-picture",
+         std::string("The drawing is printed as a picture and not as lines, because it contains ") +
+             refusal_.what() + ".",
+         {},
+         {},
+         "To keep its lines exact, " + refusal_.fix() + "."});
     return std::nullopt;
   }
 

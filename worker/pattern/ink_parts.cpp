@@ -267,8 +267,8 @@ std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement 
   if (parts.entangled())
     warnings.push_back(
         {"ink-hangs-together",
-         "Loops of the picture touch or overlap, and are not circles that could be told apart: what "
-         "hangs together is laid as one."});
+         "Loops of the picture touch or overlap, and could not be separated as circles: each connected "
+         "group is laid as one element."});
   if (placement == PatternPlacement::elements && !elements.empty()) return parts;
   if (elements.size() < 2 || elements.size() > 128) return std::nullopt;
   for (const Element& element : elements) {

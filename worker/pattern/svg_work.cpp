@@ -111,7 +111,7 @@ tl::unexpected<Error> too_much(const std::string& what, double count, double lim
     if (!(x < 1e15)) return std::string("more than 10^15");
     return std::to_string(static_cast<long long>(x));
   };
-  return fail(Code::too_large, what + ": " + number(count) + " where at most " + number(limit) + " can be",
+  return fail(Code::too_large, what + ": " + number(count) + ", above the limit of " + number(limit),
               file_name, fix);
 }
 

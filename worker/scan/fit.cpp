@@ -141,8 +141,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
   const double shorter = std::min(width, height);
   if (draw > most_draw * shorter)
     return fail(Code::does_not_fit,
-                "the mold is " + in_mm(draw) + " to draw, " + in_mm(draw - most_draw * shorter) +
-                    " more than a sheet in a window of " + in_mm(shorter) + " can give",
+                "the draw of the mold is " + in_mm(draw) + ", " + in_mm(draw - most_draw * shorter) +
+                    " more than a sheet in a window of " + in_mm(shorter) + " allows",
                 "scan.trim_mm",
                 "trim the mold at least that much higher, for example --set scan.trim_mm=" +
                     decimal(std::ceil(mold.findings.trim_mm + draw - most_draw * shorter), 0) +

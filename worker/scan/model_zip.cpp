@@ -57,7 +57,7 @@ Result<ModelFiles> read_model_zip(Bytes bytes, const std::string& where, const S
     constexpr zip_uint64_t wanted =
         ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE | ZIP_STAT_ENCRYPTION_METHOD;
     if (::zip_stat_index(archive.get(), i, 0, &about) != 0 || (about.valid & wanted) != wanted)
-      return damaged("does not say what it holds");
+      return damaged("does not list the names and sizes of its entries");
     const std::string name(about.name);
     if (about.encryption_method != ZIP_EM_NONE)
       return fail(Code::unsupported_format, "the zip is encrypted", where, "pack it without a password");
@@ -74,7 +74,7 @@ Result<ModelFiles> read_model_zip(Bytes bytes, const std::string& where, const S
       return damaged("has an entry that does not belong to a model");
     }
     if (about.size > left || (about.size > small_entry && about.size / most_ratio > about.comp_size))
-      return fail(Code::too_large, "the zip unpacks to too much", where,
+      return fail(Code::too_large, "the zip unpacks to too many bytes", where,
                   "reduce the scan (quadric decimation) to a few hundred thousand triangles");
     left -= about.size;
     if (file != &files.model && parts == ScanParts::shape) continue;

@@ -193,7 +193,7 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
       if (type == "list") {
         property.list = true;
         if (!kind_from(take_word(line), property.count_kind) || property.count_kind >= Kind::f32)
-          return corrupt("a list of the PLY header counts in no whole-number type", at());
+          return corrupt("the length of a list in the PLY header is not an integer", at());
         type = take_word(line);
       }
       if (!kind_from(type, property.kind))

@@ -201,8 +201,8 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progr
   skin.components = connected_pieces(mesh, piece_of);
   if (skin.components > job_limits.scan_components)
     return fail(Code::too_large,
-                "the scan falls into " + std::to_string(skin.components) + " pieces, of " +
-                    std::to_string(job_limits.scan_components) + " that are read",
+                "the scan has " + std::to_string(skin.components) + " separate pieces, above the limit of " +
+                    std::to_string(job_limits.scan_components),
                 {}, "join them, or delete the debris, before uploading it");
   const auto pieces = measure_pieces(mesh, piece_of, skin.components);
   VACUFORM_CHECK(progress.tick());

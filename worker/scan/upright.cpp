@@ -231,7 +231,7 @@ Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const Sc
     return best;
   }
   best.axis = UpAxis::plus_z;
-  best.why = "nothing in the scan tells";
+  best.why = "nothing in the scan shows it";
   return best;
 }
 

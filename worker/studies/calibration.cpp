@@ -238,7 +238,7 @@ class Search {
         if (const double c = out.correlation(i, k); std::abs(c) > strong)
           out.trade_offs.push_back(parameter(i).name + " and " + parameter(k).name +
                                    " trade off (correlation " + decimal(c, 2) +
-                                   "): the points hold their combination better than either");
+                                   "): the points determine their combination better than either");
   }
 
   Unresolved unresolved(const VectorXd& direction, double known) const {
@@ -252,11 +252,11 @@ class Search {
     std::string list;
     for (std::size_t i = 0; i < names.size(); ++i)
       list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
-    const std::string held = known < 1 ? "the prior holds it" : "the prior helps to hold it";
-    out.text = names.size() == 1
-                   ? "the points hardly tell " + list + ": " + held
-                   : list + " trade off: the points hold only their combination, and " +
-                         (known < 1 ? "the prior holds the rest" : "the prior helps to hold the rest");
+    const std::string held = known < 1 ? "the prior determines it" : "the prior helps to determine it";
+    out.text = names.size() == 1 ? "the points hardly determine " + list + ": " + held
+                                 : list + " trade off: the points determine only their combination, and " +
+                                       (known < 1 ? "the prior determines the rest"
+                                                  : "the prior helps to determine the rest");
     return out;
   }
 
