@@ -16,7 +16,8 @@ namespace vacuform {
 inline constexpr std::int64_t largest_texture_side = 16'384;
 inline constexpr std::int64_t most_texture_pixels = largest_texture_side * largest_texture_side;
 
-// The part of a texture that is averaged around a place: `probes` samples in a row, each over a square of `side` texels.
+// The part of a texture that is averaged around a place: `probes` samples in a row, each over a square of `side`
+// texels.
 struct Footprint {
   Eigen::Vector2d step{0, 0};  // from one sample to the next, in sides of the image
   int probes = 1;

@@ -1,5 +1,5 @@
-// The pieces that report.html is made of: text that is escaped everywhere, tables, and charts as inline SVG. Internal to
-// worker/inspection.
+// The pieces that report.html is made of: text that is escaped everywhere, tables, and charts as inline SVG. Internal
+// to worker/inspection.
 #pragma once
 
 #include <optional>
@@ -22,8 +22,8 @@ std::string table(std::string_view caption, const std::vector<Column>& columns, 
 // A table of two columns, without headings above.
 std::string facts(std::string_view caption, const std::vector<std::pair<std::string, std::string>>& rows);
 
-// Shares of the area by a figure, in even bins from `low`; `without` is drawn as a line over the bars of `with`. Without
-// `without` there is one set of bars.
+// Shares of the area by a figure, in even bins from `low`; `without` is drawn as a line over the bars of `with`.
+// Without `without` there is one set of bars.
 struct Histogram {
   std::string title, quantity;  // what the chart shows; what its axis means
   double low = 0, step = 1;

@@ -124,12 +124,12 @@ Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart
 nlohmann::ordered_json report(const Finished& job);
 
 // Whether this job makes the artifact. Every job makes all except preview-temperature.png, which an evenly warm sheet
-// does not need, preview-segments.png, which needs segments, the files of the colours, which need a drawing over them, and
-// findings.json, whose content is in report.json.
+// does not need, preview-segments.png, which needs segments, the files of the colours, which need a drawing over them,
+// and findings.json, whose content is in report.json.
 bool makes(const Finished& job, const ArtifactKind& kind);
 
-// All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a
-// display), formed.ply, formed.obj/.mtl, formed.glb, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
+// All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without
+// a display), formed.ply, formed.obj/.mtl, formed.glb, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context);
 
 // For a mold without a formed sheet: preview-findings.png and mold.stl. Errors: cancelled.

@@ -92,8 +92,8 @@ class BoxedLine {
     return std::any_of(boxes_.begin(), boxes_.end(),
                        [&](const auto& of_part) { return of_part.intersects(box); });
   }
-  // How many times the line runs around a point that is not on it, counter-clockwise: by the pieces that a ray to the right
-  // crosses.
+  // How many times the line runs around a point that is not on it, counter-clockwise: by the pieces that a ray to the
+  // right crosses.
   int turns_around(const Vector2d& p) const {
     int turns = 0;
     for (std::size_t k = 0; k < boxes_.size(); ++k) {

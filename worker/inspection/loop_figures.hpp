@@ -1,4 +1,4 @@
-// A closed line on the flat sheet, measured where the formed sheet carries it. Internal to worker/inspection.
+// A closed line of the flat sheet, measured on the formed sheet. Internal to worker/inspection.
 //
 // The figures are those of the inked surface. The centre of a loop is found, not assumed: it is the point of the
 // surface from which the geodesic radius of the loop varies least (least squares over the loop by its formed length).

@@ -18,7 +18,8 @@ class SheetPicture {
  public:
   explicit SheetPicture(const Finished& job);
 
-  // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off it.
+  // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off
+  // it.
   Ink sample(const Eigen::Vector2d& rest, double blur_mm) const;
   // Ink of the drawing at a place of the sheet, over the colours of the scan there if the job prints both.
   Ink over_colours(const Ink& ink, const Eigen::Vector2d& rest) const;

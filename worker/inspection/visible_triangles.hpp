@@ -1,8 +1,8 @@
 // Which triangle of a mesh each sample of a picture sees. Internal to worker/inspection.
 //
 // Scan conversion with a depth buffer, in homogeneous coordinates and in doubles: M. Olano and T. Greer, "Triangle scan
-// conversion using 2D homogeneous coordinates", 1997. Triangles that share an edge leave no gap, and a triangle may reach
-// behind the eye.
+// conversion using 2D homogeneous coordinates", 1997. Triangles that share an edge leave no gap, and a triangle may
+// reach behind the eye.
 #pragma once
 
 #include <Eigen/Core>

@@ -34,7 +34,8 @@ class Pattern {
   // too much work to draw), unusable_pattern (no ink or size).
   static Result<Pattern> read(std::span<const std::uint8_t> bytes, const std::string& file_name,
                               const PatternSettings& settings, int dpi);
-  // A picture that was made, not read: rows from the top of premultiplied red, green, blue and alpha. It may be without ink.
+  // A picture that was made, not read: rows from the top of premultiplied red, green, blue and alpha. It may be without
+  // ink.
   static Pattern of_picture(const Eigen::Vector2i& size_pixels, std::vector<std::uint8_t> premultiplied,
                             const Eigen::Vector2d& size_mm, std::string format);
   ~Pattern();

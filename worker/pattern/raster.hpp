@@ -53,7 +53,7 @@ Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string&
 tl::unexpected<Error> too_many_pixels(std::int64_t width, std::int64_t height, const std::string& file_name,
                                       const RasterUse& use);
 
-// What an SVG says of its size. Where it has no absolute size, size_mm is empty and only the aspect is known.
+// The size that an SVG states. If that is not absolute, size_mm is empty and only the aspect is known.
 struct SvgSize {
   std::optional<Eigen::Vector2d> size_mm;
   double aspect = 1;  // width / height

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float largest_obj_uv = 1e6f;
 
-// Takes up to three numbers after an option and uses the first two; a missing one keeps its value.
+// Reads at most three numbers after an option and uses the first two; a missing one keeps its value.
 void take_numbers(std::string_view& rest, Eigen::Vector2f& values) {
   for (int k = 0; k < 3; ++k) {
     std::string_view after = rest;

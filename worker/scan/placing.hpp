@@ -16,8 +16,8 @@ struct Circle {
 // few rounds.
 Circle enclosing_circle(const TriangleMesh& mesh);
 
-// The longest side of the upright box around the mesh that is as small as possible seen from above: the same however the
-// scan is turned about the vertical axis. O(n log n).
+// The longest side of the upright box around the mesh that is as small as possible seen from above: the same however
+// the scan is turned about the vertical axis. O(n log n).
 double longest_side(const TriangleMesh& upright);
 
 // Leaves heights exactly as they are.

@@ -9,8 +9,8 @@
 
 namespace vacuform {
 
-// Calls work(begin, end) over disjoint ranges that cover [first, last), on up to eight threads, and waits. May be nested.
-// An exception in any range is rethrown.
+// Calls work(begin, end) over disjoint ranges that cover [first, last), on up to eight threads, and waits. May be
+// nested. An exception in any range is rethrown.
 template <class Work>
 void in_parallel(int first, int last, Work&& work) {
   const int parts =

@@ -31,8 +31,8 @@ class PathMesh {
 
   // The sum of the angles around a vertex, radians; infinite on the border.
   double total_angle(int vertex) const { return total_angles_[static_cast<std::size_t>(vertex)]; }
-  // Whether that is more than a full turn: a shortest path may bend at such a vertex, and leaves at least half a turn on
-  // either side of it.
+  // Whether that is more than a full turn: a shortest path may bend at such a vertex, and leaves at least half a turn
+  // on either side of it.
   bool is_saddle(int vertex) const;
   // The angle in the corner opposite a side, radians.
   double angle(int s) const;

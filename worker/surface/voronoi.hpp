@@ -1,5 +1,5 @@
-// Points spread evenly over a part of the surface: a centroidal Voronoi tessellation of its vertices (Du, Faber, Gunzburger,
-// "Centroidal Voronoi tessellations", SIAM Review 1999) by Lloyd's iteration with distances in space.
+// Points spread evenly over a part of the surface: a centroidal Voronoi tessellation of its vertices (Du, Faber,
+// Gunzburger, "Centroidal Voronoi tessellations", SIAM Review 1999) by Lloyd's iteration with distances in space.
 #pragma once
 
 #include <utility>
