@@ -12,7 +12,8 @@ using Eigen::Vector3f;
 
 namespace {
 
-// On the last triangle and this near to it, no other triangle is looked for: the sheet touches the surface there.
+// If a place is on the last triangle and this near to it, no other triangle is searched: the sheet touches the surface
+// there.
 constexpr double beside_mm = 0.25;
 
 using UvCorners = std::array<Eigen::Vector2f, 3>;

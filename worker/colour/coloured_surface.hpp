@@ -1,7 +1,7 @@
-// The surface of a scan with its colours, where the mold has it.
+// The surface of a scan with its colours, placed as the mold is.
 //
-// In comes a scan file with colours (scan/scan_file.hpp) and the placing that the mold has (scan/mold.hpp); out come colours
-// of places on or near the surface. Nothing is flattened: the colour of a place is that of the closest point of the
+// Takes a scan file with colours (scan/scan_file.hpp) and the placing of the mold (scan/mold.hpp); gives colours of
+// places on or near the surface. Nothing is flattened: the colour of a place is that of the closest point of the
 // original triangles, whatever was welded, closed, rebuilt, grown or cut away from the mold.
 #pragma once
 
@@ -42,12 +42,11 @@ class ColouredSurface {
   std::shared_ptr<const Parts> parts_;
 };
 
-// Colours at places in a row, which are mostly found without a search. The same places in the same order give the same
-// colours.
+// Colours at places in a row; most are found without a search. The same places in the same order give the same colours.
 class ColourWalk {
  public:
-  // Each colour is the mean over a parallelogram around its place with sides `across` and `down`, mm in space, seen along
-  // the normal of the surface. Keeps a reference to the surface.
+  // Each colour is the mean over a parallelogram around its place with sides `across` and `down`, mm in space,
+  // projected along the normal of the surface. Keeps a reference to the surface.
   ColourWalk(const ColouredSurface& surface, const Eigen::Vector3d& across, const Eigen::Vector3d& down)
       : parts_(*surface.parts_), across_(across), down_(down) {}
 

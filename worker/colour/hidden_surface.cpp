@@ -26,7 +26,8 @@ struct Spot {
 };
 using Cell = std::array<int, 3>;
 
-// A triangle as the middles of equal parts, each at most `apart_mm` from the next.
+// Divides a triangle into equal parts and takes the middle of each. Neighbours are at most `apart_mm` apart, unless a
+// side is longer than 128 mm.
 template <class Each>
 void each_spot(const std::array<Vector3d, 3>& corners, Each&& each) {
   const Vector3d a = corners[1] - corners[0], b = corners[2] - corners[0];
@@ -43,7 +44,7 @@ void each_spot(const std::array<Vector3d, 3>& corners, Each&& each) {
     }
 }
 
-// Of all spots, those of each triangle in turn.
+// The spots of one triangle, and what of them is hidden.
 struct Looked {
   double whole_mm2 = 0, hidden_mm2 = 0;
   std::vector<Spot> hidden;
@@ -70,7 +71,7 @@ Cell cell_of(const Vector3d& place) {
           static_cast<int>(std::floor(place.z() / cell_mm))};
 }
 
-// The spots near their own mean.
+// The whole area of the spots, and the spot nearest to their mean.
 HiddenSurface::Area area_of(const std::vector<Spot>& spots) {
   HiddenSurface::Area area{Vector3d::Zero(), 0};
   for (const Spot& spot : spots) {
@@ -84,7 +85,7 @@ HiddenSurface::Area area_of(const std::vector<Spot>& spots) {
   return area;
 }
 
-// Spots whose cells touch each other are one area.
+// Spots whose cells touch form one area.
 std::vector<HiddenSurface::Area> areas_of(const std::vector<Spot>& hidden) {
   std::map<Cell, std::vector<Spot>> cells;
   for (const Spot& spot : hidden) cells[cell_of(spot.place)].push_back(spot);

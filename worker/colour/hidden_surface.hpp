@@ -1,4 +1,4 @@
-// The parts of a coloured scan that no sheet shows: undercuts, and what lies under a bridge or inside.
+// The parts of a coloured scan that the sheet cannot show: undercuts, and what lies under a bridge or inside.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@ namespace vacuform {
 // Of the surface above the platform.
 struct HiddenSurface {
   double whole_mm2 = 0;
-  double hidden_mm2 = 0;  // further from the formed sheet than the colours are full
+  double hidden_mm2 = 0;  // further from the formed sheet than full colour reaches
   struct Area {
     Eigen::Vector3d place;  // of its surface, near its middle; mold's frame, mm
     double mm2 = 0;
@@ -22,7 +22,8 @@ struct HiddenSurface {
   double share() const { return whole_mm2 > 0 ? hidden_mm2 / whole_mm2 : 0; }
 };
 
-// Looks at places of the surface at most 2 mm apart. Deterministic for any number of threads.
+// Examines places of the surface that are at most 2 mm apart, unless a side of a triangle is longer than 128 mm.
+// Deterministic for any number of threads.
 HiddenSurface hidden_surface(const ColouredSurface& surface, const FormedSheet& sheet, double touch_mm);
 
 }  // namespace vacuform

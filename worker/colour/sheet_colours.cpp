@@ -11,7 +11,8 @@ namespace vacuform {
 
 namespace {
 
-// What the surface of a mold and the chords of the sheet's triangles leave between a sheet and the scan that it touches.
+// The distance between a sheet and a scan that it touches: from the mold's surface and the chords of the sheet's
+// triangles.
 constexpr double contact_mm = 0.5;
 // A surface that was grown is off by up to this share of the clearance.
 constexpr double growth_share = 0.25;
@@ -44,7 +45,7 @@ ColourReach colour_reach(double clearance_mm, double fade_mm) {
 SheetColours::SheetColours(ColouredSurface surface, const FormedSheet& sheet, const ColourReach& reach)
     : surface_(std::move(surface)), sheet_(sheet), reach_(reach) {
   const auto at = [&](int v) -> const Eigen::Vector3d& { return sheet.formed[static_cast<std::size_t>(v)]; };
-  // A triangle with a place in reach has its corners within that and the length of its longest side.
+  // If a triangle has a place in reach, its corners are at most its longest side further away.
   double longest = 0;
   for (const Triangle& t : sheet.triangles)
     for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, (at(t[k]) - at(t[(k + 1) % 3])).norm());

@@ -32,7 +32,7 @@ struct ColouredArea {
 
 class SheetColours {
  public:
-  // Keeps a reference to the sheet. Looks for the scan once a vertex.
+  // Keeps a reference to the sheet. Searches the scan once for each vertex.
   SheetColours(ColouredSurface surface, const FormedSheet& sheet, const ColourReach& reach);
 
   const ColouredSurface& surface() const { return surface_; }
@@ -41,7 +41,7 @@ class SheetColours {
   // Triangles of the sheet that may have colour, ascending.
   const std::vector<int>& triangles() const { return triangles_; }
   const ColouredArea& area() const { return area_; }
-  // What of the scan no colour on the sheet shows.
+  // The parts of the scan whose colour the sheet does not show.
   const HiddenSurface& hidden() const { return hidden_; }
 
  private:

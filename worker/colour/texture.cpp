@@ -38,7 +38,7 @@ const Curve8& curve8() {
   return curve;
 }
 
-// Texel i of a row of n, wherever it lies.
+// Texel i of a row of n, also outside of the row.
 int wrapped(std::int64_t i, int n, Wrap wrap) {
   if (i >= 0 && i < n) return static_cast<int>(i);
   if (wrap == Wrap::clamp) return i < 0 ? 0 : n - 1;
@@ -83,7 +83,7 @@ void Texture::mark_shown(std::span<const Corners> triangles, Wrap across, Wrap d
   Level& level = levels_.front();
   const Vector2d size(level.width, level.height);
   marked_ = true;
-  // Triangles that lie in one tile are moved to the image. What spans several tiles may show any texel.
+  // Triangles that lie in one tile are moved to the image. A triangle that spans several tiles may show any texel.
   std::vector<std::array<Vector2d, 3>> moved;
   moved.reserve(triangles.size());
   for (const Corners& corners : triangles) {
@@ -115,7 +115,7 @@ void Texture::mark_shown(std::span<const Corners> triangles, Wrap across, Wrap d
       scan_triangle(at, level.width, first, last, [&](int row, int begin, int end) {
         for (std::ptrdiff_t i = row * width + begin; i < row * width + end; ++i) shown[4 * i] = 255;
       });
-      // Small and thin triangles, down to single points of a palette.
+      // Small and thin triangles, down to single points of a palette, mark the texels below some of their points.
       const Vector2d middle = (at[0] + at[1] + at[2]) / 3;
       const bool small =
           std::abs((at[1] - at[0]).x() * (at[2] - at[0]).y() - (at[1] - at[0]).y() * (at[2] - at[0]).x()) < 2;

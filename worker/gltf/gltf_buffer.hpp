@@ -26,10 +26,11 @@ struct GltfBuffer {
   std::vector<std::uint8_t> bytes;
   GltfJson views = GltfJson::array(), accessors = GltfJson::array();
 
-  // What was appended since `start` becomes a view; `target` 0: none.
+  // Makes a view of the bytes that were appended since `start`; `target` 0: none.
   std::size_t add_view(std::size_t start, int target);
 
-  // `size` numbers (1 to 3) a vertex, from value(vertex, which); not finite ones become 0. Gives the number of the accessor.
+  // Adds `size` numbers (1 to 3) for each vertex, from value(vertex, which). Numbers that are not finite become 0.
+  // Returns the number of the accessor.
   template <class Value>
   std::size_t add_attribute(std::size_t count, std::size_t size, Value&& value) {
     constexpr const char* types[] = {"SCALAR", "VEC2", "VEC3"};
@@ -53,11 +54,11 @@ struct GltfBuffer {
   }
 
   std::size_t add_triangles(const std::vector<Triangle>& triangles);
-  // The description of an image, for the list of images.
+  // Adds the image. Returns its entry for the list of images.
   GltfJson add_png(const char* name, const std::vector<std::uint8_t>& png);
 };
 
-// A node's matrix, by columns: (x, y, z) in mm, z up, to (x, z, -y) in metres, y up, as glTF has it.
+// A node's matrix, by columns: from (x, y, z) in mm, z up, to (x, z, -y) in metres, y up, as in glTF.
 GltfJson gltf_matrix_from_mm();
 
 // The file: `json`, with the buffer's members added, and the buffer.

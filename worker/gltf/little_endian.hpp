@@ -1,4 +1,4 @@
-// Numbers as the bytes of files, the low byte first.
+// Numbers as little-endian bytes.
 #pragma once
 
 #include <bit>

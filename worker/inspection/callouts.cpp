@@ -55,7 +55,7 @@ const Rgb symbol_ink(0.08f, 0.09f, 0.11f), symbol_paper(1, 1, 1);
 
 constexpr double badge = 23;     // radius, pixels: its number can be read at the width of a phone
 constexpr int legend_row = 70;   // of the legend
-constexpr double hidden_mm = 3;  // behind the sheet; nearer to it is on it
+constexpr double hidden_mm = 3;  // behind the sheet; a mark nearer to it counts as on it
 constexpr double least_ring = 9, most_ring = 90;
 
 // The outline of a badge about the origin, of about the area of a disk of radius 1.
@@ -104,7 +104,7 @@ void draw_badge(Canvas& canvas, const Look& look, const Vector2d& at, const std:
   canvas.colour(symbol_ink);
   cairo_set_line_width(cairo, 2.5);
   cairo_stroke(cairo);
-  // Triangles have their room below or above the middle.
+  // Triangles and arrows have their space below or above the middle.
   const double shift = look.shape == Symbol::triangle ? 5 : look.shape == Symbol::arrow ? -4 : 0;
   canvas.text(number, at.x(), at.y() + 10 + shift, 28, true, 0.5,
               look.dark_number ? symbol_ink : symbol_paper);
@@ -133,7 +133,8 @@ struct Callout {
   Vector2d badge_at;
 };
 
-// Puts badges beside their rings: the first of 16 directions and growing distances at which a badge lies free.
+// Puts each badge beside its ring, at the best of 16 directions and six distances: near the ring, inside the picture
+// and clear of other rings and badges.
 void place_badges(std::vector<Callout>& callouts, const Vector2d& low, const Vector2d& high) {
   for (std::size_t i = 0; i < callouts.size(); ++i) {
     Callout& c = callouts[i];

@@ -42,9 +42,9 @@ class Callouts {
   std::vector<Mark> marks_;
 };
 
-// Titles the picture and extends it downwards by a legend of the warnings that have marks, in place of its lower
-// caption. `behind`, if present, comes between: a second picture of the same width with `behind_top` rows for its own
-// title.
+// Titles the picture and replaces its lower caption by a legend of the warnings that have marks, which makes the
+// picture higher. `behind`, if present, comes between: a second picture of the same width with `behind_top` rows for
+// its own title.
 void write_findings(const std::vector<Warning>& warnings, Picture& picture, const Picture* behind);
 inline constexpr int behind_height = 760, behind_top = 56;
 

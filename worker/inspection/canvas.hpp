@@ -1,4 +1,4 @@
-// Words and shapes on a picture, by cairo. Internal to the .cpp files of worker/inspection that draw.
+// Text and shapes on a picture, by cairo. Internal to the .cpp files of worker/inspection that draw.
 #pragma once
 
 #include <cairo.h>
@@ -10,7 +10,8 @@
 
 namespace vacuform {
 
-// Draws straight into the picture, which outlives it and keeps its size; done when it is destroyed.
+// Draws straight into the picture, which must outlive it and keep its size. The drawing is complete when it is
+// destroyed.
 class Canvas {
  public:
   explicit Canvas(Picture& picture);
@@ -21,9 +22,9 @@ class Canvas {
   cairo_t* cairo() { return context_.get(); }
   void colour(const Rgb& c) { cairo_set_source_rgb(cairo(), c.x(), c.y(), c.z()); }
 
-  // Paper for words to stand on, from row `top` to row `bottom`, with a line at its edge.
+  // A background for text from row `top` to row `bottom`, with a line at its edge.
   void band(double top, double bottom, double line);
-  // The words' base line at y; `along` of their width (0: none, 1: all) lies to the left of x.
+  // The base line of the text is at y; the fraction `along` of its width (0: none, 1: all) lies to the left of x.
   void text(const std::string& words, double x, double y, double size, bool bold, double along,
             const Rgb& colour);
   void text(const std::string& words, double x, double y, double size, bool bold, double along, float gray) {

@@ -75,7 +75,7 @@ void write(const Caption& caption, Picture& picture) {
     }
     canvas.text(s.quantity, left, top - 10, 17, false, 0, 0.2f);
     const int steps = static_cast<int>(std::lround((s.high - s.low) / s.step));
-    // As many digits as the step needs: 0.25 two, 0.2 one.
+    // As many digits as the step needs: two for 0.25, one for 0.2.
     int places = 0;
     for (double step = s.step; places < 6 && std::abs(step - std::round(step)) > 1e-6; step *= 10) ++places;
     for (int i = 0; i <= steps; ++i) {

@@ -1,4 +1,5 @@
-// What the captions of previews say of coils and ink, as text. Pure functions of the figures. Internal to worker/inspection.
+// What the captions of previews say about coils and ink, as text. Pure functions of the figures. Internal to
+// worker/inspection.
 #pragma once
 
 #include <string>
@@ -7,13 +8,13 @@
 
 namespace vacuform {
 
-// "6 of 19 coils on the head: out of round by 0.10 % on average, 0.20 % at worst     area off by 0.05 % on average". Where
-// one of the coils on the head is not drawn as a circle, how far they are off their drawn shape instead. Without a coil on
-// the head the count alone. Figures are those of one way of printing; the table has at least one coil.
+// "6 of 19 coils on the head: out of round by 0.10 % on average, 0.20 % at worst     area off by 0.05 % on average". If
+// one of the coils on the head is not drawn as a circle, says how far they are off their drawn shape instead. Without a
+// coil on the head, only the count. Figures are those of one way of printing; the table has at least one coil.
 std::string coils_caption(const CoilTable& table, CoilSummary CoilTable::*way);
 
-// Where the drawing's ink goes: `printed` and `on_head` are shares of it in [0, 1], on_head at most printed. From 99.95 %
-// on a share counts as all.
+// Where the drawing's ink goes: `printed` and `on_head` are shares of it in [0, 1], on_head at most printed. A share of
+// 99.95 % or more counts as all.
 std::string ink_caption(double printed, double on_head);
 
 // Where the colours of the scan go: `faded` is the share of the coloured area that is not on the scan.

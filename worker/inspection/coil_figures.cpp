@@ -20,7 +20,8 @@ constexpr double near_miss = 1.15;  // of the sum of the radii: loops this close
 
 double area_of(const std::vector<Vector2d>& line) { return std::abs(signed_area(line)); }
 
-// Counter-clockwise on the sheet: the sign of a coupling is then that of the overlap, not of how a loop was drawn.
+// Counter-clockwise on the sheet, so that the sign of a coupling is that of the overlap and does not depend on how a
+// loop was drawn.
 std::vector<Vector2d> counter_clockwise(std::vector<Vector2d> line) {
   if (signed_area(line) < 0) std::reverse(line.begin(), line.end());
   return line;
@@ -32,7 +33,7 @@ Vector2d middle_of(const std::vector<Vector2d>& line) {
   return sum / static_cast<double>(std::max<std::size_t>(1, line.size()));
 }
 
-// As the element was drawn: what is left of a loop that the border cuts is not one with a gap.
+// The printed loop of the kind that was drawn: the rest of a loop that the border cuts is not a loop with a gap.
 std::vector<Vector2d> printed_loop(const VectorPrint& print, const std::string& id, const DrawnLoop& drawn) {
   std::optional<DrawnLoop> out;
   const auto take = [&](std::optional<DrawnLoop> loop) {
@@ -71,7 +72,7 @@ CoilFigures figures_of(const LoopFigures& loop, const ShapeDistance& shape, cons
   return out;
 }
 
-// All pairs of coils that have figures one way.
+// All pairs of coils that have figures for one way of printing.
 Result<CouplingMatrix> couplings(const CoilTable& table, const std::vector<std::optional<LoopFigures>>& found,
                                  std::optional<CoilFigures> Coil::*way, std::size_t offset,
                                  const Context& context) {
@@ -155,7 +156,7 @@ std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& place
     coil.without.near = plain(flat.centre);
     coil.with.line = counter_clockwise(std::move(coil.with.line));
     coil.without.line = counter_clockwise(std::move(coil.without.line));
-    // What is left of a coil that runs off its patch may be a smaller loop.
+    // The rest of a coil that runs off its patch may be a smaller loop.
     const double expected = area_of(coil.without.line) * coil.size * coil.size;
     if (area_of(coil.with.line) < 0.2 * expected) coil.with.line.clear();
     coils.push_back(std::move(coil));
@@ -196,7 +197,7 @@ std::vector<NeighbourLoops> neighbours(const std::vector<CoilLoops>& coils, cons
 Result<CoilTable> measure_coils(const MeasuredSheet& measured, const std::vector<CoilLoops>& loops,
                                 const std::vector<NeighbourLoops>& pairs, std::optional<CoilKeep> keep,
                                 const Context& context) {
-  // Two loops a coil, then two ways a pair, a few at once so that a cancel is heard.
+  // Two loops a coil, then two ways a pair, a few at a time so that a cancellation takes effect soon.
   const int coils = static_cast<int>(loops.size()), all = 2 * (coils + static_cast<int>(pairs.size()));
   std::vector<std::optional<LoopFigures>> found(static_cast<std::size_t>(2 * coils));
   std::vector<ShapeDistance> shapes(found.size());
@@ -211,7 +212,7 @@ Result<CoilTable> measure_coils(const MeasuredSheet& measured, const std::vector
           measure_loop(measured, loop.line, loop.near, keep.value_or(CoilKeep::area));
       if (!figures) return;
       std::vector<Vector2d> drawn = coil.drawn;
-      for (Vector2d& p : drawn) p *= with ? coil.size : 1;  // the plain drawing knows of no decoupling
+      for (Vector2d& p : drawn) p *= with ? coil.size : 1;  // the plain drawing has no decoupling
       shapes[static_cast<std::size_t>(item)] = shape_distance(figures->shape, drawn);
       return;
     }
@@ -243,7 +244,7 @@ Result<CoilTable> measure_coils(const MeasuredSheet& measured, const std::vector
            {}};
     if (found[2 * i]) row.with = figures_of(*found[2 * i], shapes[2 * i], coil);
     if (found[2 * i + 1]) {
-      CoilLoops as_drawn = coil;  // the plain drawing knows of no decoupling
+      CoilLoops as_drawn = coil;  // the plain drawing has no decoupling
       as_drawn.size = 1;
       row.without = figures_of(*found[2 * i + 1], shapes[2 * i + 1], as_drawn);
     }

@@ -1,5 +1,5 @@
 // The figures for coils and for pairs of neighbours, measured on the inked surface, for the print itself and for the
-// plain drawing printed as it is. A *coil* is an element of the drawing with a loop (coils/drawn_loop.hpp).
+// plain drawing printed as it is. A *coil* is an element of the drawing with a loop (worker/pattern/drawn_loop.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -37,9 +37,9 @@ struct CoilLoops {
   FlatLoop with, without;
 };
 
-// The coils of the drawing: `with` from the print, `without` from the drawing laid flat on the sheet. Its centre is
-// then on the point of the sheet that lands on the top of the mold, and the settings rotate and move it. In the order
-// of the drawing.
+// The coils of the drawing, in its order: `with` from the print, `without` from the drawing laid flat on the sheet. The
+// centre of the flat drawing is on the point of the sheet that lands on the top of the mold, and the settings rotate
+// and move it.
 std::vector<CoilLoops> coil_loops(const Drawing& drawing, const Placement& placement,
                                   const VectorPrint& print, const Flattening& flattening,
                                   const Alignment& alignment);
@@ -73,7 +73,7 @@ struct Coil {
   bool smooth = true;
   std::optional<CoilFigures> with, without;  // nothing where it lies off the sheet, or is not printed whole
 
-  // Drawn as a circle: circularity shows the accuracy. Other shapes are only compared with themselves.
+  // Drawn as a circle, so that circularity shows the accuracy. Other shapes are only compared with the drawn shape.
   bool round() const { return drawn_circularity < 0.005; }
 };
 

@@ -10,10 +10,10 @@ namespace vacuform {
 
 nlohmann::ordered_json coils_json(const CoilTable& table);
 nlohmann::ordered_json pairs_json(const CoilTable& table);
-// Of CoilTable::with or without; null where no coil lies on the head.
+// The summary CoilTable::with or without; null if no coil lies on the head.
 nlohmann::ordered_json summary_json(const CoilTable& table, CoilSummary CoilTable::*way);
-// k of every two coils on the head, printed with pre-distortion: {coils: ids, k: one row a coil, 1 on the diagonal}. Null
-// for fewer than two coils, and for more than most_coupled_coils.
+// k of every two coils on the head, printed with pre-distortion: {coils: ids, k: one row a coil, 1 on the diagonal}.
+// Null for fewer than two coils, and for more than most_coupled_coils.
 nlohmann::ordered_json couplings_json(const CoilTable& table);
 nlohmann::ordered_json traces_json(const TraceFigures& figures);
 

@@ -11,11 +11,11 @@ inline constexpr int preview_side =
     1000;  // pixels of a preview's width, and of the height of a picture with its caption
 
 const Rgb plastic(0.90f, 0.925f, 0.945f);
-// A sample of the part without ink.
+// The colour of a sample of the part without ink.
 Rgb bare(const Seen& seen);
 
-// The marks of the warnings on `front`, a picture of the bare part that `view` drew; what is seen better from behind is shown
-// from there, below. Errors: cancelled.
+// The marks of the warnings on `front`, a picture of the bare part that `view` drew. Marks that are seen better from
+// behind are on a second picture below. Errors: cancelled.
 Result<Picture> findings_preview(const std::vector<Warning>& warnings, View& view, Picture&& front,
                                  const Context& context);
 

@@ -37,8 +37,8 @@ std::uint32_t bits(const Rgb& colour) {
   return 0xff000000u | byte(colour.x()) << 16 | byte(colour.y()) << 8 | byte(colour.z());
 }
 
-// Fills the picture with colours, 2 x 2 samples a pixel: `colours_of` gives those of a row of places, the first place and
-// the step from one to the next in mm.
+// Fills the picture with colours, 2 x 2 samples a pixel: `colours_of` gives those of a row of places, from the first
+// place and the step to the next in mm.
 template <class ColoursOf>
 Picture painted(const Frame& frame, int side, ColoursOf&& colours_of) {
   const auto columns = static_cast<std::size_t>(side);

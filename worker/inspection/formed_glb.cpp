@@ -21,7 +21,7 @@ namespace {
 GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer) {
   const FormedSheet& sheet = job.sheet;
   const std::size_t count = all.vertex.size();
-  // Copies of a vertex differ in their pattern coordinates alone.
+  // Copies of a vertex differ only in their pattern coordinates.
   const auto of_vertices = [&](std::size_t size, auto&& value) {
     return buffer.add_attribute(count, size, [&](std::size_t i, std::size_t k) {
       return value(static_cast<std::size_t>(all.vertex[i]), static_cast<Eigen::Index>(k));
@@ -71,7 +71,7 @@ Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const Context&
   std::optional<SheetPicture> picture;
   if (over_colours(job)) picture.emplace(job);
   const SheetPicture* const over = picture ? &*picture : nullptr;
-  // Beside the other one, or after it where no thread is to be had.
+  // Made at the same time as the other texture, or after it if there is no thread for it.
   auto printed = std::async([&] { return print_texture(job, over); });
   VACUFORM_TRY(drawn, drawing_texture(job, over, context));
   const Unfolded all = unfolded(job);

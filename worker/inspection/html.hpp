@@ -1,5 +1,5 @@
-// The pieces that report.html is made of: text that is escaped everywhere, tables, and charts as inline SVG. Internal to
-// worker/inspection.
+// The pieces that report.html is made of: text that is escaped everywhere, tables, and charts as inline SVG. Internal
+// to worker/inspection.
 #pragma once
 
 #include <optional>
@@ -15,15 +15,15 @@ struct Column {
   std::string title;
   bool number = false;  // set to the right, in figures of one width
 };
-// The first cell of a row is its heading. Cells are texts, escaped here. A row of one cell goes over the whole width.
+// The first cell of a row is its heading. Cells are texts, escaped here. A row of one cell spans the whole width.
 using Rows = std::vector<std::vector<std::string>>;
 std::string table(std::string_view caption, const std::vector<Column>& columns, const Rows& rows);
 
 // A table of two columns, without headings above.
 std::string facts(std::string_view caption, const std::vector<std::pair<std::string, std::string>>& rows);
 
-// Shares of the area by a figure, in even bins from `low`; `without` is drawn as a line over the bars of `with`. Without
-// `without` there is one set of bars.
+// Shares of the area by a figure, in even bins from `low`; `without` is drawn as a line over the bars of `with`.
+// Without `without` there is one set of bars.
 struct Histogram {
   std::string title, quantity;  // what the chart shows; what its axis means
   double low = 0, step = 1;
@@ -44,7 +44,7 @@ struct Bars {
 };
 std::string bars(const Bars& bars);
 
-// The words that tell the two ways apart, with the colours and patterns of the charts.
+// The texts that identify the two ways of printing, with the colours and patterns of the charts.
 std::string legend();
 
 // The style of the whole page, light and dark, on screen and on paper.

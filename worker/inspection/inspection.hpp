@@ -54,10 +54,10 @@ struct Finished {
   const Print& print;
   HeatSummary heat = {};
   Alignment alignment = {};               // of the drawing on the chart
-  const Measured* measured = nullptr;     // where the print is one of vectors
-  const Placement* placement = nullptr;   // how the drawing is laid; none: on the one chart
-  std::string label = {};                 // of the print, as its marks say it
-  const SheetColours* colours = nullptr;  // of the scan, where they are printed
+  const Measured* measured = nullptr;     // of a vector print, else null
+  const Placement* placement = nullptr;   // how the drawing is laid; null: on the one chart
+  std::string label = {};                 // of the print, as its marks show it
+  const SheetColours* colours = nullptr;  // of the scan, if they are printed
 };
 // Whether the colours of the scan are all that is printed.
 inline bool of_colours_alone(const Finished& job) {
@@ -77,7 +77,7 @@ struct Artifact {
   std::vector<std::uint8_t> bytes;
 };
 
-// Of J, the linear map that takes a flat triangle to one in space. Not finite when the flat one has no area.
+// Singular values of J, the linear map from a flat triangle to one in space. Not finite if the flat one has no area.
 struct SingularValues {
   double largest, smallest;
 };
@@ -86,7 +86,7 @@ SingularValues singular_values(const std::array<Eigen::Vector2d, 3>& from,
 
 // Coordinates of the corners of the triangles Flattening::triangles, one entry each; mm.
 using CornersUv = std::vector<std::array<Eigen::Vector2d, 3>>;
-// From coordinates of the sheet's vertices: printed as drawn, those are FormedSheet::rest.
+// From coordinates of the sheet's vertices. For the drawing printed as it is, those are FormedSheet::rest.
 CornersUv corners_of(const FormedSheet& sheet, const Flattening& flattening,
                      const std::vector<Eigen::Vector2d>& uv);
 // As printed by `print`, in millimetres of the inked surface.
@@ -102,7 +102,7 @@ struct DistortionValues {
 DistortionValues distortion_values(const InkedSurface& surface, const std::vector<int>& chart,
                                    const CornersUv& uv);
 
-// The same over patches, from their coordinates `of` a vertex (mm of the inked surface).
+// The same over patches; `of` gives the coordinates of a vertex, mm of the inked surface.
 Distortion distortion(const std::vector<const Patch*>& patches,
                       const std::function<Eigen::Vector2d(const Patch&, std::size_t)>& of);
 
@@ -115,7 +115,7 @@ Bins even_bins(const std::vector<Weighted>& values, double low);
 // The share of the area in each bin; the last bin includes all larger values.
 std::vector<double> shares(const std::vector<Weighted>& values, const Bins& bins);
 
-// Over the triangles `chart`, J from `uv`, which is parallel to them, to the inked surface.
+// Over the triangles `chart`, with J from `uv` (one entry for each of them) to the inked surface.
 Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart, const CornersUv& uv);
 
 // The figures, findings and warnings as in report.json, without the parts that only the caller of the pipeline knows
@@ -124,12 +124,12 @@ Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart
 nlohmann::ordered_json report(const Finished& job);
 
 // Whether this job makes the artifact. Every job makes all except preview-temperature.png, which an evenly warm sheet
-// does not need, preview-segments.png, which needs segments, the files of the colours, which need a drawing over them, and
-// findings.json, whose content is in report.json.
+// does not need, preview-segments.png, which needs segments, the files of the colours, which need a drawing over them,
+// and findings.json, whose content is in report.json.
 bool makes(const Finished& job, const ArtifactKind& kind);
 
-// All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without a
-// display), formed.ply, formed.obj/.mtl, formed.glb, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
+// All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without
+// a display), formed.ply, formed.obj/.mtl, formed.glb, uv-map.obj, mold.stl. Pure and deterministic. Errors: cancelled.
 Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& context);
 
 // For a mold without a formed sheet: preview-findings.png and mold.stl. Errors: cancelled.

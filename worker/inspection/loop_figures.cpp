@@ -18,11 +18,11 @@ using Eigen::Vector3d;
 constexpr double step_mm = 0.25;        // of the line on the flat sheet
 constexpr double stretch_piece_mm = 1;  // over which a trace's stretch is taken
 constexpr int radii = 180;              // rays from the centre
-// A move of the centre whose effect on the radii the plane tells, to well below a micrometre on a head:
-// the surface departs from the plane there by a few percent of the square of the move over the radius.
+// In a step of at most this length, the plane gives the change of the radii to well below a micrometre on a head: the
+// surface departs from the plane by a few percent of the square of the step over the radius.
 constexpr double settled_mm = 0.15;
 
-// `count` points evenly spaced along the closed line, whose points lie `at` in space, by length in space.
+// `count` points evenly spaced by length in space along the closed line, whose points lie `at` in space.
 std::vector<Vector2d> evenly(const std::vector<Vector2d>& line, const std::vector<Vector3d>& at, int count) {
   std::vector<double> until{0};
   for (std::size_t i = 0; i < at.size(); ++i)
@@ -39,8 +39,8 @@ std::vector<Vector2d> evenly(const std::vector<Vector2d>& line, const std::vecto
   return points;
 }
 
-// The point from which points (one a row; all in one plane) are most equally far, by Gauss and Newton's method from the
-// origin, and how far they are.
+// The point that is most equally far from points (one a row; all in one plane), by the Gauss-Newton method from the
+// origin, and the distances from it.
 struct Centring {
   Eigen::VectorXd centre, radii;
   double mean() const { return radii.mean(); }
@@ -54,7 +54,7 @@ Centring centre_of(const Eigen::MatrixXd& points) {
     equations << points.rowwise() - out.centre.transpose(), Eigen::VectorXd::Ones(points.rows());
     for (Eigen::Index i = 0; i < points.rows(); ++i)
       if (out.radii[i] > 0) equations.row(i).head(points.cols()) /= out.radii[i];
-    // In space all ways lie in one plane, to rounding: across it nothing may move.
+    // In space all directions lie in one plane, up to rounding: nothing may move across it.
     const Eigen::VectorXd move = shortest_least_squares(equations, out.radii, 1e-6).head(points.cols());
     out.centre += move;
     out.radii = (points.rowwise() - out.centre.transpose()).rowwise().norm();
@@ -76,7 +76,7 @@ void cut(std::vector<Vector2d>& polygon, std::vector<Vector2d>& kept, const Vect
   polygon.swap(kept);
 }
 
-// A closed line with the boxes of its parts, to find quickly what of it is near a place.
+// A closed line with the boxes of its parts, to find quickly which of them are near a place.
 class BoxedLine {
  public:
   explicit BoxedLine(const std::vector<Vector2d>& line) : line_(line) {
@@ -92,8 +92,8 @@ class BoxedLine {
     return std::any_of(boxes_.begin(), boxes_.end(),
                        [&](const auto& of_part) { return of_part.intersects(box); });
   }
-  // How many times the line runs around a point that is not on it, counter-clockwise: by the pieces that a ray to the right
-  // crosses.
+  // How many times the line runs around a point that is not on it, counter-clockwise: by the pieces that a ray to the
+  // right crosses.
   int turns_around(const Vector2d& p) const {
     int turns = 0;
     for (std::size_t k = 0; k < boxes_.size(); ++k) {

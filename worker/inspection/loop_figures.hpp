@@ -1,4 +1,4 @@
-// A closed line on the flat sheet, measured where the formed sheet carries it. Internal to worker/inspection.
+// A closed line of the flat sheet, measured on the formed sheet. Internal to worker/inspection.
 //
 // The figures are those of the inked surface. The centre of a loop is found, not assumed: it is the point of the
 // surface from which the geodesic radius of the loop varies least (least squares over the loop by its formed length).
@@ -27,8 +27,8 @@ class MeasuredSheet {
   bool on_chart(const SheetPoint& at) const { return charted_.on_chart(at.triangle); }
   const InkedSurface& surface() const { return charted_.surface(); }
 
-  // Paths over the surface for one thread, given back by the pointer. They are made for all of the sheet, but a use costs
-  // only what is within reach; so those that were given back are lent again.
+  // Paths over the surface for one thread; the pointer returns them. They are made for the whole sheet, but each use
+  // costs only what is within reach, so returned ones are used again.
   struct GiveBack {
     const MeasuredSheet* sheet;
     void operator()(Geodesics* paths) const { sheet->take_back(paths); }

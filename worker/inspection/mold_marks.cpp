@@ -84,7 +84,7 @@ class Base {
   bool is_flat() const { return is_flat_; }
   const std::vector<BaseOutline>& outlines() const { return outlines_; }
 
-  // Room for the slot with a wall around and above it.
+  // Whether there is space for the slot with a wall around and above it.
   bool takes(const Slot& slot) const {
     for (std::size_t k = 0; k < 4; ++k)
       for (double f = 0; f < 1; f += 0.02)

@@ -79,7 +79,7 @@ Rgb inked(const Finished& job, const Ink& ink, const Seen& seen) {
   return seen.light * (plastic + ink.a * (colour - plastic)) + Rgb::Constant(seen.gloss);
 }
 
-// Where what is seen lay on the flat sheet.
+// The place on the flat sheet of what is seen.
 struct FlatPlace {
   Vector2d rest;   // sheet coordinates, mm
   double blur_mm;  // between samples; not finite where the sheet has no area
@@ -95,7 +95,7 @@ class FlatPlaces {
       for (std::size_t k = 0; k < 3; ++k)
         from[k] = sheet.rest[static_cast<std::size_t>(c[k])],
         to[k] = sheet.formed[static_cast<std::size_t>(c[k])];
-      // Millimetres of flat sheet for each of formed sheet, averaged over directions.
+      // Millimetres of flat sheet per millimetre of formed sheet, averaged over directions.
       const SingularValues s = singular_values(from, to);
       shrink_[t] = std::sqrt((1 / (s.largest * s.largest) + 1 / (s.smallest * s.smallest)) / 2);
     }
@@ -203,12 +203,12 @@ struct NamedPicture {
   Picture picture;
 };
 
-// As files, in their order. Takes the pixels.
+// The pictures as files, in their order. Frees the pixels.
 Result<std::vector<Artifact>> encoded(std::vector<NamedPicture>& pictures, const Context& context,
                                       double from, double to) {
   const int count = static_cast<int>(pictures.size());
   std::vector<Artifact> files(pictures.size());
-  constexpr int batch = 4;  // so that a cancel is heard
+  constexpr int batch = 4;  // so that a cancellation takes effect soon
   for (int begin = 0; begin < count; begin += batch) {
     VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * begin / count));
     in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {

@@ -62,7 +62,7 @@ Json forming_of(const Finished& job) {
   return out;
 }
 
-// Of the sheet when it meets the mold, over the window of the clamp frame.
+// When the sheet meets the mold, over the window of the clamp frame.
 Json heat_of(const HeatSummary& heat, Material material) {
   const MaterialProfile plastic = material_profile(material);
   Json out = {{"source", name(heat.source)},
@@ -75,7 +75,7 @@ Json heat_of(const HeatSummary& heat, Material material) {
   return out;
 }
 
-// Means over the plastic itself: an element counts by its area on the flat sheet.
+// Means over the plastic itself: an element is weighted by its area on the flat sheet.
 Json thickness_of(const Finished& job) {
   const FormedSheet& sheet = job.sheet;
   double area = 0, sum = 0, least = INFINITY, chart_area = 0, chart_sum = 0, chart_least = INFINITY;

@@ -31,7 +31,7 @@ std::string vents_table(const ReportJson& vents) {
                      rows);
 }
 
-// One row a setting: name, value, default, unit and meaning; those that differ first.
+// One row for each setting: name, value, default, unit and meaning; those that differ from the default come first.
 std::string settings_table(const ReportJson& settings) {
   const ReportJson defaults = to_json(Settings{}), schema = settings_schema();
   html::Rows differ, same;

@@ -1,4 +1,4 @@
-// What report.html says of the coils: their table, their neighbours, and how every two of them couple.
+// The part of report.html about the coils: their table, their neighbours, and how every two of them couple.
 #include <algorithm>
 #include <cmath>
 

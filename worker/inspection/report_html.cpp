@@ -29,7 +29,7 @@ Embedded embedded_previews(const std::vector<Artifact>& files) {
   return out;
 }
 
-// A preview under its title, which the picture itself then need not say.
+// A preview with its title as the caption; the title inside the picture was cut off.
 std::string picture(const Embedded& previews, const std::string& name) {
   const auto found = previews.find(name);
   const ArtifactKind* kind = artifact_kind(name);

@@ -20,9 +20,9 @@ const ReportJson& at(const ReportJson& json, std::initializer_list<const char*> 
 std::string number_text(const ReportJson& value, int places, const std::string& unit = "", double factor = 1);
 std::string percent_text(const ReportJson& value, int places = 2);         // of a ratio
 std::string signed_percent_text(const ReportJson& value, int places = 2);  // with its sign
-std::string text_of(const ReportJson& value);                              // of any value, as people read it
+std::string text_of(const ReportJson& value);                              // any value, in a form for people
 
-// What it is, printed as drawn, printed with Vacuform; for people. Leaves out what the report does not contain.
+// Name, value when printed as drawn, value when printed with Vacuform; for people. Leaves out what the report lacks.
 std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report);
 
 // One or two sentences about the strongest coupling: between neighbours, and between any two coils, by name with k and

@@ -14,7 +14,7 @@ const std::array<Rgb, 7> colours{Rgb(0.68f, 0.85f, 0.93f), Rgb(0.98f, 0.86f, 0.6
                                  Rgb(0.80f, 0.80f, 0.80f)};
 const Rgb dark(0.15f, 0.13f, 0.25f);
 
-// In their order each takes the first colour that no neighbour before it has.
+// In their order, each segment gets the first colour that no earlier neighbour has.
 std::vector<int> colours_of(const Placement& placement) {
   std::vector<std::set<int>> taken(placement.charts.size());
   std::vector<int> out;

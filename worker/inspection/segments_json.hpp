@@ -7,7 +7,8 @@
 
 namespace vacuform {
 
-// `segments` with distortion and area, in the order of Placement::charts; `seams` name their sides by it, counted from 1.
+// `segments` with distortion and area, in the order of Placement::charts; `seams` refer to them by number, counted from
+// 1.
 nlohmann::ordered_json segments_json(const Placement& placement, const Print& print);
 
 }  // namespace vacuform

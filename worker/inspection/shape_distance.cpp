@@ -30,7 +30,7 @@ Nearest nearest(const Line& line, const Vector2d& p) {
     const Vector2d& a = line[i];
     const Vector2d along = line[(i + 1) % line.size()] - a;
     const double square = along.squaredNorm();
-    // No point of the piece is nearer than its beginning less its length.
+    // No point of the piece is nearer than its start less its length.
     if (const double off = (p - a).squaredNorm(); off > 4 * std::max(least, square)) continue;
     const double f = square > 0 ? std::clamp((p - a).dot(along) / square, 0.0, 1.0) : 0;
     const Vector2d q = a + f * along;
@@ -57,7 +57,7 @@ Vector2d middle(const Line& points) {
   return sum / static_cast<double>(points.size());
 }
 
-// The sum of conj(from) * to about their middles: its angle is the rotation that fits best, its size how well it does.
+// The sum of conj(from) * to about their middles: its angle is the best rotation, its size the quality of the fit.
 Complex fit(const Line& from, const Line& to, std::size_t shift) {
   const Vector2d a = middle(from), b = middle(to);
   Complex sum = 0;
@@ -68,7 +68,7 @@ Complex fit(const Line& from, const Line& to, std::size_t shift) {
   return sum;
 }
 
-// Turned and moved onto points that are its counterparts.
+// Rotates and moves points onto their counterparts.
 struct Motion {
   Complex turn;
   Vector2d from, to;
@@ -91,8 +91,8 @@ Line lambert(Line polar, double curvature) {
   return polar;
 }
 
-// One step of Gauss and Newton's method for the distances to the line, each along its own direction (Chen and Medioni
-// 1992). Of a circle no rotation is better than another: it is held by a small weight.
+// One Gauss-Newton step for the distances to the line, each along its own direction (Chen and Medioni 1992). For a
+// circle every rotation is equally good: a small weight prevents it from turning.
 Motion closer(const Line& points, const Line& line) {
   const Vector2d centre = middle(points);
   double radius = 0;
@@ -118,7 +118,7 @@ ShapeDistance shape_distance(const Line& made, const Line& drawn) {
   if (made.size() < 3 || drawn.size() < 3) return {INFINITY, INFINITY};
   Line moved = made, few = even_points(made, samples);
   const Line wanted = even_points(drawn, samples);
-  // Where along the drawn line the other one begins.
+  // The point of the drawn line at which the other one begins.
   std::size_t best = 0;
   Complex best_fit = 0;
   for (std::size_t shift = 0; shift < wanted.size(); ++shift)
@@ -126,7 +126,7 @@ ShapeDistance shape_distance(const Line& made, const Line& drawn) {
       best = shift, best_fit = f;
   const auto move = [&](const Motion& motion) { motion.move(few), motion.move(moved); };
   move(Motion(fit(few, wanted, best), middle(few), middle(wanted)));
-  // The steps of a line that is far from the drawn one may lead away from it: the best of them counts.
+  // If a line is far from the drawn one, steps may lead away from it: the best of them is used.
   Line nearest_few = few, nearest_moved = moved;
   double least = squares(few, drawn);
   for (int round = 0; round < rounds; ++round) {
@@ -142,7 +142,7 @@ ShapeDistance shape_distance(const Line& made, const Line& drawn) {
 }
 
 Line true_to_area(Line polar, double area_mm2) {
-  // Of a circle of radius r the area is pi r^2 (1 - K r^2 / 12): steps by what a circle of that area would need.
+  // A circle of radius r has the area pi r^2 (1 - K r^2 / 12). Each step is what a circle of that area would need.
   double curvature = 0;
   const double plane = std::abs(signed_area(polar));
   if (!(plane > 0) || !(area_mm2 > 0)) return polar;
@@ -151,7 +151,7 @@ Line true_to_area(Line polar, double area_mm2) {
     if (std::abs(excess) < 1e-9) break;
     curvature += 12 * M_PI / plane * excess;
   }
-  // Farther than a quarter of the way around such a sphere no loop reaches.
+  // No loop reaches farther than a quarter of the way around such a sphere.
   double reach = 0;
   for (const Vector2d& p : polar) reach = std::max(reach, p.norm());
   if (!std::isfinite(curvature) || std::sqrt(std::abs(curvature)) * reach > M_PI / 2) return polar;

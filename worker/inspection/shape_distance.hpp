@@ -11,8 +11,8 @@ struct ShapeDistance {
   double mean_mm = 0;     // over the length of the line that was made
 };
 
-// Between two closed lines that run the same way round, after the rotation and translation that fits them best (least
-// squares). Their sizes are not fitted. The last point of a line is joined to the first. Deterministic.
+// Between two closed lines that run in the same direction, after the rotation and translation that fits them best
+// (least squares). Their sizes are not fitted. The last point of a line is joined to the first. Deterministic.
 ShapeDistance shape_distance(const std::vector<Eigen::Vector2d>& made,
                              const std::vector<Eigen::Vector2d>& drawn);
 

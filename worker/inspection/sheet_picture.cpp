@@ -61,7 +61,7 @@ Ink SheetPicture::over_colours(const Ink& ink, const Eigen::Vector2d& rest) cons
   return {mixed(ink.r, below.r), mixed(ink.g, below.g), mixed(ink.b, below.b), a};
 }
 
-// Bilinear, each pixel by its opacity.
+// Bilinear, with pixels weighted by their opacity.
 Ink SheetPicture::of_pixels(const Pixels& rgba, const Eigen::Vector2d& rest) const {
   const double x = rest.x() / pixel_mm + width_ / 2.0 - 0.5, y = height_ / 2.0 - rest.y() / pixel_mm - 0.5;
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));

@@ -11,14 +11,15 @@
 
 namespace vacuform {
 
-// Of a print of vectors, of a picture in parts, or of the colours of the scan, the print itself, 0.15 mm a pixel; of any
-// other the pattern under the charts. A drawing over the colours of the scan is shown over them. Keeps a reference to the
-// job.
+// The print itself, 0.15 mm a pixel, for a vector print, for a picture in parts, and for the colours of the scan;
+// otherwise the pattern under the charts. A drawing over the colours of the scan is shown over them. Keeps a reference
+// to the job.
 class SheetPicture {
  public:
   explicit SheetPicture(const Finished& job);
 
-  // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off it.
+  // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off
+  // it.
   Ink sample(const Eigen::Vector2d& rest, double blur_mm) const;
   // Ink of the drawing at a place of the sheet, over the colours of the scan there if the job prints both.
   Ink over_colours(const Ink& ink, const Eigen::Vector2d& rest) const;
@@ -31,7 +32,7 @@ class SheetPicture {
 
   const Finished& job_;
   int width_ = 0, height_ = 0;
-  Pixels print_;        // empty: of the pattern
+  Pixels print_;        // empty: sampled from the pattern
   Pixels colours_;      // below the drawing; empty without
   PlaneLocator chart_;  // of a pattern: the triangles of the chart
 };

@@ -37,7 +37,7 @@ struct TextureGrid {
   double pixel_mm() const { return std::max(across, down); }
 };
 
-// A picture on white. `ink_of` gives the ink of a row of pixels. Errors: those of `step`, which hears what is done.
+// A picture on white. `ink_of` gives the ink of a row of pixels. Errors: those of `step`, which gets the fraction done.
 template <class InkOf, class Step>
 Result<std::vector<std::uint8_t>> painted_texture(const TextureGrid& grid, InkOf&& ink_of, Step&& step) {
   const std::size_t row_bytes = 3 * static_cast<std::size_t>(grid.width);

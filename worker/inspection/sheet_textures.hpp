@@ -1,5 +1,5 @@
-// The flat sheet as textures for the formed one: what is printed on it, unmirrored, as PNG, RGB, on white. Both cover what
-// print.png covers, with the back of the sheet (+t) at the top. Internal to worker/inspection.
+// The flat sheet as textures for the formed one: what is printed on it, unmirrored, as PNG, RGB, on white. Both cover
+// what print.png covers, with the back of the sheet (+t) at the top. Internal to worker/inspection.
 #pragma once
 
 #include "worker/inspection/inspection.hpp"
@@ -12,8 +12,8 @@ inline constexpr int largest_texture = 2048;
 
 // print.png, reduced, with its marks. With `over` the print over the colours of the scan, without marks.
 std::vector<std::uint8_t> print_texture(const Finished& job, const SheetPicture* over);
-// The plain drawing at 1:1, its centre where the top of the mold comes to lie. With `over` it lies over the colours of the
-// scan. Errors: cancelled.
+// The plain drawing at 1:1, its centre where the top of the mold comes to lie. With `over` it lies over the colours of
+// the scan. Errors: cancelled.
 Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const SheetPicture* over,
                                                   const Context& context);
 

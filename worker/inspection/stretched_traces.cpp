@@ -107,7 +107,7 @@ Warning warning_of(const TraceFigures& figures) {
 TraceFigures measure_traces(const MeasuredSheet& measured, const VectorPrint& print, double stretch_limit) {
   TraceFigures out;
   out.limit = stretch_limit;
-  // What is in no element may come in several parts, between the elements.
+  // A line in no element may come in several parts, between the elements.
   std::vector<StretchedTrace> traces;
   std::map<std::string, std::size_t> known;
   std::vector<std::vector<Run>> runs;

@@ -1,4 +1,4 @@
-// How far the printed lines are stretched by the forming, against what their ink bears.
+// How far forming stretches the printed lines, compared with the limit of their ink.
 #pragma once
 
 #include <string>

@@ -1,4 +1,5 @@
-// What forming does to the flat sheet, one figure a vertex: the values of the heat maps. Internal to worker/inspection.
+// How forming changes the flat sheet, one figure for each vertex: the values of the heat maps. Internal to
+// worker/inspection.
 #pragma once
 
 #include <vector>
@@ -7,8 +8,8 @@
 
 namespace vacuform {
 
-// From the flat sheet to the inked surface, the mean over the triangles of each vertex, weighted by formed area, so that
-// heat maps have no facets. NaN off the chart.
+// From the flat sheet to the inked surface, the mean over the triangles of each vertex, weighted by formed area, so
+// that heat maps have no facets. NaN off the chart.
 std::vector<double> anisotropy_of_vertices(const Finished& job);  // sigma1 / sigma2, at least 1
 std::vector<double> area_ratio_of_vertices(const Finished& job);  // max(a, 1 / a), a = formed over flat area
 

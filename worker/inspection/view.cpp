@@ -12,13 +12,13 @@ namespace {
 
 using Eigen::Vector3d;
 constexpr double from_the_front = -28 * M_PI / 180, slanted = 52 * M_PI / 180;
-constexpr double straight = 18 * M_PI / 180;   // so that the foot is seen
+constexpr double straight = 18 * M_PI / 180;   // so that the foot is visible
 constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspective
 const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
 
 const Vector3d& at(const std::vector<Vector3d>& points, int i) { return points[static_cast<std::size_t>(i)]; }
 
-// The foot: where the sheet turns from the wall to the platform, the grid makes steps that the part does not have.
+// Near the foot, where the sheet turns from the wall to the platform, the grid makes steps that the part does not have.
 constexpr double platform_mm = 0.3, foot_mm = 8;
 constexpr int foot_rounds = 6, sky_rounds = 3;
 
@@ -28,7 +28,7 @@ double lowest(const TriangleMesh& mesh) {
   return low;
 }
 
-// The mean of each value and its neighbours', over and over; `part` says for which vertices.
+// The mean of each value and its neighbours', repeated; `part` selects the vertices.
 template <class Value, class Part>
 void smooth(const TriangleMesh& mesh, std::vector<Value>& values, int rounds, Part&& part) {
   for (int round = 0; round < rounds; ++round) {
@@ -139,7 +139,7 @@ void View::look_from(Side side, int width, int height, int top, int bottom) {
   frame();
 }
 
-// Moves the eye until what is to be shown just fills the picture.
+// Moves the eye so that the part to be shown just fills the picture.
 void View::frame() {
   back_ = {std::sin(azimuth_) * std::cos(elevation_), -std::cos(azimuth_) * std::cos(elevation_),
            std::sin(elevation_)};
@@ -152,8 +152,7 @@ void View::frame() {
   Vector3d target = Vector3d::Zero();
   double distance = 1;
   for (int pass = 0; pass < 4; ++pass) {
-    // The picture's middle is where the extremes on either side are as far away, seen from the present
-    // distance.
+    // The picture's middle is where the extremes on either side are equally far away, seen from the present distance.
     double left = INFINITY, low = INFINITY, rightmost = -INFINITY, high = -INFINITY;
     for (const auto& p : shown_) {
       const Vector3d d = p - target;
@@ -178,7 +177,7 @@ Result<void> View::light(const Context& context, double from, double to) {
   // Enough directions for a smooth shade on coarse meshes, fewer on fine ones, where neighbours smooth it.
   const auto directions = sky(std::clamp(500'000 / std::max(1, vertices), 8, 32));
   open_.assign(mesh_.vertices.size(), 1.0f);
-  // No shadow on the platform; towards it, it fades.
+  // No shadow on the platform; shadows fade towards it.
   const double low = lowest(mesh_);
   const auto on_platform = [&](std::size_t v) { return mesh_.vertices[v].z() < low + platform_mm; };
   constexpr int batch = 20'000;
@@ -222,7 +221,7 @@ Seen View::seen(const VisibleTriangles::Sample& sample, const Vector3d& aim) con
   const double key = std::max(0.0, normal.dot(key_light));
   const Vector3d halfway = key_light + towards;
   const double ahead = std::max(0.0, normal.dot(halfway)), square = halfway.squaredNorm();
-  // The 64th power of a cosine; what is left out is far below one level of gray.
+  // The 64th power of a cosine; what the condition cuts off is far below one level of gray.
   double gloss = ahead * ahead > 0.7 * square ? ahead * ahead / square : 0;
   for (int power = 2; power < 64; power *= 2) gloss *= gloss;
   const double light = (0.25 + 0.75 * open) * (0.47 + 0.13 * normal.z()) + 0.40 * key * (0.4 + 0.6 * open);

@@ -32,22 +32,22 @@ struct Seen {
 using Rgb = Eigen::Vector3f;  // red, green, blue in [0, 1]
 inline const Rgb black_ink(0.07f, 0.08f, 0.10f);
 
-// From the front, a little from the left and above; what is `shown`, of a sheet its drawn part, fills the picture but for
-// `top` and `bottom` rows that are left empty for captions. Smooth normals, a key light from the left, a sky, and the
-// sky's occlusion by the mesh itself, so that dents and skirts can be read.
+// A view from the front, a little from the left and above. What is `shown` (of a sheet: its drawn part) fills the
+// picture, except for `top` and `bottom` rows that are left empty for captions. Smooth normals, a key light from the
+// left, a sky, and the sky's occlusion by the mesh itself, which makes dents and skirts visible.
 class View {
  public:
   View(TriangleMesh mesh, std::vector<Eigen::Vector3d> shown, int width, int height, int top, int bottom);
   View(const FormedSheet& sheet, int width, int height, int top, int bottom);
 
-  // The next pictures and spots are those from this side, at the same width. Front and behind are a little from the side and
-  // from above; the others look straight at the head.
+  // Sets the side that the next pictures and spots are seen from; the width stays. Front and behind are a little from
+  // the side and from above; the others look straight at the head.
   enum class Side { front, behind, straight_front, straight_back, left, right, above };
   void look_from(Side side, int height, int top, int bottom);
   // The same in a picture of another width.
   void look_from(Side side, int width, int height, int top, int bottom);
 
-  // Draws `count` pictures of one look, 2 x 2 samples a pixel: shade gives the colour of a sample in each.
+  // Draws `count` pictures from one side, 2 x 2 samples a pixel: `shade` gives the colour of a sample in each.
   // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
   Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Rgb*)>& shade,
                                     const Context& context, double from, double to);
@@ -56,7 +56,7 @@ class View {
   struct Spot {
     double x, y;  // pixels from the picture's left and top
     double pixels_per_mm;
-    double behind_mm;  // what is seen there; 0: seen itself
+    double behind_mm;  // behind what is seen there; 0: the point itself is seen
   };
   std::optional<Spot> spot(const Eigen::Vector3d& place) const;
 

@@ -11,7 +11,7 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double near_mm = 1e-3;   // a corner that is less deep is not projected
+constexpr double near_mm = 1e-3;   // a corner that is nearer to the eye is not projected
 constexpr double rounding = 1e-6;  // samples
 constexpr double most_samples = 1e6;
 constexpr double slack =
@@ -25,8 +25,8 @@ int last_sample(double to) {
   return static_cast<int>(std::floor(std::clamp(to, -most_samples, most_samples) + rounding - 0.5));
 }
 
-// A function that is linear in the picture: that of one triangle beyond an edge is exactly the negative of its
-// neighbour's.
+// A function that is linear in the picture. For two triangles that share an edge, the function of one is exactly the
+// negative of that of the other.
 struct Linear {
   double x, y, constant;
   Linear(const Vector3d& a, const Vector3d& b, const Camera& camera) {

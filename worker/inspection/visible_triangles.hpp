@@ -1,8 +1,8 @@
 // Which triangle of a mesh each sample of a picture sees. Internal to worker/inspection.
 //
 // Scan conversion with a depth buffer, in homogeneous coordinates and in doubles: M. Olano and T. Greer, "Triangle scan
-// conversion using 2D homogeneous coordinates", 1997. Triangles that share an edge leave no gap, and a triangle may reach
-// behind the eye.
+// conversion using 2D homogeneous coordinates", 1997. Triangles that share an edge leave no gap, and a triangle may
+// reach behind the eye.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +19,8 @@ struct Camera {
   double pixel = 1;                                            // its size at distance 1
   double middle_x = 0, middle_y = 0;                           // where it looks, in pixels from the top left
 
-  // Through a place in the picture, in pixels from the top left; as long as it leads 1 away from the eye's plane.
+  // The direction through a place in the picture, in pixels from the top left; so long that it leads 1 away from the
+  // eye's plane.
   Eigen::Vector3d aim(double x, double y) const {
     return (x - middle_x) * pixel * right + (middle_y - y) * pixel * up - back;
   }

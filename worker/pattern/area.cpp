@@ -1,7 +1,7 @@
-// Strokes are put together from pieces that each turn clockwise: a half of the line's width along each chord, a wedge at
-// each outer corner, a cap at each end. Neighbouring pieces are joined into one ring where they run on; where the curve
-// bends more tightly than the stroke is wide, the piece would turn over and stands alone. What any piece covers, by the
-// non-zero rule, is the stroke.
+// Strokes are assembled from pieces that each turn clockwise: half of the line's width along each chord, a wedge at
+// each outer corner, a cap at each end. Neighbouring pieces are joined into one ring where they continue each other.
+// Where the curve bends more tightly than the stroke is wide, the piece would turn over and is a ring of its own. The
+// stroke is what any piece covers, by the non-zero rule.
 #include "worker/pattern/area.hpp"
 
 #include <algorithm>
@@ -81,7 +81,7 @@ class Stroker {
     }
   }
 
-  // From the side of the direction before to that of the direction after.
+  // Joins the outline along the direction before the corner to that along the direction after it.
   void corner(const CurvePoint& p) {
     const double turned = cross(p.before, p.after), along = p.before.dot(p.after);
     const Vector2d next = p.at + half_ * left_of(p.after);
@@ -116,7 +116,7 @@ class Stroker {
       add(p + half_ * d);
   }
 
-  // Points between `from` and it turned by `angle`, both left out.
+  // The arc from `from` to `from` turned by `angle`, without its two ends.
   void arc(const Vector2d& centre, const Vector2d& from, double angle) {
     const int pieces = std::max(1, static_cast<int>(std::ceil(std::abs(angle) / step_)));
     for (int i = 1; i < pieces; ++i) add(centre + Eigen::Rotation2Dd(angle * i / pieces) * from);
@@ -126,7 +126,7 @@ class Stroker {
   void alone(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
     Ring triangle{a, b, c};
     if (cross(b - a, c - a) > 0) std::swap(triangle[1], triangle[2]);
-    // In front of the ring that is being made.
+    // Before the ring that is being made, which stays the last.
     rings_.insert(rings_.end() - 1, std::move(triangle));
   }
 

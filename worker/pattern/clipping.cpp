@@ -22,8 +22,8 @@ using clip::Path;
 using clip::Paths;
 
 constexpr double units_per_mm = 1e5;
-constexpr std::size_t most_at_once = 10'000;  // that the library gets at once
-constexpr int most_cuts = 24;                 // of cuts
+constexpr std::size_t most_at_once = 10'000;  // points that the library gets at once
+constexpr int most_cuts = 24;                 // nested
 
 Paths to_clipper(const std::vector<Ring>& rings) {
   Paths out;
@@ -163,7 +163,7 @@ class Seam {
   const cInt x_;
   Paths rings_, chains_;  // rings that are whole; the others' parts between points on the line
   std::map<cInt, int>
-      ups_;  // by height, what changes there in the rings that run upwards less those downwards
+      ups_;  // by height: the change in how many rings run upwards, less those that run downwards
 };
 
 struct Operation {
@@ -200,7 +200,7 @@ Paths in_strips(const Operation& operation, Paths subject, Paths other, int dept
   Paths right = on_side(subject, x, Side::right), right_other = on_side(other, x, Side::right);
   const std::size_t on_left = count_points(left) + count_points(left_other),
                     on_right = count_points(right) + count_points(right_other);
-  // Edges that run from side to side would only become more.
+  // Cutting would only multiply edges that run from side to side.
   if (on_left + on_right > count + count / 2 || std::max(on_left, on_right) > count - count / 8)
     return at_once(operation, subject, other);
   subject = Paths();

@@ -11,7 +11,7 @@ namespace vacuform {
 // The smallest box around the curve itself, not around its control points.
 Eigen::AlignedBox2d box_of(const Curve& curve);
 
-// How far the curve turns, in radians, of each segment and the corner before it at most 1.
+// How far the curve turns, in radians. Each segment, with the corner before it, counts as at most 1.
 double turns(const Curve& curve);
 
 struct CurvePoint {
@@ -27,7 +27,7 @@ struct Fineness {
   double longest_mm = 1e9;      // of a chord
 };
 
-// Points along the curve from its start to its end; of a closed curve the first point comes again as the last. At most
+// Points along the curve from its start to its end; for a closed curve the first point is repeated as the last. At most
 // 4096 chords a segment, whatever the fineness. Points that coincide are one.
 std::vector<CurvePoint> flatten(const Curve& curve, const Fineness& fineness);
 

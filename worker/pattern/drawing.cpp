@@ -22,11 +22,11 @@ using Eigen::Vector2d;
 
 // A drawing beyond these limits is not a coil pattern; they limit a hostile one to a second.
 constexpr std::size_t most_segments = 200'000;
-constexpr std::size_t most_work = 4'000'000;  // elements looked at, texts by 16 characters, rules tried
+constexpr std::size_t most_work = 4'000'000;  // elements examined, texts by 16 characters, rules tried
 constexpr int deepest = 256;
 constexpr double farthest_mm = 1e5, longest_mm = 1e6;
-// Crossings of outlines that are to be resolved, by the length of what is drawn in a box: as of random lines (Santalo,
-// "Integral geometry and geometric probability", 1976), up to a factor. Half a million take a second or two.
+// Crossings of outlines, estimated from the length of what is drawn in a box as for random lines (Santalo, "Integral
+// geometry and geometric probability", 1976), up to a factor. Half a million take a second or two to resolve.
 constexpr double most_crossings = 5e5, plain_crossings = 50;
 
 bool one_of(std::string_view name, std::initializer_list<std::string_view> names) {
@@ -70,17 +70,18 @@ class Reader {
       refuse("a style sheet with selectors of several parts", "export it with plain attributes");
     read_root();
     if (!refused()) return std::move(drawing_);
-    warnings.push_back({"pattern-as-picture",
-                        std::string("The drawing is printed as a picture and not as lines, for it holds ") +
-                            refusal_.what() + ".",
-                        {},
-                        {},
-                        "To keep its lines exact, " + refusal_.fix() + "."});
+    warnings.push_back(
+        {"pattern-as-picture",
+         std::string("The drawing is printed as a picture and not as lines, because it contains ") +
+             refusal_.what() + ".",
+         {},
+         {},
+         "To keep its lines exact, " + refusal_.fix() + "."});
     return std::nullopt;
   }
 
  private:
-  // What an element is drawn under.
+  // What an element inherits from those around it.
   struct Under {
     Style style;
     Affine2d to_pattern = Affine2d::Identity();
@@ -98,7 +99,7 @@ class Reader {
       for (pugi::xml_node up = node.parent(); up && holds_named_groups_.insert(up).second;) up = up.parent();
   }
 
-  // pugixml leaves them as they are. In the names of namespaces they do no harm.
+  // pugixml does not expand entities. In the names of namespaces they do no harm.
   void look_for_entities(const pugi::xml_node& node) {
     bool found = local_name(node) == "style" &&
                  std::string_view(node.child_value()).find('&') != std::string_view::npos;
@@ -156,7 +157,7 @@ class Reader {
     }
   }
 
-  // Takes on what the element's own style says of the whole of it. False where nothing of it is drawn.
+  // Applies the part of the element's own style that concerns all of it. False if nothing of it is drawn.
   bool enter(const pugi::xml_node& node, Under& under) {
     const Style& style = under.style;
     if (style[Property::display] == "none") return false;
@@ -227,7 +228,7 @@ class Reader {
       if (layer || id.empty()) return {};
       if (holds_named_groups_.contains(node)) return {};
     } else if (name == "use") {
-      // A nameless copy is named for what it copies.
+      // A copy without an id has the id of what it copies.
       if (id.empty()) id = target(node).attribute("id").value();
     } else if (!is_shape(name)) {
       return {};
@@ -239,7 +240,7 @@ class Reader {
     return unique;
   }
 
-  // An element has ink; what has none is painted all the same, as part of no element.
+  // An element must have ink. What has none is painted too, as part of no element.
   void finish_element(std::size_t index) {
     Element& element = drawing_.elements[index];
     if (std::any_of(element.shapes.begin(), element.shapes.end(), has_ink)) {

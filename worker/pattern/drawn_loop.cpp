@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 using Polyline = std::vector<Vector2d>;
 
 constexpr double most_gap = 0.15, least_turn = 300 * M_PI / 180, least_roundness = 0.25;
-constexpr double shorter_gap = 0.01;  // of the circumference: what a further line has to spare
+constexpr double shorter_gap = 0.01;  // of the circumference: what a further line must save
 constexpr double same_mm = 1e-6;
 constexpr std::size_t most_lines = 32, most_outline_points = 2048;
 constexpr double ring_pieces = 720;
@@ -47,7 +47,7 @@ struct Row {
   }
 };
 
-// Each time the end that is nearest to the row's.
+// Always continues with the line whose end is nearest to the end of the row.
 Row in_a_row(const std::vector<const LoopLine*>& lines) {
   Row row;
   row.add(*lines[0], false);
@@ -117,7 +117,7 @@ Vector2d nearest(const Vector2d& p, const Polyline& ring) {
   return best;
 }
 
-// With further points, so that none lies farther than `step` from the next.
+// Adds points, so that none lies farther than `step` from the next.
 Polyline densified(const Polyline& ring, double step) {
   Polyline out;
   for (std::size_t i = 0; i < ring.size(); ++i) {

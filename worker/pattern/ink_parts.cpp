@@ -15,8 +15,8 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr float inked = 0.5f;
-constexpr double smoothed_mm = 0.25;         // beside a ring its edge may be so wide
-constexpr std::size_t most_outlines = 1000;  // of a part that is looked at for rings
+constexpr double smoothed_mm = 0.25;         // width of the smoothed edge beside a ring
+constexpr std::size_t most_outlines = 1000;  // of a part that is searched for rings
 
 Curve circle(const Vector2d& centre, double r) {
   const double k = 4.0 / 3 * (std::sqrt(2.0) - 1);
@@ -38,7 +38,7 @@ Curve circle(const Vector2d& centre, double r) {
   return out;
 }
 
-// Two holes or more, together larger than the ink.
+// Whether it has two holes or more, together larger than the ink.
 bool is_entangled(const Shape& shape) {
   double holes = 0, outside = 0;
   std::size_t count = 0;
@@ -139,8 +139,8 @@ void InkParts::label(const std::vector<float>& ink) {
     if (ink[i] >= inked) labels_[i] = element[static_cast<std::size_t>(sets.root(static_cast<int>(i)))];
 }
 
-// Marching squares (Lorensen, Cline 1987, in the plane), ink on the left; where corners of a cell have ink crosswise they
-// are joined, as in the labels.
+// Marching squares (Lorensen, Cline 1987, in the plane), ink on the left. Where opposite corners of a cell have ink
+// they are joined, as in the labels.
 void InkParts::outline(const std::vector<float>& ink) {
   // Edges of the grid: 2 i from point i to the right, 2 i + 1 from it downwards.
   std::vector<std::int32_t> next(2 * ink.size(), -1);
@@ -205,7 +205,7 @@ void InkParts::spread() {
   }
 }
 
-// Elements of parts that are several rings become the rings.
+// Replaces a part that consists of several rings by one element for each ring.
 void InkParts::part_rings() {
   std::vector<Element> elements;
   for (Element& whole : drawing_.elements) {
@@ -267,8 +267,8 @@ std::optional<InkParts> parts_to_place(const Pattern& pattern, PatternPlacement 
   if (parts.entangled())
     warnings.push_back(
         {"ink-hangs-together",
-         "Loops of the picture touch or overlap, and are not circles that could be told apart: what "
-         "hangs together is laid as one."});
+         "Loops of the picture touch or overlap, and could not be separated as circles: each connected "
+         "group is laid as one element."});
   if (placement == PatternPlacement::elements && !elements.empty()) return parts;
   if (elements.size() < 2 || elements.size() > 128) return std::nullopt;
   for (const Element& element : elements) {

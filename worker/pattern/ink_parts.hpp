@@ -19,15 +19,16 @@ class InkParts {
  public:
   explicit InkParts(const Pattern& pattern);
 
-  // One element a part, by rows from the top: "ink-1", "ink-2", ..., its centroid as the centre, and the outlines of its ink
-  // at half coverage as one filled shape; a ring's centre and circles where it is one.
+  // One element for each part, by rows from the top: "ink-1", "ink-2", ..., with its centroid as the centre, and the
+  // outlines of its ink at half coverage as one filled shape. A ring has its own centre and its two circles.
   const Drawing& drawing() const { return drawing_; }
 
-  // Whether ink at `uv` belongs to the element, or with -1 to none: to the nearest part within about a millimetre, so that
-  // smoothed edges go with it.
+  // Whether ink at `uv` belongs to the element, or with -1 to none. It belongs to the nearest part within about a
+  // millimetre, so that smoothed edges stay with their part.
   bool holds(int element, const Eigen::Vector2d& uv) const;
 
-  // Loops may touch or overlap here without being separated: a part with two holes or more, larger than its ink.
+  // Whether loops may touch or overlap without having been separated: a part has two holes or more, larger than its
+  // ink.
   bool entangled() const { return entangled_; }
 
  private:

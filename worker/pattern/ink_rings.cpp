@@ -47,7 +47,7 @@ std::vector<BorderPoint> border_points(const std::vector<Curve>& outlines) {
   return out;
 }
 
-// Where circles around a point would have their centres, in cells; banned cells are out of the race.
+// Votes of outline points for the centres of circles through them, in cells. Banned cells are ignored.
 class Votes {
  public:
   explicit Votes(const std::vector<BorderPoint>& points) {
@@ -81,7 +81,7 @@ class Votes {
           for (int dx = -1; dx <= 1; ++dx) sum += sums_[index(x + dx, y + dy)];
         if (sum > most) most = sum, out = low_ + cell_mm * Vector2d(x + 0.5, y + 0.5);
       }
-    // No ring of the least radius gives less.
+    // Even a ring of the least radius gives more.
     return most > least_arc * 4 * M_PI * least_radius ? std::optional(out) : std::nullopt;
   }
 
@@ -144,7 +144,7 @@ std::optional<Circles> circles_about(const Vector2d& centre, const std::vector<B
   return Circles{centre, bin * (static_cast<double>(outer) + 0.5), bin * (static_cast<double>(inner) + 0.5)};
 }
 
-// Least squares (Gauss and Newton) over the points on the two circles, ever nearer ones.
+// Gauss-Newton least squares over the points on the two circles, within smaller and smaller distances.
 void fit(Circles& circles, const std::vector<BorderPoint>& points) {
   for (const double within : {1.0, 0.6, 0.4, 0.25, 0.25}) {
     Eigen::Matrix4d normal = 1e-9 * Eigen::Matrix4d::Identity();

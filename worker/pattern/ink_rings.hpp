@@ -20,11 +20,11 @@ struct InkRing {
   }
 };
 
-// The rings of 4 to 100 mm radius in one connected piece of ink. `outlines`: closed polylines as Curves, ink on their left;
-// `inked` tells whether a point is. A ring shows its outer and its inner circle over at least a quarter of their length
-// each, fitted to a tenth of a millimetre or so, and has ink nearly all around. Largest support first. Centres are found by
-// votes along the outlines' normals (after Duda and Hart 1972, "Use of the Hough transformation to detect lines and curves
-// in pictures", with directions as in Kimme, Ballard, Sklansky 1975). Deterministic.
+// The rings of 4 to 100 mm radius in one connected piece of ink. `outlines`: closed polylines as Curves, ink on their
+// left; `inked` tells whether a point is. A ring shows its outer and its inner circle over at least a quarter of their
+// length each, fitted to a tenth of a millimetre or so, and has ink nearly all around. Largest support first. Centres
+// are found by votes along the outlines' normals (after Duda and Hart 1972, "Use of the Hough transformation to detect
+// lines and curves in pictures", with directions as in Kimme, Ballard, Sklansky 1975). Deterministic.
 std::vector<InkRing> find_rings(const std::vector<Curve>& outlines,
                                 const std::function<bool(const Eigen::Vector2d&)>& inked);
 

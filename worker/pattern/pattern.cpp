@@ -52,7 +52,7 @@ inline void add_bilinear(const Level& level, double x, double y, float weight, f
   const std::uint8_t* texel =
       level.texels.data() + (static_cast<std::ptrdiff_t>(j) * level.width + i) * channels;
   const std::ptrdiff_t below = static_cast<std::ptrdiff_t>(level.width) * channels;
-  // Most of a drawing is bare.
+  // Most of a drawing has no ink.
   if (channels == 1 && i >= 0 && j >= 0 && i + 1 < level.width && j + 1 < level.height &&
       (texel[0] | texel[1] | texel[below] | texel[below + 1]) == 0)
     return;
@@ -67,7 +67,7 @@ inline void add_bilinear(const Level& level, double x, double y, float weight, f
   }
 }
 
-// Of premultiplied red, green, blue and alpha.
+// From premultiplied red, green, blue and alpha.
 Ink straight(const float* s) {
   if (!(s[3] > 0)) return {};
   return {std::min(1.0f, s[0] / s[3]), std::min(1.0f, s[1] / s[3]), std::min(1.0f, s[2] / s[3]), s[3]};
@@ -238,7 +238,7 @@ Result<Pattern> Pattern::read(std::span<const std::uint8_t> bytes, const std::st
     return fail(Code::unusable_pattern, "the drawing is empty: all of it is white or transparent", file_name,
                 "give a drawing with ink in it");
   const double has_dpi = 25.4 / picture->texel_mm.maxCoeff();
-  // A print that is finer than its drawing loses nothing until the pixels become visible.
+  // A print that is finer than its drawing looks the same until the pixels become visible.
   if (has_dpi < (picture->format == "SVG" ? 0.9 * wanted_dpi : std::min(150.0, 0.5 * wanted_dpi)))
     picture->warnings.push_back({"pattern-coarse",
                                  "The drawing has " + decimal(has_dpi, 0) +

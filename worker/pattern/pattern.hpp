@@ -34,7 +34,8 @@ class Pattern {
   // too much work to draw), unusable_pattern (no ink or size).
   static Result<Pattern> read(std::span<const std::uint8_t> bytes, const std::string& file_name,
                               const PatternSettings& settings, int dpi);
-  // A picture that was made, not read: rows from the top of premultiplied red, green, blue and alpha. It may be without ink.
+  // A picture that was made, not read: rows from the top of premultiplied red, green, blue and alpha. It may be without
+  // ink.
   static Pattern of_picture(const Eigen::Vector2i& size_pixels, std::vector<std::uint8_t> premultiplied,
                             const Eigen::Vector2d& size_mm, std::string format);
   ~Pattern();
@@ -57,7 +58,7 @@ class Pattern {
   // per point, the coverage; any other gives four, premultiplied red, green, blue and alpha.
   void sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, int count, double blur_mm,
                    float* out) const;
-  // The same as sample() gives it.
+  // The same, in the form that sample() returns.
   void sample_line(const Eigen::Vector2d& start, const Eigen::Vector2d& step, double blur_mm,
                    std::span<Ink> out) const;
 

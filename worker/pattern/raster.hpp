@@ -1,7 +1,7 @@
 // The decoders of drawings, and of the textures of scans (worker/colour): bytes in, rows of pixels out.
 //
-// Decoders trust nothing: sizes are checked before anything is allocated, memory grows with the rows that
-// really arrive, and a file that breaks its format's rules is refused whole.
+// Decoders trust nothing: sizes are checked before anything is allocated, memory grows with the rows that really
+// arrive, and a file that breaks its format's rules is rejected as a whole.
 #pragma once
 
 #include <Eigen/Core>
@@ -53,15 +53,15 @@ Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string&
 tl::unexpected<Error> too_many_pixels(std::int64_t width, std::int64_t height, const std::string& file_name,
                                       const RasterUse& use);
 
-// What an SVG says of its size. Where it has no absolute size, size_mm is empty and only the aspect is known.
+// The size that an SVG states. If that is not absolute, size_mm is empty and only the aspect is known.
 struct SvgSize {
   std::optional<Eigen::Vector2d> size_mm;
   double aspect = 1;  // width / height
   SvgWork work;
 };
 
-// Refuses what is not SVG, breaks XML, refers to other files (nothing outside the bytes is ever read), or is too much to
-// draw.
+// Rejects bytes that are not SVG or not well-formed XML, that refer to other files (nothing outside the bytes is ever
+// read), or that are too much to draw.
 Result<SvgSize> read_svg_size(std::span<const std::uint8_t> bytes, const std::string& file_name);
 // Draws the whole document onto width x height pixels.
 Result<Raster> draw_svg(std::span<const std::uint8_t> bytes, const std::string& file_name, int width,

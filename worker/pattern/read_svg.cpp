@@ -59,7 +59,7 @@ std::optional<double> millimetres(const RsvgLength& length) {
   }
 }
 
-// A picture inside the drawing is decoded by a library of many formats and no limits. So it is decoded here
+// librsvg decodes a picture inside the drawing with a library of many formats and no limits. So it is decoded here
 // first, where sizes are checked, and only what passes is left in. `pixels` counts over the whole drawing.
 Result<void> check_embedded(std::string_view address, const std::string& file_name, std::int64_t& pixels) {
   const auto comma = address.find(',');

@@ -42,7 +42,7 @@ void CurveBuilder::arc_to(const Vector2d& given_radii, double turned_deg, bool l
   if (p == at_) return;
   if (!(radii.minCoeff() > 0)) return line_to(p);
   const Eigen::Rotation2Dd turn(turned_deg * M_PI / 180);
-  // The ellipse as a unit circle around the origin's side of the chord.
+  // In coordinates where the ellipse is a unit circle and the middle of the chord is the origin.
   const Vector2d half = (turn.inverse() * ((at_ - p) / 2)).cwiseQuotient(radii);
   const double far = half.norm();
   if (far > 1) radii *= far;
@@ -79,7 +79,7 @@ std::vector<Curve> CurveBuilder::finish() { return std::move(curves_); }
 
 namespace {
 
-// One letter's worth of path data at a time.
+// Reads path data, one command at a time.
 class PathReader {
  public:
   explicit PathReader(std::string_view d) : cursor_(d) {}
@@ -118,7 +118,7 @@ class PathReader {
     p = Vector2d(*x, *y) + (relative ? builder_.at() : Vector2d(0, 0));
     return true;
   }
-  // The last control point, mirrored at where the pen is.
+  // The last control point, mirrored in the current point.
   Vector2d mirrored(char smooth, char full) const {
     const bool follows = command_before_ == smooth || command_before_ == full;
     return follows ? Vector2d(2 * builder_.at() - control_) : builder_.at();

@@ -36,7 +36,7 @@ class CurveBuilder {
 // Path data. What precedes an error is kept, as SVG 1.1 (appendix F.2) asks. Stops at `most` segments or a few more.
 std::vector<Curve> svg_path(std::string_view d, std::size_t most);
 
-// The basic shapes, drawn from where and in the sense that SVG says, which dashes show.
+// The basic shapes, with the start and the direction that SVG specifies; dashes show both.
 std::vector<Curve> svg_ellipse(const Eigen::Vector2d& centre, const Eigen::Vector2d& radii);
 std::vector<Curve> svg_rectangle(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
                                  const Eigen::Vector2d& radii);

@@ -23,7 +23,7 @@ std::optional<Colour> paint_of(const Style& style, Property paint, Property opac
   }
   auto colour = text == "currentColor" || text == "currentcolor" ? svg_colour(style[Property::color])
                                                                  : svg_colour(text);
-  // Inkscape and Illustrator may say the colour for print behind it.
+  // Inkscape and Illustrator may add a second colour for print after it.
   if (!colour) colour = svg_colour(text.substr(0, text.find(' ')));
   if (!colour) return std::nullopt;
   colour->a *= svg_opacity(style[opacity]).value_or(1) * whole;
@@ -40,7 +40,7 @@ void read_dashes(const Style& style, double scale, const Vector2d& viewport, Str
     const auto end = std::min(list.find_first_of(", \t\r\n"), list.size());
     if (end > 0) {
       const auto dash = svg_length(list.substr(0, end), LengthOf::diagonal, viewport);
-      // SVG draws a continuous line where a dash is wrong.
+      // SVG draws a continuous line if a dash is invalid.
       if (!dash || *dash < 0) return stroke.dashes_mm.clear();
       stroke.dashes_mm.push_back(*dash * scale);
       sum += *dash;
@@ -128,7 +128,7 @@ std::optional<Stroke> stroke_of(const Style& style, double opacity, const Eigen:
   Stroke stroke;
   stroke.colour = *colour;
   stroke.width_mm = *width * scale;
-  // A pen's round tip becomes oval. Mirrored it is the same pen.
+  // The round tip of a pen becomes oval. A mirrored pen draws the same line.
   if (sizes[0] - sizes[1] > 1e-9 * sizes[0]) {
     stroke.pen = to_pattern.linear() / scale;
     if (stroke.pen.determinant() < 0) stroke.pen.col(1) *= -1;

@@ -40,7 +40,7 @@ std::vector<Curve> curves_of(const pugi::xml_node& node, const Eigen::Vector2d& 
 
 // Nothing if nothing is painted. `opacity` is that of the element and its ancestors.
 std::optional<Colour> fill_of(const Style& style, double opacity, Refusal& refusal);
-// In pattern coordinates. Rejected under a transform that would make the round tip of a pen oval.
+// In pattern coordinates. Rejected under a transform that squeezes lines a thousandfold in one direction.
 std::optional<Stroke> stroke_of(const Style& style, double opacity, const Eigen::Affine2d& to_pattern,
                                 const Eigen::Vector2d& viewport, Refusal& refusal);
 

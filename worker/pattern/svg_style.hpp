@@ -1,5 +1,5 @@
-// The properties of SVG elements by the cascade of CSS 2.1: presentation attributes, style sheets of simple selectors, the
-// style attribute, !important, inheritance. Internal to worker/pattern.
+// The properties of SVG elements by the cascade of CSS 2.1: presentation attributes, style sheets of simple selectors,
+// the style attribute, !important, inheritance. Internal to worker/pattern.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ enum class Property {
   marker_start,
   marker_mid,
   marker_end,
-  // From here on not inherited.
+  // Not inherited from here on.
   opacity,
   display,
   clip_path,

@@ -1,6 +1,7 @@
 // Values of SVG attributes and of style properties: numbers, lengths, colours, transforms. Internal to worker/pattern.
 //
-// Every reader takes the whole text and gives nothing where the text is not of its form; none throws. Numbers are finite.
+// Every reader parses the whole text and returns nothing if the text does not have the expected form; none throws.
+// Numbers are finite.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,12 +13,12 @@
 
 namespace vacuform {
 
-// Walks over a text of numbers that are parted by white space and commas, as in path data.
+// Walks over a text of numbers that are separated by white space and commas, as in path data.
 class NumberCursor {
  public:
   explicit NumberCursor(std::string_view text) : text_(text) {}
 
-  std::optional<double> number();  // past what parts it from the one before
+  std::optional<double> number();  // skips the separator before it
   std::optional<bool> flag();      // of an arc: one digit, which the next number may follow at once
   char letter();                   // the next letter, or 0
   bool at_end();
@@ -31,7 +32,8 @@ class NumberCursor {
 // What a percentage is taken of.
 enum class LengthOf { width, height, diagonal };
 
-// In user units: px, or any absolute unit at 96 px an inch, or a part of `viewport`. Relative to a font: nothing.
+// In user units: px, any absolute unit at 96 px an inch, or a percentage of `viewport`. Nothing for units relative to a
+// font.
 std::optional<double> svg_length(std::string_view text, LengthOf of, const Eigen::Vector2d& viewport);
 // A number or a percentage, clamped to [0, 1].
 std::optional<double> svg_opacity(std::string_view text);

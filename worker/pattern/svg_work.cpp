@@ -35,11 +35,12 @@ constexpr double longest_sides = 2;             // of a piece of an outline, as 
 constexpr double surface_bytes = 4;             // a pixel
 constexpr double most_surface_bytes = 5e8, fewest_pixels = 250'000;
 
-// In pages: what makes a whole page to be copied, blended or filtered.
+// In pages: the cost of what copies, blends or filters a whole page.
 constexpr double blended_pages = 4, masked_pages = 12, filtered_pages = 200, patterned_pages = 8,
                  clipped_pages = 2, shaded_pages = 6;
 
-// Sizes by powers of two, so that each can be limited by the page's once it is known how much it is enlarged.
+// Sizes grouped by powers of two, so that each group can be limited by the size of the page once its enlargement is
+// known.
 class Sizes {
  public:
   void add(double size, double count) {
@@ -52,14 +53,14 @@ class Sizes {
   void add(const Sizes& other, double scale, double count) {
     for (const auto& [power, sum] : other.sums_) add(scale * sum.size / sum.count, count * sum.count);
   }
-  // Their sum in units of `most`, which none can pass.
+  // Their sum in units of `most`, with each size counted as at most `most`.
   double sum_up_to(double most) const {
     double out = 0;
     for (const auto& [power, sum] : sums_) out += std::min(sum.size / most, sum.count);
     return out;
   }
-  // Of those beyond `most`: how many points the library puts onto an arc of this radius, as a multiple of
-  // those for `most`.
+  // For sizes beyond `most`: how many points the library puts onto an arc of this radius, as a multiple of those for
+  // `most`.
   double arcs_beyond(double most) const {
     double out = 0;
     for (const auto& [power, sum] : sums_)
@@ -110,7 +111,7 @@ tl::unexpected<Error> too_much(const std::string& what, double count, double lim
     if (!(x < 1e15)) return std::string("more than 10^15");
     return std::to_string(static_cast<long long>(x));
   };
-  return fail(Code::too_large, what + ": " + number(count) + " where at most " + number(limit) + " can be",
+  return fail(Code::too_large, what + ": " + number(count) + ", above the limit of " + number(limit),
               file_name, fix);
 }
 
@@ -136,7 +137,7 @@ class Counter {
     if (values_by_entities_)
       return fail(Code::unsupported_format, "the SVG takes values from entities of its document type",
                   file_name_, "save it as plain SVG");
-    // Each element is matched with each selector, where these look at its surroundings also with those.
+    // Each element is matched with each selector, and also with its surroundings if selectors refer to these.
     if (selectors_ * elements_ * (sheets_.complete() ? 1 : 100) > most_matches)
       return too_much("the SVG has too many style rules for its elements",
                       selectors_ * elements_ * (sheets_.complete() ? 1 : 100), most_matches,
@@ -164,7 +165,7 @@ class Counter {
   }
 
  private:
-  // pugixml leaves references to declared entities as they are. In names of namespaces they do no harm.
+  // pugixml does not expand references to declared entities. In names of namespaces they do no harm.
   static bool has_reference(const pugi::xml_node& node) {
     const auto refers = [](std::string_view text) { return text.find('&') != text.npos; };
     for (const pugi::xml_attribute attribute : node.attributes()) {
@@ -182,7 +183,7 @@ class Counter {
                           text.find("blend") != text.npos;
   }
 
-  // In user units; 0, so that every shape counts as a page, where the drawing does not say.
+  // In user units; 0 if the drawing does not say, so that every shape counts as a page.
   double page_area() const {
     const auto box = svg_numbers(root_.attribute("viewBox").value());
     if (box && box->size() == 4) return std::max(1e-9, std::abs((*box)[2] * (*box)[3]));
@@ -217,8 +218,8 @@ class Counter {
     if (depth > most_hops) too_deep_ = true;
     if (!node || too_deep_) return nothing;
     const auto [at, fresh] = parts_.try_emplace({node.hash_value(), style.inherited()});
-    if (!fresh) return at->second;  // or a circle, which librsvg refuses
-    // Not into the map before it is whole.
+    if (!fresh) return at->second;  // or a cycle, which librsvg refuses
+    // The entry stays empty until the part is complete, so that a cycle finds it empty.
     Part whole = part(node, style, depth);
     return at->second = std::move(whole);
   }
@@ -363,7 +364,7 @@ class Counter {
     out.work.pages += pattern ? patterned_pages : shaded_pages;
     if (pattern) out.add(referred(server, Style(), depth + 1), Sizes::unbounded);
     if (pattern) out.work.surfaces += 2;
-    // Stops and tiles may be another's.
+    // A server can take its stops or tiles from another one.
     for (int hops = 0; server; ++hops) {
       for (const pugi::xml_node child : server.children())
         if (local_name(child) == "stop") out.work.elements += 0.1, ++visits_;

@@ -19,7 +19,7 @@ struct SvgWork {
   double layers = 0;     // painted, in pages, again for each band of the picture
   double surfaces = 0;   // pictures of a whole page that are held at the same time
 
-  // Of the processor, for a picture of so many pixels; on the slow side.
+  // Seconds of the processor for a picture of so many pixels; rather too many than too few.
   double seconds(double pixels) const;
 };
 
@@ -29,8 +29,8 @@ struct SvgWork {
 // by entities.
 Result<SvgWork> work_to_draw(const pugi::xml_document& document, const std::string& file_name);
 
-// The most pixels, at most `wanted`, that can be drawn in ten seconds and in half a gibibyte.
-// Errors: too_large where these are fewer than a quarter of a million.
+// The most pixels, at most `wanted`, that can be drawn in ten seconds and in 500 MB. Errors: too_large if these are
+// fewer than `wanted` and than a quarter of a million.
 Result<double> affordable_pixels(const SvgWork& work, double wanted, const std::string& file_name);
 
 }  // namespace vacuform

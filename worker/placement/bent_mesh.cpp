@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// One round. Whether any edge was cut.
+// One round. Returns whether any edge was cut.
 bool halve(BentMesh& mesh, const std::function<double(const SheetPoint&)>& radius_at, double reach_mm,
            double tolerance_mm) {
   std::map<std::pair<int, int>, int> middles;  // of edges: the vertex there, -1 where it is not cut

@@ -39,7 +39,7 @@ Nearest nearest_seed(const Region& region, const Faces& faces, const std::vector
   return out;
 }
 
-// A triangle of which two sides look into the other part joins it: seams without teeth.
+// A triangle with two neighbours in the other part joins it, so that seams have no teeth.
 void smooth(const Region& region, const Faces& faces, std::vector<int>& part) {
   for (int round = 0; round < 4; ++round)
     for (const int t : faces) {

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Barycentric weights of p in the triangle a, b, c, or without area none that are finite.
+// Barycentric weights of p in the triangle a, b, c; not finite if it has no area.
 Vector3d weights_of(const Vector2d& p, const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return Vector3d(cross(b - p, c - p), cross(c - p, a - p), cross(a - p, b - p)) / cross(b - a, c - a);
 }

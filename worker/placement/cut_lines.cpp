@@ -186,7 +186,7 @@ Result<CutSheet> with_cut_lines(FormedSheet sheet, InkedSurface surface, Flatten
                     "give points of the mold, x, y, z in mm as formed.ply has them");
     if (*from == *to) return refuse("leads from a point to itself", "give two points apart");
     if (!cutter.cut(*from, *to))
-      return refuse("finds no way over the formed part",
+      return refuse("has no path over the formed part",
                     "give points between which the sheet lies on the mold");
   }
   return cutter.finish();

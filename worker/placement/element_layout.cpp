@@ -13,7 +13,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// The way from the chart's nearest point to a centre beyond it, chart millimetres taken along the surface.
+// Moves a centre that lies beyond the chart from the nearest point of the chart by `way`, chart millimetres that are
+// taken along the surface.
 void go_beyond(const ChartedSurface& charted, Centre& centre, const Vector2d& way) {
   const InkedSurface& surface = charted.surface();
   const Vector3d axis = centre.axis;
@@ -26,7 +27,7 @@ void go_beyond(const ChartedSurface& charted, Centre& centre, const Vector2d& wa
 
 Result<ElementOnSurface> lay(const ChartedSurface& charted, const LaidElement& element, const Centre& centre,
                              double turn, CoilKeep keep, bool rough) {
-  // Which thread this is nobody knows: progress and cancellation are the caller's.
+  // This may run on any thread, so the caller reports progress and checks for cancellation.
   VACUFORM_TRY(patch, element_patch(charted, centre.point,
                                     turned(charted.surface(), centre.point.triangle, centre.axis, turn),
                                     element.size * element.outline.reach_mm, keep, Context(), rough));
@@ -75,7 +76,7 @@ Result<std::vector<ElementOnSurface>> lay_on_surface(const ChartedSurface& chart
   const int count = static_cast<int>(layout.elements.size());
   const std::vector<double> turn = turns(charted, layout.centres, layout.pairs);
   std::vector<Result<ElementOnSurface>> laid(layout.elements.size());
-  constexpr int batch = 4;  // so that a cancel is heard
+  constexpr int batch = 4;  // so that a cancellation takes effect soon
   for (int begin = 0; begin < count; begin += batch) {
     VACUFORM_CHECK(context.step(Stage::printing, 0));
     in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {

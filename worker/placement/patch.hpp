@@ -1,4 +1,5 @@
-// A piece of the inked surface on which drawing is laid: the chart of the whole region, or one element's neighbourhood.
+// A piece of the inked surface on which the drawing is laid: the chart of the whole region, or one element's
+// neighbourhood.
 #pragma once
 
 #include <Eigen/Core>

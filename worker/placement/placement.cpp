@@ -44,7 +44,7 @@ Whole whole_region(const ChartedSurface& charted, const Alignment& alignment) {
   return out;
 }
 
-// What the user must know of the segments.
+// Warns about the segments.
 void say_what_was_cut(const Segments& segments, const PatternSettings& settings,
                       std::vector<Warning>& warnings) {
   Warning above{"segment-distorted", "", {}};

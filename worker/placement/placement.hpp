@@ -1,5 +1,5 @@
 // Where each element of a drawing lies on the head: the centres on the inked surface, each element in its own
-// neighbourhood. coils/ handles coupling and decoupling (coupled_neighbours.hpp).
+// neighbourhood. worker/coils/coupled_neighbours.hpp handles coupling and decoupling.
 #pragma once
 
 #include <map>

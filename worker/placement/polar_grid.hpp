@@ -17,8 +17,8 @@ struct ElementPatch;
 
 class PolarGrid {
  public:
-  // Out to `reach_mm` along the surface. Direction 0 is `axis`, in the plane of the centre's triangle; the others follow
-  // counter-clockwise as seen from outside. `directions` at least 8. A hundredth of a second for 40 mm.
+  // Out to `reach_mm` along the surface. Direction 0 is `axis`, in the plane of the centre's triangle; the others
+  // follow counter-clockwise as seen from outside. `directions` at least 8. A hundredth of a second for 40 mm.
   PolarGrid(const ChartedSurface& charted, const SheetPoint& centre, const Eigen::Vector3d& axis,
             double reach_mm, CoilKeep keep, int directions = 96);
 

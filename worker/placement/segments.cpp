@@ -37,8 +37,8 @@ std::vector<Vector2d> places_in_chart(const Region& region, const Segment& segme
 }
 
 // Whether a segment that is fitted rigidly to the chart lies about where the chart has it. A long strip around a dome
-// or a horn may be flattened without distortion, but it opens, and a drawing made for the whole then falls on other
-// places.
+// or a horn may be flattened without distortion, but it opens, and parts of a drawing made for the whole then fall onto
+// other places.
 bool stays_in_place(const Region& region, const Segment& segment, double scale) {
   const std::vector<Vector2d> places = places_in_chart(region, segment);
   RigidFit fit;
@@ -141,7 +141,7 @@ std::vector<std::pair<double, std::pair<int, int>>> to_join(const Borders& borde
 // Joins neighbours, longest seams first, if the two together stay below the limit and in their place.
 Result<void> join(const Region& region, std::vector<Segment>& segments, double scale, double limit,
                   const Context& context) {
-  std::map<std::pair<int, int>, bool> refused;  // by first triangles: these two cannot be joined
+  std::map<std::pair<int, int>, bool> refused;  // by first triangles: whether they cannot be joined
   for (;;) {
     bool joined = false;
     for (const auto& [mm, key] : to_join(borders(region, segments))) {

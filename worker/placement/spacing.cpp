@@ -46,7 +46,7 @@ Measured measure(const ChartedSurface& charted, const std::vector<Centre>& centr
   return out;
 }
 
-// Rows that hold the array's mean place and mean turn, as unit vectors over all moves.
+// Rows that preserve the array's mean place and mean turn, as unit vectors over all moves.
 MatrixXd rigid_rows(const std::vector<Centre>& centres) {
   const Eigen::Index n = static_cast<Eigen::Index>(centres.size());
   MatrixXd rows = MatrixXd::Zero(3, 2 * n);
@@ -100,7 +100,7 @@ Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& c
                            const std::vector<Neighbours>& pairs, const Context& context) {
   if (pairs.empty()) return {};
   constexpr int most_iterations = 40;
-  constexpr double held = 1e-2;  // weight that keeps what no pair holds; too weak to be seen in a distance
+  constexpr double held = 1e-2;  // weight that keeps what no pair determines; too small to affect a distance
   const Eigen::Index size = 2 * static_cast<Eigen::Index>(centres.size());
   const InkedSurface& surface = charted.surface();
   const MatrixXd rigid = rigid_rows(centres);

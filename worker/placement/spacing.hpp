@@ -26,10 +26,10 @@ struct Neighbours {
   double drawn_mm = 0;
 };
 
-// Which elements are neighbours in the drawing: the nearest ones in units of the sum of their radii, and all up to 1.25
-// times as far, as seen from either of the two, if that is within 1.25 of the sum. So a hexagonal array (0.76 of the
-// sum between neighbours) gives its nearest pairs and not the next (1.31), and coils drawn with a gap of a quarter of
-// their size are still neighbours. In the order of a, then b.
+// Which elements are neighbours in the drawing, in the order of a, then b. Distances are in units of the sum of the two
+// radii. Two elements are neighbours if their distance is at most 1.25, and at most 1.25 times that of the nearest
+// element of one of the two. So a hexagonal array (0.76 between neighbours) gives its nearest pairs and not the next
+// (1.31), and coils drawn with a gap of a quarter of their size are still neighbours.
 std::vector<Neighbours> neighbours(const std::vector<Centre>& centres);
 
 // Moves the centres so that the geodesic distances of neighbours are the drawn ones, in the least squares sense: the

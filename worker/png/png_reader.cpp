@@ -27,7 +27,7 @@ bool PngReader::begin(Rows rows) {
   png_set_user_limits(png_, 1'000'000, 1'000'000);
   png_set_chunk_malloc_max(png_, 4 << 20);
   png_set_chunk_cache_max(png_, 64);
-  // Compressed texts and profiles say nothing that is used and can be bombs.
+  // Compressed texts and profiles are not used, and can be decompression bombs.
   static const png_byte ignored[] = "iCCP\0zTXt\0iTXt\0tEXt\0sPLT\0eXIf";
   png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, ignored, 6);
   png_read_info(png_, info_);

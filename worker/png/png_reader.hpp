@@ -1,4 +1,4 @@
-// Reads the rows of an untrusted PNG with libpng, within limits; what no picture needs is never unpacked.
+// Reads the rows of an untrusted PNG with libpng, within limits; data that no picture needs is never unpacked.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class PngReader {
   PngReader(const PngReader&) = delete;
   PngReader& operator=(const PngReader&) = delete;
 
-  // In this order; each is false when the file is damaged, and message() says how.
+  // Call these in this order. Each returns false if the file is damaged, and message() says how.
   bool begin(Rows rows);           // up to the first row
   bool row(std::uint8_t* pixels);  // the next; all rows once for every pass
   bool end();

@@ -16,7 +16,7 @@ struct PngWriter::State {
 
   ~State() { png_destroy_write_struct(&png, &info); }
 
-  // Nothing here is hostile: an error is a fault of the caller or a lack of memory. libpng wants a jump, and
+  // No input here is untrusted: an error is a fault of the caller or a lack of memory. libpng requires a longjmp, and
   // the methods that it jumps into hold only trivial locals.
   static void on_write(png_structp png, png_bytep data, std::size_t count) {
     auto* self = static_cast<State*>(png_get_io_ptr(png));

@@ -1,4 +1,4 @@
-// Writes a PNG row by row into memory, so that no picture is ever held whole.
+// Writes a PNG row by row into memory, so that the unpacked picture is never held as a whole.
 #pragma once
 
 #include <cstdint>

@@ -11,8 +11,8 @@
 namespace vacuform {
 
 namespace {
-// Along each side of a pixel. Each sample is averaged over its part of the pixel, so that more of them only make the edge of
-// the coloured part smoother.
+// Along each side of a pixel. Each sample is the mean over its part of the pixel, so more samples would only make the
+// edge of the coloured part smoother.
 constexpr int samples_a_side = 2;
 }  // namespace
 
@@ -81,7 +81,7 @@ std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
                           0.0f);
   const float scale = 1.0f / static_cast<float>(samples_a_side * samples_a_side);
   in_parallel(top, bottom, [&](int first, int last) {
-    // One row of pixels at a time, so that the walk over the scan does not depend on how the rows are shared out.
+    // One row of pixels at a time, so that the walk over the scan does not depend on how threads divide the rows.
     for (int y = first; y < last; ++y)
       for (const int i : pieces) scan(pieces_[static_cast<std::size_t>(i)], y, y + 1, top, sums);
     for (int y = first; y < last; ++y) {

@@ -9,8 +9,8 @@
 
 namespace vacuform {
 
-// Keeps a reference to the colours. Pixels are those of the print before any mirroring, RGBA: each is the mean, in linear
-// light, of 4 places of the sheet, each with the mean colour of the scan's surface around its closest point. The
+// Keeps a reference to the colours. Pixels are those of the print before any mirroring, RGBA: each is the mean, in
+// linear light, of 4 places of the sheet, each with the mean colour of the scan's surface around its closest point. The
 // same bytes for any number of threads.
 class ColourRaster : public RowSource {
  public:

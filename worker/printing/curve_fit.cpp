@@ -11,8 +11,8 @@ namespace {
 using Eigen::Vector2d;
 using Cubic = std::array<Vector2d, 4>;
 
-constexpr double reach_mm = 0.3;             // of the differences that tangents are taken from
-constexpr std::size_t most_points = 20'000;  // that one curve is tried on
+constexpr double reach_mm = 0.3;             // length over which differences give the tangents
+constexpr std::size_t most_points = 20'000;  // more are divided before a curve is tried
 
 Vector2d at(const Cubic& c, double t) {
   const double s = 1 - t;
@@ -28,7 +28,7 @@ class Fitter {
       along_.push_back(along_.back() + (points[i] - points[i - 1]).norm());
   }
 
-  // From points[first] to points[last]; `towards` leave the curve's ends into it.
+  // From points[first] to points[last]; `start` and `end` are the tangents there, both into the curve.
   void fit(std::size_t first, std::size_t last, const Vector2d& start, const Vector2d& end) {
     if (last - first == 1) return straight(first, last);
     if (last - first > most_points) return divide(first, last, (first + last) / 2, start, end);
@@ -49,7 +49,7 @@ class Fitter {
     divide(first, last, std::clamp(worst, first + 1, last - 1), start, end);
   }
 
-  // Into the curve from its end `from`, not looking beyond `limit`.
+  // The tangent at the end `from`, into the curve; uses no point beyond `limit`.
   Vector2d end_tangent(std::size_t from, std::size_t limit) const {
     const double length = std::abs(along_[limit] - along_[from]);
     const std::size_t near = away(from, limit, std::min(reach_mm, length / 2));
@@ -109,7 +109,7 @@ class Fitter {
       l0 = (x0 * c11 - x1 * c01) / determinant;
       l1 = (c00 * x1 - c01 * x0) / determinant;
     }
-    // Handles that point backwards or far away: the third of the chord instead.
+    // If handles point backwards or reach too far, a third of the length is used instead.
     const double least = 1e-6 * length, most = 3 * (along_[last] - along_[first]);
     if (!(l0 > least && l1 > least && l0 < most && l1 < most)) l0 = l1 = (along_[last] - along_[first]) / 3;
     return {p, p + l0 * start, q + l1 * end, q};
@@ -150,7 +150,7 @@ class Fitter {
 }  // namespace
 
 Curve fit_curve(const std::vector<FitPoint>& given, bool closed, double tolerance_mm) {
-  // A closed curve begins at a corner where it has one.
+  // A closed curve begins at a corner if it has one.
   std::size_t start = 0;
   if (closed)
     while (start + 1 < given.size() && !given[start].corner) ++start;

@@ -1,4 +1,5 @@
-// The ink of a print where it lies on the flat sheet, on pixels of a quarter of a millimetre. Internal to worker/printing.
+// The ink of a print where it lies on the flat sheet, on pixels of a quarter of a millimetre or more. Internal to
+// worker/printing.
 #pragma once
 
 #include <Eigen/Core>

@@ -54,7 +54,7 @@ std::string upper_case(std::string_view word) {
   return out;
 }
 
-// Joins parts into lines no wider than `room` where they can be.
+// Joins parts into lines no wider than `room`; a part that is wider is a line of its own.
 std::vector<std::string> wrapped(const std::vector<std::string>& parts, double room) {
   std::vector<std::string> lines;
   for (const auto& part : parts) {
@@ -77,8 +77,7 @@ Line rectangle(const Vector2d& half, bool dashed) {
       .dashed = dashed};
 }
 
-// A cross in a circle. The one at the left front has two filled quadrants, so that no turn looks like
-// another.
+// A cross in a circle. The one at the left front has two filled quadrants, so that a turned print can be recognised.
 Mark registration(const std::string& name, const Vector2d& c, bool filled) {
   Mark mark{.name = name, .lines = {}, .circles = {{.centre = c, .radius = 2}}, .texts = {}};
   mark.lines = {segment(c - Vector2d(3, 0), c + Vector2d(3, 0)),

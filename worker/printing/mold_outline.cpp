@@ -44,7 +44,7 @@ Vector2d within(const Vector2d& move, double most) {
   return length > most ? Vector2d(most / length * move) : move;
 }
 
-// A blur alone would shrink the ring by its curvature; what a second one takes away is given back (Taubin 1995).
+// A blur alone would shrink the ring by its curvature; what a second blur removes is added back (Taubin 1995).
 Ring smooth(const Ring& ring, double grid_mm) {
   Ring even = evenly(ring);
   const double deviation =
@@ -76,7 +76,7 @@ std::vector<Line> mold_outline(const std::vector<Ring>& rings, double grid_mm, c
       lines.push_back({.points = ring, .closed = true, .dashed = true});
       continue;
     }
-    // From the gap around to it again.
+    // Starts at the gap and runs around to it again.
     const auto first = static_cast<std::size_t>(gap - clear.begin());
     Ring piece;
     for (std::size_t i = 1; i <= n; ++i) {

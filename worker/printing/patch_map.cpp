@@ -61,7 +61,7 @@ std::optional<Vector2d> PatchMap::rest_at(const Vector2d& uv, double beyond_mm) 
   return rest;
 }
 
-// What was cut along the outline has the very same points: polygons lie on one grid (worker/pattern/area.cpp).
+// Areas that were cut along the outline have exactly its points: polygons lie on one grid (worker/pattern/area.cpp).
 bool PatchMap::is_border_vertex(const Vector2d& uv) const {
   return std::binary_search(border_.begin(), border_.end(), std::pair(uv.x(), uv.y()));
 }

@@ -135,7 +135,7 @@ void extend(Eigen::AlignedBox2d& box, const Vector2d& st, bool mirrored) {
   box.extend(Vector2d(mirrored ? -st.x() : st.x(), st.y()));
 }
 
-// What the marks keep off, print coordinates: the chart, and what elements paint beyond it.
+// The areas that marks must keep clear of, print coordinates: the chart, and what elements paint beyond it.
 std::vector<Eigen::AlignedBox2d> taken_by(const Patch& chart, const Print& print) {
   std::vector<Eigen::AlignedBox2d> taken;
   for (const Triangle& t : chart.triangles) {
@@ -153,7 +153,7 @@ std::vector<Eigen::AlignedBox2d> taken_by(const Patch& chart, const Print& print
   return taken;
 }
 
-// And the colours of a scan, which reach beyond the chart.
+// Adds the areas of the colours of a scan, which reach beyond the chart.
 void add_coloured(const SheetColours& colours, bool mirrored, std::vector<Eigen::AlignedBox2d>& taken) {
   const FormedSheet& sheet = colours.sheet();
   for (const int t : colours.triangles()) {
@@ -182,7 +182,8 @@ std::vector<Line> outline_of_mold(const Patch& chart, double grid_mm, const Laid
   return lines;
 }
 
-// The files of a picture's part of the print, made beside the whole. PDF wants colour and opacity apart.
+// The files of the part of the print that shows a picture, made along with the whole. PDF stores colour and opacity
+// separately.
 class PictureFiles {
  public:
   PictureFiles(const PixelBox& box, int channels, double dpi)
@@ -226,7 +227,7 @@ class PictureFiles {
   const int channels_;
   PngWriter whole_;
   std::optional<PngWriter> colour_, opacity_;
-  std::vector<std::uint8_t> rgb_, alpha_;  // a row each; at the end the files
+  std::vector<std::uint8_t> rgb_, alpha_;  // a row each; after finish() the whole files
 };
 
 // False if there are no shades to compensate.
@@ -261,7 +262,7 @@ void on_white(const std::vector<std::uint8_t>& rgba, std::vector<std::uint8_t>& 
     }
 }
 
-// Draws the rows, and makes the files of them. `vectors`: of a print of vectors. `size` has the size of the print.
+// Draws the rows and makes their files. `vectors`: of a vector print, else null. `size` holds the size of the print.
 Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, const Marks& marks,
                           const Settings& settings, int channels, const PrintLabel& label, const Print& size,
                           const Context& context) {

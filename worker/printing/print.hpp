@@ -43,7 +43,7 @@ struct Print {
   std::string svg;
   // The same on a page of the size of the sheet, vectors or a losslessly embedded image, texts as texts, in two layers.
   std::vector<std::uint8_t> pdf;
-  // Of pattern.source=both: the colours of the scan as three files of their own, on the same grid and page and with the
+  // With pattern.source=both: the colours of the scan in three separate files, on the same grid and page and with the
   // same marks.
   struct Layer {
     std::vector<std::uint8_t> png;
@@ -72,20 +72,22 @@ struct Print {
 // patch. Lines are pulled back as vectors and drawn anti-aliased. For a picture every pixel is the mean of 4 to 16
 // samples, each filtered by the footprint that its triangle gives it, so that edges are smooth, including those of the
 // chart. With settings.print.compensate_ink, shades of gray are printed darker where the sheet stretches more (see
-// ink_compensation.hpp). Memory is that of the resulting files plus a band of rows, for any dpi. `label` is the
-// name of the job on the print (the digest of its inputs, so that bytes repeat) and its reference. The fonts of the print
-// show Latin-1: other characters become '?', with the warning "reference-incomplete" for those of the reference. Pure and deterministic for any number of threads. Errors: cancelled; unusable_pattern (no
-// ink falls onto the chart); too_large (more than 32,000 pixels per side).
+// ink_compensation.hpp). Memory is that of the resulting files plus a band of rows, for any dpi. `label` is the name of
+// the job on the print (the digest of its inputs, so that bytes repeat) and its reference. The fonts of the print show
+// Latin-1: other characters become '?', with the warning "reference-incomplete" for those of the reference. Pure and
+// deterministic for any number of threads. Errors: cancelled; unusable_pattern (no ink falls onto the chart); too_large
+// (more than 32,000 pixels per side).
 //
 // With `colours` and pattern.source=scan, the print shows the colours of the scan. `pattern` is then the result of
-// picture_of() for them, `placement` that of lay_flat(), and there is no drawing. All of the ink counts as printed. With
-// pattern.source=both, the colours become Print::colours and the print stays that of the drawing; marks keep off both.
+// picture_of() for them, `placement` that of lay_flat(), and there is no drawing. All of the ink counts as printed.
+// With pattern.source=both, the colours become Print::colours and the print stays that of the drawing; marks keep clear
+// of both.
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
                          const Placement& placement, const Settings& settings, const PrintLabel& label,
                          const Context& context, const SheetColours* colours = nullptr);
 
-// The colours of a scan as a picture of the flat sheet in sheet coordinates, 0.2 mm a pixel or 4000 pixels on the longer
-// side, for what shows a drawing. Errors: cancelled.
+// The colours of a scan as a picture of the flat sheet in sheet coordinates, for code that shows a drawing: 0.2 mm a
+// pixel, or 4000 pixels on the longer side if that is coarser. Errors: cancelled.
 Result<Pattern> picture_of(const SheetColours& colours, const SheetSettings& sheet, const Context& context);
 
 }  // namespace vacuform

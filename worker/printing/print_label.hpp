@@ -1,4 +1,4 @@
-// What the print says of whose it is.
+// The texts on a print that say which job it belongs to.
 #pragma once
 
 #include <string>

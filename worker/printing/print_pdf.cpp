@@ -51,7 +51,7 @@ std::string pdf_text(std::string_view utf8) {
   return out + ")";
 }
 
-// Of Helvetica, in em: what centred marks are written with.
+// Width in em in Helvetica, of the characters that centred marks use.
 double text_width(std::string_view text) {
   double width = 0;
   for (const char c : text) width += c == '+' ? 0.584 : c == 't' || c == ' ' ? 0.278 : 0.556;
@@ -108,7 +108,7 @@ std::uint32_t number_at(std::span<const std::uint8_t> bytes, std::size_t at) {
          static_cast<std::uint32_t>(bytes[at + 2]) << 8 | bytes[at + 3];
 }
 
-// PDF takes the rows of a PNG as they are packed: the content of its IDAT chunks.
+// PDF takes the rows of a PNG in compressed form: the content of its IDAT chunks.
 int embed(PdfWriter& pdf, std::span<const std::uint8_t> png, const std::string& more) {
   const std::uint32_t width = number_at(png, 16), height = number_at(png, 20);
   const int channels = png[25] == 0 ? 1 : 3;
@@ -179,7 +179,7 @@ std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vec
                               reference(stream) + " /Resources <<" + resources + " >> >>");
   pdf.object(pages, std::string("<< /Type /Pages /Count 1 /Kids [") + reference(only) + "] >>");
   const std::string layers = std::string("[") + reference(pattern_layer) + " " + reference(marks_layer) + "]";
-  // Printed at its own size: viewers would else fit the page to the paper.
+  // Printed at its own size: otherwise viewers would fit the page to the paper.
   return pdf.finish(pdf.object(std::string("<< /Type /Catalog /Pages ") + reference(pages) +
                                " /ViewerPreferences << /PrintScaling /None >> /OCProperties << /OCGs " +
                                layers + " /D << /Order " + layers + " /ON " + layers + " >> >> >>"));

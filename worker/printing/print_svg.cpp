@@ -20,7 +20,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   return text.get();
 }
 
-// Without the zeros that count for nothing.
+// Without trailing zeros.
 std::string coordinate(double value) {
   std::string text = decimal(value, 4);
   text.erase(text.find_last_not_of('0') + 1);

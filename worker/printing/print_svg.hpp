@@ -1,4 +1,4 @@
-// print.svg: the print at 1:1 as DESIGN.md's table of artifacts says. Internal to worker/printing.
+// print.svg: the print at 1:1 (docs/reference/files.md). Internal to worker/printing.
 #pragma once
 
 #include <optional>

@@ -15,8 +15,8 @@ class RowSource {
   virtual ~RowSource() = default;
   virtual PixelBox box() const = 0;   // around all ink, never empty; pixels before any mirroring
   virtual int band_rows() const = 0;  // rows to ask for at once
-  // Rows [top, bottom) of the whole print's width, where top is a multiple of band_rows() and bottom at most one band
-  // further: 8-bit gray on white, or straight RGBA on transparent.
+  // Rows [top, bottom) of the whole print's width: 8-bit gray on white, or straight RGBA on transparent. `top` is a
+  // multiple of band_rows(), and `bottom` at most one band further.
   virtual std::vector<std::uint8_t> rows(int top, int bottom) const = 0;
 };
 

@@ -76,7 +76,7 @@ void SheetRaster::scan(const Piece& piece, int first_row, int last_row, int top,
   float line[4 * run];
   scan_triangle(piece.corners, width_ * n, first_row * n, last_row * n, [&](int row, int begin, int end) {
     const Vector2d start = piece.origin + (row + 0.5) * piece.down;
-    // Most of a large chart may lie off a small drawing: skip there.
+    // Most of a large chart may lie off a small drawing: that part is skipped.
     double from = begin, to = end;
     for (int k = 0; k < 2; ++k) {
       const double a = piece.across[k], at = start[k];

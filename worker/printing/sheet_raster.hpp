@@ -19,8 +19,8 @@ struct RasterLayer {
       gain;  // for the ink of each triangle, up to full coverage; empty: 1. Of a grayscale drawing only
 };
 
-// A picture is sampled through the patches of its parts, and ink in no part through the charts. They point into the
-// placement.
+// The patches that a picture is sampled through: those of its parts, and the charts for ink in no part. They point into
+// the placement.
 std::vector<RasterLayer> layers_of(const Placement& placement);
 
 // Keeps references to its inputs. Pixels are those of the print before any mirroring; the box encloses all patches.

@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 constexpr double longest_reach_mm = 20;
 constexpr std::size_t most_pieces = 8;  // of the line, in the smallest boxes
 
-// The part of the way from a to b at which p is nearest.
+// The fraction of the way from a to b at which p is nearest.
 double nearest(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   const Vector2d d = b - a;
   return d.squaredNorm() > 0 ? std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0;
@@ -47,7 +47,7 @@ TiedLine::TiedLine(std::vector<CurvePoint> line, double width_mm, const PatchMap
   if (line_.size() > 1) build(0, 1, line_.size());
 }
 
-// The element's patch need not reach as far as the line would pass over to the chart.
+// The element's patch may end before the line has moved over to the chart; the reach is then shorter.
 TiedLine::Tie TiedLine::tie(const PatchMap* map, bool from_end) const {
   if (!map) return {};
   const double length = line_.back().along;
@@ -68,7 +68,7 @@ void TiedLine::build(std::size_t node, std::size_t first, std::size_t last) {
   build(2 * node + 2, (first + last) / 2, last);
 }
 
-// Some distance squared that the nearest point is not beyond.
+// An upper bound of the squared distance to the nearest point.
 double TiedLine::bound(const Vector2d& uv) const {
   std::size_t node = 0, first = 1, last = line_.size();
   while (last - first > most_pieces) {
@@ -95,7 +95,7 @@ void TiedLine::look(std::size_t node, std::size_t first, std::size_t last, const
   }
 }
 
-// Of several that are equally near, the first on the line.
+// If several points are equally near, the first on the line.
 double TiedLine::along(const Vector2d& uv) const {
   if (line_.size() < 2) return 0;
   Nearest best{bound(uv), 0};

@@ -129,7 +129,7 @@ void pull_back_line(const std::vector<CurvePoint>& line, bool closed, const Map&
       out.push_back({std::move(curve), width_mm});
 }
 
-// The first point comes again as the last.
+// The first point is repeated as the last.
 std::vector<CurvePoint> closed_points(const Ring& ring) {
   std::vector<CurvePoint> line;
   const std::size_t n = ring.size();
@@ -140,7 +140,7 @@ std::vector<CurvePoint> closed_points(const Ring& ring) {
   return line;
 }
 
-// One shape on its way to the sheet, and what came of it.
+// One shape to be pulled back, and the result.
 struct Work {
   const Shape* shape;
   std::size_t element;  // index into Drawing::elements
@@ -240,7 +240,8 @@ class Puller {
     return {[&map](const Vector2d& uv) { return map.rest_at(uv); }, &map};
   }
 
-  // On each of the domains what lies there: pieces that meet on the sheet are one area, without a line between them.
+  // Paints on each domain the part of the area that lies there. Pieces that meet on the sheet are one area, without a
+  // line between them.
   void paint(const Area& drawn, const Colour& colour, const std::vector<Domain>& domains, Work& work) const {
     const Area area = on_page(drawn, drawing_.size_mm);
     const double all = ink(colour) * square_mm(area);

@@ -16,8 +16,8 @@ struct PaintedArea {
   Colour colour;
 };
 
-// The middle of a stroke, or of a ring that an element fills (coils/drawn_loop.hpp). Unpainted: for plotters, dispensers
-// and measuring.
+// The middle of a stroke, or of a ring that an element fills (worker/pattern/drawn_loop.hpp). Unpainted: for plotters,
+// dispensers and measuring.
 struct Centreline {
   Curve curve;          // sheet coordinates, mm
   double width_mm = 0;  // of the line once formed
@@ -43,8 +43,8 @@ struct VectorPrint {
 // the chart.
 //
 // A line in no element that ends on the ink of an element, or within half its own width of it, is tied to it: the patch
-// of the element places its end, and along the first 20 mm, or half its length, the line moves over to the chart.
-// Deterministic, on any number of threads. Errors: cancelled.
+// of the element places its end, and within the first 20 mm, or half its length, the line gradually moves over to the
+// chart. Deterministic, on any number of threads. Errors: cancelled.
 Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement, const Settings& settings,
                               const Context& context);
 

@@ -31,7 +31,7 @@ double step(double from, double to, double x) {
   return t * t * (3 - 2 * t);
 }
 
-// A relief over a plan that every ray from the origin leaves once.
+// A relief over a plan whose outline every ray from the origin crosses once.
 class Relief {
  public:
   virtual ~Relief() = default;
@@ -75,7 +75,8 @@ class Face : public Relief {
 
 class Penguin : public Relief {
  public:
-  // The outline of the parts, smoothed over some degrees: a ray that touches one part after another would jump.
+  // The outline of the parts, smoothed over some degrees: otherwise it would jump where a ray leaves one part for
+  // another.
   Penguin() {
     constexpr int width = 8;
     std::array<double, sectors> outline{};
@@ -146,7 +147,7 @@ std::vector<std::pair<const char*, Vector2d>> landmarks_of(Model model) {
           {"S2", {30, -30}}, {"W1", {-54, -10}}, {"W2", {54, -10}}, {"F1", {-24, -86}}, {"F2", {24, -86}}};
 }
 
-// Paints by places on the model's plan, mm.
+// Paints at places that are given on the model's plan, mm.
 class Paint {
  public:
   explicit Paint(const Relief& relief)

@@ -1,5 +1,6 @@
-// The bundled models that wear colours: a face mask and a figurine, each closed, lying on z = 0 without an undercut, with a
-// painted texture: a net of lines every 10 degrees of the model's own grid, and landmarks with a cross and a label.
+// The bundled models with colours: a face mask and a figurine. Each is closed and lies on z = 0 without an undercut.
+// The painted texture has a net of lines every 10 degrees of the model's own grid, and landmarks with a cross and a
+// label.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,7 @@ struct Landmark {
 
 struct PaintedModel {
   TriangleMesh mesh;                // mm, Z up, a person's top towards +Y
-  std::vector<Eigen::Vector2d> uv;  // of each vertex, as glTF has it: v down
+  std::vector<Eigen::Vector2d> uv;  // of each vertex, as in glTF: v down
   std::vector<Landmark> landmarks;
 };
 

@@ -102,7 +102,7 @@ void fill_with_fan(TriangleMesh& mesh, const std::vector<int>& loop) {
     mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], hub});
 }
 
-// Whether at least two pieces are open widely: then they are patches of one surface, with gaps between them.
+// Whether at least two pieces have wide openings: they are then patches of one surface, with gaps between them.
 bool in_patches(const TriangleMesh& mesh) {
   std::vector<int> piece_of;
   const int count = connected_pieces(mesh, piece_of);
@@ -145,8 +145,8 @@ Closing close_skin(const TriangleMesh& skin) {
         ++closing.holes_capped;
         continue;
       }
-      // The second round fills with new vertices: a filling of the loop's own can repeat an edge that is
-      // there.
+      // From the second round on, fills with new vertices: a filling that uses only those of the loop can repeat an
+      // existing edge.
       const auto filling =
           round == 0 ? fill_hole(closing.mesh.vertices, opening.loop) : std::vector<Triangle>{};
       if (filling.empty())

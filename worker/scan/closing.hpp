@@ -14,11 +14,12 @@ struct Closing {
   bool sound = false;
 };
 
-// Closes an upright, oriented skin. An opening is large if it measures more than a quarter of the skin across. It lies
-// over the platform if its missing face would look down by at least 30 degrees. Openings with both properties get walls
-// straight down to 1 mm below the lowest point of the skin and a flat cap there. Every other opening is filled. If two
-// or more pieces are widely open, they are patches of one surface: they are not closed but left to be wrapped.
-// Triangles at edges that more than two share, or that two run along in the same direction, are removed first.
+// Closes an upright, oriented skin. First removes the triangles at edges that more than two triangles share, or that
+// two triangles run along in the same direction. An opening is large if it measures more than a quarter of the skin
+// across. It lies over the platform if its missing face would look down by at least 30 degrees. Openings with both
+// properties get walls straight down to 1 mm below the lowest point of the skin and a flat cap there. Every other
+// opening is filled. If two or more pieces have wide openings, they are patches of one surface: they are not closed but
+// left for wrapping.
 Closing close_skin(const TriangleMesh& skin);
 
 // Triangles that fill a loop (the direction of border_loops). Uses only the vertices of the loop. Empty if no such

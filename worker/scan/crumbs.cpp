@@ -14,7 +14,7 @@ constexpr double crumb_share = 1e-3;  // of the volume of the largest piece
 constexpr std::size_t most_crumbs_examined = 64;
 constexpr int most_rounds = 3;  // a small piece may stand on another small one
 
-// Whether a point lies in or on a closed surface; `height` is more than it is high.
+// Whether a point lies in or on a closed surface; `height` exceeds the height of the surface.
 class Inside {
  public:
   Inside(const TriangleMesh& surface, double height)

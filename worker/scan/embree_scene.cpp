@@ -16,8 +16,9 @@ namespace vacuform {
 namespace {
 
 void fill(EmbreeScene& to, const TriangleMesh& mesh) {
-  // One thread builds: the tree, and with it the order of equal hits, is then the same on every machine. (Embree's own
-  // option, threads=1, would keep every other loop of the process on one thread as long as the scene lives.)
+  // Only one thread builds the tree, so that the tree, and with it the order of equal hits, is the same on every
+  // machine. (Embree's own option, threads=1, would keep every other loop of the process on one thread while the scene
+  // exists.)
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   to.device = rtcNewDevice("set_affinity=0");
   if (!to.device) throw std::runtime_error("Embree cannot start");

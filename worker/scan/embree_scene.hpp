@@ -10,8 +10,8 @@ struct RTCSceneTy;
 
 namespace vacuform {
 
-// Copies the triangles, as floats relative to the middle of the mesh's bounding box. A mesh without triangles gives a
-// scene that nothing meets. Throws std::runtime_error or std::bad_alloc when Embree cannot.
+// Copies the triangles, as floats relative to the middle of the mesh's bounding box. Queries never hit a mesh without
+// triangles. Throws std::runtime_error or std::bad_alloc if Embree fails.
 struct EmbreeScene {
   explicit EmbreeScene(const TriangleMesh& mesh);
   ~EmbreeScene();

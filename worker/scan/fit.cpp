@@ -1,13 +1,13 @@
 // Whether a mold fits the sheet and the machine.
 //
-// Room: around the mold, whose middle is the window's, the window leaves at least 5 mm and two sheet thicknesses, so that the sheet can turn down between mold and frame, and at least an
-// eleventh of the draw: the film in a gap g that goes down a wall of height H becomes g + H long, and below a
-// twelfth of its thickness it tears. Draw: at most 1.5 times the window's shorter side, beyond which no sheet
-// in that window holds enough plastic.
+// Room: the mold is centred in the window. Around it the window leaves at least 5 mm and two sheet thicknesses, so that
+// the sheet can turn down between mold and frame, and at least an eleventh of the draw: film across a gap g that goes
+// down a wall of height H becomes g + H long, and below a twelfth of its thickness it tears. Draw: at most 1.5 times
+// the window's shorter side. No sheet in that window holds enough plastic for more.
 //
-// Comfort: the same film over a place of height z at a distance d from the window thins to d / (d + z) of its
+// Warnings: the same film over a place of height z at a distance d from the window thins to d / (d + z) of its
 // thickness. The draw ratio, draw over the window's shorter side, is that of Throne, Technology of Thermoforming
-// (1996); male molds deeper than a part of their own width tend to web.
+// (1996); male molds deeper than their own width tend to web.
 #include <algorithm>
 #include <cmath>
 
@@ -24,11 +24,11 @@ constexpr double deep_in_window = 0.5;    // draw over the window's shorter side
 constexpr double deep_on_mold = 1;        // draw over the mold's shorter side
 constexpr double least_clamp_mm = 5;      // of sheet in the clamp, on each side
 
-// Rounded so that what is proposed is enough.
+// Rounded so that the proposed value is enough.
 std::string mm_up(double value) { return in_mm(std::ceil(value * 10 - 1e-6) / 10); }
 std::string mm_down(double value) { return in_mm(std::floor(value * 10 + 1e-6) / 10); }
 
-// Settings that give a window this large, at the least, and a sheet with the same border in the clamp as now; empty where no
+// Settings for a window of at least this size, and for a sheet with the same border in the clamp as now; empty if no
 // machine is that large.
 std::string settings_for(const Eigen::Vector2d& least, const SheetSettings& sheet,
                          const MachineSettings& machine) {
@@ -128,7 +128,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
   const Box box = bounds(mold.mesh);
   const double draw = box.high.z() - machine.drape_height_mm;
   const double room = std::max(5 + 2 * sheet.thickness_mm, least_gap * draw);
-  // Level with the top is right for a mold with a pit, whose rim the sheet lies on; so is what rounding adds.
+  // A frame that stops level with the top is allowed: the sheet then lies on the rim of a mold with a pit. So is an
+  // excess by rounding.
   if (machine.drape_height_mm > box.high.z() + 0.01)
     return fail(Code::does_not_fit,
                 "the frame stops " + in_mm(machine.drape_height_mm) + " above the platform, " +
@@ -140,8 +141,8 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
   const double shorter = std::min(width, height);
   if (draw > most_draw * shorter)
     return fail(Code::does_not_fit,
-                "the mold is " + in_mm(draw) + " to draw, " + in_mm(draw - most_draw * shorter) +
-                    " more than a sheet in a window of " + in_mm(shorter) + " can give",
+                "the draw of the mold is " + in_mm(draw) + ", " + in_mm(draw - most_draw * shorter) +
+                    " more than a sheet in a window of " + in_mm(shorter) + " allows",
                 "scan.trim_mm",
                 "trim the mold at least that much higher, for example --set scan.trim_mm=" +
                     decimal(std::ceil(mold.findings.trim_mm + draw - most_draw * shorter), 0) +
@@ -159,7 +160,7 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
                   "give a window and a sheet of at least " + mm_up(2 * (radius + room)) +
                       settings_for(Eigen::Vector2d::Constant(2 * (radius + room)), sheet, machine) + advice);
   } else {
-    // The middle of the window is that of the circle around the mold, not always that of its width.
+    // The window is centred on the circle around the mold, which need not be the middle of the mold's width.
     const Eigen::Vector2d reach = box.high.head<2>().cwiseMax(-box.low.head<2>());
     const double over_x = 2 * (reach.x() + room) - width, over_y = 2 * (reach.y() + room) - height;
     if (over_x > 0 || over_y > 0) {

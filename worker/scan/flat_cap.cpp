@@ -1,4 +1,4 @@
-// The one user of CGAL's constrained Delaunay triangulation.
+// The only use of CGAL's constrained Delaunay triangulation.
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
@@ -41,7 +41,7 @@ std::optional<std::vector<Triangle>> flat_cap(const std::vector<Eigen::Vector3d>
   }
   if (triangulation.dimension() < 2) return std::nullopt;
 
-  // From outside inwards: each outline crossed adds one.
+  // From outside inwards: the level rises by one at each outline.
   for (auto face = triangulation.all_faces_begin(); face != triangulation.all_faces_end(); ++face)
     face->info() = -1;
   std::vector<Triangulation::Face_handle> level{triangulation.infinite_face()}, next;

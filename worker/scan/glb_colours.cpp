@@ -11,7 +11,7 @@ namespace {
 
 constexpr float largest_uv = 1e6f;
 
-// Component k of element i, whole numbers as fractions of their largest value.
+// Component k of element i. Integers are fractions of their largest value.
 float fraction(const GlbView& view, std::uint64_t i, std::uint64_t k) {
   const std::uint8_t* at = view.data + i * view.stride;
   if (view.component == 5126) return std::bit_cast<float>(u32(Bytes(at, 4 * k + 4), 4 * k));
@@ -137,7 +137,7 @@ Result<void> GlbColours::add_uv(const json& attributes, const Laid& laid, const 
   VACUFORM_TRY(given, file_.view(whole(attributes, name.c_str()), "VEC2", 2));
   if (given.component == 5125 || given.count < mesh.vertices.size() - first_vertex)
     return corrupt(name + " of the GLB file does not fit its positions", file_.where);
-  colours_.uv.resize(first_triangle);  // of triangles without an image
+  colours_.uv.resize(first_triangle);  // of the triangles without an image
   colours_.uv.reserve(mesh.triangles.size());
   for (std::size_t t = first_triangle; t < mesh.triangles.size(); ++t) {
     auto& corners = colours_.uv.emplace_back();

@@ -1,8 +1,8 @@
 // The colours of a GLB file: base colour textures and factors, and vertex colours. Internal to worker/scan.
 //
-// Read are materials with pbrMetallicRoughness, or KHR_materials_pbrSpecularGlossiness of older files, any set of
-// texture coordinates, KHR_texture_transform, the wrapping of the sampler, and COLOR_0 (linear light, as glTF has it).
-// Images must be PNG or JPEG inside the file; KTX2 and WebP are refused by name.
+// Supports materials with pbrMetallicRoughness, or KHR_materials_pbrSpecularGlossiness of older files, any set of
+// texture coordinates, KHR_texture_transform, the wrapping of the sampler, and COLOR_0 (linear light, as in glTF).
+// Images must be PNG or JPEG inside the file; KTX2 and WebP are rejected by name.
 #pragma once
 
 #include <map>
@@ -16,15 +16,15 @@ class GlbColours {
  public:
   explicit GlbColours(const GlbFile& file) : file_(file) {}
 
-  // Adds the colours of a primitive whose vertices are those from `first_vertex` on, and whose triangles are those from
-  // `first_triangle` on. Errors: corrupt_file, unsupported_format.
+  // Adds the colours of a primitive whose vertices start at `first_vertex` and whose triangles start at
+  // `first_triangle`. Errors: corrupt_file, unsupported_format.
   Result<void> add(const nlohmann::json& primitive, const TriangleMesh& mesh, std::size_t first_vertex,
                    std::size_t first_triangle);
-  // Of all primitives; nothing if no triangle has a texture, a factor other than white, or a vertex colour.
+  // The colours of all primitives; nothing if no triangle has a texture, a factor other than white, or a vertex colour.
   std::optional<ScanColours> take();
 
  private:
-  // A material, and how its image is laid on texture coordinates: uv = linear given + shift.
+  // A material, and the map from given texture coordinates to those of its image: uv = linear * given + shift.
   struct Laid {
     int material = 0;
     std::uint64_t set = 0;
@@ -41,7 +41,7 @@ class GlbColours {
 
   const GlbFile& file_;
   ScanColours colours_;
-  std::map<std::uint64_t, Laid> materials_;  // by the number of the file
+  std::map<std::uint64_t, Laid> materials_;  // by the index in the file
   std::map<std::uint64_t, int> images_;
   std::uint64_t image_bytes_ = 0;
   std::optional<Laid> plain_;  // of primitives without a material

@@ -4,7 +4,6 @@ namespace vacuform {
 
 using nlohmann::json;
 
-// The whole number under `key`, or `absent`; nullopt when it is something else or beyond 2^53.
 std::optional<std::uint64_t> whole(const json& object, const char* key, std::optional<std::uint64_t> absent) {
   const auto it = object.find(key);
   if (it == object.end()) return absent;
@@ -13,7 +12,6 @@ std::optional<std::uint64_t> whole(const json& object, const char* key, std::opt
   return std::nullopt;
 }
 
-// The n-th object of the root's array `name`, or nullptr.
 const json* nth(const json& root, const char* name, std::optional<std::uint64_t> n) {
   const auto it = root.find(name);
   if (!n || it == root.end() || !it->is_array() || *n >= it->size() || !(*it)[*n].is_object()) return nullptr;
@@ -70,7 +68,7 @@ Result<GlbView> GlbFile::view(std::optional<std::uint64_t> index, const char* ty
   if (!stride || *stride < size * components)
     return corrupt("the buffer view of " + name + " of the GLB file is not of the documented form", where);
   VACUFORM_TRY(bytes, bytes_of(*buffer_view, name));
-  // Every product is checked by division.
+  // Compares by division, so that nothing overflows.
   if (*count > 0 && (*offset > bytes.size() || bytes.size() - *offset < size * components ||
                      *count - 1 > (bytes.size() - *offset - size * components) / *stride))
     return corrupt(name + " of the GLB file has " + std::to_string(*count) +

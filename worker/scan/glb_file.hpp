@@ -10,13 +10,13 @@
 
 namespace vacuform {
 
-// Little-endian, at a byte that exists.
+// Little-endian; all four bytes must exist.
 inline std::uint32_t u32(Bytes bytes, std::uint64_t at) {
   return std::uint32_t{bytes[at]} | std::uint32_t{bytes[at + 1]} << 8 | std::uint32_t{bytes[at + 2]} << 16 |
          std::uint32_t{bytes[at + 3]} << 24;
 }
 
-// The whole number under `key`, or `absent`; nullopt when it is something else or beyond 2^53.
+// The whole number under `key`, or `absent` if there is no such key; nullopt if it is something else or beyond 2^53.
 std::optional<std::uint64_t> whole(const nlohmann::json& object, const char* key,
                                    std::optional<std::uint64_t> absent = {});
 
@@ -42,7 +42,7 @@ struct GlbFile {
   // Errors: corrupt_file, unsupported_format (sparse, or outside of the file).
   Result<GlbView> view(std::optional<std::uint64_t> accessor, const char* type,
                        std::uint64_t components) const;
-  // The bytes of a buffer view; `what` is stored there. Errors: the same.
+  // The bytes of a buffer view; `what` names their content in messages. Errors: the same.
   Result<Bytes> bytes_of(const nlohmann::json& buffer_view, const std::string& what) const;
 };
 

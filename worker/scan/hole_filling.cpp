@@ -1,4 +1,4 @@
-// The one user of CGAL's hole filling.
+// The only use of CGAL's hole filling.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/utility.h>

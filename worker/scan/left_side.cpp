@@ -6,7 +6,7 @@ namespace vacuform {
 
 std::optional<Warning> left_side_warning(const ScanSettings& settings) {
   if (settings.left_side == LeftSide::unknown || settings.front == FrontSide::automatic) return std::nullopt;
-  // Whoever faces +y with the head up has the left hand at -x; the yaw turns both about z.
+  // A person who faces +y with the head up has the left hand at -x; the yaw turns both about z.
   const double left_x = -std::cos(settings.yaw_deg * M_PI / 180);
   if (std::abs(left_x) < 0.5) return std::nullopt;
   const bool expected_plus = left_x > 0;

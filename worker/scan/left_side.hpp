@@ -1,4 +1,5 @@
-// The side of the patient's left, as a person saw it on the placed mold, against what the settings say of the face.
+// Compares the side of the patient's left, as a person saw it on the placed mold, with the side that the settings
+// imply.
 #pragma once
 
 #include <optional>
@@ -8,8 +9,8 @@
 
 namespace vacuform {
 
-// The warning "mirrored-or-turned" if the left that was seen is not where it must be. The face is known only where
-// scan.front names its side; a mold that faces mostly along x has its left on neither side of x. Then nullopt.
+// The warning "mirrored-or-turned" if left is not on the side where it must be. Nullopt if scan.front does not name the
+// side of the face, or if the mold faces mostly along x, so that its left is on neither side of x.
 std::optional<Warning> left_side_warning(const ScanSettings& settings);
 
 }  // namespace vacuform

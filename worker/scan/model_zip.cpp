@@ -11,7 +11,7 @@ namespace vacuform {
 
 namespace {
 
-// As in the archive that is written without names.
+// The limits of the archive that api/redaction writes without names.
 constexpr zip_int64_t most_entries = 1000;
 constexpr std::uint64_t most_ratio = 200, small_entry = 1 << 20;
 
@@ -57,7 +57,7 @@ Result<ModelFiles> read_model_zip(Bytes bytes, const std::string& where, const S
     constexpr zip_uint64_t wanted =
         ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE | ZIP_STAT_ENCRYPTION_METHOD;
     if (::zip_stat_index(archive.get(), i, 0, &about) != 0 || (about.valid & wanted) != wanted)
-      return damaged("does not say what it holds");
+      return damaged("does not list the names and sizes of its entries");
     const std::string name(about.name);
     if (about.encryption_method != ZIP_EM_NONE)
       return fail(Code::unsupported_format, "the zip is encrypted", where, "pack it without a password");
@@ -74,7 +74,7 @@ Result<ModelFiles> read_model_zip(Bytes bytes, const std::string& where, const S
       return damaged("has an entry that does not belong to a model");
     }
     if (about.size > left || (about.size > small_entry && about.size / most_ratio > about.comp_size))
-      return fail(Code::too_large, "the zip unpacks to too much", where,
+      return fail(Code::too_large, "the zip unpacks to too many bytes", where,
                   "reduce the scan (quadric decimation) to a few hundred thousand triangles");
     left -= about.size;
     if (file != &files.model && parts == ScanParts::shape) continue;
@@ -83,7 +83,7 @@ Result<ModelFiles> read_model_zip(Bytes bytes, const std::string& where, const S
     if (!opened ||
         ::zip_fread(opened.get(), file->data(), about.size) != static_cast<zip_int64_t>(about.size))
       return damaged("is damaged");
-    // Reading on to the end compares the checksum.
+    // libzip compares the checksum when it reaches the end.
     if (char more = 0; ::zip_fread(opened.get(), &more, 1) != 0) return damaged("is damaged");
   }
   if (!model) return fail(Code::unusable_scan, "the zip holds no model", where, "pack one OBJ or one PLY");

@@ -13,12 +13,12 @@ struct ModelFiles {
   bool ply = false;  // else the model is an OBJ
   std::vector<std::uint8_t> model, library;
   std::map<std::string, std::vector<std::uint8_t>, std::less<>>
-      images;  // by the names that the files call them by
+      images;  // by the names that the other files use for them
 };
 
-// Reads the archive that names are removed from (api/redaction/zip_names.hpp): model.obj or model.ply, model.mtl and
-// texture-1 and so on. Without colours only the model is unpacked. Errors: corrupt_file (damaged, or another entry),
-// too_large, unsupported_format (encrypted), cancelled.
+// Reads an archive whose names were removed (api/redaction/zip_names.hpp): model.obj or model.ply, model.mtl, texture-1
+// and so on. Without colours only the model is unpacked. Errors: corrupt_file (damaged, or another entry), too_large,
+// unsupported_format (encrypted), cancelled.
 Result<ModelFiles> read_model_zip(Bytes bytes, const std::string& where, const ScanProgress& progress,
                                   ScanParts parts);
 

@@ -23,7 +23,7 @@
 namespace vacuform {
 namespace {
 
-constexpr double weld_share = 1e-6;  // of the scan's size: what the rounding of floats makes of one point
+constexpr double weld_share = 1e-6;  // of the scan's size: float rounding moves a point less than this
 constexpr double nominal_mm = 200;   // a head, while the unit is unknown
 
 void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
@@ -32,7 +32,8 @@ void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
-// On z = 0, around x = y = 0: far from there a turn would round more. Returns the point that comes to the origin.
+// Moves the mesh onto z = 0, around x = y = 0: a turn far from there rounds more. Returns the point that becomes the
+// origin.
 Eigen::Vector3d stand_on_floor(TriangleMesh& mesh) {
   const Box box = bounds(mesh);
   const Eigen::Vector3d foot(box.centre().x(), box.centre().y(), box.low.z());
@@ -40,7 +41,8 @@ Eigen::Vector3d stand_on_floor(TriangleMesh& mesh) {
   return foot;
 }
 
-// Of vertices that rounding tells apart the one nearest the axis, so that the top does not jump when the scan is turned.
+// The highest vertex; of those that only rounding tells apart, the one nearest the axis, so that the top does not jump
+// when the scan is turned.
 Eigen::Vector3d top_of(const TriangleMesh& mesh) {
   constexpr double level_mm = 1e-4;
   const double highest = bounds(mesh).high.z();
@@ -51,8 +53,8 @@ Eigen::Vector3d top_of(const TriangleMesh& mesh) {
   return top;
 }
 
-// Millimetres per unit of the file, along whose axes the longest side is `longest` in its unit; that of the scan itself,
-// however it is turned, is `own_longest`.
+// Millimetres per unit of the file. Both lengths are in that unit: `longest` is the longest side along the axes of the
+// file, `own_longest` that of the scan itself, however it is turned.
 Result<double> choose_scale(const ScanSettings& settings, const std::string& file_name, double longest,
                             double own_longest, Mold& mold) {
   ScanFindings& findings = mold.findings;
@@ -82,7 +84,7 @@ Result<double> choose_scale(const ScanSettings& settings, const std::string& fil
   return millimetres(findings.unit);
 }
 
-// The closed mesh grown by the clearance. Where long thin triangles make that too dear, with wider facets. Heads and
+// The closed mesh grown by the clearance. If long thin triangles make that too expensive, with wider facets. Heads and
 // masks take 13 to 23 million tests.
 Result<TriangleMesh> offset(const TriangleMesh& mesh, double clearance_mm, const ScanProgress& progress) {
   const double alpha = std::max(2.0, 0.01 * bounds(mesh).size().norm());
@@ -126,9 +128,9 @@ struct Placed {
   Eigen::Vector3d origin;  // where the middle of the cut mesh was, at the height of the cut
 };
 
-// Cuts at the height and puts the rest on the platform, turned by `turn` about the vertical axis, the middle of the
-// smallest circle around it at x = y = 0; rounded to what mold.stl can hold so that the mesh and the file are one
-// surface. Where that is not watertight, a hair higher it may be.
+// Cuts at the height and puts the rest on the platform, turned by `turn` about the vertical axis, with the centre of
+// the smallest circle around it at x = y = 0. Rounds to what mold.stl can hold, so that the mesh and the file are one
+// surface. If the result is not watertight, tries a little higher.
 std::optional<Placed> cut_and_place(const TriangleMesh& mesh, double height, const Eigen::Matrix3d& turn) {
   for (const double raise : {0.0, 0.01, 0.02, 0.05, 0.1, 0.2}) {
     auto cut = cut_above(mesh, height + raise);
@@ -200,8 +202,8 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
                 "export the scan again");
   VACUFORM_CHECK(progress.reach(0.3));
 
-  // Upright, in millimetres, standing on z = 0. The up axis comes first: the longest side to which scan.size_mm scales is
-  // that of the upright scan and does not depend on how it is turned about the vertical axis.
+  // Upright, in millimetres, standing on z = 0. The up axis comes first, because scan.size_mm is the longest side of
+  // the upright scan. That side does not depend on how the scan is turned about the vertical axis.
   findings.mirrored = settings.mirror == Mirror::yes;
   findings.up = settings.up;
   if (settings.up == UpAxis::automatic) {
@@ -235,8 +237,8 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   findings.size_mm = bounds(skin.mesh).size();
   VACUFORM_CHECK(progress.reach(0.35));
 
-  // What follows is done along the principal axes, and turned back at the end: neither the rays nor a new skin depend on
-  // how the head is turned.
+  // The next steps work along the principal axes, and the result is turned back at the end: neither the rays nor a new
+  // skin then depend on how the head is turned.
   const Eigen::Matrix3d principal = principal_turn(skin.mesh);
   turn(skin.mesh, principal, 1);
   VACUFORM_TRY(closed, close(skin, settings.clearance_mm, mold, progress));

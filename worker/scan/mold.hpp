@@ -1,16 +1,16 @@
 // The scan stage: bytes of a scan in, a mold on the platform out.
 //
 // A scan is read (STL, OBJ, PLY, OFF, GLB), welded, reduced to its outer skin, turned right side out, scaled to
-// millimetres, turned with its up axis to +Z, closed, offset by the clearance, trimmed, and placed on the platform. z =
-// 0 is the platform. The centre of the smallest circle around the mold, seen from above, lies at x = y = 0: the mold
-// fits the smallest round window, and stays in place when it is turned.
+// millimetres, turned with its up axis to +Z, closed, offset by the clearance, trimmed, and placed on the platform,
+// which is z = 0. The centre of the smallest circle around the mold, seen from above, lies at x = y = 0: the mold fits
+// the smallest round window, and stays in place when it is turned.
 //
 // The automatic trim is the lowest cut above which no undercut is deeper than R / 70 and larger than R^2 / 300, where R
 // is the radius of the smallest circle around the scan seen from above: 1.5 mm and 36 mm2 on an adult head. On a sphere
 // that is 0.17 R below the equator; on a noisy scan it is well below the first grain that overhangs. It does not change
 // if the scan is turned about the vertical axis, mirrored or shifted, and it scales with the size of the scan. If it
 // leaves less than a third of the height of the scan, a warning is given; less than a twentieth is rejected. A given
-// trim is kept. Undercuts half as deep again are reported if they are larger than R^2 / 2500.
+// trim is kept. Undercuts deeper than 1.5 R / 70 are reported if they are larger than R^2 / 2500.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ struct ScanFindings {
   bool up_guessed = false;
   FrontSide front = FrontSide::plus_y;  // of the upright scan, turned to +y of the mold before the yaw
   bool front_assumed = false;
-  LeftSide left_side = LeftSide::unknown;  // as a person saw it, set beside what make_mold() finds
+  LeftSide left_side = LeftSide::unknown;  // as a person saw it; make_mold() does not set it
   bool mirrored = false;                   // left and right swapped, as scan.mirror asked
   int outliers_dropped = 0;                // vertices far from all others
   int components = 0;                      // connected pieces in the file
@@ -58,8 +58,9 @@ struct ScanFindings {
   int crumbs_dropped = 0;  // pieces that the cut left next to the mold, each below a thousandth of its volume
 };
 
-// Where the file's origin and its axes, one unit long, come to lie in the mold's frame, mm: a similarity, which mirrors if
-// scan.mirror asks for it. The mold's surface is that of the placed scan where nothing was closed, rebuilt or grown.
+// Maps the file's coordinates to the mold's frame, mm: its origin, and its axes one unit long. A similarity, which
+// mirrors if scan.mirror asks for it. The mold's surface is that of the placed scan where nothing was closed, rebuilt
+// or grown.
 struct ScanPlacing {
   Eigen::Vector3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin{0, 0, 0};
   Eigen::Vector3d operator()(const Eigen::Vector3d& p) const {
@@ -77,9 +78,9 @@ struct Mold {
 };
 
 // Makes the mold. Pure: the same bytes and settings give the same mold. Its coordinates are those of mold.stl, exactly.
-// Warnings: outliers, inside-out, up-guessed, large-hole, rebuilt, trim-discards, undercut. A tenth of a second of work for 27,000 triangles, two for a million.
-// `file_name` only helps messages and, where the bytes do not tell, the format (its extension).
-// Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
+// Warnings: outliers, inside-out, up-guessed, large-hole, rebuilt, trim-discards, undercut. Takes a tenth of a second
+// for 27,000 triangles, two for a million. `file_name` is used for messages and, if the bytes do not tell the format,
+// for its extension. Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,
                        const ScanSettings& settings, const Context& context);
 

@@ -73,7 +73,7 @@ struct Search {
   double best = std::numeric_limits<double>::infinity();  // squared
   Vector3d way = Vector3d::Zero();                        // to the best
   int triangle = -1;                                      // of the best
-  double enough = 0;                                      // squared: nothing nearer is looked for
+  double enough = 0;                                      // squared: the search ends below it
 };
 
 bool visit(RTCPointQueryFunctionArguments* arguments) {

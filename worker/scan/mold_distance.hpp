@@ -20,13 +20,13 @@ class MoldDistance {
 
   // Infinite for a mesh without triangles. Thread safe and deterministic.
   double operator()(const Eigen::Vector3d& point) const;
-  // The place at that distance; that of the mesh must not be empty.
+  // The closest point itself. The mesh must have triangles.
   Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
-  // Whether the distance is less than this many mm; ends with the first triangle that is so near.
+  // Whether the distance is less than this many mm; stops at the first triangle that is near enough.
   bool within(const Eigen::Vector3d& point, double distance_mm) const;
 
-  // The closest point itself: barycentric weights of the corners of a triangle of the mesh. Nothing further away than
-  // `reach_mm`. Of several closest triangles always the same one is chosen. Thread safe and deterministic.
+  // The closest point as barycentric weights of the corners of a triangle of the mesh; nothing if it is farther than
+  // `reach_mm`. If several triangles are equally close, the choice is always the same. Thread safe and deterministic.
   struct Nearest {
     int triangle;
     Eigen::Vector3d weights;

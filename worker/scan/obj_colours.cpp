@@ -13,7 +13,7 @@ namespace {
 
 constexpr float largest_obj_uv = 1e6f;
 
-// Up to three numbers after an option; what is missing keeps its value.
+// Reads at most three numbers after an option and uses the first two; a missing one keeps its value.
 void take_numbers(std::string_view& rest, Eigen::Vector2f& values) {
   for (int k = 0; k < 3; ++k) {
     std::string_view after = rest;
@@ -93,7 +93,7 @@ Result<int> ObjColours::image(std::string_view name, const std::string& where) {
 void ObjColours::add_vertex(std::string_view rest, std::size_t index) {
   double rgb[3];
   for (double& x : rgb)
-    if (!parse_number(take_word(rest), x) || !std::isfinite(x)) return;  // none, or the weight of a curve
+    if (!parse_number(take_word(rest), x) || !std::isfinite(x)) return;  // no colour, or a curve's weight
   vertex_.resize(index, Eigen::Vector3f(-1, -1, -1));
   vertex_.emplace_back(static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]));
 }
@@ -101,7 +101,7 @@ void ObjColours::add_vertex(std::string_view rest, std::size_t index) {
 Result<void> ObjColours::add_uv(std::string_view rest, const std::string& where) {
   double u = 0, v = 0;
   if (!parse_number(take_word(rest), u)) return corrupt("a vt does not have a number", where);
-  (void)parse_number(take_word(rest), v);  // a picture of one row has none
+  (void)parse_number(take_word(rest), v);  // optional: an image of one row needs no v
   if (uv_.size() >= 3 * scan_limits.triangles)
     return fail(Code::too_large, "the scan has too many texture coordinates", where,
                 "reduce it (quadric decimation) to a few hundred thousand triangles");

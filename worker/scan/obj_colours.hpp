@@ -12,7 +12,7 @@
 
 namespace vacuform {
 
-// Kd and vertex colours are encoded as sRGB. Of map_Kd the options -o, -s and -clamp count.
+// Kd and vertex colours are encoded as sRGB. The options -o, -s and -clamp of map_Kd are applied, no others.
 class ObjColours {
  public:
   // Keeps a reference to the files, which may be null.
@@ -26,10 +26,10 @@ class ObjColours {
   Result<void> add_uv(std::string_view rest, const std::string& where);
   // The material of the triangles that follow; an unknown one is white.
   void use(std::string_view material);
-  // The place in the list of vt that a corner v/vt/vn names; -1 without one.
+  // The index in the list of vt that a corner v/vt/vn names; -1 if it names none.
   std::int64_t uv_of(std::string_view corner) const;
   void add_triangle(const std::array<std::int64_t, 3>& uv);
-  // Empty where no triangle has a colour. Errors: corrupt_file (a triangle names a vt that does not exist).
+  // Nothing if no triangle has a colour. Errors: corrupt_file (a triangle names a vt that does not exist).
   Result<std::optional<ScanColours>> take(const TriangleMesh& mesh, const std::string& where);
 
  private:
@@ -46,7 +46,7 @@ class ObjColours {
   ScanColours colours_;                             // materials[0] is white
   std::map<std::string, Laid, std::less<>> named_;  // materials of the MTL
   std::map<std::string, int, std::less<>> images_;
-  std::map<int, int> plain_;  // of materials with an image: the same without
+  std::map<int, int> plain_;  // for materials with an image: the same material without it
   std::vector<Laid> laid_;    // those in use
   int using_ = -1;            // of laid_; -1: white
   std::vector<Eigen::Vector2f> uv_;

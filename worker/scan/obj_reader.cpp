@@ -1,5 +1,6 @@
 // Wavefront OBJ: `v` and `f` make the shape. Indices count from 1, or from the end when negative. Colours are the three
-// numbers that may follow a vertex, encoded as sRGB, from 0 to 1 or from 0 to 255, and those of the MTL in the same zip.
+// numbers that may follow a vertex, encoded as sRGB, from 0 to 1 or from 0 to 255, and those of the MTL in the same
+// zip.
 #include <array>
 
 #include "api/base/text.hpp"

@@ -1,6 +1,6 @@
-// Object File Format: a header word (OFF, or with C, N, ST for what each vertex carries besides), counts, one
-// line a vertex and one a face. What follows the coordinates or the corners on a line is colour or normal,
-// and is ignored.
+// Object File Format: a header word (OFF, with C, N or ST before it for what each vertex carries besides), counts, one
+// line for each vertex and one for each face. Colours and normals after the coordinates or the corners on a line are
+// ignored.
 #include <algorithm>
 
 #include "worker/scan/scan_file.hpp"
@@ -15,7 +15,7 @@ Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgr
   TextCursor text(bytes);
   std::string_view line;
   const auto at = [&] { return where + ", line " + std::to_string(text.line_number()); };
-  // The next line that says something, without its comment.
+  // The next line that is not empty, without its comment.
   const auto next = [&] {
     while (text.next_line(line)) {
       line = line.substr(0, line.find('#'));
@@ -39,7 +39,8 @@ Result<ScanFile> read_off(Bytes bytes, const std::string& where, const ScanProgr
   if (!parse_integer(take_word(line), vertex_count) || !parse_integer(take_word(line), face_count) ||
       vertex_count < 0 || face_count < 0)
     return corrupt("the OFF file does not say how many vertices and faces it has", at());
-  // A vertex takes at least "0 0 0" and a line end, a face "1 0": counts beyond the bytes are lies.
+  // A vertex takes at least "0 0 0" and a line end, a face "1 0": counts that need more bytes than there are must be
+  // false.
   const std::uint64_t left = text.remaining() + 1;
   if (static_cast<std::uint64_t>(vertex_count) > left / 6 ||
       static_cast<std::uint64_t>(face_count) > left / 4)

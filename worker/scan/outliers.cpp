@@ -24,7 +24,7 @@ std::vector<Eigen::Vector3d> drop_outliers(TriangleMesh& mesh) {
     return far[static_cast<std::size_t>(t[0])] || far[static_cast<std::size_t>(t[1])] ||
            far[static_cast<std::size_t>(t[2])];
   };
-  // Where most of the surface is far away, it is the scan, and what is in the middle is dust.
+  // If most of the surface is far away, that part is the scan, and what is in the middle is dust.
   double away_mm2 = 0, near_mm2 = 0;
   for (const Triangle& t : mesh.triangles) {
     const auto corner = [&](int k) -> const Eigen::Vector3d& {

@@ -7,9 +7,9 @@
 
 namespace vacuform {
 
-// Takes off the triangles of a welded mesh that have a corner farther from the box of the middle 96 % of the vertices
-// (along each axis) than its diagonal, when that is less than a hundredth of the vertices. Returns the places of those
-// corners, the farthest first. Nothing is taken off where more of the surface lies far away than near. O(n).
+// Removes the triangles of a welded mesh that have a corner farther from the box of the middle 96 % of the vertices
+// (along each axis) than its diagonal, if fewer than a hundredth of the vertices are that far away. Returns the places
+// of those corners, the farthest first. Removes nothing if more of the surface lies far away than near. O(n).
 std::vector<Eigen::Vector3d> drop_outliers(TriangleMesh& mesh);
 
 }  // namespace vacuform

@@ -25,7 +25,7 @@ bool holds(const Circle& circle, const Points& points, double slack) {
   });
 }
 
-// The smallest circle around at most four points, and the two or three of them that carry it.
+// The smallest circle around at most four points. Keeps only the two or three points that define it.
 Circle around_few(Points& points, double slack) {
   Circle best{points.front(), HUGE_VAL};
   Points carriers;
@@ -119,8 +119,8 @@ Eigen::Matrix3d principal_turn(const TriangleMesh& mesh) {
   }
   double angle = std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1)) / 2;
 
-  // And of the third power of the coordinate along the longer axis: ten times that over the area is the sum of all
-  // products of three corners.
+  // The same for the third power of the coordinate along the longer axis: ten times its integral over the area is the
+  // sum of all products of three corners.
   const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
   double skew = 0;
   for (const Triangle& t : mesh.triangles) {

@@ -41,8 +41,9 @@ struct Corners {
   static int next(int corner) { return corner / 3 * 3 + (corner + 1) % 3; }
 };
 
-// Lowers the base to z = 0 and joins it to where it was by walls. Corners that hang together over the base's inner
-// edges share their new vertex; outlines that merely touch in one vertex get one each, or four walls would meet there.
+// Lowers the base to z = 0 and connects it by walls to where it was. Corners that are connected over the base's inner
+// edges share their new vertex; outlines that merely touch in one vertex get one each, otherwise four walls would share
+// an edge.
 void extrude(TriangleMesh& mesh, const std::vector<int>& base) {
   const Corners corners{mesh, base};
   struct Side {

@@ -1,7 +1,7 @@
-// PLY: a text header that declares elements and their properties, then rows in ASCII or in either byte order.
-// Only x, y, z of `vertex` and the list vertex_indices (or vertex_index) of `face` and of `tristrips` matter; everything
-// else is stepped over by its declared size. Colours are red, green and blue of `vertex`, encoded as sRGB, and the texture
-// (ply_texture.hpp). In a strip -1 begins the next one. Turk 1994, "The PLY polygon file format".
+// PLY: a text header that declares elements and their properties, then rows in ASCII or in either byte order. Only x,
+// y, z of `vertex` and the list vertex_indices (or vertex_index) of `face` and of `tristrips` are read; everything else
+// is skipped by its declared size. Colours are red, green and blue of `vertex`, encoded as sRGB, and the texture
+// (ply_texture.hpp). In a strip -1 starts the next one. Turk 1994, "The PLY polygon file format".
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -66,7 +66,7 @@ Use of_vertex(std::string_view name) {
   return colour_from(name);
 }
 
-// Linear light from an encoded colour: whole numbers are fractions of their type's largest value.
+// Linear light from an encoded colour; integers are fractions of their type's largest value.
 float linear_from(Kind kind, double value) {
   const double whole = kind == Kind::u8 ? 255 : kind == Kind::u16 ? 65535 : 1;
   return linear_from_srgb(static_cast<float>(value / whole));
@@ -85,7 +85,7 @@ struct Element {
   std::vector<Property> properties;
 };
 
-// Consecutive values, from any of the three encodings. False: the bytes end, or a word is not a number.
+// Consecutive values in any of the three encodings. False if the bytes end or a word is not a number.
 class Values {
  public:
   Values(Bytes bytes, bool ascii, bool big) : bytes_(bytes), text_(bytes), ascii_(ascii), big_(big) {}
@@ -193,7 +193,7 @@ Result<Header> read_header(Bytes bytes, const std::string& where) {
       if (type == "list") {
         property.list = true;
         if (!kind_from(take_word(line), property.count_kind) || property.count_kind >= Kind::f32)
-          return corrupt("a list of the PLY header counts in no whole-number type", at());
+          return corrupt("the length of a list in the PLY header is not an integer", at());
         type = take_word(line);
       }
       if (!kind_from(type, property.kind))

@@ -35,7 +35,7 @@ class RayCaster {
 };
 
 // Whether a ray from the point straight up leaves the mesh before it enters it: the point lies in a closed surface, or
-// under a sheet. `rays` are those of the mesh; `height` is more than it is high.
+// under a sheet. `rays` belongs to the mesh; `height` exceeds the height of the mesh.
 bool lies_below(const TriangleMesh& mesh, const RayCaster& rays, const Eigen::Vector3d& point, double height);
 
 }  // namespace vacuform

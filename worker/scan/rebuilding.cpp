@@ -11,8 +11,8 @@ constexpr double plate_depth_mm = 0.5;
 constexpr double kept_volume = 0.7;       // of what the widest bridging encloses
 constexpr int most_fine_steps = 150'000;  // a head's outside takes 105,000 at the narrowest
 
-// For all wraps together, 5 s for a scan of 1 MiB: loosened heads of 4,000, 8,500 and 27,000 triangles need 20, 28 and
-// 48 million.
+// For all wraps together; 5 s for a scan of 1 MiB. Heads of 4,000, 8,500 and 27,000 loose triangles need 20, 28 and 48
+// million.
 std::int64_t most_tests(const TriangleMesh& skin) {
   return 25'000'000 + 1000 * static_cast<std::int64_t>(skin.triangles.size());
 }
@@ -35,9 +35,8 @@ TriangleMesh with_plate(TriangleMesh skin) {
 // A wide bridging finds the volume that the scan encloses, and whether it is open below. Then the narrowest bridging
 // that keeps the volume is used: one that is too narrow slips through the gaps of the scan and also wraps its inside. A
 // wrap of both sides, in and out of every crevice, costs many times as much as one of the outside alone. So the search
-// goes from wide to narrow: it stops at a bridging that slips through, and the wrap ends at a cost that no outside
-// reaches. The same holds for a wrap that costs too much: where long thin triangles meet, the narrowest wrap within the
-// budget is used.
+// goes from wide to narrow and stops at a bridging that slips through, or whose wrap costs more than any outside. It
+// also stops if a wrap costs too much because long thin triangles meet: the narrowest wrap within the budget is used.
 Result<TriangleMesh> rebuild(const TriangleMesh& skin, const ScanProgress& progress) {
   const double size = bounds(skin).size().norm();
   WrapBudget budget{most_tests(skin)};

@@ -1,6 +1,6 @@
-// The colours that a scan file gives its triangles, as they are in the file: images stay packed, and nothing in them is
-// looked at. The colour of a point is the product of its material's factor, its texture and its vertex colour, each in
-// linear light (IEC 61966-2-1 defines the curve). Opacity, gloss and light are ignored.
+// The colours that a scan file gives its triangles, as they are in the file: images stay encoded and are not checked.
+// The colour of a point is the product of its material's factor, its texture and its vertex colour, each in linear
+// light (IEC 61966-2-1 defines the curve). Opacity, gloss and light are ignored.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,16 +29,17 @@ struct ScanColours {
   std::vector<ScanImage> images;        // only those that a triangle shows
   std::vector<ScanMaterial> materials;  // at least one
   std::vector<int> material;            // of each triangle of the file
-  // Of the corners of each triangle: from the left and from the top of the image, whose sides are 1. Finite, at most 1e6
-  // in size. Empty if no triangle has an image.
+  // Texture coordinates of the corners of each triangle, from the left and from the top of the image, whose sides are
+  // 1. Finite, at most 1e6 in size. Empty if no triangle has an image.
   std::vector<std::array<Eigen::Vector2f, 3>> uv;
-  // Of each vertex of the file: red, green, blue in linear light, each in [0, 1]. Empty if no vertex has a colour.
+  // Colour of each vertex of the file: red, green, blue in linear light, each in [0, 1]. Empty if no vertex has a
+  // colour.
   std::vector<Eigen::Vector3f> vertex;
 };
 
 // Linear light from the encoded value of sRGB, both in [0, 1].
 float linear_from_srgb(float encoded);
-// The other way.
+// The inverse.
 float srgb_from_linear(float linear);
 
 }  // namespace vacuform

@@ -24,7 +24,7 @@ std::string extension_of(const std::string& file_name) {
   return lower(file_name.substr(dot + 1));
 }
 
-// Files that people take for scans, by their first bytes.
+// Files that people mistake for scans, by their first bytes.
 std::string_view foreign_kind(Bytes bytes) {
   const std::string_view head = as_text(bytes, 512);
   if (head.starts_with("PK\x03\x04")) return "a ZIP archive (3MF, or packed files)";

@@ -12,10 +12,10 @@
 namespace vacuform {
 namespace {
 
-constexpr double debris_share = 0.05;  // of the main piece's diagonal
-constexpr double small_share = 0.5;  // of the same: larger ones that are inside but for a tip are inner skins
-constexpr double soup_size = 0.5;    // a main piece smaller than this share of everything and with
-constexpr double soup_area = 0.2;    // less than this share of the area is a scrap
+constexpr double debris_share = 0.05;     // of the main piece's diagonal
+constexpr double small_share = 0.5;       // of the same: larger ones inside except for a tip are inner skins
+constexpr double soup_size = 0.5;         // a main piece smaller than this share of everything and with
+constexpr double soup_area = 0.2;         // less than this share of the area is a scrap
 constexpr int most_pieces_examined = 64;  // the largest ones; real scans keep a handful
 
 struct Piece {
@@ -102,7 +102,7 @@ Place place_of(const TriangleMesh& piece, const RayCaster& main, double reach) {
   return place;
 }
 
-// Whether a piece other than the main one is part of the outside. A small closed body that stands with its foot in the main
+// Whether a piece other than the main one is part of the outside. A small closed body that partly stands in the main
 // piece is a fin, a spike or a nose of a model, however small.
 bool belongs(const TriangleMesh& piece, double share_of_diagonal, const RayCaster& main, double reach) {
   const bool debris = share_of_diagonal < debris_share;
@@ -201,8 +201,8 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progr
   skin.components = connected_pieces(mesh, piece_of);
   if (skin.components > job_limits.scan_components)
     return fail(Code::too_large,
-                "the scan falls into " + std::to_string(skin.components) + " pieces, of " +
-                    std::to_string(job_limits.scan_components) + " that are read",
+                "the scan has " + std::to_string(skin.components) + " separate pieces, above the limit of " +
+                    std::to_string(job_limits.scan_components),
                 {}, "join them, or delete the debris, before uploading it");
   const auto pieces = measure_pieces(mesh, piece_of, skin.components);
   VACUFORM_CHECK(progress.tick());

@@ -16,11 +16,11 @@ struct OuterSkin {
   bool soup = false;  // the pieces are scraps of a surface; none was dropped, and they must be wrapped
 };
 
-// Takes a welded mesh. The main piece is the one of largest diagonal; a piece is enclosed when nearly every
-// ray from nearly every of its points hits the main piece. A small closed body that stands with a part of it in the main
-// piece is kept: models are often made of bodies that cross. Within each piece the triangles' directions are
-// made to agree over edges that two of them share, then the whole is turned outwards (by its volume; an open
-// piece is closed in thought towards the middle of its border). O(n log n). Errors: cancelled, too_large (more pieces than job_limits allow).
+// Takes a welded mesh. The main piece is the one with the largest diagonal. A piece is enclosed if nearly every ray
+// from nearly every of its points hits the main piece. A small closed body that lies partly in the main piece is kept:
+// models are often made of bodies that cross. Neighbours over an edge that exactly two triangles share get the same
+// orientation; then each such patch is turned outwards by the sign of its volume (an open patch counts as closed
+// towards the middle of its border). O(n log n). Errors: cancelled, too_large (more pieces than job_limits allow).
 Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progress);
 
 }  // namespace vacuform

@@ -53,8 +53,8 @@ std::vector<std::vector<int>> border_loops(const TriangleMesh& mesh) {
 
   std::vector<std::vector<int>> loops;
   std::vector<char> taken(border.size(), 0);
-  std::vector<int> place(mesh.vertices.size(), -1);  // of a vertex on the path under way
-  // The first edge of a vertex that is not taken. They are taken in order, so that nothing is looked at twice.
+  std::vector<int> place(mesh.vertices.size(), -1);  // of a vertex on the current path
+  // The first unused edge of a vertex. Edges are used in order, so that none is examined twice.
   std::vector<std::size_t> next_of(mesh.vertices.size(), border.size());
   for (std::size_t i = border.size(); i-- > 0;) next_of[static_cast<std::size_t>(border[i].first)] = i;
   const auto outgoing = [&](int vertex) {

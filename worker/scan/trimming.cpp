@@ -13,14 +13,14 @@
 namespace vacuform {
 namespace {
 
-// Of the radius of the smallest circle around the scan seen from above, so that a scan of twice the size is trimmed at
-// twice the height: what a part gives when it is lifted off grows with it.
+// Shares of the radius of the smallest circle around the scan seen from above, so that a scan of twice the size is
+// trimmed at twice the height: how far a part yields when it is lifted off grows with the radius.
 constexpr double spacing_share = 1.0 / 250;  // 200,000 rays on a head
-constexpr double depth_share = 1.0 / 70;     // shallower undercuts are noise, or give way
+constexpr double depth_share = 1.0 / 70;     // shallower undercuts are noise, or yield
 constexpr double area_share = 1.0 / 300;     // of the radius squared: smaller ones do not set the trim
 constexpr double reported_depth_share =
     1.5 / 70;  // shallower ones lie within the grid of what the trim allows
-constexpr double reported_area_share = 1.0 / 2500;  // smaller ones are a ray between two facets
+constexpr double reported_area_share = 1.0 / 2500;  // smaller ones are one ray between two facets
 
 constexpr double flat = 0.01;           // height over the radius from above: less is not a body
 constexpr double least_kept = 0.05;     // of the height: less is refused
@@ -41,7 +41,7 @@ struct OtherUp {
   double kept;  // share of the height
 };
 
-// The axis from which most of the height is left, when that is enough to be worth a proposal.
+// The up axis that keeps most of the height, if that is enough to propose it.
 Result<std::optional<OtherUp>> better_up(const TriangleMesh& closed, const ScanSettings& settings,
                                          UpAxis used, const Eigen::Matrix3d& from_file,
                                          const ScanProgress& progress) {
@@ -63,7 +63,7 @@ Result<std::optional<OtherUp>> better_up(const TriangleMesh& closed, const ScanS
   return best;
 }
 
-// A trim in the middle, in whole millimetres where that is fine enough: it always leaves a mold.
+// Half the height, in whole millimetres if that is fine enough: a trim that always leaves a mold.
 std::string half_of(double height) { return decimal(height / 2, height < 20 ? 1 : 0); }
 
 }  // namespace

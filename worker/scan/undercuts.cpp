@@ -10,10 +10,10 @@
 namespace vacuform {
 namespace {
 constexpr double most_layers = 50;        // crossed by a ray on average; heads have two or three
-constexpr double most_crossings = 2.5e6;  // some 3 s; a head's have a quarter of a million
+constexpr double most_crossings = 2.5e6;  // about 3 s; a head has a quarter of a million
 
-// The area that the mesh, turned, shows from above, each layer counted: divided by the spacing squared it is how many
-// surfaces the rays will cross.
+// The area of the turned mesh seen from above, with every layer counted. Divided by the spacing squared, it is the
+// number of surfaces that the rays will cross.
 double area_from_above(const TriangleMesh& mesh, const Eigen::Matrix3d& turn) {
   const Eigen::Vector3d up = turn.row(2);
   double area = 0;
@@ -46,7 +46,7 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
   space.floor_ = floor;
   space.ceiling_ = box.high.z();
   space.spacing_ = spacing;
-  // A ring of empty columns around, so that every depth has an open column to be measured from.
+  // Adds a ring of empty columns, so that every depth can be measured from an open column.
   space.nx_ = 2 * static_cast<int>(std::ceil(box.size().x() / (2 * spacing)) + 1);
   space.ny_ = 2 * static_cast<int>(std::ceil(box.size().y() / (2 * spacing)) + 1);
   space.origin_ = box.centre().head<2>() - spacing / 2 * Eigen::Vector2d(space.nx_, space.ny_);
@@ -187,8 +187,8 @@ std::vector<std::vector<int>> CoveredSpace::pockets(const std::vector<Span>& spa
   return pockets;
 }
 
-// Whether some span can be entered from the open air of the column beside it. A wall thinner than the grid
-// may stand between the two, so a ray makes sure.
+// Whether a span can be entered from the open air of the column beside it. A ray checks that no wall thinner than the
+// grid stands between the two.
 bool CoveredSpace::reaches_air(const std::vector<Span>& spans, const std::vector<int>& pocket) const {
   for (const int i : pocket) {
     const auto& span = spans[static_cast<std::size_t>(i)];

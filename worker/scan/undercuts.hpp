@@ -76,7 +76,7 @@ class CoveredSpace {
   std::vector<Level> pyramid_;  // from k = 1 on
 };
 
-// The warnings about them ("undercut"), with place and depth of the twenty deepest as marks. At least one, deepest
+// The warning "undercut", with place and depth of the twenty deepest as marks. `undercuts` has at least one, deepest
 // first.
 Warning undercut_warning(const std::vector<Undercut>& undercuts);
 

@@ -81,7 +81,7 @@ Result<Unit> guess_unit(double longest_side, const std::string& where) {
   const std::string what =
       fitting.empty() ? "the scan's unit is not clear: in none is its longest side 80 to 400 mm: " + all
                       : "the scan's unit is not clear: its longest side is plausible in " + candidates;
-  // What is proposed must be accepted.
+  // The fix must name a setting that is accepted.
   Unit nearest = units.front();  // to a head's 200 mm, as a ratio
   for (const Unit unit : units)
     if (std::abs(std::log(longest_side * millimetres(unit) / 200)) <
@@ -112,7 +112,7 @@ std::string unit_doubt(double longest_side, Unit guessed) {
 
 namespace {
 
-// What the borders of an open skin tell: the area vectors of the faces that are missing.
+// What the borders of an open skin show: the area vectors of the faces that are missing.
 struct Borders {
   std::size_t count = 0, edges = 0;
   Eigen::Vector3d largest = Eigen::Vector3d::Zero();
@@ -146,10 +146,10 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
     total += a.norm();
   }
   const Borders borders = borders_of(skin);
-  // An opening that spans an angle of t from a sphere's middle leaves sin^2(t) / 4 of the area: 1.5 % at 14
-  // degrees. Its missing face points against the sum, which many holes leave by chance.
+  // An opening that spans an angle of t from a sphere's middle leaves sin^2(t) / 4 of the area: 1.5 % at 14 degrees.
+  // Its missing face must point against the sum, because many small holes can leave such a sum by chance.
   const bool told = sum.norm() > 0.015 * total && -borders.largest.dot(sum) > 0.8 * sum.squaredNorm();
-  // And it is most of what the body shows from below: the hole that an arm leaves is not.
+  // It must also be a large part of the body seen from below. The hole that an arm leaves is not.
   const auto below = [&](UpAxis axis) {
     const Eigen::Vector3d up = direction(axis), size = bounds(skin).size();
     const double footprint = size.prod() / std::abs(up.dot(size));
@@ -209,8 +209,7 @@ Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const Sc
     best.why = "the scan is cut flat on the other side";
     return best;
   }
-  // Coarse rays do: what decides are tens of millimetres on a head, and as much in proportion on anything
-  // larger.
+  // Coarse rays are enough: the results differ by tens of millimetres on a head, and in proportion on anything larger.
   const double size = box.size().norm() / 250;
   const auto caster = std::make_shared<RayCaster>(skin);
   double highest = 0;
@@ -232,7 +231,7 @@ Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const Sc
     return best;
   }
   best.axis = UpAxis::plus_z;
-  best.why = "nothing in the scan tells";
+  best.why = "nothing in the scan shows it";
   return best;
 }
 

@@ -24,23 +24,21 @@ std::string unit_doubt(double longest_side, Unit guessed);
 
 struct UpGuess {
   UpAxis axis = UpAxis::plus_z;
-  bool told = false;  // the shape was conclusive; otherwise the user must be asked to look
+  bool told = false;  // the shape was conclusive; otherwise the user must check
   std::string why;    // one clause for people
 };
 
 // Looks for the side on which a scan, about 200 mm long, stands, in this order:
-// 1. an opening: the missing face of an open skin (the sum of all area vectors points away from it), where it covers at
-//    least an eighth of the box seen from below;
-// 2. a flat cut: the side of the bounding box in whose plane most of the skin lies, where no other has half as much;
-// 3. otherwise the axis from which most can be formed: the height of the mold that the automatic trim leaves,
-// times the
-//    share of it that is a dome (a skull, not a face), with an advantage of a fifth for +z and +y, which
-//    exporters use;
-//    Of a body with several flat sides only those are compared;
-// 4. where no axis leaves a mold, +z.
-// The last two are guesses, and so is every result for a broken skin. An opening is only used where one border is most
-// of it: the holes of a broken skin point anywhere, and a guess about such a skin is made from a wrap around it. Error:
-// cancelled.
+// 1. an opening: the missing face of an open skin (the sum of all area vectors points away from it), if it covers at
+//    least 12 % of the box seen from below;
+// 2. a flat cut: the side of the bounding box in whose plane most of the skin lies, if no other has half as much;
+// 3. otherwise the axis along which most can be formed: the height of the mold that an automatic trim leaves, times the
+//    share of it that is a dome (a skull, not a face). +z and +y, which exporters use, get an advantage of a fifth. If
+//    a body has several flat sides, only those are compared;
+// 4. +z if no axis leaves a mold.
+// The last two are guesses, and so is every result for a broken skin. An opening is only used if one border makes up
+// most of it, because the holes of a broken skin point anywhere. Without one, the guess about a broken skin is made
+// from a wrap around it. Error: cancelled.
 Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress);
 
 // The rotation that brings `up` to +z: about the single axis that needs the smallest angle. Then roll, pitch and yaw

@@ -11,8 +11,8 @@
 namespace vacuform {
 namespace {
 
-// An open-addressed table from grid cells to the chain of the vertices kept in them. Only looked up, never
-// walked, so its order reaches no result.
+// An open-addressed table from grid cells to the chain of the vertices kept in them. Only looked up, never iterated, so
+// its order does not affect results.
 class CellTable {
  public:
   using Cell = std::array<std::int64_t, 3>;
@@ -44,7 +44,7 @@ class CellTable {
   std::vector<int> heads_;
 };
 
-// Of equal vertices the first; returns for each vertex the one that stands for it.
+// For each vertex, the first vertex that equals it.
 std::vector<int> join_equal(const std::vector<Eigen::Vector3d>& vertices) {
   std::vector<int> order(vertices.size()), first(vertices.size());
   std::iota(order.begin(), order.end(), 0);
@@ -142,7 +142,7 @@ void weld(TriangleMesh& mesh, double tolerance) {
   auto stands_for = join_equal(mesh.vertices);
   double largest = 0;
   for (const auto& p : mesh.vertices) largest = std::max(largest, p.cwiseAbs().maxCoeff());
-  // Below the rounding of that coordinate cells of this size could not be numbered.
+  // Cells smaller than the rounding of that coordinate could not be numbered.
   if (tolerance > 1e-17 * largest) join_near(mesh.vertices, tolerance, stands_for);
   for (auto& t : mesh.triangles)
     for (int& v : t) v = stands_for[static_cast<std::size_t>(v)];

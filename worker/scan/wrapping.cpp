@@ -79,7 +79,7 @@ struct Watch {
 };
 
 // The search tree halves triangles, over their longest edge, until none is longer than 3 alpha. Subtracts what the
-// pieces cost in time and memory: as much as forty tests each. Lengths are squared.
+// pieces cost in time and memory: each as much as forty tests. Lengths are squared.
 void charge_pieces(double a, double b, double c, double longest) {
   if (a < b) std::swap(a, b);
   if (a < c) std::swap(a, c);

@@ -9,10 +9,10 @@
 
 namespace vacuform {
 
-// What wrapping may still cost, counted so that the same scan ends the same way on every machine. A step treats one facet.
-// A test asks whether a triangle and a box meet, 0.1 microseconds on average; what is asked of a triangle and a ball, a
-// tetrahedron or a point counts as four. A step makes some 150 tests on a scan and thousands where long thin triangles
-// meet in a point. What a wrap has used is taken off `tests`; `steps` are those of each wrap.
+// What wrapping may still cost, counted so that the same scan ends the same way on every machine. A step treats one
+// facet. A test asks whether a triangle and a box meet, 0.1 microseconds on average; a query of a triangle with a ball,
+// a tetrahedron or a point counts as four. A step makes some 150 tests on a scan and thousands where long thin
+// triangles meet in a point. A wrap subtracts the tests that it used from `tests`; `steps` limits each wrap separately.
 struct WrapBudget {
   std::int64_t tests;
   int steps = 400'000;

@@ -1,5 +1,5 @@
-// Independent items (rows of a picture, triangles of a sheet) shared out over threads. Every item is made by one thread
-// from the same inputs, so the result does not depend on their number.
+// Divides independent items (rows of a picture, triangles of a sheet) among threads. One thread makes each item from
+// the same inputs, so the result does not depend on the number of threads.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -9,8 +9,8 @@
 
 namespace vacuform {
 
-// Calls work(begin, end) over disjoint ranges that cover [first, last), on up to eight threads, and waits. May be nested.
-// An exception in any range is rethrown.
+// Calls work(begin, end) over disjoint ranges that cover [first, last), on up to eight threads, and waits. May be
+// nested. An exception in any range is rethrown.
 template <class Work>
 void in_parallel(int first, int last, Work&& work) {
   const int parts =

@@ -39,7 +39,7 @@ struct Warning {
     double size_mm = 0;              // across; 0: a point
   };
   std::vector<Mark> marks = {};
-  // The measured value, and the limit that it exceeds.
+  // The measured value, and the limit that it passes.
   struct Figure {
     double value;
     std::string unit;  // "mm", "%", or empty for a ratio
@@ -47,7 +47,7 @@ struct Warning {
   };
   std::optional<Figure> figure = {};
   std::string fix = {};    // instead of its kind's
-  std::string place = {};  // in words: "coil-3 and coil-4"; where it is empty the marks say it
+  std::string place = {};  // in words: "coil-3 and coil-4"; if it is empty, the marks show it
 
   Severity severity() const { return warning_kind(code).severity; }
   std::string what_to_do() const { return fix.empty() ? std::string(warning_kind(code).fix) : fix; }

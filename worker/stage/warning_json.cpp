@@ -23,7 +23,7 @@ Json marks_json(const Warning& warning) {
   return marks;
 }
 
-// What a warning of the stage is about that names no place.
+// The subject of a warning that names no place, by its stage.
 std::string_view subject(Stage stage) {
   switch (stage) {
     case Stage::scan:

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double huber = 3.5;  // times the noise: beyond, a distance counts linearly
+constexpr double huber = 3.5;  // times the noise: a larger distance counts linearly
 constexpr double median_length =
     1.538;                      // of a normal error in three coordinates, in standard deviations of one
 constexpr double reach = 1.25;  // of the design, in half widths
@@ -29,7 +29,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Takes what a rigid motion of the points can do out of each column, by weighted least squares.
+// Removes from each column what a rigid motion of the points can do, by weighted least squares.
 void project_motion_out(MatrixXd& columns, const std::vector<Vector3d>& at, const VectorXd& weights) {
   Vector3d centre = Vector3d::Zero();
   for (const Vector3d& p : at) centre += p / static_cast<double>(at.size());
@@ -51,7 +51,7 @@ MatrixXd positive(const MatrixXd& m) {
   return eigen.vectors * eigen.values.cwiseMax(0).asDiagonal() * eigen.vectors.transpose();
 }
 
-// The points' knowledge about the step from t, in units of the prior's standard deviations.
+// What the points tell about the step from t, in units of the prior's standard deviations.
 struct Knowledge {
   MatrixXd information, without_error;
   VectorXd pull;  // information times the step that the points alone ask for
@@ -138,7 +138,7 @@ BayesianFit bayesian_fit(const FitProblem& p, const ResponseSurface& surface) {
     out.information = sd.inverse() * points.information * sd.inverse();
     out.covariance = sd * covariance * sd;
     out.freedom.resize(n);
-    for (Index k = 0; k < n; ++k) {  // Welch and Satterthwaite's
+    for (Index k = 0; k < n; ++k) {  // by Welch and Satterthwaite
       const double share = std::max(0.0, 1 - noise_alone(k, k) / covariance(k, k));
       out.freedom[k] = 1 / (share * share / surface.freedom() + (1 - share) * (1 - share) / freedom);
     }

@@ -6,8 +6,8 @@
 // covariance M = s2 A + B, where A = J' W J, B is the covariance of the error in the same projection, and W are Huber's
 // weights ("Robust estimation of a location parameter", Ann. Math. Stat. 35, 1964). Their information is A M^-1 A; the
 // information of the prior is added to it (Tarantola, "Inverse Problem Theory", 2005, chapter 3). The six parameters of
-// the rigid motion are projected out of J, which is the same as marginalising them with no prior. The contribution of
-// chance in the slopes to A is subtracted: it would count as information that does not exist.
+// the rigid motion are projected out of J, which is the same as marginalising them with no prior. The random errors of
+// the slopes increase A on average; that part is subtracted, because it would count as information that does not exist.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -21,7 +21,7 @@ struct FitProblem {
   std::vector<Eigen::Vector3d> measured;  // mm
   bool registered = false;                // measured in the frame of the machine: no motion is fitted
   Eigen::VectorXd centre, half_width;     // of the surface's design: u = (t - centre) / half_width
-  Eigen::VectorXd low, high;              // of t; the design reaches 1.25 half widths at most
+  Eigen::VectorXd low, high;              // of t, which also stays within 1.25 half widths of the centre
   Eigen::VectorXd prior_mean, prior_sd;
 };
 

@@ -20,15 +20,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int most_rounds = 4;      // on each of the two grids
-constexpr double inside = 0.75;     // half widths: the minimum is well inside what the formings cover
-constexpr double least_cells = 40;  // across the window: a coarser grid leads astray
+constexpr double inside = 0.75;     // half widths: nearer to the centre, a minimum is well inside
+constexpr double least_cells = 40;  // across the window: a coarser grid misleads
 constexpr double finest_mm = 0.5;   // of any grid
 constexpr double least_known = 0.01, hardly_known = 4;  // information of the points over that of the prior
 constexpr double strong = 0.8;                          // a correlation that is named
 constexpr double large_share = 0.3;
 
-// One parameter: its setting, how far it may go, the half width of its design and its prior; the last four of its
-// logarithm where it is logarithmic.
+// One parameter: its setting, its limits, the half width of its design and the error of its prior. The last four are of
+// the logarithm if the parameter is logarithmic.
 struct Parameter {
   std::string name;
   double& (*in)(Settings&);
@@ -149,8 +149,8 @@ class Search {
     return lay_points(problem_, formed);
   }
 
-  // The spacing at which the window holds as many cells as it does at the design's centre: a cell more or less would
-  // move the sheet by as much as a millimetre of window.
+  // The spacing at which the window holds as many cells as it does at the design's centre. One cell more or less would
+  // move the sheet by as much as a millimetre of window does.
   double even_spacing(const MachineSettings& now, const MachineSettings& centre, double spacing_mm) const {
     const auto even = [&](double is, double was) {
       return is / 2 / std::ceil(was / 2 / spacing_mm - 1e-9) * (1 + 1e-12);
@@ -160,7 +160,8 @@ class Search {
     return std::max(across, even(now.window_height_mm, centre.window_height_mm));
   }
 
-  // Designs around the best values, until the minimum lies well inside one. Moves t; leaves fit_ and the last problem_.
+  // Fits designs around the best values until the minimum lies well inside one. Moves t; leaves fit_ and the last
+  // problem_.
   Result<void> search(VectorXd& t, double spacing_mm, double width, double from, double to,
                       Calibration& out) {
     out.converged = false;
@@ -237,7 +238,7 @@ class Search {
         if (const double c = out.correlation(i, k); std::abs(c) > strong)
           out.trade_offs.push_back(parameter(i).name + " and " + parameter(k).name +
                                    " trade off (correlation " + decimal(c, 2) +
-                                   "): the points hold their combination better than either");
+                                   "): the points determine their combination better than either");
   }
 
   Unresolved unresolved(const VectorXd& direction, double known) const {
@@ -251,11 +252,11 @@ class Search {
     std::string list;
     for (std::size_t i = 0; i < names.size(); ++i)
       list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
-    const std::string held = known < 1 ? "the prior holds it" : "the prior helps to hold it";
-    out.text = names.size() == 1
-                   ? "the points hardly tell " + list + ": " + held
-                   : list + " trade off: the points hold only their combination, and " +
-                         (known < 1 ? "the prior holds the rest" : "the prior helps to hold the rest");
+    const std::string held = known < 1 ? "the prior determines it" : "the prior helps to determine it";
+    out.text = names.size() == 1 ? "the points hardly determine " + list + ": " + held
+                                 : list + " trade off: the points determine only their combination, and " +
+                                       (known < 1 ? "the prior determines the rest"
+                                                  : "the prior helps to determine the rest");
     return out;
   }
 

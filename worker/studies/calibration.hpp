@@ -65,15 +65,15 @@ struct CalibrationOptions {
   std::map<std::string, double> prior_errors;
 };
 
-// Bayesian least squares (bayesian_fit.hpp) of a response surface (response_surface.hpp): 19 or 21 formings around the
-// best values so far, again until the minimum lies well inside what they cover; first on grids twice as coarse. Five of
-// the formings are on grids from 0.8 to 1.35 times the settings' spacing, the others on coarser ones. The errors are
-// those of the points' noise, estimated from the residual, and of the simulation's grid, estimated from the scatter
-// between the formings. Searched are a drape height from 0 to just under the mold's top, openings within a tenth of the
-// given, edge stiffness from 0.2 to 5. Deterministic, the same bytes whatever the number of threads. Takes 40 to 170
-// formings, most often 65.
-// Errors: those of form(); bad_settings for a prior that is unknown or not positive; unusable_surface when a measured
-// point lies off the sheet; cancelled.
+// Bayesian least squares (bayesian_fit.hpp) of a response surface (response_surface.hpp). Each round makes 19 or 21
+// formings around the best values so far; rounds are repeated until the minimum lies well inside what they cover, first
+// on grids twice as coarse. Five of the formings of a round are on grids from 0.8 to 1.35 times the settings' spacing,
+// the others on coarser ones. The errors are those of the points' noise, estimated from the residual, and of the
+// simulation's grid, estimated from the scatter between the formings. The search covers a drape height from 0 to just
+// under the mold's top, openings within a tenth of the given ones, and an edge stiffness from 0.2 to 5. Deterministic,
+// the same bytes whatever the number of threads. Takes at most 170 formings, most often 65. Errors: those of form();
+// bad_settings for a prior that is unknown or not positive; unusable_surface when a measured point lies off the sheet;
+// cancelled.
 Result<Calibration> calibrate(const Prepared& prepared, const Settings& settings,
                               const std::vector<MeasuredPoint3>& points, const CalibrationOptions& options,
                               const Context& context);

@@ -11,7 +11,7 @@ std::vector<CoilCentre> coil_centres(std::span<const std::uint8_t> bytes, const 
     for (const Element& element : drawing.elements)
       if (!element.id.empty()) centres.push_back({element.id, element.centre});
   };
-  std::vector<Warning> known;  // the printing stage says them
+  std::vector<Warning> known;  // the printing stage gives them
   if (const auto drawing = read_drawing(bytes, pattern, known)) take(*drawing);
   if (centres.empty()) take(InkParts(pattern).drawing());
   return centres;

@@ -22,7 +22,7 @@ double rounded(double value, int places = 4) {
   return std::round(value * scale) / scale + 0.0;
 }
 
-// The steepest triangle around a vertex, in degrees from level.
+// The slope of the steepest triangle around a vertex, in degrees from level.
 double slope_at(const FormedSheet& sheet, int vertex) {
   double steepest = 0;
   for (const Triangle& t : sheet.triangles) {

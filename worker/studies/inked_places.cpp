@@ -12,7 +12,8 @@ namespace {
 
 using Gradient = Eigen::Matrix<double, 3, 2>;
 
-// Of the places by sheet coordinates at each vertex: the mean of the triangles around it, by their area.
+// The derivatives of the places by sheet coordinates at each vertex: the mean over the triangles around it, weighted by
+// their area.
 std::vector<Gradient> gradients(const FormedSheet& sheet, const std::vector<Eigen::Vector3d>& places) {
   std::vector<Gradient> out(places.size(), Gradient::Zero());
   std::vector<double> area(places.size(), 0);

@@ -17,7 +17,7 @@ constexpr double corner = 0.7;  // half side of the cube of corners
 constexpr std::array<double, 4> axis_spacing{1.9, 1.6, 2.1, 1.7}, corner_spacing{2.0, 1.55, 1.8, 1.65};
 constexpr std::array<double, 5> centre_spacing{0.8, 0.9, 1.0, 1.15, 1.35};
 
-// The trend is linear in the square of the spacing: the order that bench_exact and bench_calibration observe.
+// The trend is linear in the square of the spacing, the order that bench_exact and bench_calibration observe.
 constexpr double to_no_spacing = -1, order_unknown = 0.25;
 
 MatrixXd inverse_normal(const MatrixXd& x) {
@@ -69,7 +69,7 @@ ResponseSurface::ResponseSurface(const std::vector<DesignPoint>& design, const M
   square_ = levels.bottomRows(n).transpose();
   level_ = (levels.row(0) + to_no_spacing * levels.row(1)).transpose();
 
-  // At the centre of the design. Further out the error is not smaller, but the search ends near the centre.
+  // At the centre of the design, because the search ends near it. Further out the error is not smaller.
   const MatrixXd odd_rest = odd_y - odd * slopes, even_rest = even_y - even * levels;
   const auto odd_freedom = static_cast<double>(pairs - n), even_freedom = static_cast<double>(grids - n - 2);
   VectorXd here = VectorXd::Zero(n + 2);

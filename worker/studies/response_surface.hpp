@@ -5,9 +5,9 @@
 // so a difference of two neighbouring formings is not a derivative. A central composite design (Box and Wilson, "On the
 // experimental attainment of optimum conditions", J. R. Stat. Soc. B 13, 1951) takes wide steps, always in pairs +u and
 // -u on the same grid, and another grid for each pair. The odd part of the pairs gives the slopes, free of the grid's
-// error. The even part gives the level and the curvature, averaged over the grids (with weights, since the scatter grows
-// with the square of the spacing), and the trend with that square, which leads to a spacing of 0.
-// The scatter about both fits is the simulation's own error, as it is.
+// error. The even part gives the level and the curvature, averaged over the grids (with weights, since the scatter
+// grows with the square of the spacing), and the trend with that square, which is extrapolated to a spacing of 0. The
+// scatter about both fits shows the simulation's own error.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +21,9 @@ struct DesignPoint {
 };
 
 // For 3 or 4 parameters: a pair at +-1 on each axis and four pairs at opposite corners of the cube of half side 0.7
-// (for 4 parameters the half fraction in which no product of two parameters looks like a third), members of a pair one
-// after the other; then five centres. Spacings from 1.55 to 2.1 for the pairs, from 0.8 to 1.35 for the centres.
+// (for 4 parameters the half fraction in which no product of two parameters looks like a third); the members of a pair
+// follow each other. Then five points at the centre. Spacings from 1.55 to 2.1 for the pairs, from 0.8 to 1.35 for the
+// centres.
 std::vector<DesignPoint> central_composite(int parameters);
 
 class ResponseSurface {
@@ -37,9 +38,9 @@ class ResponseSurface {
   const Eigen::MatrixXd& mean_slopes() const { return linear_; }
 
   // Independent errors of value(), one a column, one standard deviation each: their outer products sum to its
-  // covariance. From the scatter about the fits, and from how little is known of the grid's order of convergence.
+  // covariance. From the scatter about the fits, and from the uncertainty of the grid's order of convergence.
   const Eigen::MatrixXd& errors() const { return errors_; }
-  // Variance of the slopes by chance, of an output of unit scatter; and the scatter of each output, mm2.
+  // The variance of the slopes by chance, for an output of unit scatter; and the scatter of each output, mm2.
   const Eigen::MatrixXd& slope_covariance() const { return slope_covariance_; }
   const Eigen::VectorXd& slope_scatter() const { return slope_scatter_; }
   double freedom() const { return freedom_; }  // degrees of freedom behind errors()

@@ -79,7 +79,7 @@ std::vector<Change> changes(const Mold& mold, const Settings& nominal, const Tem
     const bool neo = nominal.forming.law == MembraneLaw::neo_hookean;
     s.forming.law = neo ? MembraneLaw::mooney_rivlin : MembraneLaw::neo_hookean;
     add("law", neo ? "Mooney-Rivlin instead of neo-Hookean" : "neo-Hookean instead of Mooney-Rivlin", s);
-    // The pressure counts over the modulus alone.
+    // Only the ratio of the pressure to the modulus counts.
     s = nominal;
     s.machine.vacuum_kpa /= stiffer;
     add("modulus", "the whole sheet 50 % stiffer, or a third less vacuum", s);

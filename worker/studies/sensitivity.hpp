@@ -22,8 +22,8 @@ struct Variant {
   std::optional<FormedSheet> sheet;  // nothing if that does not fit or does not come to rest
 };
 
-// Forms the sheet once per change: the window of the frame 4 mm smaller, the frame stopping 5 mm higher, the sheet 30 %
-// stiffer at the frame, 10 degrees colder there, the other law of the membrane, half as stiff again everywhere, a grid
+// Forms the sheet once for each change: the window of the frame 4 mm smaller, the frame stopping 5 mm higher, the sheet
+// 30 % stiffer at the frame, 10 degrees colder there, the other law of the membrane, 50 % stiffer everywhere, a grid
 // twice as coarse. If the mold does not fit a change, or the settings do not allow it, it is made in the other
 // direction. Models without a law or a modulus skip those. Deterministic. Errors: cancelled.
 Result<std::vector<Variant>> form_variants(const Mold& mold, const Settings& settings,

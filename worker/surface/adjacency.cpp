@@ -44,7 +44,7 @@ std::vector<int> opposite_sides(const std::vector<Triangle>& triangles) {
 std::vector<std::vector<int>> border_loops(const std::vector<Triangle>& triangles) {
   int vertices = 0;
   for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
-  // Border edges are those without a twin; edges by their lower vertex, so that twins meet.
+  // Border edges are those without a twin. Edges are listed at their lower vertex, so that twins meet.
   std::vector<std::vector<std::pair<int, bool>>> edges(vertices);
   for (const Triangle& t : triangles)
     for (int e = 0; e < 3; ++e) {

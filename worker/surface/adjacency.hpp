@@ -1,4 +1,4 @@
-// Neighbourhoods in a triangulation whose triangles all turn the same way.
+// Neighbourhoods in a triangulation whose triangles all have the same orientation.
 #pragma once
 
 #include <span>
@@ -8,8 +8,9 @@
 
 namespace vacuform {
 
-// Sides are numbered 3 * triangle + k, k the corner opposite; a side runs from corner k + 1 to corner k + 2. Per side: the
-// same edge as the neighbour numbers it; -1 at the border, and where more than two triangles meet. A sort of the sides.
+// Sides are numbered 3 * triangle + k, where k is the corner opposite; a side runs from corner k + 1 to corner k + 2.
+// Gives for each side the number of the same edge in the neighbour; -1 at the border, and where more than two triangles
+// meet. Sorts the sides.
 std::vector<int> opposite_sides(const std::vector<Triangle>& triangles);
 
 // The border as loops of vertices, counter-clockwise around the triangles, in ascending order of the first vertex.
@@ -21,7 +22,7 @@ class VertexFans {
   VertexFans(const std::vector<Triangle>& triangles, std::size_t vertices);
 
   // The two other corners of each triangle at v, in the order of the triangles, as pairs that make counter-clockwise
-  // triangles with v. A neighbour is there twice, but at the border.
+  // triangles with v. A neighbour of v appears twice, except on the border.
   std::span<const int> around(int v) const {
     const auto at = static_cast<std::size_t>(v);
     return {corners_.data() + first_[at], static_cast<std::size_t>(first_[at + 1] - first_[at])};

@@ -21,9 +21,9 @@ using Eigen::Vector3d;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double rounding_mm = 1e-9, rounding_angle = 1e-9;
-// A source on an edge or a vertex begins this share of the triangle beside it: every triangle around is then seen. The
-// shares differ, so that no straight line through the vertices of an even grid passes through the source: rounding would
-// decide there on which side it lies, and a sector could be lost.
+// A source on an edge or a vertex is moved by this share into the triangle, so that all triangles around it are seen.
+// The shares differ, so that no straight line through the vertices of an even grid passes through the source: rounding
+// would decide there on which side it lies, and a sector could be lost.
 const Vector3d beside = 1e-8 * Vector3d(1, 0.6180339887, 0.3247179572);
 
 // Where straight lines begin: the source itself, or a vertex at which paths bend.
@@ -33,8 +33,8 @@ struct PseudoSource {
   int vertex = -1;          // -1: the source itself
 };
 
-// What a pseudo-source sees through one side of a triangle: everything between two rays. In the plane of the pseudo-source, which is its
-// origin; the triangles on the way are unfolded into it.
+// What a pseudo-source sees through one side of a triangle: everything between two rays. In the plane of the
+// pseudo-source, which is its origin; the triangles on the way are unfolded into it.
 struct Window {
   int side = 0;  // of the triangle that is entered
   int pseudo_source = 0;
@@ -80,8 +80,8 @@ struct Geodesics::State {
   std::vector<Window> windows;
 
   std::vector<int> heads;  // per side: the last of its windows
-  // Per side: of the windows through it that see the corner opposite, the nearest, and where on the side it looks through
-  // (0 its beginning, 1 its end).
+  // Of the windows through a side that see the corner opposite, the nearest, and where on the side it looks through (0:
+  // at its start, 1: at its end).
   struct Seen {
     double mm = infinite, through = 0;
   };
@@ -89,16 +89,17 @@ struct Geodesics::State {
   struct Known {
     double mm = infinite;  // the shortest path to the vertex met so far
     Vector3d start{0, 0, 0};
-    // From where it comes: in the triangle opposite the side `from`, so far from its side to the next corner, radians.
+    // Where it comes from: the triangle opposite the side `from`, and the angle there from its side to the next corner,
+    // radians.
     int from = -1;
     double at = 0;
     int pseudo_source = 0,
-        window = -1;  // where its last straight piece begins, and the last window of that; -1: none
+        window = -1;  // the start and the last window of its last straight piece; -1: none
   };
   std::vector<Known> known;
   std::vector<int> touched_sides, touched_vertices;
 
-  // Windows by number, vertices at which paths bend by -1 - number; the nearest first.
+  // Windows by number, vertices at which paths bend as -1 - number. The nearest comes first.
   struct Next {
     double mm;
     int what;
@@ -122,14 +123,14 @@ struct Geodesics::State {
     return (to.x() * axis + to.y() * across) / length;
   }
 
-  // Whether a path that is so long on an edge, or at a vertex where both ends are the same, cannot reach the only target.
+  // Whether a path of this length on an edge cannot reach the only target; for a vertex both ends are the same.
   bool leads_away(double mm, int from, int to) const {
     if (!target) return false;
     const Vector3d &a = mesh.place(from), &b = mesh.place(to);
     return mm + (a + nearest_on_edge(*target, a, b) * (b - a) - *target).norm() > reach;
   }
 
-  // The corner opposite the side `from`.
+  // A path to the corner opposite the side `from`.
   void reached(int from, double mm, const Vector3d& start, double at, int pseudo_source, int window = -1) {
     const int vertex = mesh.corner(from / 3, from % 3);
     Known& k = known[index(vertex)];
@@ -139,7 +140,8 @@ struct Geodesics::State {
     if (mesh.is_saddle(vertex) && !leads_away(mm, vertex, vertex)) queue.push({mm, -1 - vertex});
   }
 
-  // Whether a vertex offers a way as short to all of the piece between the rays: to the ray's end that is farther from it.
+  // Whether a vertex offers a shorter path to all of the piece between the rays. It does if it offers one to the ray's
+  // end that is farther from it.
   bool shorter_by(int vertex, const Vector2d& at, double before, const Vector2d& end) const {
     return before + end.norm() > known_mm(vertex) + (end - at).norm() + rounding_mm;
   }
@@ -185,7 +187,7 @@ struct Geodesics::State {
     const Vector2d c = apex(w);
     bool goes_left = true, goes_right = true;
     Vector2d left_end = c,
-             right_end = c;  // of the rays that go left, the last to the right, and the other way round
+             right_end = c;  // of the rays that go left, the last to the right, and vice versa
     if (cross(w.right, c) <= 0) {
       goes_right = false;
       left_end = met(w.right, w.a, c);
@@ -194,7 +196,7 @@ struct Geodesics::State {
       right_end = met(w.left, c, w.b);
     } else {
       const double mm = before + c.norm();
-      // Of two windows that see the corner, the farther has use on that side alone on which it looks past the nearer.
+      // If two windows see the corner, the farther one is only useful on the side on which it looks past the nearer.
       const double at_a = cross(c, w.a), at_b = cross(c, w.b);
       const double through = at_a / (at_a - at_b);
       Seen& best = seen[index(w.side)];
@@ -216,7 +218,8 @@ struct Geodesics::State {
     }
   }
 
-  // Straight lines from a vertex, to where they leave half a turn or more on either side of the path that arrives.
+  // Straight lines from a vertex, in all directions that make half a turn or more with the arriving path on either
+  // side.
   void bend_at(int vertex) {
     const Known from = known[index(vertex)];
     const int pseudo_source = static_cast<int>(pseudo_sources.size());
@@ -238,7 +241,8 @@ struct Geodesics::State {
     }
   }
 
-  // From a pseudo-source at the corner opposite a side, at angles from the side to the next corner between two bounds.
+  // Looks from a pseudo-source at the corner opposite a side, at angles between two bounds, counted from the side to
+  // the next corner.
   void look(int s, int pseudo_source, double first, double last) {
     const PathMesh::Side& side = mesh.side(s);
     const double angle = mesh.angle(s);
@@ -348,7 +352,7 @@ std::vector<PathPoint> Geodesics::trace(int vertex) const {
   const State& s = *state_;
   std::vector<PathPoint> out;
   if (s.known_mm(vertex) == infinite) return out;
-  // From the target back, by the windows of one straight piece after another.
+  // From the target backwards, over the windows of one straight piece after another.
   while (vertex >= 0) {
     out.push_back({vertex, vertex, 0});
     const State::Known& known = s.known[index(vertex)];

@@ -1,6 +1,6 @@
-// Exact shortest paths over the triangles of a surface, by windows that are unfolded from the source outwards: J. Chen and
-// Y. Han, "Shortest paths on a polyhedron", 1990, in the order of their distances and filtered as S.-Q. Xin and G.-J. Wang
-// do in "Improving Chen and Han's algorithm on the discrete geodesic problem", 2009.
+// Exact shortest paths over the triangles of a surface, by windows that are unfolded from the source outwards: J. Chen
+// and Y. Han, "Shortest paths on a polyhedron", 1990. Windows are handled in the order of their distances and filtered
+// as in S.-Q. Xin and G.-J. Wang, "Improving Chen and Han's algorithm on the discrete geodesic problem", 2009.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,8 +28,8 @@ class Geodesics {
 
   // Where the next paths begin, and how long they are at most.
   void begin_at(const SheetPoint& source, double reach_mm);
-  // The same where to() is asked for `target` only: what is farther from both than a path of that length allows is not
-  // entered, which takes a fraction of the time.
+  // The same if to() is asked for `target` only. Skips what is too far from both for a path of that length, which takes
+  // a fraction of the time.
   void begin_at(const SheetPoint& source, const SheetPoint& target, double reach_mm);
 
   struct Path {
@@ -38,8 +38,8 @@ class Geodesics {
   };
   // Nothing if the target is farther than the reach.
   std::optional<Path> to(const SheetPoint& target) const;
-  // The points where the path to a vertex meets edges and vertices, from behind the source to the vertex itself; for a
-  // source on a vertex also edges that begin there, at it. Nothing if to() gives nothing.
+  // The points where the path to a vertex meets edges and vertices, from the first one after the source to the vertex
+  // itself. For a source on a vertex this includes edges that start there. Nothing if to() gives nothing.
   std::vector<PathPoint> trace(int vertex) const;
 
  private:

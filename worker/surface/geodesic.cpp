@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double least_weight = 1e-9;    // of a vertex that is passed
-constexpr int most_crossings = 100'000;  // of one advance: a way that goes round and round ends there
+constexpr double least_weight = 1e-9;    // of a vertex, so that no path meets one
+constexpr int most_crossings = 100'000;  // of one advance: a path that circles without end stops there
 
 // The direction in the plane of triangle t nearest to a given one; zero where that is normal to it.
 Vector3d in_plane(const InkedSurface& surface, int t, const Vector3d& direction) {
@@ -26,7 +26,7 @@ Connection straight(const InkedSurface& surface, const SheetPoint& a, const Shee
   return {way.norm(), in_plane(surface, a.triangle, way), in_plane(surface, b.triangle, way), false};
 }
 
-// Newton's steps in polar coordinates about a, with the plane's derivatives.
+// Newton steps in polar coordinates about a, with the derivatives of the plane.
 Connection shoot(const InkedSurface& surface, const SheetPoint& a, const SheetPoint& b, Connection guess) {
   constexpr int most_steps = 25;
   const Vector3d goal = surface.place(b);

@@ -7,7 +7,7 @@
 
 namespace vacuform {
 
-// Traces a geodesic. A path that meets a vertex to within a billionth of an edge passes beside it, on its current side.
+// Traces a geodesic. A path that comes within a billionth of an edge of a vertex passes beside it, on its current side.
 class GeodesicWalk {
  public:
   // `along`: a direction in the plane of the point's triangle, of any length but zero.
@@ -35,8 +35,8 @@ Eigen::Vector3d turned(const InkedSurface& surface, int t, const Eigen::Vector3d
 double angle_between(const InkedSurface& surface, int t, const Eigen::Vector3d& from,
                      const Eigen::Vector3d& to);
 
-// The shortest geodesic from a to b, found by shooting from a at b from three sides. `found` is false if none came
-// within a hundredth of the distance: then the other members hold the straight line in space.
+// The shortest geodesic from a to b, found by shooting from a in three directions around that to b. `found` is false if
+// none came within a hundredth of the distance: then the other members hold the straight line in space.
 struct Connection {
   double mm = 0;
   // Unit directions at a and, onward, at b; zero where the points coincide, or the direction is normal to the triangle.

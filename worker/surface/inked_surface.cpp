@@ -27,7 +27,7 @@ InkedSurface::InkedSurface(std::vector<Triangle> triangles, std::vector<Vector3d
 
 Vector3d InkedSurface::axis(int t, const std::vector<Vector2d>& flat) const {
   const Triangle& corners = triangles()[static_cast<std::size_t>(t)];
-  // Rows of the map from the triangle's plane to `flat`; the nearest rotation sends a + normal x b to the axis (twice it).
+  // Rows of the map from the triangle's plane to `flat`. The nearest rotation sends a + normal x b to (twice) the axis.
   Vector3d a = Vector3d::Zero(), b = Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
     const Vector2d& at = flat[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];

@@ -1,4 +1,4 @@
-// The sheet's inked surface as one triangulation to walk on: all of the sheet, also beyond the chart.
+// The sheet's inked surface as one triangulation to walk on: the whole sheet, not only the chart.
 #pragma once
 
 #include <Eigen/Core>

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Weights of the point nearest to p of the triangle in space.
+// Weights of the point of the triangle that is nearest to p, in space.
 Vector3d nearest_weights(const Vector3d& p, const std::array<Vector3d, 3>& corner) {
   const Vector3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
   if (const double square = normal.squaredNorm(); square > 0) {

@@ -12,7 +12,7 @@ struct NearestPoint {
   SheetPoint point{};
   double distance_mm = 0;  // infinite without triangles
 };
-// Of the triangles `which`, the first of equals. Linear in their number.
+// The nearest point of the triangles `which`; if several are equally near, on the first. Linear in their number.
 NearestPoint nearest_point(const std::vector<Triangle>& triangles, const std::vector<Eigen::Vector3d>& places,
                            const std::vector<int>& which, const Eigen::Vector3d& place);
 

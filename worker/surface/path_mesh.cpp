@@ -41,7 +41,7 @@ PathMesh::PathMesh(std::vector<Triangle> triangles, std::vector<Vector3d> places
 }
 
 bool PathMesh::is_saddle(int vertex) const {
-  constexpr double least_excess = 1e-10;  // below, what bends is less than rounding
+  constexpr double least_excess = 1e-10;  // a smaller excess bends a path less than rounding does
   return total_angle(vertex) > 2 * M_PI + least_excess;
 }
 

@@ -1,4 +1,4 @@
-// A surface made ready for exact_geodesics.hpp: each triangle laid flat from each of its sides, and its neighbours.
+// A surface prepared for exact_geodesics.hpp: each triangle laid flat from each of its sides, and its neighbours.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@ namespace vacuform {
 // sides. Sides are numbered 3 * triangle + k, k the corner opposite; a side runs from corner k + 1 to corner k + 2.
 class PathMesh {
  public:
-  // Triangles that all turn the same way; where more than two meet in an edge, paths end there.
+  // Triangles that all have the same orientation. Where more than two meet in an edge, paths end there.
   PathMesh(std::vector<Triangle> triangles, std::vector<Eigen::Vector3d> places);
 
   struct Side {
@@ -31,13 +31,13 @@ class PathMesh {
 
   // The sum of the angles around a vertex, radians; infinite on the border.
   double total_angle(int vertex) const { return total_angles_[static_cast<std::size_t>(vertex)]; }
-  // Whether that is more than a full turn: a shortest path may bend at such a vertex, and leaves at least half a turn on
-  // either side of it.
+  // Whether that is more than a full turn: a shortest path may bend at such a vertex, and leaves at least half a turn
+  // on either side of it.
   bool is_saddle(int vertex) const;
   // The angle in the corner opposite a side, radians.
   double angle(int s) const;
-  // A triangle at a vertex is named by the side opposite. The next around the vertex, counter-clockwise as the triangles
-  // are, or the other way round; -1 beyond the border.
+  // A triangle at a vertex is named by the side opposite the vertex. Returns the next one around the vertex,
+  // counter-clockwise as the triangles are, or clockwise; -1 beyond the border.
   int next_around(int s, bool counter_clockwise) const;
 
  private:

@@ -99,7 +99,7 @@ void PlaneLocator::look(int column, int row, const Eigen::Vector2d& point, Hit& 
     if (!(std::abs(twice) > 1e-12)) continue;
     const Eigen::Vector3d weights(cross(b - point, c - point) / twice, cross(c - point, a - point) / twice,
                                   cross(a - point, b - point) / twice);
-    // How far outside each side, by the height of the corner opposite.
+    // How far it is outside of each side: the negative weight times the height of the corner opposite.
     const Eigen::Vector3d sides((c - b).norm(), (a - c).norm(), (b - a).norm());
     double off = 0;
     for (int s = 0; s < 3; ++s) off = std::max(off, -weights[s] * std::abs(twice) / sides[s]);

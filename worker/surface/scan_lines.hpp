@@ -1,5 +1,5 @@
 // Converts triangles to scan lines by the shared-edge rule: a sample belongs to a triangle if its centre lies inside.
-// Of two triangles that share an edge exactly one owns each sample on it, because both compute the crossing of the edge
+// If two triangles share an edge, exactly one owns each sample on it, because both compute the crossing of the edge
 // with the scan line from the same end points in the same order.
 #pragma once
 

@@ -8,7 +8,8 @@
 
 namespace vacuform {
 
-// One unit vector a vertex: the mean of the normals of its triangles, weighted by their areas; +z where there is no area.
+// One unit vector a vertex: the mean of the normals of its triangles, weighted by their areas; +z where there is no
+// area.
 std::vector<Eigen::Vector3d> vertex_normals(const std::vector<Eigen::Vector3d>& vertices,
                                             const std::vector<Triangle>& triangles);
 

@@ -431,7 +431,7 @@ TEST(Pattern, CountsTheWorkOfAnSvgBeforeItDraws) {
             "the SVG has a filter matrix of more than 800 bytes (x); remove the filter feConvolveMatrix, or "
             "give a picture");
   EXPECT_EQ(refusal(copies_of_copies(5)),
-            "the SVG draws too many elements: 322223 where at most 100000 can be (x); make fewer copies with "
+            "the SVG draws too many elements: 322223, above the limit of 100000 (x); make fewer copies with "
             "<use>, patterns, markers or dashes, or join shapes to paths");
   for (const int levels : {11, 18, 90})
     EXPECT_TRUE(refusal(copies_of_copies(levels)).starts_with("the SVG draws too many elements: "));

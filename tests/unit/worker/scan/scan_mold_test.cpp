@@ -517,7 +517,7 @@ TEST(Fit, KnowsTheDrawAndTheFrame) {
   const auto tall = check_fit(block(100, 100, 450), sheet, machine);
   ASSERT_FALSE(tall);
   EXPECT_EQ(tall.error().where, "scan.trim_mm");
-  EXPECT_NE(tall.error().text().find("450.0 mm to draw, 30.0 mm more"), std::string::npos)
+  EXPECT_NE(tall.error().text().find("the draw of the mold is 450.0 mm, 30.0 mm more"), std::string::npos)
       << tall.error().text();
   EXPECT_NE(tall.error().fix.find("--set scan.trim_mm=30"), std::string::npos) << tall.error().fix;
   EXPECT_TRUE(check_fit(block(100, 100, 420), sheet, machine));
