@@ -32,11 +32,13 @@ fresh() {
   tar -C "$1" -xf "$tar"
 }
 
-# within FOLDER COMMAND...: in that system, with this machine's network and processes; nothing is started.
+# within FOLDER COMMAND...: in that system, with this machine's network and processes; nothing is started. It is the root of its
+# mount namespace, since processes in a chroot get no user namespaces.
 within() {
   local system=$1
   (
     unshare_and_run() {
+      mount --bind "$system" "$system"
       for own in proc sys dev; do mount --rbind "/$own" "$system/$own"; done
       cp /etc/resolv.conf "$system/etc/resolv.conf"
       [ ! -d "$system/ccache" ] || mount --bind "$cache" "$system/ccache"
@@ -45,7 +47,10 @@ within() {
         cp "$NODE_EXTRA_CA_CERTS" "$system/certificates.pem"
         certificates=(NODE_EXTRA_CA_CERTS=/certificates.pem)
       fi
-      exec chroot "$system" env -i "PATH=$path" HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive CCACHE_DIR=/ccache "${certificates[@]}" "$@"
+      cd "$system"
+      pivot_root . mnt
+      umount -l /mnt
+      exec env -i "PATH=$path" HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive CCACHE_DIR=/ccache "${certificates[@]}" "$@"
     }
     export -f unshare_and_run
     export system cache path

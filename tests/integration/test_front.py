@@ -1,9 +1,6 @@
 """The service behind the real nginx with TLS, as deploy/front configures it, with a certificate made by the test."""
 import json
-import os
-import pathlib
 import re
-import shutil
 import socket
 import ssl
 import subprocess
@@ -11,11 +8,9 @@ import time
 import unittest
 
 import hostile
-from harness import BIN, PATIENCE, TOKEN_FILES, Case, Program, Server, curl, free_port, wait_for
+from harness import BIN, PATIENCE, Case, Program, Server, curl, wait_for
+from tls_front import DEPLOY, NAME, TlsFront
 
-DEPLOY = pathlib.Path(__file__).resolve().parents[2] / "deploy"
-NGINX = shutil.which("nginx") or "/usr/sbin/nginx"
-NAME = "front.localhost"
 SMALL = {"sheet": {"resolution_mm": 8, "width_mm": 150, "height_mm": 150},
          "machine": {"window_width_mm": 140, "window_height_mm": 140}, "print": {"dpi": 72}}
 
@@ -24,39 +19,10 @@ class Front(Case):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.http, cls.https = free_port(), free_port()
-        cls.url = f"https://{NAME}:{cls.https}"
+        cls.front = TlsFront(cls.folder)
+        cls.url, cls.ask, cls.certificate, cls.https = cls.front.url, cls.front.ask, cls.front.certificate, cls.front.https
         cls.server = cls.enterClass(Server(cls.folder, 1, ["--front", cls.url]))
-        cls.certificate, key = cls.folder / "certificate.pem", cls.folder / "key.pem"
-        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
-                        "-subj", f"/CN={NAME}", "-addext", f"subjectAltName=DNS:{NAME}", "-keyout", key, "-out", cls.certificate],
-                       check=True, capture_output=True)
-        site = subprocess.run([DEPLOY / "front", "--print", "--name", NAME, "--certificate", cls.certificate, "--key", key,
-                               "--upstream", f"127.0.0.1:{cls.server.port}", "--http", f"127.0.0.1:{cls.http}",
-                               "--https", f"127.0.0.1:{cls.https}"], check=True, capture_output=True, text=True).stdout
-        temporary = "".join(f"{kind}_temp_path {cls.folder}/nginx-{kind};\n" for kind in
-                            ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
-        user = "user root;\n" if os.geteuid() == 0 else ""
-        (cls.folder / "nginx.conf").write_text(
-            f"{user}daemon off;\nworker_processes 1;\npid {cls.folder}/nginx.pid;\nerror_log {cls.folder}/nginx.log;\nevents {{}}\n"
-            f"http {{\naccess_log off;\ntypes {{}}\n{temporary}{site}\n}}\n")
-        cls.nginx = Program([NGINX, "-c", cls.folder / "nginx.conf", "-e", cls.folder / "nginx.log"], cls.folder / "nginx.out")
-        cls.addClassCleanup(cls.nginx.end)
-        TOKEN_FILES[cls.url] = cls.server.token_file
-        wait_for(cls.answers, "nginx")
-
-    @classmethod
-    def answers(cls):
-        assert cls.nginx.process.poll() is None, cls.nginx.says() + (cls.folder / "nginx.log").read_text()
-        try:
-            return cls.ask("/healthz").status == 200
-        except ConnectionError:
-            return False
-
-    @classmethod
-    def ask(cls, path, *words):
-        return curl("--resolve", f"{NAME}:{cls.https}:127.0.0.1", "--resolve", f"{NAME}:{cls.http}:127.0.0.1",
-                    "--cacert", cls.certificate, *words, path if "://" in path else cls.url + path)
+        cls.enterClass(cls.front.serve([cls.server]))
 
     def files(self):
         scan, pattern = self.folder / "good.stl", self.folder / "good.svg"
@@ -93,7 +59,7 @@ class Front(Case):
         self.assertEqual(answer.headers["strict-transport-security"], "max-age=31536000")
         self.assertNotRegex(answer.headers.get("server", ""), r"\d")
         self.assertEqual(answer.headers["x-request-id"], "0123456789abcdef0123456789abcdef")
-        moved = self.ask(f"http://{NAME}:{self.http}/jobs/x?a=b")
+        moved = self.ask(f"http://{NAME}:{self.front.http}/jobs/x?a=b")
         self.assertEqual((moved.status, moved.headers["location"]), (308, f"{self.url}/jobs/x?a=b"))
 
     def test_signing_in_by_the_page(self):

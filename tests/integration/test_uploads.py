@@ -1,25 +1,15 @@
-"""Uploads in pieces to the real server: interrupted by the client and by kill -9, resumed, in little memory; and a job's events.
-
-VACUFORM_UPLOAD_MIB makes the scan larger; 500 was measured by hand.
-"""
+"""Uploads in pieces to the real server: interrupted by the client and by kill -9, resumed, in little memory; and a job's events."""
 import base64
-import hashlib
-import io
 import json
-import os
 import pathlib
 import signal
-import socket
-import struct
 import unittest
-import zipfile
 
 import hostile
 from harness import PATTERNS, Case, Server, curl, wait_for
+from tus_uploads import LargeScan, ZippedScan, send, sending
 
-MIB = int(os.environ.get("VACUFORM_UPLOAD_MIB", "40"))
 MOST_MEMORY = 64 << 20
-PIECE = 1 << 20
 
 
 def peak_memory(pid):
@@ -29,67 +19,7 @@ def peak_memory(pid):
     raise AssertionError("no peak of memory")
 
 
-class LargeScan:
-    """A binary STL of about MIB, made piece by piece: nobody holds it whole."""
-
-    def __init__(self):
-        self.count = (MIB << 20) // 50
-        self.size = 84 + 50 * self.count
-        self.body = b"".join(hashlib.sha256(struct.pack("<I", i)).digest() for i in range(PIECE // 32))
-
-    def bytes(self, begin, end, header=b"Jane Doe".ljust(80)):
-        head = header + struct.pack("<I", self.count)
-        while begin < end:
-            if begin < 84:
-                piece = head[begin:min(84, end)]
-            else:
-                at = (begin - 84) % PIECE
-                piece = self.body[at:at + min(end - begin, PIECE - at)]
-            yield piece
-            begin += len(piece)
-
-    def sha256(self, header):
-        digest = hashlib.sha256()
-        for piece in self.bytes(0, self.size, header):
-            digest.update(piece)
-        return digest.hexdigest()
-
-
-class ZippedScan:
-    """An OBJ in a zip, with a name in it."""
-
-    def __init__(self):
-        packed = io.BytesIO()
-        with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr("Jane Doe.obj", "# Jane Doe\n" + "".join(
-                "v %d %d %d\n" % struct.unpack("<3H", hashlib.sha256(struct.pack("<I", i)).digest()[:6]) for i in range(20_000)) + "f 1 2 3\n")
-        self.whole = packed.getvalue()
-        self.size = len(self.whole)
-
-    def bytes(self, begin, end):
-        yield self.whole[begin:end]
-
-
 class Uploads(Case):
-    def sending(self, server, place, offset, upto, scan):
-        """A connection on which a PATCH with the rest of the scan has been sent up to there."""
-        token = server.token_file.read_text().strip()
-        s = socket.create_connection(("127.0.0.1", server.port), timeout=120)
-        s.sendall((f"PATCH {place} HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nAuthorization: Bearer {token}\r\n"
-                   "Tus-Resumable: 1.0.0\r\nContent-Type: application/offset+octet-stream\r\n"
-                   f"Upload-Offset: {offset}\r\nContent-Length: {scan.size - offset}\r\n\r\n").encode())
-        for piece in scan.bytes(offset, upto):
-            s.sendall(piece)
-        return s
-
-    def send(self, server, place, offset, upto, scan):
-        """The status of a PATCH; None when only a part of it is sent."""
-        with self.sending(server, place, offset, upto, scan) as s:
-            if upto < scan.size:
-                return None
-            answer = s.makefile("rb").readline()
-            return int(answer.split()[1])
-
     def offset(self, server, place):
         def look():
             answer = curl("-I", "-H", "Tus-Resumable: 1.0.0", server.url + place)
@@ -111,11 +41,11 @@ class Uploads(Case):
         with Server(self.folder, workers=0) as server:
             place = self.begin(server, scan.size)
             third = scan.size // 3
-            self.assertIsNone(self.send(server, place, 0, third, scan))  # the client leaves
+            self.assertIsNone(send(server, place, 0, third, scan))  # the client leaves
             at = self.offset(server, place)
             self.assertEqual(at, third)
 
-            with self.sending(server, place, at, 2 * third, scan):
+            with sending(server, place, at, 2 * third, scan):
                 before = peak_memory(server.program.pid)
                 server.stop(signal.SIGKILL)  # in the middle of the request
             for file in server.data.rglob("*"):
@@ -128,7 +58,7 @@ class Uploads(Case):
             self.assertLessEqual(at, 2 * third)
             self.assertGreaterEqual(at, 2 * third - (16 << 20))  # 8 MiB between flushes, and what the socket held
 
-            self.assertEqual(self.send(server, place, at, scan.size, scan), 204)
+            self.assertEqual(send(server, place, at, scan.size, scan), 204)
             upload = curl(server.url + place).json
             self.assertEqual(upload["offset"], scan.size)
             self.assertEqual(upload["sha256"], scan.sha256(b" " * 80))
@@ -151,20 +81,20 @@ class Uploads(Case):
         with Server(self.folder, workers=0) as server:
             for killed in False, True:
                 place = self.begin(server, scan.size, b"Jane Doe.zip")
-                self.assertIsNone(self.send(server, place, 0, scan.size // 2, scan))
+                self.assertIsNone(send(server, place, 0, scan.size // 2, scan))
                 self.assertEqual(self.offset(server, place), scan.size // 2)
                 if killed:
                     server.stop(signal.SIGKILL)
                     server.start()
                     self.assertEqual(self.offset(server, place), 0)
-                self.assertEqual(self.send(server, place, 0 if killed else scan.size // 2, scan.size, scan), 204)
+                self.assertEqual(send(server, place, 0 if killed else scan.size // 2, scan.size, scan), 204)
                 stored.add(curl(server.url + place).json["sha256"])
             self.assertEqual(len(stored), 1)
             for path in [p for p in server.data.rglob("*") if p.is_file()]:
                 self.assertNotIn(b"Jane", path.read_bytes(), path)
             broken = self.begin(server, scan.size - 30, b"Jane Doe.zip")
             scan.whole, scan.size = scan.whole[:-30], scan.size - 30
-            self.assertEqual(self.send(server, broken, 0, scan.size, scan), 422)
+            self.assertEqual(send(server, broken, 0, scan.size, scan), 422)
 
     def test_events_tell_a_job_to_its_end(self):
         scan, pattern = self.folder / "dome.stl", self.folder / "rings.svg"
