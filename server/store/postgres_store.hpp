@@ -1,4 +1,5 @@
-// The store with its rows in PostgreSQL, and its blobs and unfinished uploads in the data folder.
+// The store with its rows in PostgreSQL. With its blobs in an object store, several servers use it at the same time;
+// otherwise the blobs are in the data folder of the one server.
 //
 // Transactions of different jobs run at the same time. A change locks the row of its job, so that the lines of its log
 // are numbered without gaps; a lease skips rows that are locked. A transaction that meets another, or loses its

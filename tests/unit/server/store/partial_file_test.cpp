@@ -78,6 +78,44 @@ TEST_F(PartialFileTest, NamesAreBlankedWhereverItWasInterrupted) {
       EXPECT_EQ(in_steps(bytes, extension, step), blanked(bytes, extension)) << extension << " " << step;
 }
 
+// Another server has the pieces alone.
+TEST_F(PartialFileTest, AnotherServerContinuesFromThePieces) {
+  std::string obj;
+  while (obj.size() < 300'000) obj += "# " + patient + "\nv 1 2 3\n";
+  for (const std::size_t step : {100'000, 123'457}) {
+    std::vector<std::string> pieces;
+    for (std::size_t at = 0; at < obj.size(); at += step) {
+      std::vector<std::unique_ptr<BlobReader>> readers;
+      for (const std::string& sha256 : pieces) readers.push_back(std::move(*blobs_->open(sha256)));
+      auto file = readers.empty() ? PartialFile::open(name_, "obj")
+                                  : PartialFile::of_pieces(name_, "obj", readers);
+      ASSERT_TRUE(file) << file.error().text();
+      EXPECT_EQ(file->bytes(), at);
+      ASSERT_TRUE(file->take(std::string_view(obj).substr(at, step)) && file->flush());
+      auto piece = blobs_->upload();
+      ASSERT_TRUE(piece && file->write_piece(*piece) && blobs_->put(*piece));
+      pieces.push_back(piece->digest().sha256);
+      ASSERT_TRUE(file->take("lost in the crash"));
+      if (at + step < obj.size()) {
+        ASSERT_TRUE(PartialFile::remove(name_));
+      }
+    }
+    EXPECT_EQ(finished("obj"), blanked(obj, "obj")) << step;
+  }
+}
+
+TEST_F(PartialFileTest, BytesThatAreNoPieceAreRefused) {
+  for (const char* bytes : {"", "Jane", "5", "999999999999\n", "9\nshort"}) {
+    auto upload = blobs_->upload();
+    ASSERT_TRUE(upload && upload->write(bytes) && blobs_->put(*upload));
+    std::vector<std::unique_ptr<BlobReader>> readers;
+    readers.push_back(std::move(*blobs_->open(upload->digest().sha256)));
+    const auto file = PartialFile::of_pieces(name_, "stl", readers);
+    ASSERT_FALSE(file) << bytes;
+    EXPECT_EQ(file.error().code, Code::unreadable) << bytes;
+  }
+}
+
 TEST_F(PartialFileTest, InLongCommentsAndSegmentsToo) {
   std::string obj =
       "v 1 2 3 # " + std::string(500'000, 'x');  // of one line, whose end may look like a beginning
