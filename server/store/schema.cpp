@@ -164,6 +164,10 @@ CREATE TABLE stored_object(
 CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
 CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
 )sql",
+    // 14: sessions were in memory
+    R"sql(
+CREATE TABLE session(hash TEXT PRIMARY KEY, token TEXT NOT NULL, ends INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace
