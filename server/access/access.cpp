@@ -22,7 +22,6 @@ std::string set_cookie(bool by_tls, const std::string& value, Millis seconds) {
 }
 
 constexpr Millis session_seconds = 12 * 3600;
-constexpr std::size_t most_sessions = 1000, most_sessions_of_token = 50;
 constexpr double most_patience = 20;
 
 // The value of the session cookie in the request.
@@ -66,7 +65,7 @@ Result<Caller> Access::caller_of(const http::Request& request) {
   constexpr std::string_view scheme = "Bearer ";
   const std::string_view shown = request.header("Authorization");
   if (equal_ignoring_case(shown.substr(0, scheme.size()), scheme)) {
-    auto token = usable_token(store_, shown.substr(scheme.size()), clock_);
+    auto token = usable_token(tokens_, shown.substr(scheme.size()), clock_);
     if (!token) return tl::make_unexpected(refused(std::move(token.error())));
     return Caller{token->id, token->owner, token->scopes, token->expires};
   }
@@ -78,17 +77,14 @@ Result<Caller> Access::caller_of_session(const http::Request& request) {
   if (request.method != "GET" && request.header("Origin").empty())
     return fail(Code::bad_usage, "a request by cookie that changes something has no Origin", "Origin",
                 "use the pages of this server, or a token in Authorization");
-  Session session;
-  {
-    const std::lock_guard hold(mutex_);
-    const auto found = sessions_.find(text_hash(cookie_of(request)));
-    if (found != sessions_.end() && clock_() < found->second.ends) session = found->second;
+  const auto session = sessions_.find_session(text_hash(cookie_of(request)));
+  if (!session && session.error().code != Code::not_found) return tl::make_unexpected(session.error());
+  const Millis now = clock_();
+  if (session && now < session->ends && usable(session->token, now)) {
+    const Token& token = session->token;
+    return Caller{token.id, token.owner, token.scopes, token.expires,
+                  std::min(session->ends, token.expires.value_or(session->ends))};
   }
-  const auto token = session.token.empty() ? fail(Code::not_found, "") : store_.token(session.token);
-  if (token && usable(*token, clock_()))
-    return Caller{token->id, token->owner, token->scopes, token->expires,
-                  std::min(session.ends, token->expires.value_or(session.ends))};
-  if (!token && token.error().code != Code::not_found) return tl::make_unexpected(token.error());
   return fail(Code::unauthorized, "the session has ended", "Cookie", "sign in again at /sign-in");
 }
 
@@ -108,41 +104,16 @@ Error Access::refused(Error error) {
 }
 
 Result<std::string> Access::sign_in(std::string_view text, bool by_tls) {
-  const auto token = usable_token(store_, text, clock_);
+  const auto token = usable_token(tokens_, text, clock_);
   if (!token) return tl::make_unexpected(refused(token.error()));
   const std::string value = random_hex(32);
-  const Millis now = clock_();
-  const std::lock_guard hold(mutex_);
-  std::erase_if(sessions_, [&](const auto& entry) { return entry.second.ends <= now; });
-  make_room_for_session(token->id);
-  sessions_[text_hash(value)] = {token->id, now + session_seconds * 1000};
+  VACUFORM_CHECK(sessions_.add_session({text_hash(value), token->id, clock_() + session_seconds * 1000}));
   log_event("signed-in", {{"token", token->id}});
   return set_cookie(by_tls, value, session_seconds);
 }
 
-// A token that has too many sessions loses its oldest one. When all tokens together have too many, the token with the
-// most sessions loses its oldest, so that no token ends the sessions of the others.
-void Access::make_room_for_session(const std::string& token) {
-  std::map<std::string, std::size_t> counts;
-  for (const auto& [cookie, session] : sessions_) ++counts[session.token];
-  std::string loser;
-  if (counts[token] >= most_sessions_of_token)
-    loser = token;
-  else if (sessions_.size() >= most_sessions)
-    loser = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
-              return a.second < b.second;
-            })->first;
-  if (loser.empty()) return;
-  auto oldest = sessions_.end();
-  for (auto it = sessions_.begin(); it != sessions_.end(); ++it)
-    if (it->second.token == loser && (oldest == sessions_.end() || it->second.ends < oldest->second.ends))
-      oldest = it;
-  sessions_.erase(oldest);
-}
-
-std::string Access::sign_out(const http::Request& request) {
-  const std::lock_guard hold(mutex_);
-  sessions_.erase(text_hash(cookie_of(request)));
+Result<std::string> Access::sign_out(const http::Request& request) {
+  VACUFORM_CHECK(sessions_.end_session(text_hash(cookie_of(request))));
   return set_cookie(request.by_front, "", 0);
 }
 

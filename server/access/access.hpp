@@ -1,15 +1,18 @@
 // Who asks, and whether they may: a bearer token in Authorization, or the cookie of someone who signed in with one.
 //
-// A cookie is a session of its own, in memory, so that what a browser holds is not the token and ends with sign-out, with
-// the server, or after twelve hours. It goes to no other site (SameSite=Strict) and to no script (HttpOnly); a request
-// that changes something must also come with an Origin, which origin.hpp has compared with the Host.
+// A cookie is a session of its own, so that what a browser holds is not the token and ends with sign-out, with the token,
+// or after twelve hours. Sessions are in the store: they outlive a restart of the server, and servers on one database
+// share them. A cookie goes to no other site (SameSite=Strict) and to no script (HttpOnly); a request that
+// changes something must also come with an Origin, which origin.hpp has compared with the Host.
 #pragma once
 
-#include <map>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "server/http/message.hpp"
+#include "server/store/sessions.hpp"
 #include "server/store/tokens.hpp"
 
 namespace vacuform {
@@ -29,32 +32,30 @@ struct Caller {
 // From any thread.
 class Access {
  public:
-  explicit Access(TokenTable& store, Clock clock = wall_clock) : store_(store), clock_(std::move(clock)) {}
+  Access(TokenTable& tokens, SessionTable& sessions, Clock clock = wall_clock)
+      : tokens_(tokens), sessions_(sessions), clock_(std::move(clock)) {}
 
   // Errors: unauthorized (no token, or one that cannot be used), forbidden (not of this scope), too_many_attempts: wrong
-  // tokens beyond twenty at once and one a second later. A right token is never refused because others are wrong.
+  // tokens beyond twenty at once and one a second later; and those of the store. A right token is never refused because
+  // others are wrong.
   Result<Caller> check(const http::Request& request, Scope wanted);
 
   // The value of Set-Cookie for someone who shows a usable token; `by_tls`: through the TLS front. Errors: as above.
   Result<std::string> sign_in(std::string_view token, bool by_tls);
-  // Ends the session of the request's cookie; gives the value of Set-Cookie that takes it away.
-  std::string sign_out(const http::Request& request);
+  // Ends the session of the request's cookie; gives the value of Set-Cookie that takes it away. Errors: those of the
+  // store; the session may then go on, so the browser must keep its cookie.
+  Result<std::string> sign_out(const http::Request& request);
 
  private:
-  struct Session {
-    std::string token;  // id
-    Millis ends = 0;
-  };
   Result<Caller> caller_of(const http::Request& request);
   Result<Caller> caller_of_session(const http::Request& request);
   Error refused(Error error);
-  void make_room_for_session(const std::string& token);
 
-  TokenTable& store_;
+  TokenTable& tokens_;
+  SessionTable& sessions_;
   const Clock clock_;
   std::mutex mutex_;
-  std::map<std::string, Session> sessions_;  // by the hash of the cookie's value
-  double patience_ = 20;                     // wrong tokens that are still answered
+  double patience_ = 20;  // wrong tokens that are still answered
   Millis patience_at_ = 0;
 };
 

@@ -133,7 +133,7 @@ Result<void> serve(const Configuration& options) {
   VACUFORM_TRY(kept, KeptFolder::open(options.data, *store));
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
   VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
-  Access access(*store);
+  Access access(*store, *store);
   Workers seen_workers;
   VACUFORM_TRY(uploads, Uploads::open(*store, options.data / "uploads"));
   Service service{*store, access, seen_workers, *uploads, static_cast<int>(store_options.lease / 1000)};

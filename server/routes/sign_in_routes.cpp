@@ -44,8 +44,9 @@ Result<Response> sign_in(Service& service, Request& request) {
 }
 
 Result<Response> sign_out(Service& service, Request& request) {
+  VACUFORM_TRY(cookie, service.access.sign_out(request));
   Response response = see_other("/sign-in");
-  response.set("Set-Cookie", service.access.sign_out(request));
+  response.set("Set-Cookie", cookie);
   return response;
 }
 

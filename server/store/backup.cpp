@@ -53,6 +53,9 @@ Result<void> forget_bucket(Database& db) {
   return db.execute("BEGIN; DELETE FROM stored_object; DELETE FROM remembered WHERE name='bucket'; COMMIT");
 }
 
+// A restored backup would begin again what was signed out after it.
+Result<void> forget_sessions(Database& db) { return db.execute("DELETE FROM session"); }
+
 }  // namespace
 
 Result<BackupReport> make_backup(const fs::path& to, BlobStore& blobs,
@@ -66,6 +69,7 @@ Result<BackupReport> make_backup(const fs::path& to, BlobStore& blobs,
   SqliteDatabase copy;
   VACUFORM_CHECK(copy.open(file.string()));
   VACUFORM_CHECK(forget_bucket(copy));
+  VACUFORM_CHECK(forget_sessions(copy));
   VACUFORM_TRY(jobs, jobs_in(copy));
   report.jobs = jobs;
   VACUFORM_TRY(hashes, hashes_in(copy));

@@ -101,7 +101,11 @@ CREATE TABLE stored_object(
 CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
 CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
 )sql",
-    // 2: unfinished uploads were files of one server
+    // 2: sessions were in memory
+    R"sql(
+CREATE TABLE session(hash text COLLATE "C" PRIMARY KEY, token text COLLATE "C" NOT NULL, ends bigint NOT NULL);
+)sql",
+    // 3: unfinished uploads were files of one server
     R"sql(
 ALTER TABLE upload ADD COLUMN received bigint NOT NULL DEFAULT 0;
 CREATE TABLE upload_piece(
@@ -128,7 +132,7 @@ constexpr std::array tables{
     CopiedTable{"remembered", "name, value"},
 };
 
-Result<void> change_tables(Database& db) {
+Result<void> change_tables(Database& db, std::int64_t wanted) {
   VACUFORM_CHECK(db.take_turns("tables"));
   VACUFORM_CHECK(db.execute("CREATE TABLE IF NOT EXISTS vacuform_tables(version bigint NOT NULL)"));
   std::int64_t now = 0;
@@ -142,11 +146,11 @@ Result<void> change_tables(Database& db) {
                 "the tables in the database have version " + std::to_string(now) + ", this server knows " +
                     std::to_string(newest_postgres_schema),
                 {}, "start a server of the version that wrote them, or newer");
-  if (now == newest_postgres_schema) return {};
-  for (auto i = static_cast<std::size_t>(now); i < postgres_changes.size(); ++i)
-    VACUFORM_CHECK(db.execute(postgres_changes[i]));
+  if (now >= wanted) return {};
+  for (std::int64_t i = now; i < wanted; ++i)
+    VACUFORM_CHECK(db.execute(postgres_changes[static_cast<std::size_t>(i)]));
   VACUFORM_CHECK(db.execute("DELETE FROM vacuform_tables"));
-  return Query(db, "INSERT INTO vacuform_tables(version) VALUES(?)", newest_postgres_schema).run();
+  return Query(db, "INSERT INTO vacuform_tables(version) VALUES(?)", wanted).run();
 }
 
 }  // namespace
@@ -155,9 +159,9 @@ const std::int64_t newest_postgres_schema = postgres_changes.size();
 
 std::span<const CopiedTable> copied_tables() { return tables; }
 
-Result<void> bring_postgres_up_to_date(Database& db) {
+Result<void> bring_postgres_up_to_date(Database& db, std::int64_t version) {
   VACUFORM_CHECK(db.execute("BEGIN; SET LOCAL lock_timeout='2s'"));
-  const auto changed = change_tables(db);
+  const auto changed = change_tables(db, version);
   const auto ended = db.execute(changed ? "COMMIT" : "ROLLBACK");
   return changed ? ended : changed;
 }

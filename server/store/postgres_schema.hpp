@@ -10,10 +10,10 @@ namespace vacuform {
 
 extern const std::int64_t newest_postgres_schema;
 
-// Makes the tables in an empty database, or changes those of an older version. Servers that start at the same moment take
-// turns. Gives up waiting for a lock of a table after two seconds, so that it stops nobody, and then may be called again.
+// Makes the tables in an empty database, or changes those of an older version; up to an older version only to test what
+// follows it. Servers that start at the same moment take turns. Gives up waiting for a lock of a table after two seconds, so that it stops nobody, and then may be called again.
 // Errors: corrupt_file (written by a newer version), unavailable.
-Result<void> bring_postgres_up_to_date(Database& db);
+Result<void> bring_postgres_up_to_date(Database& db, std::int64_t version = newest_postgres_schema);
 
 // The tables that a copy contains, after those that they refer to.
 struct CopiedTable {

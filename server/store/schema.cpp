@@ -164,7 +164,11 @@ CREATE TABLE stored_object(
 CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
 CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
 )sql",
-    // 14: unfinished uploads were files of one server
+    // 14: sessions were in memory
+    R"sql(
+CREATE TABLE session(hash TEXT PRIMARY KEY, token TEXT NOT NULL, ends INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+)sql",
+    // 15: unfinished uploads were files of one server
     R"sql(
 ALTER TABLE upload ADD COLUMN received INTEGER NOT NULL DEFAULT 0;
 CREATE TABLE upload_piece(

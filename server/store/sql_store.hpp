@@ -56,6 +56,10 @@ class SqlStore : public Store, public ObjectTable {
   Result<std::vector<Token>> tokens() override;
   Result<void> revoke_token(const std::string& id) override;
 
+  Result<void> add_session(const Session& session) override;
+  Result<FoundSession> find_session(const std::string& hash) override;
+  Result<void> end_session(const std::string& hash) override;
+
   Result<void> add_upload(const StoredUpload& upload) override;
   Result<StoredUpload> find_upload(const std::string& id) override;
   Result<StoredUpload> finish_upload(const std::string& id, Upload file) override;
@@ -242,6 +246,7 @@ class SqlStore : public Store, public ObjectTable {
                                                 const std::vector<Blob>& blobs);
   Result<void> check_room(Database& db, const std::string& owner);
   static Result<Token> token_row(Database& db, const std::string& id);
+  static Token token_in(const Query& row);  // id, owner, scopes, hash, created, expires, revoked, file
   Result<StoredUpload> upload_row(Database& db, const std::string& id);
   static Result<void> drop_pieces(Transaction& tx, const std::string& id);
   static Result<StoredScan> scan_row(Database& db, const std::string& id);

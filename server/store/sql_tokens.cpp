@@ -2,17 +2,21 @@
 
 namespace vacuform {
 
+Token SqlStore::token_in(const Query& row) {
+  Token token{row.text(0),  row.text(1),    Scopes::from(row.text(2)).value_or(Scopes()),
+              row.text(3),  row.integer(4), std::nullopt,
+              std::nullopt, row.text(7)};
+  if (!row.null(5)) token.expires = row.integer(5);
+  if (!row.null(6)) token.revoked = row.integer(6);
+  return token;
+}
+
 Result<Token> SqlStore::token_row(Database& db, const std::string& id) {
   Query query(db, "SELECT id, owner, scopes, hash, created, expires, revoked, file FROM token WHERE id=?",
               id);
   VACUFORM_TRY(found, query.row());
   if (!found) return fail(Code::not_found, "there is no such token", id, "see the list of tokens");
-  Token token{query.text(0), query.text(1),    Scopes::from(query.text(2)).value_or(Scopes()),
-              query.text(3), query.integer(4), std::nullopt,
-              std::nullopt,  query.text(7)};
-  if (!query.null(5)) token.expires = query.integer(5);
-  if (!query.null(6)) token.revoked = query.integer(6);
-  return token;
+  return token_in(query);
 }
 
 Result<void> SqlStore::add_token(const Token& token) {

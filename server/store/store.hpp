@@ -1,5 +1,5 @@
 // Jobs and their blobs, stored across crashes. The interface contains no SQL and no HTTP; sql_store.hpp implements
-// it. Its parts are in jobs.hpp, leases.hpp, tokens.hpp, profiles.hpp, scans.hpp and uploads.hpp.
+// it. Its parts are in jobs.hpp, leases.hpp, tokens.hpp, sessions.hpp, profiles.hpp, scans.hpp and uploads.hpp.
 //
 // Promises, all of them tested:
 //  - What create() returned survives a power cut: the files are flushed before the row that names them commits, and the
@@ -45,6 +45,7 @@
 #include "server/store/leases.hpp"
 #include "server/store/profiles.hpp"
 #include "server/store/scans.hpp"
+#include "server/store/sessions.hpp"
 #include "server/store/tokens.hpp"
 #include "server/store/uploads.hpp"
 
@@ -79,6 +80,7 @@ struct StoreStatus {
 class Store : public JobTable,
               public LeaseTable,
               public TokenTable,
+              public SessionTable,
               public ProfileTable,
               public ScanTable,
               public UploadTable {

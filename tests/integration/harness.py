@@ -223,6 +223,16 @@ class Server:
     def stop(self, number=signal.SIGTERM):
         return self.program.end(number)
 
+    def sign_in(self):
+        """The arguments of curl for a browser that has signed in."""
+        answer = curl("-H", "Authorization:", "-F", "token=" + self.token_file.read_text().strip(), self.url + "/sign-in")
+        assert answer.status == 303, answer
+        return ["-H", "Cookie: " + answer.headers["set-cookie"].partition(";")[0]]
+
+    def sign_out(self, browser):
+        """The answer to that browser."""
+        return curl(*browser, "-X", "POST", "-H", f"Origin: {self.url}", self.url + "/sign-out")
+
     def post(self, scan, pattern, settings=None, *more):
         """The answer to a new job."""
         words = ["-F", f"scan=@{scan}", "-F", f"pattern=@{pattern}", *more]

@@ -141,6 +141,27 @@ class Crashes(Case):
             self.assertEqual((ended["state"], ended["attempt"]), ("succeeded", 1), ended["problem"])
             self.assert_one_whole_set(server, job)
 
+    def test_a_browser_stays_signed_in_when_the_server_restarts(self):
+        server = self.server()
+        browser, other = server.sign_in(), server.sign_in()
+
+        def session(of):
+            return curl(*of, server.api + "/session")
+
+        before = session(browser)
+        self.assertEqual(before.status, 200, before)
+        for number in (signal.SIGTERM, signal.SIGKILL):
+            server.stop(number)
+            server.start()
+            self.assertEqual(session(browser).json, before.json)
+        out = server.sign_out(browser)
+        self.assertEqual((out.status, out.headers["location"]), (303, "/sign-in"))
+        self.assertIn("Max-Age=0", out.headers["set-cookie"])
+        server.stop(signal.SIGKILL)
+        server.start()
+        self.assertEqual(session(browser).status, 401)
+        self.assertEqual(session(other).status, 200)
+
     def test_server_killed_while_its_worker_works_loses_nothing(self):
         server = self.server()
         worker = self.worker(server, "outlives")

@@ -125,6 +125,9 @@ class DiskFull(Case):
         for i in range(50):
             self.assertEqual(beat(i / 50), 200)
         self.expect_refused(server.post(scan, pattern, COARSE))
+        browser = server.sign_in()
+        self.assertEqual(curl(*browser, server.api + "/session").status, 200)
+        self.assertEqual(server.sign_out(browser).status, 303)
         jobs.remove(running)
         self.assertEqual(curl("-X", "POST", f"{server.api}/jobs/{jobs[0]}/cancel").status, 200)
         self.assertEqual(curl("-X", "DELETE", f"{server.api}/jobs/{jobs[0]}").status, 204)

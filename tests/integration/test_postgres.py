@@ -66,6 +66,31 @@ class InPostgres(Case):
         listed = self.command("token", "list", "--data", copy)  # a store of SQLite
         self.assertIn("owner station-7", listed.stdout, listed.stderr)
 
+    def test_servers_on_one_database_share_sessions(self):
+        self.postgres.answer("CREATE SCHEMA sessions")
+        servers = []
+        for name in ("one", "two"):
+            folder = self.folder / name
+            folder.mkdir()
+            servers.append(Server(folder, workers=0, options=["--store", self.postgres.url + "&options=-csearch_path%3Dsessions"]))
+            self.addCleanup(servers[-1].start().stop)
+        one, two = servers
+        browser = two.sign_in()
+
+        def seen():
+            return [curl(*browser, server.api + "/session").status for server in servers]
+
+        self.assertEqual(seen(), [200, 200])
+        self.postgres.end(signal.SIGKILL)
+        refused = one.sign_out(browser)
+        self.assertEqual(refused.status, 503, refused)
+        self.assertNotIn("set-cookie", refused.headers)
+        self.assertEqual(seen(), [503, 503])
+        self.postgres.start()
+        self.assertEqual(seen(), [200, 200])
+        self.assertEqual(one.sign_out(browser).status, 303)
+        self.assertEqual(seen(), [401, 401])
+
     def test_a_password_in_the_address_is_refused_and_not_shown(self):
         for words in (["--check-config"], []):
             done = self.command("--data", self.folder / "other", "--store", "postgresql://vacuform:open-sesame@/vacuform", *words)

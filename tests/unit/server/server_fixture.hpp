@@ -36,7 +36,7 @@ class ServerTest : public testing::Test {
     ASSERT_TRUE(start_secrets());
     data_ = std::filesystem::temp_directory_path() / ("vacuform-server-" + random_hex(8));
     store_ = std::move(*open_store(data_, store_options()));
-    access_ = std::make_unique<Access>(*store_);
+    access_ = std::make_unique<Access>(*store_, *store_);
     uploads_ = std::move(*Uploads::open(*store_, data_ / "uploads"));
     service_ = std::make_unique<Service>(Service{*store_, *access_, workers_, *uploads_, 30, 1});
     user_ = token("station-1", {Scope::submit, Scope::read});

@@ -65,14 +65,14 @@ class PartialFileTest : public testing::Test {
   std::unique_ptr<BlobStore> blobs_;
 };
 
-const std::string name = "JaneDoe1984";
+const std::string patient = "JaneDoe1984";
 
 TEST_F(PartialFileTest, NamesAreBlankedWhereverItWasInterrupted) {
-  const std::string stl = std::string(name).append(69, ' ').append("\x01\0\0\0", 4).append(50, '\x07'),
-                    obj = "# " + name + "\nv 1 2 3 # " + name + " v 4 5 6\nnote v 7 8 9\nf 1 2 \\\n 3\no " +
-                          name + "\n",
-                    text =
-                        "solid " + name + " v\n" + name + "\nfacet normal 0 0 1\nendfacet\nendsolid " + name;
+  const std::string stl = std::string(patient).append(69, ' ').append("\x01\0\0\0", 4).append(50, '\x07'),
+                    obj = "# " + patient + "\nv 1 2 3 # " + patient +
+                          " v 4 5 6\nnote v 7 8 9\nf 1 2 \\\n 3\no " + patient + "\n",
+                    text = "solid " + patient + " v\n" + patient +
+                           "\nfacet normal 0 0 1\nendfacet\nendsolid " + patient;
   for (const auto& [bytes, extension] : {std::pair{stl, "stl"}, {obj, "obj"}, {text, "stl"}})
     for (const std::size_t step : {13, 83, 84, 85})
       EXPECT_EQ(in_steps(bytes, extension, step), blanked(bytes, extension)) << extension << " " << step;
@@ -119,7 +119,7 @@ TEST_F(PartialFileTest, BytesThatAreNoPieceAreRefused) {
 TEST_F(PartialFileTest, InLongCommentsAndSegmentsToo) {
   std::string obj =
       "v 1 2 3 # " + std::string(500'000, 'x');  // of one line, whose end may look like a beginning
-  while (obj.size() < 1'000'000) obj += " v 1 2 3 o " + name;
+  while (obj.size() < 1'000'000) obj += " v 1 2 3 o " + patient;
   EXPECT_EQ(in_steps(obj, "obj", 300'007), blanked(obj, "obj"));
   std::string jpeg = "\xff\xd8";  // comments of the greatest size
   for (int i = 0; i < 8; ++i) jpeg.append("\xff\xfe\xff\xff").append(65'533, 'J');
@@ -129,11 +129,11 @@ TEST_F(PartialFileTest, InLongCommentsAndSegmentsToo) {
 
 TEST_F(PartialFileTest, NoWholeNameStandsOnTheDiskMeanwhile) {
   std::string obj;
-  while (obj.size() < 1'000'000) obj += "# " + name + "\nv 1 2 3\n";
+  while (obj.size() < 1'000'000) obj += "# " + patient + "\nv 1 2 3\n";
   auto file = PartialFile::open(name_, "obj");
   ASSERT_TRUE(file && file->take(obj) && file->flush());
   for (const char* end : {".part", ".state"})
-    EXPECT_EQ(bytes_of(data_ / (std::string("upload") + end)).find(name), std::string::npos);
+    EXPECT_EQ(bytes_of(data_ / (std::string("upload") + end)).find(patient), std::string::npos);
   EXPECT_LE(std::filesystem::file_size(data_ / "upload.state"), 200u);
 }
 

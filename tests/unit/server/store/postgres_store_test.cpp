@@ -112,6 +112,52 @@ TEST_F(PostgresStoreTest, RefusesTablesOfANewerVersion) {
   EXPECT_NE(store.error().what.find("this server knows"), std::string::npos) << store.error().what;
 }
 
+// Up to version two, sessions were in memory.
+TEST_F(PostgresStoreTest, TakesOverTablesOfVersionTwo) {
+  {
+    const auto connection = PostgresConnection::open(url_);
+    ASSERT_TRUE(connection) << connection.error().text();
+    ASSERT_TRUE(bring_postgres_up_to_date(**connection, 2));
+  }
+  psql("INSERT INTO token(id, owner, scopes, hash, created) VALUES('0001', 'station-1', 'read', 'a', 7)");
+  const auto store = server("one");
+  ASSERT_TRUE(store->add_session({"b", "0001", wall_clock() + 60'000}));
+  EXPECT_EQ(store->find_session("b")->token.owner, "station-1");
+  EXPECT_EQ(psql("SELECT version FROM vacuform_tables"), std::to_string(newest_postgres_schema) + "\n");
+}
+
+TEST_F(PostgresStoreTest, ASessionOfOneServerIsKnownToAnotherUntilEitherEndsIt) {
+  const auto one = server("one"), two = server("two");
+  ASSERT_TRUE(one->add_token({"0001", "station-1", {Scope::read}, std::string(64, 'a'), 5, {}, {}}));
+  ASSERT_TRUE(one->add_session({"b", "0001", wall_clock() + 60'000}));
+  EXPECT_EQ(two->find_session("b")->token.id, "0001");
+  ASSERT_TRUE(two->end_session("b"));
+  EXPECT_EQ(one->find_session("b").error().code, Code::not_found);
+}
+
+TEST_F(PostgresStoreTest, TwoServersThatSignInAtOnceKeepTheLimits) {
+  const auto one = server("one"), two = server("two");
+  // There is room for ten, and no token has more than 45.
+  psql("INSERT INTO session SELECT i, 'old-'||(i % 22), 9000000000000+i FROM generate_series(1, 990) i");
+  const auto sign_in = [&](int client, const std::string& token, int count) {
+    for (int i = 0; i < count; ++i) {
+      const auto added =
+          (client % 2 == 0 ? one : two)->add_session({random_hex(32), token, 9'100'000'000'000});
+      ASSERT_TRUE(added) << added.error().text();
+    }
+  };
+  const auto all_sign_in = [&](const auto& token_of, int count) {
+    std::vector<std::thread> clients;
+    for (int i = 0; i < 16; ++i) clients.emplace_back([&, i] { sign_in(i, token_of(i), count); });
+    for (auto& client : clients) client.join();
+  };
+  all_sign_in([](int i) { return "new-" + std::to_string(i); }, 2);
+  EXPECT_EQ(psql("SELECT count(*), sum((token LIKE 'new-%')::int) FROM session"), "1000|32\n");
+  psql("DELETE FROM session");
+  all_sign_in([](int) { return std::string("same"); }, 5);
+  EXPECT_EQ(psql("SELECT count(*) FROM session"), "50\n");
+}
+
 TEST_F(PostgresStoreTest, ThirtyTwoThreadsOfTwoServersLeaseEachJobOnce) {
   const auto one = server("one"), two = server("two");
   constexpr int jobs = 200;

@@ -161,6 +161,16 @@ TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionEleven) {
   EXPECT_EQ(job.reference + job.note, "");
 }
 
+// Up to version fourteen, sessions were in memory.
+TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionFourteen) {
+  old_store(
+      14, "INSERT INTO token(id, owner, scopes, hash, created) VALUES('0001', 'station-1', 'read', 'a', 7)");
+  const auto store = open_store(data_);
+  ASSERT_TRUE(store) << store.error().text();
+  ASSERT_TRUE((*store)->add_session({"b", "0001", wall_clock() + 60'000}));
+  EXPECT_EQ((*store)->find_session("b")->token.owner, "station-1");
+}
+
 // A search looks at a part of the jobs for each page, and goes on with the next.
 TEST_F(SqliteStoreTest, ASearchThroughManyJobsIsDoneInPages) {
   old_store(newest_schema,
