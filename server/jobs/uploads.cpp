@@ -39,7 +39,7 @@ std::unique_lock<std::mutex> held_soon(std::mutex& busy) {
 
 Result<std::unique_ptr<Uploads>> Uploads::open(Store& store, fs::path folder, Clock clock) {
   VACUFORM_CHECK(make_directory(folder));
-  const bool in_pieces = store.keeps_pieces();
+  const bool in_pieces = store.shared();
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const auto upload = store.find_upload(entry.path().stem().string());
@@ -81,7 +81,7 @@ std::shared_ptr<Uploads::Writer> Uploads::writer_of(const std::string& id) {
           (oldest == writers_.end() || it->second->used < oldest->second->used))
         oldest = it;
     if (oldest == writers_.end()) break;
-    if (store_.keeps_pieces() && !PartialFile::remove(name_of(oldest->first))) undeleted_.insert(oldest->first);
+    if (store_.shared() && !PartialFile::remove(name_of(oldest->first))) undeleted_.insert(oldest->first);
     writers_.erase(oldest);
   }
   return found;
@@ -94,7 +94,7 @@ Result<std::uint64_t> Uploads::offset(const StoredUpload& upload) {
   if (!writing) return held(upload.id);
   if (upload.pieces > 0) return upload.received;
   if (writer->file && writer->pieces == 0) return writer->file->bytes();
-  if (store_.keeps_pieces()) return 0;
+  if (store_.shared()) return 0;
   VACUFORM_TRY(flushed, PartialFile::flushed(name_of(upload.id)));
   if (flushed == upload.length) VACUFORM_CHECK(finish_after_crash(upload, *writer));
   return flushed;
@@ -145,7 +145,7 @@ Result<void> Uploads::open_file(const StoredUpload& upload, Writer& writer) {
       VACUFORM_TRY(reader, store_.open(piece));
       readers.push_back(std::move(reader));
     }
-  } else if (store_.keeps_pieces()) {
+  } else if (store_.shared()) {
     VACUFORM_CHECK(PartialFile::remove(name));
   }
   auto file = readers.empty() ? PartialFile::open(name, upload.extension)
@@ -161,7 +161,7 @@ Result<void> Uploads::flush(const StoredUpload& upload, Writer& writer) {
   PartialFile& file = *writer.file;
   if (file.is_flushed()) return {};
   VACUFORM_CHECK(file.flush());
-  if (!store_.keeps_pieces() || !file.can_go_on() || file.bytes() == upload.length) return {};
+  if (!store_.shared() || !file.can_go_on() || file.bytes() == upload.length) return {};
   const int number = std::exchange(writer.pieces, -1);
   VACUFORM_TRY(piece, store_.upload());
   VACUFORM_CHECK(file.write_piece(piece));

@@ -29,6 +29,7 @@ namespace vacuform {
 
 class SqlStore : public Store, public ObjectTable {
  public:
+  bool shared() const override { return !options_.database.empty() && blobs_->shared(); }
   Result<Upload> upload(Use use) override { return blobs_->upload(use); }
   Result<void> room_for(std::uint64_t bytes) override { return room_->check(Use::submission, bytes); }
   std::filesystem::path temporary_path() override { return blobs_->temporary_path(); }
@@ -64,7 +65,6 @@ class SqlStore : public Store, public ObjectTable {
   Result<StoredUpload> find_upload(const std::string& id) override;
   Result<StoredUpload> finish_upload(const std::string& id, Upload file) override;
   Result<void> remove_upload(const std::string& id) override;
-  bool keeps_pieces() const override { return !options_.database.empty() && blobs_->shared(); }
   Result<void> add_piece(const std::string& id, int number, Upload piece, std::uint64_t received) override;
   Result<std::vector<Blob>> pieces(const std::string& id) override;
   Result<std::vector<std::string>> expire_uploads() override;

@@ -85,6 +85,8 @@ class Store : public JobTable,
               public ScanTable,
               public UploadTable {
  public:
+  // Whether several servers may use the store at the same time.
+  virtual bool shared() const = 0;
   // Starts a file for create() or put_artifact(). Errors here and in every function that adds something: disk_full.
   virtual Result<Upload> upload(Use use = Use::submission) = 0;
   // Whether the disk has space for a submission of so many bytes. Errors: disk_full.

@@ -39,11 +39,9 @@ class UploadTable {
   // Keeps the blob. Errors: as above.
   virtual Result<StoredUpload> finish_upload(const std::string& id, Upload file) = 0;
   virtual Result<void> remove_upload(const std::string& id) = 0;
-  // Whether several servers may use the store, so that what one has received of an upload is kept here in pieces, and
-  // another can continue it.
-  virtual bool keeps_pieces() const = 0;
-  // Keeps what has come since piece `number` - 1; `received` bytes of the file have come then. The bytes of a piece are for
-  // the caller to read. Errors: locked: another server has kept this piece; those of find_upload().
+  // For an upload that another server may continue: keeps what has come since piece `number` - 1; `received` bytes of the
+  // file have come then. The bytes of a piece are for the caller to read. Errors: locked: another server has kept this
+  // piece; those of find_upload().
   virtual Result<void> add_piece(const std::string& id, int number, Upload piece, std::uint64_t received) = 0;
   // In their order, until the upload is whole.
   virtual Result<std::vector<Blob>> pieces(const std::string& id) = 0;

@@ -468,7 +468,7 @@ TEST_F(ServersTest, AStartLeavesTheFilesOfRequestsToOtherServers) {
 }
 
 TEST_F(ServersTest, AnUploadContinuesOnTheOther) {
-  EXPECT_TRUE(one_->keeps_pieces());
+  EXPECT_TRUE(one_->shared());
   const Millis now = wall_clock();
   const StoredUpload upload{random_hex(16), "a", "scan", "stl", 10, now, now + hour, std::nullopt};
   ASSERT_TRUE(one_->add_upload(upload));
