@@ -101,6 +101,7 @@ HttpRequest S3Client::signed_request(const Request& request) const {
   http.headers = to_sign.headers;
   http.headers["authorization"] = s3_authorization(to_sign, credentials_, {address_.region});
   if (http.limit.count() == 0) http.limit = small_request;
+  if (going_) http.going = [this](std::uint64_t, std::uint64_t) { return going_(); };
   return http;
 }
 

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,6 +23,7 @@
 #include "server/store/news.hpp"
 #include "server/store/object_table.hpp"
 #include "server/store/sql.hpp"
+#include "server/store/sqlite.hpp"
 #include "server/store/store.hpp"
 #include "server/store/transitions.hpp"
 
@@ -91,6 +93,19 @@ class SqlStore : public Store, public ObjectTable {
   Result<std::vector<Expired>> expire() override;
   Result<std::vector<Expired>> bury(const std::string& worker) override;
 
+  // For copies of whole stores (copy_store.hpp).
+  //
+  // Copies all rows, as they are at one moment, into a new file of SQLite. `going` as for backup(); called when they are
+  // copied, and for many rows before.
+  virtual Result<void> copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) = 0;
+  // A table that has rows, other than those that match the store with its blobs. None: the store is empty.
+  Result<std::optional<std::string>> table_with_rows();
+  // Adds the rows of a file that copy_rows() wrote, in one change. Running jobs get leases that begin now. Errors: cancelled.
+  Result<void> add_rows(SqliteDatabase& from, const std::function<bool()>& going);
+  // Makes the store empty.
+  Result<void> remove_rows();
+  BlobStore& blobs() { return *blobs_; }
+
  protected:
   using Look = std::function<Result<void>(Database&)>;
   using Change = std::function<bool(Database&)>;
@@ -116,9 +131,6 @@ class SqlStore : public Store, public ObjectTable {
   virtual std::int64_t schema_version() const = 0;  // of the tables
   // What an acknowledged change outlives.
   virtual Result<std::string> durability(Database&) { return std::string("local"); }
-  // Copies all rows, as they are at one moment, into a new file of SQLite. `going` as for backup(); called when they are
-  // copied, and for many rows before.
-  virtual Result<void> copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) = 0;
   // After a commit: tells other servers which jobs have changed.
   virtual void announce(const std::vector<std::string>&) {}
 
@@ -279,6 +291,9 @@ class SqlStore : public Store, public ObjectTable {
   std::vector<std::string> garbage_;
   int backups_ = 0;  // in progress; blobs stay until they are done
 };
+
+// As open_store().
+Result<std::unique_ptr<SqlStore>> open_sql_store(const std::filesystem::path& data, StoreOptions options);
 
 // The lock of a data folder: one server at a time. Errors: unavailable (another server uses it), disk_full.
 Result<File> lock_data_folder(const std::filesystem::path& data);

@@ -119,6 +119,8 @@ struct StoreOptions {
   // Called once for every job that has ended, after the commit, by any thread.
   std::function<void(const Job& job)> job_ended = {};
   std::size_t most_waiters = 256;  // threads in wait_for_change()
+  // Asked by any thread during a request to an object store; false gives the request up with cancelled.
+  std::function<bool()> going = {};
 };
 
 inline constexpr Millis longest_rest = 15 * 60'000;  // of a job after a fault

@@ -19,22 +19,9 @@ constexpr Millis hour = 3'600'000;
 // One folder of the bucket for each data folder of a test.
 std::string folder_of(const fs::path& data) { return data.parent_path().filename().string(); }
 
-// A file of this process, which is deleted at its end.
-fs::path credentials_file(const S3Credentials& credentials) {
-  static const struct Named {
-    fs::path path = fs::temp_directory_path() / ("vacuform-s3-key-" + random_hex(8));
-    ~Named() { fs::remove(path); }
-  } named;
-  const fs::path& file = named.path;
-  std::ofstream(file) << "[default]\naws_access_key_id = " << credentials.key_id
-                      << "\naws_secret_access_key = " << credentials.secret << "\n";
-  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
-  return file;
-}
-
 StoreOptions with_objects(const fs::path& data, StoreOptions options) {
   options.blobs = S3Server::get().url(folder_of(data));
-  options.blobs_credentials = credentials_file(S3Server::get().credentials());
+  options.blobs_credentials = S3Server::get().credentials_file();
   return options;
 }
 
@@ -302,7 +289,7 @@ TEST(S3Stores, ADataFolderOpensOnlyWithItsOwnBucket) {
   const auto refusal = [&](const std::string& data, const std::string& bucket) {
     StoreOptions options;
     if (!bucket.empty()) options.blobs = S3Server::get().url(folder.filename().string() + "-" + bucket);
-    options.blobs_credentials = credentials_file(S3Server::get().credentials());
+    options.blobs_credentials = S3Server::get().credentials_file();
     const auto store = open_store(folder / data, options);
     if (!store) return store.error().what;
     auto upload = *(*store)->upload();
@@ -352,7 +339,9 @@ TEST(S3Address, IsRefusedWhereItCannotBeUsedOrIsNotSafe) {
 }
 
 TEST(S3Credentials, AreReadFromAPrivateFile) {
-  const fs::path file = credentials_file({"an-id", "a-secret", ""});
+  const fs::path file = fs::temp_directory_path() / ("vacuform-s3-key-" + random_hex(8));
+  std::ofstream(file) << "[default]\naws_access_key_id = an-id\naws_secret_access_key = a-secret\n";
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
   const auto found = s3_credentials(file);
   ASSERT_TRUE(found) << found.error().text();
   EXPECT_EQ(found->key_id, "an-id");
