@@ -71,6 +71,7 @@ class S3Blobs : public BlobStore {
   void collect(const std::string& sha256, const Named& named) override;
   void collect_again(const Named& named) override;
   Result<void> sweep(const Named&) override { return objects_->condemn_unnamed(); }
+  Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) override;
 
  private:
   Result<void> match_bucket();

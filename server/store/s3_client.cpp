@@ -308,7 +308,8 @@ Result<std::vector<S3Listed>> S3Client::list(const std::string& after) {
   std::vector<S3Listed> found;
   for (const auto& item : document.child("ListBucketResult").children("Contents"))
     found.push_back({std::string(item.child("Key").text().as_string()).substr(address_.prefix.size()),
-                     item.child("Size").text().as_ullong()});
+                     item.child("Size").text().as_ullong(),
+                     from_rfc3339(item.child("LastModified").text().as_string())});
   return found;
 }
 

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/base/clock.hpp"
 #include "api/base/error.hpp"
 #include "api/base/file.hpp"
 #include "api/client/http.hpp"
@@ -29,6 +30,7 @@ struct S3Object {
 struct S3Listed {
   std::string key;
   std::uint64_t bytes = 0;
+  std::optional<Millis> stored;  // by the clock of the object store
 };
 
 // From any thread. Errors of everything: unavailable (no answer, refused, no such bucket), disk_full (a quota).

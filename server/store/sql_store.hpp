@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -37,6 +38,9 @@ class SqlStore : public Store, public ObjectTable {
   Result<std::unique_ptr<BlobReader>> open(const Blob& blob) override { return blobs_->open(blob.sha256); }
   Result<StoreStatus> status() override;
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
+  Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) override {
+    return blobs_->orphans(search, going);
+  }
 
   Result<Job> create(NewJob job, bool* repeated = nullptr) override;
   Result<std::int64_t> seconds_until_room(const std::string& owner) override;
@@ -275,6 +279,7 @@ class SqlStore : public Store, public ObjectTable {
   Result<void> condemn_unnamed() override;
   Result<std::vector<StoredObject>> condemned_until(Millis time, int limit) override;
   Result<void> forget(const StoredObject& object) override;
+  Result<std::set<std::string>> keys_between(const std::string& first, const std::string& last) override;
   Result<Bucket> bucket() override;
   Result<void> remember_bucket(std::int64_t number) override;
 

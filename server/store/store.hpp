@@ -43,6 +43,7 @@
 #include "server/store/disk_room.hpp"
 #include "server/store/jobs.hpp"
 #include "server/store/leases.hpp"
+#include "server/store/orphans.hpp"
 #include "server/store/profiles.hpp"
 #include "server/store/scans.hpp"
 #include "server/store/tokens.hpp"
@@ -98,6 +99,9 @@ class Store : public JobTable,
   // when it was done. Errors: bad_usage (not an empty folder of this user), unavailable (disk full), cancelled.
   virtual Result<BackupReport> backup(const std::filesystem::path& to,
                                       const std::function<bool()>& going) = 0;
+  // Finds the objects in the bucket that no row knows, and deletes them if that is wanted. `going` may cancel it. Errors:
+  // bad_usage (the blobs are files), conflict (too many to delete), unavailable, cancelled.
+  virtual Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) = 0;
 };
 
 struct StoreOptions {

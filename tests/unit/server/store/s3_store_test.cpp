@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 
@@ -247,6 +248,70 @@ TEST_F(S3BlobsTest, AnObjectThatNeverBecameABlobIsDeletedAfterTheNextStart) {
   now_ += hour;
   collect(half.sha256);
   EXPECT_TRUE(objects_of(data()).empty());
+}
+
+// As if the rows were restored from a backup. now_ is months after the objects were stored.
+TEST_F(S3BlobsTest, FindsAndDeletesObjectsWithoutARowAndNothingElse) {
+  const auto go_on = [] { return true; };
+  auto client = S3Server::get().client(folder_of(data()));
+  ASSERT_TRUE(put(bytes(10)) && put(bytes(20)));
+  blobs_->collect(text_hash(bytes(20)), [](const std::string&) { return false; });  // condemned
+  const StoredObject arriving{text_hash("arriving"), random_hex(8), 8};
+  ASSERT_TRUE(table().add_arriving(arriving));
+  ASSERT_TRUE(client.put(arriving.key(), "arriving"));
+  const std::string other_generation = text_hash(bytes(10)) + "." + random_hex(8),
+                    unknown = text_hash("unknown") + "." + random_hex(8);
+  for (const std::string& orphan : {other_generation, unknown}) ASSERT_TRUE(client.put(orphan, "bytes"));
+  const std::vector<std::string> foreign{"notes.txt", text_hash("unknown"), text_hash("unknown") + ".txt",
+                                         "other/" + unknown};
+  for (const std::string& key : foreign) ASSERT_TRUE(client.put(key, "bytes"));
+
+  OrphanSearch search;
+  const auto found = blobs_->orphans(search, go_on);
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_EQ(found->objects, 5);
+  EXPECT_EQ(found->orphans, 2);
+  EXPECT_EQ(found->bytes, 10u);
+  EXPECT_EQ(found->deleted, 0);
+  EXPECT_LT(std::abs(found->oldest.value_or(0) - wall_clock()), hour);
+  EXPECT_EQ(objects_of(data()).size(), 9u);
+
+  search.remove = true;
+  search.older_than = now_ - wall_clock() + hour;  // than an hour ago
+  EXPECT_EQ(blobs_->orphans(search, go_on)->orphans, 0);
+  search.older_than -= 2 * hour;
+  EXPECT_EQ(blobs_->orphans(search, [] { return false; }).error().code, Code::cancelled);
+  EXPECT_EQ(blobs_->orphans(search, go_on)->deleted, 2);
+  std::set<std::string> left;
+  for (const S3Listed& object : objects_of(data())) left.insert(object.key);
+  EXPECT_EQ(left.size(), 7u);
+  EXPECT_EQ(left.count(other_generation) + left.count(unknown), 0u);
+  EXPECT_EQ(left.count(arriving.key()), 1u);
+  for (const std::string& key : foreign) EXPECT_EQ(left.count(key), 1u) << key;
+  EXPECT_TRUE(blobs_->open(text_hash(bytes(10))));
+}
+
+TEST_F(S3BlobsTest, RefusesToDeleteManyOrphans) {
+  const auto go_on = [] { return true; };
+  auto client = S3Server::get().client(folder_of(data()));
+  ASSERT_TRUE(put(bytes(10)));
+  const auto add_orphan = [&] {
+    ASSERT_TRUE(client.put(text_hash(random_hex(8)) + "." + random_hex(8), "bytes"));
+  };
+  for (int i = 0; i < OrphanSearch::few + 1; ++i) add_orphan();
+  OrphanSearch search;
+  search.remove = true;
+  const auto refused = blobs_->orphans(search, go_on);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::conflict);
+  EXPECT_EQ(refused.error().what,
+            "21 of 22 objects in the bucket are orphans, 95.5 percent: nothing was deleted");
+  EXPECT_EQ(objects_of(data()).size(), 22u);
+  search.most = 96;
+  EXPECT_EQ(blobs_->orphans(search, go_on)->deleted, 21);
+  for (int i = 0; i < OrphanSearch::few; ++i) add_orphan();
+  search.most = 5;
+  EXPECT_EQ(blobs_->orphans(search, go_on)->deleted, 20);
 }
 
 TEST_F(S3BlobsTest, SaysWhenTheBucketIsFull) {
