@@ -36,10 +36,13 @@ class ShownCopy {
     if (now < next_) return;
     next_ = now + std::chrono::seconds(1);
     constexpr double mebibyte = 1 << 20;
-    std::fprintf(stderr, "%s %lld of %lld files, %.0f of %.0f MiB\n", progress.step,
-                 static_cast<long long>(progress.blobs), static_cast<long long>(progress.all_blobs),
-                 static_cast<double>(progress.bytes) / mebibyte,
-                 static_cast<double>(progress.all_bytes) / mebibyte);
+    if (progress.rows > 0)
+      std::fprintf(stderr, "%s %lld rows\n", progress.step, static_cast<long long>(progress.rows));
+    else
+      std::fprintf(stderr, "%s %lld of %lld files, %.0f of %.0f MiB\n", progress.step,
+                   static_cast<long long>(progress.blobs), static_cast<long long>(progress.all_blobs),
+                   static_cast<double>(progress.bytes) / mebibyte,
+                   static_cast<double>(progress.all_bytes) / mebibyte);
   }
 
  private:

@@ -141,7 +141,12 @@ class StoreCopy {
       ++now_.blobs;
     }
     report_.blobs = static_cast<std::int64_t>(copied_.size());
-    return target_->add_rows(rows.db(), going_);
+    begin("added", {});
+    return target_->add_rows(rows.db(), [this] {
+      progress_(now_);
+      ++now_.rows;
+      return going_();
+    });
   }
 
   // Opens the target again, so that nothing is trusted because it was written just now.
@@ -186,7 +191,7 @@ class StoreCopy {
   }
 
   void begin(const char* step, const std::vector<Blob>& blobs) {
-    now_ = {step, 0, static_cast<std::int64_t>(blobs.size()), 0, 0};
+    now_ = {step, 0, static_cast<std::int64_t>(blobs.size()), 0, 0, 0};
     for (const Blob& blob : blobs) now_.all_bytes += blob.bytes;
   }
 

@@ -26,9 +26,10 @@ struct StorePlace {
 };
 
 struct CopyProgress {
-  const char* step = "";  // "copied" or "compared"
+  const char* step = "";  // "copied" or "compared": blobs; "added": rows
   std::int64_t blobs = 0, all_blobs = 0;
   std::uint64_t bytes = 0, all_bytes = 0;
+  std::int64_t rows = 0;
 };
 
 struct CopyReport {
@@ -37,10 +38,10 @@ struct CopyReport {
   std::vector<std::string> damaged;  // hashes of blobs that were left out, as in BackupReport
 };
 
-// `going` may cancel it; `progress` is called after each piece of a blob. Both are called by this thread alone. After an
-// error the target has no rows, unless the error says so. Temporary files are in the target's data folder. Errors:
-// not_found (no source), unavailable (a server uses source or target), bad_usage (the target has rows), disk_full,
-// cancelled, internal (the copy differs).
+// `going` may cancel it; `progress` is called after each piece of a blob and before each row. Both are called by this
+// thread alone. After an error the target has no rows, unless the error says so. Temporary files are in the target's data
+// folder. Errors: not_found (no source), unavailable (a server uses source or target), bad_usage (the target has rows),
+// disk_full, cancelled, internal (the copy differs).
 Result<CopyReport> copy_store(const StorePlace& from, const StorePlace& to,
                               const std::function<bool()>& going,
                               const std::function<void(const CopyProgress&)>& progress);
