@@ -18,7 +18,9 @@
 #include "server/access/tokens.hpp"
 #include "server/commands/backup_command.hpp"
 #include "server/commands/configuration.hpp"
+#include "server/commands/copy_store_command.hpp"
 #include "server/commands/local_workers.hpp"
+#include "server/commands/orphans_command.hpp"
 #include "server/commands/token_command.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/server.hpp"
@@ -199,10 +201,13 @@ Result<void> serve(const Configuration& options) {
 }
 
 Result<void> run(ConfigurationSources& sources, const Configuration& configuration, TokenCommand& token,
-                 BackupCommand& backup, int argc, char** argv) {
+                 BackupCommand& backup, CopyStoreCommand& copy, OrphansCommand& orphans, int argc,
+                 char** argv) {
   VACUFORM_CHECK(sources.read(argc, argv));
   if (token.asked()) return token.run(configuration.data, configuration.store_options());
   if (backup.asked()) return backup.run(configuration.data, configuration.store_options());
+  if (copy.asked()) return copy.run(configuration.data, configuration.store_options());
+  if (orphans.asked()) return orphans.run(configuration.data, configuration.store_options());
   if (!sources.only_check()) return serve(configuration);
   VACUFORM_CHECK(check(configuration));
   std::printf("%s\n", sources.text().c_str());
@@ -226,8 +231,12 @@ int main(int argc, char** argv) {
   token.add_to(app);
   vacuform::BackupCommand backup;
   backup.add_to(app);
+  vacuform::CopyStoreCommand copy;
+  copy.add_to(app);
+  vacuform::OrphansCommand orphans;
+  orphans.add_to(app);
   try {
-    const auto done = vacuform::run(sources, configuration, token, backup, argc, argv);
+    const auto done = vacuform::run(sources, configuration, token, backup, copy, orphans, argc, argv);
     if (done) return 0;
     std::fprintf(stderr, "vacuform-server: %s\n", done.error().text().c_str());
     return vacuform::meaning(done.error().code).exit_code;

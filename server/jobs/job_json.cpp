@@ -70,6 +70,14 @@ ordered_json backup_json(const BackupReport& report) {
   return {{"jobs", report.jobs}, {"files", report.blobs}, {"damaged", report.damaged}};
 }
 
+ordered_json orphans_json(const OrphanReport& report) {
+  return {{"objects", report.objects},
+          {"orphans", report.orphans},
+          {"bytes", report.bytes},
+          {"oldest", report.oldest ? ordered_json(rfc3339(*report.oldest)) : ordered_json()},
+          {"deleted", report.deleted}};
+}
+
 ordered_json log_line_json(const LogLine& line) {
   return {{"number", line.number}, {"time", rfc3339(line.time)}, {"text", line.text}};
 }

@@ -13,6 +13,7 @@ nlohmann::ordered_json job_json(const Job& job, const Outlook& outlook);
 nlohmann::ordered_json artifact_json(const Job& job, const StoredArtifact& artifact);
 nlohmann::ordered_json input_json(const Input& input);
 nlohmann::ordered_json backup_json(const BackupReport& report);
+nlohmann::ordered_json orphans_json(const OrphanReport& report);
 nlohmann::ordered_json log_line_json(const LogLine& line);
 nlohmann::ordered_json inputs_json(const Job& job);  // by name, those that the job has
 std::string etag_of(const Job& job);                 // of the job as it is now, with its quotes

@@ -20,6 +20,7 @@
 #include "api/base/file.hpp"
 #include "api/base/sha256.hpp"
 #include "server/store/disk_room.hpp"
+#include "server/store/orphans.hpp"
 
 namespace vacuform {
 
@@ -145,6 +146,8 @@ class BlobStore {
   virtual void collect_again(const Named& named) = 0;
   // Deletes blobs that no row names. Only before anything is put. Errors: unavailable.
   virtual Result<void> sweep(const Named& named) = 0;
+  // As Store::orphans().
+  virtual Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going);
 };
 
 }  // namespace vacuform

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,8 @@ class ObjectTable {
   // Those that were condemned up to a time, the oldest first.
   virtual Result<std::vector<StoredObject>> condemned_until(Millis time, int limit) = 0;
   virtual Result<void> forget(const StoredObject& object) = 0;
+  // The keys of all rows of blobs whose hashes are from `first` to `last`.
+  virtual Result<std::set<std::string>> keys_between(const std::string& first, const std::string& last) = 0;
 
   // The number that the bucket and the rows share, and whether any row names a blob. None: there is no bucket yet.
   struct Bucket {

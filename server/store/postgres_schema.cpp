@@ -1,5 +1,6 @@
 #include "server/store/postgres_schema.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -121,7 +122,8 @@ constexpr std::array tables{
         "job",
         "id, client_key, kind, state, stage, progress, attempt, losses, crashes, created, started, ended,"
         " worker, lease_hash, error_code, error_what, error_where, error_fix, settings, request, owner,"
-        " priority, derived_from, not_before, version, log_lines, serious_warnings, reference, note"},
+        " priority, derived_from, not_before, version, log_lines, serious_warnings, reference, note",
+        6},
     CopiedTable{"input", "job, name, blob, bytes, extension"},
     CopiedTable{"artifact", "job, name, blob, bytes"},
     CopiedTable{"job_log", "job, number, time, text"},
@@ -129,7 +131,7 @@ constexpr std::array tables{
     CopiedTable{"upload", "id, owner, input, extension, length, created, expires, collected, blob, bytes"},
     CopiedTable{"scan", "id, owner, created, blob, bytes, extension"},
     CopiedTable{"profile", "name, settings, changed, is_default"},
-    CopiedTable{"remembered", "name, value"},
+    CopiedTable{"remembered", "name, value", 0, "name NOT IN ('bucket', 'database')"},
 };
 
 Result<void> change_tables(Database& db, std::int64_t wanted) {
@@ -158,6 +160,13 @@ Result<void> change_tables(Database& db, std::int64_t wanted) {
 const std::int64_t newest_postgres_schema = postgres_changes.size();
 
 std::span<const CopiedTable> copied_tables() { return tables; }
+
+std::string insertion(const CopiedTable& table) {
+  const std::string columns = table.columns;
+  std::string marks = "?";
+  for (auto n = std::count(columns.begin(), columns.end(), ','); n > 0; --n) marks += ",?";
+  return "INSERT INTO " + std::string(table.name) + "(" + columns + ") VALUES(" + marks + ")";
+}
 
 Result<void> bring_postgres_up_to_date(Database& db, std::int64_t version) {
   VACUFORM_CHECK(db.execute("BEGIN; SET LOCAL lock_timeout='2s'"));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "server/store/sql.hpp"
 
@@ -18,8 +19,12 @@ Result<void> bring_postgres_up_to_date(Database& db, std::int64_t version = newe
 // The tables that a copy contains, after those that they refer to.
 struct CopiedTable {
   const char* name;
-  const char* columns;  // "a, b, c"
+  const char* columns;         // "a, b, c"
+  int real = 0;                // the column with floating-point numbers, from 1; 0: none
+  const char* moved = "true";  // the rows that belong to the store wherever its rows and blobs are
 };
+// An insertion of one row.
+std::string insertion(const CopiedTable& table);
 std::span<const CopiedTable> copied_tables();
 
 }  // namespace vacuform

@@ -1,6 +1,7 @@
 #include "server/store/postgres_store.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <thread>
 
 #include "api/base/secrets.hpp"
@@ -41,11 +42,12 @@ constexpr const char* leases_left = "SELECT job, ends-" VACUFORM_NOW " FROM leas
 
 constexpr int rows_at_once = 1000;
 
-std::string insertion(const CopiedTable& table) {
-  const std::string columns = table.columns;
-  std::string marks = "?";
-  for (auto n = std::count(columns.begin(), columns.end(), ','); n > 0; --n) marks += ",?";
-  return "INSERT INTO " + std::string(table.name) + "(" + columns + ") VALUES(" + marks + ")";
+void bind_value(Statement& target, const CopiedTable& table, std::size_t column, const std::string& value) {
+  const auto index = static_cast<int>(column) + 1;
+  double number = 0;
+  if (table.real != index) return target.bind(index, std::string_view(value));
+  std::from_chars(value.data(), value.data() + value.size(), number);  // SQLite would round it another way
+  target.bind(index, number);
 }
 
 // One table of a copy, `rows_at_once` at a time; `copied` is called in between.
@@ -60,7 +62,7 @@ Result<void> copy_table(PostgresConnection& from, const CopiedTable& table, Stat
     if (rows.empty()) return {};
     for (const auto& row : rows) {
       for (std::size_t i = 0; i < row.size(); ++i)
-        if (row[i]) target->bind(static_cast<int>(i) + 1, std::string_view(*row[i]));
+        if (row[i]) bind_value(*target, table, i, *row[i]);
       const auto stepped = target->step();
       target->reset();
       if (!stepped) return tl::make_unexpected(stepped.error());
@@ -287,7 +289,8 @@ Result<std::vector<LeaseTimes::Current>> PostgresStore::Leases::current(Database
   }
 }
 
-Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& data, StoreOptions options) {
+Result<std::unique_ptr<SqlStore>> open_postgres_store(const std::filesystem::path& data,
+                                                      StoreOptions options) {
   VACUFORM_CHECK(check_database(options.database));
   VACUFORM_TRY(lock, lock_data_folder(data));
   auto room = DiskRoom::open(data, options.kept_free);
@@ -295,7 +298,7 @@ Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& 
   auto store =
       std::make_unique<PostgresStore>(std::move(options), std::move(room), std::move(blobs), std::move(lock));
   VACUFORM_CHECK(store->open(data));
-  return std::unique_ptr<Store>(std::move(store));
+  return std::unique_ptr<SqlStore>(std::move(store));
 }
 
 }  // namespace vacuform

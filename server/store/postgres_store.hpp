@@ -76,6 +76,7 @@ class PostgresStore : public SqlStore {
 };
 
 // As open_store(), with options.database set.
-Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& data, StoreOptions options);
+Result<std::unique_ptr<SqlStore>> open_postgres_store(const std::filesystem::path& data,
+                                                      StoreOptions options);
 
 }  // namespace vacuform

@@ -198,7 +198,7 @@ Result<std::string> S3Blobs::read_small(const StoredObject& object) {
         bytes += piece;
         return bytes.size() <= small_blob;
       });
-  if (!got && got.error().code != Code::not_found && got.error().code != Code::cancelled)
+  if (!got && got.error().code != Code::not_found && bytes.size() <= small_blob)
     return tl::make_unexpected(got.error());
   if (!got || text_hash(bytes) != object.sha256) return damaged(object.sha256);
   return bytes;

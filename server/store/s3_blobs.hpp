@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -34,6 +35,7 @@ struct S3Options {
   std::uint64_t parts_above = 100 << 20;  // larger blobs are sent in parts
   std::uint64_t part = 64 << 20;          // of that size, or larger for the 10,000 parts that S3 allows
   std::chrono::milliseconds trust = std::chrono::hours(1);  // in bytes that were found to be right
+  std::function<bool()> going = {};                         // as in StoreOptions
 };
 
 // Objects whose bytes were verified within the last `trust`, by their entity tags. From any thread.
@@ -60,7 +62,7 @@ class S3Blobs : public BlobStore {
           S3Credentials credentials, S3Options options = {})
       : options_(std::move(options)),
         incoming_(data, std::move(room)),
-        client_(std::make_shared<S3Client>(std::move(address), std::move(credentials))),
+        client_(std::make_shared<S3Client>(std::move(address), std::move(credentials), options_.going)),
         checked_(std::make_shared<CheckedObjects>(options_.trust)) {}
 
   Result<void> begin(ObjectTable& objects) override;
@@ -75,6 +77,7 @@ class S3Blobs : public BlobStore {
   void collect(const std::string& sha256, const Named& named) override;
   void collect_again(const Named& named) override;
   Result<void> sweep(const Named&) override;
+  Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) override;
 
  private:
   Result<void> match_bucket();

@@ -101,6 +101,7 @@ HttpRequest S3Client::signed_request(const Request& request) const {
   http.headers = to_sign.headers;
   http.headers["authorization"] = s3_authorization(to_sign, credentials_, {address_.region});
   if (http.limit.count() == 0) http.limit = small_request;
+  if (going_) http.going = [this](std::uint64_t, std::uint64_t) { return going_(); };
   return http;
 }
 
@@ -307,7 +308,8 @@ Result<std::vector<S3Listed>> S3Client::list(const std::string& after) {
   std::vector<S3Listed> found;
   for (const auto& item : document.child("ListBucketResult").children("Contents"))
     found.push_back({std::string(item.child("Key").text().as_string()).substr(address_.prefix.size()),
-                     item.child("Size").text().as_ullong()});
+                     item.child("Size").text().as_ullong(),
+                     from_rfc3339(item.child("LastModified").text().as_string())});
   return found;
 }
 

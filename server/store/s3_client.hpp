@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/base/clock.hpp"
 #include "api/base/error.hpp"
 #include "api/base/file.hpp"
 #include "api/client/http.hpp"
@@ -29,13 +30,15 @@ struct S3Object {
 struct S3Listed {
   std::string key;
   std::uint64_t bytes = 0;
+  std::optional<Millis> stored;  // by the clock of the object store
 };
 
 // From any thread. Errors of everything: unavailable (no answer, refused, no such bucket), disk_full (a quota).
 class S3Client {
  public:
-  S3Client(S3Address address, S3Credentials credentials)
-      : address_(std::move(address)), credentials_(std::move(credentials)) {}
+  // `going`, unless it is empty, is asked several times a second during a request; false gives it up with cancelled.
+  S3Client(S3Address address, S3Credentials credentials, std::function<bool()> going = {})
+      : address_(std::move(address)), credentials_(std::move(credentials)), going_(std::move(going)) {}
 
   // Whether the bucket is there and the credentials are good for it. Errors: bad_usage if not; unavailable.
   Result<void> check();
@@ -84,6 +87,7 @@ class S3Client {
 
   const S3Address address_;
   const S3Credentials credentials_;
+  const std::function<bool()> going_;
   std::mutex mutex_;
   std::vector<Http> idle_;  // connections that nobody uses
 };

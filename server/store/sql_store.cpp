@@ -148,6 +148,7 @@ Result<std::unique_ptr<BlobStore>> open_blobs(const std::filesystem::path& data,
   S3Options s3;
   s3.clock = options.clock;
   s3.alone = options.database.empty();
+  s3.going = options.going;
   return std::make_unique<S3Blobs>(data, std::move(room), std::move(address), std::move(credentials),
                                    std::move(s3));
 }

@@ -11,6 +11,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,6 +24,7 @@
 #include "server/store/news.hpp"
 #include "server/store/object_table.hpp"
 #include "server/store/sql.hpp"
+#include "server/store/sqlite.hpp"
 #include "server/store/store.hpp"
 #include "server/store/transitions.hpp"
 
@@ -36,6 +39,9 @@ class SqlStore : public Store, public ObjectTable {
   Result<std::unique_ptr<BlobReader>> open(const Blob& blob) override { return blobs_->open(blob.sha256); }
   Result<StoreStatus> status() override;
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
+  Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) override {
+    return blobs_->orphans(search, going);
+  }
 
   Result<Job> create(NewJob job, bool* repeated = nullptr) override;
   Result<std::int64_t> seconds_until_room(const std::string& owner) override;
@@ -98,6 +104,19 @@ class SqlStore : public Store, public ObjectTable {
   Result<std::vector<Expired>> expire() override;
   Result<std::vector<Expired>> bury(const std::string& worker) override;
 
+  // For copies of whole stores (copy_store.hpp).
+  //
+  // Copies all rows, as they are at one moment, into a new file of SQLite. `going` as for backup(); called when they are
+  // copied, and for many rows before.
+  virtual Result<void> copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) = 0;
+  // A table that has rows, other than those that match the store with its blobs. None: the store is empty.
+  Result<std::optional<std::string>> table_with_rows();
+  // Adds the rows of a file that copy_rows() wrote, in one change. Running jobs get leases that begin now. Errors: cancelled.
+  Result<void> add_rows(SqliteDatabase& from, const std::function<bool()>& going);
+  // Makes the store empty.
+  Result<void> remove_rows();
+  BlobStore& blobs() { return *blobs_; }
+
  protected:
   using Look = std::function<Result<void>(Database&)>;
   using Change = std::function<bool(Database&)>;
@@ -123,9 +142,6 @@ class SqlStore : public Store, public ObjectTable {
   virtual std::int64_t schema_version() const = 0;  // of the tables
   // What an acknowledged change outlives.
   virtual Result<std::string> durability(Database&) { return std::string("local"); }
-  // Copies all rows, as they are at one moment, into a new file of SQLite. `going` as for backup(); called when they are
-  // copied, and for many rows before.
-  virtual Result<void> copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) = 0;
   // After a commit: tells other servers which jobs have changed.
   virtual void announce(const std::vector<std::string>&) {}
 
@@ -276,6 +292,7 @@ class SqlStore : public Store, public ObjectTable {
   Result<void> hold_objects(Database& db, std::vector<std::string> hashes);
   Result<std::vector<StoredObject>> condemned_until(Millis time, int limit) override;
   Result<void> forget(const StoredObject& object) override;
+  Result<std::set<std::string>> keys_between(const std::string& first, const std::string& last) override;
   Result<Bucket> bucket() override;
   Result<void> remember_bucket(std::int64_t number) override;
 
@@ -292,6 +309,9 @@ class SqlStore : public Store, public ObjectTable {
   std::vector<std::string> garbage_;
   int backups_ = 0;  // in progress; blobs stay until they are done
 };
+
+// As open_store().
+Result<std::unique_ptr<SqlStore>> open_sql_store(const std::filesystem::path& data, StoreOptions options);
 
 // The lock of a data folder: one server at a time. Errors: unavailable (another server uses it), disk_full.
 Result<File> lock_data_folder(const std::filesystem::path& data);

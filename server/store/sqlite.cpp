@@ -35,6 +35,13 @@ class SqliteStatement : public Statement {
     return bytes ? std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)))
                  : std::string();
   }
+  // Makes a column of the row, from 0, the argument of another statement in the same place.
+  void bind_to(Statement& target, int column) const {
+    const int type = sqlite3_column_type(statement_, column);
+    if (type == SQLITE_INTEGER) target.bind(column + 1, integer(column));
+    if (type == SQLITE_FLOAT) target.bind(column + 1, real(column));
+    if (type == SQLITE_TEXT) target.bind(column + 1, text(column));
+  }
   std::int64_t steps() const { return sqlite3_stmt_status(statement_, SQLITE_STMTSTATUS_VM_STEP, 0); }
 
  private:
@@ -84,6 +91,22 @@ Result<void> SqliteDatabase::copy_to(const std::string& path, const std::functio
   if (code != SQLITE_DONE && !going) return fail(Code::cancelled, "the copy was cancelled");
   if (code != SQLITE_DONE) return copy.error();
   return {};
+}
+
+Result<void> SqliteDatabase::run_for_rows(const std::string& select, Statement& target,
+                                          const std::function<bool()>& going) {
+  sqlite3_stmt* made = nullptr;
+  if (sqlite3_prepare_v2(db_, select.c_str(), -1, &made, nullptr) != SQLITE_OK) return error();
+  SqliteStatement rows(*this, made);
+  for (;;) {
+    if (!going()) return fail(Code::cancelled, "the copy was cancelled");
+    VACUFORM_TRY(more, rows.step());
+    if (!more) return {};
+    for (int i = 0; i < sqlite3_column_count(made); ++i) rows.bind_to(target, i);
+    const auto ran = target.step();
+    target.reset();
+    if (!ran) return tl::make_unexpected(ran.error());
+  }
 }
 
 std::int64_t SqliteDatabase::steps() const {

@@ -32,6 +32,9 @@ class SqliteDatabase : public Database {
   // Copies the database into a new file. Between pieces of a thousand pages `pause` is called, which may let others use
   // the connection; what they change is in the copy. False from it gives up with cancelled.
   Result<void> copy_to(const std::string& path, const std::function<bool()>& pause);
+  // Runs `target` for each row of `select`, with the values of the row as its arguments. False from `going`, which is asked
+  // before each row, gives up with cancelled.
+  Result<void> run_for_rows(const std::string& select, Statement& target, const std::function<bool()>& going);
   // Whether an error since the last call may mean that the disk is full.
   bool take_perhaps_full() { return std::exchange(perhaps_full_, false); }
   // Transactions so far that have changed the file, each of them in it for good.

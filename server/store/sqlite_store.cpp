@@ -132,7 +132,7 @@ tl::unexpected<Error> no_store(const std::filesystem::path& data) {
               "give the data folder of the service with --data");
 }
 
-Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options) {
+Result<std::unique_ptr<SqlStore>> open_sql_store(const std::filesystem::path& data, StoreOptions options) {
   if (!options.database.empty()) return open_postgres_store(data, std::move(options));
   if (!options.elapsed) options.elapsed = boot_clock;
   VACUFORM_TRY(lock, lock_data_folder(data));
@@ -145,6 +145,11 @@ Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, Sto
   auto store =
       std::make_unique<SqliteStore>(std::move(options), std::move(room), std::move(blobs), std::move(lock));
   VACUFORM_CHECK(store->open(data));
+  return std::unique_ptr<SqlStore>(std::move(store));
+}
+
+Result<std::unique_ptr<Store>> open_store(const std::filesystem::path& data, StoreOptions options) {
+  VACUFORM_TRY(store, open_sql_store(data, std::move(options)));
   return std::unique_ptr<Store>(std::move(store));
 }
 

@@ -43,6 +43,7 @@
 #include "server/store/disk_room.hpp"
 #include "server/store/jobs.hpp"
 #include "server/store/leases.hpp"
+#include "server/store/orphans.hpp"
 #include "server/store/profiles.hpp"
 #include "server/store/scans.hpp"
 #include "server/store/sessions.hpp"
@@ -102,6 +103,9 @@ class Store : public JobTable,
   // when it was done. Errors: bad_usage (not an empty folder of this user), unavailable (disk full), cancelled.
   virtual Result<BackupReport> backup(const std::filesystem::path& to,
                                       const std::function<bool()>& going) = 0;
+  // Finds the objects in the bucket that no row knows, and deletes them if that is wanted. `going` may cancel it. Errors:
+  // bad_usage (the blobs are files), conflict (too many to delete), unavailable, cancelled.
+  virtual Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) = 0;
 };
 
 struct StoreOptions {
@@ -123,6 +127,8 @@ struct StoreOptions {
   // Called once for every job that has ended, after the commit, by any thread.
   std::function<void(const Job& job)> job_ended = {};
   std::size_t most_waiters = 256;  // threads in wait_for_change()
+  // Asked by any thread during a request to an object store; false gives the request up with cancelled.
+  std::function<bool()> going = {};
 };
 
 inline constexpr Millis longest_rest = 15 * 60'000;  // of a job after a fault

@@ -1,9 +1,11 @@
 """The service with its files in a real object store: from a scan to its findings, parts of a download, deletion, an object
 store that dies in mid-job, and refusals."""
 import hashlib
+import json
 import os
 import signal
 import subprocess
+import time
 import unittest
 
 import made_scans
@@ -26,8 +28,11 @@ class InAnObjectStore(Case):
         return subprocess.run([BIN / "vacuform-server", *map(str, words)], capture_output=True, text=True,
                               env={**os.environ, **(environment or {})})
 
+    def objects(self):
+        return {key for key in self.store.keys() if "." in key and "/" not in key}
+
     def hashes(self):
-        return {key.partition(".")[0] for key in self.store.keys() if key != "vacuform-store"}
+        return {key.partition(".")[0] for key in self.objects()}
 
     def download(self, job, artifact, *words):
         return curl(*words, f"{self.server.api}/jobs/{job}/artifacts/{artifact}")
@@ -92,6 +97,43 @@ class InAnObjectStore(Case):
             self.assertEqual(found.status, 200, found)
         again = curl(f"{self.server.api}/jobs/{job}/artifacts/findings.json")
         self.assertEqual(found.body, again.body)
+
+    def test_orphans_are_listed_and_deleted_while_the_server_runs(self):
+        words = ["orphans", "--data", self.server.data]
+        sent = curl("-H", "Idempotency-Key: beside-orphans", "-F", f"scan=@{made_scans.newborn()}", "-F", "kind=inspection",
+                    self.server.api + "/jobs")
+        self.assertEqual(self.server.wait(sent.json["id"])["state"], "succeeded")
+        kept, orphan = self.objects(), hashlib.sha256(b"nobody knows it").hexdigest() + ".0123456789abcdef"
+        self.store.request("PUT", "/" + orphan, "a lost scan")
+        listed = self.command(*words)
+        self.assertEqual(listed.returncode, 0, listed.stderr)
+        self.assertEqual(json.loads(listed.stdout), {"objects": len(kept) + 1, "orphans": 0, "bytes": 0, "oldest": None,
+                                                     "deleted": 0})
+        time.sleep(2)  # the object store rounds times up to seconds
+        found = curl("-H", "Content-Type: application/json", "-d", '{"older_than_hours": 0}', self.server.api + "/orphans")
+        self.assertEqual((found.status, found.json["orphans"], found.json["bytes"]), (200, 1, 11), found)
+        deleted = self.command(*words, "--older-than", "0", "--delete")
+        self.assertEqual(json.loads(deleted.stdout)["deleted"], 1, deleted.stderr)
+        self.assertIn('"event":"orphans-deleted"', self.server.program.says())
+        self.assertEqual(self.objects(), kept)
+
+    def test_orphans_are_deleted_while_no_server_runs(self):
+        url = self.store.url.replace("?", "/at-rest?")
+        places = ["--data", self.folder / "at-rest", "--blobs", url, "--blobs-credentials", self.key]
+        made = self.command(*places, "token", "create", "--owner", "a", "--scopes", "read")
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.store.request("PUT", f"/at-rest/{'a' * 64}.0123456789abcdef", "a lost scan")
+        time.sleep(2)
+        deleted = self.command(*places, "orphans", "--older-than", "0", "--delete")
+        self.assertEqual(deleted.returncode, 0, deleted.stderr)
+        report = json.loads(deleted.stdout)
+        self.assertEqual((report["objects"], report["orphans"], report["deleted"]), (1, 1, 1))
+        self.assertEqual([key for key in self.store.keys() if key.startswith("at-rest/")], ["at-rest/vacuform-store"])
+        files = self.folder / "files"
+        self.command("--data", files, "token", "create", "--owner", "a", "--scopes", "read")
+        refused = self.command("orphans", "--data", files)
+        self.assertEqual(refused.returncode, 2, refused.stdout)
+        self.assertIn("there is no bucket", refused.stderr)
 
     def test_a_wrong_secret_is_refused_at_the_start_and_not_shown(self):
         data = self.folder / "refused"

@@ -59,7 +59,9 @@ class ServerAccess : public ServerTest {
 Scope needed(const http::Route& route) {
   if (route.pattern.starts_with("/api/v1/leases")) return Scope::work;
   if (route.pattern.starts_with("/api/v1/tokens")) return Scope::admin;
-  if (route.pattern == "/api/v1/backup" || route.pattern == "/api/v1/service") return Scope::admin;
+  if (route.pattern == "/api/v1/backup" || route.pattern == "/api/v1/orphans" ||
+      route.pattern == "/api/v1/service")
+    return Scope::admin;
   if (route.pattern.starts_with("/api/v1/profiles") && route.method != "GET") return Scope::admin;
   if (route.pattern.starts_with("/api/v1/uploads")) return Scope::submit;
   return route.method == "GET" ? Scope::read : Scope::submit;

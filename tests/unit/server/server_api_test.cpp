@@ -470,6 +470,18 @@ TEST_F(ServerApi, ABackupNeedsAnEmptyFolderOfTheServersOwn) {
   EXPECT_EQ((*open_store(to))->list(10, "")->jobs.size(), 1u);
 }
 
+TEST_F(ServerApi, FilesInTheDataFolderHaveNoOrphans) {
+  const auto orphans = [&](const std::string& body) {
+    return ask("POST", "/api/v1/orphans", bearer(admin_) + "Content-Type: application/json\r\n", body);
+  };
+  const Answer none = orphans("{}");
+  EXPECT_EQ(none.status, 400) << none.body;
+  EXPECT_TRUE(json::parse(none.body)["what"].get<std::string>().starts_with("there is no bucket"));
+  for (const char* wrong :
+       {R"({"delete": "yes"})", R"({"older_than_hours": -1})", R"({"most_percent": 101})"})
+    EXPECT_NE(json::parse(orphans(wrong).body)["where"], "") << wrong;
+}
+
 TEST_F(ServerApi, AdministratorsSeeTheStateOfTheService) {
   EXPECT_EQ(ask("GET", "/api/v1/service").status, 403);
   const auto service = [&] { return json::parse(ask("GET", "/api/v1/service", bearer(admin_)).body); };

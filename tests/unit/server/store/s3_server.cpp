@@ -6,9 +6,14 @@
 
 #include <array>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 
+#include "api/base/secrets.hpp"
+
 namespace vacuform {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -46,9 +51,14 @@ S3Server::S3Server() {
   if (mark == std::string::npos) no_object_store("Swift did not start");
   bucket_ = url.substr(0, mark);
   endpoint_ = url.substr(mark);
+  file_ = fs::temp_directory_path() / ("vacuform-s3-key-" + random_hex(8));
+  std::ofstream(file_) << "[default]\naws_access_key_id = " << credentials_.key_id
+                       << "\naws_secret_access_key = " << credentials_.secret << "\n";
+  fs::permissions(file_, fs::perms::owner_read | fs::perms::owner_write);
 }
 
 S3Server::~S3Server() {
+  fs::remove(file_);
   std::fclose(to_);
   ::waitpid(process_, nullptr, 0);
   std::fclose(from_);

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <set>
 #include <string>
 
@@ -20,6 +21,8 @@ class S3Server {
   // The address of a folder in its bucket, as --blobs takes it.
   std::string url(const std::string& folder) const;
   const S3Credentials& credentials() const { return credentials_; }
+  // A private file with them, as --blobs-credentials takes it; deleted at the end of the program.
+  const std::filesystem::path& credentials_file() const { return file_; }
   // The requests of a user of that folder.
   S3Client client(const std::string& folder) const;
   // kill -9 of all its processes.
@@ -41,6 +44,7 @@ class S3Server {
   std::FILE* from_ = nullptr;
   std::string bucket_, endpoint_;
   S3Credentials credentials_;
+  std::filesystem::path file_;
 };
 
 }  // namespace vacuform

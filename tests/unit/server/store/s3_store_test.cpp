@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 
@@ -19,22 +20,9 @@ constexpr Millis hour = 3'600'000;
 // One folder of the bucket for each data folder of a test.
 std::string folder_of(const fs::path& data) { return data.parent_path().filename().string(); }
 
-// A file of this process, which is deleted at its end.
-fs::path credentials_file(const S3Credentials& credentials) {
-  static const struct Named {
-    fs::path path = fs::temp_directory_path() / ("vacuform-s3-key-" + random_hex(8));
-    ~Named() { fs::remove(path); }
-  } named;
-  const fs::path& file = named.path;
-  std::ofstream(file) << "[default]\naws_access_key_id = " << credentials.key_id
-                      << "\naws_secret_access_key = " << credentials.secret << "\n";
-  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
-  return file;
-}
-
 StoreOptions with_objects(const fs::path& data, StoreOptions options) {
   options.blobs = S3Server::get().url(folder_of(data));
-  options.blobs_credentials = credentials_file(S3Server::get().credentials());
+  options.blobs_credentials = S3Server::get().credentials_file();
   return options;
 }
 
@@ -262,6 +250,70 @@ TEST_F(S3BlobsTest, AnObjectThatNeverBecameABlobIsDeletedAfterTheNextStart) {
   EXPECT_TRUE(objects_of(data()).empty());
 }
 
+// As if the rows were restored from a backup. now_ is months after the objects were stored.
+TEST_F(S3BlobsTest, FindsAndDeletesObjectsWithoutARowAndNothingElse) {
+  const auto go_on = [] { return true; };
+  auto client = S3Server::get().client(folder_of(data()));
+  ASSERT_TRUE(put(bytes(10)) && put(bytes(20)));
+  blobs_->collect(text_hash(bytes(20)), [](const std::string&) { return false; });  // condemned
+  const StoredObject arriving{text_hash("arriving"), random_hex(8), 8};
+  ASSERT_TRUE(table().add_arriving(arriving));
+  ASSERT_TRUE(client.put(arriving.key(), "arriving"));
+  const std::string other_generation = text_hash(bytes(10)) + "." + random_hex(8),
+                    unknown = text_hash("unknown") + "." + random_hex(8);
+  for (const std::string& orphan : {other_generation, unknown}) ASSERT_TRUE(client.put(orphan, "bytes"));
+  const std::vector<std::string> foreign{"notes.txt", text_hash("unknown"), text_hash("unknown") + ".txt",
+                                         "other/" + unknown};
+  for (const std::string& key : foreign) ASSERT_TRUE(client.put(key, "bytes"));
+
+  OrphanSearch search;
+  const auto found = blobs_->orphans(search, go_on);
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_EQ(found->objects, 5);
+  EXPECT_EQ(found->orphans, 2);
+  EXPECT_EQ(found->bytes, 10u);
+  EXPECT_EQ(found->deleted, 0);
+  EXPECT_LT(std::abs(found->oldest.value_or(0) - wall_clock()), hour);
+  EXPECT_EQ(objects_of(data()).size(), 9u);
+
+  search.remove = true;
+  search.older_than = now_ - wall_clock() + hour;  // than an hour ago
+  EXPECT_EQ(blobs_->orphans(search, go_on)->orphans, 0);
+  search.older_than -= 2 * hour;
+  EXPECT_EQ(blobs_->orphans(search, [] { return false; }).error().code, Code::cancelled);
+  EXPECT_EQ(blobs_->orphans(search, go_on)->deleted, 2);
+  std::set<std::string> left;
+  for (const S3Listed& object : objects_of(data())) left.insert(object.key);
+  EXPECT_EQ(left.size(), 7u);
+  EXPECT_EQ(left.count(other_generation) + left.count(unknown), 0u);
+  EXPECT_EQ(left.count(arriving.key()), 1u);
+  for (const std::string& key : foreign) EXPECT_EQ(left.count(key), 1u) << key;
+  EXPECT_TRUE(blobs_->open(text_hash(bytes(10))));
+}
+
+TEST_F(S3BlobsTest, RefusesToDeleteManyOrphans) {
+  const auto go_on = [] { return true; };
+  auto client = S3Server::get().client(folder_of(data()));
+  ASSERT_TRUE(put(bytes(10)));
+  const auto add_orphan = [&] {
+    ASSERT_TRUE(client.put(text_hash(random_hex(8)) + "." + random_hex(8), "bytes"));
+  };
+  for (int i = 0; i < OrphanSearch::few + 1; ++i) add_orphan();
+  OrphanSearch search;
+  search.remove = true;
+  const auto refused = blobs_->orphans(search, go_on);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Code::conflict);
+  EXPECT_EQ(refused.error().what,
+            "21 of 22 objects in the bucket are orphans, 95.5 percent: nothing was deleted");
+  EXPECT_EQ(objects_of(data()).size(), 22u);
+  search.most = 96;
+  EXPECT_EQ(blobs_->orphans(search, go_on)->deleted, 21);
+  for (int i = 0; i < OrphanSearch::few; ++i) add_orphan();
+  search.most = 5;
+  EXPECT_EQ(blobs_->orphans(search, go_on)->deleted, 20);
+}
+
 TEST_F(S3BlobsTest, SaysWhenTheBucketIsFull) {
   S3Server::get().set_quota(1);
   for (const std::string& text : {bytes(1000), bytes(3'000'000)}) {
@@ -302,7 +354,7 @@ TEST(S3Stores, ADataFolderOpensOnlyWithItsOwnBucket) {
   const auto refusal = [&](const std::string& data, const std::string& bucket) {
     StoreOptions options;
     if (!bucket.empty()) options.blobs = S3Server::get().url(folder.filename().string() + "-" + bucket);
-    options.blobs_credentials = credentials_file(S3Server::get().credentials());
+    options.blobs_credentials = S3Server::get().credentials_file();
     const auto store = open_store(folder / data, options);
     if (!store) return store.error().what;
     auto upload = *(*store)->upload();
@@ -352,7 +404,9 @@ TEST(S3Address, IsRefusedWhereItCannotBeUsedOrIsNotSafe) {
 }
 
 TEST(S3Credentials, AreReadFromAPrivateFile) {
-  const fs::path file = credentials_file({"an-id", "a-secret", ""});
+  const fs::path file = fs::temp_directory_path() / ("vacuform-s3-key-" + random_hex(8));
+  std::ofstream(file) << "[default]\naws_access_key_id = an-id\naws_secret_access_key = a-secret\n";
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
   const auto found = s3_credentials(file);
   ASSERT_TRUE(found) << found.error().text();
   EXPECT_EQ(found->key_id, "an-id");
