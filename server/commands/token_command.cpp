@@ -98,8 +98,10 @@ Result<void> TokenCommand::list() const {
   VACUFORM_TRY(answer, do_or_ask(data_, places_, here, "GET", ""));
   for (const auto& token : answer.value("tokens", ordered_json::array())) {
     std::string scopes;
-    for (const auto& scope : token.at("scopes"))
-      scopes += (scopes.empty() ? "" : ",") + scope.get<std::string>();
+    for (const auto& scope : token.at("scopes")) {
+      if (!scopes.empty()) scopes += ',';
+      scopes += scope.get<std::string>();
+    }
     const auto text = [&](const char* key) {
       return token.at(key).is_string() ? token.at(key).get<std::string>() : std::string("-");
     };

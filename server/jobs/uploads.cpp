@@ -170,7 +170,8 @@ Result<void> Uploads::flush(const StoredUpload& upload, Writer& writer) {
   return {};
 }
 
-Result<void> Uploads::receive(const StoredUpload& upload, Writer& writer, http::Request& request, bool whole) {
+Result<void> Uploads::receive(const StoredUpload& upload, Writer& writer, http::Request& request,
+                              bool whole) {
   PartialFile& file = *writer.file;
   std::vector<char> piece(64 * 1024);
   std::uint64_t flushed = file.bytes();

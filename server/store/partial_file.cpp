@@ -108,8 +108,7 @@ Result<PartialFile> PartialFile::open(fs::path name, const std::string& extensio
     VACUFORM_CHECK(file.begin());
     return file;
   }
-  if (!file.filter_.go_on(state->filter))
-    return cannot_resume();
+  if (!file.filter_.go_on(state->filter)) return cannot_resume();
   file.received_ = file.flushed_received_ = state->received;
   file.kept_ = file.flushed_kept_ = state->kept;
   VACUFORM_CHECK(file.hash_again());

@@ -25,7 +25,7 @@ constexpr std::uint64_t most_parts = 10'000;
 constexpr std::chrono::seconds deleting(1);            // at a time, in collect_again()
 constexpr std::chrono::seconds pause_after_fault(30);  // between deletions
 constexpr Millis longest_request = 4 * 3'600'000, between_sweeps = 3'600'000;
-constexpr const char* mark_key = "vacuform-store";     // the object that says whose bucket this is
+constexpr const char* mark_key = "vacuform-store";  // the object that says whose bucket this is
 
 tl::unexpected<Error> damaged(const std::string& sha256) {
   log_event("blob-damaged", {{"blob", sha256}});

@@ -87,8 +87,8 @@ TEST_F(PartialFileTest, AnotherServerContinuesFromThePieces) {
     for (std::size_t at = 0; at < obj.size(); at += step) {
       std::vector<std::unique_ptr<BlobReader>> readers;
       for (const std::string& sha256 : pieces) readers.push_back(std::move(*blobs_->open(sha256)));
-      auto file = readers.empty() ? PartialFile::open(name_, "obj")
-                                  : PartialFile::of_pieces(name_, "obj", readers);
+      auto file =
+          readers.empty() ? PartialFile::open(name_, "obj") : PartialFile::of_pieces(name_, "obj", readers);
       ASSERT_TRUE(file) << file.error().text();
       EXPECT_EQ(file->bytes(), at);
       ASSERT_TRUE(file->take(std::string_view(obj).substr(at, step)) && file->flush());
