@@ -40,7 +40,7 @@ within() {
     unshare_and_run() {
       mount --bind "$system" "$system"
       for own in proc sys dev; do mount --rbind "/$own" "$system/$own"; done
-      cp /etc/resolv.conf "$system/etc/resolv.conf"
+      cp /etc/resolv.conf /etc/hosts "$system/etc/"
       [ ! -d "$system/ccache" ] || mount --bind "$cache" "$system/ccache"
       certificates=()
       if [ -n "${NODE_EXTRA_CA_CERTS-}" ]; then

@@ -61,8 +61,13 @@ PartitionName=main Nodes=localhost Default=YES MaxTime=INFINITE State=UP
         wait_for((self.folder / "munge.socket").exists, "munged")
         self.run_beside("slurmctld", "-D")
         self.run_beside("slurmd", "-D", "-N", "localhost")
-        wait_for(lambda: "idle" in self.answer("sinfo", "--noheader", "--format=%t"), "an idle machine")
+        wait_for(self.is_idle, "an idle machine")
         return self
+
+    def is_idle(self):
+        for process in self.processes:
+            assert process.poll() is None, (self.folder / (process.args[0] + ".out")).read_text(errors="replace")[-2000:]
+        return "idle" in self.answer("sinfo", "--noheader", "--format=%t")
 
     def __exit__(self, *_):
         self.answer("scancel", "--user", pwd.getpwuid(os.geteuid()).pw_name)

@@ -9,11 +9,14 @@ import time
 import unittest
 
 import made_scans
-from harness import BIN, DUE_ARTIFACTS, PATTERNS, Case, Server, curl, wait_for
+from faulty_relay import FaultyRelay
+from harness import BIN, DUE_ARTIFACTS, PATIENCE, PATTERNS, Case, Server, curl, wait_for
 from object_store import KEY_ID, SECRET, Swift
 
 
-class InAnObjectStore(Case):
+class OnObjects(Case):
+    """A server whose files are in a real object store."""
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -21,8 +24,11 @@ class InAnObjectStore(Case):
         cls.key = cls.folder / "key"
         cls.key.write_text(f"[default]\naws_access_key_id = {KEY_ID}\naws_secret_access_key = {SECRET}\n")
         cls.key.chmod(0o600)
-        cls.server = cls.enterClass(Server(cls.folder, workers=1, options=["--blobs", cls.store.url,
-                                                                          "--blobs-credentials", cls.key]))
+        cls.server = cls.enterClass(Server(cls.folder, workers=1, options=["--blobs", cls.address(), "--blobs-credentials", cls.key]))
+
+    @classmethod
+    def address(cls):
+        return cls.store.url
 
     def command(self, *words, environment=None):
         return subprocess.run([BIN / "vacuform-server", *map(str, words)], capture_output=True, text=True,
@@ -51,6 +57,8 @@ class InAnObjectStore(Case):
             self.assertEqual(hashlib.sha256(got.body).hexdigest(), artifact["sha256"], name)
         self.assertLessEqual({a["sha256"] for a in artifacts.values()}, self.hashes())
 
+
+class InAnObjectStore(OnObjects):
     def test_a_job_runs_and_its_files_are_objects(self):
         job = self.server.submit(made_scans.newborn(), PATTERNS / "rings-7x40mm.svg")
         self.assertEqual(self.server.wait(job)["state"], "succeeded", self.server.job(job))
@@ -155,6 +163,36 @@ class InAnObjectStore(Case):
             self.assertEqual(done.returncode, 2, done.stdout)
             self.assertIn(what, done.stderr)
             self.assertNotIn("open-sesame", done.stdout + done.stderr)
+
+
+class BehindARelay(OnObjects):
+    """The object store is reached through a relay, which answers in its place while a fault lasts."""
+
+    @classmethod
+    def address(cls):
+        cls.relay = cls.enterClass(FaultyRelay(cls.store.ports["proxy"]))
+        return cls.store.url.replace(cls.store.endpoint, cls.relay.endpoint)
+
+    def test_a_job_survives_faults_of_the_object_store(self):
+        for number, (fault, what) in enumerate((("busy", "the object store"), ("refusing", "the object store refuses"),
+                                                ("silent", "the object store"))):
+            with self.subTest(fault):
+                settings = {"print": {"dpi": 210 + number}}
+                job = self.server.submit(made_scans.newborn(), PATTERNS / "rings-7x40mm.svg", settings)
+                self.server.wait(job, lambda j: j["state"] == "running" and j["progress"] > 0.1, "a job that has its inputs")
+                before = len(self.refused_artifacts())
+                self.relay.begin(fault)
+                begun = time.monotonic()
+                refused = self.server.post(made_scans.newborn(), PATTERNS / "rings-7x40mm.svg", {"print": {"dpi": 220 + number}})
+                self.assertEqual(refused.status, 503, refused)
+                self.assertIn(what, refused.json["what"])
+                self.assertLess(time.monotonic() - begun, PATIENCE)
+                wait_for(lambda: len(self.refused_artifacts()) > before, "an artifact that cannot be stored")  # noqa: B023
+                self.assertEqual(curl(self.server.api + "/jobs").status, 200)  # what needs no files goes on
+                self.relay.end()
+                self.assertEqual(self.server.wait(job)["state"], "succeeded", self.server.job(job))
+                self.assert_whole(job)
+                self.assertNotIn(SECRET, self.server.program.says())
 
 
 if __name__ == "__main__":
