@@ -20,6 +20,7 @@
 #include "server/commands/configuration.hpp"
 #include "server/commands/copy_store_command.hpp"
 #include "server/commands/local_workers.hpp"
+#include "server/commands/migrate_command.hpp"
 #include "server/commands/orphans_command.hpp"
 #include "server/commands/token_command.hpp"
 #include "server/http/problem.hpp"
@@ -201,13 +202,14 @@ Result<void> serve(const Configuration& options) {
 }
 
 Result<void> run(ConfigurationSources& sources, const Configuration& configuration, TokenCommand& token,
-                 BackupCommand& backup, CopyStoreCommand& copy, OrphansCommand& orphans, int argc,
-                 char** argv) {
+                 BackupCommand& backup, CopyStoreCommand& copy, OrphansCommand& orphans,
+                 MigrateCommand& migrate, int argc, char** argv) {
   VACUFORM_CHECK(sources.read(argc, argv));
   if (token.asked()) return token.run(configuration.data, configuration.store_options());
   if (backup.asked()) return backup.run(configuration.data, configuration.store_options());
   if (copy.asked()) return copy.run(configuration.data, configuration.store_options());
   if (orphans.asked()) return orphans.run(configuration.data, configuration.store_options());
+  if (migrate.asked()) return migrate.run(configuration.data, configuration.store_options());
   if (!sources.only_check()) return serve(configuration);
   VACUFORM_CHECK(check(configuration));
   std::printf("%s\n", sources.text().c_str());
@@ -235,8 +237,10 @@ int main(int argc, char** argv) {
   copy.add_to(app);
   vacuform::OrphansCommand orphans;
   orphans.add_to(app);
+  vacuform::MigrateCommand migrate;
+  migrate.add_to(app);
   try {
-    const auto done = vacuform::run(sources, configuration, token, backup, copy, orphans, argc, argv);
+    const auto done = vacuform::run(sources, configuration, token, backup, copy, orphans, migrate, argc, argv);
     if (done) return 0;
     std::fprintf(stderr, "vacuform-server: %s\n", done.error().text().c_str());
     return vacuform::meaning(done.error().code).exit_code;

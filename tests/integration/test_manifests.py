@@ -46,7 +46,7 @@ class Manifests(Case):
 
     def test_every_object_is_valid(self):
         kinds = {document["kind"] for _, document in objects()}
-        self.assertEqual(kinds, {"Namespace", "Deployment", "PersistentVolumeClaim", "Service", "Ingress", "ScaledObject",
+        self.assertEqual(kinds, {"Namespace", "Deployment", "StatefulSet", "PodDisruptionBudget", "Job", "Service", "Ingress", "ScaledObject",
                                  "TriggerAuthentication", "NetworkPolicy"})
         self.assertEqual(checked(objects(), self.folder), "")
 
@@ -54,7 +54,7 @@ class Manifests(Case):
         def deployment(change):
             found = next(d for _, d in objects() if d["kind"] == "Deployment")
             change(found)
-            return checked([("server.yaml", found)], self.folder)
+            return checked([("workers.yaml", found)], self.folder)
         self.assertIn("replica", deployment(lambda d: d["spec"].update(replica=1)))
         self.assertIn("string", deployment(lambda d: d["spec"].update(replicas="one")))
         self.assertIn("selector", deployment(lambda d: d["spec"].pop("selector")))
@@ -63,10 +63,10 @@ class Manifests(Case):
 
     def test_every_setting_is_known_to_its_program(self):
         for _, document in objects():
-            if document["kind"] != "Deployment":
+            if document["kind"] not in ("Deployment", "StatefulSet", "Job"):
                 continue
             (container,) = document["spec"]["template"]["spec"]["containers"]
-            program, *words = container["args"]
+            program, *words = [word for word in container["args"] if word != "migrate"]  # it reads the same settings
             environment = {"PATH": "/usr/bin:/bin", "VACUFORM_TOKEN": "none"}
             for variable in container["env"]:
                 environment.setdefault(variable["name"], variable.get("value", "x"))
@@ -82,7 +82,7 @@ class Manifests(Case):
         text = "\n".join(json.dumps(document) for _, document in objects())
         page = (ROOT / "docs/operate/worker-fleets.md").read_text()
         secrets = set(re.findall(r'"secretKeyRef": {"name": "([a-z-]+)"', text)) | set(re.findall(r'"secretName": "([a-z-]+)"', text))
-        self.assertEqual(secrets, {"vacuform-postgresql", "vacuform-tls", "vacuform-tokens"})
+        self.assertEqual(secrets, {"vacuform-objects", "vacuform-postgresql", "vacuform-tls", "vacuform-tokens"})
         for secret in secrets:
             self.assertIn(f" {secret} ", page)
 

@@ -8,12 +8,13 @@ import json
 import os
 import random
 import signal
+import subprocess
 import threading
 import time
 import unittest
 
 import hostile
-from harness import Case, Server, curl, wait_for
+from harness import BIN, Case, Server, curl, wait_for
 from object_store import KEY_ID, SECRET, Swift
 from postgres import Postgres
 from tls_front import TlsFront
@@ -42,6 +43,7 @@ class Replicas(Case):
             (cls.folder / name).mkdir()
             cls.servers.append(cls.enterClass(Server(cls.folder / name, 2, options)))
         cls.one, cls.two = cls.servers
+        cls.options = options
         cls.enterClass(cls.front.serve(cls.servers))
         cls.scan, cls.pattern = cls.folder / "dome.stl", cls.folder / "good.svg"
         cls.scan.write_bytes(hostile.stl(hostile.dome_triangles()))
@@ -117,6 +119,14 @@ class Replicas(Case):
         self.assertEqual(changed.status, 200, changed)  # after 60 s without a change it is 304
         self.assertGreater(changed.json["version"], version)
         self.two.wait(job)
+
+    def test_the_tables_are_brought_up_to_date_beside_servers_that_run(self):
+        done = subprocess.run([BIN / "vacuform-server", *map(str, self.options), "migrate", "--data", self.folder / "migrate"],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        version = int(self.postgres.answer("SELECT version FROM vacuform_tables"))
+        self.assertEqual(json.loads(done.stdout), {"schema": version})
+        self.assertEqual(self.one.wait(self.two.submit(self.scan, self.pattern, SMALL))["state"], "succeeded")
 
     def test_both_servers_say_that_the_database_is_away_and_recover(self):
         self.postgres.end(signal.SIGKILL)
