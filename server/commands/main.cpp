@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <tuple>
 
 #include "api/base/log.hpp"
 #include "api/base/secrets.hpp"
@@ -201,15 +202,18 @@ Result<void> serve(const Configuration& options) {
   return {};
 }
 
-Result<void> run(ConfigurationSources& sources, const Configuration& configuration, TokenCommand& token,
-                 BackupCommand& backup, CopyStoreCommand& copy, OrphansCommand& orphans,
-                 MigrateCommand& migrate, int argc, char** argv) {
+// What the program does besides serving.
+using Commands = std::tuple<TokenCommand, BackupCommand, CopyStoreCommand, OrphansCommand, MigrateCommand>;
+
+Result<void> run(ConfigurationSources& sources, const Configuration& configuration, Commands& commands,
+                 int argc, char** argv) {
   VACUFORM_CHECK(sources.read(argc, argv));
-  if (token.asked()) return token.run(configuration.data, configuration.store_options());
-  if (backup.asked()) return backup.run(configuration.data, configuration.store_options());
-  if (copy.asked()) return copy.run(configuration.data, configuration.store_options());
-  if (orphans.asked()) return orphans.run(configuration.data, configuration.store_options());
-  if (migrate.asked()) return migrate.run(configuration.data, configuration.store_options());
+  std::optional<Result<void>> done;
+  const auto run_if_asked = [&](auto& command) {
+    if (command.asked()) done = command.run(configuration.data, configuration.store_options());
+  };
+  std::apply([&](auto&... all) { (run_if_asked(all), ...); }, commands);
+  if (done) return *done;
   if (!sources.only_check()) return serve(configuration);
   VACUFORM_CHECK(check(configuration));
   std::printf("%s\n", sources.text().c_str());
@@ -229,18 +233,10 @@ int main(int argc, char** argv) {
   vacuform::ConfigurationSources sources(app, "server");
   vacuform::Configuration configuration;
   configuration.add_to(sources);
-  vacuform::TokenCommand token;
-  token.add_to(app);
-  vacuform::BackupCommand backup;
-  backup.add_to(app);
-  vacuform::CopyStoreCommand copy;
-  copy.add_to(app);
-  vacuform::OrphansCommand orphans;
-  orphans.add_to(app);
-  vacuform::MigrateCommand migrate;
-  migrate.add_to(app);
+  vacuform::Commands commands;
+  std::apply([&app](auto&... all) { (all.add_to(app), ...); }, commands);
   try {
-    const auto done = vacuform::run(sources, configuration, token, backup, copy, orphans, migrate, argc, argv);
+    const auto done = vacuform::run(sources, configuration, commands, argc, argv);
     if (done) return 0;
     std::fprintf(stderr, "vacuform-server: %s\n", done.error().text().c_str());
     return vacuform::meaning(done.error().code).exit_code;

@@ -9,7 +9,8 @@
 namespace vacuform {
 
 void MigrateCommand::add_to(CLI::App& app) {
-  command_ = app.add_subcommand("migrate", "Bring the tables of the jobs up to date, as a server does when it starts");
+  command_ = app.add_subcommand("migrate",
+                                "Bring the tables of the jobs up to date, as a server does when it starts");
   command_->add_option("--data", data_, "Folder of the jobs (default: as the server's settings say)")
       ->type_name("DIR");
 }
