@@ -96,9 +96,10 @@ class StoreCopy {
   Result<CopyReport> run() {
     VACUFORM_CHECK(open());
     VACUFORM_CHECK(copy());
-    const auto compared = compare();
-    if (compared) return report_;
-    return tl::make_unexpected(undone(compared.error()));
+    auto ended = compare();
+    if (ended) ended = revoke_admin_token();
+    if (ended) return report_;
+    return tl::make_unexpected(undone(ended.error()));
   }
 
  private:
@@ -165,6 +166,14 @@ class StoreCopy {
       now_.bytes += blob.bytes;
       progress_(now_);
     }
+    return {};
+  }
+
+  // Its secret stays in the old folder. A server that starts on the target makes another.
+  Result<void> revoke_admin_token() {
+    VACUFORM_TRY(tokens, target_->tokens());
+    for (const Token& token : tokens)
+      if (token.file == "admin-token" && !token.revoked) VACUFORM_CHECK(target_->revoke_token(token.id));
     return {};
   }
 
