@@ -135,8 +135,10 @@ Result<Mold> on_plug(Mold mold, double height_mm) {
   mold.top.z() = raise(mold.top.z());
   mold.placing.origin.z() += height_mm;
   for (Undercut& undercut : mold.undercuts) undercut.place.z() += height_mm;
-  for (Warning& warning : mold.warnings)
-    if (warning.code == "undercut") warning = undercut_warning(mold.undercuts);
+  for (Warning& warning : mold.warnings) {
+    for (Warning::Mark& mark : warning.marks) mark.place_mm[2] += height_mm;
+    if (warning.code == "undercut") warning = undercut_warning(mold.undercuts);  // its text says the height
+  }
   return mold;
 }
 

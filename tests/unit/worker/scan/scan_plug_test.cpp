@@ -1,6 +1,8 @@
 // A mold on a plug.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/unit/worker/scan/scan_shapes.hpp"
 #include "worker/scan/cutting.hpp"
 #include "worker/scan/plug.hpp"
@@ -121,6 +123,16 @@ TEST(Plug, MovesTheUndercutsAndWhatIsSaidOfThem) {
   EXPECT_NEAR(std::hypot(before.marks[0].place_mm[0], before.marks[0].place_mm[1]), 15, 1);
   EXPECT_NEAR(after.marks[0].place_mm[2], before.marks[0].place_mm[2] + 50, 1e-9);
   EXPECT_NE(after.text, before.text);  // it says the height
+}
+
+TEST(Plug, MovesTheMarksOfAllWarnings) {
+  Mold mold = mold_of(box({-20, -20, 0}, {20, 20, 30}));
+  mold.warnings.push_back({"trim-discards", "The automatic trim cuts much off.", {{{5, 6, 0}, 3}}});
+  const auto raised = on_plug(mold, 50);
+  ASSERT_TRUE(raised) << raised.error().text();
+  ASSERT_EQ(raised->warnings.size(), 1u);
+  EXPECT_EQ(raised->warnings[0].marks[0].place_mm, (std::array<double, 3>{5, 6, 50}));
+  EXPECT_EQ(raised->warnings[0].text, mold.warnings[0].text);
 }
 
 TEST(Plug, NeedsABase) {
