@@ -336,6 +336,10 @@ int main(int argc, char** argv) {
       grids.push_back(std::atof(argv[i]));
   if (steps.empty()) steps = {std::nullopt};
   if (grids.empty()) grids = {6, 3, 1.5};
+  if (std::any_of(grids.begin(), grids.end(), [](double mm) { return mm <= 0; })) {
+    std::fputs("usage: bench_exact [--step MM ...] [--case WORD] [GRID_MM ...]\n", stderr);
+    return 2;
+  }
   std::printf("%-19s %7s %7s %8s %8s %8s %6s %6s %6s %8s\n", "case", "grid mm", "step mm", "mean mm",
               "p99 mm", "max mm", "order", "steps", "its", "seconds");
   for (const Case& c :
