@@ -96,13 +96,13 @@ def signed(words):
     return words
 
 
-def vacuform(*words, **options):
+def vacuform(*words, patience=PATIENCE, **options):
     """Runs `vacuform` to its end, with the token of the addressed server in its environment."""
     environment = dict(os.environ)
     for url, file in TOKEN_FILES.items():
         if url in words:
             environment["VACUFORM_TOKEN_FILE"] = str(file)
-    return subprocess.run([BIN / "vacuform", *map(str, words)], capture_output=True, text=True, timeout=PATIENCE,
+    return subprocess.run([BIN / "vacuform", *map(str, words)], capture_output=True, text=True, timeout=patience,
                           env=environment, **options)
 
 

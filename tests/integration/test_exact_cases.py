@@ -9,7 +9,7 @@ import math
 import unittest
 
 import meshes
-from harness import Case, vacuform
+from harness import PATIENCE, Case, vacuform
 
 DOT = ('<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="20mm" viewBox="-10 -10 20 20">'
        '<circle r="6" fill="none" stroke="black"/></svg>')
@@ -28,7 +28,7 @@ class Formed:
         settings = {"scan": {"units": "mm", "up": "+z"}, "print": {"dpi": 72, "marks": False}, **groups}
         (folder / "settings.json").write_text(json.dumps(settings))
         done = vacuform("run", "--scan", folder / "mold.stl", "--pattern", folder / "pattern.svg",
-                        "--settings", folder / "settings.json", "--out", folder / "out")
+                        "--settings", folder / "settings.json", "--out", folder / "out", patience=3 * PATIENCE)  # on fine grids
         assert done.returncode == 0, done.stderr
         self.report = json.loads((folder / "out/report.json").read_text())
         self.ply = meshes.Ply((folder / "out/formed.ply").read_bytes())

@@ -412,7 +412,7 @@ INSTANTIATE_TEST_SUITE_P(
                        std::string(12, '\0') + "\xff" + std::string(40, '\0')),
             Code::corrupt_file, "longer than the file"},
         Lie{"float.ply", little_ply("element face 1\nproperty list float int vertex_indices\n"),
-            Code::corrupt_file, "no whole-number type"},
+            Code::corrupt_file, "is not an integer"},
         Lie{"type.ply", ply("element vertex 1\nproperty quaternion x\n"), Code::corrupt_file,
             "unknown PLY property type \"quaternion\""},
         Lie{"axes.ply", ply("element vertex 1\nproperty float x\nproperty float y\n", "0 0\n"),
