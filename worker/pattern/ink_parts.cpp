@@ -162,8 +162,9 @@ void InkParts::outline(const std::vector<float>& ink) {
   const auto crossing = [&](std::size_t e) {
     const std::size_t a = e / 2, b = e % 2 == 0 ? a + 1 : a + static_cast<std::size_t>(columns_);
     const double f = (inked - ink[a]) / (ink[b] - ink[a]);
-    const double x = static_cast<double>(a % static_cast<std::size_t>(columns_)),
-                 y = static_cast<double>(a / static_cast<std::size_t>(columns_));
+    const auto columns = static_cast<std::size_t>(columns_);
+    const std::size_t column = a % columns, row = a / columns;
+    const auto x = static_cast<double>(column), y = static_cast<double>(row);
     return e % 2 == 0 ? uv(x + f, y) : uv(x, y + f);
   };
   for (std::size_t first = 0; first < next.size(); ++first) {
