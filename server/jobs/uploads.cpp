@@ -138,18 +138,16 @@ Result<void> Uploads::open_file(const StoredUpload& upload, Writer& writer) {
   if (writer.pieces != upload.pieces) writer.file.reset();
   if (writer.file) return {};
   const fs::path name = name_of(upload.id);
-  std::vector<std::unique_ptr<BlobReader>> readers;
+  std::vector<Blob> pieces;
   if (upload.pieces > 0) {
-    VACUFORM_TRY(pieces, store_.pieces(upload.id));
-    for (const Blob& piece : pieces) {
-      VACUFORM_TRY(reader, store_.open(piece));
-      readers.push_back(std::move(reader));
-    }
+    VACUFORM_TRY(kept, store_.pieces(upload.id));
+    pieces = std::move(kept);
   } else if (store_.shared()) {
     VACUFORM_CHECK(PartialFile::remove(name));
   }
-  auto file = readers.empty() ? PartialFile::open(name, upload.extension)
-                              : PartialFile::of_pieces(name, upload.extension, readers);
+  auto file = pieces.empty() ? PartialFile::open(name, upload.extension)
+                             : PartialFile::of_pieces(name, upload.extension, pieces.size(),
+                                                      [&](std::size_t i) { return store_.open(pieces[i]); });
   if (!file) return tl::make_unexpected(std::move(file.error()));
   writer.file.emplace(std::move(*file));
   writer.pieces = upload.pieces;

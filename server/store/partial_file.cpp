@@ -115,13 +115,14 @@ Result<PartialFile> PartialFile::open(fs::path name, const std::string& extensio
   return file;
 }
 
-Result<PartialFile> PartialFile::of_pieces(fs::path name, const std::string& extension,
-                                           const std::vector<std::unique_ptr<BlobReader>>& pieces) {
+Result<PartialFile> PartialFile::of_pieces(fs::path name, const std::string& extension, std::size_t pieces,
+                                           const OpenPiece& open_piece) {
   VACUFORM_CHECK(remove(name));
   {
     VACUFORM_TRY(part, File::create(part_of(name)));
     std::string state;
-    for (const auto& piece : pieces) {
+    for (std::size_t i = 0; i < pieces; ++i) {
+      VACUFORM_TRY(piece, open_piece(i));
       VACUFORM_TRY(last, append_piece(*piece, part));
       state = std::move(last);
     }

@@ -14,10 +14,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "api/redaction/names.hpp"
 #include "server/store/blob_store.hpp"
@@ -32,10 +32,12 @@ class PartialFile {
   static Result<std::uint64_t> flushed(const std::filesystem::path& name);
   // Errors: unavailable.
   static Result<void> remove(const std::filesystem::path& name);
-  // Makes the file of that name from all pieces that write_piece() gave, in their order, and opens it; an earlier file of
-  // that name goes. Errors: unavailable, unreadable (they are not such pieces), and those of the readers.
+  // Makes the file of that name from all pieces that write_piece() gave, and opens it; an earlier file of that name goes.
+  // `open_piece` is called for each, in their order, after the one before is done with. Errors: unavailable, unreadable
+  // (they are not such pieces), and those of `open_piece` and the readers.
+  using OpenPiece = std::function<Result<std::unique_ptr<BlobReader>>(std::size_t number)>;
   static Result<PartialFile> of_pieces(std::filesystem::path name, const std::string& extension,
-                                       const std::vector<std::unique_ptr<BlobReader>>& pieces);
+                                       std::size_t pieces, const OpenPiece& open_piece);
   // Whether a file of that name is one of these two; other files do not belong to the upload.
   static bool is_one(const std::filesystem::path& file);
 

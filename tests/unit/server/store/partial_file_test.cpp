@@ -85,10 +85,9 @@ TEST_F(PartialFileTest, AnotherServerContinuesFromThePieces) {
   for (const std::size_t step : {100'000, 123'457}) {
     std::vector<std::string> pieces;
     for (std::size_t at = 0; at < obj.size(); at += step) {
-      std::vector<std::unique_ptr<BlobReader>> readers;
-      for (const std::string& sha256 : pieces) readers.push_back(std::move(*blobs_->open(sha256)));
-      auto file =
-          readers.empty() ? PartialFile::open(name_, "obj") : PartialFile::of_pieces(name_, "obj", readers);
+      const auto open_piece = [&](std::size_t i) { return blobs_->open(pieces[i]); };
+      auto file = pieces.empty() ? PartialFile::open(name_, "obj")
+                                 : PartialFile::of_pieces(name_, "obj", pieces.size(), open_piece);
       ASSERT_TRUE(file) << file.error().text();
       EXPECT_EQ(file->bytes(), at);
       ASSERT_TRUE(file->take(std::string_view(obj).substr(at, step)) && file->flush());
@@ -108,9 +107,8 @@ TEST_F(PartialFileTest, BytesThatAreNoPieceAreRefused) {
   for (const char* bytes : {"", "Jane", "5", "999999999999\n", "9\nshort"}) {
     auto upload = blobs_->upload();
     ASSERT_TRUE(upload && upload->write(bytes) && blobs_->put(*upload));
-    std::vector<std::unique_ptr<BlobReader>> readers;
-    readers.push_back(std::move(*blobs_->open(upload->digest().sha256)));
-    const auto file = PartialFile::of_pieces(name_, "stl", readers);
+    const auto file = PartialFile::of_pieces(
+        name_, "stl", 1, [&](std::size_t) { return blobs_->open(upload->digest().sha256); });
     ASSERT_FALSE(file) << bytes;
     EXPECT_EQ(file.error().code, Code::unreadable) << bytes;
   }
