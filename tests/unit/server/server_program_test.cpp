@@ -281,7 +281,8 @@ TEST_F(ServerProgram, KilledInTheMiddleOfAnUploadItLeavesNoTrace) {
 
 TEST_F(ServerProgram, StartsItsWorkersAgainAndTakesThemAlong) {
   const fs::path worker = folder_ / "worker";
-  std::ofstream(worker) << "#!/bin/sh\necho $$ >> \"$0.pids\"\necho \"$@\" > \"$0.words\"\nexec sleep 600\n";
+  std::ofstream(worker)
+      << "#!/bin/sh\necho \"$@\" > \"$0.words.$$\"\necho $$ >> \"$0.pids\"\nexec sleep 600\n";
   fs::permissions(worker, fs::perms::owner_all);
   const auto pids = [&] {
     std::vector<pid_t> found;
@@ -292,7 +293,7 @@ TEST_F(ServerProgram, StartsItsWorkersAgainAndTakesThemAlong) {
   serve({"--workers", "2", "--worker-program", worker});
   ASSERT_TRUE(soon([&] { return pids().size() == 2; }));
   std::string words;
-  std::getline(std::ifstream(worker.string() + ".words"), words);
+  std::getline(std::ifstream(worker.string() + ".words." + std::to_string(pids()[0])), words);
   EXPECT_NE(words.find("--server http://127.0.0.1:" + std::to_string(port_) + " --token-file " +
                        (data() / "worker-token").string() + " --name local-"),
             std::string::npos)
