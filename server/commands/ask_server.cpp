@@ -7,10 +7,12 @@ namespace vacuform {
 
 using nlohmann::ordered_json;
 
-Result<ordered_json> ask_server(const std::filesystem::path& data, const std::string& method,
-                                const std::string& path, const std::string& body,
+Result<ordered_json> ask_server(const std::filesystem::path& data, const Error& unopened,
+                                const std::string& method, const std::string& path, const std::string& body,
                                 std::chrono::seconds limit) {
-  VACUFORM_TRY(url, read_text_file(data / "server-url", 1024));
+  auto address = read_text_file(data / "server-url", 1024);
+  if (!address) return tl::make_unexpected(unopened);
+  std::string url = std::move(*address);
   VACUFORM_TRY(token, read_text_file(data / "admin-token", 1024));
   for (std::string* line : {&url, &token}) line->erase(line->find_last_not_of('\n') + 1);
   VACUFORM_TRY(http, Http::to(url, token));

@@ -11,9 +11,11 @@
 
 namespace vacuform {
 
-// `path` starts with /api/v1/. Errors: those that the server returns; unavailable if no server is running.
-Result<nlohmann::ordered_json> ask_server(const std::filesystem::path& data, const std::string& method,
-                                          const std::string& path, const std::string& body = {},
+// `path` starts with /api/v1/. Errors: those that the server returns; `unopened`, which says why the command cannot open the
+// store itself, if no server has been running; unavailable if none is running now.
+Result<nlohmann::ordered_json> ask_server(const std::filesystem::path& data, const Error& unopened,
+                                          const std::string& method, const std::string& path,
+                                          const std::string& body = {},
                                           std::chrono::seconds limit = std::chrono::seconds(30));
 
 }  // namespace vacuform

@@ -34,8 +34,8 @@ Result<void> BackupCommand::run(const std::filesystem::path& configured_data,
       return backup_json(report);
     }
     if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
-    return ask_server(data, "POST", "/api/v1/backup", nlohmann::json{{"to", to.string()}}.dump(),
-                      std::chrono::hours(12));
+    return ask_server(data, store.error(), "POST", "/api/v1/backup",
+                      nlohmann::json{{"to", to.string()}}.dump(), std::chrono::hours(12));
   };
   VACUFORM_TRY(report, make());
   std::printf("%s\n", report.dump().c_str());

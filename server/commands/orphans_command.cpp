@@ -46,7 +46,7 @@ Result<void> OrphansCommand::run(const std::filesystem::path& configured_data,
     if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
     const nlohmann::json body = {
         {"delete", search.remove}, {"older_than_hours", hours_}, {"most_percent", search.most}};
-    return ask_server(data, "POST", "/api/v1/orphans", body.dump(), std::chrono::hours(12));
+    return ask_server(data, store.error(), "POST", "/api/v1/orphans", body.dump(), std::chrono::hours(12));
   };
   VACUFORM_TRY(report, find());
   std::printf("%s\n", report.dump().c_str());

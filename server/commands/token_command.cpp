@@ -25,7 +25,7 @@ Result<ordered_json> do_or_ask(const std::filesystem::path& data, const StoreOpt
   const auto store = open_store(data, places);
   if (store) return with_store(**store);
   if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
-  return ask_server(data, method, "/api/v1/tokens" + tail, body);
+  return ask_server(data, store.error(), method, "/api/v1/tokens" + tail, body);
 }
 
 }  // namespace

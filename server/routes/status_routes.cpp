@@ -43,12 +43,16 @@ Result<Response> metrics(const Status& status) {
   gauge("vacuform_http_streams_limit", "Connections that can stream or wait at a time", status.most_streams);
   gauge("vacuform_store_free_bytes", "Free space on the disk of the data folder",
         static_cast<double>(room(status)));
-  if (const auto counts = status.store.counts()) {
+  if (const auto store = status.store.status()) {
     Family jobs{"vacuform_jobs", "Jobs in the store, by state", "gauge", {}};
-    for (std::size_t i = 0; i < counts->size(); ++i)
+    for (std::size_t i = 0; i < store->counts.size(); ++i)
       jobs.samples.push_back({"vacuform_jobs", "state=\"" + std::string(job_state_names[i]) + "\"",
-                              static_cast<double>((*counts)[i])});
+                              static_cast<double>(store->counts[i])});
     families.push_back(std::move(jobs));
+    if (store->oldest_transaction_seconds)
+      gauge("vacuform_database_oldest_transaction_seconds",
+            "Age of the oldest transaction in PostgreSQL that keeps it from removing dead rows",
+            *store->oldest_transaction_seconds);
   }
   Response response =
       http::text_response("text/plain; version=0.0.4; charset=utf-8", status.metrics.text(families));

@@ -69,9 +69,6 @@ class JobTable {
                                Detail detail = Detail::full) = 0;
   // The owner's newest inspection of these bytes with that extension, or nullopt.
   virtual Result<std::optional<Job>> newest_inspection(const StoredScan& scan) = 0;
-  // The number of jobs in each state, by the state's number. A job whose lease has expired counts in its next state:
-  // queued, or cancelled.
-  virtual Result<JobCounts> counts() = 0;
   // A queued job is cancelled at once, a running one when its worker reports it; a cancelled one stays cancelled.
   // `allowed`, if given, gets the job in its state at the change, and may refuse with false; the same applies to
   // remove(). Errors: not_found; conflict if it has succeeded or failed, or `allowed` refused.

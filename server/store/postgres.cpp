@@ -164,8 +164,14 @@ Result<std::unique_ptr<PostgresConnection>> PostgresConnection::open(const std::
   std::unique_ptr<PostgresConnection> made(new PostgresConnection(PQconnectdbParams(words, values, 1)));
   if (PQstatus(made->connection_) != CONNECTION_OK)
     return fail(Code::unavailable, "the database cannot be reached", {}, look_at_database);
-  PQsetNoticeProcessor(
-      made->connection_, [](void*, const char*) {}, nullptr);
+  PQsetNoticeReceiver(
+      made->connection_,
+      [](void* connection, const PGresult* notice) {
+        const char* severity = PQresultErrorField(notice, PG_DIAG_SEVERITY_NONLOCALIZED);
+        if (severity && std::strcmp(severity, "WARNING") == 0)
+          static_cast<PostgresConnection*>(connection)->warned_ = true;
+      },
+      made.get());
   // Not among the words of the connection: poolers refuse them there.
   VACUFORM_CHECK(
       made->execute("SET statement_timeout='30s'; SET lock_timeout='10s';"
@@ -196,6 +202,7 @@ tl::unexpected<Error> PostgresConnection::error(const char* state) {
 }
 
 Result<void> PostgresConnection::execute(const std::string& sql) {
+  warned_ = false;
   const PgResult result(PQexec(connection_, sql.c_str()));
   if (succeeded(result.get())) return {};
   auto failure = error(state_of(result.get()));

@@ -43,6 +43,8 @@ class PostgresConnection : public Database {
   void start_over() { failed_ = may_try_again_ = false; }
   // Whether the connection is lost.
   bool lost() const;
+  // Whether the last execute() gave a warning. A commit that the standby has not confirmed in time succeeds with one.
+  bool warned() const { return warned_; }
 
   // Waits for the next notification of LISTEN, until `time` is over or something can be read from `wake`. Errors:
   // unavailable, if the connection is lost.
@@ -54,7 +56,7 @@ class PostgresConnection : public Database {
   tl::unexpected<Error> error(const char* state);
 
   pg_conn* connection_;
-  bool failed_ = false, may_try_again_ = false;
+  bool failed_ = false, may_try_again_ = false, warned_ = false;
   std::unordered_map<const char*, std::unique_ptr<PostgresStatement>> statements_;
 };
 

@@ -135,9 +135,11 @@ Result<PostgresStore::Outcome> PostgresStore::change_once(PostgresConnection& co
                 "see the log of the database");
   }
   const auto committed = connection.execute("COMMIT");
-  if (committed) return Outcome::done;
-  if (!connection.lost() && connection.may_try_again()) return Outcome::again;
-  if (!connection.lost()) return tl::make_unexpected(committed.error());
+  if (committed && !connection.warned()) return Outcome::done;
+  if (!committed && !connection.lost()) {
+    if (connection.may_try_again()) return Outcome::again;
+    return tl::make_unexpected(committed.error());
+  }
   return fail(Code::unavailable, "the database did not confirm a change, which may be made all the same", {},
               "repeat the request with the same idempotency key or lease");
 }
@@ -199,14 +201,21 @@ Result<void> PostgresStore::match_folder(const std::filesystem::path& data) {
 
 std::int64_t PostgresStore::schema_version() const { return newest_postgres_schema; }
 
-Result<std::string> PostgresStore::durability(Database& db) {
-  // pg_stat_replication hides its columns from users without the right to read statistics.
+// Both views hide columns of others from users without the right to read statistics.
+Result<void> PostgresStore::describe(Database& db, StoreStatus& status) {
   Query query(db,
               "SELECT current_setting('synchronous_standby_names')<>''"
               " AND current_setting('synchronous_commit') IN ('on','remote_apply')"
               " AND EXISTS(SELECT 1 FROM pg_stat_replication WHERE sync_state IN ('sync','quorum'))");
   VACUFORM_CHECK(query.row());
-  return std::string(query.text(0) == "t" ? "synchronous" : "local");
+  if (query.text(0) == "t") status.durability = "synchronous";
+  Query oldest(
+      db,
+      "SELECT coalesce(max(extract(epoch FROM clock_timestamp()-xact_start)), 0) FROM pg_stat_activity"
+      " WHERE backend_xmin IS NOT NULL AND datname=current_database() AND pid<>pg_backend_pid()");
+  VACUFORM_CHECK(oldest.row());
+  status.oldest_transaction_seconds = oldest.real(0);
+  return {};
 }
 
 Result<void> PostgresStore::copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) {

@@ -37,7 +37,7 @@ class PostgresStore : public SqlStore {
   LeaseTimes& lease_times() override { return leases_; }
   std::int64_t schema_version() const override;
   // "synchronous" when a standby confirms each commit.
-  Result<std::string> durability(Database& db) override;
+  Result<void> describe(Database& db, StoreStatus& status) override;
   Result<void> copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) override;
   void announce(const std::vector<std::string>& jobs) override { announcements_->send(jobs); }
 

@@ -201,30 +201,6 @@ Result<std::optional<Job>> SqlStore::newest_inspection(const StoredScan& scan) {
   });
 }
 
-Result<JobCounts> SqlStore::counts() {
-  return read([&](Database& db) { return counts_in(db); });
-}
-
-Result<JobCounts> SqlStore::counts_in(Database& db) {
-  JobCounts counts{};
-  Query query(db, "SELECT state, count(*) FROM job GROUP BY state");
-  for (;;) {
-    VACUFORM_TRY(more, query.row());
-    if (!more) break;
-    if (const auto state = job_state_from(query.text(0)))
-      counts[static_cast<std::size_t>(*state)] = query.integer(1);
-  }
-  const auto count = [&](JobState state) -> std::int64_t& { return counts[static_cast<std::size_t>(state)]; };
-  VACUFORM_TRY(over, lease_times().over(db, false));
-  for (const std::string& id : over) {
-    const auto job = find(db, id, Detail::brief);
-    if (!job) continue;
-    if (job->state == JobState::running) --count(JobState::running), ++count(JobState::queued);
-    if (job->state == JobState::cancelling) --count(JobState::cancelling), ++count(JobState::cancelled);
-  }
-  return counts;
-}
-
 Result<Job> SqlStore::cancel(const std::string& id, const JobGuard& allowed) {
   const Deletion deletion(*this);
   return write([&](Transaction& tx) -> Result<Job> {

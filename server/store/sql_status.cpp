@@ -11,15 +11,34 @@ constexpr std::string_view last_backup = "last_backup";
 
 }  // namespace
 
+Result<JobCounts> SqlStore::counts(Database& db) {
+  JobCounts counts{};
+  Query query(db, "SELECT state, count(*) FROM job GROUP BY state");
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) break;
+    if (const auto state = job_state_from(query.text(0)))
+      counts[static_cast<std::size_t>(*state)] = query.integer(1);
+  }
+  const auto count = [&](JobState state) -> std::int64_t& { return counts[static_cast<std::size_t>(state)]; };
+  VACUFORM_TRY(over, lease_times().over(db, false));
+  for (const std::string& id : over) {
+    const auto job = find(db, id, Detail::brief);
+    if (!job) continue;
+    if (job->state == JobState::running) --count(JobState::running), ++count(JobState::queued);
+    if (job->state == JobState::cancelling) --count(JobState::cancelling), ++count(JobState::cancelled);
+  }
+  return counts;
+}
+
 Result<StoreStatus> SqlStore::status() {
   return read([&](Database& db) -> Result<StoreStatus> {
     StoreStatus status;
     status.schema = schema_version();
-    VACUFORM_TRY(durable, durability(db));
-    status.durability = durable;
+    VACUFORM_CHECK(describe(db, status));
     status.disk = room_->space();
-    VACUFORM_TRY(counts, counts_in(db));
-    status.counts = counts;
+    VACUFORM_TRY(jobs, counts(db));
+    status.counts = jobs;
     Query oldest(db, "SELECT created FROM job WHERE state='queued' ORDER BY id LIMIT 1");
     VACUFORM_TRY(waits, oldest.row());
     if (waits) status.oldest_queued = oldest.integer(0);

@@ -49,7 +49,6 @@ class SqlStore : public Store, public ObjectTable {
   Result<Outlook> outlook(const Job& job) override;
   Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter, Detail detail) override;
   Result<std::optional<Job>> newest_inspection(const StoredScan& scan) override;
-  Result<JobCounts> counts() override;
   Result<Job> cancel(const std::string& id, const JobGuard& allowed) override;
   Result<void> remove(const std::string& id, const JobGuard& allowed) override;
   Result<std::vector<LogLine>> log_after(const std::string& id, std::int64_t number, int limit) override;
@@ -140,8 +139,8 @@ class SqlStore : public Store, public ObjectTable {
   virtual bool settled() const { return true; }
   virtual LeaseTimes& lease_times() = 0;
   virtual std::int64_t schema_version() const = 0;  // of the tables
-  // What an acknowledged change outlives.
-  virtual Result<std::string> durability(Database&) { return std::string("local"); }
+  // Adds to the status what the database alone knows.
+  virtual Result<void> describe(Database&, StoreStatus&) { return {}; }
   // After a commit: tells other servers which jobs have changed.
   virtual void announce(const std::vector<std::string>&) {}
 
@@ -255,7 +254,7 @@ class SqlStore : public Store, public ObjectTable {
   static Result<std::vector<std::string>> ids_of(Database& db, int count, const std::string& before,
                                                  const JobFilter& filter);
   static Result<bool> has_text(Database& db, const std::string& id, const std::u32string& folded_text);
-  Result<JobCounts> counts_in(Database& db);
+  Result<JobCounts> counts(Database& db);
   static Result<std::int64_t> queue_position(Database& db, const Job& job);
   static Result<std::optional<double>> seconds_expected(Database& db, const Job& job);
   static Result<std::optional<Job>> made_before(Database& db, const NewJob& job,

@@ -69,12 +69,15 @@ struct StoreStatus {
   std::int64_t schema = 0;  // version of the tables
   // What an acknowledged change outlives: "local", a restart of the machine that keeps the rows; "synchronous", the loss
   // of that machine as well.
-  std::string durability;
+  std::string durability = "local";
+  // Jobs in each state, by the state's number. A job whose lease has expired counts in its next state: queued, or cancelled.
   JobCounts counts{};
   std::optional<Millis> oldest_queued;  // when the job was created that waits the longest
   std::optional<Millis> last_backup;
   DiskSpace disk;
   std::vector<WorkingWorker> working;  // in the order of their jobs
+  // In PostgreSQL: the age of the oldest transaction that keeps it from removing dead rows, whoever began it.
+  std::optional<double> oldest_transaction_seconds;
 };
 
 // What a service keeps, by its parts. Code that needs one part takes a reference to that part.

@@ -36,6 +36,8 @@ class InPostgres(Case):
 
     def test_a_job_runs_and_survives_a_killed_database_and_server(self):
         self.assertEqual(self.ready().json, {"status": "ready", "durability": "local"})
+        metrics = curl(f"http://127.0.0.1:{self.status_port}/metrics").body.decode()
+        self.assertRegex(metrics, r"(?m)^vacuform_database_oldest_transaction_seconds [0-9]")
         first = self.inspection("the-first-job")
         self.assertEqual(first.status, 202, first)
         self.assertEqual(self.server.wait(first.json["id"])["state"], "succeeded")

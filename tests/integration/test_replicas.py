@@ -1,8 +1,10 @@
-"""Two servers behind the real nginx, on one PostgreSQL and one bucket of a real object store: uploads, events and long polls
-continue on the other server, and nothing that was accepted is lost or ends twice while servers are killed.
+"""Two servers behind the real nginx, on one PostgreSQL with a standby and one bucket of a real object store: uploads, events and
+long polls continue on the other server, and nothing that was accepted is lost or ends twice while servers and workers are
+killed and the database fails over.
 
-VACUFORM_KILLS changes how many times a server is killed.
+VACUFORM_KILLS changes how many times one of them is killed.
 """
+import collections
 import hashlib
 import json
 import os
@@ -14,13 +16,14 @@ import time
 import unittest
 
 import hostile
-from harness import BIN, Case, Server, curl, wait_for
+from harness import BIN, Case, Server, children, curl, wait_for
 from object_store import KEY_ID, SECRET, Swift
-from postgres import Postgres
+from postgres import PostgresPair
 from tls_front import TlsFront
 from tus_uploads import LargeScan, ZippedScan, send
 
 KILLS = int(os.environ.get("VACUFORM_KILLS", "6"))
+VICTIMS = {"server": 3, "worker": 3, "database": 2}  # with the weight of each
 SMALL = {"sheet": {"resolution_mm": 8, "width_mm": 150, "height_mm": 150},
          "machine": {"window_width_mm": 140, "window_height_mm": 140}, "print": {"dpi": 72}}
 TUS = ("-H", "Tus-Resumable: 1.0.0")
@@ -30,7 +33,7 @@ class Replicas(Case):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.postgres = cls.enterClass(Postgres())
+        cls.postgres = cls.enterClass(PostgresPair())
         cls.objects = cls.enterClass(Swift())
         key = cls.folder / "key"
         key.write_text(f"[default]\naws_access_key_id = {KEY_ID}\naws_secret_access_key = {SECRET}\n")
@@ -129,18 +132,29 @@ class Replicas(Case):
         self.assertEqual(self.one.wait(self.two.submit(self.scan, self.pattern, SMALL))["state"], "succeeded")
 
     def test_both_servers_say_that_the_database_is_away_and_recover(self):
-        self.postgres.end(signal.SIGKILL)
+        self.postgres.primary.end(signal.SIGKILL)
         for server in self.servers:
             self.assertEqual(curl(f"{server.api}/jobs").status, 503)
         self.assertEqual(self.front.ask("/api/v1/jobs").status, 503)
-        self.postgres.start()
+        self.postgres.primary.start()
         for server in self.servers:
             wait_for(lambda: curl(f"{server.api}/jobs").status == 200, "a server that has its database again")  # noqa: B023
         job = self.two.submit(self.scan, self.pattern, SMALL)
         self.assertEqual(self.one.wait(job)["state"], "succeeded")
 
-    def test_nothing_accepted_is_lost_or_ends_twice_while_servers_are_killed(self):
-        accepted, ending = {}, threading.Event()
+    def kill_one(self, what):
+        server = random.choice(self.servers)
+        if what == "database":
+            self.postgres.fail_over()
+        elif what == "worker":
+            os.kill(wait_for(lambda: children(server.program.pid), "a worker")[0], signal.SIGKILL)
+        else:
+            server.stop(signal.SIGKILL)
+            time.sleep(random.uniform(0, 1))
+            server.start()
+
+    def test_nothing_accepted_is_lost_or_ends_twice_while_servers_workers_and_the_database_are_killed(self):
+        accepted, refusals, ending = {}, set(), threading.Event()
 
         def submit():
             number = 0
@@ -149,29 +163,33 @@ class Replicas(Case):
                 key = f"replicas-job-{number}"
                 while key not in accepted.values() and not ending.is_set():
                     try:
-                        answer = self.front.ask("/api/v1/jobs", "-H", f"Idempotency-Key: {key}", "-F", f"scan=@{self.scan}",
-                                                "-F", f"pattern=@{self.pattern}", "-F", "settings=" + json.dumps(SMALL))
+                        answer = self.front.ask("/api/v1/jobs", "-H", f"Idempotency-Key: {key}", "-F", f"reference={key}",
+                                                "-F", f"scan=@{self.scan}", "-F", f"pattern=@{self.pattern}",
+                                                "-F", "settings=" + json.dumps(SMALL))
                     except ConnectionError:
                         continue
                     if answer.status == 202:
                         accepted[answer.json["id"]] = key
                     else:
-                        self.assertIn(answer.status, (429, 503), answer)
+                        refusals.add(answer.status)
                         time.sleep(0.2)
                 time.sleep(0.5)
 
         submitting = threading.Thread(target=submit)
         submitting.start()
         random.seed(1)
-        for kill in range(KILLS):
-            server = self.servers[kill % 2]
+        killed = []
+        for number in range(KILLS):
             time.sleep(random.uniform(0.5, 4))
-            server.stop(signal.SIGKILL)
-            time.sleep(random.uniform(0, 1))
-            server.start()
+            killed += [*VICTIMS][number:number + 1] or random.choices([*VICTIMS], VICTIMS.values())  # each at least once
+            self.kill_one(killed[-1])
         ending.set()
         submitting.join()
+        self.assertLessEqual(refusals, {429, 503})
         self.assertGreater(len(accepted), KILLS)
+        made = [job["reference"] for job in self.two.jobs() if job["reference"].startswith("replicas-job-")]
+        self.assertEqual(len(made), len(set(made)))
+        self.assertLessEqual(set(made) - set(accepted.values()), {f"replicas-job-{len(accepted) + 1}"})  # not answered at the end
         for job in accepted:
             self.assertEqual(self.one.wait(job)["state"], "succeeded", self.one.job(job))
         for job in accepted:
@@ -180,7 +198,7 @@ class Replicas(Case):
             for artifact in self.two.job(job)["artifacts"]:
                 got = curl(f"{self.two.api}/jobs/{job}/artifacts/{artifact['name']}").body
                 self.assertEqual(hashlib.sha256(got).hexdigest(), artifact["sha256"], artifact["name"])
-        print(f"{len(accepted)} jobs through {KILLS} kills", flush=True)
+        print(f"{len(accepted)} jobs through {dict(collections.Counter(killed))}", flush=True)
 
 
 if __name__ == "__main__":

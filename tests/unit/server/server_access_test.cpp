@@ -211,7 +211,7 @@ TEST_F(ServerAccess, AdministratorsMakeListAndRevokeTokens) {
 
 TEST_F(ServerAccess, TheStoreKeepsNoSecret) {
   const std::string session = signed_in(user_), value = session.substr(session.rfind('=') + 1, 64);
-  store_->counts().value();
+  store_->status().value();
   for (const auto& entry : std::filesystem::recursive_directory_iterator(data_)) {
     if (!entry.is_regular_file()) continue;
     std::ifstream file(entry.path(), std::ios::binary);

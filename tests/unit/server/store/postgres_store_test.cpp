@@ -92,6 +92,46 @@ TEST_F(PostgresStoreTest, SaysWhenTheDatabaseCannotBeReached) {
   EXPECT_EQ(store.error().what, "the database cannot be reached");
 }
 
+// PostgreSQL ends the wait for a standby at the time limit of a statement, with a warning and a commit on this machine alone.
+TEST_F(PostgresStoreTest, ACommitThatNoStandbyConfirmsIsNotAcknowledged) {
+  const auto store = server("one");
+  PostgresServer& postgres = PostgresServer::get();
+  postgres.answer("ALTER SYSTEM SET synchronous_standby_names='nobody'");
+  postgres.answer("SELECT pg_reload_conf()");
+  std::atomic<bool> refused = false;
+  std::thread limit([&] {
+    while (!refused)
+      postgres.answer("SELECT pg_cancel_backend(pid) FROM pg_stat_activity WHERE wait_event='SyncRep'");
+  });
+  int number = 0;
+  Result<Job> made = submit(*store, "key-0");
+  EXPECT_TRUE(eventually([&] {  // the setting is in force a moment later
+    if (made) made = submit(*store, "key-" + std::to_string(++number));
+    return !made;
+  }));
+  refused = true;
+  limit.join();
+  postgres.answer("ALTER SYSTEM RESET synchronous_standby_names");
+  postgres.answer("SELECT pg_reload_conf()");
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, Code::unavailable);
+  EXPECT_NE(made.error().text().find("may be made all the same"), std::string::npos) << made.error().text();
+  EXPECT_TRUE(submit(*store, "key-" + std::to_string(number)));
+  EXPECT_EQ(psql("SELECT count(*) FROM job"), std::to_string(number + 1) + "\n");
+}
+
+TEST_F(PostgresStoreTest, TheStatusTellsHowLongATransactionOfAnybodyIsOpen) {
+  const auto store = server("one");
+  const auto report = PostgresConnection::open(url_);
+  ASSERT_TRUE(report);
+  ASSERT_TRUE((*report)->execute("BEGIN ISOLATION LEVEL REPEATABLE READ"));
+  ASSERT_TRUE((*report)->rows_of("SELECT count(*) FROM job"));
+  const auto oldest = [&] { return store->status()->oldest_transaction_seconds.value_or(-1); };
+  EXPECT_TRUE(eventually([&] { return oldest() > 0.5; }));
+  ASSERT_TRUE((*report)->execute("COMMIT"));
+  EXPECT_TRUE(eventually([&] { return oldest() < 0.5; }));
+}
+
 TEST_F(PostgresStoreTest, ServersThatStartTogetherMakeTheTablesOnce) {
   std::vector<std::thread> starts;
   for (int i = 0; i < 4; ++i)
@@ -288,7 +328,7 @@ TEST_F(PostgresStoreTest, AServerWithoutItsDatabaseSaysSoAndRecovers) {
   const auto lease = *store->lease("worker");
   PostgresServer::get().kill();
   const auto begun = std::chrono::steady_clock::now();
-  EXPECT_EQ(store->counts().error().code, Code::unavailable);
+  EXPECT_EQ(store->status().error().code, Code::unavailable);
   EXPECT_EQ(submit(*store, "key-0002").error().code, Code::unavailable);
   EXPECT_EQ(store->heartbeat({lease->job.id, lease->token}, Stage::scan, 0).error().code, Code::unavailable);
   EXPECT_LT(std::chrono::steady_clock::now() - begun, 20s);
@@ -307,7 +347,7 @@ TEST_F(PostgresStoreTest, NoLeaseEndsRightAfterAnOutage) {
   ASSERT_TRUE(submit(*store));
   const auto lease = *store->lease("worker");
   PostgresServer::get().kill();
-  EXPECT_FALSE(store->counts());
+  EXPECT_FALSE(store->status());
   std::this_thread::sleep_for(3500ms);
   PostgresServer::get().start();
   EXPECT_TRUE(store->expire()->empty());

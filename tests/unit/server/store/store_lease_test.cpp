@@ -266,9 +266,9 @@ TEST_P(StoreTest, AnEndedLeaseDoesNotCountAsRunning) {
   JobCounts expected{};
   expected[static_cast<std::size_t>(JobState::queued)] = 1;
   expected[static_cast<std::size_t>(JobState::cancelled)] = 1;
-  EXPECT_EQ(store_->counts().value(), expected);
+  EXPECT_EQ(store_->status()->counts, expected);
   ASSERT_EQ(store_->expire()->size(), 2u);
-  EXPECT_EQ(store_->counts().value(), expected);
+  EXPECT_EQ(store_->status()->counts, expected);
 }
 
 TEST_P(StoreTest, AJobSucceedsOnlyWithItsArtifactsAndShowsThemOnlyThen) {

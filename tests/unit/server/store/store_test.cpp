@@ -176,7 +176,7 @@ TEST_P(StoreTest, AGuardSeesWhatTheChangeChanges) {
 }
 
 TEST_P(StoreTest, CountsItsJobsByState) {
-  EXPECT_EQ(store_->counts().value(), JobCounts{});
+  EXPECT_EQ(store_->status()->counts, JobCounts{});
   create();
   create();
   store_->cancel(create().id).value();
@@ -185,7 +185,7 @@ TEST_P(StoreTest, CountsItsJobsByState) {
   expected[static_cast<std::size_t>(JobState::queued)] = 1;
   expected[static_cast<std::size_t>(JobState::running)] = 1;
   expected[static_cast<std::size_t>(JobState::cancelled)] = 1;
-  EXPECT_EQ(store_->counts().value(), expected);
+  EXPECT_EQ(store_->status()->counts, expected);
 }
 
 TEST_P(StoreTest, KeepsCreatedJobsAfterACrashAndNothingOfOthers) {
