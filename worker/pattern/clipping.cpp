@@ -114,14 +114,14 @@ class Seam {
         continue;
       }
       end(chain);
-      ++ups_[a.Y];
-      --ups_[b.Y];
+      ++net_upward_[a.Y];
+      --net_upward_[b.Y];
     }
     end(chain);
   }
 
   Paths joined() {
-    leave_remains();
+    add_unmatched();
     std::multimap<cInt, std::size_t> from;
     for (std::size_t i = 0; i < chains_.size(); ++i) from.emplace(chains_[i].front().Y, i);
     while (!from.empty()) {
@@ -149,13 +149,13 @@ class Seam {
 
   // Where both sides run along the line in opposite directions, the line vanishes. Where rounding has left
   // them a unit apart, the rest stays.
-  void leave_remains() {
-    int ups = 0;
-    for (auto at = ups_.begin(); at != ups_.end(); ++at) {
-      ups += at->second;
+  void add_unmatched() {
+    int net = 0;
+    for (auto at = net_upward_.begin(); at != net_upward_.end(); ++at) {
+      net += at->second;
       const auto next = std::next(at);
-      for (int i = 0; i < std::abs(ups) && next != ups_.end(); ++i)
-        chains_.push_back(ups > 0 ? Path{{x_, at->first}, {x_, next->first}}
+      for (int i = 0; i < std::abs(net) && next != net_upward_.end(); ++i)
+        chains_.push_back(net > 0 ? Path{{x_, at->first}, {x_, next->first}}
                                   : Path{{x_, next->first}, {x_, at->first}});
     }
   }
@@ -163,7 +163,7 @@ class Seam {
   const cInt x_;
   Paths rings_, chains_;  // rings that are whole; the others' parts between points on the line
   std::map<cInt, int>
-      ups_;  // by height: the change in how many rings run upwards, less those that run downwards
+      net_upward_;  // by height: the change in how many rings run upwards, less those that run downwards
 };
 
 struct Operation {

@@ -44,9 +44,8 @@ Whole whole_region(const ChartedSurface& charted, const Alignment& alignment) {
   return out;
 }
 
-// Warns about the segments.
-void say_what_was_cut(const Segments& segments, const PatternSettings& settings,
-                      std::vector<Warning>& warnings) {
+void warn_about_segments(const Segments& segments, const PatternSettings& settings,
+                         std::vector<Warning>& warnings) {
   Warning above{"segment-distorted", "", {}};
   double worst = 0;
   std::size_t count = 0;
@@ -85,7 +84,7 @@ Result<void> place_segments(Whole&& whole, const Alignment& alignment, const Pat
   std::sort(local.begin(), local.end());
   VACUFORM_TRY(segments, cut_into_segments(whole.chart.patch, alignment.scale, settings.distortion_limit,
                                            local, context));
-  say_what_was_cut(segments, settings, out.warnings);
+  warn_about_segments(segments, settings, out.warnings);
   out.charts = std::move(segments.parts);
   out.seams = std::move(segments.seams);
   return {};

@@ -141,7 +141,7 @@ std::vector<CurvePoint> closed_points(const Ring& ring) {
 }
 
 // One shape to be pulled back, and the result.
-struct Work {
+struct PulledShape {
   const Shape* shape;
   std::size_t element;  // index into Drawing::elements
   std::vector<PaintedArea> areas;
@@ -149,9 +149,9 @@ struct Work {
   double painted = 0, lost = 0;
 };
 
-class Puller {
+class PullBack {
  public:
-  Puller(const Drawing& drawing, const Placement& placement, double scale)
+  PullBack(const Drawing& drawing, const Placement& placement, double scale)
       : drawing_(drawing), scale_(scale), elements_placed_(!placement.elements.empty()) {
     std::vector<Ring> rings;
     for (const Segment& chart : placement.charts) {
@@ -185,10 +185,10 @@ class Puller {
     }
   }
 
-  void run(Work& work) const {
-    const Shape& shape = *work.shape;
-    const std::string& id = drawing_.elements[work.element].id;
-    const auto placed = placed_.find(work.element);
+  void run(PulledShape& pulled) const {
+    const Shape& shape = *pulled.shape;
+    const std::string& id = drawing_.elements[pulled.element].id;
+    const auto placed = placed_.find(pulled.element);
     const bool own = !id.empty() && placed != placed_.end();
     const bool nowhere = !id.empty() && elements_placed_ && !own;
     const std::vector<Domain> elements_own =
@@ -196,25 +196,26 @@ class Puller {
     const std::vector<Domain>& domains = own || nowhere ? elements_own : charts_;
     if (shape.fill) {
       const Area area = fill_area(shape.curves, shape.even_odd, polygon_tolerance);
-      paint(area, *shape.fill, domains, work);
+      paint(area, *shape.fill, domains, pulled);
       const auto ring =
           shape.stroke || id.empty() || !(ink(*shape.fill) > 0) ? std::nullopt : filled_ring(area);
       if (ring)
         for (const Domain& domain : domains)
           pull_back_line(closed_points(ring->line), true, domain.rest_at, drawing_.size_mm,
-                         ring->width_mm * (own ? placed->second.size : scale_), work.centrelines);
+                         ring->width_mm * (own ? placed->second.size : scale_), pulled.centrelines);
     }
     if (!shape.stroke) return;
     Stroke stroke = *shape.stroke;
     if (own) resize(stroke, scale_ / placed->second.size);
     std::vector<Curve> plain;
     for (const Curve& curve : shape.curves)
-      if (!id.empty() || !elements_placed_ || !tied(curve, stroke, work)) plain.push_back(curve);
+      if (!id.empty() || !elements_placed_ || !tied(curve, stroke, pulled)) plain.push_back(curve);
     if (plain.empty()) return;
-    paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, domains, work);
+    paint(stroke_area(plain, stroke, polygon_tolerance), stroke.colour, domains, pulled);
     if (!(ink(stroke.colour) > 0)) return;
     for (const Curve& curve : plain)
-      for (const Domain& domain : domains) centre(flatten(curve, fine()), curve.closed, domain.rest_at, work);
+      for (const Domain& domain : domains)
+        centre(flatten(curve, fine()), curve.closed, domain.rest_at, pulled);
   }
 
  private:
@@ -242,7 +243,8 @@ class Puller {
 
   // Paints on each domain the part of the area that lies there. Pieces that meet on the sheet are one area, without a
   // line between them.
-  void paint(const Area& drawn, const Colour& colour, const std::vector<Domain>& domains, Work& work) const {
+  void paint(const Area& drawn, const Colour& colour, const std::vector<Domain>& domains,
+             PulledShape& pulled) const {
     const Area area = on_page(drawn, drawing_.size_mm);
     const double all = ink(colour) * square_mm(area);
     double kept = 0;
@@ -253,15 +255,16 @@ class Puller {
       pull_back(part, domain, out.outlines);
     }
     if (domains.size() > 1) kept = ink(colour) * square_mm(intersection(area, covered_));
-    work.painted += all;
-    work.lost += all - kept;
-    if (!out.outlines.empty()) work.areas.push_back(std::move(out));
+    pulled.painted += all;
+    pulled.lost += all - kept;
+    if (!out.outlines.empty()) pulled.areas.push_back(std::move(out));
   }
 
-  void centre(const std::vector<CurvePoint>& line, bool closed, const Map& rest_at, Work& work) const {
+  void centre(const std::vector<CurvePoint>& line, bool closed, const Map& rest_at,
+              PulledShape& pulled) const {
     if (line.size() < 2) return;
-    const double width = work.shape->stroke->width_mm * scale_;
-    pull_back_line(line, closed, rest_at, drawing_.size_mm, width, work.centrelines);
+    const double width = pulled.shape->stroke->width_mm * scale_;
+    pull_back_line(line, closed, rest_at, drawing_.size_mm, width, pulled.centrelines);
   }
 
   // The map of the element whose ink `end` touches.
@@ -279,7 +282,7 @@ class Puller {
   }
 
   // Lays the curve as a tied line; false where neither end touches an element.
-  bool tied(const Curve& curve, const Stroke& stroke, Work& work) const {
+  bool tied(const Curve& curve, const Stroke& stroke, PulledShape& pulled) const {
     if (curve.closed || curve.points.empty()) return false;
     const PatchMap *start = touched(curve.points.front(), widest_mm(stroke) / 2),
                    *end = touched(curve.points.back(), widest_mm(stroke) / 2);
@@ -289,8 +292,8 @@ class Puller {
     const PatchMap& chart = *maps_.front();
     const TiedLine line(points, widest_mm(stroke), chart, start, end);
     const Domain domain{[&](const Vector2d& uv) { return line.rest_at(uv); }, &chart};
-    paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, {domain}, work);
-    if (ink(stroke.colour) > 0) centre(points, false, domain.rest_at, work);
+    paint(stroke_area({curve}, stroke, polygon_tolerance), stroke.colour, {domain}, pulled);
+    if (ink(stroke.colour) > 0) centre(points, false, domain.rest_at, pulled);
     return true;
   }
 
@@ -309,8 +312,8 @@ class Puller {
 Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement, const Settings& settings,
                               const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  Puller puller(drawing, placement, settings.pattern.scale);
-  std::vector<Work> all;
+  PullBack pulling(drawing, placement, settings.pattern.scale);
+  std::vector<PulledShape> all;
   VectorPrint out;
   bool loose = false;
   for (std::size_t e = 0; e < drawing.elements.size(); ++e) {
@@ -321,7 +324,7 @@ Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement
       loose |= element.id.empty() && shape.stroke;
     }
   }
-  if (loose && puller.elements_placed()) puller.look_for_ties();
+  if (loose && pulling.elements_placed()) pulling.look_for_ties();
 
   constexpr std::size_t batch = 16;
   for (std::size_t first = 0; first < all.size(); first += batch) {
@@ -330,16 +333,16 @@ Result<VectorPrint> pull_back(const Drawing& drawing, const Placement& placement
     in_parallel(static_cast<int>(first), static_cast<int>(std::min(first + batch, all.size())),
                 [&](int begin, int end) {
                   for (int i = begin; i < end && !context.cancelled(); ++i)
-                    puller.run(all[static_cast<std::size_t>(i)]);
+                    pulling.run(all[static_cast<std::size_t>(i)]);
                 });
   }
   VACUFORM_CHECK(context.step(Stage::printing, 0.2));
-  for (Work& work : all) {
-    PrintedElement& element = out.elements[work.element];
-    for (PaintedArea& area : work.areas) element.areas.push_back(std::move(area));
-    for (Centreline& line : work.centrelines) element.centrelines.push_back(std::move(line));
-    out.painted_mm2 += work.painted;
-    out.lost_mm2 += work.lost;
+  for (PulledShape& pulled : all) {
+    PrintedElement& element = out.elements[pulled.element];
+    for (PaintedArea& area : pulled.areas) element.areas.push_back(std::move(area));
+    for (Centreline& line : pulled.centrelines) element.centrelines.push_back(std::move(line));
+    out.painted_mm2 += pulled.painted;
+    out.lost_mm2 += pulled.lost;
   }
   return out;
 }

@@ -212,10 +212,10 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
     VACUFORM_TRY(guess, guess_up(sized, progress));
     findings.up = scan.y_up ? UpAxis::plus_y : guess.axis;
     findings.up_guessed = !scan.y_up;
-    if (scan.y_up && guess.told && guess.axis != UpAxis::plus_y)
+    if (scan.y_up && guess.conclusive && guess.axis != UpAxis::plus_y)
       warn("up-guessed", "The up axis is +y, as its format says, but " + std::string(name(guess.axis)) +
                              " looks right because " + guess.why);
-    else if (!scan.y_up && !guess.told)
+    else if (!scan.y_up && !guess.conclusive)
       warn("up-guessed",
            "The up axis was taken to be " + std::string(name(guess.axis)) + " because " + guess.why);
   }

@@ -25,14 +25,14 @@ bool holds(const Circle& circle, const Points& points, double slack) {
   });
 }
 
-// The smallest circle around at most four points. Keeps only the two or three points that define it.
+// The smallest circle around at most four points. Keeps only its support, the two or three points that define it.
 Circle around_few(Points& points, double slack) {
   Circle best{points.front(), HUGE_VAL};
-  Points carriers;
+  Points support;
   const auto offer = [&](const Circle& circle, Points on_it) {
     if (!(circle.radius < best.radius) || !holds(circle, points, slack)) return;
     best = circle;
-    carriers = std::move(on_it);
+    support = std::move(on_it);
   };
   if (points.size() == 1) return {points.front(), 0};
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -49,7 +49,7 @@ Circle around_few(Points& points, double slack) {
         offer({centre, (a - centre).norm()}, {a, b, points[k]});
       }
     }
-  if (!carriers.empty()) points = std::move(carriers);
+  if (!support.empty()) points = std::move(support);
   return best;
 }
 
@@ -72,8 +72,8 @@ Circle enclosing_circle(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return {};
   constexpr int most_rounds = 1000;  // a few dozen at most; rounding must not keep it going
   const double slack = 1e-12 * bounds(mesh).size().head<2>().norm();
-  Points carriers{mesh.vertices.front().head<2>()};
-  Circle circle{carriers.front(), 0};
+  Points support{mesh.vertices.front().head<2>()};
+  Circle circle{support.front(), 0};
   for (int round = 0; round < most_rounds; ++round) {
     Eigen::Vector2d farthest = circle.centre;
     double most = 0;
@@ -81,8 +81,8 @@ Circle enclosing_circle(const TriangleMesh& mesh) {
       if (const double squared = (p.head<2>() - circle.centre).squaredNorm(); squared > most)
         most = squared, farthest = p.head<2>();
     if (std::sqrt(most) <= circle.radius + slack) break;
-    carriers.push_back(farthest);
-    const Circle wider = around_few(carriers, slack);
+    support.push_back(farthest);
+    const Circle wider = around_few(support, slack);
     if (!std::isfinite(wider.radius) || wider.radius <= circle.radius) break;
     circle = wider;
   }

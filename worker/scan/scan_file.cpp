@@ -25,7 +25,7 @@ std::string extension_of(const std::string& file_name) {
 }
 
 // Files that people mistake for scans, by their first bytes.
-std::string_view foreign_kind(Bytes bytes) {
+std::string_view kind_of_other_file(Bytes bytes) {
   const std::string_view head = as_text(bytes, 512);
   if (head.starts_with("PK\x03\x04")) return "a ZIP archive (3MF, or packed files)";
   if (head.starts_with("\x1f\x8b")) return "a gzip archive";
@@ -93,7 +93,7 @@ std::optional<Format> recognise(Bytes bytes, const std::string& extension) {
       word == "STCNOFF" || word == "4OFF" || word == "nOFF")
     return Format::off;
   if (looks_like_obj(bytes)) return Format::obj;
-  if (foreign_kind(bytes).empty()) {
+  if (kind_of_other_file(bytes).empty()) {
     if (extension == "stl") return Format::stl_binary;
     if (extension == "obj") return Format::obj;
   }
@@ -157,7 +157,7 @@ Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const Scan
                 file_name, "reduce the scan (quadric decimation) to a few hundred thousand triangles");
   const auto format = recognise(bytes, extension_of(file_name));
   if (!format) {
-    const auto kind = foreign_kind(bytes);
+    const auto kind = kind_of_other_file(bytes);
     return fail(Code::unsupported_format,
                 kind.empty() ? "not a scan of a known format" : "the scan is " + std::string(kind), file_name,
                 "give STL, OBJ, PLY, OFF or GLB, or a zip with an OBJ or PLY and its images");

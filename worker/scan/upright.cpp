@@ -148,7 +148,7 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   const Borders borders = borders_of(skin);
   // An opening that spans an angle of t from a sphere's middle leaves sin^2(t) / 4 of the area: 1.5 % at 14 degrees.
   // Its missing face must point against the sum, because many small holes can leave such a sum by chance.
-  const bool told = sum.norm() > 0.015 * total && -borders.largest.dot(sum) > 0.8 * sum.squaredNorm();
+  const bool open = sum.norm() > 0.015 * total && -borders.largest.dot(sum) > 0.8 * sum.squaredNorm();
   // It must also be a large part of the body seen from below. The hole that an arm leaves is not.
   const auto below = [&](UpAxis axis) {
     const Eigen::Vector3d up = direction(axis), size = bounds(skin).size();
@@ -160,8 +160,8 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   double most = 0;
   for (const UpAxis axis : axes)
     if (const double along = direction(axis).dot(sum); along > most) most = along, best.axis = axis;
-  if (told && below(best.axis) > least_opening) {
-    best.told = !broken;
+  if (open && below(best.axis) > least_opening) {
+    best.conclusive = !broken;
     best.why = "the scan is open on the other side";
     return best;
   }
@@ -174,7 +174,7 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
       double area = 0;
       for (const auto& t : wrapped->triangles) area += area_vector(*wrapped, t).norm();
       VACUFORM_TRY(guess, guess_of_closed(*wrapped, area, progress));
-      guess.told = false;
+      guess.conclusive = false;
       return guess;
     }
   }
@@ -205,7 +205,7 @@ Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const Sc
   for (std::size_t k = 0; k < axes.size(); ++k)
     if (on_flat && may_be_foot(k)) ++feet, best.axis = axes[k];
   if (feet == 1) {
-    best.told = true;
+    best.conclusive = true;
     best.why = "the scan is cut flat on the other side";
     return best;
   }

@@ -24,8 +24,8 @@ std::string unit_doubt(double longest_side, Unit guessed);
 
 struct UpGuess {
   UpAxis axis = UpAxis::plus_z;
-  bool told = false;  // the shape was conclusive; otherwise the user must check
-  std::string why;    // one clause for people
+  bool conclusive = false;  // the shape was conclusive; otherwise the user must check
+  std::string why;          // one clause for people
 };
 
 // Looks for the side on which a scan, about 200 mm long, stands, in this order:
