@@ -9,7 +9,9 @@ import json
 import math
 import pathlib
 import struct
+import subprocess
 import sys
+import tempfile
 import zipfile
 import zlib
 
@@ -80,6 +82,15 @@ def whole_glb():
         "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": len(points), "min": box[0], "max": box[1]},
                       {"bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 3 * len(faces)}]},
         positions + indices)
+
+
+def compressed_glb():
+    """The same, compressed by Draco's own program."""
+    with tempfile.TemporaryDirectory() as folder:
+        plain, compressed = pathlib.Path(folder, "plain.glb"), pathlib.Path(folder, "compressed.glb")
+        plain.write_bytes(whole_glb())
+        subprocess.run(["draco_transcoder", "-i", plain, "-o", compressed], check=True, stdout=subprocess.DEVNULL)
+        return compressed.read_bytes()
 
 
 def coloured_png(width, height, depth=8, kind=6, interlace=0, extra=b""):
@@ -240,7 +251,7 @@ def seeds():
     found["obj"]["whole"] = hostile.obj(points=points, faces=[[i + 1 for i in f] for f in faces])
     found["ply"] |= {"text": ascii_ply(points, faces), "little": hostile.ply(), "big": hostile.ply(order=">")}
     found["off"]["whole"] = off(points, faces)
-    found["glb"]["whole"] = whole_glb()
+    found["glb"] |= {"whole": whole_glb(), "compressed": compressed_glb()}
     found["zip"] |= zips()
     for name, (_, _, extension, make) in hostile.SCANS.items():
         if extension in found:

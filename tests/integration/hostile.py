@@ -67,9 +67,9 @@ def glb(document, binary=b""):
     return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
 
 
-def draco():
-    return glb({"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"],
-                "extensionsUsed": ["KHR_draco_mesh_compression"], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+def meshopt():
+    return glb({"asset": {"version": "2.0"}, "extensionsRequired": ["EXT_meshopt_compression"],
+                "extensionsUsed": ["EXT_meshopt_compression"], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
                 "accessors": [{"componentType": 5126, "type": "VEC3", "count": 3}]})
 
 
@@ -124,8 +124,8 @@ SCANS = {
     "PLY that is cut short": ("corrupt-file", "ends within its data", "ply", lambda: ply()[:-7]),
     "PLY without an end of its header": ("corrupt-file", "no end_header", "ply", lambda: b"ply\nformat ascii 1.0\nelement vertex 3\n" + b"comment x\n" * 10**5),
     "OFF that promises more": ("corrupt-file", "4000000000 vertices", "off", lambda: b"OFF\n4000000000 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
-    "GLB compressed by Draco": ("unsupported-format", "KHR_draco_mesh_compression", "glb", draco),
-    "GLB that is cut short": ("corrupt-file", "says it has 284 bytes, but it has 264", "glb", lambda: draco()[:-20]),
+    "GLB compressed by meshopt": ("unsupported-format", "EXT_meshopt_compression", "glb", meshopt),
+    "GLB that is cut short": ("corrupt-file", "says it has 280 bytes, but it has 260", "glb", lambda: meshopt()[:-20]),
     "GLB whose chunk is longer than the file": ("corrupt-file", "GLB", "glb", lambda: b"glTF" + struct.pack("<II", 2, 20) + struct.pack("<I4s", 2**32 - 1, b"JSON")),
     "GLB with an accessor past its buffer": ("corrupt-file", "2147483648 elements", "glb", lambda: glb({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],

@@ -1,6 +1,7 @@
 """The bundled models that wear colours: from the sample to a print in which every landmark is in its place."""
 import json
 import struct
+import subprocess
 import unittest
 
 from harness import Case, vacuform
@@ -75,6 +76,19 @@ class PaintedModels(Case):
             s, t = sheet_point_above(*sheet, x, y)
             found = self.centre_of_cross(rows, s, t)
             self.assertLess(((found[0] - s) ** 2 + (found[1] - t) ** 2) ** 0.5, 0.1, label)  # mm; a pixel is 0.127
+
+    def test_a_mask_compressed_by_draco_is_printed_like_the_mask(self):
+        plain = self.printed("mask", "--preview", "--set", "print.marks=false")
+        compressed, out = self.folder / "compressed.glb", self.folder / "compressed"
+        subprocess.run(["draco_transcoder", "-i", self.folder / "mask.glb", "-o", compressed, "-qp", "20", "-qt", "16"],
+                       check=True, stdout=subprocess.DEVNULL)
+        self.assertIn(b"KHR_draco_mesh_compression", compressed.read_bytes())
+        done = vacuform("run", "--scan", compressed, "--set", "pattern.source=scan", "--preview", "--set", "print.marks=false",
+                        "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [pixels((folder / "print.png").read_bytes()) for folder in (plain, out)]
+        differences = sorted(max(abs(a - b) for a, b in zip(p, q)) for one, two in zip(*rows) for p, q in zip(one, two))
+        self.assertLessEqual(differences[len(differences) * 99 // 100], 3)  # of 255
 
     def test_the_figurine_is_printed(self):
         out = self.printed("figurine", "--preview")

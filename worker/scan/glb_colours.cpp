@@ -129,12 +129,12 @@ Result<GlbColours::Laid> GlbColours::laid_material(std::optional<std::uint64_t> 
   return materials_[*index] = laid;
 }
 
-Result<void> GlbColours::add_uv(const json& attributes, const Laid& laid, const TriangleMesh& mesh,
+Result<void> GlbColours::add_uv(const GlbPrimitive& part, const Laid& laid, const TriangleMesh& mesh,
                                 std::size_t first_vertex, std::size_t first_triangle) {
   const std::string name = "TEXCOORD_" + std::to_string(laid.set);
-  if (!attributes.contains(name))
+  if (!part.has(name))
     return corrupt("a primitive of the GLB file has a texture, but no " + name, file_.where);
-  VACUFORM_TRY(given, file_.view(whole(attributes, name.c_str()), "VEC2", 2));
+  VACUFORM_TRY(given, part.attribute(name, "VEC2", 2));
   if (given.component == 5125 || given.count < mesh.vertices.size() - first_vertex)
     return corrupt(name + " of the GLB file does not fit its positions", file_.where);
   colours_.uv.resize(first_triangle);  // of the triangles without an image
@@ -151,11 +151,10 @@ Result<void> GlbColours::add_uv(const json& attributes, const Laid& laid, const 
   return {};
 }
 
-Result<void> GlbColours::add_vertex_colours(const json& attributes, std::size_t first_vertex,
+Result<void> GlbColours::add_vertex_colours(const GlbPrimitive& part, std::size_t first_vertex,
                                             std::size_t vertices) {
-  const json* accessor = nth(file_.root, "accessors", whole(attributes, "COLOR_0"));
-  const bool four = accessor && accessor->value("type", json()) == "VEC4";
-  VACUFORM_TRY(given, file_.view(whole(attributes, "COLOR_0"), four ? "VEC4" : "VEC3", four ? 4 : 3));
+  const bool four = part.is("COLOR_0", "VEC4");
+  VACUFORM_TRY(given, part.attribute("COLOR_0", four ? "VEC4" : "VEC3", four ? 4 : 3));
   if (given.component == 5125 || given.count < vertices - first_vertex)
     return corrupt("COLOR_0 of the GLB file does not fit its positions", file_.where);
   colours_.vertex.resize(first_vertex, Eigen::Vector3f::Ones());
@@ -172,17 +171,15 @@ Result<void> GlbColours::add_vertex_colours(const json& attributes, std::size_t 
   return {};
 }
 
-Result<void> GlbColours::add(const json& primitive, const TriangleMesh& mesh, std::size_t first_vertex,
-                             std::size_t first_triangle) {
-  const json& attributes = primitive["attributes"];  // the shape was read from it
+Result<void> GlbColours::add(const GlbPrimitive& part, const json& primitive, const TriangleMesh& mesh,
+                             std::size_t first_vertex, std::size_t first_triangle) {
   if (primitive.contains("material") && !whole(primitive, "material"))
     return corrupt("a primitive of the GLB file names no valid material", file_.where);
   VACUFORM_TRY(laid, laid_material(whole(primitive, "material")));
   colours_.material.resize(mesh.triangles.size(), laid.material);
   if (colours_.materials[static_cast<std::size_t>(laid.material)].image >= 0)
-    VACUFORM_CHECK(add_uv(attributes, laid, mesh, first_vertex, first_triangle));
-  if (attributes.contains("COLOR_0"))
-    VACUFORM_CHECK(add_vertex_colours(attributes, first_vertex, mesh.vertices.size()));
+    VACUFORM_CHECK(add_uv(part, laid, mesh, first_vertex, first_triangle));
+  if (part.has("COLOR_0")) VACUFORM_CHECK(add_vertex_colours(part, first_vertex, mesh.vertices.size()));
   if (!colours_.uv.empty()) colours_.uv.resize(mesh.triangles.size());
   if (!colours_.vertex.empty()) colours_.vertex.resize(mesh.vertices.size(), Eigen::Vector3f::Ones());
   return {};

@@ -7,7 +7,7 @@
 
 #include <map>
 
-#include "worker/scan/glb_file.hpp"
+#include "worker/scan/glb_primitive.hpp"
 #include "worker/scan/scan_colours.hpp"
 
 namespace vacuform {
@@ -18,8 +18,8 @@ class GlbColours {
 
   // Adds the colours of a primitive whose vertices start at `first_vertex` and whose triangles start at
   // `first_triangle`. Errors: corrupt_file, unsupported_format.
-  Result<void> add(const nlohmann::json& primitive, const TriangleMesh& mesh, std::size_t first_vertex,
-                   std::size_t first_triangle);
+  Result<void> add(const GlbPrimitive& part, const nlohmann::json& primitive, const TriangleMesh& mesh,
+                   std::size_t first_vertex, std::size_t first_triangle);
   // The colours of all primitives; nothing if no triangle has a texture, a factor other than white, or a vertex colour.
   std::optional<ScanColours> take();
 
@@ -34,10 +34,9 @@ class GlbColours {
   Result<Laid> laid_material(std::optional<std::uint64_t> index);
   Result<void> lay_texture(const nlohmann::json& texture_info, ScanMaterial& material, Laid& laid);
   Result<int> image(std::uint64_t index);
-  Result<void> add_uv(const nlohmann::json& attributes, const Laid& laid, const TriangleMesh& mesh,
+  Result<void> add_uv(const GlbPrimitive& part, const Laid& laid, const TriangleMesh& mesh,
                       std::size_t first_vertex, std::size_t first_triangle);
-  Result<void> add_vertex_colours(const nlohmann::json& attributes, std::size_t first_vertex,
-                                  std::size_t vertices);
+  Result<void> add_vertex_colours(const GlbPrimitive& part, std::size_t first_vertex, std::size_t vertices);
 
   const GlbFile& file_;
   ScanColours colours_;

@@ -1,6 +1,6 @@
 // GLB, the binary container of glTF 2.0 (ISO/IEC 12113): the meshes of every node of the scene, in world coordinates.
-// Positions are floats. Data outside the file, sparse accessors and required extensions that change the geometry
-// (Draco, meshopt, quantization) are rejected by name.
+// Positions are floats, or compressed by Draco. Data outside the file, sparse accessors and other required extensions that
+// change the geometry (meshopt, quantization) are rejected by name.
 #include <Eigen/Geometry>
 #include <bit>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "worker/scan/glb_colours.hpp"
-#include "worker/scan/glb_file.hpp"
+#include "worker/scan/glb_primitive.hpp"
 #include "worker/scan/scan_file.hpp"
 
 namespace vacuform {
@@ -33,10 +33,8 @@ struct Reader {
     const auto attributes = p.find("attributes");
     if (attributes == p.end() || !attributes->is_object())
       return corrupt("a primitive of the GLB file has no attributes", where);
-    if (p.contains("extensions") && p["extensions"].contains("KHR_draco_mesh_compression") &&
-        !attributes->contains("POSITION"))
-      return corrupt("a primitive of the GLB file has no positions", where);
-    VACUFORM_TRY(positions, file.view(whole(*attributes, "POSITION"), "VEC3", 3));
+    VACUFORM_TRY(part, GlbPrimitive::read(file, p));
+    VACUFORM_TRY(positions, part.attribute("POSITION", "VEC3", 3));
     if (positions.component != 5126)
       return fail(Code::unsupported_format, "the positions of the GLB file are not floats", where,
                   "export the scan without quantization, or as STL");
@@ -45,14 +43,9 @@ struct Reader {
       return fail(Code::too_large,
                   "the scan has more than " + std::to_string(scan_limits.vertices) + " vertices", where,
                   "reduce it (quadric decimation) to a few hundred thousand triangles");
-    GlbView indices{nullptr, positions.count, 0, 0};
-    if (p.contains("indices")) {
-      VACUFORM_TRY(given, file.view(whole(p, "indices"), "SCALAR", 1));
-      if (given.component == 5126) return corrupt("the indices of the GLB file are floats", where);
-      indices = given;
-    }
-    const std::uint64_t n = indices.count;
-    const std::uint64_t added = *mode == 4 ? n / 3 : n < 3 ? 0 : n - 2;
+    VACUFORM_TRY(indices, part.indices());
+    const std::uint64_t n = indices ? indices->count : positions.count, shape = part.compressed() ? 4 : *mode;
+    const std::uint64_t added = shape == 4 ? n / 3 : n < 3 ? 0 : n - 2;
     if (triangles.size() + added > scan_limits.triangles)
       return too_many_triangles(triangles.size() + added, where);
 
@@ -68,11 +61,11 @@ struct Reader {
     bool beyond = false;
     const auto corner = [&](std::uint64_t i) {
       std::uint64_t index = i;
-      if (indices.data) {
-        const std::uint8_t* at = indices.data + i * indices.stride;
-        index = indices.component == 5121   ? at[0]
-                : indices.component == 5123 ? std::uint64_t{at[0]} | std::uint64_t{at[1]} << 8
-                                            : u32(Bytes(at, 4), 0);
+      if (indices) {
+        const std::uint8_t* at = indices->data + i * indices->stride;
+        index = indices->component == 5121   ? at[0]
+                : indices->component == 5123 ? std::uint64_t{at[0]} | std::uint64_t{at[1]} << 8
+                                             : u32(Bytes(at, 4), 0);
       }
       if (index >= positions.count) return beyond = true, 0;
       return static_cast<int>(base + index);
@@ -80,8 +73,8 @@ struct Reader {
     const bool mirrored = transform.linear().determinant() < 0;
     triangles.reserve(triangles.size() + added);
     for (std::uint64_t i = 0; i < added && !beyond; ++i) {
-      Triangle t = *mode == 4   ? Triangle{corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)}
-                   : *mode == 5 ? Triangle{corner(i), corner(i + 1 + i % 2), corner(i + 2 - i % 2)}
+      Triangle t = shape == 4   ? Triangle{corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)}
+                   : shape == 5 ? Triangle{corner(i), corner(i + 1 + i % 2), corner(i + 2 - i % 2)}
                                 : Triangle{corner(0), corner(i + 1), corner(i + 2)};
       if (mirrored) std::swap(t[1], t[2]);
       triangles.push_back(t);
@@ -90,7 +83,7 @@ struct Reader {
       return corrupt("a triangle of the GLB file names a vertex beyond the " +
                          std::to_string(positions.count) + " of its mesh",
                      where);
-    if (colours) return colours->add(p, scan.mesh, base, first);
+    if (colours) return colours->add(part, p, scan.mesh, base, first);
     return {};
   }
 
@@ -185,11 +178,11 @@ struct Reader {
   }
 };
 
-// Extensions that leave the triangles where they are.
-bool harmless(std::string_view extension) {
+// Extensions that are read, or leave the triangles where they are.
+bool known(std::string_view extension) {
   return extension.starts_with("KHR_materials_") || extension.starts_with("KHR_texture_") ||
          extension.starts_with("EXT_texture_") || extension == "KHR_lights_punctual" ||
-         extension == "KHR_xmp_json_ld";
+         extension == "KHR_xmp_json_ld" || extension == "KHR_draco_mesh_compression";
 }
 
 }  // namespace
@@ -224,7 +217,7 @@ Result<ScanFile> read_glb(Bytes bytes, const std::string& where, const ScanProgr
       if (!extension.is_string())
         return corrupt("extensionsRequired of the GLB file has entries that are not names", where);
       const auto& name = extension.get_ref<const std::string&>();
-      if (!harmless(name))
+      if (!known(name))
         return fail(Code::unsupported_format,
                     "the GLB file requires the extension " + name.substr(0, 80) + ", which is not read",
                     where, "export it without compression, or as STL");
