@@ -111,7 +111,10 @@ void PostgresServer::start() {
 }
 
 void PostgresServer::kill() {
-  // Its children notice that it is gone, and end.
+  ::kill(process_, SIGSTOP);  // it starts none of its processes again
+  const std::string id = std::to_string(process_);
+  std::ifstream children("/proc/" + id + "/task/" + id + "/children");
+  for (pid_t child = 0; children >> child;) ::kill(child, SIGKILL);
   ::kill(process_, SIGKILL);
   status_of(process_);
   process_ = 0;
