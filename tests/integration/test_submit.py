@@ -206,6 +206,7 @@ class Relay(threading.Thread):
                     near.sendall(answer)
                     while piece := far.recv(1 << 16):
                         near.sendall(piece)
+                near.shutdown(socket.SHUT_RDWR)  # closing alone tells the client nothing while the other thread reads
 
     @staticmethod
     def send(near, far):
