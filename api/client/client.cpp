@@ -173,10 +173,10 @@ Result<RemoteJob> Client::submit(const JobRequest& job, const std::function<bool
                             "check its name and permissions");
     request.form.push_back({name, file, {}});
   }
-  bool begun = false;
+  bool started = false;
   double fraction = 0;
   request.going = [&](std::uint64_t sent, std::uint64_t total) {
-    begun = begun || sent > 0;
+    started = started || sent > 0;
     fraction = total ? static_cast<double>(sent) / static_cast<double>(total) : 0.0;
     return uploaded(fraction);
   };
@@ -185,7 +185,7 @@ Result<RemoteJob> Client::submit(const JobRequest& job, const std::function<bool
   for (int attempt = 1;; ++attempt) {
     const auto response = good(http_.send(request));
     if (response) return job_from(*response);
-    if (response.error().code != Code::unavailable || !begun || attempt == tries)
+    if (response.error().code != Code::unavailable || !started || attempt == tries)
       return tl::make_unexpected(response.error());
     for (int tenths = 0; tenths < 10 << attempt; ++tenths) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

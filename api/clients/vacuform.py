@@ -168,8 +168,8 @@ class Service:
         size = os.path.getsize(path)
         data = {"filename": "file" + pathlib.Path(path).suffix, "input": name}
         metadata = ",".join(key + " " + base64.b64encode(value.encode()).decode() for key, value in data.items())
-        begun = self.request("POST", "/uploads", {**tus, "Upload-Length": str(size), "Upload-Metadata": metadata}, b"")
-        id = begun.headers["location"].rsplit("/", 1)[1]
+        started = self.request("POST", "/uploads", {**tus, "Upload-Length": str(size), "Upload-Metadata": metadata}, b"")
+        id = started.headers["location"].rsplit("/", 1)[1]
         until = time.monotonic() + self.patience
         with open(path, "rb") as file:
             offset = 0

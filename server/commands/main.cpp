@@ -179,12 +179,12 @@ Result<void> serve(const Configuration& options) {
   };
   // Workers of an earlier run died with it; their jobs do not have to wait for the leases to expire.
   for (int i = 0; i < options.workers; ++i)
-    log_expired(store->bury(LocalWorkers::name_of(static_cast<std::size_t>(i))));
+    log_expired(store->end_leases_of(LocalWorkers::name_of(static_cast<std::size_t>(i))));
   LocalWorkers workers({std::filesystem::absolute(options.worker_program), url, token_file, kept->workers(),
                         options.worker_user},
                        options.workers);
   for (;;) {
-    for (const std::string& dead : workers.tend()) log_expired(store->bury(dead));
+    for (const std::string& dead : workers.tend()) log_expired(store->end_leases_of(dead));
     const timespec second{1, 0};
     const int signal = ::sigtimedwait(&signals, nullptr, &second);
     if (signal == SIGTERM || signal == SIGINT) break;

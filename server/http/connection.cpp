@@ -102,9 +102,9 @@ Connection::Wait Connection::wait_for(short events, Instant deadline) const {
 
 // Counts only the time spent waiting for the client, not the time of the disk behind the route.
 Connection::Wait Connection::wait_for_body() {
-  const Instant begun = steady_clock::now();
-  const Wait wait = wait_for(POLLIN, begun + (limits_.wait - waited_) + 1ms);
-  waited_ += steady_clock::now() - begun;
+  const Instant started = steady_clock::now();
+  const Wait wait = wait_for(POLLIN, started + (limits_.wait - waited_) + 1ms);
+  waited_ += steady_clock::now() - started;
   if (wait == Wait::gone || waited_ < limits_.wait) return wait;
   const double least =
       static_cast<double>(limits_.slowest_body) * std::chrono::duration<double>(waited_).count();

@@ -29,7 +29,7 @@ class Connection : public Body {
   // Reads what has arrived, up to the longest head and the longest small body.
   Got receive();
   // Whether any part of a request has arrived.
-  bool begun() const { return !in_.empty(); }
+  bool started() const { return !in_.empty(); }
   // The next head, once it is complete. Its body follows.
   std::optional<tl::expected<Head, Refusal>> take_head();
   // Whether the whole body has arrived.

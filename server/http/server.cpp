@@ -83,7 +83,7 @@ struct Client {
   std::size_t held = 0;            // bytes of `out` that are counted as waiting
   std::uint64_t window_bytes = 0;  // that the client had taken when the present window began
 
-  bool idle() const { return state == State::head && !connection.begun(); }
+  bool idle() const { return state == State::head && !connection.started(); }
 };
 using Clients = std::vector<std::shared_ptr<Client>>;
 
@@ -729,9 +729,9 @@ int Server::streams() const { return loop_->streams(); }
 
 Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router) {
   auto loop = std::make_unique<Loop>(std::move(options), std::move(router));
-  if (auto begun = loop->begin(); !begun) {
+  if (auto started = loop->begin(); !started) {
     loop->end();
-    return tl::make_unexpected(begun.error());
+    return tl::make_unexpected(started.error());
   }
   return std::unique_ptr<Server>(new Server(std::move(loop)));
 }

@@ -111,8 +111,8 @@ Result<NewInput> shared_input(Service& service, const Caller& caller, const std:
     VACUFORM_TRY(scan, scan_for(service, id, caller));
     return NewInput{"scan", scan.blob, scan.extension};
   }
-  VACUFORM_TRY(begun, upload_for(service, id, caller));
-  VACUFORM_TRY(upload, service.uploads.whole(begun));
+  VACUFORM_TRY(started, upload_for(service, id, caller));
+  VACUFORM_TRY(upload, service.uploads.whole(started));
   if (field != upload.input + "_upload")
     return fail(Code::bad_usage, "the upload is a " + upload.input, field,
                 "name it in the field " + upload.input + "_upload");

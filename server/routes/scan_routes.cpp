@@ -55,8 +55,8 @@ class ScanForm : public http::PartSink {
       return fail(Code::bad_usage, "an unknown or repeated part of the form: " + name.substr(0, 64),
                   "request body", "send scan, or scan_upload");
     if (!in_file_) return {};
-    VACUFORM_TRY(begun, store_.upload());
-    file.emplace(std::move(begun));
+    VACUFORM_TRY(started, store_.upload());
+    file.emplace(std::move(started));
     extension = http::safe_extension(file_name);
     names_.emplace(extension);
     return {};
@@ -94,8 +94,8 @@ class ScanForm : public http::PartSink {
 
 Result<StoredScan> scan_from(Service& service, ScanForm& form, const Caller& caller) {
   if (!form.upload.empty() && !form.file) {
-    VACUFORM_TRY(begun, upload_for(service, form.upload, caller));
-    VACUFORM_TRY(upload, service.uploads.whole(begun));
+    VACUFORM_TRY(started, upload_for(service, form.upload, caller));
+    VACUFORM_TRY(upload, service.uploads.whole(started));
     if (upload.input != "scan")
       return fail(Code::bad_usage, "the upload is a " + upload.input, "scan_upload", "upload a scan");
     return service.store.add_scan(caller.owner, *upload.blob, upload.extension);

@@ -126,7 +126,7 @@ Result<Response> create(Service& service, Request& request, const Caller& caller
     return fail(Code::bad_usage, "there is no such input", "Upload-Metadata",
                 "give the key input as scan, pattern, temperature or weights, or leave it out for a scan");
   VACUFORM_TRY(upload, service.uploads.begin(caller.owner, *kind, metadata.extension, length));
-  log_event("upload-begun", {{"upload", upload.id}, {"bytes", length}, {"token", caller.token}});
+  log_event("upload-started", {{"upload", upload.id}, {"bytes", length}, {"token", caller.token}});
   std::uint64_t offset = 0;
   if (request.header("Content-Type") == chunk_type && request.content_length > 0) {
     // Bytes that were lost are sent again with PATCH: the upload exists in any case.

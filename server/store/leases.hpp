@@ -53,7 +53,7 @@ class LeaseTable {
   // Ends the leases that have expired. Every call of a worker does the same first.
   virtual Result<std::vector<Expired>> expire() = 0;
   // Ends at once the leases of a worker that is known to be dead, by the name that it used for them.
-  virtual Result<std::vector<Expired>> bury(const std::string& worker) = 0;
+  virtual Result<std::vector<Expired>> end_leases_of(const std::string& worker) = 0;
 };
 
 }  // namespace vacuform

@@ -63,8 +63,8 @@ tl::unexpected<Error> cannot_resume() {
 // Appends a piece's bytes to the file. Gives the state in the piece.
 Result<std::string> append_piece(const BlobReader& piece, File& file) {
   std::string state(32, '\0');
-  VACUFORM_TRY(begun, piece.read_at(0, state));
-  state.resize(begun);
+  VACUFORM_TRY(started, piece.read_at(0, state));
+  state.resize(started);
   std::string_view rest = state;
   std::uint64_t length = 0;
   if (!take_numbers(rest, {{&length, '\n'}}) || length > most_state) return cannot_resume();

@@ -122,9 +122,9 @@ Result<void> PostgresStore::look_at_rows(const Look& look) {
 
 Result<PostgresStore::Outcome> PostgresStore::change_once(PostgresConnection& connection,
                                                           const Change& change) {
-  if (const auto begun = connection.execute("BEGIN"); !begun) {
+  if (const auto started = connection.execute("BEGIN"); !started) {
     if (connection.may_try_again()) return Outcome::again;
-    return tl::make_unexpected(begun.error());
+    return tl::make_unexpected(started.error());
   }
   const bool wanted = change(connection);
   if (!wanted || connection.failed()) {

@@ -306,15 +306,15 @@ void S3Blobs::sweep_again() {
 
 // Stops at the first fault: the object store is probably away.
 void S3Blobs::delete_condemned() {
-  const auto begun = SteadyClock::now();
+  const auto started = SteadyClock::now();
   {
     const std::lock_guard hold(mutex_);
-    if (begun < no_deletion_until_) return;
+    if (started < no_deletion_until_) return;
   }
   const auto condemned = objects_->condemned_until(options_.clock() - options_.grace, 200);
   if (!condemned) return;
   for (const StoredObject& object : *condemned) {
-    if (SteadyClock::now() - begun > deleting) return;
+    if (SteadyClock::now() - started > deleting) return;
     auto deleted = client_->remove(object.key());
     if (deleted && object.bytes > options_.parts_above) deleted = client_->abort_uploads(object.key());
     if (deleted) deleted = objects_->forget(object);

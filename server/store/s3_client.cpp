@@ -107,13 +107,13 @@ HttpRequest S3Client::signed_request(const Request& request) const {
 
 // Gives any answer but those that another attempt may change.
 Result<HttpResponse> S3Client::exchange(const Request& request) {
-  const auto begun = std::chrono::steady_clock::now();
+  const auto started = std::chrono::steady_clock::now();
   VACUFORM_TRY(connection, take_connection());
   for (int attempt = 1;; ++attempt) {
     if (request.begin) request.begin();
     auto answer = connection.send(signed_request(request));
     const bool again = answer ? is_passing(*answer) : answer.error().code == Code::unavailable;
-    if (again && attempt < request.tries && std::chrono::steady_clock::now() - begun < trying) {
+    if (again && attempt < request.tries && std::chrono::steady_clock::now() - started < trying) {
       std::this_thread::sleep_for(pause_after(attempt));
       continue;
     }

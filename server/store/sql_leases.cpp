@@ -26,14 +26,14 @@ Result<std::optional<LeasedJob>> SqlStore::lease(const std::string& worker) {
     if (!next) return std::optional<LeasedJob>();
     const std::string token = random_hex(32);
     VACUFORM_TRY(row, find_row(tx.db, *next, true));
-    VACUFORM_TRY(begun, when_leased(row.job, row.faults));
+    VACUFORM_TRY(change, when_leased(row.job, row.faults));
     row.job.started = options_.clock();
     row.job.stage.reset(), row.job.not_before.reset();
     row.job.stage_progress = 0;
     row.worker = worker;
     row.lease_hash = text_hash(token);
     row.log_lines = 0;
-    VACUFORM_CHECK(apply(tx, row, begun));
+    VACUFORM_CHECK(apply(tx, row, change));
     VACUFORM_CHECK(lease_times().renew(tx.db, row.job.id));
     VACUFORM_CHECK(Query(tx.db,
                          "UPDATE submitter SET served=(SELECT max(served) + 1 FROM submitter) WHERE owner=?",
@@ -170,7 +170,7 @@ Result<std::vector<Expired>> SqlStore::expire() {
   return expired;
 }
 
-Result<std::vector<Expired>> SqlStore::bury(const std::string& worker) {
+Result<std::vector<Expired>> SqlStore::end_leases_of(const std::string& worker) {
   const auto ended = write([&](Transaction& tx) -> Result<void> {
     Query held(tx.db, "SELECT id FROM job WHERE state IN ('running','cancelling') AND worker=?", worker);
     for (;;) {

@@ -101,7 +101,7 @@ class SqlStore : public Store, public ObjectTable {
   Result<Job> cancelled(const LeaseKey& key) override { return finish(key, JobState::cancelled); }
   Result<Job> release(const LeaseKey& key) override;
   Result<std::vector<Expired>> expire() override;
-  Result<std::vector<Expired>> bury(const std::string& worker) override;
+  Result<std::vector<Expired>> end_leases_of(const std::string& worker) override;
 
   // For copies of whole stores (copy_store.hpp).
   //

@@ -76,7 +76,7 @@ struct StoreStatus {
   std::optional<Millis> last_backup;
   DiskSpace disk;
   std::vector<WorkingWorker> working;  // in the order of their jobs
-  // In PostgreSQL: the age of the oldest transaction that keeps it from removing dead rows, whoever began it.
+  // In PostgreSQL: the age of the oldest transaction that keeps it from removing dead rows, of any client.
   std::optional<double> oldest_transaction_seconds;
 };
 

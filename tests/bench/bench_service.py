@@ -111,20 +111,20 @@ def submit(port, token, count):
 def milliseconds_of_page(server, cursor=""):
     times = []
     for _ in range(30):
-        begun = time.monotonic()
+        started = time.monotonic()
         page = ask(server.port, admin_of(server), "GET", "/api/v1/jobs?limit=10" + cursor)
-        times.append(1000 * (time.monotonic() - begun))
+        times.append(1000 * (time.monotonic() - started))
         assert len(page["jobs"]) == 10
     return statistics.median(times)
 
 
 def page_through(server):
-    cursor, ids, begun = "", [], time.monotonic()
+    cursor, ids, started = "", [], time.monotonic()
     while True:
         page = ask(server.port, admin_of(server), "GET", "/api/v1/jobs?limit=100" + cursor)
         ids += [j["id"] for j in page["jobs"]]
         if not page["next"]:
-            return ids, time.monotonic() - begun
+            return ids, time.monotonic() - started
         cursor = "&cursor=" + page["next"]
 
 
@@ -151,9 +151,9 @@ def long_queue(folder, count):
         together(submit, [(server.port, owner, 1) for owner in owners])
         short = milliseconds_of_page(server)
         rest = count // OWNERS - 1
-        begun = time.monotonic()
+        started = time.monotonic()
         together(submit, [(server.port, owner, rest) for owner in owners])
-        show(f"{rest * OWNERS} jobs submitted, {OWNERS} clients", f"{rest * OWNERS / (time.monotonic() - begun):.0f}/s")
+        show(f"{rest * OWNERS} jobs submitted, {OWNERS} clients", f"{rest * OWNERS / (time.monotonic() - started):.0f}/s")
         ids, seconds = page_through(server)
         assert len(set(ids)) == len(ids) == (rest + 1) * OWNERS
         show(f"{len(ids)} jobs listed in pages of 100", f"{1000 * seconds / (len(ids) / 100):.1f} ms a page")
@@ -184,9 +184,9 @@ def large_upload(folder, mib):
             yield head
             yield from scan.bytes(0, scan.size)
             yield tail
-        begun = time.monotonic()
+        started = time.monotonic()
         ask(server.port, token, "POST", "/api/v1/scans", body(), MULTIPART, {"Content-Length": str(len(head) + scan.size + len(tail))})
-        seconds, peak = time.monotonic() - begun, peak_memory(server.program.pid)
+        seconds, peak = time.monotonic() - started, peak_memory(server.program.pid)
         show(f"A scan of {mib} MiB in one form ({mib / seconds:.0f} MiB/s): memory before, peak", f"{before >> 20}, {peak >> 20} MiB", "64 MiB")
 
         tus = {"Tus-Resumable": "1.0.0", "Upload-Length": str(scan.size)}

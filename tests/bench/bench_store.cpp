@@ -25,9 +25,9 @@ using namespace vacuform;
 using Seconds = std::chrono::duration<double>;
 
 double seconds_of(const std::function<void()>& work) {
-  const auto begun = std::chrono::steady_clock::now();
+  const auto started = std::chrono::steady_clock::now();
   work();
-  return Seconds(std::chrono::steady_clock::now() - begun).count();
+  return Seconds(std::chrono::steady_clock::now() - started).count();
 }
 
 template <class T>

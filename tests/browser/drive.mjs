@@ -229,7 +229,7 @@ export function setUp(start = () => startFurnished(), flags = []) {
 
 // Goes to a view, such as '#/jobs', and waits until it stands.
 export async function show(page, hash) {
-  await page.goto('about:blank');  // so that the application starts anew
+  await page.goto('about:blank');  // so that the application starts again
   await page.goto('/' + hash);
   await settled(page).catch((error) => { throw new Error(`${hash} does not stand: ${error.message}\n${page.faults.join('\n')}`); });
 }

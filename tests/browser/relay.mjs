@@ -1,5 +1,5 @@
 // A relay on the loopback between the browser and the server that cuts, stalls and slows connections. The offline
-// switch of the browser would leave transfers running that have begun.
+// switch of the browser would leave transfers running that have started.
 import {connect, createServer} from 'node:net';
 
 // relay.sent: bytes that clients sent through it.

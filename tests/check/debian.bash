@@ -1,5 +1,5 @@
 # For tests/check/package and tests/check/plain_clone: fresh Debian systems in folders, and commands in them. As root; needs
-# mmdebstrap. Sets `checkout`, `place` (the folder for the systems), `cache` (ccache's) and `path`. Whoever sources it sets
+# mmdebstrap. Sets `checkout`, `place` (the folder for the systems), `cache` (ccache's) and `path`. The script that sources it sets
 # `name`, the release's name, and `begin`, the SECONDS from which `say` counts.
 checkout=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 place=${VACUFORM_PACKAGE_CHECK:-/var/tmp/vacuform-package}

@@ -78,9 +78,9 @@ Run run(const Target& target, const Input& input, std::string name) {
   running = &input;
   const itimerval limit{{0, 0}, {most_seconds, 0}}, none{};
   ::setitimer(ITIMER_PROF, &limit, nullptr);
-  const double begun = processor_seconds();
+  const double started = processor_seconds();
   target.run(input);
-  const double seconds = processor_seconds() - begun;
+  const double seconds = processor_seconds() - started;
   ::setitimer(ITIMER_PROF, &none, nullptr);
   return {seconds, std::move(name)};
 }

@@ -147,10 +147,10 @@ def main():
     options.add_argument("--pause", type=float, default=3, help="mean seconds from a kill to the next")
     options.add_argument("--open", type=int, default=3, help="jobs that each client waits for at a time")
     given = options.parse_args()
-    begun = time.monotonic()
+    started = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="vacuform-chaos-") as folder:
         figures = run(given.kills, given.seed, given.pause, given.open, folder)
-    print(f"seed {given.seed}, {time.monotonic() - begun:.0f} s:", json.dumps(figures))
+    print(f"seed {given.seed}, {time.monotonic() - started:.0f} s:", json.dumps(figures))
 
 
 if __name__ == "__main__":

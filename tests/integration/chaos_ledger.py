@@ -81,7 +81,7 @@ class Ledger:
         log = [line["text"] for line in api.log(job)]
         crashed, lost = log.count(BROKE_DOWN) == 1, sum(map(log.count, LOST)) == 9
         assert problem["type"] == "/problems/internal" and (crashed or lost) or problem["type"] == "/problems/out-of-time" and crashed, (
-            f"{job} failed for no fault of its own: {json.dumps(problem)}, {log}")
+            f"{job} failed without a fault of its own: {json.dumps(problem)}, {log}")
         return "lost ten times" if "workers were lost" in problem["what"] else "crashed twice"
 
     def check_results(self, api, jobs):

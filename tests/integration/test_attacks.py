@@ -28,7 +28,7 @@ class Health(threading.Thread):
 
     def run(self):
         while not self.over.wait(0.05):
-            begun = time.monotonic()
+            started = time.monotonic()
             try:
                 connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
                 connection.request("GET", "/healthz")
@@ -37,7 +37,7 @@ class Health(threading.Thread):
                 connection.close()
             except OSError as fault:
                 self.wrong.append(str(fault))
-            self.worst = max(self.worst, time.monotonic() - begun)
+            self.worst = max(self.worst, time.monotonic() - started)
             self.asked += 1
 
 
@@ -139,9 +139,9 @@ class Attacks(Case):
                 stalled.append(self.connected())
                 stalled[-1].sendall(self.head("POST /api/v1/jobs", "Content-Type: multipart/form-data; boundary=b",
                                               "Content-Length: 1000000") + self.form()[:200] if i % 2 else b"GET / HTTP/1.1\r\nHo")
-            begun = time.monotonic()
+            started = time.monotonic()
             self.assertEqual(curl(self.server.url + "/healthz").status, 200)
-            self.assertLess(time.monotonic() - begun, 15)  # on the busy listener; tearDown checks the health listener
+            self.assertLess(time.monotonic() - started, 15)  # on the busy listener; tearDown checks the health listener
             time.sleep(3)
         finally:
             for connection in stalled:

@@ -93,10 +93,10 @@ class CopyStore(Case):
                                 env={**os.environ, **self.objects.environment})
         wait_for(target.exists, "the begin of the copy")
         time.sleep(1)
-        begun = time.monotonic()
+        started = time.monotonic()
         copy.terminate()
         said = copy.communicate()[1]
-        seconds = time.monotonic() - begun
+        seconds = time.monotonic() - started
         for process in self.objects.processes:
             os.killpg(process.pid, signal.SIGCONT)
         self.assertEqual(copy.returncode, 130, said)

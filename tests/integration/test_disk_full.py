@@ -73,12 +73,12 @@ class DiskFull(Case):
         places = []
         tus = ["-H", "Tus-Resumable: 1.0.0"]
         while True:
-            begun = curl("-X", "POST", *tus, "-H", f"Upload-Length: {1 << 21}", server.api + "/uploads")
-            if begun.status == 507:
-                self.expect_refused(begun)
+            started = curl("-X", "POST", *tus, "-H", f"Upload-Length: {1 << 21}", server.api + "/uploads")
+            if started.status == 507:
+                self.expect_refused(started)
                 return places
-            self.assertEqual(begun.status, 201, begun)
-            places.append(server.url + begun.headers["location"])
+            self.assertEqual(started.status, 201, started)
+            places.append(server.url + started.headers["location"])
             for offset in (0, 1 << 20):
                 piece.write_bytes(os.urandom(1 << 20))
                 sent = curl("-X", "PATCH", *tus, "-H", "Content-Type: application/offset+octet-stream", "-H",

@@ -106,7 +106,7 @@ class Front(Case):
     def talk(self, text, patience):
         """The answer over one TLS connection until it is closed, and the time in seconds."""
         context = ssl.create_default_context(cafile=self.certificate)
-        begun = time.monotonic()
+        started = time.monotonic()
         with socket.create_connection(("127.0.0.1", self.https), timeout=patience) as plain:
             with context.wrap_socket(plain, server_hostname=NAME) as connection:
                 connection.sendall(text)
@@ -116,7 +116,7 @@ class Front(Case):
                         answer += piece
                 except (ConnectionError, ssl.SSLError):
                     pass
-        return answer, time.monotonic() - begun
+        return answer, time.monotonic() - started
 
     def test_a_form_that_is_too_large_is_refused_before_its_bytes(self):
         answer, _ = self.talk(f"POST /api/v1/jobs HTTP/1.1\r\nHost: {NAME}:{self.https}\r\nContent-Type: multipart/form-data; "

@@ -182,11 +182,11 @@ class BehindARelay(OnObjects):
                 self.server.wait(job, lambda j: j["state"] == "running" and j["progress"] > 0.1, "a job that has its inputs")
                 before = len(self.refused_artifacts())
                 self.relay.begin(fault)
-                begun = time.monotonic()
+                started = time.monotonic()
                 refused = self.server.post(made_scans.newborn(), PATTERNS / "rings-7x40mm.svg", {"print": {"dpi": 220 + number}})
                 self.assertEqual(refused.status, 503, refused)
                 self.assertIn(what, refused.json["what"])
-                self.assertLess(time.monotonic() - begun, PATIENCE)
+                self.assertLess(time.monotonic() - started, PATIENCE)
                 wait_for(lambda: len(self.refused_artifacts()) > before, "an artifact that cannot be stored")  # noqa: B023
                 self.assertEqual(curl(self.server.api + "/jobs").status, 200)  # what needs no files goes on
                 self.relay.end()

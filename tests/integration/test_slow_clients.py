@@ -39,7 +39,7 @@ class Others(threading.Thread):
 
     def run(self):
         while not self.over.wait(0.02):
-            begun = time.monotonic()
+            started = time.monotonic()
             try:
                 connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
                 connection.request("GET", self.path, headers=self.headers)
@@ -50,7 +50,7 @@ class Others(threading.Thread):
                 connection.close()
             except OSError as fault:
                 self.wrong.append(repr(fault))
-            self.seconds.append(time.monotonic() - begun)
+            self.seconds.append(time.monotonic() - started)
 
     def p99(self):
         return sorted(self.seconds)[int(0.99 * (len(self.seconds) - 1))]

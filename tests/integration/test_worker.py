@@ -354,10 +354,10 @@ class Worker(Case):
         self.assertIn('"why":"max-jobs"', worker.says().replace(" ", ""))
 
     def test_worker_exits_when_there_is_no_job_for_long(self):
-        begun = time.monotonic()
+        started = time.monotonic()
         worker = self.start("exit 0", keep="--no-keep --idle-exit 0.5")
         self.assertEqual(worker.wait(), 0)
-        self.assertGreater(time.monotonic() - begun, 0.5)
+        self.assertGreater(time.monotonic() - started, 0.5)
         self.assertEqual(len(self.server.calls("/complete")), 1)
         self.assertIn('"why":"idle"', worker.says().replace(" ", ""))
 

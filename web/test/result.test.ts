@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {begun, centreLines, coilsOf, encloses, initialResult, isMoved, laid, lying, move, patternOf, placed, previewPlace, queryOf, redo, resultOf,
+import {initialMoves, centreLines, coilsOf, encloses, initialResult, isMoved, laid, lying, move, patternOf, placed, previewPlace, queryOf, redo, resultOf,
         rowOf, sorted, toChart, toDrawing, undo, wantedOf, withPoints, type Flat, type PrintReport, type Row} from '../src/state/result';
 import {coarse, picturePlace} from '../src/read/formed';
 
@@ -57,7 +57,7 @@ test('a place is inside of a coil if its centre line goes around it', () => {
 
 test('moves can be undone and redone, until the drawing is moved again', () => {
   const job = {settings: {pattern: {offset_mm: [1, 2], rotate_deg: 10, scale: 1.1}}};
-  let moves = begun(job);
+  let moves = initialMoves(job);
   assert.deepEqual(placed(moves), {x: 1, y: 2, turn: 10, scale: 1.1, points: []});
   moves = move(moves, {...placed(moves), x: 5});
   moves = move(moves, {...placed(moves), x: 5});
@@ -72,7 +72,7 @@ test('moves can be undone and redone, until the drawing is moved again', () => {
 
 test('pairs are moves too', () => {
   const row: Row = [1, 2, 3, 4, 5];
-  let moves = begun({settings: {pattern: {points: [row]}}});
+  let moves = initialMoves({settings: {pattern: {points: [row]}}});
   moves = move(moves, {...placed(moves), points: [[1, 2, 3, 4, 5]]});
   assert.ok(!isMoved(moves), 'the same pairs again are no move');
   moves = move(moves, {...placed(moves), points: []});

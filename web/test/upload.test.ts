@@ -60,14 +60,14 @@ class Server {
 }
 
 const bytesOf = (count: number): Uint8Array => Uint8Array.from({length: count}, (_, i) => i * 7 + (i >> 8));
-interface Run { upload: Upload; ended: Promise<Transfer>; told: Transfer[]; begun: string[] }
+interface Run { upload: Upload; ended: Promise<Transfer>; told: Transfer[]; started: string[] }
 function run(server: Server, file: Blob, id: string | null = null): Run {
   globalThis.fetch = server.fetch as typeof fetch;
-  const told: Transfer[] = [], begun: string[] = [];
+  const told: Transfer[] = [], started: string[] = [];
   let upload: Upload | undefined;
   const ended = new Promise<Transfer>((resolve) => {
     upload = startUpload({file, extension: 'stl', input: 'scan', id}, {
-      begun: (given) => begun.push(given),
+      started: (given) => started.push(given),
       progress: (transfer) => {
         told.push(transfer);
         if (transfer.state === 'failed' || transfer.state === 'done') resolve(transfer);
@@ -75,15 +75,15 @@ function run(server: Server, file: Blob, id: string | null = null): Run {
       done: () => {},
     }, server.send);
   });
-  return {upload: upload as Upload, ended, told, begun};
+  return {upload: upload as Upload, ended, told, started};
 }
 
 test('sends a file in pieces with their digests, and of its name the extension alone', async () => {
   const server = new Server(), bytes = bytesOf(pieceBytes * 2 + 5);
-  const {ended, begun} = run(server, new Blob([bytes]));
+  const {ended, started} = run(server, new Blob([bytes]));
   assert.equal((await ended).state, 'done');
   assert.deepEqual(server.stored, bytes);
-  assert.deepEqual(begun, ['id1']);
+  assert.deepEqual(started, ['id1']);
   assert.equal(server.checksums.length, 3);
   assert.match(server.checksums[0] ?? '', /^sha256 [A-Za-z0-9+/]{43}=$/);
   assert.equal(server.metadata, `filename ${btoa('file.stl')},input ${btoa('scan')}`);
@@ -115,20 +115,20 @@ test('resumes an upload of before a reload, and begins again where it has expire
   server.stored = bytes.slice(0, 400);
   const resumed = run(server, new Blob([bytes]), 'before');
   assert.equal((await resumed.ended).state, 'done');
-  assert.deepEqual([server.created, resumed.begun.length], [0, 0]);
+  assert.deepEqual([server.created, resumed.started.length], [0, 0]);
   assert.deepEqual(server.stored, bytes);
   const expired = run(server, new Blob([bytes]), 'long-ago');
   assert.equal((await expired.ended).state, 'done');
-  assert.deepEqual([server.created, expired.begun], [1, ['id1']]);
+  assert.deepEqual([server.created, expired.started], [1, ['id1']]);
 });
 
 test('begins again where the upload is of a file of another size', async () => {
   const server = new Server(), bytes = bytesOf(1000);
   server.id = 'before';
   server.length = 999;
-  const {ended, begun} = run(server, new Blob([bytes]), 'before');
+  const {ended, started} = run(server, new Blob([bytes]), 'before');
   assert.equal((await ended).state, 'done');
-  assert.deepEqual(begun, ['id1']);
+  assert.deepEqual(started, ['id1']);
   assert.deepEqual(server.stored, bytes);
 });
 

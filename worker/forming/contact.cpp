@@ -127,16 +127,16 @@ std::optional<double> SheetAsObstacle::stops(const Eigen::Vector3d& from, const 
   const double length = way.norm();
   if (length == 0) return std::nullopt;
   // The ray starts away from its own triangles and passes through parts that it meets from above.
-  double begun = std::min(1.0, back_off / length);
+  double started = std::min(1.0, back_off / length);
   for (int layer = 0; layer < 4; ++layer) {
-    const auto hit = rays_.first_hit(from + begun * way, (1 - begun) * way);
+    const auto hit = rays_.first_hit(from + started * way, (1 - started) * way);
     if (!hit) return std::nullopt;
     const Triangle& t = mesh_.triangles[hit->triangle];
     const Eigen::Vector3d &a = mesh_.vertices[t[0]], &b = mesh_.vertices[t[1]], &c = mesh_.vertices[t[2]];
-    const double at = begun + hit->t * (1 - begun);
+    const double at = started + hit->t * (1 - started);
     if ((b - a).cross(c - a).dot(way) > 0) return std::min(1.0, at);
-    begun = at + back_off / length;
-    if (begun >= 1) return std::nullopt;
+    started = at + back_off / length;
+    if (started >= 1) return std::nullopt;
   }
   return std::nullopt;
 }

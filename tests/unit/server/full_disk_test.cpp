@@ -201,7 +201,7 @@ class FullDisk : public testing::Test {
     found[more->id] = more->state;
     for (const auto& [id, state] : found) {
       EXPECT_TRUE(ended(state) || store.cancel(id));
-      ASSERT_TRUE(store.bury("worker"));
+      ASSERT_TRUE(store.end_leases_of("worker"));
       EXPECT_TRUE(store.remove(id));
     }
     const ScanPage scans = *store.list_scans(100, "", std::nullopt);
@@ -264,11 +264,11 @@ TEST_F(FullDisk, NewFilesLeaveRoomForTheRest) {
   const std::string id = create(*store, "a scan")->id, other = create(*store, "a scan")->id;
   const auto lease = *store->lease("worker");
   const LeaseKey key{lease->job.id, lease->token};
-  auto begun = store->upload();
-  ASSERT_TRUE(begun);
+  auto started = store->upload();
+  ASSERT_TRUE(started);
   say_free((3 << 20) + 10);
-  EXPECT_TRUE(begun->write("ten bytes."));
-  EXPECT_EQ(begun->write("ten bytes and one").error().code, Code::disk_full);
+  EXPECT_TRUE(started->write("ten bytes."));
+  EXPECT_EQ(started->write("ten bytes and one").error().code, Code::disk_full);
   EXPECT_EQ(store->room_for(11).error().code, Code::disk_full);
   EXPECT_EQ(store->add_upload({"1", "station", "scan", "stl", 11, now(), now() + 1, {}}).error().code,
             Code::disk_full);

@@ -392,9 +392,9 @@ TEST_F(ServerLimits, StalledConnectionsDoNotBlockOthers) {
   std::vector<int> stalled;
   for (int i = 0; i < 200; ++i) stalled.push_back(connected());  // more than there are threads
   for (int i = 0; i < 128; ++i) send_all(stalled[static_cast<std::size_t>(i)], "GET / HTTP/1.1\r\n");
-  const auto begun = std::chrono::steady_clock::now();
+  const auto started = std::chrono::steady_clock::now();
   EXPECT_EQ(ask("GET", "/healthz").status, 200);
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, http::Limits{}.head_time - std::chrono::seconds(2));
+  EXPECT_LT(std::chrono::steady_clock::now() - started, http::Limits{}.head_time - std::chrono::seconds(2));
   for (const int socket : stalled) ::close(socket);
 }
 

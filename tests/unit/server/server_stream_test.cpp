@@ -88,13 +88,13 @@ class ServerStream : public ServerTest {
     ServerTest::TearDown();
   }
 
-  int begun(const std::string& path, const std::string& method = "GET") {
+  int sent(const std::string& path, const std::string& method = "GET") {
     const int socket = connected_to(*streams_);
     send_all(socket, method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     return socket;
   }
   Answer get(const std::string& path, const std::string& method = "GET") {
-    return parsed(receive_all(begun(path, method)));
+    return parsed(receive_all(sent(path, method)));
   }
   void await_streams(int number) const {
     ASSERT_TRUE(eventually([&] { return streams_->streams() == number; })) << streams_->streams();
@@ -116,7 +116,7 @@ TEST_F(ServerStream, EndsWithItsProducer) {
 
 TEST_F(ServerStream, EndsWhenTheClientLeaves) {
   for (const char* path : {"/endless", "/silent", "/late"}) {
-    const int socket = begun(path);
+    const int socket = sent(path);
     await_streams(1);
     ::close(socket);
     await_streams(0);
@@ -124,7 +124,7 @@ TEST_F(ServerStream, EndsWhenTheClientLeaves) {
 }
 
 TEST_F(ServerStream, EndsWhenTheServerStops) {
-  const std::array<int, 3> sockets{begun("/endless"), begun("/silent"), begun("/late")};
+  const std::array<int, 3> sockets{sent("/endless"), sent("/silent"), sent("/late")};
   await_streams(3);
   std::thread reader([&] { EXPECT_TRUE(receive_all(sockets[0]).starts_with("HTTP/1.1 200 OK\r\n")); });
   streams_.reset();
@@ -134,25 +134,25 @@ TEST_F(ServerStream, EndsWhenTheServerStops) {
 }
 
 TEST_F(ServerStream, NobodyTakesThePlacesOfTheOthers) {
-  const std::array<int, 2> sockets{begun("/of/station-1"), begun("/of/station-1")};
+  const std::array<int, 2> sockets{sent("/of/station-1"), sent("/of/station-1")};
   await_streams(2);
   const Answer refused = get("/of/station-1");
   EXPECT_EQ(refused.status, 429);
   EXPECT_FALSE(refused.header("Retry-After").empty());
   EXPECT_NE(refused.body.find("of your clients"), std::string::npos);
-  const int other = begun("/of/station-2");
+  const int other = sent("/of/station-2");
   await_streams(3);
   EXPECT_EQ(get("/of/station-3").status, 503);
   ::close(sockets[0]);
   await_streams(2);
-  const int again = begun("/of/station-1");
+  const int again = sent("/of/station-1");
   await_streams(3);
   for (const int socket : {sockets[1], other, again}) ::close(socket);
   await_streams(0);
 }
 
 TEST_F(ServerStream, MoreThanThereArePlacesAreRefusedAndOthersGoOn) {
-  const std::array<int, 3> sockets{begun("/silent"), begun("/silent"), begun("/late")};
+  const std::array<int, 3> sockets{sent("/silent"), sent("/silent"), sent("/late")};
   await_streams(3);
   for (const char* path : {"/silent", "/late"}) {
     const Answer refused = get(path);

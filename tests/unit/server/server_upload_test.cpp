@@ -21,7 +21,7 @@ class ServerUpload : public ServerTest {
     return ask("POST", "/api/v1/uploads", tus + "Upload-Length: " + std::to_string(length) + "\r\n" + more,
                body);
   }
-  std::string begun(std::size_t length) {
+  std::string new_upload(std::size_t length) {
     const Answer answer = begin(length);
     EXPECT_EQ(answer.status, 201) << answer.body;
     return answer.header("Location");
@@ -38,7 +38,7 @@ class ServerUpload : public ServerTest {
 };
 
 TEST_F(ServerUpload, FromItsBeginningToAJob) {
-  const std::string place = begun(10);
+  const std::string place = new_upload(10);
   const Answer head = ask("HEAD", place, tus);
   EXPECT_EQ(head.status, 200);
   EXPECT_EQ(head.header("Upload-Offset"), "0");
@@ -87,7 +87,7 @@ TEST_F(ServerUpload, RefusesWhatItCannotTake) {
   EXPECT_EQ(ask("POST", "/api/v1/uploads", tus + "Upload-Defer-Length: 1\r\n").status, 400);
   EXPECT_EQ(begin(5, "Upload-Metadata: input !!!\r\n").status, 400);
   EXPECT_EQ(begin(5, "Upload-Metadata: input c2V0dGluZ3M=\r\n").status, 400);  // settings
-  const std::string place = begun(5);
+  const std::string place = new_upload(5);
   EXPECT_EQ(send(place, 1, "a").status, 409);
   EXPECT_EQ(send(place, 0, "123456").status, 413);
   EXPECT_EQ(ask("PATCH", place, tus + "Upload-Offset: 0\r\n", "a").status, 415);
@@ -108,7 +108,8 @@ TEST_F(ServerUpload, CreationCarriesBytes) {
 }
 
 TEST_F(ServerUpload, AWrongChecksumCountsForNothing) {
-  const std::string place = begun(10), good = "Sz1KDdcy95HKiX6VSItdY8rxKNhpG29bvFT4Zrm5cFQ=";  // of "solid"
+  const std::string place = new_upload(10),
+                    good = "Sz1KDdcy95HKiX6VSItdY8rxKNhpG29bvFT4Zrm5cFQ=";  // of "solid"
   ASSERT_EQ(send(place, 0, "solid", "Upload-Checksum: sha256 " + good + "\r\n").status, 204);
   const Answer wrong = send(place, 5, "wrong", "Upload-Checksum: sha256 " + good + "\r\n");
   EXPECT_EQ(wrong.status, 460);
@@ -123,7 +124,7 @@ TEST_F(ServerUpload, AWrongChecksumCountsForNothing) {
 }
 
 TEST_F(ServerUpload, GoesOnWhereItBrokeOffAlsoInAnotherProcess) {
-  const std::string place = begun(1000);
+  const std::string place = new_upload(1000);
   const int socket = connected();
   send_all(socket, "PATCH " + place + " HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + piece +
                        "Upload-Offset: 0\r\nContent-Length: 1000\r\n\r\n" + std::string(300, '\x01'));
@@ -140,7 +141,7 @@ TEST_F(ServerUpload, GoesOnWhereItBrokeOffAlsoInAnotherProcess) {
 }
 
 TEST_F(ServerUpload, OneRequestAtATime) {
-  const std::string place = begun(100'000);  // too long to be kept in memory until it is complete
+  const std::string place = new_upload(100'000);  // too long to be kept in memory until it is complete
   const int socket = connected();
   send_all(socket, "PATCH " + place + " HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + piece +
                        "Upload-Offset: 0\r\nContent-Length: 100000\r\n\r\nabc");
@@ -157,14 +158,14 @@ TEST_F(ServerUpload, OneRequestAtATime) {
 }
 
 TEST_F(ServerUpload, EndsByDeletionAndIsNobodyElses) {
-  const std::string place = begun(10), other = bearer(token("station-2", {Scope::submit, Scope::read}));
+  const std::string place = new_upload(10), other = bearer(token("station-2", {Scope::submit, Scope::read}));
   send(place, 0, "solid");
   EXPECT_EQ(ask("GET", place, other).status, 404);
   EXPECT_EQ(ask("DELETE", place, other + tus).status, 404);
   EXPECT_EQ(ask("POST", place, tus + "X-HTTP-Method-Override: DELETE\r\n").status, 204);
   EXPECT_EQ(ask("HEAD", place, tus).status, 404);
   EXPECT_TRUE(std::filesystem::is_empty(data_ / "uploads"));
-  EXPECT_EQ(ask("POST", begun(5), tus).status, 405);
+  EXPECT_EQ(ask("POST", new_upload(5), tus).status, 405);
 }
 
 TEST_F(ServerUpload, AnOwnerHasSoManyAndNoMore) {
@@ -206,7 +207,7 @@ TEST_F(ServerUpload, ExpiresAfterADayAndIsRememberedForAWeek) {
 }
 
 TEST_F(ServerUpload, AScanIsKeptOnceForManyJobs) {
-  const std::string place = begun(5);
+  const std::string place = new_upload(5);
   send(place, 0, "solid");
   const auto post = [&](const std::string& parts) {
     return ask("POST", "/api/v1/scans", form_type, parts + "--XX--\r\n");

@@ -17,7 +17,7 @@ export interface Upload {
   abort(): void;            // deletes what the server has
 }
 export interface Watcher {
-  begun(id: string): void;  // the server has a place for the file; another one if the former has expired
+  started(id: string): void;  // the server has a place for the file; another one if the former has expired
   progress(transfer: Transfer): void;
   done(id: string): void;
 }
@@ -115,7 +115,7 @@ export function startUpload(source: Source, watcher: Watcher, send: SendPiece = 
       method: 'POST', headers: {...version, 'Upload-Length': String(file.size), 'Upload-Metadata': metadata}, signal: cut.signal});
     id = answer.headers.get('Location')?.split('/').pop() ?? '';
     offset = 0;
-    watcher.begun(id);
+    watcher.started(id);
   }
 
   async function askOffset(known: string): Promise<void> {

@@ -118,7 +118,7 @@ export class Words {
   skipLine(): void {
     while (this.at < this.bytes.length && this.bytes[this.at] !== newline) ++this.at;
   }
-  // The next number, also of another line. Throws if the word is none.
+  // The next number, also of another line. Throws if the word is not a number.
   number(): number {
     if (!this.#skip(true)) throw new ReadError('ends', {unit: 'line', at: this.line});
     return this.#number();

@@ -33,16 +33,16 @@ export function readBinaryStl(bytes: Uint8Array, progress: Progress): ScanMesh {
 
 export function readAsciiStl(bytes: Uint8Array, progress: Progress): ScanMesh {
   const words = new Words(bytes), mesh = new MeshBuilder();
-  let begun = 0;  // the first corner of the facet that is open
+  let started = 0;  // the first corner of the facet that is open
   for (let ended = false; !ended || !words.ended;) {
     const word = words.next();
     if (word === 'vertex') {
       if (mesh.points % 65536 === 0) progress(words.at / bytes.length);
       mesh.point(words.number(), words.number(), words.number());
-      if (mesh.points - begun >= 3) mesh.triangle(begun, mesh.points - 2, mesh.points - 1);
+      if (mesh.points - started >= 3) mesh.triangle(started, mesh.points - 2, mesh.points - 1);
     } else if (word === 'endfacet') {
-      if (mesh.points - begun < 3) throw words.fault('number');
-      begun = mesh.points;
+      if (mesh.points - started < 3) throw words.fault('number');
+      started = mesh.points;
     } else if (word === 'solid' || word === 'endsolid') {
       words.skipLine();
       ended = word === 'endsolid';

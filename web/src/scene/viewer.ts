@@ -5,7 +5,7 @@
 // management): a material writes sRGB.
 // Quality: frames are drawn at one pixel a CSS pixel until one was timed. If it took less than 50 ms, the view at rest is
 // drawn at two; if more, a moving view is drawn at half a pixel and with coarse meshes. Without a graphics card, a view that
-// has rested for longer may take 300 ms: whoever turns it in that time waits for it once.
+// has rested for longer may take 300 ms: a person who turns it in that time waits for it once.
 import {Color, ColorManagement, Group, LinearSRGBColorSpace, type Object3D, PerspectiveCamera, Ray, Scene, Vector3, WebGLRenderer,
         type Material, type BufferGeometry} from 'three';
 import {el, newId} from '../dom';

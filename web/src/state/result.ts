@@ -222,7 +222,7 @@ export function wantedOf(job: Pick<Job, 'settings'>): Wanted {
   return {x, y, turn: Number(pattern['rotate_deg'] ?? 0), scale: Number(pattern['scale'] ?? 1), points: (pattern['points'] ?? []) as Row[]};
 }
 export const patternOf = ({x, y, turn, scale, points}: Wanted): Record<string, unknown> => ({offset_mm: [x, y], rotate_deg: turn, scale, points});
-export const begun = (job: Pick<Job, 'settings'>): Moves => ({steps: [wantedOf(job)], at: 0});
+export const initialMoves = (job: Pick<Job, 'settings'>): Moves => ({steps: [wantedOf(job)], at: 0});
 export const placed = (moves: Moves): Wanted => moves.steps[moves.at]!;
 export const same = (a: Wanted, b: Wanted): boolean => JSON.stringify(patternOf(a)) === JSON.stringify(patternOf(b));
 export const isMoved = (moves: Moves): boolean => !same(placed(moves), moves.steps[0]!);

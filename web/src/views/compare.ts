@@ -124,7 +124,7 @@ class Compare extends View {
     return table.tBodies.length === 0 ? null : el('section', {class: 'card'}, el('h2', null, t('jobs.figures')), this.#wide(t('jobs.figures'), table));
   }
 
-  // A table that scrolls sideways by itself where the screen is narrow.
+  // A table that scrolls sideways alone where the screen is narrow.
   #wide = (name: string, table: HTMLElement): HTMLElement =>
     el('div', {class: 'wide', tabindex: 0, role: 'group', 'aria-label': name}, table);
 

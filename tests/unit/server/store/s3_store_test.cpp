@@ -80,8 +80,8 @@ class S3BlobsTest : public testing::Test {
     blobs_ =
         std::make_unique<S3Blobs>(data(), nullptr, s3_address(S3Server::get().url(folder_of(data()))).value(),
                                   S3Server::get().credentials(), options());
-    const auto begun = blobs_->begin(table());
-    ASSERT_TRUE(begun) << begun.error().text();
+    const auto started = blobs_->begin(table());
+    ASSERT_TRUE(started) << started.error().text();
   }
   void TearDown() override {
     blobs_.reset();
@@ -228,11 +228,11 @@ TEST_F(S3BlobsTest, WithoutTheObjectStoreNothingIsAcceptedAndNothingIsLost) {
   const std::string before = bytes(2'000'000), during = bytes(100);
   ASSERT_TRUE(put(before));
   S3Server::get().kill();
-  const auto begun = std::chrono::steady_clock::now();
+  const auto started = std::chrono::steady_clock::now();
   EXPECT_EQ(put(during).error().code, Code::unavailable);
   EXPECT_EQ(blobs_->open(text_hash(before)).error().code, Code::unavailable);
   collect(text_hash(during));
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20));
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(20));
   S3Server::get().start();
   EXPECT_TRUE(all_of(**blobs_->open(text_hash(before)), 65'536) == before);
   EXPECT_EQ(blobs_->open(text_hash(during)).error().code, Code::not_found);

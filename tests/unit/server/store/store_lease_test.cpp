@@ -83,7 +83,7 @@ TEST_P(StoreTest, ADeadWorkersJobsNeedNotWait) {
   const std::string first = create().id, second = create().id;
   ASSERT_TRUE(store_->lease("local-1"));
   const auto other = store_->lease("local-2").value();
-  const auto expired = store_->bury("local-1").value();
+  const auto expired = store_->end_leases_of("local-1").value();
   ASSERT_EQ(expired.size(), 1u);
   EXPECT_EQ(expired[0].job, first);
   EXPECT_EQ(lease().job, first);
@@ -173,18 +173,18 @@ TEST_P(StoreTest, AJobOutlivesEightMinutesOfTroubleButNotAnHour) {
   plain.clock = plain.elapsed = [this] { return now_; };
   store_ = std::move(*GetParam().open(data(), plain));
   const std::string id = create().id;
-  const Millis begun = now_;
+  const Millis started = now_;
   int attempts = 0;
   for (; job(id).state == JobState::queued; ++attempts) {
     now_ = job(id).not_before.value_or(now_);
     lease();
-    ASSERT_EQ(store_->bury("tester")->size(), 1u);
+    ASSERT_EQ(store_->end_leases_of("tester")->size(), 1u);
   }
   EXPECT_EQ(attempts, 10);
   EXPECT_EQ(job(id).state, JobState::failed);
   EXPECT_EQ(job(id).error->what, "10 workers were lost while they ran this job");
-  EXPECT_GE(now_ - begun, 511'000);  // (2 s + 4 s + ... + 512 s) / 2
-  EXPECT_LE(now_ - begun, 1'533'000);
+  EXPECT_GE(now_ - started, 511'000);  // (2 s + 4 s + ... + 512 s) / 2
+  EXPECT_LE(now_ - started, 1'533'000);
 }
 
 TEST_P(StoreTest, AJobRestsLongerWithEveryFault) {

@@ -418,9 +418,9 @@ std::string copies_of_copies(int levels) {
 TEST(Pattern, CountsTheWorkOfAnSvgBeforeItDraws) {
   const std::string attributes = "width='20mm' height='20mm' viewBox='0 0 20 20'";
   const auto refusal = [&](const std::string& body) {
-    const std::clock_t begun = std::clock();
+    const std::clock_t started = std::clock();
     const auto pattern = read(bytes_of(svg(attributes, body)), "x");
-    EXPECT_LT(static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC, 5);
+    EXPECT_LT(static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC, 5);
     return pattern ? std::string() : pattern.error().text();
   };
   EXPECT_EQ(refusal(copies_of_copies(3)), "");

@@ -110,18 +110,18 @@ TEST_F(KeptStagesTest, ADamagedFileIsNotUsed) {
 }
 
 TEST_F(KeptStagesTest, TheOldestMakeRoom) {
-  const KeptStages room(folder, {}, 1'000'000'000);
-  room.keep({{"scan", "a"}}, mold);
+  const KeptStages kept(folder, {}, 1'000'000'000);
+  kept.keep({{"scan", "a"}}, mold);
   const auto size = fs::file_size(files()[0]);
   const auto hours_ago = [&](const fs::path& path, int hours) {
     fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(hours));
   };
   hours_ago(files()[0], 3);
-  room.keep({{"scan", "b"}}, mold);
+  kept.keep({{"scan", "b"}}, mold);
   for (const fs::path& path : files())
     if (fs::last_write_time(path) > fs::file_time_type::clock::now() - std::chrono::hours(1))
       hours_ago(path, 2);
-  ASSERT_TRUE(room.mold({{"scan", "a"}}));  // used: now the more recent one
+  ASSERT_TRUE(kept.mold({{"scan", "a"}}));  // used: now the more recent one
   const KeptStages tight(folder, {}, 2 * size + 1);
   tight.keep({{"scan", "c"}}, mold);
   EXPECT_TRUE(tight.mold({{"scan", "a"}}));

@@ -71,7 +71,7 @@ function setFile(input: Input, mark: string, change: Partial<SentFile>): void {
 function send(input: Input, file: Blob, name: string, mark: string, id: string | null): void {
   uploads[input]?.pause();
   uploads[input] = startUpload({file, extension: extensionOf(name), input, id}, {
-    begun: (upload) => setFile(input, mark, {upload, whole: false}),
+    started: (upload) => setFile(input, mark, {upload, whole: false}),
     progress: (transfer) => { if (fileOf(draft(), input)?.mark === mark) setTransfer(input, transfer); },
     done: (upload) => {
       setFile(input, mark, {upload, whole: true});

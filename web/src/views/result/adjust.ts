@@ -7,7 +7,7 @@ import {numberField} from '../../parts/number-field';
 import {problemBox} from '../../parts/problem';
 import {toJob} from '../../route';
 import {announce} from '../../state';
-import {begun, isMoved, laid, lying, move, patternOf, placed, previewPlace, redo, rowOf, same, toChart, toDrawing, undo, withPoints, type Flat, type Moves,
+import {initialMoves, isMoved, laid, lying, move, patternOf, placed, previewPlace, redo, rowOf, same, toChart, toDrawing, undo, withPoints, type Flat, type Moves,
         type Placement, type PrintReport, type Row, type Wanted} from '../../state/result';
 import type {Spot} from '../../scene/sheet';
 import {number, t} from '../../text';
@@ -22,7 +22,7 @@ const fields = [
 
 // `stale`: the drawing has moved, so the files no longer match what is shown.
 export function adjustView(job: Job, report: PrintReport, part: Part, stale: (stale: boolean) => void): HTMLElement {
-  let moves: Moves = begun(job), key = '', sending = false;
+  let moves: Moves = initialMoves(job), key = '', sending = false;
   const start = placed(moves), top = report.flattening.top_rest_mm, byElements = (report.coils ?? []).length > 0;
   // How the job's drawing lies on the chart. Where points placed it, that is read off the formed sheet, which is possible
   // with one chart without pins. Otherwise there is no preview.
