@@ -30,10 +30,13 @@ constexpr std::size_t shifts = std::size(register_errors_mm);
 // What is found at one place of the print.
 struct ComparedPlace {
   SheetPoint at;
-  float position, along, colour;  // along and colour: NaN if the scan is too far away
-  float area;                     // that the place stands for, mm2 of the formed sheet
-  bool touches;
   Vector3f formed;
+  float area = 0;      // that the place stands for, mm2 of the formed sheet
+  float position = 0;  // as in ColourErrors::Figures
+  float along = NAN;   // NaN: the scan is too far away, also for `colour`
+  float colour = NAN;
+  bool touches = false;
+  int towards = -1;  // the side that the print is shifted to; -1: in register
 };
 using Places = std::vector<const ComparedPlace*>;
 struct ComparedRow {
@@ -108,13 +111,14 @@ class Comparison {
       const Vector2d rest((grid_.column(k) + 0.5 + right - print_.width / 2.0) * d,
                           (print_.height / 2.0 - y - 0.5 - down) * d);
       const Vector3d lab = lab_of(colour);
-      if (const auto at = locator_.find(rest))
-        out.in_register.push_back(compared(*at, origin.scan, lab));
+      if (const auto at = locator_.find(rest)) out.in_register.push_back(compared(*at, origin.scan, lab));
       if (i % 2 != 0 || k % 2 != 0) continue;  // a quarter of the places is enough for these
       for (std::size_t s = 0; s < shifts; ++s)
-        for (const Vector2d& side : to_sides)
-          if (const auto at = locator_.find(rest + register_errors_mm[s] * side))
+        for (std::size_t side = 0; side < std::size(to_sides); ++side)
+          if (const auto at = locator_.find(rest + register_errors_mm[s] * to_sides[side])) {
             out.off[s].push_back(compared(*at, origin.scan, lab));
+            out.off[s].back().towards = static_cast<int>(side);
+          }
     }
     return out;
   }
@@ -132,13 +136,9 @@ class Comparison {
     const Eigen::Matrix<double, 3, 2> map = print_.pixel_mm * formed_sides * flat.inverse();
     const Vector3d formed = interpolate(sheet_.triangles, at, sheet_.formed);
     const double pixels = grid_.step * grid_.step;
-    ComparedPlace out{at,
- static_cast<float>((formed - origin).norm()),
-              NAN,
-              NAN,
-              static_cast<float>(pixels * map.col(0).cross(map.col(1)).norm()),
-              false,
-              formed.cast<float>()};
+    ComparedPlace out{.at = at, .formed = formed.cast<float>()};
+    out.position = static_cast<float>((formed - origin).norm());
+    out.area = static_cast<float>(pixels * map.col(0).cross(map.col(1)).norm());
     ColourWalk walk(colours_.surface(), map.col(0), -map.col(1));
     if (const auto there = walk.at(formed, colours_.reach().end_mm() + beyond_mm)) {
       out.along = static_cast<float>((there->place - origin).norm());
@@ -172,7 +172,8 @@ PlacedStatistics placed_statistics(const Places& all, float ComparedPlace::*valu
 }
 
 ColourErrors::Figures error_figures(const Places& all) {
-  return {placed_statistics(all, &ComparedPlace::position), placed_statistics(all, &ComparedPlace::along), placed_statistics(all, &ComparedPlace::colour)};
+  return {placed_statistics(all, &ComparedPlace::position), placed_statistics(all, &ComparedPlace::along),
+          placed_statistics(all, &ComparedPlace::colour)};
 }
 
 // Means at the vertices of what is found in the triangles around them.
@@ -189,18 +190,25 @@ class AtVertices {
       sum_[v] += at.weights[k] * value, weight_[v] += at.weights[k];
     }
   }
-  // A vertex of a small triangle that holds no place has the mean of its neighbours.
+  // A vertex of small triangles that hold no place has the mean of its neighbours, if most have a value: not beyond
+  // the edge.
   std::vector<double> means(const std::vector<int>& coloured) {
     std::vector<double> sum = sum_, weight = weight_;
+    std::vector<int> without(sum.size(), 0);
     for (const int t : coloured)
       for (std::size_t k = 0; k < 3; ++k) {
         const auto v = vertex(t, k);
         for (const std::size_t other : {vertex(t, (k + 1) % 3), vertex(t, (k + 2) % 3)})
-          if (!(weight_[v] > 0) && weight_[other] > 0) sum[v] += sum_[other] / weight_[other], ++weight[v];
+          if (!(weight_[v] > 0)) {
+            if (weight_[other] > 0)
+              sum[v] += sum_[other] / weight_[other], ++weight[v];
+            else
+              ++without[v];
+          }
       }
     std::vector<double> out(sum.size(), NAN);
     for (std::size_t v = 0; v < out.size(); ++v)
-      if (weight[v] > 0) out[v] = sum[v] / weight[v];
+      if (weight[v] > 2 * without[v]) out[v] = sum[v] / weight[v];
     return out;
   }
 
@@ -254,17 +262,22 @@ Result<ColourErrors> colour_errors(const SheetColours& colours, const Print& pri
         if (each.touches) touching.push_back(&each);
     out.off_register.push_back({register_errors_mm[s], error_figures(touching)});
   }
-  AtVertices changed(sheet);
-  for (const ComparedRow& row : rows)
-    for (const ComparedPlace& each : row.off[shifts - 1])
-      if (each.touches) changed.add(each.at, each.colour);
-  const std::vector<double> changes = changed.means({});
+  const std::vector<Vector3d> normals = vertex_normals(sheet.formed, sheet.triangles);
   double most = -1;
-  std::size_t where = 0;
-  for (std::size_t v = 0; v < changes.size(); ++v)
-    if (changes[v] > most) most = changes[v], where = v;
-  out.most_changed = sheet.formed[where];
-  out.outward = vertex_normals(sheet.formed, sheet.triangles)[where];
+  for (std::size_t side = 0; side < std::size(to_sides); ++side) {
+    AtVertices changed(sheet);
+    for (const ComparedRow& row : rows)
+      for (const ComparedPlace& each : row.off[shifts - 1])
+        if (each.touches && each.towards == static_cast<int>(side)) changed.add(each.at, each.colour);
+    const std::vector<double> changes = changed.means({});
+    for (std::size_t v = 0; v < changes.size(); ++v)
+      if (changes[v] > most) {
+        most = changes[v];
+        out.most_changed.place = sheet.formed[v];
+        out.most_changed.outward = normals[v];
+        out.most_changed.towards = to_sides[side];
+      }
+  }
   return out;
 }
 

@@ -43,8 +43,13 @@ struct ColourErrors {
     Figures touching;
   };
   std::vector<OffRegister> off_register;  // by register_errors_mm
-  // The place where a shift by the last of these changes most what is seen, and the outward normal there.
-  Eigen::Vector3d most_changed = Eigen::Vector3d::Zero(), outward = Eigen::Vector3d::UnitZ();
+  // Where the largest of these shifts changes most what is seen: the place, the outward normal of the sheet there, and
+  // the direction of the shift on the flat sheet, one of the four.
+  struct Change {
+    Eigen::Vector3d place = Eigen::Vector3d::Zero(), outward = Eigen::Vector3d::UnitZ();
+    Eigen::Vector2d towards = Eigen::Vector2d::UnitX();
+  };
+  Change most_changed;
 };
 
 // Errors of registration that people make when they lay a print onto the machine by its marks.

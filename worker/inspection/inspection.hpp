@@ -130,7 +130,8 @@ nlohmann::ordered_json report(const Finished& job);
 
 // Whether this job makes the artifact. Every job makes all except preview-temperature.png, which an evenly warm sheet
 // does not need, preview-segments.png, which needs segments, the files of the colours, which need a drawing over them,
-// and findings.json, whose content is in report.json.
+// preview-original, -position, -colour and -align.png, which need the colours of a scan, and findings.json, whose
+// content is in report.json.
 bool makes(const Finished& job, const ArtifactKind& kind);
 
 // All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without
