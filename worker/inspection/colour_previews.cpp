@@ -88,28 +88,26 @@ Result<Picture> original_preview(const Finished& job, const View& view, const st
   for (std::size_t i = 0; i < std::size(five_sides); ++i) {
     const auto [side, words] = five_sides[i];
     of_scan.look_from(side, tile_width, tile_height, tile_label, 0);
-    VACUFORM_TRY(pictures, of_scan.draw(
-                               1,
-                               [&](const Seen& seen, Rgb* colour) {
-                                 const Eigen::Vector3f linear = surface.colour(
-                                     scan.triangle[static_cast<std::size_t>(seen.triangle)],
-                                     Vector3d(seen.weights.data()), seen.spacing_mm);
-                                 *colour = seen.light * linear.unaryExpr(&srgb_from_linear) +
-                                           Rgb::Constant(seen.gloss);
-                               },
-                               context, 0.76 + 0.01 * static_cast<double>(i),
-                               0.77 + 0.01 * static_cast<double>(i)));
+    VACUFORM_TRY(pictures,
+                 of_scan.draw(
+                     1,
+                     [&](const Seen& seen, Rgb* colour) {
+                       const Eigen::Vector3f linear =
+                           surface.colour(scan.triangle[static_cast<std::size_t>(seen.triangle)],
+                                          Vector3d(seen.weights.data()), seen.spacing_mm);
+                       *colour = seen.light * linear.unaryExpr(&srgb_from_linear) + Rgb::Constant(seen.gloss);
+                     },
+                     context, 0.76 + 0.01 * static_cast<double>(i), 0.77 + 0.01 * static_cast<double>(i)));
     tiles.put(static_cast<int>(tile_columns * i), pictures.front(), std::string("Scan: ") + words);
     tiles.put(static_cast<int>(tile_columns * i + 1), formed[i], std::string("Formed part: ") + words);
   }
   const ColourErrors::Figures& errors = job.errors->touching;
-  return tiles.finished(
-      {"The scan and the formed part",
-       "where the sheet touches: off by " + millimetres(errors.position.values.mean) +
-           " on average, colour difference (CIEDE2000) " + decimal(errors.colour.values.mean, 2) +
-           " on average",
-       {},
-       colours_caption(job.colours->area().faded_share())});
+  return tiles.finished({"The scan and the formed part",
+                         "where the sheet touches: off by " + millimetres(errors.position.values.mean) +
+                             " on average, colour difference (CIEDE2000) " +
+                             decimal(errors.colour.values.mean, 2) + " on average",
+                         {},
+                         colours_caption(job.colours->area().faded_share())});
 }
 
 Result<Picture> align_preview(const Finished& job, View& view, const ShadeShifted& shade,
@@ -132,13 +130,13 @@ Result<Picture> align_preview(const Finished& job, View& view, const ShadeShifte
                      static_cast<int>(rows),
                      [&](const Seen& seen, Rgb* colours) {
                        for (std::size_t i = 0; i < rows; ++i)
-                         shade(seen,
-                               (i == 0 ? 0.0 : errors.off_register[i - 1].shift_mm) * change.towards,
+                         shade(seen, (i == 0 ? 0.0 : errors.off_register[i - 1].shift_mm) * change.towards,
                                &colours[i]);
                      },
                      context, near ? 0.83 : 0.81, near ? 0.85 : 0.83));
     for (std::size_t i = 0; i < rows; ++i) {
-      const std::string name = i == 0 ? "In register" : short_decimal(errors.off_register[i - 1].shift_mm, 2) + " mm off";
+      const std::string name =
+          i == 0 ? "In register" : short_decimal(errors.off_register[i - 1].shift_mm, 2) + " mm off";
       const auto& of_row = i == 0 ? errors.touching : errors.off_register[i - 1].touching;
       tiles.put(static_cast<int>(tile_columns * i + (near ? 1 : 0)), pictures[i],
                 near ? position_words(of_row.position) : name);
@@ -146,8 +144,7 @@ Result<Picture> align_preview(const Finished& job, View& view, const ShadeShifte
   }
   view.show(whole);
   std::string place;
-  for (int axis = 0; axis < 3; ++axis)
-    place += (axis == 0 ? "" : ", ") + decimal(change.place[axis], 0);
+  for (int axis = 0; axis < 3; ++axis) place += (axis == 0 ? "" : ", ") + decimal(change.place[axis], 0);
   return tiles.finished(
       {"The print laid off its registration marks",
        "moved towards " + direction_words(change.towards) +

@@ -16,8 +16,7 @@ Tiles::Tiles(int count)
 }
 
 void Tiles::put(int index, const Picture& tile, std::string label) {
-  const int left = index % tile_columns * tile_width,
-            top = caption_top + index / tile_columns * tile_height;
+  const int left = index % tile_columns * tile_width, top = caption_top + index / tile_columns * tile_height;
   for (int y = tile_label; y < tile_height; ++y)
     std::copy_n(tile.pixels.begin() + static_cast<std::ptrdiff_t>(y) * tile_width, tile_width,
                 whole_.pixels.begin() + static_cast<std::ptrdiff_t>(top + y) * whole_.width + left);

@@ -13,11 +13,12 @@ namespace vacuform {
 inline constexpr int tile_columns = 2, tile_width = 500, tile_height = 400, tile_label = 34;
 
 // The sides that a part is shown from.
-inline constexpr std::pair<View::Side, const char*> five_sides[] = {{View::Side::straight_front, "Front"},
-                                                                    {View::Side::straight_back, "Back"},
-                                                                    {View::Side::left, "Left (-x)"},
-                                                                    {View::Side::right, "Right (+x)"},
-                                                                    {View::Side::above, "Above, front below"}};
+inline constexpr std::pair<View::Side, const char*> five_sides[] = {
+    {View::Side::straight_front, "Front"},
+    {View::Side::straight_back, "Back"},
+    {View::Side::left, "Left (-x)"},
+    {View::Side::right, "Right (+x)"},
+    {View::Side::above, "Above, front below"}};
 
 class Tiles {
  public:
