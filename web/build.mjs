@@ -15,6 +15,15 @@ const here = dirname(fileURLToPath(import.meta.url));
 const option = (name) => process.argv.includes(name) ? process.argv[process.argv.indexOf(name) + 1] : undefined;
 const out = option('--out') ?? join(here, 'dist');
 
+// Without the comments and the indentation of shaders, which are strings for the bundler.
+const leanShaders = {
+  name: 'lean-shaders',
+  setup(build) {
+    build.onLoad({filter: /\.glsl\.ts$/},
+                 ({path}) => ({contents: readFileSync(path, 'utf8').replace(/\s*\/\/.*$|^ +/gm, ''), loader: 'ts'}));
+  },
+};
+
 const options = {
   absWorkingDir: here,
   entryPoints: {app: 'src/main.ts', style: 'style/main.css', 'read-worker': 'src/read/worker.ts'},
@@ -30,7 +39,7 @@ const options = {
   assetNames: '[name]-[hash]',
   loader: {'.svg': 'file', '.png': 'file'},
   publicPath: '/app',
-  plugins: [leanThree(here), messages(join(here, 'lang'))],
+  plugins: [leanThree(here), leanShaders, messages(join(here, 'lang'))],
   metafile: true,
   legalComments: 'none',
   logLevel: 'warning',

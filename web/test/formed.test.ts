@@ -66,6 +66,17 @@ test('every number and both pictures are read', async () => {
   assert.deepEqual([...new Uint8Array(await formed.drawn.arrayBuffer())], [2, 2, 2]);
 });
 
+test('errors of colours are read where a file has them, and are -1 elsewhere', () => {
+  assert.deepEqual([...readFormed(made()).position], [-1, -1, -1, -1]);
+  const formed = readFormed(made((gltf) => {
+    const {attributes} = gltf.meshes[0].primitives[0];
+    attributes._POSITION_ERROR = attributes._TEMPERATURE;
+    attributes._COLOUR_DIFFERENCE = attributes._CHART;
+  }));
+  assert.deepEqual([...formed.position], [140, 141, 142, 143]);
+  assert.deepEqual([...formed.colour], [1, 1, 1, 0]);
+});
+
 test('a file that is cut off anywhere is refused with a sentence', () => {
   const whole = made();
   for (let length = 0; length < whole.byteLength; ++length)

@@ -67,6 +67,18 @@ Result<ColouredSurface> ColouredSurface::read(std::span<const std::uint8_t> byte
   return ColouredSurface(std::move(parts));
 }
 
+Vector3f ColouredSurface::colour(int triangle, const Vector3d& weights, double side_mm) const {
+  const Triangle& corners = parts_->mesh.triangles[static_cast<std::size_t>(triangle)];
+  const auto side = [&](std::size_t k) -> Vector3d {
+    return parts_->mesh.vertices[static_cast<std::size_t>(corners[k])] -
+           parts_->mesh.vertices[static_cast<std::size_t>(corners[0])];
+  };
+  const Vector3d across = side(1).normalized(), down = (side(2) - side(2).dot(across) * across).normalized();
+  ColourWalk walk(*this, side_mm * across, side_mm * down);
+  walk.enter(triangle);
+  return walk.colour(weights);
+}
+
 void ColourWalk::enter(int triangle) {
   if (triangle == triangle_) return;
   triangle_ = triangle;
@@ -112,16 +124,21 @@ Vector3f ColourWalk::colour(const Vector3d& weights) const {
 std::optional<ColourWalk::Found> ColourWalk::at(const Vector3d& place, double within_mm) {
   if (triangle_ >= 0) {
     const Vector3d from = place - origin_;
-    const double b = second_.dot(from), c = third_.dot(from), a = 1 - b - c,
-                 distance = std::abs(normal_.dot(from));
+    const double b = second_.dot(from), c = third_.dot(from), a = 1 - b - c, height = normal_.dot(from),
+                 distance = std::abs(height);
     if (a >= 0 && b >= 0 && c >= 0 && distance <= std::min(beside_mm, within_mm) &&
         normal_ != Vector3d::Zero())
-      return Found{colour({a, b, c}), distance};
+      return Found{colour({a, b, c}), place - height * normal_, distance};
   }
   const auto nearest = parts_.distance.nearest(place, within_mm);
   if (!nearest) return std::nullopt;
   enter(nearest->triangle);
-  return Found{colour(nearest->weights), nearest->distance_mm};
+  const Triangle& corners = parts_.mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
+  Vector3d on_surface = Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    on_surface += nearest->weights[k] *
+                  parts_.mesh.vertices[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
+  return Found{colour(nearest->weights), on_surface, nearest->distance_mm};
 }
 
 }  // namespace vacuform

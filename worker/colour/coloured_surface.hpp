@@ -27,6 +27,9 @@ class ColouredSurface {
   std::optional<MoldDistance::Nearest> nearest(const Eigen::Vector3d& place, double within_mm) const {
     return parts_->distance.nearest(place, within_mm);
   }
+  // Red, green and blue in linear light at a place of a triangle of mesh(): the mean over a square around it in its
+  // plane, whose side is in mm.
+  Eigen::Vector3f colour(int triangle, const Eigen::Vector3d& weights, double side_mm) const;
 
  private:
   friend class ColourWalk;
@@ -52,12 +55,14 @@ class ColourWalk {
 
   struct Found {
     Eigen::Vector3f linear;  // red, green, blue in linear light
+    Eigen::Vector3d place;   // where the surface has it, mold's frame, mm
     double distance_mm;
   };
   // Nothing if the surface is further away than `within_mm`.
   std::optional<Found> at(const Eigen::Vector3d& place, double within_mm);
 
  private:
+  friend class ColouredSurface;
   void enter(int triangle);
   Eigen::Vector3f colour(const Eigen::Vector3d& weights) const;
 

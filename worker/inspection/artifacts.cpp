@@ -15,6 +15,9 @@ bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name == "preview-segments.png") return in_segments(job);
   if (kind.name == "preview-temperature.png") return job.heat.source != HeatSource::uniform;
   if (kind.name.starts_with("colours.")) return job.print.colours.has_value();
+  for (const char* name :
+       {"preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"})
+    if (kind.name == name) return job.errors != nullptr;
   return kind.always;
 }
 

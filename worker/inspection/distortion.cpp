@@ -9,7 +9,16 @@
 namespace vacuform {
 namespace {
 
-// Percentiles by area: the smallest value such that at least this share of the area has no larger one.
+// 1, 2, 2.5 or 5 times a power of ten, not below `least`.
+double round_step(double least) {
+  const double decade = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 2.5, 5.0})
+    if (factor * decade >= least * (1 - 1e-9)) return factor * decade;
+  return 10 * decade;
+}
+
+}  // namespace
+
 Statistics statistics(std::vector<Weighted> values) {
   Statistics result;
   if (values.empty()) return result;
@@ -29,16 +38,6 @@ Statistics statistics(std::vector<Weighted> values) {
   result.max = values.back().value;
   return result;
 }
-
-// 1, 2, 2.5 or 5 times a power of ten, not below `least`.
-double round_step(double least) {
-  const double decade = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 2.5, 5.0})
-    if (factor * decade >= least * (1 - 1e-9)) return factor * decade;
-  return 10 * decade;
-}
-
-}  // namespace
 
 Bins even_bins(const std::vector<Weighted>& values, double low) {
   constexpr int wanted = 30;

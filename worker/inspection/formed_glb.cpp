@@ -7,6 +7,7 @@
 
 #include "api/version.hpp"
 #include "worker/gltf/gltf_buffer.hpp"
+#include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/sheet_textures.hpp"
 #include "worker/inspection/unfolded_sheet.hpp"
 #include "worker/inspection/vertex_figures.hpp"
@@ -52,6 +53,14 @@ GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer
   out["_GAP"] = of_values(gaps);
   out["_SHAPE"] = of_values(anisotropy_of_vertices(job));
   out["_AREA"] = of_values(area_ratio_of_vertices(job));
+  if (job.errors) {  // -1: no colour
+    const auto where_coloured = [&](const std::vector<double>& values) {
+      return of_vertices(1,
+                         [&](std::size_t v, Eigen::Index) { return std::isnan(values[v]) ? -1 : values[v]; });
+    };
+    out["_POSITION_ERROR"] = where_coloured(job.errors->position_of_vertices);
+    out["_COLOUR_DIFFERENCE"] = where_coloured(job.errors->colour_of_vertices);
+  }
   out["_CHART"] = buffer.add_attribute(
       count, 1, [&](std::size_t i, std::size_t) { return all.uv[i].hasNaN() ? 0.0 : 1.0; });
   return out;

@@ -23,6 +23,11 @@ namespace vacuform {
 struct Statistics {
   double mean = 0, p95 = 0, p99 = 0, max = 0;
 };
+// Of values with the areas that have them.
+struct Weighted {
+  double value, area;
+};
+Statistics statistics(std::vector<Weighted> values);
 struct Distortion {
   Statistics anisotropy;  // sigma1 / sigma2 of J from pattern coordinates to the inked surface
   Statistics area_ratio;  // max(sigma1 sigma2, 1 / (sigma1 sigma2))
@@ -43,6 +48,8 @@ Result<Measured> measure(const ChartedSurface& charted, const Drawing& drawing, 
                          const VectorPrint& print, const Alignment& alignment, const CoilSettings& settings,
                          const Context& context);
 
+struct ColourErrors;  // colour_errors.hpp
+
 // The results of the stages for one job, as inspection reads them.
 struct Finished {
   const Settings& settings;
@@ -58,6 +65,7 @@ struct Finished {
   const Placement* placement = nullptr;   // how the drawing is laid; null: on the one chart
   std::string label = {};                 // of the print, as its marks show it
   const SheetColours* colours = nullptr;  // of the scan, if they are printed
+  const ColourErrors* errors = nullptr;   // of those colours
 };
 // Whether the colours of the scan are all that is printed.
 inline bool of_colours_alone(const Finished& job) {
@@ -93,9 +101,6 @@ CornersUv corners_of(const FormedSheet& sheet, const Flattening& flattening,
 CornersUv corners_of(const Print& print, const Alignment& alignment);
 
 // The figures of every triangle of the chart (Flattening::triangles), with its area on the inked surface, mm2.
-struct Weighted {
-  double value, area;
-};
 struct DistortionValues {
   std::vector<Weighted> anisotropy, area_ratio;
 };
@@ -125,7 +130,8 @@ nlohmann::ordered_json report(const Finished& job);
 
 // Whether this job makes the artifact. Every job makes all except preview-temperature.png, which an evenly warm sheet
 // does not need, preview-segments.png, which needs segments, the files of the colours, which need a drawing over them,
-// and findings.json, whose content is in report.json.
+// preview-original, -position, -colour and -align.png, which need the colours of a scan, and findings.json, whose
+// content is in report.json.
 bool makes(const Finished& job, const ArtifactKind& kind);
 
 // All other artifacts that the job makes, in the order of api/job.hpp: print.png, print.svg, previews (rendered without

@@ -10,10 +10,13 @@
 #include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/caption_words.hpp"
+#include "worker/inspection/colour_errors.hpp"
+#include "worker/inspection/colour_previews.hpp"
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/flat_previews.hpp"
 #include "worker/inspection/picture_png.hpp"
 #include "worker/inspection/segment_colours.hpp"
+#include "worker/inspection/tiles.hpp"
 #include "worker/inspection/vertex_figures.hpp"
 #include "worker/inspection/view.hpp"
 #include "worker/stage/parallel.hpp"
@@ -45,6 +48,14 @@ Heat thickness_heat(const Finished& job) {
   return {job.sheet.thickness, round_scale(least, most, false, "thickness, mm")};
 }
 
+// The scale ends at the 95th percentile, because the few places where the sheet leaves the scan are far worse.
+Heat error_heat(const std::vector<double>& values, const PlacedStatistics& over, double least_end,
+                const std::string& quantity) {
+  Scale scale = round_scale(0, std::max(least_end, over.values.p95), true, quantity);
+  scale.open_above = over.values.max > scale.high;
+  return {values, std::move(scale)};
+}
+
 Heat temperature_heat(const Finished& job) {
   const auto [least, most] = std::minmax_element(job.sheet.temperature.begin(), job.sheet.temperature.end());
   return {job.sheet.temperature, round_scale(*least, *most, false, "temperature, °C")};
@@ -68,6 +79,13 @@ std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const D
 std::string ink_note(const Finished& job) {
   return of_colours_alone(job) ? colours_caption(job.colours->area().faded_share())
                                : ink_caption(job.print.ink_printed, job.print.ink_on_head);
+}
+// Of an error of the colours over everything that is coloured, and where the sheet touches.
+std::string figures_of(const PlacedStatistics& whole, const PlacedStatistics& touching) {
+  const auto words = [](const Statistics& s) {
+    return "mean " + decimal(s.mean, 2) + ", 99 % below " + decimal(s.p99, 2);
+  };
+  return "where the sheet touches: " + words(touching.values) + "     everywhere: " + words(whole.values);
 }
 std::string figures_of(const Statistics& s) {
   return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) +
@@ -162,40 +180,27 @@ std::string figures_of(const Placement& placement) {
          decimal(jump, 1) + " mm";
 }
 
-// The print on the head from five sides, each in a separate tile; the last tile explains them.
-Result<Picture> views(const Finished& job, const Distortion& after, View& view, const FlatPlaces& flat,
-                      const WithVacuform& with, const Context& context) {
-  constexpr int columns = 2, width = preview_side / columns, height = 400, label = 34;
-  constexpr std::pair<View::Side, const char*> sides[] = {{View::Side::straight_front, "Front"},
-                                                          {View::Side::straight_back, "Back"},
-                                                          {View::Side::left, "Left (-x)"},
-                                                          {View::Side::right, "Right (+x)"},
-                                                          {View::Side::above, "Above, front below"}};
-  constexpr int rows = (static_cast<int>(std::size(sides)) + columns - 1) / columns;
-  Picture whole{preview_side, caption_top + rows * height + caption_bottom, {}};
-  whole.pixels.assign(static_cast<std::size_t>(whole.width) * static_cast<std::size_t>(whole.height),
-                      0xffffffffu);
-  for (std::size_t i = 0; i < std::size(sides); ++i) {
-    view.look_from(sides[i].first, width, height, label, 0);
+// The print on the head from five sides.
+struct Around {
+  Picture whole;
+  std::vector<Picture> tiles;
+};
+Result<Around> views(const Finished& job, const Distortion& after, View& view, const FlatPlaces& flat,
+                     const WithVacuform& with, const Context& context) {
+  Tiles tiles(static_cast<int>(std::size(five_sides)));
+  Around out;
+  for (std::size_t i = 0; i < std::size(five_sides); ++i) {
+    view.look_from(five_sides[i].first, tile_width, tile_height, tile_label, 0);
     VACUFORM_TRY(pictures,
                  view.draw(
                      1, [&](const Seen& seen, Rgb* colour) { *colour = inked(job, with(flat(seen)), seen); },
                      context, 0.7 + 0.01 * static_cast<double>(i), 0.71 + 0.01 * static_cast<double>(i)));
-    const int left = static_cast<int>(i) % columns * width,
-              top = caption_top + static_cast<int>(i) / columns * height;
-    for (int y = label; y < height; ++y)
-      std::copy_n(pictures.front().pixels.begin() + static_cast<std::ptrdiff_t>(y) * width, width,
-                  whole.pixels.begin() + static_cast<std::ptrdiff_t>(top + y) * whole.width + left);
+    tiles.put(static_cast<int>(i), pictures.front(), five_sides[i].second);
+    out.tiles.push_back(std::move(pictures.front()));
   }
-  write({"The print on the head from all sides", figures_of(job, &CoilTable::with, after), {}, ink_note(job)},
-        whole);
-  Canvas canvas(whole);
-  for (std::size_t i = 0; i < std::size(sides); ++i) {
-    const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
-    canvas.text(sides[i].second, column * width + 14, caption_top + row * height + 23, 18, true, 0, 0.2f);
-  }
-  view.look_from(View::Side::front, preview_side, preview_side, caption_top, caption_bottom);
-  return whole;
+  out.whole = tiles.finished(
+      {"The print on the head from all sides", figures_of(job, &CoilTable::with, after), {}, ink_note(job)});
+  return out;
 }
 
 struct NamedPicture {
@@ -243,7 +248,14 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
 
   const std::optional<SegmentColours> segments =
       in_segments(job) ? std::optional<SegmentColours>(job) : std::nullopt;
-  const int of_heat = 6, of_segments = uneven ? 7 : 6, count = of_segments + (segments ? 1 : 0);
+  const Heat position = job.errors ? error_heat(job.errors->position_of_vertices, job.errors->whole.position,
+                                                0.2, "position error, mm")
+                                   : Heat{},
+             colour = job.errors ? error_heat(job.errors->colour_of_vertices, job.errors->whole.colour, 1,
+                                              "colour difference, CIEDE2000")
+                                 : Heat{};
+  const int of_heat = 6, of_segments = uneven ? 7 : 6, of_errors = of_segments + (segments ? 1 : 0),
+            count = of_errors + (job.errors ? 2 : 0);
 
   View view(job.sheet, preview_side, preview_side, caption_top, caption_bottom);
   VACUFORM_TRY(pictures, view.draw(
@@ -259,6 +271,10 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
                                colours[5] = bare(seen);
                                if (uneven) colours[of_heat] = hot(job, temperature, seen);
                                if (segments) colours[of_segments] = in_segments(job, *segments, ink, seen);
+                               if (job.errors) {
+                                 colours[of_errors] = hot(job, position, seen);
+                                 colours[of_errors + 1] = hot(job, colour, seen);
+                               }
                              },
                              context, 0.1, 0.7));
 
@@ -280,6 +296,21 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png",
                          "preview-area.png", "preview-thickness.png"};
   VACUFORM_TRY(around, views(job, after, view, flat, with, context));
+  std::optional<Picture> original, off_register;
+  if (job.errors) {
+    VACUFORM_TRY(beside, original_preview(job, view, around.tiles, context));
+    original = std::move(beside);
+    VACUFORM_TRY(aligned, align_preview(
+                              job, view,
+                              [&](const Seen& seen, const Vector2d& shift, Rgb* shade) {
+                                FlatPlace place = flat(seen);
+                                place.rest -= shift;
+                                *shade = inked(job, with(place), seen);
+                              },
+                              context));
+    off_register = std::move(aligned);
+  }
+  view.look_from(View::Side::front, preview_side, preview_side, caption_top, caption_bottom);
   std::vector<NamedPicture> shown;
   shown.push_back({"preview-pattern.png", pattern_preview(job, preview_side)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.76));
@@ -289,7 +320,8 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
     write(captions[i], pictures[i]);
     shown.push_back({names[i], std::move(pictures[i])});
   }
-  shown.insert(shown.begin() + 4, {"preview-views.png", std::move(around)});  // after both ways of printing
+  shown.insert(shown.begin() + 4,
+               {"preview-views.png", std::move(around.whole)});  // after both ways of printing
   if (uneven) {
     write({"Temperature of the sheet when it met the mold", figures_of(job.heat), temperature.scale, ""},
           pictures[of_heat]);
@@ -299,6 +331,19 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
     Picture& picture = pictures[static_cast<std::size_t>(of_segments)];
     write({"Segments and their seams", figures_of(*job.placement), {}, lost}, picture);
     shown.push_back({"preview-segments.png", std::move(picture)});
+  }
+  if (job.errors) {
+    const auto errors = pictures.begin() + of_errors;
+    write({"Position error of the colours, mm",
+           figures_of(job.errors->whole.position, job.errors->touching.position), position.scale, ""},
+          errors[0]);
+    write({"Colour difference from the scan, CIEDE2000",
+           figures_of(job.errors->whole.colour, job.errors->touching.colour), colour.scale, ""},
+          errors[1]);
+    shown.push_back({"preview-original.png", std::move(*original)});
+    shown.push_back({"preview-position.png", std::move(errors[0])});
+    shown.push_back({"preview-colour.png", std::move(errors[1])});
+    shown.push_back({"preview-align.png", std::move(*off_register)});
   }
   std::vector<Warning> warnings = job.mold.warnings;
   warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());

@@ -6,6 +6,7 @@
 #include "worker/colour/sheet_colours.hpp"
 #include "worker/forming/material.hpp"
 #include "worker/inspection/coil_json.hpp"
+#include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/inspection/segments_json.hpp"
@@ -157,6 +158,30 @@ Json colours_of(const SheetColours& colours) {
           {"hidden", std::move(largest)}};
 }
 
+// How far the colours are off on the formed part, and how different they look.
+Json errors_of(const ColourErrors& errors) {
+  const auto placed = [](const PlacedStatistics& s) {
+    return Json{{"mean", rounded(s.values.mean, 3)},
+                {"p95", rounded(s.values.p95, 3)},
+                {"p99", rounded(s.values.p99, 3)},
+                {"max", rounded(s.values.max, 3)},
+                {"place_mm", array(s.place, 1)}};
+  };
+  const auto part = [&](const ColourErrors::Figures& figures) {
+    return Json{{"position_mm", placed(figures.position)},
+                {"along_mm", placed(figures.along)},
+                {"ciede2000", placed(figures.colour)}};
+  };
+  Json off = Json::array();
+  for (const ColourErrors::OffRegister& each : errors.off_register) {
+    Json one = {{"shift_mm", each.shift_mm}};
+    one.update(part(each.touching));
+    off.push_back(std::move(one));
+  }
+  return {
+      {"whole", part(errors.whole)}, {"touching", part(errors.touching)}, {"off_register", std::move(off)}};
+}
+
 Json print_of(const Finished& job) {
   return {{"size_pixels", {job.print.width, job.print.height}},
           {"dpi", job.settings.print.dpi},
@@ -227,6 +252,7 @@ Json report(const Finished& job) {
   out["flattening"] = flattening_of(job.flattening);
   out["pattern"] = pattern_of(job);
   if (job.colours) out["pattern"]["colours"] = colours_of(*job.colours);
+  if (job.errors) out["pattern"]["colours"]["errors"] = errors_of(*job.errors);
   out["print"] = print_of(job);
   const CornersUv before = corners_of(job.sheet, job.flattening, job.sheet.rest),
                   after = corners_of(job.print, job.alignment);

@@ -128,6 +128,10 @@ std::string report_html(const ReportJson& report, const std::vector<Artifact>& f
   out += pictures("Drawing, print and part", previews,
                   {"preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png"});
   out += pictures("The print on the head", previews, {"preview-views.png"});
+  out +=
+      pictures("The colours of the scan", previews,
+               {"preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"});
+  out += colours_section(report);
   out += warnings_section(report);
   out += pictures("Segments", previews, {"preview-segments.png"});
   out += segments_section(report);

@@ -133,6 +133,41 @@ std::string key_figures_section(const ReportJson& report) {
          html::facts("Ink and wall", facts);
 }
 
+std::string colours_section(const ReportJson& report) {
+  const ReportJson& errors = at(report, {"pattern", "colours", "errors"});
+  if (!errors.is_object()) return "";
+  html::Rows rows;
+  const auto row = [&](const std::string& title, const ReportJson& part) {
+    const ReportJson &position = at(part, {"position_mm"}), &along = at(part, {"along_mm"}),
+                     &colour = at(part, {"ciede2000"});
+    rows.push_back({title, number_text(at(position, {"mean"}), 2), number_text(at(position, {"p99"}), 2),
+                    number_text(at(position, {"max"}), 2), place_text(at(position, {"place_mm"})),
+                    number_text(at(along, {"mean"}), 2), number_text(at(along, {"p99"}), 2),
+                    number_text(at(colour, {"mean"}), 2), number_text(at(colour, {"p95"}), 2),
+                    number_text(at(colour, {"max"}), 1), place_text(at(colour, {"place_mm"}))});
+  };
+  row("Where the sheet touches the scan", at(errors, {"touching"}));
+  row("Everywhere", at(errors, {"whole"}));
+  for (const ReportJson& off : at(errors, {"off_register"}))
+    row("Touching, print " + text_of(at(off, {"shift_mm"})) + " mm off its marks", off);
+  return html::table(
+      "The colours on the formed part against those of the scan. Position: from the place on the scan "
+      "that a pixel of the print was taken from to the place where it comes to lie. Along: the same on "
+      "the scan, without the gap to the sheet. Colour: CIEDE2000, about 1 is the least that people see",
+      {{"Part"},
+       {"Position, mean, mm", true},
+       {"99 % below", true},
+       {"Largest", true},
+       {"Place, mm", true},
+       {"Along, mean, mm", true},
+       {"99 % below", true},
+       {"Colour, mean", true},
+       {"95 % below", true},
+       {"Largest", true},
+       {"Place, mm", true}},
+      rows);
+}
+
 std::string warnings_section(const ReportJson& report) {
   const ReportJson& warnings = at(report, {"warnings"});
   if (!warnings.is_array()) return "";

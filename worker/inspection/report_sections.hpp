@@ -33,6 +33,7 @@ std::string what_geometry_allows(const ReportJson& report);
 
 std::string key_figures_section(const ReportJson& report);
 std::string warnings_section(const ReportJson& report);
+std::string colours_section(const ReportJson& report);  // against those of the scan
 std::string segments_section(const ReportJson& report);
 std::string coils_section(const ReportJson& report);
 std::string traces_section(const ReportJson& report);

@@ -47,6 +47,12 @@ class View {
   // The same in a picture of another width.
   void look_from(Side side, int width, int height, int top, int bottom);
 
+  // What fills the picture from the next look_from() on.
+  const std::vector<Eigen::Vector3d>& shown() const { return shown_; }
+  void show(std::vector<Eigen::Vector3d> shown) { shown_ = std::move(shown); }
+  // The mesh hides none of the sky: for meshes so fine that its shadows would take too long.
+  void without_shadows() { open_.assign(mesh_.vertices.size(), 1.0f); }
+
   // Draws `count` pictures from one side, 2 x 2 samples a pixel: `shade` gives the colour of a sample in each.
   // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
   Result<std::vector<Picture>> draw(int count, const std::function<void(const Seen&, Rgb*)>& shade,

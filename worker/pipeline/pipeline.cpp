@@ -8,6 +8,7 @@
 #include "worker/colour/sheet_colours.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/inked_face.hpp"
+#include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/report_html.hpp"
 #include "worker/pattern/drawing.hpp"
@@ -133,9 +134,11 @@ Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Conte
   VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, {identity.label, inputs.reference},
                                  printing.context(), &colours));
   const Alignment alignment{.shift_mm = -flattening.top_rest};
-  const Finished job{s,           formed.mold, formed.sheet, inked,      flattening,     picture, print,
-                     formed.heat, alignment,   nullptr,      &placement, identity.label, &colours};
-  VACUFORM_TRY(files, artifacts(job, context));
+  const Portion comparing(context, Stage::inspection, 0, 0.2), showing(context, Stage::inspection, 0.2, 1);
+  VACUFORM_TRY(errors, colour_errors(colours, print, s.sheet.resolution_mm, comparing.context()));
+  const Finished job{s,           formed.mold, formed.sheet, inked,      flattening,     picture,  print,
+                     formed.heat, alignment,   nullptr,      &placement, identity.label, &colours, &errors};
+  VACUFORM_TRY(files, artifacts(job, showing.context()));
   return with_report(std::move(files), whole_report(inputs, identity, job));
 }
 
@@ -183,7 +186,13 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   VACUFORM_TRY(alignment, align(charted, s.pattern));
   std::optional<Measured> measured;
-  const Portion measuring(context, Stage::inspection, 0, 0.3), showing(context, Stage::inspection, 0.3, 1);
+  const Portion comparing(context, Stage::inspection, 0, 0.1),
+      measuring(context, Stage::inspection, 0.1, 0.3), showing(context, Stage::inspection, 0.3, 1);
+  std::optional<ColourErrors> errors;
+  if (colours) {
+    VACUFORM_TRY(compared, colour_errors(*colours, print, s.sheet.resolution_mm, comparing.context()));
+    errors = std::move(compared);
+  }
   if (lines && print.vectors) {
     VACUFORM_TRY(figures, measure(charted, *lines, placement, *print.vectors, alignment, s.coils,
                                   measuring.context()));
@@ -192,9 +201,13 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
     if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
       print.warnings.push_back(std::move(*coupled));
   }
-  const Finished job{s,          formed.mold,    sheet,       cut.surface, flattening,
-                     pattern,    print,          formed.heat, alignment,   measured ? &*measured : nullptr,
-                     &placement, identity.label, colours};
+  const Finished job{s,          formed.mold,
+                     sheet,      cut.surface,
+                     flattening, pattern,
+                     print,      formed.heat,
+                     alignment,  measured ? &*measured : nullptr,
+                     &placement, identity.label,
+                     colours,    errors ? &*errors : nullptr};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
 
   nlohmann::ordered_json whole = whole_report(inputs, identity, job);

@@ -71,6 +71,32 @@ void ColourRaster::scan(const Piece& piece, int first_row, int last_row, int top
   });
 }
 
+std::vector<ColourRaster::Origin> ColourRaster::origins(int row, int first, int step) const {
+  constexpr int n = samples_a_side;
+  const ColourReach& reach = colours_.reach();
+  std::vector<Origin> out(static_cast<std::size_t>(std::max(0, (width_ - first + step - 1) / step)));
+  for (const int i : of_band_[static_cast<std::size_t>(row / band_)]) {
+    const Piece& piece = pieces_[static_cast<std::size_t>(i)];
+    ColourWalk walk(colours_.surface(), piece.across, piece.down);
+    scan_triangle(piece.corners, width_ * n, row * n, (row + 1) * n, [&](int y, int begin, int end) {
+      const Vector3d start = piece.origin + (y + 0.5) * piece.down;
+      for (int x = begin; x < end; ++x) {
+        const int after = x / n - first;
+        if (after < 0 || after % step != 0) continue;
+        const auto found = walk.at(start + (x + 0.5) * piece.across, reach.end_mm());
+        if (!found) continue;
+        Origin& origin = out[static_cast<std::size_t>(after / step)];
+        const double share = reach.share(found->distance_mm);
+        origin.scan += share * found->place;
+        origin.share += share;
+      }
+    });
+  }
+  for (Origin& origin : out)
+    if (origin.share > 0) origin.scan /= origin.share, origin.share /= n * n;
+  return out;
+}
+
 std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
   std::vector<std::uint8_t> pixels(
       4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(bottom - top), 0);

@@ -20,6 +20,15 @@ class ColourRaster : public RowSource {
   int band_rows() const override { return band_; }
   std::vector<std::uint8_t> rows(int top, int bottom) const override;
 
+  // Where the colour of a pixel comes from.
+  struct Origin {
+    Eigen::Vector3d scan =
+        Eigen::Vector3d::Zero();  // mean of its places on the scan, weighted as their colours are
+    double share = 0;             // of full colour, in [0, 1]; 0: the pixel has no colour
+  };
+  // Of every `step`-th pixel of a row, from column `first` on to the print's width. Thread safe.
+  std::vector<Origin> origins(int row, int first, int step) const;
+
  private:
   // One triangle: its corners on the grid of samples, and the affine map from there to the formed sheet.
   struct Piece {

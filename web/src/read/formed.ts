@@ -13,6 +13,8 @@ export interface Formed {
   shape: Float32Array;        // 1: a circle stays round; 0 off the chart
   area: Float32Array;         // 1: true to size; 0 off the chart
   chart: Float32Array;        // 1 on the chart, otherwise 0
+  position: Float32Array;     // mm, of the colours of a scan; -1 without
+  colour: Float32Array;       // CIEDE2000 from the scan; -1 without
   indices: Uint32Array;
   printed: Blob;              // PNG: what is printed, in sheet coordinates
   drawn: Blob;                // PNG: the drawing as it is, in sheet coordinates
@@ -79,12 +81,14 @@ export function readFormed(file: ArrayBuffer): Formed {
     check(values.length === count * size, `${name} has another number of vertices`);
     return values;
   };
+  const optional = (name: string): Float32Array =>
+    primitive.attributes[name] === undefined ? new Float32Array(count).fill(-1) : attribute(name, 1);
   const formed = {
     positions: attribute('POSITION', 3), normals: attribute('NORMAL', 3), texture: attribute('TEXCOORD_0', 2),
     sheet: attribute('_SHEET', 2), pattern: attribute('_PATTERN', 2), thickness: attribute('_THICKNESS', 1),
     temperature: attribute('_TEMPERATURE', 1), contact: attribute('_CONTACT', 1), shape: attribute('_SHAPE', 1),
     area: attribute('_AREA', 1), chart: attribute('_CHART', 1),
-    gap: primitive.attributes['_GAP'] === undefined ? new Float32Array(count).fill(-1) : attribute('_GAP', 1),
+    gap: optional('_GAP'), position: optional('_POSITION_ERROR'), colour: optional('_COLOUR_DIFFERENCE'),
   };
   check(formed.positions.every(Number.isFinite), 'a position is not a number');
   const indices = new Uint32Array(numbers('the triangles', primitive.indices, uint32, 1).buffer);

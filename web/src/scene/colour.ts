@@ -2,7 +2,7 @@
 // no WebGL too.
 import type {MapName} from '../state/result';
 
-export type HeatName = 'shape' | 'area' | 'thickness' | 'temperature' | 'air';
+export type HeatName = 'shape' | 'area' | 'thickness' | 'temperature' | 'air' | 'position' | 'colour';
 export const isHeat = (map: MapName): map is HeatName => map !== 'print' && map !== 'contact';
 
 export type Rgb = readonly [number, number, number];  // 0 to 1, sRGB
@@ -54,7 +54,9 @@ export function rangeOf(map: HeatName, from: Tolerances): Range {
       const [low, high] = from.window;
       return {low, high, step: 5};
     }
-    case 'air': return {low: 0, high: 5, step: 1};
+    case 'position': return {low: 0, high: 1, step: 0.1};
+    case 'air':
+    case 'colour': return {low: 0, high: 5, step: 1};
   }
 }
 

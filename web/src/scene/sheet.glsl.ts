@@ -1,12 +1,13 @@
 // The formed sheet on the graphics card. Colours are written as sRGB; textures are not converted.
 
 // Also the order of the numbers of the maps for the shader.
-export const mapNumbers = {print: 0, thickness: 1, temperature: 2, shape: 3, area: 4, contact: 5, air: 6} as const;
+export const mapNumbers = {print: 0, thickness: 1, temperature: 2, shape: 3, area: 4, contact: 5, air: 6, position: 7, colour: 8} as const;
 
 export const vertexShader = /* glsl */ `
 in vec2 pattern;   // mm
 in vec4 figures;   // thickness, temperature, shape, area
 in vec3 marks;     // contact, chart, gap
+in vec2 errors;    // position, colour
 uniform int map;
 uniform mat3 place;  // from the drawing to the pictures, for a preview of a moved drawing
 out vec2 vSheet, vMoved, vValue, vAcross;  // vValue: what the map shows, and 1 where it has a value
@@ -19,6 +20,7 @@ void main() {
   vChart = marks.y;
   float overMold = marks.x < 2.0 ? 1.0 : 0.0;  // not on the platform or in the clamp frame
   vValue = map == 5 ? vec2(marks.x == 1.0 ? 1.0 : 0.0, overMold)
+         : map > 6 ? vec2(errors[clamp(map - 7, 0, 1)], errors.x < 0.0 ? 0.0 : 1.0)
          : map == 6 ? vec2(marks.z, marks.z < 0.0 ? 0.0 : overMold)
                     : vec2(figures[clamp(map - 1, 0, 3)], map == 3 || map == 4 ? marks.y : 1.0);
   vec4 eye = modelViewMatrix * vec4(position, 1.0);
@@ -75,7 +77,7 @@ void main() {
     }
     if (vValue.y < 0.99) c = noValue;
     c *= mix(0.85, 1.0, light);
-    c *= mix(0.25, 1.0, min(ink.r, min(ink.g, ink.b)));  // the ink stays visible
+    if (map < 7) c *= mix(0.25, 1.0, min(ink.r, min(ink.g, ink.b)));  // the ink stays visible
   }
   c = mix(outline, c, smoothstep(0.02, 0.12, facing));
   vec4 over = texture(overlay, vSheet);

@@ -74,6 +74,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   geometry.setAttribute('pattern', new BufferAttribute(formed.pattern, 2));
   geometry.setAttribute('figures', woven(formed.thickness, formed.temperature, formed.shape, formed.area));
   geometry.setAttribute('marks', woven(formed.contact, formed.chart, formed.gap));
+  geometry.setAttribute('errors', woven(formed.position, formed.colour));
   const fine = new BufferAttribute(formed.indices, 1), few = coarse(formed), rough = few && new BufferAttribute(few, 1);
   geometry.setIndex(fine);
 

@@ -3,7 +3,7 @@ import type {Job} from '../api/types';
 
 // ---- what is looked at; a link restores it ----
 
-export const maps = ['print', 'shape', 'area', 'thickness', 'temperature', 'contact', 'air'] as const;
+export const maps = ['print', 'shape', 'area', 'thickness', 'temperature', 'contact', 'air', 'position', 'colour'] as const;
 export type MapName = (typeof maps)[number];
 export const modes = ['with', 'drawn', 'split', 'side'] as const;
 export type Mode = (typeof modes)[number];
@@ -89,6 +89,7 @@ export interface PrintReport {
   scan?: {mirrored: boolean};
   thickness: {initial_mm: number; least_mm: number; least_ratio: number};
   flattening: {top_rest_mm: [number, number]};
+  pattern?: {colours?: {errors?: object}};
   heat: {window_c?: [number, number]};  // absent in reports of earlier versions
   print: {inked_face: string; mirrored: boolean};
   figures: {with: Way; without: Way};

@@ -36,9 +36,10 @@ export interface Part {
 }
 
 export const setResult = (change: Partial<ResultState>): void => store.set((state) => ({result: {...state.result, ...change}}));
-const units: Record<HeatName, string> = {shape: '', area: '', thickness: 'mm', temperature: '°C', air: 'mm'};
+const units: Record<HeatName, string> = {shape: '', area: '', thickness: 'mm', temperature: '°C', air: 'mm', position: 'mm', colour: ''};
 const hasValue: Record<HeatName, (spot: Spot) => number | null> = {
-  shape: (spot) => spot.shape, area: (spot) => spot.area, thickness: (spot) => spot.thickness, temperature: (spot) => spot.temperature, air: (spot) => spot.gap};
+  shape: (spot) => spot.shape, area: (spot) => spot.area, thickness: (spot) => spot.thickness, temperature: (spot) => spot.temperature, air: (spot) => spot.gap,
+  position: (spot) => spot.position, colour: (spot) => spot.colour};
 
 const valuesText = (low: number, high: number, unit: string): string => {
   const [from, to] = [number(low, 0), withUnit(high, unit, 0)];
@@ -82,7 +83,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
   // ---- the choices beside the view
   const choice = (value: MapName): HTMLElement => el('option', {value}, t(`result.map_${value}`));
   const map = el('select', {id: 'result-map', onchange: () => setResult({map: maps.find((one) => one === map.value) ?? 'print'})},
-                 ...maps.map(choice));
+                 ...maps.slice(0, report.pattern?.colours?.errors ? maps.length : -2).map(choice));  // the last two are errors of colours
   const isolines = el('input', {type: 'checkbox', id: 'result-lines', onchange: () => setResult({isolines: isolines.checked})});
   const isolinesField = el('label', {class: 'choice', for: 'result-lines'}, isolines, t('result.isolines'));
   const modeButtons = modes.map((mode) => el('button', {type: 'button', onclick: () => setResult({mode})}, t(`result.mode_${mode}`)));

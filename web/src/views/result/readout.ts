@@ -19,6 +19,8 @@ export function readings(spot: Spot, lines: ReadonlyMap<string, Line[]>): [strin
     [t('result.map_temperature'), withUnit(spot.temperature, '°C', 0)],
     [t('result.map_contact'), t(`result.contact_${kinds[spot.contact] ?? 'free'}`)],
     [t('result.map_air'), spot.gap === null ? '–' : withUnit(spot.gap, 'mm', 1)],
+    ...(spot.position === null ? [] : [[t('result.map_position'), withUnit(spot.position, 'mm', 2)],
+                                       [t('result.map_colour'), number(spot.colour ?? 0, 1)]] satisfies [string, string][]),
     [t('result.read_sheet'), pair(spot.sheet)],
     [t('result.read_pattern'), spot.pattern ? pair(spot.pattern) : t('result.off_chart')],
   ];

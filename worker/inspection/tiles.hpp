@@ -1,0 +1,36 @@
+// Several views in one preview: tiles in rows and columns below a common caption, each with a line of text above it.
+// Internal to worker/inspection.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "worker/inspection/caption.hpp"
+
+namespace vacuform {
+
+// Of a tile, with the rows that its text takes at its top.
+inline constexpr int tile_columns = 2, tile_width = 500, tile_height = 400, tile_label = 34;
+
+// The sides that a part is shown from.
+inline constexpr std::pair<View::Side, const char*> five_sides[] = {
+    {View::Side::straight_front, "Front"},
+    {View::Side::straight_back, "Back"},
+    {View::Side::left, "Left (-x)"},
+    {View::Side::right, "Right (+x)"},
+    {View::Side::above, "Above, front below"}};
+
+class Tiles {
+ public:
+  explicit Tiles(int count);
+
+  // `tile` is tile_width x tile_height, drawn below its first tile_label rows. Tiles fill the rows from the left.
+  void put(int index, const Picture& tile, std::string label);
+  Picture finished(const Caption& caption);
+
+ private:
+  Picture whole_;
+  std::vector<std::string> labels_;
+};
+
+}  // namespace vacuform
