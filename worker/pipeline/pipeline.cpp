@@ -67,12 +67,12 @@ Identity identity_of(const Inputs& inputs) {
                                   {"pattern", sha256_hex(inputs.pattern)},
                                   {"settings", to_json(inputs.settings)},
                                   {"version", version}};
-  if (of_scan)
-    whole.erase("pattern");
-  else if (inputs.settings.pattern.source ==
-           PatternSource::
-               file)  // the print of a drawing keeps the name that it had before scans could be printed
+  if (of_scan) whole.erase("pattern");
+  // The print of a drawing keeps the name that it had before scans could be printed.
+  else if (inputs.settings.pattern.source == PatternSource::file) {
     for (const char* key : {"source", "fade_mm"}) whole["settings"]["pattern"].erase(key);
+    for (const char* key : {"compensate_colours", "ink_curve"}) whole["settings"]["print"].erase(key);
+  }
   if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
   if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
   Sha256 digest;
