@@ -238,6 +238,26 @@ Result<void> check_source(const Settings& s) {
   return {};
 }
 
+// From nothing to full coverage, and never less ink for more coverage.
+Result<void> check_ink_curve(const InkCurveRows& rows) {
+  if (rows.empty()) return {};
+  const auto refuse = [](std::string what, const char* fix) {
+    return fail(Code::bad_settings, std::move(what), "print.ink_curve", fix);
+  };
+  const char* example = "give rows such as [[0, 0, 0, 0], [0.5, 0.6, 0.6, 0.55], [1, 1, 1, 1]]";
+  if (rows.size() < 2 || rows.front() != std::array<double, 4>{0, 0, 0, 0} || rows.back()[0] != 1)
+    return refuse("the curve of the ink does not go from [0, 0, 0, 0] to a row with printed 1", example);
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    for (std::size_t k = 0; k < 4; ++k)
+      if (k == 0 ? rows[i][k] <= rows[i - 1][k] : rows[i][k] < rows[i - 1][k])
+        return refuse("row " + std::to_string(i + 1) + " of the curve of the ink falls behind the one before",
+                      "sort the rows by what is printed, and give no less ink for more coverage");
+  for (std::size_t k = 1; k < 4; ++k)
+    if (rows.back()[k] < 0.05)
+      return refuse("full coverage gives hardly any ink", "give at least 0.05 in the last row");
+  return {};
+}
+
 constexpr double coarsest_fast_mm = 3;  // then the coarsest grid is one of 12 mm
 
 // What no single field can know.
@@ -264,6 +284,7 @@ Result<void> check_together(const Settings& s) {
                 "flattening.weights",
                 "lay the drawing by pattern.offset_mm and rotate_deg, or choose other weights");
   VACUFORM_CHECK(check_source(s));
+  VACUFORM_CHECK(check_ink_curve(s.print.ink_curve));
   if (s.forming.quality == FormingQuality::fast && s.forming.model != FormingModel::membrane)
     return fail(Code::bad_settings, "only the membrane model can be extrapolated from coarser grids",
                 "forming.quality", "give standard, or forming.model=membrane");

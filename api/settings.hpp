@@ -156,11 +156,16 @@ struct LayoutSettings {
       0;  // distance of neighbouring centres over the diameter, 0.5 to 1.5; 0: neighbours are decoupled
 };
 
+// Rows printed, cyan, magenta, yellow: worker/colour/ink_curve.hpp. The first row is all 0, the last printed is 1.
+using InkCurveRows = std::vector<std::array<double, 4>>;
+
 struct PrintSettings {
   int dpi = 300;
   bool marks = true;
   double margin_mm = 3;                       // free of marks along the sheet's edge
   bool compensate_ink = false;                // more ink where the sheet stretches more; shades of gray only
+  bool compensate_colours = true;             // the same for the colours of a scan, by the curve of the ink
+  InkCurveRows ink_curve;                     // none: linear
   Background background = Background::white;  // of print.png where the drawing has colours
 };
 

@@ -239,6 +239,13 @@ void describe(S& s, V& v) {
   v.field("margin_mm", s.print.margin_mm, {0, 50, "mm"}, "Free of marks along the sheet's edge");
   v.field("compensate_ink", s.print.compensate_ink,
           "More ink where the sheet stretches more; pictures in shades of gray only");
+  v.field(
+      "compensate_colours", s.print.compensate_colours,
+      "Colours of the scan: more ink where the sheet stretches more, by the area ratio and print.ink_curve");
+  v.field(
+      "ink_curve", s.print.ink_curve, {0, 4, "1"},
+      "Ink that the printer lays, as rows [printed, cyan, magenta, yellow] from all 0 to printed 1; none: "
+      "linear. 1 covers unstretched plastic fully; vacuform chart measures it");
   v.field("background", s.print.background,
           "What print.png has where there is no ink; a drawing in shades of gray is always on white");
 }

@@ -12,7 +12,7 @@ import hostile
 from harness import Case, Server, curl, vacuform
 
 NAME = b"Erika Mustermann"
-COARSE = {"scan": {"units": "mm"}, "sheet": {"resolution_mm": 6}, "print": {"dpi": 72, "marks": False},
+COARSE = {"scan": {"units": "mm"}, "sheet": {"resolution_mm": 6}, "print": {"dpi": 72, "marks": False, "compensate_colours": False},
           "pattern": {"source": "scan"}}
 RED, BLUE = (200, 30, 20), (20, 40, 210)
 

@@ -86,9 +86,10 @@ std::vector<Vector3f> printed_colours(const Print& print, const PixelGrid& grid)
 class Comparison {
  public:
   Comparison(const SheetColours& colours, const ColourRaster& raster, const Print& print,
-             const PixelGrid& grid)
+             const ColourInk* ink, const PixelGrid& grid)
       : colours_(colours),
         print_(print),
+        ink_(ink),
         grid_(grid),
         sheet_(colours.sheet()),
         raster_(raster),
@@ -110,13 +111,12 @@ class Comparison {
       const double d = print_.pixel_mm;
       const Vector2d rest((grid_.column(k) + 0.5 + right - print_.width / 2.0) * d,
                           (print_.height / 2.0 - y - 0.5 - down) * d);
-      const Vector3d lab = lab_of(colour);
-      if (const auto at = locator_.find(rest)) out.in_register.push_back(compared(*at, origin.scan, lab));
+      if (const auto at = locator_.find(rest)) out.in_register.push_back(compared(*at, origin.scan, colour));
       if (i % 2 != 0 || k % 2 != 0) continue;  // a quarter of the places is enough for these
       for (std::size_t s = 0; s < shifts; ++s)
         for (std::size_t side = 0; side < std::size(to_sides); ++side)
           if (const auto at = locator_.find(rest + register_errors_mm[s] * to_sides[side])) {
-            out.off[s].push_back(compared(*at, origin.scan, lab));
+            out.off[s].push_back(compared(*at, origin.scan, colour));
             out.off[s].back().towards = static_cast<int>(side);
           }
     }
@@ -124,7 +124,7 @@ class Comparison {
   }
 
  private:
-  ComparedPlace compared(const SheetPoint& at, const Vector3d& origin, const Vector3d& printed) const {
+  ComparedPlace compared(const SheetPoint& at, const Vector3d& origin, const Vector3f& printed) const {
     const Triangle& corners = sheet_.triangles[static_cast<std::size_t>(at.triangle)];
     const auto side = [&](const auto& of, std::size_t k) {
       return (of[static_cast<std::size_t>(corners[k])] - of[static_cast<std::size_t>(corners[0])]).eval();
@@ -142,14 +142,25 @@ class Comparison {
     ColourWalk walk(colours_.surface(), map.col(0), -map.col(1));
     if (const auto there = walk.at(formed, colours_.reach().end_mm() + beyond_mm)) {
       out.along = static_cast<float>((there->place - origin).norm());
-      out.colour = static_cast<float>(ciede2000(printed, lab_of(there->linear)));
+      out.colour = static_cast<float>(ciede2000(lab_of(seen(at, printed)), lab_of(there->linear)));
       out.touches = there->distance_mm <= colours_.reach().touch_mm;
     }
     return out;
   }
 
+  Vector3f seen(const SheetPoint& at, const Vector3f& printed) const {
+    if (!ink_) return printed;
+    const Triangle& corners = sheet_.triangles[static_cast<std::size_t>(at.triangle)];
+    double ratio = 0;
+    for (int k = 0; k < 3; ++k)
+      ratio +=
+          at.weights[k] * ink_->area_ratios[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
+    return ink_->seen(printed, static_cast<float>(ratio));
+  }
+
   const SheetColours& colours_;
   const Print& print_;
+  const ColourInk* ink_;
   const PixelGrid& grid_;
   const FormedSheet& sheet_;
   const ColourRaster& raster_;
@@ -223,15 +234,15 @@ class AtVertices {
 
 }  // namespace
 
-Result<ColourErrors> colour_errors(const SheetColours& colours, const Print& print, double resolution_mm,
-                                   const Context& context) {
+Result<ColourErrors> colour_errors(const SheetColours& colours, const Print& print, const ColourInk* ink,
+                                   double resolution_mm, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::inspection, 0));
   const FormedSheet& sheet = colours.sheet();
   // So near that nearly every triangle of the sheet holds one.
   const double apart_mm = std::clamp(0.7 * resolution_mm, 0.7, 1.0);
   const ColourRaster raster(colours, print.width, print.height, print.pixel_mm);
   const PixelGrid grid(print, raster.box(), apart_mm);
-  const Comparison comparison(colours, raster, print, grid);
+  const Comparison comparison(colours, raster, print, ink, grid);
   std::vector<ComparedRow> rows(static_cast<std::size_t>(grid.rows));
   constexpr int batch = 64;
   for (int begin = 0; begin < grid.rows; begin += batch) {

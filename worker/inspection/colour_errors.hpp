@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "worker/inspection/inspection.hpp"
+#include "worker/printing/colour_ink.hpp"
 
 namespace vacuform {
 
@@ -28,7 +29,8 @@ struct ColourErrors {
     // From the pixel's origin to the place of the scan that is nearest to the formed place, mm: how far the colours
     // have moved on the scan.
     PlacedStatistics along;
-    // CIEDE2000 between the pixel, on white, and the scan nearest to the formed place, both seen over a pixel.
+    // CIEDE2000 between the pixel, on white, and the scan nearest to the formed place, both seen over a pixel. If the
+    // ink is compensated, the pixel is as the stretched sheet shows it.
     PlacedStatistics colour;
   };
   Figures whole;     // where the print has colour, faded or not
@@ -56,8 +58,9 @@ struct ColourErrors {
 inline constexpr double register_errors_mm[] = {0.5, 1};
 
 // `print` is that of make_print() for these colours; its file must be one that it wrote. `resolution_mm` is the spacing
-// of the sheet's grid. Deterministic for any number of threads. Errors: cancelled.
-Result<ColourErrors> colour_errors(const SheetColours& colours, const Print& print, double resolution_mm,
-                                   const Context& context);
+// of the sheet's grid; `ink` is what the print was compensated with, null without. Deterministic for any number of
+// threads. Errors: cancelled.
+Result<ColourErrors> colour_errors(const SheetColours& colours, const Print& print, const ColourInk* ink,
+                                   double resolution_mm, const Context& context);
 
 }  // namespace vacuform

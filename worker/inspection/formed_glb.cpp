@@ -78,7 +78,7 @@ GltfJson material(const char* name, int texture) {
 Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const Context& context) {
   constexpr const char *with = "pre-distorted", *without = "printed as drawn";
   std::optional<SheetPicture> picture;
-  if (over_colours(job)) picture.emplace(job);
+  if (over_colours(job) || job.print.shortage) picture.emplace(job);
   const SheetPicture* const over = picture ? &*picture : nullptr;
   // Made at the same time as the other texture, or after it if there is no thread for it.
   auto printed = std::async([&] { return print_texture(job, over); });

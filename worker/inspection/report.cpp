@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "worker/colour/ink_curve.hpp"
 #include "worker/colour/sheet_colours.hpp"
 #include "worker/forming/material.hpp"
 #include "worker/inspection/coil_json.hpp"
@@ -182,6 +183,17 @@ Json errors_of(const ColourErrors& errors) {
       {"whole", part(errors.whole)}, {"touching", part(errors.touching)}, {"off_register", std::move(off)}};
 }
 
+// Where full ink is too little for the colours.
+Json ink_of(const std::optional<InkShortage>& shortage) {
+  if (!shortage) return nullptr;
+  const bool any = shortage->lack > 0;
+  return {{"short_mm2", rounded(shortage->short_mm2, 1)},
+          {"short_share", rounded(shortage->share(), 4)},
+          {"largest_lack", rounded(shortage->lack, 3)},
+          {"of", any ? Json(ink_names[shortage->ink]) : Json()},
+          {"place_mm", any ? array(shortage->place, 1) : Json()}};
+}
+
 Json print_of(const Finished& job) {
   return {{"size_pixels", {job.print.width, job.print.height}},
           {"dpi", job.settings.print.dpi},
@@ -251,8 +263,11 @@ Json report(const Finished& job) {
   out["thickness"] = thickness_of(job);
   out["flattening"] = flattening_of(job.flattening);
   out["pattern"] = pattern_of(job);
-  if (job.colours) out["pattern"]["colours"] = colours_of(*job.colours);
-  if (job.errors) out["pattern"]["colours"]["errors"] = errors_of(*job.errors);
+  if (job.colours) {
+    out["pattern"]["colours"] = colours_of(*job.colours);
+    out["pattern"]["colours"]["ink"] = ink_of(job.print.shortage);
+    if (job.errors) out["pattern"]["colours"]["errors"] = errors_of(*job.errors);
+  }
   out["print"] = print_of(job);
   const CornersUv before = corners_of(job.sheet, job.flattening, job.sheet.rest),
                   after = corners_of(job.print, job.alignment);

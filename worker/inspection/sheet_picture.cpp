@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/printing/colour_raster.hpp"
 #include "worker/printing/sheet_raster.hpp"
 #include "worker/printing/vector_raster.hpp"
 
@@ -13,14 +12,16 @@ namespace {
 constexpr double pixel_mm = 0.15;
 }
 
-SheetPicture::SheetPicture(const Finished& job)
+SheetPicture::SheetPicture(const Finished& job, ColourRaster::Shows shows)
     : job_(job), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
   width_ = static_cast<int>(std::ceil(job.settings.sheet.width_mm / pixel_mm));
   height_ = static_cast<int>(std::ceil(job.settings.sheet.height_mm / pixel_mm));
+  const auto ink = ink_of(job.print, job.surface, job.settings.print.ink_curve);
+  const ColourRaster::Compensation compensation{ink ? &*ink : nullptr, shows};
   if (job.print.vectors) {
     print_ = pixels_of(VectorRaster(*job.print.vectors, width_, height_, pixel_mm, false), 4);
   } else if (of_colours_alone(job)) {
-    print_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm), 4);
+    print_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm, compensation), 4);
   } else if (job.placement && !job.placement->elements.empty()) {
     Print size;
     size.width = width_, size.height = height_, size.pixel_mm = pixel_mm;
@@ -30,7 +31,7 @@ SheetPicture::SheetPicture(const Finished& job)
                        job.pattern.grayscale() ? 1 : 4);
   }
   if (vacuform::over_colours(job))
-    colours_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm), 4);
+    colours_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm, compensation), 4);
 }
 
 SheetPicture::Pixels SheetPicture::pixels_of(const RowSource& source, int channels) const {

@@ -6,17 +6,18 @@
 #include <vector>
 
 #include "worker/inspection/inspection.hpp"
+#include "worker/printing/colour_raster.hpp"
 #include "worker/printing/row_source.hpp"
 #include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 
 // The print itself, 0.15 mm a pixel, for a vector print, for a picture in parts, and for the colours of the scan;
-// otherwise the pattern under the charts. A drawing over the colours of the scan is shown over them. Keeps a reference
-// to the job.
+// otherwise the pattern under the charts. A drawing over the colours of the scan is shown over them. Colours whose ink is
+// compensated are those that the formed sheet shows, or as they are printed. Keeps a reference to the job.
 class SheetPicture {
  public:
-  explicit SheetPicture(const Finished& job);
+  explicit SheetPicture(const Finished& job, ColourRaster::Shows shows = ColourRaster::Shows::formed_sheet);
 
   // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off
   // it.

@@ -10,7 +10,7 @@ namespace vacuform {
 // Pixels on the longer side; fewer if the print has fewer.
 inline constexpr int largest_texture = 2048;
 
-// print.png, reduced, with its marks. With `over` the print over the colours of the scan, without marks.
+// print.png, reduced, with its marks. With `over` the print as it shows there, without marks.
 std::vector<std::uint8_t> print_texture(const Finished& job, const SheetPicture* over);
 // The plain drawing at 1:1, its centre where the top of the mold comes to lie. With `over` it lies over the colours of
 // the scan. Errors: cancelled.

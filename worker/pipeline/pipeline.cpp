@@ -68,12 +68,12 @@ Identity identity_of(const Inputs& inputs) {
                                   {"pattern", sha256_hex(inputs.pattern)},
                                   {"settings", to_json(inputs.settings)},
                                   {"version", version}};
-  if (of_scan)
-    whole.erase("pattern");
-  else if (inputs.settings.pattern.source ==
-           PatternSource::
-               file)  // the print of a drawing keeps the name that it had before scans could be printed
+  if (of_scan) whole.erase("pattern");
+  // The print of a drawing keeps the name that it had before scans could be printed.
+  else if (inputs.settings.pattern.source == PatternSource::file) {
     for (const char* key : {"source", "fade_mm"}) whole["settings"]["pattern"].erase(key);
+    for (const char* key : {"compensate_colours", "ink_curve"}) whole["settings"]["print"].erase(key);
+  }
   if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
   if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
   Sha256 digest;
@@ -135,7 +135,9 @@ Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Conte
                                  printing.context(), &colours));
   const Alignment alignment{.shift_mm = -flattening.top_rest};
   const Portion comparing(context, Stage::inspection, 0, 0.2), showing(context, Stage::inspection, 0.2, 1);
-  VACUFORM_TRY(errors, colour_errors(colours, print, s.sheet.resolution_mm, comparing.context()));
+  const auto ink = ink_of(print, inked, s.print.ink_curve);
+  VACUFORM_TRY(errors, colour_errors(colours, print, ink ? &*ink : nullptr, s.sheet.resolution_mm,
+                                     comparing.context()));
   const Finished job{s,           formed.mold, formed.sheet, inked,      flattening,     picture,  print,
                      formed.heat, alignment,   nullptr,      &placement, identity.label, &colours, &errors};
   VACUFORM_TRY(files, artifacts(job, showing.context()));
@@ -190,7 +192,9 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
       measuring(context, Stage::inspection, 0.1, 0.3), showing(context, Stage::inspection, 0.3, 1);
   std::optional<ColourErrors> errors;
   if (colours) {
-    VACUFORM_TRY(compared, colour_errors(*colours, print, s.sheet.resolution_mm, comparing.context()));
+    const auto ink = ink_of(print, charted.surface(), s.print.ink_curve);
+    VACUFORM_TRY(compared, colour_errors(*colours, print, ink ? &*ink : nullptr, s.sheet.resolution_mm,
+                                         comparing.context()));
     errors = std::move(compared);
   }
   if (lines && print.vectors) {

@@ -20,20 +20,27 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm)
-    : colours_(colours), width_(width), height_(height), band_(band_rows_of(width)) {
+ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm,
+                           Compensation compensation)
+    : colours_(colours),
+      compensation_(compensation),
+      width_(width),
+      height_(height),
+      band_(band_rows_of(width)) {
   const double n = samples_a_side;
   const FormedSheet& sheet = colours.sheet();
   Vector2d low(width_, height_), high(0, 0);
   for (const int t : colours.triangles()) {
     Piece piece;
     std::array<Vector3d, 3> formed;
+    Vector3d ratio = Vector3d::Ones();
     for (std::size_t k = 0; k < 3; ++k) {
       const auto v = static_cast<std::size_t>(sheet.triangles[static_cast<std::size_t>(t)][k]);
       const Vector2d pixel(sheet.rest[v].x() / pixel_mm + 0.5 * width_,
                            0.5 * height_ - sheet.rest[v].y() / pixel_mm);
       piece.corners[k] = n * pixel;
       formed[k] = sheet.formed[v];
+      if (compensation.ink) ratio[static_cast<Eigen::Index>(k)] = compensation.ink->area_ratios[v];
       low = low.cwiseMin(pixel);
       high = high.cwiseMax(pixel);
     }
@@ -46,6 +53,11 @@ ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, d
     piece.across = map.col(0);
     piece.down = map.col(1);
     piece.origin = formed[0] - map * piece.corners[0];
+    const Eigen::RowVector2d change =
+        Eigen::RowVector2d(ratio[1] - ratio[0], ratio[2] - ratio[0]) * place.inverse();
+    piece.ratio_across = change.x();
+    piece.ratio_down = change.y();
+    piece.ratio = ratio[0] - change * piece.corners[0];
     pieces_.push_back(piece);
   }
   box_ = box_between(low, high, width_, height_);
@@ -60,12 +72,15 @@ void ColourRaster::scan(const Piece& piece, int first_row, int last_row, int top
   scan_triangle(piece.corners, width_ * n, first_row * n, last_row * n, [&](int row, int begin, int end) {
     float* out = sums.data() + static_cast<std::ptrdiff_t>(row / n - top) * (box_.right - box_.left) * 4;
     const Vector3d start = piece.origin + (row + 0.5) * piece.down;
+    const double ratio = piece.ratio + (row + 0.5) * piece.ratio_down;
     for (int x = std::max(begin, box_.left * n); x < std::min(end, box_.right * n); ++x) {
       const auto found = walk.at(start + (x + 0.5) * piece.across, reach.end_mm());
       if (!found) continue;
       const float share = static_cast<float>(reach.share(found->distance_mm));
       float* sum = out + static_cast<std::ptrdiff_t>(x / n - box_.left) * 4;
-      for (int c = 0; c < 3; ++c) sum[c] += share * found->linear[c];
+      const Eigen::Vector3f linear =
+          inked(found->linear, static_cast<float>(ratio + (x + 0.5) * piece.ratio_across));
+      for (int c = 0; c < 3; ++c) sum[c] += share * linear[c];
       sum[3] += share;
     }
   });
@@ -95,6 +110,12 @@ std::vector<ColourRaster::Origin> ColourRaster::origins(int row, int first, int 
   for (Origin& origin : out)
     if (origin.share > 0) origin.scan /= origin.share, origin.share /= n * n;
   return out;
+}
+
+Eigen::Vector3f ColourRaster::inked(const Eigen::Vector3f& linear, float area_ratio) const {
+  if (!compensation_.ink) return linear;
+  return compensation_.shows == Shows::print ? compensation_.ink->printed(linear, area_ratio)
+                                             : compensation_.ink->shown(linear, area_ratio);
 }
 
 std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {

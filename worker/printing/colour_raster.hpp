@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "worker/colour/sheet_colours.hpp"
+#include "worker/printing/colour_ink.hpp"
 #include "worker/printing/row_source.hpp"
 
 namespace vacuform {
@@ -14,7 +15,15 @@ namespace vacuform {
 // same bytes for any number of threads.
 class ColourRaster : public RowSource {
  public:
-  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm);
+  enum class Shows { print, formed_sheet };
+  struct Compensation {
+    const ColourInk* ink = nullptr;  // null: the colours as they are; a reference is kept
+    Shows shows = Shows::print;      // what to print, or what the sheet that was printed so shows
+  };
+  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm,
+               Compensation compensation);
+  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm)
+      : ColourRaster(colours, width, height, pixel_mm, Compensation()) {}
 
   PixelBox box() const override { return box_; }
   int band_rows() const override { return band_; }
@@ -30,14 +39,18 @@ class ColourRaster : public RowSource {
   std::vector<Origin> origins(int row, int first, int step) const;
 
  private:
-  // One triangle: its corners on the grid of samples, and the affine map from there to the formed sheet.
+  // One triangle: its corners on the grid of samples, and the affine maps from there to the formed sheet and to the area
+  // ratio.
   struct Piece {
     std::array<Eigen::Vector2d, 3> corners;
     Eigen::Vector3d origin, across, down;
+    double ratio = 1, ratio_across = 0, ratio_down = 0;
   };
+  Eigen::Vector3f inked(const Eigen::Vector3f& linear, float area_ratio) const;
   void scan(const Piece& piece, int first_row, int last_row, int top, std::vector<float>& sums) const;
 
   const SheetColours& colours_;
+  Compensation compensation_;
   int width_, height_, band_;
   PixelBox box_;
   std::vector<Piece> pieces_;

@@ -9,6 +9,7 @@
 #include "api/base/utf8.hpp"
 #include "worker/pattern/curve.hpp"
 #include "worker/png/png_writer.hpp"
+#include "worker/printing/colour_ink.hpp"
 #include "worker/printing/colour_raster.hpp"
 #include "worker/printing/ink_compensation.hpp"
 #include "worker/printing/ink_on_chart.hpp"
@@ -339,6 +340,13 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
         {.code = "ink-not-compensated",
          .text = "print.compensate_ink has nothing to act on: the drawing has no shades of gray",
          .place = "print.compensate_ink"});
+  std::optional<ColourInk> colour;  // of the colours of the scan
+  if (colours && settings.print.compensate_colours) {
+    colour = colour_ink(charted.surface(), settings.print.ink_curve);
+    print.shortage = ink_shortage(*colours, charted.surface(), *colour);
+    if (auto warning = warning_of(*print.shortage)) print.warnings.push_back(std::move(*warning));
+  }
+  const ColourRaster::Compensation compensation{colour ? &*colour : nullptr, ColourRaster::Shows::print};
   Marks marks;
   const PrintLabel shown = printable(label, print.warnings);
   if (settings.print.marks) {
@@ -357,7 +365,8 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
     source = std::make_unique<VectorRaster>(*print.vectors, print.width, print.height, print.pixel_mm,
                                             pattern.grayscale());
   else if (of_colours)
-    source = std::make_unique<ColourRaster>(*colours, print.width, print.height, print.pixel_mm);
+    source =
+        std::make_unique<ColourRaster>(*colours, print.width, print.height, print.pixel_mm, compensation);
   else
     source =
         std::make_unique<SheetRaster>(layers, parts ? &*parts : nullptr, print, pattern, settings.print.dpi);
@@ -370,7 +379,7 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
   print.svg = std::move(files.svg);
   print.pdf = std::move(files.pdf);
   if (below) {
-    const ColourRaster raster(*below, print.width, print.height, print.pixel_mm);
+    const ColourRaster raster(*below, print.width, print.height, print.pixel_mm, compensation);
     VACUFORM_TRY(layer, draw(raster, nullptr, marks, settings, 4, shown, print, second.context()));
     print.colours = std::move(layer);
   }

@@ -25,6 +25,17 @@ namespace vacuform {
 
 class SheetColours;  // worker/colour
 
+// Where full ink cannot show the colours of a scan, because the sheet stretches (worker/printing/colour_ink.hpp).
+struct InkShortage {
+  double coloured_mm2 = 0;  // of the formed inked face
+  double short_mm2 = 0;     // of that, where more than 1 % coverage of an ink is missing
+  double lack = 0;          // the largest, coverage
+  std::size_t ink = 0;      // of which: ink_names
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of the largest, mm
+
+  double share() const { return coloured_mm2 > 0 ? short_mm2 / coloured_mm2 : 0; }
+};
+
 struct Print {
   // Parallel to Flattening::triangles: pattern coordinates of the corners, mm, from the charts of the placement.
   // Triangles that share a vertex have different coordinates there only across a seam.
@@ -51,13 +62,14 @@ struct Print {
     std::vector<std::uint8_t> pdf;
   };
   std::optional<Layer> colours;
-  std::optional<VectorPrint> vectors;  // the source of the three files, for a vector drawing
+  std::optional<InkShortage> shortage;  // of the colours of the scan, if their ink is compensated
+  std::optional<VectorPrint> vectors;   // the source of the three files, for a vector drawing
   bool mirrored = false;
   std::optional<double> ruler_mm;  // length of the printed ruler; none without marks or without room for it
   double ink_area_mm2 = 0;         // of the drawing
   double ink_printed = 0;  // the fraction of it that lies on the chart or on its element's patch, in [0, 1]
   double ink_on_head = 0;  // the fraction of it that lies on the chart, and so on the mold, once formed
-  // "ink-off-chart" (with the loss), "marks-left-out", "ink-not-compensated", and the pattern's own
+  // "ink-off-chart" (with the loss), "marks-left-out", "ink-not-compensated", "ink-not-enough", and the pattern's own
   std::vector<Warning> warnings;
 
   // The position of sheet coordinates on the picture, as a fraction of its width from the left and its height from
@@ -80,6 +92,7 @@ struct Print {
 //
 // With `colours` and pattern.source=scan, the print shows the colours of the scan. `pattern` is then the result of
 // picture_of() for them, `placement` that of lay_flat(), and there is no drawing. All of the ink counts as printed.
+// Coverages are compensated for the stretch of the sheet, if settings.print.compensate_colours is set.
 // With pattern.source=both, the colours become Print::colours and the print stays that of the drawing; marks keep clear
 // of both.
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,

@@ -30,6 +30,9 @@ constexpr WarningKind kinds[] = {
      "Use pattern.placement=segments, or keep ink away from the foot of the mold."},
     {"ink-hangs-together", Severity::warning, "Give an SVG with one group, with an id, for each coil."},
     {"ink-not-compensated", Severity::note, "Leave out print.compensate_ink."},
+    {"ink-not-enough", Severity::warning,
+     "Lighten the darkest colours of the scan, use a lower mold, or print more ink and give "
+     "print.ink_curve."},
     {"ink-off-chart", Severity::serious, "Move or scale the drawing (pattern.offset_mm, pattern.scale)."},
     {"inside-out", Severity::serious,
      "Compare left and right of mold.stl with the patient; then set scan.mirror=no, or scan.mirror=yes if "

@@ -26,7 +26,8 @@ constexpr double sheet_mm = 80, scan_mm = 200, dot_mm = 0.1;
 // A level square around the origin at this height, painted from its left back corner.
 shapes::FileBytes square(double height_mm, const coloured::Paint& paint) {
   coloured::Model model;
-  for (const Vector2d& uv : {Vector2d(0, 0), Vector2d(0, 1), Vector2d(1, 1), Vector2d(0, 0), Vector2d(1, 1), Vector2d(1, 0)}) {
+  for (const Vector2d& uv :
+       {Vector2d(0, 0), Vector2d(0, 1), Vector2d(1, 1), Vector2d(0, 0), Vector2d(1, 1), Vector2d(1, 0)}) {
     model.uv.push_back(uv);
     model.places.emplace_back(scan_mm * (uv.x() - 0.5), scan_mm * (0.5 - uv.y()), height_mm);
   }
@@ -40,16 +41,18 @@ const Vector3f orange(0.6F, 0.25F, 0.05F);
 
 // Red changes along x, blue across, so that no shift of the print goes unseen.
 Vector3f rainbow(double u, double v) {
-  return {static_cast<float>(0.5 + 0.4 * std::sin(300 * u)), 0.3F, static_cast<float>(0.5 + 0.4 * std::sin(300 * v))};
+  return {static_cast<float>(0.5 + 0.4 * std::sin(300 * u)), 0.3F,
+          static_cast<float>(0.5 + 0.4 * std::sin(300 * v))};
 }
 
 struct Case {
   Matrix2d stretch = Matrix2d::Identity();
-  double below_mm = 0;                // how far the scan lies below the sheet
+  double below_mm = 0;  // how far the scan lies below the sheet
   coloured::Paint paint = even(orange);
-  int columns_off = 0;                // how far the pixels of the print are moved to the right
+  int columns_off = 0;  // how far the pixels of the print are moved to the right
   bool written_mirrored = false, said_mirrored = false;
   Vector3f (*printed_as)(const Vector3f&) = nullptr;  // changes the colours of the print; linear light
+  std::optional<double> ink_for_ratio = {};  // the area ratio for which the print is said to be compensated
 };
 
 ColourErrors errors_of(const Case& c) {
@@ -85,7 +88,9 @@ ColourErrors errors_of(const Case& c) {
     }
   }
   print.png = writer.finish();
-  auto errors = colour_errors(colours, print, 2, Context());
+  ColourInk ink;
+  if (c.ink_for_ratio) ink.area_ratios.assign(sample.sheet.rest.size(), *c.ink_for_ratio);
+  auto errors = colour_errors(colours, print, c.ink_for_ratio ? &ink : nullptr, 2, Context());
   EXPECT_TRUE(errors);
   return *errors;
 }
@@ -133,14 +138,27 @@ TEST(ColourErrors, OfAShiftedPrintAreTheShiftAsTheSheetStretchesIt) {
 }
 
 TEST(ColourErrors, OfAnEvenChangeOfColourAreItsDifference) {
-  const ColourErrors errors = errors_of({.printed_as = [](const Vector3f&) { return Vector3f(0.5F, 0.3F, 0.1F); }});
+  const ColourErrors errors =
+      errors_of({.printed_as = [](const Vector3f&) { return Vector3f(0.5F, 0.3F, 0.1F); }});
   const double expected = ciede2000(lab_of(orange), lab_of({0.5F, 0.3F, 0.1F}));
   EXPECT_GT(expected, 5);
-  for (const double value : {errors.whole.colour.values.mean, errors.whole.colour.values.max,
-                             errors.touching.colour.values.p95})
+  for (const double value :
+       {errors.whole.colour.values.mean, errors.whole.colour.values.max, errors.touching.colour.values.p95})
     EXPECT_NEAR(value, expected, 0.3);  // both are rounded to eight bits
   EXPECT_NEAR(errors.touching.along.values.mean, off_centre_mm, 1e-4);
   EXPECT_LT(errors_of({}).whole.colour.values.max, 0.01);
+}
+
+// A print with twice the ink shows the colour of the scan once its area has doubled.
+TEST(ColourErrors, CompareWhatTheStretchedSheetShowsOfCompensatedInk) {
+  const Vector3f pale(0.6F, 0.8F, 0.9F), twice = Vector3f::Ones() - 2 * (Vector3f::Ones() - pale);
+  const Case c{.paint = even(pale), .printed_as = [](const Vector3f& linear) -> Vector3f {
+                 return Vector3f::Ones() - 2 * (Vector3f::Ones() - linear);
+               }};
+  Case compensated = c;
+  compensated.ink_for_ratio = 2;
+  EXPECT_LT(errors_of(compensated).touching.colour.values.max, 0.5);
+  EXPECT_NEAR(errors_of(c).touching.colour.values.mean, ciede2000(lab_of(twice), lab_of(pale)), 0.3);
 }
 
 // What is measured is the file: pixels that are moved in it, or mirrored without being said to be, look different.
@@ -174,7 +192,7 @@ TEST(ColourErrors, HaveAValueAtEveryColouredVertexAndNoOther) {
   const std::vector<std::uint8_t> white(4500, 255);
   for (int y = 0; y < print.height; ++y) writer.row(white.data());
   print.png = writer.finish();
-  const auto errors = colour_errors(colours, print, 3, Context());
+  const auto errors = colour_errors(colours, print, nullptr, 3, Context());
   ASSERT_TRUE(errors);
   const double of_white = ciede2000(lab_of(orange), lab_of(Vector3f::Ones()));
   int on_dome = 0;
@@ -199,7 +217,8 @@ TEST(ColourErrors, AreTheSameWithOneThread) {
   const ColourErrors alone = errors_of(c);
   EXPECT_EQ(many.position_of_vertices, alone.position_of_vertices);
   EXPECT_EQ(many.colour_of_vertices, alone.colour_of_vertices);
-  EXPECT_EQ(many.off_register[1].touching.colour.values.mean, alone.off_register[1].touching.colour.values.mean);
+  EXPECT_EQ(many.off_register[1].touching.colour.values.mean,
+            alone.off_register[1].touching.colour.values.mean);
   EXPECT_EQ(many.whole.colour.place, alone.whole.colour.place);
 }
 
