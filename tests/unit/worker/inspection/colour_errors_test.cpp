@@ -26,7 +26,8 @@ constexpr double sheet_mm = 80, scan_mm = 200, dot_mm = 0.1;
 // A level square around the origin at this height, painted from its left back corner.
 shapes::FileBytes square(double height_mm, const coloured::Paint& paint) {
   coloured::Model model;
-  for (const Vector2d& uv : {Vector2d(0, 0), Vector2d(0, 1), Vector2d(1, 1), Vector2d(0, 0), Vector2d(1, 1), Vector2d(1, 0)}) {
+  for (const Vector2d& uv :
+       {Vector2d(0, 0), Vector2d(0, 1), Vector2d(1, 1), Vector2d(0, 0), Vector2d(1, 1), Vector2d(1, 0)}) {
     model.uv.push_back(uv);
     model.places.emplace_back(scan_mm * (uv.x() - 0.5), scan_mm * (0.5 - uv.y()), height_mm);
   }
@@ -40,14 +41,15 @@ const Vector3f orange(0.6F, 0.25F, 0.05F);
 
 // Red changes along x, blue across, so that no shift of the print goes unseen.
 Vector3f rainbow(double u, double v) {
-  return {static_cast<float>(0.5 + 0.4 * std::sin(300 * u)), 0.3F, static_cast<float>(0.5 + 0.4 * std::sin(300 * v))};
+  return {static_cast<float>(0.5 + 0.4 * std::sin(300 * u)), 0.3F,
+          static_cast<float>(0.5 + 0.4 * std::sin(300 * v))};
 }
 
 struct Case {
   Matrix2d stretch = Matrix2d::Identity();
-  double below_mm = 0;                // how far the scan lies below the sheet
+  double below_mm = 0;  // how far the scan lies below the sheet
   coloured::Paint paint = even(orange);
-  int columns_off = 0;                // how far the pixels of the print are moved to the right
+  int columns_off = 0;  // how far the pixels of the print are moved to the right
   bool written_mirrored = false, said_mirrored = false;
   Vector3f (*printed_as)(const Vector3f&) = nullptr;  // changes the colours of the print; linear light
 };
@@ -133,11 +135,12 @@ TEST(ColourErrors, OfAShiftedPrintAreTheShiftAsTheSheetStretchesIt) {
 }
 
 TEST(ColourErrors, OfAnEvenChangeOfColourAreItsDifference) {
-  const ColourErrors errors = errors_of({.printed_as = [](const Vector3f&) { return Vector3f(0.5F, 0.3F, 0.1F); }});
+  const ColourErrors errors =
+      errors_of({.printed_as = [](const Vector3f&) { return Vector3f(0.5F, 0.3F, 0.1F); }});
   const double expected = ciede2000(lab_of(orange), lab_of({0.5F, 0.3F, 0.1F}));
   EXPECT_GT(expected, 5);
-  for (const double value : {errors.whole.colour.values.mean, errors.whole.colour.values.max,
-                             errors.touching.colour.values.p95})
+  for (const double value :
+       {errors.whole.colour.values.mean, errors.whole.colour.values.max, errors.touching.colour.values.p95})
     EXPECT_NEAR(value, expected, 0.3);  // both are rounded to eight bits
   EXPECT_NEAR(errors.touching.along.values.mean, off_centre_mm, 1e-4);
   EXPECT_LT(errors_of({}).whole.colour.values.max, 0.01);
@@ -199,7 +202,8 @@ TEST(ColourErrors, AreTheSameWithOneThread) {
   const ColourErrors alone = errors_of(c);
   EXPECT_EQ(many.position_of_vertices, alone.position_of_vertices);
   EXPECT_EQ(many.colour_of_vertices, alone.colour_of_vertices);
-  EXPECT_EQ(many.off_register[1].touching.colour.values.mean, alone.off_register[1].touching.colour.values.mean);
+  EXPECT_EQ(many.off_register[1].touching.colour.values.mean,
+            alone.off_register[1].touching.colour.values.mean);
   EXPECT_EQ(many.whole.colour.place, alone.whole.colour.place);
 }
 
