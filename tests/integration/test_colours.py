@@ -114,6 +114,47 @@ class Colours(Case):
         self.assertTrue(0 < colours["faded_share"] < 0.5, colours)
         self.assertIn(b"/Subtype /Image", (self.out / "print.pdf").read_bytes())
 
+    def test_the_part_is_compared_with_the_scan(self):
+        report = json.loads((self.out / "report.json").read_text())
+        errors = report["pattern"]["colours"]["errors"]
+        touching, pixel = errors["touching"], 25.4 / 72
+        self.assertLess(touching["along_mm"]["p99"], pixel)  # a quarter of a pixel both ways, as the sheet stretches it
+        self.assertGreater(touching["along_mm"]["mean"], 0.3 * pixel)
+        self.assertLess(touching["position_mm"]["max"], 1)
+        self.assertLess(touching["ciede2000"]["mean"], 1)
+        self.assertGreater(errors["whole"]["ciede2000"]["mean"], touching["ciede2000"]["mean"])  # where the colours fade
+        self.assertEqual([off["shift_mm"] for off in errors["off_register"]], [0.5, 1])
+        for off in errors["off_register"]:
+            self.assertTrue(off["shift_mm"] < off["along_mm"]["mean"] < 2 * off["shift_mm"], off)
+            self.assertGreater(off["ciede2000"]["mean"], touching["ciede2000"]["mean"])
+        names = ["preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"]
+        self.assertEqual([a["name"] for a in report["artifacts"] if a["name"] in names], names)
+        for name, height in zip(names, (2196, 1000, 1000, 1396)):
+            self.assertEqual(struct.unpack_from(">II", (self.out / name).read_bytes(), 16), (1000, height), name)
+        page = (self.out / "report.html").read_text()
+        self.assertIn("The scan and the formed part side by side", page)
+        self.assertIn("Touching, print 0.5 mm off its marks", page)
+
+    def test_the_scan_and_the_part_look_alike_from_above(self):
+        rows = pixels((self.out / "preview-original.png").read_bytes())
+        middle = 104 + 4 * 400 + 217  # of the last row of tiles
+        for x, hue in ((200, 0), (300, 2)):  # red left of the middle, blue right of it
+            scan, part = rows[middle][x], rows[middle][500 + x]
+            self.assertEqual(scan.index(max(scan)), hue, scan)
+            self.assertLess(max(abs(a - b) for a, b in zip(scan, part)), 25, (scan, part))
+
+    def test_formed_glb_has_the_errors_of_the_colours(self):
+        def attributes(folder):
+            glb = (folder / "formed.glb").read_bytes()
+            about = json.loads(glb[20:20 + struct.unpack_from("<I", glb, 12)[0]])
+            return about["meshes"][0]["primitives"][0]["attributes"], about["accessors"]
+
+        names, accessors = attributes(self.out)
+        position, colour = (accessors[names[name]] for name in ("_POSITION_ERROR", "_COLOUR_DIFFERENCE"))
+        self.assertEqual((position["min"], colour["min"]), ([-1], [-1]))
+        self.assertTrue(0.5 < position["max"][0] < 4, position)
+        self.assertTrue(10 < colour["max"][0] < 100, colour)
+
     def test_an_obj_prints_the_same_from_a_folder_and_from_a_zip(self):
         points, faces = hostile.dome()
         name = NAME.decode()
@@ -187,6 +228,8 @@ class Colours(Case):
             self.assertEqual(without_label(folders["both"], f"print.{kind}"), without_label(folders["file"], f"print.{kind}"), kind)
             self.assertEqual(without_label(folders["both"], f"colours.{kind}"), without_label(self.out, f"print.{kind}"), kind)
             self.assertFalse((folders["file"] / f"colours.{kind}").exists())
+        self.assertFalse((folders["file"] / "preview-original.png").exists())
+        self.assertNotIn(b"_POSITION_ERROR", (folders["file"] / "formed.glb").read_bytes())
         layers = [re.search(r'<g id="marks".*</g>', (folders["marked"] / f"{name}.svg").read_text(), re.S).group()
                   for name in ("print", "colours")]
         self.assertEqual(*layers)
@@ -195,6 +238,8 @@ class Colours(Case):
         self.assertEqual(list(report["sha256"]), ["scan", "pattern"])
         self.assertEqual(report["pattern"]["format"], "SVG")
         self.assertGreater(report["pattern"]["colours"]["full_mm2"], 6000)
+        alone = json.loads((self.out / "report.json").read_text())["pattern"]["colours"]
+        self.assertEqual(report["pattern"]["colours"], alone)  # the same colours, errors too
         self.assertEqual([a["name"] for a in report["artifacts"]][:6],
                          ["print.png", "print.svg", "print.pdf", "colours.png", "colours.svg", "colours.pdf"])
 

@@ -36,7 +36,7 @@ struct ComparedPlace {
   float along = NAN;   // NaN: the scan is too far away, also for `colour`
   float colour = NAN;
   bool touches = false;
-  int towards = -1;  // the side that the print is shifted to; -1: in register
+  int towards = -1;  // the side that a pixel of full colour is shifted to; -1: another pixel, or in register
 };
 using Places = std::vector<const ComparedPlace*>;
 struct ComparedRow {
@@ -117,7 +117,7 @@ class Comparison {
         for (std::size_t side = 0; side < std::size(to_sides); ++side)
           if (const auto at = locator_.find(rest + register_errors_mm[s] * to_sides[side])) {
             out.off[s].push_back(compared(*at, origin.scan, colour));
-            out.off[s].back().towards = static_cast<int>(side);
+            if (origin.share > 0.99) out.off[s].back().towards = static_cast<int>(side);
           }
     }
     return out;
