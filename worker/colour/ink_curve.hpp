@@ -23,7 +23,7 @@ class InkCurve {
   explicit InkCurve(const InkCurveRows& rows = {});
 
   float most(std::size_t ink) const { return linear_ ? 1 : ink_[ink].back(); }  // of full coverage
-  float ink(std::size_t ink, float printed) const;                             // printed in [0, 1]
+  float ink(std::size_t ink, float printed) const;                              // printed in [0, 1]
   // The least printed coverage that gives this much ink; 1 if none does.
   float printed(std::size_t ink, float amount) const;
 

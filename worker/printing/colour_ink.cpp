@@ -15,9 +15,9 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr int samples_a_side = 4;        // of a triangle
-constexpr double least_lack = 0.01;      // coverage; what is less is not seen
-constexpr double least_share = 0.001;    // of the coloured area, for a warning
+constexpr int samples_a_side = 4;      // of a triangle
+constexpr double least_lack = 0.01;    // coverage; what is less is not seen
+constexpr double least_share = 0.001;  // of the coloured area, for a warning
 
 // The average over the samples of a triangle.
 struct TriangleInk {
@@ -94,7 +94,8 @@ ColourInk colour_ink(const InkedSurface& surface, const InkCurveRows& curve) {
     };
     const double before = 0.5 * std::abs(cross(rest(1) - rest(0), rest(2) - rest(0))),
                  after = area_in_space(surface, t);
-    for (const int v : t) flat[static_cast<std::size_t>(v)] += before, formed[static_cast<std::size_t>(v)] += after;
+    for (const int v : t)
+      flat[static_cast<std::size_t>(v)] += before, formed[static_cast<std::size_t>(v)] += after;
   }
   for (std::size_t v = 0; v < flat.size(); ++v) formed[v] = flat[v] > 0 ? formed[v] / flat[v] : 1;
   return {InkCurve(curve), std::move(formed)};
@@ -112,7 +113,8 @@ InkShortage ink_shortage(const SheetColours& colours, const InkedSurface& surfac
     const double area = area_in_space(surface, surface.triangles()[static_cast<std::size_t>(triangles[i])]);
     out.coloured_mm2 += found[i].coloured * area;
     out.short_mm2 += found[i].too_little * area;
-    if (found[i].lack > out.lack) out.lack = found[i].lack, out.ink = found[i].ink, out.place = found[i].place;
+    if (found[i].lack > out.lack)
+      out.lack = found[i].lack, out.ink = found[i].ink, out.place = found[i].place;
   }
   return out;
 }
@@ -120,13 +122,13 @@ InkShortage ink_shortage(const SheetColours& colours, const InkedSurface& surfac
 std::optional<Warning> warning_of(const InkShortage& shortage) {
   if (shortage.share() < least_share) return {};
   const double percent = 100 * shortage.share();
-  return Warning{
-      .code = "ink-not-enough",
-      .text = "On " + decimal(percent, 1) +
-              " % of the coloured area full ink is too little after the sheet has stretched; the largest lack is " +
-              decimal(100 * shortage.lack, 0) + " % coverage of " + ink_names[shortage.ink],
-      .marks = {{{shortage.place.x(), shortage.place.y(), shortage.place.z()}}},
-      .figure = Warning::Figure{percent, "%", 100 * least_share}};
+  return Warning{.code = "ink-not-enough",
+                 .text = "On " + decimal(percent, 1) +
+                         " % of the coloured area full ink is too little after the sheet has stretched; the "
+                         "largest lack is " +
+                         decimal(100 * shortage.lack, 0) + " % coverage of " + ink_names[shortage.ink],
+                 .marks = {{{shortage.place.x(), shortage.place.y(), shortage.place.z()}}},
+                 .figure = Warning::Figure{percent, "%", 100 * least_share}};
 }
 
 }  // namespace vacuform

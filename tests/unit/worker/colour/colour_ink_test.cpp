@@ -22,7 +22,8 @@ const FormedSheet& dome_of_ink() {
 
 SheetColours sphere_of(const Vector3f& linear) {
   const auto image = coloured::png(2, 2, [&](double, double) { return linear; });
-  const auto surface = ColouredSurface::read(coloured::glb(coloured::sphere(radius_mm, 240), image), "a.glb", {}, Context());
+  const auto surface =
+      ColouredSurface::read(coloured::glb(coloured::sphere(radius_mm, 240), image), "a.glb", {}, Context());
   EXPECT_TRUE(surface) << surface.error().text();
   return SheetColours(*surface, dome_of_ink(), colour_reach(0, 0));
 }
@@ -30,7 +31,8 @@ SheetColours sphere_of(const Vector3f& linear) {
 constexpr int pixels = 600;
 constexpr double pixel_size = 0.5;
 
-std::vector<std::uint8_t> drawn(const SheetColours& colours, const ColourInk& ink, ColourRaster::Shows shows) {
+std::vector<std::uint8_t> drawn(const SheetColours& colours, const ColourInk& ink,
+                                ColourRaster::Shows shows) {
   const ColourRaster raster(colours, pixels, pixels, pixel_size, {&ink, shows});
   std::vector<std::uint8_t> rgba;
   for (int top = 0; top < pixels; top += raster.band_rows()) {
@@ -64,10 +66,13 @@ TEST(ColourInk, ALinearCurvePrintsTheCoverageTimesTheAreaRatio) {
   const auto print = drawn(colours, ink, ColourRaster::Shows::print);
   EXPECT_LT(largest_error(print,
                           [&](double r) -> Vector3f {
-                            return Vector3f::Ones() - static_cast<float>(area_ratio_at(r)) * (Vector3f::Ones() - colour);
+                            return Vector3f::Ones() -
+                                   static_cast<float>(area_ratio_at(r)) * (Vector3f::Ones() - colour);
                           }),
             0.02);
-  EXPECT_LT(largest_error(drawn(colours, ink, ColourRaster::Shows::formed_sheet), [&](double) { return colour; }), 0.005);
+  EXPECT_LT(
+      largest_error(drawn(colours, ink, ColourRaster::Shows::formed_sheet), [&](double) { return colour; }),
+      0.005);
 }
 
 const InkCurveRows curved{{0, 0, 0, 0}, {0.2, 0.35, 0.3, 0.25}, {0.5, 0.75, 0.7, 0.6}, {1, 1.2, 1.1, 0.95}};
@@ -88,7 +93,8 @@ TEST(ColourInk, WhatTheCurvesPrinterLaysShowsTheColourOnTheFormedSheet) {
   };
   double most = 0;
   for (const int x : {310, 330, 360, 400, 420}) {
-    const std::uint8_t* p = &print[4 * (static_cast<std::size_t>(pixels / 2) * pixels + static_cast<std::size_t>(x))];
+    const std::uint8_t* p =
+        &print[4 * (static_cast<std::size_t>(pixels / 2) * pixels + static_cast<std::size_t>(x))];
     const double ratio = area_ratio_at(pixel_size * std::hypot(x + 0.5 - pixels / 2.0, 0.5));
     for (int c = 0; c < 3; ++c) {
       const double printed = 1 - static_cast<double>(linear_from_srgb(static_cast<float>(p[c]) / 255));
@@ -100,7 +106,8 @@ TEST(ColourInk, WhatTheCurvesPrinterLaysShowsTheColourOnTheFormedSheet) {
 
 TEST(ColourInk, ReportsWhereFullInkIsTooLittle) {
   const ColourInk ink = colour_ink(hand_made::inked(dome_of_ink()), {});
-  const InkShortage found = ink_shortage(sphere_of({0.9f, 0.9f, 0.25f}), hand_made::inked(dome_of_ink()), ink);
+  const InkShortage found =
+      ink_shortage(sphere_of({0.9f, 0.9f, 0.25f}), hand_made::inked(dome_of_ink()), ink);
   // Yellow of 75 % lacks more than 1 % where the ratio is above 1 / 0.74: up to a distance from the top.
   double r = 1;
   while (area_ratio_at(r) > 1 / 0.74) r += 0.01;
@@ -120,7 +127,8 @@ TEST(ColourInk, ReportsWhereFullInkIsTooLittle) {
 TEST(ColourInk, SaysNothingWhereThereIsEnough) {
   const ColourInk linear = colour_ink(hand_made::inked(dome_of_ink()), {}),
                   strong = colour_ink(hand_made::inked(dome_of_ink()), {{0, 0, 0, 0}, {1, 1.5, 1.5, 1.5}});
-  const InkShortage pale = ink_shortage(sphere_of({0.9f, 0.9f, 0.35f}), hand_made::inked(dome_of_ink()), linear);
+  const InkShortage pale =
+      ink_shortage(sphere_of({0.9f, 0.9f, 0.35f}), hand_made::inked(dome_of_ink()), linear);
   EXPECT_EQ(pale.short_mm2, 0);
   EXPECT_FALSE(warning_of(pale));
   const SheetColours dark = sphere_of({0, 0, 0});
