@@ -227,6 +227,15 @@ TEMPERATURES = [
     "s,t,celsius\n" + "".join(f"{i % 50},{i // 50},{100 + i % 7}\n" for i in range(2000)),
 ]
 
+COVERAGES = "patch,coverage\n" + "".join(f"{ink}{k}a,{0.3 * k + 0.2}\n" for ink in "CMY" for k in range(3))
+PATCHES = [
+    COVERAGES, COVERAGES.replace(",", ";").replace(".", ","), COVERAGES.replace("C0a", "W0a"), COVERAGES + "C0a,0.5\n",
+    "patch,L,a,b\nW0a,95,0,2\nC0a,80,-15,-20\nC1a,70,-30,-35\nC2a,60,-40,-45\nM0b,,,\n", "patch\tR\tG\tB\nW0a\t250\t250\t250\nY2b\t250\t240\t10\n",
+    "patch,L,a,b\nW0a,1e308,nan,0\n", "patch,coverage\n" + "C0a,0.1\n" * 500,
+    '{"patches":[{"id":"C1a","step":1,"ink":"cyan","coverage":0.2,"area_ratio":1.5},{"id":"Wa","step":1,"ink":"none","coverage":0,"area_ratio":1.5}]}',
+    '{"patches":[{"id":"C1a","step":1e9,"ink":"blue","coverage":2,"area_ratio":0}]}', '{"patches":' + "[" * 500,
+]
+
 FORM = ('--XX\r\nContent-Disposition: form-data; name="scan"; filename="he\\"ad.STL"\r\nContent-Type: model/stl\r\n\r\nsolid\r\n--X\r\n'
         '--XX\r\nContent-Disposition: form-data; name=settings\r\n\r\n{}\r\n--XX--\r\n')
 FORMS = [FORM, "preamble\r\n" + FORM, FORM.replace("--XX--", "--XX"), FORM.replace("\r\n\r\n", "\r\nX: " + "y" * 9000 + "\r\n\r\n"),
@@ -243,7 +252,7 @@ REQUESTS = [REQUEST, REQUEST.replace("5", "99999999999999999999"), REQUEST.repla
 def seeds():
     """By target, by name, the bytes."""
     found = {name: {} for name in ("stl", "obj", "ply", "off", "glb", "zip", "png", "jpeg", "svg", "settings", "multipart", "names",
-                                   "temperature", "request")}
+                                   "temperature", "patches", "request")}
     points, faces = small_dome()
     found["stl"] |= {"binary": hostile.stl(triangles()), "text": hostile.ascii_stl(triangles()),
                      "two": hostile.stl(triangles() + triangles(scale=0.5)), "open": hostile.stl(triangles()[:-8]),
@@ -266,7 +275,7 @@ def seeds():
     found["svg"] |= {name: hostile.svg(inner) for name, inner in COSTLY_SVGS.items()}
     for name, (_, _, extension, make) in hostile.PATTERNS.items():
         found["jpeg" if extension == "jpg" else extension][name] = make()
-    for target, texts in (("settings", SETTINGS), ("temperature", TEMPERATURES)):
+    for target, texts in (("settings", SETTINGS), ("temperature", TEMPERATURES), ("patches", PATCHES)):
         found[target] |= {str(i): text.encode("utf-8", "surrogatepass") for i, text in enumerate(texts)}
     found["temperature"]["gray"] = coloured_png(9, 7, 16, 0)
     found["multipart"] |= {str(i): b"\x07" + text.encode() for i, text in enumerate(FORMS)}

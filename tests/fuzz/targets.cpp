@@ -7,7 +7,7 @@
 namespace vacuform::fuzz {
 
 namespace {
-constexpr std::array<Target, 14> all{{{"stl", read_stl},
+constexpr std::array<Target, 15> all{{{"stl", read_stl},
                                       {"obj", read_obj},
                                       {"ply", read_ply},
                                       {"off", read_off},
@@ -20,6 +20,7 @@ constexpr std::array<Target, 14> all{{{"stl", read_stl},
                                       {"multipart", read_multipart},
                                       {"names", blank_names},
                                       {"temperature", read_temperature},
+                                      {"patches", read_ink_chart},
                                       {"request", read_request}}};
 }
 

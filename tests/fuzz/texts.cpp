@@ -1,10 +1,11 @@
-// Settings and measured temperatures.
+// Settings, measured temperatures and measured patches of inks.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "api/settings.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "worker/forming/heat/measured_field.hpp"
+#include "worker/studies/ink_chart.hpp"
 
 namespace vacuform::fuzz {
 
@@ -27,6 +28,30 @@ void read_temperature(Bytes bytes) {
   if (!field) return require(field.error().code != Code::internal, "a bad table is no fault of Vacuform's");
   for (const double s : {-1.0, -0.5, 0.0, 0.31, 1.0})
     require(std::isfinite(field->at({s * sheet.width_mm, -s * sheet.height_mm})), "temperatures are finite");
+}
+
+// The bytes as a chart, and as the measurements of a small one.
+void read_ink_chart(Bytes bytes) {
+  if (const auto chart = read_patches(bytes, "fuzz.json"))
+    for (const InkPatch& patch : *chart)
+      require(patch.area_ratio > 0 && patch.coverage >= 0 && patch.coverage <= 1,
+              "a chart that is read is usable");
+  std::vector<InkPatch> patches;
+  for (int step = 1; step <= 2; ++step)
+    for (int k = 0; k < 10; ++k) {
+      InkPatch& patch = patches.emplace_back();
+      patch.ink = k < 9 ? k / 3 : -1;
+      patch.coverage = k < 9 ? (k % 3 + 1) / 3.0 : 0;
+      patch.step = step;
+      patch.area_ratio = step;
+      patch.id = std::string(1, "CMYW"[k / 3]) + std::to_string(k % 3) + static_cast<char>('a' + step - 1);
+    }
+  const auto measured = read_measured_patches(bytes, "fuzz.csv", patches);
+  if (!measured) return require(measured.error().code == Code::corrupt_file, "a bad table is called so");
+  const auto fit = fit_ink_curve(patches, *measured, "fuzz.csv");
+  if (!fit) return require(fit.error().code == Code::corrupt_file, "a table that fits nothing is called so");
+  require(settings_from_json(nlohmann::json{{"print", {{"ink_curve", fit->curve}}}}).has_value(),
+          "a curve that was fitted is a setting");
 }
 
 }  // namespace vacuform::fuzz

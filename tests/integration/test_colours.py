@@ -2,6 +2,7 @@
 import hashlib
 import io
 import json
+import math
 import re
 import struct
 import unittest
@@ -154,6 +155,38 @@ class Colours(Case):
         self.assertEqual((position["min"], colour["min"]), ([-1], [-1]))
         self.assertTrue(0.5 < position["max"][0] < 4, position)
         self.assertTrue(10 < colour["max"][0] < 100, colour)
+
+    def test_more_ink_is_printed_where_the_sheet_stretches(self):
+        out = self.folder / "compensated"
+        done = self.run_with(self.scan, out, "--set", "print.compensate_colours=true", "--set", "pattern.inked_face=inner")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = pixels((out / "print.png").read_bytes())
+        middle, per_mm = len(rows) // 2, 72 / 25.4
+        data = (out / "formed.ply").read_bytes()
+        head, _, body = data.partition(b"end_header\n")
+        count = int(re.search(rb"element vertex (\d+)", head)[1])
+        def coverage(byte):
+            v = byte / 255
+            return 1 - (v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4)
+        checked, stretched = 0, 0
+        for x, y, z, s, t, u, v, thickness, *_ in struct.iter_unpack("<9fB", body[:37 * count]):
+            if not 6 < math.hypot(s, t) < 34 or s > -6:
+                continue  # the left half of the dome is red
+            i, j = middle - round(s * per_mm), middle - round(t * per_mm)  # the print for the inner face is mirrored
+            ratio = 1 / thickness  # the sheet is 1 mm thick, and its volume stays
+            self.assertAlmostEqual(coverage(rows[j][i][0]), min(1, ratio * coverage(RED[0])), delta=0.02, msg=(s, t))
+            checked, stretched = checked + 1, max(stretched, ratio)
+        self.assertGreater(checked, 30)
+        self.assertGreater(stretched, 1.1)
+        report = json.loads((out / "report.json").read_text())
+        ink = report["pattern"]["colours"]["ink"]
+        self.assertGreater(ink["short_share"], 0.5)  # nearly full magenta, yellow and cyan stretch everywhere
+        warning = next(w for w in report["warnings"] if w["code"] == "ink-not-enough")
+        self.assertAlmostEqual(warning["figure"]["value"], 100 * ink["short_share"], delta=0.05)
+        self.assertEqual(warning["marks"][0]["place_mm"], ink["place_mm"])
+        before = json.loads((self.out / "report.json").read_text())
+        self.assertIsNone(before["pattern"]["colours"]["ink"])
+        self.assertNotIn("ink-not-enough", [w["code"] for w in before["warnings"]])
 
     def test_an_obj_prints_the_same_from_a_folder_and_from_a_zip(self):
         points, faces = hostile.dome()

@@ -15,6 +15,7 @@ void add_sample(CLI::App& app, int& exit_code);     // writes the bundled head f
 void add_submit(CLI::App& app, int& exit_code);     // the same as run, but on a server
 void add_converge(CLI::App& app, int& exit_code);   // how much the result depends on the grid
 void add_calibrate(CLI::App& app, int& exit_code);  // machine parameters from a measured part
+void add_chart(CLI::App& app, int& exit_code);      // a test sheet for the inks, and their curve from it
 
 // Prints the error and returns its exit code.
 int refuse(const Error& error);

@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
   add_submit(app, exit_code);
   add_converge(app, exit_code);
   add_calibrate(app, exit_code);
+  add_chart(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version

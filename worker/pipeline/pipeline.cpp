@@ -118,13 +118,13 @@ Result<SheetColours> colours_on(const FormedSheet& sheet, const Mold& mold, cons
 }
 
 // The colours of the scan as a print: the sheet's own coordinates are those of the pattern, and nothing is bent.
-Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Context& context) {
+Result<std::vector<Artifact>> use_colours(const Inputs& inputs, const Identity& identity,
+                                          const UseOfPrint& use, const Context& context) {
   const Settings& s = inputs.settings;
   VACUFORM_TRY(formed, form_head(inputs, context));
   const InkedSurface inked = inked_surface(formed.sheet, s.pattern.inked_face);
   VACUFORM_TRY(flattening, flatten(formed.sheet, inked, formed.mold, s.flattening, context));
   const ChartedSurface charted(inked, flattening);
-  const Identity identity = identity_of(inputs);
   const Portion reading(context, Stage::printing, 0, 0.2), looking(context, Stage::printing, 0.2, 0.3),
       printing(context, Stage::printing, 0.3, 1);
   VACUFORM_CHECK(context.step(Stage::printing, 0));
@@ -134,14 +134,24 @@ Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Conte
   VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, {identity.label, inputs.reference},
                                  printing.context(), &colours));
   const Alignment alignment{.shift_mm = -flattening.top_rest};
-  const Portion comparing(context, Stage::inspection, 0, 0.2), showing(context, Stage::inspection, 0.2, 1);
-  const auto ink = ink_of(print, inked, s.print.ink_curve);
-  VACUFORM_TRY(errors, colour_errors(colours, print, ink ? &*ink : nullptr, s.sheet.resolution_mm,
-                                     comparing.context()));
-  const Finished job{s,           formed.mold, formed.sheet, inked,      flattening,     picture,  print,
-                     formed.heat, alignment,   nullptr,      &placement, identity.label, &colours, &errors};
-  VACUFORM_TRY(files, artifacts(job, showing.context()));
-  return with_report(std::move(files), whole_report(inputs, identity, job));
+  const Finished job{s,           formed.mold, formed.sheet, inked,      flattening,     picture, print,
+                     formed.heat, alignment,   nullptr,      &placement, identity.label, &colours};
+  return use(job);
+}
+
+Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Context& context) {
+  const Identity identity = identity_of(inputs);
+  const auto use = [&](const Finished& job) -> Result<std::vector<Artifact>> {
+    const Portion comparing(context, Stage::inspection, 0, 0.2), showing(context, Stage::inspection, 0.2, 1);
+    const auto ink = ink_of(job.print, job.surface, job.settings.print.ink_curve);
+    VACUFORM_TRY(errors, colour_errors(*job.colours, job.print, ink ? &*ink : nullptr,
+                                       job.settings.sheet.resolution_mm, comparing.context()));
+    Finished compared = job;
+    compared.errors = &errors;
+    VACUFORM_TRY(files, artifacts(compared, showing.context()));
+    return with_report(std::move(files), whole_report(inputs, identity, compared));
+  };
+  return use_colours(inputs, identity, use, context);
 }
 
 Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Context& context) {
@@ -234,6 +244,12 @@ bool shows_on_mold(const Error& error) {
 }
 
 }  // namespace
+
+Result<std::vector<Artifact>> print_colours(const Inputs& inputs, const UseOfPrint& use,
+                                            const Context& context) {
+  VACUFORM_CHECK(check_together(inputs));
+  return use_colours(inputs, identity_of(inputs), use, context);
+}
 
 Result<void> run_pipeline(const Inputs& inputs, const std::filesystem::path& out, const Context& context) {
   const auto files = print_artifacts(inputs, context);

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <numbers>
 #include <utility>
 
-#include "worker/gltf/gltf_buffer.hpp"
-#include "worker/png/png_writer.hpp"
+#include "worker/sample/textured_glb.hpp"
 
 namespace vacuform {
 
@@ -204,22 +202,7 @@ class Paint {
     }
   }
 
-  std::vector<std::uint8_t> png() {
-    cairo_surface_flush(surface_.get());
-    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface_.get()));
-    const unsigned char* rows = cairo_image_surface_get_data(surface_.get());
-    PngWriter writer(side, side, 3);
-    std::vector<std::uint8_t> out(3 * side);
-    for (std::size_t y = 0; y < side; ++y) {
-      for (std::size_t x = 0; x < side; ++x) {
-        std::uint32_t pixel = 0;
-        std::memcpy(&pixel, rows + y * stride + 4 * x, 4);
-        for (std::size_t k = 0; k < 3; ++k) out[3 * x + k] = static_cast<std::uint8_t>(pixel >> (16 - 8 * k));
-      }
-      writer.row(out.data());
-    }
-    return writer.finish();
-  }
+  std::vector<std::uint8_t> png() { return png_of(surface_.get()); }
 
  private:
   Vector2d pixel(const Vector2d& at) const { return relief_.uv(at) * side; }
@@ -352,33 +335,8 @@ PaintedModel painted_model(Model model) {
 
 std::vector<std::uint8_t> painted_glb(Model model) {
   const PaintedModel painted = painted_model(model);
-  const auto& vertices = painted.mesh.vertices;
-  GltfBuffer buffer;
-  GltfJson primitive;
-  primitive["attributes"]["POSITION"] = buffer.add_attribute(
-      vertices.size(), 3,
-      [&](std::size_t v, std::size_t k) { return vertices[v][static_cast<Eigen::Index>(k)]; });
-  primitive["attributes"]["TEXCOORD_0"] = buffer.add_attribute(
-      vertices.size(), 2,
-      [&](std::size_t v, std::size_t k) { return painted.uv[v][static_cast<Eigen::Index>(k)]; });
-  primitive["indices"] = buffer.add_triangles(painted.mesh.triangles);
-  primitive["material"] = 0;
-  const char* name = model == Model::mask ? "mask" : "figurine";
-  GltfJson json = {{"asset", {{"version", "2.0"}, {"generator", "vacuform sample"}}},
-                   {"scene", 0},
-                   {"scenes", GltfJson::array({GltfJson{{"nodes", GltfJson::array({0})}}})}};
-  json["nodes"] = GltfJson::array({GltfJson{{"name", name}, {"mesh", 0}, {"matrix", gltf_matrix_from_mm()}}});
-  json["meshes"] = GltfJson::array({GltfJson{{"primitives", GltfJson::array({primitive})}}});
-  json["materials"] = GltfJson::array({GltfJson{
-      {"pbrMetallicRoughness",
-       {{"baseColorTexture", {{"index", 0}}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.6}}}}});
-  json["textures"] = GltfJson::array({GltfJson{{"sampler", 0}, {"source", 0}}});
-  json["images"] = GltfJson::array({buffer.add_png(name, texture_of(model, *relief_of(model)))});
-  json["samplers"] = GltfJson::array({GltfJson{{"magFilter", gltf::linear},
-                                               {"minFilter", gltf::linear_mipmaps},
-                                               {"wrapS", gltf::clamp_to_edge},
-                                               {"wrapT", gltf::clamp_to_edge}}});
-  return glb_of(std::move(json), std::move(buffer));
+  return textured_glb(painted.mesh, painted.uv, texture_of(model, *relief_of(model)),
+                      model == Model::mask ? "mask" : "figurine");
 }
 
 }  // namespace vacuform

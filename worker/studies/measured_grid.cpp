@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "api/base/decimal.hpp"
-#include "api/base/text.hpp"
-#include "worker/scan/text_cursor.hpp"
+#include "worker/studies/csv_table.hpp"
 
 namespace vacuform {
 
@@ -18,29 +18,6 @@ constexpr double largest_mm = 1e5;  // of a measured coordinate
 constexpr std::array<std::string_view, 5> column_names{"s", "t", "x", "y", "z"};
 constexpr std::string_view example =
     "begin the file with the line \"s,t,x,y,z\" and give five numbers a line, in mm";
-constexpr std::string_view blanks = " \t\n\v\f\r\"";  // quotes around a cell count as blanks
-
-std::vector<std::string_view> cells_of(std::string_view line, char separator) {
-  std::vector<std::string_view> cells;
-  for (;;) {
-    const auto end = std::min(line.find(separator), line.size());
-    cells.push_back(trimmed(line.substr(0, end), blanks));
-    if (end == line.size()) return cells;
-    line.remove_prefix(end + 1);
-  }
-}
-
-std::string quoted(std::string_view cell) {
-  std::string text = "\"";
-  for (const char c : cell.substr(0, 24)) text += c >= ' ' && c <= '~' ? c : '?';
-  return text + "\"";
-}
-
-bool read_number(std::string_view cell, char separator, double& value) {
-  std::string text(cell.substr(0, 64));
-  if (separator == ';') std::replace(text.begin(), text.end(), ',', '.');
-  return cell.size() <= 64 && parse_number(text, value) && std::isfinite(value);
-}
 
 // The column of each of column_names in a header; -1 where it is missing.
 std::array<int, 5> columns_of(const std::vector<std::string_view>& header) {
@@ -72,28 +49,21 @@ bool on_one_line(const std::vector<MeasuredPoint3>& points) {
 Result<std::vector<MeasuredPoint3>> read_measured_grid(std::span<const std::uint8_t> bytes,
                                                        const std::string& file_name,
                                                        const SheetSettings& sheet) {
-  if (bytes.size() >= 3 && bytes[0] == 0xef && bytes[1] == 0xbb && bytes[2] == 0xbf) bytes = bytes.subspan(3);
-  TextCursor text(bytes);
+  CsvTable table(bytes);
   const auto corrupt = [&](std::string what, std::string fix) {
-    return fail(Code::corrupt_file, std::move(what),
-                file_name + ", line " + std::to_string(text.line_number()), std::move(fix));
+    return fail(Code::corrupt_file, std::move(what), table.where(file_name), std::move(fix));
   };
   std::vector<MeasuredPoint3> points;
   std::array<int, 5> columns;
-  char separator = 0;
-  for (std::string_view line; text.next_line(line);) {
-    line = trimmed(line, blanks);
-    if (line.empty() || line.front() == '#') continue;
-    if (separator == 0) {
-      const auto has = [&](char c) { return line.find(c) != std::string_view::npos; };
-      separator = has(';') ? ';' : has('\t') ? '\t' : ',';
-      columns = columns_of(cells_of(line, separator));
+  bool has_header = false;
+  for (std::vector<std::string_view> cells; table.next(cells);) {
+    if (!std::exchange(has_header, true)) {
+      columns = columns_of(cells);
       for (std::size_t k = 0; k < columns.size(); ++k)
         if (columns[k] < 0)
           return corrupt("the header has no column " + std::string(column_names[k]), std::string(example));
       continue;
     }
-    const auto cells = cells_of(line, separator);
     std::array<double, 5> values{};
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const auto column = static_cast<std::size_t>(columns[k]);
@@ -101,8 +71,8 @@ Result<std::vector<MeasuredPoint3>> read_measured_grid(std::span<const std::uint
         return corrupt(
             "only " + std::to_string(cells.size()) + " values, and none for " + std::string(column_names[k]),
             std::string(example));
-      if (!read_number(cells[column], separator, values[k]))
-        return corrupt("not a number for " + std::string(column_names[k]) + ": " + quoted(cells[column]),
+      if (!table.number(cells[column], values[k]))
+        return corrupt("not a number for " + std::string(column_names[k]) + ": " + quoted_cell(cells[column]),
                        std::string(example));
       if (std::abs(values[k]) > largest_mm)
         return corrupt(std::string(column_names[k]) + " is " + decimal(values[k], 0) + " mm",
