@@ -58,10 +58,12 @@ void paint_row(int y, int side, std::uint8_t* rgb) {
   const double v = (y + 0.5) / side;
   std::uint32_t hash = 0x9e3779b9u * static_cast<std::uint32_t>(y + 1);
   for (int x = 0; x < side; ++x) {
-    const double u = (x + 0.5) / side, waves[] = {std::sin(61 * u + 13 * v), std::sin(17 * u - 71 * v), std::sin(43 * (u + v))};
+    const double u = (x + 0.5) / side,
+                 waves[] = {std::sin(61 * u + 13 * v), std::sin(17 * u - 71 * v), std::sin(43 * (u + v))};
     hash ^= hash << 13, hash ^= hash >> 17, hash ^= hash << 5;
     for (int k = 0; k < 3; ++k)
-      rgb[3 * x + k] = static_cast<std::uint8_t>(150 + 80 * waves[k] + static_cast<int>(hash >> (8 * k) & 7) - 3);
+      rgb[3 * x + k] =
+          static_cast<std::uint8_t>(150 + 80 * waves[k] + static_cast<int>(hash >> (8 * k) & 7) - 3);
   }
 }
 
@@ -109,12 +111,15 @@ FileBytes mask_glb(const FileBytes& texture) {
   GltfBuffer buffer;
   GltfJson primitive;
   primitive["attributes"]["POSITION"] = buffer.add_attribute(
-      vertices.size(), 3, [&](std::size_t v, std::size_t k) { return vertices[v][static_cast<Eigen::Index>(k)]; });
+      vertices.size(), 3,
+      [&](std::size_t v, std::size_t k) { return vertices[v][static_cast<Eigen::Index>(k)]; });
   primitive["attributes"]["TEXCOORD_0"] = buffer.add_attribute(
-      vertices.size(), 2, [&](std::size_t v, std::size_t k) { return model.uv[v][static_cast<Eigen::Index>(k)]; });
+      vertices.size(), 2,
+      [&](std::size_t v, std::size_t k) { return model.uv[v][static_cast<Eigen::Index>(k)]; });
   primitive["indices"] = buffer.add_triangles(model.mesh.triangles);
   primitive["material"] = 0;
-  auto json = GltfJson::parse(R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "textures": [{"source": 0}],
+  auto json = GltfJson::parse(
+      R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "textures": [{"source": 0}],
     "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]})");
   json["nodes"] = GltfJson::array({GltfJson{{"mesh", 0}, {"matrix", gltf_matrix_from_mm()}}});
   json["meshes"] = GltfJson::array({GltfJson{{"primitives", GltfJson::array({primitive})}}});
@@ -148,9 +153,14 @@ class Bench {
     if (!json) std::printf("%-6s %-40s %7s %7s %6s\n", "format", "step", "s", "CPU s", "MiB");
     for (const Row& row : rows_)
       if (json)
-        list.push_back({{"format", format_}, {"step", row.step}, {"seconds", row.seconds}, {"cpu_seconds", row.cpu_seconds}, {"peak_mib", row.peak_mib}});
+        list.push_back({{"format", format_},
+                        {"step", row.step},
+                        {"seconds", row.seconds},
+                        {"cpu_seconds", row.cpu_seconds},
+                        {"peak_mib", row.peak_mib}});
       else
-        std::printf("%-6s %-40s %7.2f %7.2f %6.0f\n", format_.c_str(), row.step.c_str(), row.seconds, row.cpu_seconds, row.peak_mib);
+        std::printf("%-6s %-40s %7.2f %7.2f %6.0f\n", format_.c_str(), row.step.c_str(), row.seconds,
+                    row.cpu_seconds, row.peak_mib);
     if (json) std::printf("%s\n", list.dump(2).c_str());
   }
 
@@ -193,25 +203,29 @@ int main(int argc, char** argv) {
   settings.pattern.source = PatternSource::scan;
   const Context context;
   Bench bench(format);
-  const auto mold = bench.measure("scan", [&] { return make_mold(scan, "mask.glb", settings.scan, context); });
+  const auto mold =
+      bench.measure("scan", [&] { return make_mold(scan, "mask.glb", settings.scan, context); });
   const auto sheet = bench.measure("forming", [&] {
     return form(mold, settings.sheet, settings.machine, settings.forming, TemperatureField(140), context);
   });
   const InkedSurface surface = inked_surface(sheet, settings.pattern.inked_face);
-  const auto flattening =
-      bench.measure("flattening", [&] { return flatten(sheet, surface, mold, settings.flattening, context); });
+  const auto flattening = bench.measure(
+      "flattening", [&] { return flatten(sheet, surface, mold, settings.flattening, context); });
   const ChartedSurface charted(surface, flattening);
   const Placement placement = lay_flat(charted);
   bench.formed();
 
-  bench.measure("the texture alone: decoding", [&] { return Texture::read(image, "mask.glb", most_texture_pixels); });
+  bench.measure("the texture alone: decoding",
+                [&] { return Texture::read(image, "mask.glb", most_texture_pixels); });
   auto coloured = bench.measure("1 reading scan and texture, pyramid", [&] {
     return ColouredSurface::read(scan, "mask.glb", mold.placing, context);
   });
   const SheetColours colours = bench.measure("2 distances, hidden surface", [&]() -> Result<SheetColours> {
-    return SheetColours(std::move(coloured), sheet, colour_reach(settings.scan.clearance_mm, settings.pattern.fade_mm));
+    return SheetColours(std::move(coloured), sheet,
+                        colour_reach(settings.scan.clearance_mm, settings.pattern.fade_mm));
   });
-  const Pattern picture = bench.measure("3 picture of previews", [&] { return picture_of(colours, settings.sheet, context); });
+  const Pattern picture =
+      bench.measure("3 picture of previews", [&] { return picture_of(colours, settings.sheet, context); });
   const Print print = bench.measure("4 print: sampling and files", [&] {
     return make_print(charted, picture, nullptr, placement, settings, {"benchmark"}, context, &colours);
   });
@@ -222,7 +236,11 @@ int main(int argc, char** argv) {
       bytes += raster.rows(top, std::min(top + raster.band_rows(), print.height)).size();
     return bytes;
   });
-  const Finished finished{settings, mold, sheet, surface, flattening, picture, print, {}, Alignment{.shift_mm = -flattening.top_rest}, nullptr, &placement, "benchmark", &colours};
+  const Finished finished{settings, mold,       sheet,
+                          surface,  flattening, picture,
+                          print,    {},         Alignment{.shift_mm = -flattening.top_rest},
+                          nullptr,  &placement, "benchmark",
+                          &colours};
   bench.measure("5 report, previews and other files", [&] {
     report(finished);
     return artifacts(finished, context);

@@ -101,23 +101,23 @@ int ColourWalk::neighbour(int triangle, Eigen::Index corner) const {
   return found;
 }
 
-bool ColourWalk::reach(const Vector3d& place, double within_mm) {
+std::optional<double> ColourWalk::reach(const Vector3d& place, double within_mm) {
   int triangle = triangle_;
   Plane plane = plane_;
   for (int step = 0; step < longest_walk && plane.normal != Vector3d::Zero(); ++step) {
     Eigen::Index outside = 0;
     if (plane.weights(place).minCoeff(&outside) >= 0) {
-      if (!(plane.distance(place) <= std::min(beside_mm, within_mm))) return false;
-      enter(triangle, plane);
-      return true;
+      const double distance = plane.distance(place);
+      if (distance <= within_mm) enter(triangle, plane);
+      return distance;
     }
     triangle = neighbour(triangle, outside);
-    if (triangle < 0) return false;
+    if (triangle < 0) return std::nullopt;
     const Plane next = plane_of(triangle);
-    if (!(next.normal.dot(plane.normal) > gentle)) return false;
+    if (!(next.normal.dot(plane.normal) > gentle)) return std::nullopt;
     plane = next;
   }
-  return false;
+  return std::nullopt;
 }
 
 void ColourWalk::enter(int triangle, const Plane& plane) {
@@ -154,11 +154,12 @@ Vector3f ColourWalk::colour(const Vector3d& weights) const {
 }
 
 std::optional<ColourWalk::Found> ColourWalk::at(const Vector3d& place, double within_mm) {
-  if (triangle_ >= 0 && reach(place, within_mm))
-    return Found{colour(plane_.weights(place)), plane_.distance(place)};
-  // The surface is at most as far as where it was found last: a smaller sphere holds fewer triangles.
+  const auto below = triangle_ >= 0 ? reach(place, std::min(beside_mm, within_mm)) : std::nullopt;
+  if (below && *below <= std::min(beside_mm, within_mm)) return Found{colour(plane_.weights(place)), *below};
+  // The surface is at most this far: a smaller sphere holds fewer triangles.
   constexpr double slack = 1.001;
-  const double most_mm = slack * (last_mm_ + (place - last_).norm());
+  const double most_mm =
+      1e-6 + slack * std::min(last_mm_ + (place - last_).norm(), below.value_or(within_mm));
   const auto nearest = parts_->distance.nearest(place, std::min(within_mm, most_mm));
   if (!nearest) return std::nullopt;
   last_ = place;

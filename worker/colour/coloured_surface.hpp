@@ -84,8 +84,9 @@ class ColourWalk {
   Plane plane_of(int triangle) const;
   // The triangle on the other side of the edge opposite to a corner; -1 if there is not exactly one.
   int neighbour(int triangle, Eigen::Index corner) const;
-  // Enters the triangle below the place, if the walk reaches one within `within_mm`.
-  bool reach(const Eigen::Vector3d& place, double within_mm);
+  // The distance of the triangle below the place, if the walk reaches one. Enters it if the distance is at most
+  // `within_mm`.
+  std::optional<double> reach(const Eigen::Vector3d& place, double within_mm);
   void enter(int triangle, const Plane& plane);
   Eigen::Vector3f colour(const Eigen::Vector3d& weights) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string_view>
 
 #include "worker/pattern/raster.hpp"
@@ -157,12 +158,64 @@ Texture::Level Texture::halve(const Level& fine) {
   return coarse;
 }
 
+void Texture::continue_islands(Level& level) {
+  const Curve8& curve = curve8();
+  constexpr int shown = 128, most_apart = Curve8::whole / 8;
+  struct Continued {
+    int x;
+    std::array<std::uint8_t, 3> rgb;
+  };
+  std::vector<std::vector<Continued>> of_row(static_cast<std::size_t>(level.height));
+  const auto texel = [&](int x, int y) -> const std::uint8_t* {
+    if (x < 0 || y < 0 || x >= level.width || y >= level.height) return nullptr;
+    const std::uint8_t* p = level.row(y) + 4 * std::ptrdiff_t{x};
+    return p[3] >= shown ? p : nullptr;
+  };
+  const auto continued = [&](int x, int y) -> std::optional<Continued> {
+    std::array<int, 3> sum{}, least, most;
+    least.fill(Curve8::whole), most.fill(0);
+    int count = 0;
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i) {
+        const std::uint8_t* const beside = texel(x + i, y + j);
+        if (!beside) continue;
+        const std::uint8_t* const beyond = texel(x + 2 * i, y + 2 * j);
+        for (std::size_t k = 0; k < 3; ++k) {
+          const int near = static_cast<int>(curve.linear16[beside[k]]);
+          const int value = beyond ? 2 * near - static_cast<int>(curve.linear16[beyond[k]]) : near;
+          sum[k] += value, least[k] = std::min(least[k], value), most[k] = std::max(most[k], value);
+        }
+        ++count;
+      }
+    if (count == 0) return std::nullopt;
+    Continued out{x, {}};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (most[k] - least[k] > most_apart) return std::nullopt;
+      out.rgb[k] = curve.encode(static_cast<std::uint32_t>(std::clamp(sum[k] / count, 0, 65535)));
+    }
+    return out;
+  };
+  in_parallel(0, level.height, [&](int first, int last) {
+    for (int y = first; y < last; ++y)
+      for (int x = 0; x < level.width; ++x)
+        if (level.row(y)[4 * std::ptrdiff_t{x} + 3] == 0)
+          if (const auto found = continued(x, y)) of_row[static_cast<std::size_t>(y)].push_back(*found);
+  });
+  for (int y = 0; y < level.height; ++y)
+    for (const auto& [x, rgb] : of_row[static_cast<std::size_t>(y)]) {
+      std::uint8_t* p = level.row(y) + 4 * std::ptrdiff_t{x};
+      std::copy(rgb.begin(), rgb.end(), p);
+      p[3] = 255;
+    }
+}
+
 void Texture::build() {
   if (!marked_ || all_shown_) {
     auto& rgba = levels_.front().rgba;
     for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
   }
   while (std::max(levels_.back().width, levels_.back().height) > 1) levels_.push_back(halve(levels_.back()));
+  for (Level& level : levels_) continue_islands(level);
 }
 
 Footprint Texture::footprint(const Vector2d& a, const Vector2d& b) const {

@@ -62,6 +62,9 @@ class Texture {
     std::uint8_t* row(int y) { return const_cast<std::uint8_t*>(std::as_const(*this).row(y)); }
   };
   static Level halve(const Level& fine);
+  // Gives the texels beside the shown ones the colours that continue those, so that interpolation reaches the border of
+  // an island. Where two islands with different colours are that near, the texel stays as it is.
+  static void continue_islands(Level& level);
   // Bilinear: the sum of the colours by their shares, and of the shares.
   static Eigen::Vector4f mean(const Level& level, double x, double y, Wrap across, Wrap down, bool all);
 
