@@ -291,7 +291,7 @@ export async function startJob(page) {
 }
 
 // Sets two settings so that the job takes seconds.
-async function makeQuick(page) {
+export async function makeQuick(page) {
   await page.getByText('All settings', {exact: true}).click();
   for (const [label, value] of [['Simulation grid', '6'], ['Print resolution', '100']]) {
     const field = page.getByRole('textbox', {name: label, exact: true}).last();

@@ -12,9 +12,14 @@ using Eigen::Vector3f;
 
 namespace {
 
-// If a place is on the last triangle and this near to it, no other triangle is searched: the sheet touches the surface
-// there.
+// If a place lies over a triangle that the walk reached and this near to it, no other triangle is searched: the sheet
+// touches the surface there.
 constexpr double beside_mm = 0.25;
+// Across sharper edges, as the cosine of the turn, the other side may be nearer.
+constexpr double gentle = 0.5;
+constexpr int longest_walk = 32;
+// A vertex of more triangles is not worth the look around it.
+constexpr std::size_t most_around = 32;
 
 using UvCorners = std::array<Eigen::Vector2f, 3>;
 
@@ -75,31 +80,70 @@ Vector3f ColouredSurface::colour(int triangle, const Vector3d& weights, double s
   };
   const Vector3d across = side(1).normalized(), down = (side(2) - side(2).dot(across) * across).normalized();
   ColourWalk walk(*this, side_mm * across, side_mm * down);
-  walk.enter(triangle);
+  walk.enter(triangle, walk.plane_of(triangle));
   return walk.colour(weights);
 }
 
-void ColourWalk::enter(int triangle) {
+ColourWalk::Plane ColourWalk::plane_of(int triangle) const {
+  const Triangle& corners = parts_->mesh.triangles[static_cast<std::size_t>(triangle)];
+  const auto corner = [&](std::size_t k) -> const Vector3d& {
+    return parts_->mesh.vertices[static_cast<std::size_t>(corners[k])];
+  };
+  const Vector3d ab = corner(1) - corner(0), ac = corner(2) - corner(0);
+  const double bb = ab.squaredNorm(), bc = ab.dot(ac), cc = ac.squaredNorm(), d = bb * cc - bc * bc;
+  const Vector3d none = Vector3d::Zero();
+  if (!(d > 0)) return {corner(0), none, none, none};
+  const double one = 1 / d;  // d is the square of the length of the cross product
+  return {corner(0), std::sqrt(one) * ab.cross(ac), one * (cc * ab - bc * ac), one * (bb * ac - bc * ab)};
+}
+
+int ColourWalk::neighbour(int triangle, Eigen::Index corner) const {
+  const Triangle& corners = parts_->mesh.triangles[static_cast<std::size_t>(triangle)];
+  const auto k = static_cast<std::size_t>(corner);
+  const int from = corners[(k + 1) % 3], to = corners[(k + 2) % 3];
+  const auto around = parts_->at_vertex.around(from);
+  if (around.size() > most_around) return -1;
+  int found = -1;
+  for (const int other : around) {
+    const Triangle& theirs = parts_->mesh.triangles[static_cast<std::size_t>(other)];
+    if (other == triangle || std::find(theirs.begin(), theirs.end(), to) == theirs.end()) continue;
+    if (found >= 0) return -1;
+    found = other;
+  }
+  return found;
+}
+
+std::optional<double> ColourWalk::reach(const Vector3d& place, double within_mm) {
+  int triangle = triangle_;
+  Plane plane = plane_;
+  for (int step = 0; step < longest_walk && plane.normal != Vector3d::Zero(); ++step) {
+    Eigen::Index outside = 0;
+    if (plane.weights(place).minCoeff(&outside) >= 0) {
+      const double distance = plane.distance(place);
+      if (distance <= within_mm) enter(triangle, plane);
+      return distance;
+    }
+    triangle = neighbour(triangle, outside);
+    if (triangle < 0) return std::nullopt;
+    const Plane next = plane_of(triangle);
+    if (!(next.normal.dot(plane.normal) > gentle)) return std::nullopt;
+    plane = next;
+  }
+  return std::nullopt;
+}
+
+void ColourWalk::enter(int triangle, const Plane& plane) {
   if (triangle == triangle_) return;
   triangle_ = triangle;
+  plane_ = plane;
   const auto t = static_cast<std::size_t>(triangle);
-  const Triangle& corners = parts_.mesh.triangles[t];
-  const auto corner = [&](std::size_t k) -> const Vector3d& {
-    return parts_.mesh.vertices[static_cast<std::size_t>(corners[k])];
-  };
-  origin_ = corner(0);
-  const Vector3d ab = corner(1) - origin_, ac = corner(2) - origin_;
-  const double bb = ab.squaredNorm(), bc = ab.dot(ac), cc = ac.squaredNorm(), d = bb * cc - bc * bc;
-  normal_ = d > 0 ? ab.cross(ac).normalized() : Vector3d::Zero();
-  second_ = d > 0 ? Vector3d((cc * ab - bc * ac) / d) : Vector3d::Zero();
-  third_ = d > 0 ? Vector3d((bb * ac - bc * ab) / d) : Vector3d::Zero();
-  material_ = &parts_.colours.materials[static_cast<std::size_t>(parts_.colours.material[t])];
-  texture_ = material_->image < 0 ? nullptr : &parts_.textures[static_cast<std::size_t>(material_->image)];
+  material_ = &parts_->colours.materials[static_cast<std::size_t>(parts_->colours.material[t])];
+  texture_ = material_->image < 0 ? nullptr : &parts_->textures[static_cast<std::size_t>(material_->image)];
   if (!texture_) return;
-  const UvCorners& uv = parts_.colours.uv[t];
+  const UvCorners& uv = parts_->colours.uv[t];
   const Vector2d along_ab = (uv[1] - uv[0]).cast<double>(), along_ac = (uv[2] - uv[0]).cast<double>();
   const auto change = [&](const Vector3d& by) -> Vector2d {
-    return second_.dot(by) * along_ab + third_.dot(by) * along_ac;
+    return plane.second.dot(by) * along_ab + plane.third.dot(by) * along_ac;
   };
   footprint_ = texture_->footprint(change(across_), change(down_));
 }
@@ -108,10 +152,10 @@ Vector3f ColourWalk::colour(const Vector3d& weights) const {
   Vector3f out = material_->factor;
   const auto t = static_cast<std::size_t>(triangle_);
   if (texture_)
-    out = out.cwiseProduct(texture_->sample(uv_at(parts_.colours.uv[t], weights), footprint_,
+    out = out.cwiseProduct(texture_->sample(uv_at(parts_->colours.uv[t], weights), footprint_,
                                             material_->across, material_->down));
-  if (const auto& vertex = parts_.colours.vertex; !vertex.empty()) {
-    const Triangle& corners = parts_.mesh.triangles[t];
+  if (const auto& vertex = parts_->colours.vertex; !vertex.empty()) {
+    const Triangle& corners = parts_->mesh.triangles[t];
     Vector3f mean = Vector3f::Zero();
     for (int k = 0; k < 3; ++k)
       mean += static_cast<float>(weights[k]) *
@@ -122,22 +166,25 @@ Vector3f ColourWalk::colour(const Vector3d& weights) const {
 }
 
 std::optional<ColourWalk::Found> ColourWalk::at(const Vector3d& place, double within_mm) {
-  if (triangle_ >= 0) {
-    const Vector3d from = place - origin_;
-    const double b = second_.dot(from), c = third_.dot(from), a = 1 - b - c, height = normal_.dot(from),
-                 distance = std::abs(height);
-    if (a >= 0 && b >= 0 && c >= 0 && distance <= std::min(beside_mm, within_mm) &&
-        normal_ != Vector3d::Zero())
-      return Found{colour({a, b, c}), place - height * normal_, distance};
+  const auto below = triangle_ >= 0 ? reach(place, std::min(beside_mm, within_mm)) : std::nullopt;
+  if (below && *below <= std::min(beside_mm, within_mm)) {
+    const double height = plane_.normal.dot(place - plane_.origin);
+    return Found{colour(plane_.weights(place)), place - height * plane_.normal, *below};
   }
-  const auto nearest = parts_.distance.nearest(place, within_mm);
+  // The surface is at most this far: a smaller sphere holds fewer triangles.
+  constexpr double slack = 1.001;
+  const double most_mm =
+      1e-6 + slack * std::min(last_mm_ + (place - last_).norm(), below.value_or(within_mm));
+  const auto nearest = parts_->distance.nearest(place, std::min(within_mm, most_mm));
   if (!nearest) return std::nullopt;
-  enter(nearest->triangle);
-  const Triangle& corners = parts_.mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
+  last_ = place;
+  last_mm_ = nearest->distance_mm;
+  enter(nearest->triangle, plane_of(nearest->triangle));
+  const Triangle& corners = parts_->mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
   Vector3d on_surface = Vector3d::Zero();
   for (int k = 0; k < 3; ++k)
     on_surface += nearest->weights[k] *
-                  parts_.mesh.vertices[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
+                  parts_->mesh.vertices[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
   return Found{colour(nearest->weights), on_surface, nearest->distance_mm};
 }
 

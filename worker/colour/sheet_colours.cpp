@@ -43,7 +43,7 @@ ColourReach colour_reach(double clearance_mm, double fade_mm) {
 }
 
 SheetColours::SheetColours(ColouredSurface surface, const FormedSheet& sheet, const ColourReach& reach)
-    : surface_(std::move(surface)), sheet_(sheet), reach_(reach) {
+    : surface_(std::move(surface)), sheet_(sheet), reach_(reach), nearest_triangle_(sheet.formed.size(), -1) {
   const auto at = [&](int v) -> const Eigen::Vector3d& { return sheet.formed[static_cast<std::size_t>(v)]; };
   // If a triangle has a place in reach, its corners are at most its longest side further away.
   double longest = 0;
@@ -53,8 +53,10 @@ SheetColours::SheetColours(ColouredSurface surface, const FormedSheet& sheet, co
   std::vector<double> distance(sheet.formed.size(), far);
   in_parallel(0, static_cast<int>(sheet.formed.size()), [&](int first, int last) {
     for (int v = first; v < last; ++v)
-      if (const auto nearest = surface_.nearest(at(v), reach.end_mm() + longest))
+      if (const auto nearest = surface_.nearest(at(v), reach.end_mm() + longest)) {
         distance[static_cast<std::size_t>(v)] = nearest->distance_mm;
+        nearest_triangle_[static_cast<std::size_t>(v)] = nearest->triangle;
+      }
   });
   std::vector<AtDistance> coloured;
   for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {

@@ -41,6 +41,8 @@ class SheetColours {
   // Triangles of the sheet that may have colour, ascending.
   const std::vector<int>& triangles() const { return triangles_; }
   const ColouredArea& area() const { return area_; }
+  // The triangle of the scan that is nearest to a vertex of the sheet; -1 if none is in reach.
+  int nearest_triangle(int vertex) const { return nearest_triangle_[static_cast<std::size_t>(vertex)]; }
   // The parts of the scan whose colour the sheet does not show.
   const HiddenSurface& hidden() const { return hidden_; }
 
@@ -48,7 +50,7 @@ class SheetColours {
   ColouredSurface surface_;
   const FormedSheet& sheet_;
   ColourReach reach_;
-  std::vector<int> triangles_;
+  std::vector<int> triangles_, nearest_triangle_;
   ColouredArea area_;
   HiddenSurface hidden_;
 };

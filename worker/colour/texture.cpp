@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string_view>
 
 #include "worker/pattern/raster.hpp"
@@ -19,19 +20,21 @@ namespace {
 
 // Linear light of each encoded value, and the encoded value at the middle of each step of linear light.
 struct Curve8 {
-  static constexpr int steps = 1 << 14;
+  static constexpr std::uint32_t whole = 65535;  // linear light of white, in whole numbers
+  static constexpr int step_bits = 2;            // 16,384 steps
   std::array<float, 256> linear;
-  std::vector<std::uint8_t> encoded;
-  Curve8() : encoded(steps + 1) {
-    for (std::size_t i = 0; i < 256; ++i) linear[i] = linear_from_srgb(static_cast<float>(i) / 255);
-    for (int i = 0; i <= steps; ++i)
-      encoded[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(
-          255 *
-          srgb_from_linear(std::min(1.0f, (static_cast<float>(i) + 0.5f) / static_cast<float>(steps)))));
+  std::array<std::uint32_t, 256> linear16;
+  std::array<std::uint8_t, (whole >> step_bits) + 1> encoded;
+  Curve8() {
+    for (std::size_t i = 0; i < 256; ++i) {
+      linear[i] = linear_from_srgb(static_cast<float>(i) / 255);
+      linear16[i] = static_cast<std::uint32_t>(std::lround(linear[i] * static_cast<float>(whole)));
+    }
+    for (std::size_t i = 0; i < encoded.size(); ++i)
+      encoded[i] = static_cast<std::uint8_t>(std::lround(
+          255 * srgb_from_linear((static_cast<float>(i) + 0.5f) / static_cast<float>(encoded.size()))));
   }
-  std::uint8_t encode(float x) const {
-    return encoded[static_cast<std::size_t>(std::clamp(x, 0.0f, 1.0f) * steps)];
-  }
+  std::uint8_t encode(std::uint32_t linear_light) const { return encoded[linear_light >> step_bits]; }
 };
 const Curve8& curve8() {
   static const Curve8 curve;
@@ -73,7 +76,6 @@ Result<Texture> Texture::read(const ScanImage& image, const std::string& where, 
   VACUFORM_TRY(raster, unpack(image, place, use));
   if (std::max(raster.width, raster.height) > largest_texture_side)
     return too_many_pixels(raster.width, raster.height, place, use);
-  for (std::size_t i = 3; i < raster.pixels.size(); i += 4) raster.pixels[i] = 0;
   Texture texture;
   texture.levels_.push_back({raster.width, raster.height, std::move(raster.pixels)});
   return texture;
@@ -133,30 +135,78 @@ Texture::Level Texture::halve(const Level& fine) {
   Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
   coarse.rgba.resize(4 * static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height));
   in_parallel(0, coarse.height, [&](int first, int last) {
-    std::uint8_t* out =
-        &coarse.rgba[4 * static_cast<std::size_t>(first) * static_cast<std::size_t>(coarse.width)];
-    for (int y = first; y < last; ++y)
+    for (int y = first; y < last; ++y) {
+      const int below = std::min(2 * y + 1, fine.height - 1);
+      const std::uint8_t *upper = fine.row(2 * y), *lower = fine.row(below);
+      std::uint8_t* out = coarse.row(y);
       for (int x = 0; x < coarse.width; ++x, out += 4) {
-        Vector3f shown = Vector3f::Zero(), all = Vector3f::Zero();
-        int weight = 0, count = 0;
-        for (int j = 2 * y; j < std::min(2 * y + 2, fine.height); ++j)
-          for (int i = 2 * x; i < std::min(2 * x + 2, fine.width); ++i) {
-            const std::uint8_t* p =
-                &fine.rgba[4 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(fine.width) +
-                                static_cast<std::size_t>(i))];
-            const Vector3f linear(curve.linear[p[0]], curve.linear[p[1]], curve.linear[p[2]]);
-            all += linear;
-            shown += static_cast<float>(p[3]) * linear;
-            weight += p[3];
-            ++count;
-          }
-        const Vector3f mean = weight > 0 ? Vector3f(shown / static_cast<float>(weight))
-                                         : Vector3f(all / static_cast<float>(count));
-        for (int k = 0; k < 3; ++k) out[k] = curve.encode(mean[k]);
-        out[3] = static_cast<std::uint8_t>((weight + count - 1) / count);
+        // A row or column at an odd border counts twice, which leaves the mean as it is.
+        const int left = 4 * (2 * x), right = 4 * std::min(2 * x + 1, fine.width - 1);
+        const std::array<const std::uint8_t*, 4> four{upper + left, upper + right, lower + left,
+                                                      lower + right};
+        const std::uint32_t weight = four[0][3] + four[1][3] + four[2][3] + four[3][3];
+        const bool alike = weight == 0 || weight == 4 * 255;  // the texels count equally
+        for (std::size_t k = 0; k < 3; ++k) {
+          std::uint32_t sum = 0;
+          for (const std::uint8_t* p : four) sum += (alike ? 1 : p[3]) * curve.linear16[p[k]];
+          out[k] = curve.encode(alike ? sum / 4 : sum / weight);
+        }
+        out[3] = static_cast<std::uint8_t>((weight + 3) / 4);
       }
+    }
   });
   return coarse;
+}
+
+void Texture::continue_islands(Level& level) {
+  const Curve8& curve = curve8();
+  constexpr int shown = 128, most_apart = Curve8::whole / 8;
+  struct Continued {
+    int x;
+    std::array<std::uint8_t, 3> rgb;
+  };
+  std::vector<std::vector<Continued>> of_row(static_cast<std::size_t>(level.height));
+  const auto texel = [&](int x, int y) -> const std::uint8_t* {
+    if (x < 0 || y < 0 || x >= level.width || y >= level.height) return nullptr;
+    const std::uint8_t* p = level.row(y) + 4 * std::ptrdiff_t{x};
+    return p[3] >= shown ? p : nullptr;
+  };
+  const auto continued = [&](int x, int y) -> std::optional<Continued> {
+    std::array<int, 3> sum{}, least, most;
+    least.fill(Curve8::whole), most.fill(0);
+    int count = 0;
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i) {
+        const std::uint8_t* const beside = texel(x + i, y + j);
+        if (!beside) continue;
+        const std::uint8_t* const beyond = texel(x + 2 * i, y + 2 * j);
+        for (std::size_t k = 0; k < 3; ++k) {
+          const int near = static_cast<int>(curve.linear16[beside[k]]);
+          const int value = beyond ? 2 * near - static_cast<int>(curve.linear16[beyond[k]]) : near;
+          sum[k] += value, least[k] = std::min(least[k], value), most[k] = std::max(most[k], value);
+        }
+        ++count;
+      }
+    if (count == 0) return std::nullopt;
+    Continued out{x, {}};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (most[k] - least[k] > most_apart) return std::nullopt;
+      out.rgb[k] = curve.encode(static_cast<std::uint32_t>(std::clamp(sum[k] / count, 0, 65535)));
+    }
+    return out;
+  };
+  in_parallel(0, level.height, [&](int first, int last) {
+    for (int y = first; y < last; ++y)
+      for (int x = 0; x < level.width; ++x)
+        if (level.row(y)[4 * std::ptrdiff_t{x} + 3] == 0)
+          if (const auto found = continued(x, y)) of_row[static_cast<std::size_t>(y)].push_back(*found);
+  });
+  for (int y = 0; y < level.height; ++y)
+    for (const auto& [x, rgb] : of_row[static_cast<std::size_t>(y)]) {
+      std::uint8_t* p = level.row(y) + 4 * std::ptrdiff_t{x};
+      std::copy(rgb.begin(), rgb.end(), p);
+      p[3] = 255;
+    }
 }
 
 void Texture::build() {
@@ -165,6 +215,7 @@ void Texture::build() {
     for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
   }
   while (std::max(levels_.back().width, levels_.back().height) > 1) levels_.push_back(halve(levels_.back()));
+  for (Level& level : levels_) continue_islands(level);
 }
 
 Footprint Texture::footprint(const Vector2d& a, const Vector2d& b) const {
@@ -174,52 +225,55 @@ Footprint Texture::footprint(const Vector2d& a, const Vector2d& b) const {
   // The ellipse of the parallelogram: its axes are the singular values of (x y).
   const double p = x.x() * x.x() + y.x() * y.x(), q = x.y() * x.y() + y.y() * y.y(),
                r = x.x() * x.y() + y.x() * y.y();
-  const double root = std::hypot((p - q) / 2, r);
+  const double half = (p - q) / 2, root = std::sqrt(half * half + r * r);
   const double major = std::sqrt((p + q) / 2 + root), minor = std::sqrt(std::max((p + q) / 2 - root, 0.0));
   if (!std::isfinite(major)) return {};
   Footprint out;
   out.probes = static_cast<int>(
       std::clamp(std::ceil(major / std::max(minor, 1.0) - 0.01), 1.0, static_cast<double>(most_probes)));
-  const double angle = std::atan2(2 * r, p - q) / 2, step = major / out.probes;
-  if (out.probes > 1) out.step = step * Vector2d(std::cos(angle), std::sin(angle)).cwiseQuotient(size);
+  const double step = major / out.probes;
+  if (out.probes > 1) {
+    const Vector2d along = half > 0 ? Vector2d(root + half, r) : Vector2d(r, root - half);
+    out.step = step * along.normalized().cwiseQuotient(size);
+  }
   // A texel of side t seen through bilinear interpolation has the variance of a box of side sqrt(3) t.
   const double side = std::max(minor, step) / std::numbers::sqrt3;
   out.level = side > 1 ? std::min(std::log2(side), static_cast<double>(levels_.size() - 1)) : 0;
   return out;
 }
 
-void Texture::add(const Level& level, double x, double y, float weight, Wrap across, Wrap down, bool all,
-                  Vector4f& sum) {
+inline Vector4f Texture::mean(const Level& level, double x, double y, Wrap across, Wrap down, bool all) {
   const Curve8& curve = curve8();
   const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
   const float fx = static_cast<float>(x - 0.5 - left), fy = static_cast<float>(y - 0.5 - top);
-  for (int j = 0; j < 2; ++j)
-    for (int i = 0; i < 2; ++i) {
-      const int column = wrapped(static_cast<std::int64_t>(left) + i, level.width, across),
-                row = wrapped(static_cast<std::int64_t>(top) + j, level.height, down);
-      const std::uint8_t* p =
-          &level.rgba[4 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width) +
-                           static_cast<std::size_t>(column))];
-      const float share = weight * (i == 0 ? 1 - fx : fx) * (j == 0 ? 1 - fy : fy) *
-                          (all ? 1.0f : static_cast<float>(p[3]) / 255);
-      sum += share * Vector4f(curve.linear[p[0]], curve.linear[p[1]], curve.linear[p[2]], 1);
-    }
+  const auto i = static_cast<std::int64_t>(left), j = static_cast<std::int64_t>(top);
+  const std::ptrdiff_t columns[] = {4 * std::ptrdiff_t{wrapped(i, level.width, across)},
+                                    4 * std::ptrdiff_t{wrapped(i + 1, level.width, across)}};
+  const std::uint8_t* const rows[] = {level.row(wrapped(j, level.height, down)),
+                                      level.row(wrapped(j + 1, level.height, down))};
+  const auto part = [&](std::size_t column, std::size_t row, float share) -> Vector4f {
+    const std::uint8_t* p = rows[row] + columns[column];
+    if (!all && p[3] != 255) share *= static_cast<float>(p[3]) / 255;
+    return share * Vector4f(curve.linear[p[0]], curve.linear[p[1]], curve.linear[p[2]], 1);
+  };
+  return (part(0, 0, (1 - fx) * (1 - fy)) + part(1, 0, fx * (1 - fy))) +
+         (part(0, 1, (1 - fx) * fy) + part(1, 1, fx * fy));
 }
 
 Vector3f Texture::sample(const Vector2d& uv, const Footprint& footprint, Wrap across, Wrap down) const {
   const int low = static_cast<int>(footprint.level);
   const float blend = static_cast<float>(footprint.level - low);
+  const Level &fine = levels_[static_cast<std::size_t>(low)],
+              &coarse = levels_[std::min(static_cast<std::size_t>(low) + 1, levels_.size() - 1)];
+  const double shrink = 1.0 / static_cast<double>(std::int64_t{1} << low);
   const Vector2d size(levels_[0].width, levels_[0].height);
   constexpr float next_to_nothing = 1e-3f;
   Vector4f sum = Vector4f::Zero();
   for (const bool all : {false, true}) {
     for (int k = 0; k < footprint.probes; ++k) {
       const Vector2d at = (uv + (k + 0.5 - 0.5 * footprint.probes) * footprint.step).cwiseProduct(size);
-      for (int l = low; l <= low + (blend > 0 ? 1 : 0); ++l) {
-        const double shrink = 1.0 / static_cast<double>(std::int64_t{1} << l);
-        add(levels_[static_cast<std::size_t>(l)], at.x() * shrink, at.y() * shrink,
-            l == low ? 1 - blend : blend, across, down, all, sum);
-      }
+      sum += (1 - blend) * mean(fine, at.x() * shrink, at.y() * shrink, across, down, all);
+      if (blend > 0) sum += blend * mean(coarse, at.x() * shrink / 2, at.y() * shrink / 2, across, down, all);
     }
     if (sum.w() > next_to_nothing) break;
     sum.setZero();

@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/base/error.hpp"
@@ -54,10 +55,18 @@ class Texture {
   struct Level {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgba;  // sRGB, and the share of the texel that is shown
+
+    const std::uint8_t* row(int y) const {
+      return rgba.data() + 4 * static_cast<std::ptrdiff_t>(width) * static_cast<std::ptrdiff_t>(y);
+    }
+    std::uint8_t* row(int y) { return const_cast<std::uint8_t*>(std::as_const(*this).row(y)); }
   };
   static Level halve(const Level& fine);
-  static void add(const Level& level, double x, double y, float weight, Wrap across, Wrap down, bool all,
-                  Eigen::Vector4f& sum);
+  // Gives the texels beside the shown ones the colours that continue those, so that interpolation reaches the border of
+  // an island. Where two islands with different colours are that near, the texel stays as it is.
+  static void continue_islands(Level& level);
+  // Bilinear: the sum of the colours by their shares, and of the shares.
+  static Eigen::Vector4f mean(const Level& level, double x, double y, Wrap across, Wrap down, bool all);
 
   std::vector<Level> levels_;
   bool marked_ = false, all_shown_ = false;

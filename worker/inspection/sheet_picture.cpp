@@ -21,7 +21,7 @@ SheetPicture::SheetPicture(const Finished& job, ColourRaster::Shows shows)
   if (job.print.vectors) {
     print_ = pixels_of(VectorRaster(*job.print.vectors, width_, height_, pixel_mm, false), 4);
   } else if (of_colours_alone(job)) {
-    print_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm, compensation), 4);
+    print_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm, compensation, 1), 4);
   } else if (job.placement && !job.placement->elements.empty()) {
     Print size;
     size.width = width_, size.height = height_, size.pixel_mm = pixel_mm;
@@ -31,7 +31,7 @@ SheetPicture::SheetPicture(const Finished& job, ColourRaster::Shows shows)
                        job.pattern.grayscale() ? 1 : 4);
   }
   if (vacuform::over_colours(job))
-    colours_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm, compensation), 4);
+    colours_ = pixels_of(ColourRaster(*job.colours, width_, height_, pixel_mm, compensation, 1), 4);
 }
 
 SheetPicture::Pixels SheetPicture::pixels_of(const RowSource& source, int channels) const {

@@ -15,7 +15,17 @@ tl::unexpected<Error> too_many_pixels(std::int64_t width, std::int64_t height, c
                   (use.texture ? "" : ", or an SVG"));
 }
 
+void Raster::make_room() {
+  const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
+  const std::size_t needed = pixels.size() + row;
+  if (needed <= pixels.capacity()) return;
+  std::size_t room = row * static_cast<std::size_t>(height);
+  while (room / 4 >= needed) room /= 4;
+  pixels.reserve(std::max(room, needed));
+}
+
 bool Raster::append(const std::uint8_t* row) {
+  make_room();
   if (channels == 4) {
     pixels.insert(pixels.end(), row, row + 4 * static_cast<std::ptrdiff_t>(width));
     return true;

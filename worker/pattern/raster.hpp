@@ -31,6 +31,9 @@ struct Raster {
   // Appends one row of premultiplied RGBA. False when the row has colour that one channel cannot hold.
   bool append(const std::uint8_t* premultiplied);
 
+  // Makes room for a row: at most four times what has come, and in the last step exactly the whole picture.
+  void make_room();
+
   // Turns the picture upright by `orientation`.
   void turn_upright();
 };
@@ -38,7 +41,7 @@ struct Raster {
 // What a picture is read for.
 struct RasterUse {
   int channels = 4;
-  bool texture = false;  // 4 channels as in the file: not premultiplied, and not turned by Exif
+  bool texture = false;  // 4 channels: colours as in the file, alpha 0; not turned by Exif
   std::int64_t most_pixels = largest_raster;
   const char* noun() const { return texture ? "texture" : "drawing"; }
 };

@@ -145,7 +145,7 @@ Result<Raster> read_jpeg(std::span<const std::uint8_t> bytes, const std::string&
 
   if (!reader.begin()) return corrupt();
   std::vector<std::uint8_t> rgb(3 * static_cast<std::size_t>(width)),
-      rgba(4 * static_cast<std::size_t>(width), 255);
+      rgba(4 * static_cast<std::size_t>(width), use.texture ? 0 : 255);
   for (std::int64_t y = 0; y < height; ++y) {
     if (!reader.row(rgb.data())) return corrupt();
     for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x)

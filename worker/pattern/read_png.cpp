@@ -6,6 +6,10 @@
 namespace vacuform {
 namespace {
 
+void without_alpha(std::vector<std::uint8_t>& row) {
+  for (std::size_t i = 3; i < row.size(); i += 4) row[i] = 0;
+}
+
 void premultiply(std::vector<std::uint8_t>& row) {
   for (std::size_t i = 0; i < row.size(); i += 4) {
     const int a = row[i + 3];
@@ -59,7 +63,7 @@ Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& 
   if (reader.passes() == 1) {
     for (std::int64_t y = 0; y < height; ++y) {
       if (!reader.row(row.data())) return corrupt(reader.message());
-      if (!use.texture) premultiply(row);
+      use.texture ? without_alpha(row) : premultiply(row);
       if (!raster.append(row.data())) return raster;
     }
   } else {
@@ -70,7 +74,7 @@ Result<Raster> read_png(std::span<const std::uint8_t> bytes, const std::string& 
           return corrupt(reader.message());
     for (std::int64_t y = 0; y < height; ++y) {
       std::copy_n(image.data() + static_cast<std::size_t>(y) * row_bytes, row_bytes, row.data());
-      if (!use.texture) premultiply(row);
+      use.texture ? without_alpha(row) : premultiply(row);
       if (!raster.append(row.data())) return raster;
     }
   }

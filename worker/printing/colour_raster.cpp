@@ -11,9 +11,8 @@
 namespace vacuform {
 
 namespace {
-// Along each side of a pixel. Each sample is the mean over its part of the pixel, so more samples would only make the
-// edge of the coloured part smoother.
-constexpr int samples_a_side = 2;
+// Rows of pixels that are made together. They are the same for any number of threads, and so is the walk over the scan.
+constexpr int strip_rows = 8;
 }  // namespace
 
 using Eigen::Matrix2d;
@@ -21,13 +20,14 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm,
-                           Compensation compensation)
+                           Compensation compensation, int samples)
     : colours_(colours),
       compensation_(compensation),
       width_(width),
       height_(height),
+      samples_(samples),
       band_(band_rows_of(width)) {
-  const double n = samples_a_side;
+  const double n = samples;
   const FormedSheet& sheet = colours.sheet();
   Vector2d low(width_, height_), high(0, 0);
   for (const int t : colours.triangles()) {
@@ -58,6 +58,7 @@ ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, d
     piece.ratio_across = change.x();
     piece.ratio_down = change.y();
     piece.ratio = ratio[0] - change * piece.corners[0];
+    piece.start = colours.nearest_triangle(sheet.triangles[static_cast<std::size_t>(t)][0]);
     pieces_.push_back(piece);
   }
   box_ = box_between(low, high, width_, height_);
@@ -66,15 +67,18 @@ ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, d
 
 void ColourRaster::scan(const Piece& piece, int first_row, int last_row, int top,
                         std::vector<float>& sums) const {
-  constexpr int n = samples_a_side;
+  const int n = samples_;
   const ColourReach& reach = colours_.reach();
-  ColourWalk walk(colours_.surface(), piece.across, piece.down);
+  ColourWalk walk(colours_.surface(), piece.across, piece.down, piece.start), at_begin = walk;
   scan_triangle(piece.corners, width_ * n, first_row * n, last_row * n, [&](int row, int begin, int end) {
     float* out = sums.data() + static_cast<std::ptrdiff_t>(row / n - top) * (box_.right - box_.left) * 4;
     const Vector3d start = piece.origin + (row + 0.5) * piece.down;
     const double ratio = piece.ratio + (row + 0.5) * piece.ratio_down;
-    for (int x = std::max(begin, box_.left * n); x < std::min(end, box_.right * n); ++x) {
+    walk = at_begin;
+    const int first = std::max(begin, box_.left * n);
+    for (int x = first; x < std::min(end, box_.right * n); ++x) {
       const auto found = walk.at(start + (x + 0.5) * piece.across, reach.end_mm());
+      if (x == first) at_begin = walk;
       if (!found) continue;
       const float share = static_cast<float>(reach.share(found->distance_mm));
       float* sum = out + static_cast<std::ptrdiff_t>(x / n - box_.left) * 4;
@@ -87,12 +91,12 @@ void ColourRaster::scan(const Piece& piece, int first_row, int last_row, int top
 }
 
 std::vector<ColourRaster::Origin> ColourRaster::origins(int row, int first, int step) const {
-  constexpr int n = samples_a_side;
+  const int n = samples_;
   const ColourReach& reach = colours_.reach();
   std::vector<Origin> out(static_cast<std::size_t>(std::max(0, (width_ - first + step - 1) / step)));
   for (const int i : of_band_[static_cast<std::size_t>(row / band_)]) {
     const Piece& piece = pieces_[static_cast<std::size_t>(i)];
-    ColourWalk walk(colours_.surface(), piece.across, piece.down);
+    ColourWalk walk(colours_.surface(), piece.across, piece.down, piece.start);
     scan_triangle(piece.corners, width_ * n, row * n, (row + 1) * n, [&](int y, int begin, int end) {
       const Vector3d start = piece.origin + (y + 0.5) * piece.down;
       for (int x = begin; x < end; ++x) {
@@ -126,12 +130,13 @@ std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
   const int box_width = box_.right - box_.left;
   std::vector<float> sums(4 * static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top),
                           0.0f);
-  const float scale = 1.0f / static_cast<float>(samples_a_side * samples_a_side);
-  in_parallel(top, bottom, [&](int first, int last) {
-    // One row of pixels at a time, so that the walk over the scan does not depend on how threads divide the rows.
-    for (int y = first; y < last; ++y)
-      for (const int i : pieces) scan(pieces_[static_cast<std::size_t>(i)], y, y + 1, top, sums);
-    for (int y = first; y < last; ++y) {
+  const float scale = 1.0f / static_cast<float>(samples_ * samples_);
+  in_parallel(0, (bottom - top + strip_rows - 1) / strip_rows, [&](int first_strip, int last_strip) {
+    for (int strip = first_strip; strip < last_strip; ++strip) {
+      const int first = top + strip * strip_rows, last = std::min(first + strip_rows, bottom);
+      for (const int i : pieces) scan(pieces_[static_cast<std::size_t>(i)], first, last, top, sums);
+    }
+    for (int y = top + first_strip * strip_rows; y < std::min(top + last_strip * strip_rows, bottom); ++y) {
       const float* sum = sums.data() + static_cast<std::ptrdiff_t>(y - top) * box_width * 4;
       std::uint8_t* out = pixels.data() + (static_cast<std::ptrdiff_t>(y - top) * width_ + box_.left) * 4;
       for (int x = 0; x < box_width; ++x, sum += 4, out += 4) {

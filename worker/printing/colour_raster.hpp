@@ -11,8 +11,8 @@
 namespace vacuform {
 
 // Keeps a reference to the colours. Pixels are those of the print before any mirroring, RGBA: each is the mean, in
-// linear light, of 4 places of the sheet, each with the mean colour of the scan's surface around its closest point. The
-// same bytes for any number of threads.
+// linear light, of some places of the sheet, each with the mean colour of the scan's surface around its closest point.
+// The same bytes for any number of threads.
 class ColourRaster : public RowSource {
  public:
   enum class Shows { print, formed_sheet };
@@ -20,10 +20,12 @@ class ColourRaster : public RowSource {
     const ColourInk* ink = nullptr;  // null: the colours as they are; a reference is kept
     Shows shows = Shows::print;      // what to print, or what the sheet that was printed so shows
   };
-  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm,
-               Compensation compensation);
-  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm)
-      : ColourRaster(colours, width, height, pixel_mm, Compensation()) {}
+  // `samples`: places along each side of a pixel. Each has the mean colour of its part of the pixel, so more of them
+  // only make borders smoother: 2 for a print, 1 for a picture that is shown smaller.
+  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm, Compensation compensation,
+               int samples = 2);
+  ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm, int samples = 2)
+      : ColourRaster(colours, width, height, pixel_mm, Compensation(), samples) {}
 
   PixelBox box() const override { return box_; }
   int band_rows() const override { return band_; }
@@ -39,19 +41,20 @@ class ColourRaster : public RowSource {
   std::vector<Origin> origins(int row, int first, int step) const;
 
  private:
-  // One triangle: its corners on the grid of samples, and the affine maps from there to the formed sheet and to the area
-  // ratio.
+  // One triangle: its corners on the grid of samples, the affine maps from there to the formed sheet and to the area
+  // ratio, and a triangle of the scan near its first corner, or -1.
   struct Piece {
     std::array<Eigen::Vector2d, 3> corners;
     Eigen::Vector3d origin, across, down;
     double ratio = 1, ratio_across = 0, ratio_down = 0;
+    int start = -1;
   };
   Eigen::Vector3f inked(const Eigen::Vector3f& linear, float area_ratio) const;
   void scan(const Piece& piece, int first_row, int last_row, int top, std::vector<float>& sums) const;
 
   const SheetColours& colours_;
   Compensation compensation_;
-  int width_, height_, band_;
+  int width_, height_, samples_, band_;
   PixelBox box_;
   std::vector<Piece> pieces_;
   std::vector<std::vector<int>> of_band_;  // pieces that may touch each band, ascending

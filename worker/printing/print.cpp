@@ -22,6 +22,7 @@
 #include "worker/printing/seam_gap.hpp"
 #include "worker/printing/sheet_raster.hpp"
 #include "worker/printing/vector_raster.hpp"
+#include "worker/stage/parallel.hpp"
 #include "worker/stage/portion.hpp"
 
 namespace vacuform {
@@ -196,18 +197,30 @@ class PictureFiles {
     alpha_.resize(static_cast<std::size_t>(width()));
   }
 
-  // `row` of the whole print, before any mirroring.
-  void row(int y, const std::uint8_t* row) {
-    if (y < box_.top || y >= box_.bottom) return;
-    const std::uint8_t* p = row + static_cast<std::ptrdiff_t>(box_.left) * channels_;
-    whole_.row(p);
-    if (!colour_) return;
-    for (std::size_t x = 0; x < alpha_.size(); ++x, p += 4) {
-      std::copy_n(p, 3, rgb_.begin() + 3 * static_cast<std::ptrdiff_t>(x));
-      alpha_[x] = p[3];
-    }
-    colour_->row(rgb_.data());
-    opacity_->row(alpha_.data());
+  // Rows [top, bottom) of the whole print of this width, before any mirroring.
+  void rows(int top, int bottom, int width, const std::uint8_t* pixels) {
+    const int first = std::max(top, box_.top), last = std::min(bottom, box_.bottom);
+    const auto each = [&](auto&& write) {
+      for (int y = first; y < last; ++y)
+        write(pixels + (static_cast<std::ptrdiff_t>(y - top) * width + box_.left) * channels_);
+    };
+    const auto whole = [&] { each([&](const std::uint8_t* row) { whole_.row(row); }); };
+    if (!colour_) return whole();
+    together(
+        whole,
+        [&] {
+          each([&](const std::uint8_t* p) {
+            for (std::size_t x = 0; x < alpha_.size(); ++x, p += 4)
+              std::copy_n(p, 3, rgb_.begin() + 3 * static_cast<std::ptrdiff_t>(x));
+            colour_->row(rgb_.data());
+          });
+        },
+        [&] {
+          each([&](const std::uint8_t* p) {
+            for (std::size_t x = 0; x < alpha_.size(); ++x) alpha_[x] = p[4 * x + 3];
+            opacity_->row(alpha_.data());
+          });
+        });
   }
 
   void finish() {
@@ -275,22 +288,35 @@ Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, c
   const int band = source.band_rows();
   std::vector<std::uint8_t> row(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(channels)),
       rgb;
-  for (int top = 0; top < size.height; top += band) {
-    VACUFORM_CHECK(context.step(Stage::printing, static_cast<double>(top) / size.height));
-    const int bottom = std::min(top + band, size.height);
-    const std::vector<std::uint8_t> inked = source.rows(top, bottom);
+  const auto write = [&](int top, int bottom, const std::vector<std::uint8_t>& inked) {
     std::vector<std::uint8_t> marked;
     if (!marks.marks.empty())
       marked = draw_marks(marks, size.width, size.height, size.pixel_mm, top, bottom - top);
     for (int y = top; y < bottom; ++y) {
       const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(y - top) * size.width;
       std::copy_n(inked.begin() + at * channels, row.size(), row.begin());
-      if (files) files->row(y, row.data());
       if (size.mirrored) reverse(row, channels);
       if (!marked.empty()) lay_over(marked.data() + at, size.width, channels, row.data());
       if (opaque) on_white(row, rgb);
       whole.row(opaque ? rgb.data() : row.data());
     }
+  };
+  // The files of a band are packed while the next band is made.
+  std::vector<std::uint8_t> inked, next;
+  for (int top = 0; top < size.height + band; top += band) {
+    VACUFORM_CHECK(context.step(Stage::printing, std::min(1.0, static_cast<double>(top) / size.height)));
+    const int before = top - band, bottom = std::min(top + band, size.height);
+    together(
+        [&] {
+          if (top < size.height) next = source.rows(top, bottom);
+        },
+        [&] {
+          if (before >= 0) write(before, std::min(top, size.height), inked);
+        },
+        [&] {
+          if (before >= 0 && files) files->rows(before, std::min(top, size.height), size.width, inked.data());
+        });
+    inked.swap(next);
   }
   const PrintPage page{{settings.sheet.width_mm, settings.sheet.height_mm}, size.mirrored, label};
   if (!files)
@@ -391,7 +417,7 @@ Result<Pattern> picture_of(const SheetColours& colours, const SheetSettings& she
   const double pixel_mm = std::max(0.2, std::max(sheet.width_mm, sheet.height_mm) / 4000);
   const Eigen::Vector2i size(static_cast<int>(std::ceil(sheet.width_mm / pixel_mm - 1e-9)),
                              static_cast<int>(std::ceil(sheet.height_mm / pixel_mm - 1e-9)));
-  const ColourRaster raster(colours, size.x(), size.y(), pixel_mm);
+  const ColourRaster raster(colours, size.x(), size.y(), pixel_mm, 1);
   std::vector<std::uint8_t> pixels;
   pixels.reserve(4 * static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));
   for (int top = 0; top < size.y(); top += raster.band_rows()) {

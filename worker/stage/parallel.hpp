@@ -3,9 +3,11 @@
 #pragma once
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace vacuform {
 
@@ -22,6 +24,13 @@ void in_parallel(int first, int last, Work&& work) {
         work(first + static_cast<int>(items * i / parts), first + static_cast<int>(items * (i + 1) / parts));
       },
       tbb::simple_partitioner{});
+}
+
+// Runs two or more independent pieces of work, on several threads if there are some, and waits. May be nested. An
+// exception in any is rethrown.
+template <class... Work>
+void together(Work&&... works) {
+  tbb::parallel_invoke(std::forward<Work>(works)...);
 }
 
 }  // namespace vacuform

@@ -85,4 +85,15 @@ VertexFans::VertexFans(const std::vector<Triangle>& triangles, std::size_t verti
         corners_[static_cast<std::size_t>(next[static_cast<std::size_t>(t[k])]++)] = t[(k + other) % 3];
 }
 
+VertexTriangles::VertexTriangles(const std::vector<Triangle>& triangles, std::size_t vertices)
+    : first_(vertices + 1, 0), of_vertex_(3 * triangles.size()) {
+  for (const Triangle& t : triangles)
+    for (const int v : t) ++first_[static_cast<std::size_t>(v) + 1];
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (const int v : triangles[t])
+      of_vertex_[static_cast<std::size_t>(next[static_cast<std::size_t>(v)]++)] = static_cast<int>(t);
+}
+
 }  // namespace vacuform

@@ -32,4 +32,18 @@ class VertexFans {
   std::vector<int> first_, corners_;
 };
 
+// The triangles at each vertex, ascending. Made in two passes over the triangles.
+class VertexTriangles {
+ public:
+  VertexTriangles(const std::vector<Triangle>& triangles, std::size_t vertices);
+
+  std::span<const int> around(int v) const {
+    const auto at = static_cast<std::size_t>(v);
+    return {of_vertex_.data() + first_[at], static_cast<std::size_t>(first_[at + 1] - first_[at])};
+  }
+
+ private:
+  std::vector<int> first_, of_vertex_;
+};
+
 }  // namespace vacuform

@@ -210,10 +210,49 @@ TEST(ColouredSheet, ShowsNoSeamBetweenFiftyIslands) {
     return smooth(2 * pi * (home % columns + within.x()) / columns,
                   pi * (static_cast<double>(home / columns) + within.y()) / rows);
   });
-  const Difference d = difference_from_smooth(printed(dome_sheet(), coloured::glb(model, atlas), "a.glb"));
+  const Printed print = printed(dome_sheet(), coloured::glb(model, atlas), "a.glb");
+  const Difference d = difference_from_smooth(print);
   EXPECT_LT(d.mean, 1);
   EXPECT_LT(d.largest, 3);
   RecordProperty("largest_milli", static_cast<int>(1000 * d.largest));
+
+  // From one pixel to the next in another island, beside the same step on the model with the levels of a pixel.
+  const SheetMap map(dome_sheet());
+  const auto placed = [&](int x, int y) -> std::optional<OnSphere> {
+    const double r = print.rest(x, y).norm();
+    if (r > on_dome_mm || r < 6) return std::nullopt;
+    return on_sphere(*map(print.rest(x, y)));
+  };
+  const auto island = [&](const OnSphere& at) {
+    return static_cast<int>(rows * at.down / pi) * columns + static_cast<int>(columns * at.along / (2 * pi));
+  };
+  const auto in_levels = [](const OnSphere& at) {
+    return smooth(at.along, at.down)
+        .unaryExpr([](float x) { return linear_from_srgb(std::round(255 * srgb_from_linear(x)) / 255); })
+        .eval();
+  };
+  double on_print = 0, on_model = 0;
+  int steps = 0;
+  for (int y = 0; y < print.side; ++y)
+    for (int x = 0; x < print.side; ++x) {
+      const auto here = placed(x, y);
+      if (!here) continue;
+      for (const auto& [i, j] : {std::pair(x + 1, y), std::pair(x, y + 1)}) {
+        const auto there = placed(i, j);
+        if (!there || island(*here) == island(*there)) continue;
+        on_print = std::max(on_print, coloured::ciede2000(coloured::lab(print.linear(x, y)),
+                                                          coloured::lab(print.linear(i, j))));
+        on_model = std::max(
+            on_model, coloured::ciede2000(coloured::lab(in_levels(*here)), coloured::lab(in_levels(*there))));
+        ++steps;
+      }
+    }
+  EXPECT_GT(steps, 3000);
+  // Half a level of the texture and half a level of the print on each side.
+  constexpr double of_levels = 0.3;
+  EXPECT_LE(on_print, on_model + of_levels);
+  RecordProperty("jump_milli", static_cast<int>(1000 * on_print));
+  RecordProperty("jump_on_model_milli", static_cast<int>(1000 * on_model));
 }
 
 TEST(ColouredSheet, IsTheSameFromEveryFormat) {

@@ -28,7 +28,8 @@ export type Drawing = Pick<Ink, 'picture' | 'size'>;
 type Values = Record<string, unknown>;
 type Turn = 'yaw' | 'roll' | 'pitch';
 
-const extensions = ['.stl', '.obj', '.ply', '.off', '.glb'];
+const archive = '.zip';  // a model with its textures, which only the service unpacks
+const extensions = ['.stl', '.obj', '.ply', '.off', '.glb', archive];
 const fronts = ['+y', '+x', '-y', '-x'] as const;  // by quarter turns
 const hopeless = ['empty', 'foreign', 'unknown', 'damaged'];  // the server would refuse them too
 
@@ -164,6 +165,7 @@ class ScanSection extends View {
   async #take(file: File, news: HTMLElement, stage: HTMLElement): Promise<void> {
     this.#reading.abort();
     const {signal} = this.#reading = new AbortController();
+    if (file.name.toLowerCase().endsWith(archive)) return this.#takeUnread(file, news, stage);
     const bar = el('progress', {max: 1, value: 0, 'aria-label': t('scan.reading', {name: file.name})});
     replace(news, el('div', {class: 'row', role: 'status'}, el('span', null, t('scan.reading', {name: file.name})), bar,
       el('button', {type: 'button', onclick: () => { this.#reading.abort(); replace(news, null); }}, icon('cancel'), t('shell.cancel'))));
@@ -195,6 +197,18 @@ class ScanSection extends View {
       replace(news, this.#faultBox(file, error));
       this.#update();
     }
+  }
+
+  #takeUnread(file: File, news: HTMLElement, stage: HTMLElement): void {
+    this.#scan = this.#drag = this.#trim = null;
+    this.#marks = [];
+    this.#scene?.viewer.dispose();
+    this.#scene = null;
+    replace(stage, null);
+    replace(news, el('p', {class: 'notice', role: 'status'}, icon('info'), el('span', null, t('scan.archive', {name: file.name}))));
+    this.#send(file, null);
+    this.#change({units: 'auto', up: 'auto', left_side: 'unknown', size_mm: 'auto', front: 'auto', mirror: 'auto', yaw_deg: 0, roll_deg: 0,
+                  pitch_deg: 0, trim_mm: 'auto'});
   }
 
   #faultBox(file: File, {body: {fault, where, detail}}: ScanFault): HTMLElement {

@@ -1,0 +1,249 @@
+// Seconds and peak memory of what pattern.source=scan adds to forming, for the mask of `vacuform sample --model mask` with
+// a large texture, at the default settings: sheet of 400 x 400 mm, print of 300 dpi.
+//
+//   bench_texture [--side PIXELS] [--format png|jpeg] [--json]
+//
+// The texture is 8192 x 8192 pixels: colours that change over some hundred pixels, with the noise of a camera. Peak memory
+// is the largest resident set within the step, less that at the end of forming.
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstdio>
+// jpeglib.h needs the types of stdio first.
+#include <jpeglib.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "worker/colour/sheet_colours.hpp"
+#include "worker/forming/inked_face.hpp"
+#include "worker/gltf/gltf_buffer.hpp"
+#include "worker/inspection/inspection.hpp"
+#include "worker/png/png_writer.hpp"
+#include "worker/printing/colour_raster.hpp"
+#include "worker/sample/painted_model.hpp"
+
+namespace {
+
+using namespace vacuform;
+using FileBytes = std::vector<std::uint8_t>;
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
+
+double status_mib(std::string_view field) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == field) {
+      double kib = 0;
+      status >> kib;
+      return kib / 1024;
+    }
+  return 0;
+}
+
+// One row of the texture, RGB. The noise is of a hash, so that it is the same everywhere.
+void paint_row(int y, int side, std::uint8_t* rgb) {
+  const double v = (y + 0.5) / side;
+  std::uint32_t hash = 0x9e3779b9u * static_cast<std::uint32_t>(y + 1);
+  for (int x = 0; x < side; ++x) {
+    const double u = (x + 0.5) / side,
+                 waves[] = {std::sin(61 * u + 13 * v), std::sin(17 * u - 71 * v), std::sin(43 * (u + v))};
+    hash ^= hash << 13, hash ^= hash >> 17, hash ^= hash << 5;
+    for (int k = 0; k < 3; ++k)
+      rgb[3 * x + k] =
+          static_cast<std::uint8_t>(150 + 80 * waves[k] + static_cast<int>(hash >> (8 * k) & 7) - 3);
+  }
+}
+
+FileBytes png_texture(int side) {
+  PngWriter writer(side, side, 3);
+  FileBytes row(3 * static_cast<std::size_t>(side));
+  for (int y = 0; y < side; ++y) {
+    paint_row(y, side, row.data());
+    writer.row(row.data());
+  }
+  return writer.finish();
+}
+
+// Quality 90, with colour at half the resolution, as cameras write.
+FileBytes jpeg_texture(int side) {
+  jpeg_compress_struct encoder{};
+  jpeg_error_mgr errors{};
+  encoder.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&encoder);
+  unsigned char* file = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&encoder, &file, &size);
+  encoder.image_width = encoder.image_height = static_cast<JDIMENSION>(side);
+  encoder.input_components = 3;
+  encoder.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&encoder);
+  jpeg_set_quality(&encoder, 90, TRUE);
+  jpeg_start_compress(&encoder, TRUE);
+  FileBytes row(3 * static_cast<std::size_t>(side));
+  for (int y = 0; y < side; ++y) {
+    paint_row(y, side, row.data());
+    JSAMPROW rows[] = {row.data()};
+    jpeg_write_scanlines(&encoder, rows, 1);
+  }
+  jpeg_finish_compress(&encoder);
+  FileBytes bytes(file, file + size);
+  jpeg_destroy_compress(&encoder);
+  std::free(file);
+  return bytes;
+}
+
+FileBytes mask_glb(const FileBytes& texture) {
+  const PaintedModel model = painted_model(Model::mask);
+  const auto& vertices = model.mesh.vertices;
+  GltfBuffer buffer;
+  GltfJson primitive;
+  primitive["attributes"]["POSITION"] = buffer.add_attribute(
+      vertices.size(), 3,
+      [&](std::size_t v, std::size_t k) { return vertices[v][static_cast<Eigen::Index>(k)]; });
+  primitive["attributes"]["TEXCOORD_0"] = buffer.add_attribute(
+      vertices.size(), 2,
+      [&](std::size_t v, std::size_t k) { return model.uv[v][static_cast<Eigen::Index>(k)]; });
+  primitive["indices"] = buffer.add_triangles(model.mesh.triangles);
+  primitive["material"] = 0;
+  auto json = GltfJson::parse(
+      R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "textures": [{"source": 0}],
+    "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]})");
+  json["nodes"] = GltfJson::array({GltfJson{{"mesh", 0}, {"matrix", gltf_matrix_from_mm()}}});
+  json["meshes"] = GltfJson::array({GltfJson{{"primitives", GltfJson::array({primitive})}}});
+  json["images"] = GltfJson::array({buffer.add_png("texture", texture)});  // readers go by the first bytes
+  return glb_of(std::move(json), std::move(buffer));
+}
+
+class Bench {
+ public:
+  explicit Bench(std::string format) : format_(std::move(format)) {}
+
+  template <class Step>
+  auto measure(const char* name, const Step& step) {
+    reset_peak();
+    const double cpu = cpu_seconds();
+    const auto start = std::chrono::steady_clock::now();
+    auto made = step();
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    if (!made) {
+      std::fprintf(stderr, "bench_texture: %s: %s\n", name, made.error().text().c_str());
+      std::exit(1);
+    }
+    rows_.push_back({name, wall.count(), cpu_seconds() - cpu, status_mib("VmHWM:") - formed_mib_});
+    return std::move(*made);
+  }
+  // What follows is on top of what there is now.
+  void formed() { formed_mib_ = status_mib("VmRSS:"); }
+
+  void print(bool json) const {
+    auto list = nlohmann::ordered_json::array();
+    if (!json) std::printf("%-6s %-40s %7s %7s %6s\n", "format", "step", "s", "CPU s", "MiB");
+    for (const Row& row : rows_)
+      if (json)
+        list.push_back({{"format", format_},
+                        {"step", row.step},
+                        {"seconds", row.seconds},
+                        {"cpu_seconds", row.cpu_seconds},
+                        {"peak_mib", row.peak_mib}});
+      else
+        std::printf("%-6s %-40s %7.2f %7.2f %6.0f\n", format_.c_str(), row.step.c_str(), row.seconds,
+                    row.cpu_seconds, row.peak_mib);
+    if (json) std::printf("%s\n", list.dump(2).c_str());
+  }
+
+ private:
+  struct Row {
+    std::string step;
+    double seconds, cpu_seconds, peak_mib;
+  };
+  std::string format_;
+  std::vector<Row> rows_;
+  double formed_mib_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int side = 8192;
+  std::string format = "png";
+  bool json = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--json") {
+      json = true;
+    } else if (i + 1 < argc && word == "--side") {
+      side = std::atoi(argv[++i]);
+    } else if (i + 1 < argc && word == "--format") {
+      format = argv[++i];
+    } else {
+      std::fprintf(stderr, "usage: bench_texture [--side PIXELS] [--format png|jpeg] [--json]\n");
+      return 2;
+    }
+  }
+  if (side < 1 || side > largest_texture_side || (format != "png" && format != "jpeg")) {
+    std::fprintf(stderr, "bench_texture: sides are 1 to 16384 pixels, formats png and jpeg\n");
+    return 2;
+  }
+  const ScanImage image{"image 0", format == "png" ? png_texture(side) : jpeg_texture(side)};
+  const FileBytes scan = mask_glb(image.bytes);
+  Settings settings;
+  settings.pattern.source = PatternSource::scan;
+  const Context context;
+  Bench bench(format);
+  const auto mold =
+      bench.measure("scan", [&] { return make_mold(scan, "mask.glb", settings.scan, context); });
+  const auto sheet = bench.measure("forming", [&] {
+    return form(mold, settings.sheet, settings.machine, settings.forming, TemperatureField(140), context);
+  });
+  const InkedSurface surface = inked_surface(sheet, settings.pattern.inked_face);
+  const auto flattening = bench.measure(
+      "flattening", [&] { return flatten(sheet, surface, mold, settings.flattening, context); });
+  const ChartedSurface charted(surface, flattening);
+  const Placement placement = lay_flat(charted);
+  bench.formed();
+
+  bench.measure("the texture alone: decoding",
+                [&] { return Texture::read(image, "mask.glb", most_texture_pixels); });
+  auto coloured = bench.measure("1 reading scan and texture, pyramid", [&] {
+    return ColouredSurface::read(scan, "mask.glb", mold.placing, context);
+  });
+  const SheetColours colours = bench.measure("2 distances, hidden surface", [&]() -> Result<SheetColours> {
+    return SheetColours(std::move(coloured), sheet,
+                        colour_reach(settings.scan.clearance_mm, settings.pattern.fade_mm));
+  });
+  const Pattern picture =
+      bench.measure("3 picture of previews", [&] { return picture_of(colours, settings.sheet, context); });
+  const Print print = bench.measure("4 print: sampling and files", [&] {
+    return make_print(charted, picture, nullptr, placement, settings, {"benchmark"}, context, &colours);
+  });
+  bench.measure("the print alone: sampling", [&]() -> Result<std::size_t> {
+    const ColourRaster raster(colours, print.width, print.height, print.pixel_mm);
+    std::size_t bytes = 0;
+    for (int top = 0; top < print.height; top += raster.band_rows())
+      bytes += raster.rows(top, std::min(top + raster.band_rows(), print.height)).size();
+    return bytes;
+  });
+  const Finished finished{settings, mold,       sheet,
+                          surface,  flattening, picture,
+                          print,    {},         Alignment{.shift_mm = -flattening.top_rest},
+                          nullptr,  &placement, "benchmark",
+                          &colours};
+  bench.measure("5 report, previews and other files", [&] {
+    report(finished);
+    return artifacts(finished, context);
+  });
+  bench.print(json);
+}

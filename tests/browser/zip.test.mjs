@@ -1,0 +1,41 @@
+// A model with its textures in a zip: the page says that it cannot show it, sends it, and the print has its colours.
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {writeFileSync} from 'node:fs';
+import {join} from 'node:path';
+import {choose, makeQuick, setUp, show, startJob, startService, violations} from './drive.mjs';
+
+const test = setUp(async () => ({service: await startService()}));
+
+// A block with sloping sides, 110 x 150 mm below and 30 mm high, all in the one colour of its image.
+function block() {
+  const corners = [[0, 55, 75], [30, 40, 60]].flatMap(([z, x, y]) => [-y, y].flatMap((v) => [-x, x].map((u) => `v ${u} ${v} ${z}`)));
+  const faces = ['1 3 4 2', '5 6 8 7', '1 2 6 5', '3 7 8 4', '1 5 7 3', '2 4 8 6'];
+  return ['mtllib block.mtl', ...corners, 'vt 0.5 0.5', 'usemtl a', ...faces.map((face) => `f ${face.replace(/\d/g, '$&/1')}`), ''].join('\n');
+}
+const red = Buffer.from(
+  'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGM4IScCAAKsAPs2xCzlAAAAAElFTkSuQmCC', 'base64');
+
+function zipped(folder) {
+  for (const [name, content] of [['block.obj', block()], ['block.mtl', 'newmtl a\nmap_Kd red.png\n'], ['red.png', red]])
+    writeFileSync(join(folder, name), content);
+  execFileSync('python3', ['-m', 'zipfile', '-c', 'block.zip', 'block.obj', 'block.mtl', 'red.png'], {cwd: folder});
+  return join(folder, 'block.zip');
+}
+
+test('a zip is sent without being shown, and its colours are printed', async ({page, service}) => {
+  await show(page, '#/new');
+  await choose(page, 'Choose a scan', zipped(service.folder));
+  await page.getByRole('status').filter({hasText: 'block.zip cannot be shown here before it is sent'}).waitFor();
+  assert.equal(await page.getByRole('alert').count(), 0);
+  assert.deepEqual(await violations(page), []);
+  await page.locator('input[name=pattern-source][value=scan]').check();
+  await makeQuick(page);
+  const id = await startJob(page);
+  const job = await service.ended(id);
+  assert.equal(job.state, 'succeeded', JSON.stringify(job.problem));
+  assert.equal(job.settings.pattern.source, 'scan');
+  const report = await service.json(`/api/v1/jobs/${id}/artifacts/report.json`);
+  assert.ok(report.pattern.colours.full_mm2 > 5000, JSON.stringify(report.pattern.colours));
+  assert.deepEqual(page.faults, []);
+});
