@@ -81,9 +81,9 @@ std::string direction_words(const Vector2d& towards) {
 Result<Picture> original_preview(const Finished& job, const View& view, const std::vector<Picture>& formed,
                                  const Context& context) {
   const ColouredSurface& surface = job.colours->surface();
-  const ShownScan scan = shown_scan(surface.mesh());
-  View of_scan(scan.mesh, view.shown(), tile_width, tile_height, tile_label, 0);
-  if (scan.mesh.vertices.size() > most_shadowed) of_scan.without_shadows();
+  ShownScan scan = shown_scan(surface.mesh());
+  const bool shadows = scan.mesh.vertices.size() <= most_shadowed;
+  View of_scan(std::move(scan.mesh), view.shown(), tile_width, tile_height, tile_label, 0, shadows);
   Tiles tiles(static_cast<int>(tile_columns * std::size(five_sides)));
   for (std::size_t i = 0; i < std::size(five_sides); ++i) {
     const auto [side, words] = five_sides[i];

@@ -89,7 +89,8 @@ std::uint32_t pixel_of(const Rgb& c) {
 
 }  // namespace
 
-View::View(TriangleMesh mesh, std::vector<Vector3d> shown, int width, int height, int top, int bottom)
+View::View(TriangleMesh mesh, std::vector<Vector3d> shown, int width, int height, int top, int bottom,
+           bool shadows)
     : mesh_(std::move(mesh)),
       shown_(std::move(shown)),
       width_(width),
@@ -98,8 +99,9 @@ View::View(TriangleMesh mesh, std::vector<Vector3d> shown, int width, int height
       bottom_(bottom),
       azimuth_(from_the_front),
       elevation_(slanted),
-      rays_(mesh_),
+      rays_(shadows ? mesh_ : TriangleMesh{}),
       normals_(shading_normals(mesh_)) {
+  if (!shadows) open_.assign(mesh_.vertices.size(), 1.0f);
   if (shown_.empty()) shown_.push_back(Vector3d::Zero());
   frame();
 }

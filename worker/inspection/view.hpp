@@ -37,7 +37,10 @@ inline const Rgb black_ink(0.07f, 0.08f, 0.10f);
 // left, a sky, and the sky's occlusion by the mesh itself, which makes dents and skirts visible.
 class View {
  public:
-  View(TriangleMesh mesh, std::vector<Eigen::Vector3d> shown, int width, int height, int top, int bottom);
+  // Without shadows the mesh hides none of its sky, and spot() takes everything as seen: for meshes so fine that their
+  // shadows take too long.
+  View(TriangleMesh mesh, std::vector<Eigen::Vector3d> shown, int width, int height, int top, int bottom,
+       bool shadows = true);
   View(const FormedSheet& sheet, int width, int height, int top, int bottom);
 
   // Sets the side that the next pictures and spots are seen from; the width stays. Front and behind are a little from
@@ -50,8 +53,6 @@ class View {
   // What fills the picture from the next look_from() on.
   const std::vector<Eigen::Vector3d>& shown() const { return shown_; }
   void show(std::vector<Eigen::Vector3d> shown) { shown_ = std::move(shown); }
-  // The mesh hides none of the sky: for meshes so fine that its shadows would take too long.
-  void without_shadows() { open_.assign(mesh_.vertices.size(), 1.0f); }
 
   // Draws `count` pictures from one side, 2 x 2 samples a pixel: `shade` gives the colour of a sample in each.
   // Deterministic, whatever the number of threads. Reports fractions of the inspection stage in [from, to].
