@@ -26,8 +26,8 @@ struct ChartOptions {
   ProgressAs progress = ProgressAs::bar;
 };
 
-constexpr std::array<std::string_view, 5> kept_files{"print.png", "print.svg", "print.pdf", "preview-with.png",
-                                                     "mold.stl"};
+constexpr std::array<std::string_view, 5> kept_files{"print.png", "print.svg", "print.pdf",
+                                                     "preview-with.png", "mold.stl"};
 constexpr double measured_share = 0.7;  // of a patch's side, where the instrument looks
 constexpr double largest_gap_mm = 0.5;  // of a sheet that lies on its step
 
@@ -61,15 +61,16 @@ std::vector<InkPatch> patches_of(const SteppedMold& mold) {
 
 Artifact text_file(const char* name, const std::string& text) { return {name, {text.begin(), text.end()}}; }
 
-Result<std::vector<Artifact>> chart_files(const Finished& job, const SteppedMold& mold, std::vector<InkPatch>& patches,
-                                          const Context& context) {
+Result<std::vector<Artifact>> chart_files(const Finished& job, const SteppedMold& mold,
+                                          std::vector<InkPatch>& patches, const Context& context) {
   if (!find_stretch(job.sheet, job.surface, measured_share * mold.patch_mm, patches))
     return fail(Code::forming_failed, "the formed sheet does not cover the patches of the chart", "",
                 "use the settings of a machine that forms the sheet, such as those of deploy/profiles");
   VACUFORM_TRY(all, artifacts(job, context));
   std::vector<Artifact> files;
   for (Artifact& file : all)
-    if (std::find(kept_files.begin(), kept_files.end(), file.name) != kept_files.end()) files.push_back(std::move(file));
+    if (std::find(kept_files.begin(), kept_files.end(), file.name) != kept_files.end())
+      files.push_back(std::move(file));
   const nlohmann::ordered_json json = {{"vacuform", version},
                                        {"label", job.label},
                                        {"patch_mm", mold.patch_mm},
@@ -95,27 +96,33 @@ void print_steps(const std::vector<InkPatch>& patches) {
       }
     std::printf("step %c: stretched %s to %s times%s\n", 'a' + step - 1, decimal(least, 2).c_str(),
                 decimal(most, 2).c_str(),
-                gap > largest_gap_mm ? (std::string(", the sheet stays up to ") + in_mm(gap) + " above it").c_str() : "");
+                gap > largest_gap_mm
+                    ? (std::string(", the sheet stays up to ") + in_mm(gap) + " above it").c_str()
+                    : "");
   }
 }
 
 Result<void> make_chart(const ChartOptions& o, const Context& context, ProgressBar& bar) {
   if (o.out.empty())
-    return fail(Code::bad_usage, "there is no folder for the chart", "--out", "give --out DIR, or --fit with a measured chart");
+    return fail(Code::bad_usage, "there is no folder for the chart", "--out",
+                "give --out DIR, or --fit with a measured chart");
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(given, settings_from_json(object));
   const Settings settings = settings_of_chart(given);
   const auto mold = stepped_mold(settings.machine);
   if (!mold)
-    return fail(Code::bad_settings, "the window of the clamp frame is too small for a test sheet", "machine.window_width_mm",
+    return fail(Code::bad_settings, "the window of the clamp frame is too small for a test sheet",
+                "machine.window_width_mm",
                 std::string("use a window of at least ") + in_mm(least_window_mm(settings.machine.window)));
   Inputs inputs;
   inputs.scan = mold->glb;
   inputs.scan_name = "chart.glb";
   inputs.settings = settings;
   std::vector<InkPatch> patches = patches_of(*mold);
-  VACUFORM_TRY(files, print_colours(
-                          inputs, [&](const Finished& job) { return chart_files(job, *mold, patches, context); }, context));
+  VACUFORM_TRY(
+      files,
+      print_colours(
+          inputs, [&](const Finished& job) { return chart_files(job, *mold, patches, context); }, context));
   VACUFORM_CHECK(write_artifacts(o.out, files));
   bar.clear();
   if (o.progress == ProgressAs::bar) {
@@ -127,7 +134,8 @@ Result<void> make_chart(const ChartOptions& o, const Context& context, ProgressB
 
 Result<void> fit_chart(const ChartOptions& o) {
   if (o.chart.empty())
-    return fail(Code::bad_usage, "there is no chart to fit", "--chart", "give the chart.json that vacuform chart wrote");
+    return fail(Code::bad_usage, "there is no chart to fit", "--chart",
+                "give the chart.json that vacuform chart wrote");
   VACUFORM_TRY(json, read_file(o.chart, 16u << 20));
   VACUFORM_TRY(patches, read_patches(json, o.chart));
   VACUFORM_TRY(csv, read_file(o.measured, 16u << 20));
@@ -146,9 +154,10 @@ void add_chart(CLI::App& app, int& exit_code) {
       "chart", "Make a test sheet for the inks of a printer, or fit print.ink_curve to its measured patches");
   options->settings.add_to(*command);
   command
-      ->add_option("--out", options->out,
-                   "Folder for the print, mold.stl, chart.json and measured.csv; made when absent. With --fit: "
-                   "file for --settings to write")
+      ->add_option(
+          "--out", options->out,
+          "Folder for the print, mold.stl, chart.json and measured.csv; made when absent. With --fit: "
+          "file for --settings to write")
       ->type_name("DIR|FILE");
   CLI::Option* fit = command
                          ->add_option("--fit", options->measured,
@@ -157,7 +166,8 @@ void add_chart(CLI::App& app, int& exit_code) {
   command->add_option("--chart", options->chart, "With --fit: chart.json of the measured sheet")
       ->type_name("FILE")
       ->needs(fit);
-  command->add_flag("--json", options->json, "With --fit: print the curve as JSON instead of text")->needs(fit);
+  command->add_flag("--json", options->json, "With --fit: print the curve as JSON instead of text")
+      ->needs(fit);
   add_progress_option(*command, options->progress);
   command->callback([options, &exit_code] {
     exit_code = run_interruptible(

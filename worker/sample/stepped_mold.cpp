@@ -81,8 +81,7 @@ Pyramid pyramid() {
     if (step + 1 < steps) half += terrace;
   }
   const int below = out.add({0, 0}, 0);
-  for (int k = 0; k < count; ++k)
-    out.mesh.triangles.push_back({below, before + (k + 1) % count, before + k});
+  for (int k = 0; k < count; ++k) out.mesh.triangles.push_back({below, before + (k + 1) % count, before + k});
   return out;
 }
 
@@ -112,7 +111,8 @@ double light_of(int byte) {
 class ChartTexture {
  public:
   ChartTexture()
-      : surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, texture_side, texture_side), cairo_surface_destroy),
+      : surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, texture_side, texture_side),
+                 cairo_surface_destroy),
         cairo_(cairo_create(surface_.get()), cairo_destroy) {
     cairo_set_source_rgb(cairo_.get(), 1, 1, 1);
     cairo_paint(cairo_.get());
@@ -184,8 +184,10 @@ std::optional<SteppedMold> stepped_mold(const MachineSettings& machine) {
       each.place = size * Vector3d(at.x(), at.y(), height_of(step));
       texture.square(at, rgb);
       if (ink == 3) texture.frame(at);
-      const bool beside = step > 0 && std::abs(at.y()) > std::abs(at.x());  // there is more room along the side
-      texture.label(each.id, at + (beside ? Vector2d(patch / 2 + 0.5, -0.8) : Vector2d(-patch / 2, -patch / 2 - 2.3)));
+      const bool beside =
+          step > 0 && std::abs(at.y()) > std::abs(at.x());  // there is more room along the side
+      texture.label(each.id,
+                    at + (beside ? Vector2d(patch / 2 + 0.5, -0.8) : Vector2d(-patch / 2, -patch / 2 - 2.3)));
       out.patches.push_back(std::move(each));
     }
   Pyramid model = pyramid();

@@ -14,8 +14,8 @@ namespace vacuform {
 
 // A square of one ink, its sides along x and y.
 struct MoldPatch {
-  std::string id;  // "C3b": cyan, the third coverage, step b from the top; "W" is bare
-  int ink = -1;    // 0 cyan, 1 magenta, 2 yellow, -1: bare
+  std::string id;         // "C3b": cyan, the third coverage, step b from the top; "W" is bare
+  int ink = -1;           // 0 cyan, 1 magenta, 2 yellow, -1: bare
   int step = 1;           // from the top
   double coverage = 0;    // 1 - linear light of the colour as its bytes have it, in [0, 1]
   Eigen::Vector3d place;  // of the middle, mm, on the mold that stands on z = 0

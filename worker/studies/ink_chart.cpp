@@ -23,8 +23,10 @@ constexpr std::size_t most_patches = 1000;
 double ratio_of(const InkedSurface& surface, int triangle) {
   const Triangle& t = surface.triangles()[static_cast<std::size_t>(triangle)];
   const auto at = [&](const auto& points, std::size_t k) { return points[static_cast<std::size_t>(t[k])]; };
-  const Vector3d p = at(surface.inked(), 1) - at(surface.inked(), 0), q = at(surface.inked(), 2) - at(surface.inked(), 0);
-  const Vector2d a = at(surface.rest(), 1) - at(surface.rest(), 0), b = at(surface.rest(), 2) - at(surface.rest(), 0);
+  const Vector3d p = at(surface.inked(), 1) - at(surface.inked(), 0),
+                 q = at(surface.inked(), 2) - at(surface.inked(), 0);
+  const Vector2d a = at(surface.rest(), 1) - at(surface.rest(), 0),
+                 b = at(surface.rest(), 2) - at(surface.rest(), 0);
   return p.cross(q).norm() / std::abs(cross(a, b));
 }
 
@@ -42,8 +44,8 @@ bool find_stretch(const FormedSheet& sheet, const InkedSurface& surface, double 
     patch.least_ratio = INFINITY, patch.most_ratio = 0, patch.gap_mm = 0;
     for (int i = 0; i < places_a_side; ++i)
       for (int j = 0; j < places_a_side; ++j) {
-        const Vector2d at = patch.place.head<2>() +
-                            across_mm * Vector2d((i + 0.5) / places_a_side - 0.5, (j + 0.5) / places_a_side - 0.5);
+        const Vector2d at = patch.place.head<2>() + across_mm * Vector2d((i + 0.5) / places_a_side - 0.5,
+                                                                         (j + 0.5) / places_a_side - 0.5);
         const auto found = locator.find(at);
         if (!found) return false;
         const double ratio = ratio_of(surface, found->triangle);
@@ -63,23 +65,25 @@ bool find_stretch(const FormedSheet& sheet, const InkedSurface& surface, double 
 nlohmann::ordered_json patches_json(const std::vector<InkPatch>& patches) {
   auto out = nlohmann::ordered_json::array();
   for (const InkPatch& p : patches)
-    out.push_back({{"id", p.id},
-                   {"step", p.step},
-                   {"ink", p.ink < 0 ? "none" : ink_names[static_cast<std::size_t>(p.ink)]},
-                   {"coverage", rounded_to(p.coverage, 1e5)},
-                   {"area_ratio", rounded_to(p.area_ratio, 1e4)},
-                   {"least_area_ratio", rounded_to(p.least_ratio, 1e4)},
-                   {"most_area_ratio", rounded_to(p.most_ratio, 1e4)},
-                   {"gap_mm", rounded_to(p.gap_mm, 1e3)},
-                   {"place_mm",
-                    {rounded_to(p.place.x(), 1e2), rounded_to(p.place.y(), 1e2), rounded_to(p.place.z(), 1e2)}},
-                   {"sheet_mm", {rounded_to(p.rest.x(), 1e2), rounded_to(p.rest.y(), 1e2)}}});
+    out.push_back(
+        {{"id", p.id},
+         {"step", p.step},
+         {"ink", p.ink < 0 ? "none" : ink_names[static_cast<std::size_t>(p.ink)]},
+         {"coverage", rounded_to(p.coverage, 1e5)},
+         {"area_ratio", rounded_to(p.area_ratio, 1e4)},
+         {"least_area_ratio", rounded_to(p.least_ratio, 1e4)},
+         {"most_area_ratio", rounded_to(p.most_ratio, 1e4)},
+         {"gap_mm", rounded_to(p.gap_mm, 1e3)},
+         {"place_mm",
+          {rounded_to(p.place.x(), 1e2), rounded_to(p.place.y(), 1e2), rounded_to(p.place.z(), 1e2)}},
+         {"sheet_mm", {rounded_to(p.rest.x(), 1e2), rounded_to(p.rest.y(), 1e2)}}});
   return out;
 }
 
 Result<std::vector<InkPatch>> read_patches(std::span<const std::uint8_t> json, const std::string& file_name) {
   const auto refuse = [&](std::string what) {
-    return fail(Code::corrupt_file, std::move(what), file_name, "give the chart.json that vacuform chart wrote");
+    return fail(Code::corrupt_file, std::move(what), file_name,
+                "give the chart.json that vacuform chart wrote");
   };
   const auto parsed = strict_json<nlohmann::json>({reinterpret_cast<const char*>(json.data()), json.size()});
   if (!parsed) return refuse(std::string("not JSON: ") + parsed.error().what);
@@ -103,7 +107,8 @@ Result<std::vector<InkPatch>> read_patches(std::span<const std::uint8_t> json, c
     patch.step = static_cast<int>(step);
     const auto& ink = row["ink"].get_ref<const std::string&>();
     const auto name = std::find(ink_names.begin(), ink_names.end(), ink);
-    if (name == ink_names.end() && ink != "none") return refuse(std::string("patch ") + std::to_string(patches.size() + 1) + " has an unknown ink");
+    if (name == ink_names.end() && ink != "none")
+      return refuse(std::string("patch ") + std::to_string(patches.size() + 1) + " has an unknown ink");
     patch.ink = ink == "none" ? -1 : static_cast<int>(name - ink_names.begin());
     if (patches.size() == most_patches) return refuse("more than 1000 patches");
     patches.push_back(std::move(patch));
@@ -112,7 +117,9 @@ Result<std::vector<InkPatch>> read_patches(std::span<const std::uint8_t> json, c
 }
 
 std::string table_to_fill(const std::vector<InkPatch>& patches) {
-  std::string out = "# CIE L*a*b* (D50, 2 degrees) of the formed patches. Leave rows empty that are not measured.\npatch,L,a,b\n";
+  std::string out =
+      "# CIE L*a*b* (D50, 2 degrees) of the formed patches. Leave rows empty that are not "
+      "measured.\npatch,L,a,b\n";
   for (const InkPatch& patch : patches) out += patch.id + ",,,\n";
   return out;
 }

@@ -17,14 +17,14 @@ namespace vacuform {
 
 struct InkPatch {
   std::string id;
-  int ink = -1;         // of ink_names; -1: bare plastic
-  double coverage = 0;  // printed, in [0, 1]
-  int step = 1;         // of the mold, from the top
+  int ink = -1;                                     // of ink_names; -1: bare plastic
+  double coverage = 0;                              // printed, in [0, 1]
+  int step = 1;                                     // of the mold, from the top
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // of its middle on the mold, mm
   // By the simulation, over the middle of the patch:
-  double area_ratio = 1;                     // its ink is spread this much
-  double least_ratio = 1, most_ratio = 1;    // anywhere on it
-  double gap_mm = 0;                         // largest height of the sheet over the step
+  double area_ratio = 1;                           // its ink is spread this much
+  double least_ratio = 1, most_ratio = 1;          // anywhere on it
+  double gap_mm = 0;                               // largest height of the sheet over the step
   Eigen::Vector2d rest = Eigen::Vector2d::Zero();  // on the flat sheet, mm
 };
 
@@ -49,14 +49,16 @@ struct MeasuredInk {
 // Reads a CSV (comma, semicolon or tab) with a column `patch` and either `coverage` (0 to 1), or `L`, `a`, `b` (CIE
 // L*a*b*, D50, 2 degrees), or `R`, `G`, `B` (sRGB, 0 to 255). Rows without values are skipped. A colour counts against
 // the bare patch of the same step, or the mean of the bare patches. Errors: corrupt_file, which names line and patch.
-Result<std::vector<MeasuredInk>> read_measured_patches(std::span<const std::uint8_t> csv, const std::string& file_name,
+Result<std::vector<MeasuredInk>> read_measured_patches(std::span<const std::uint8_t> csv,
+                                                       const std::string& file_name,
                                                        const std::vector<InkPatch>& patches);
 
 struct InkFit {
   InkCurveRows curve;  // for print.ink_curve, rounded to 0.001; an ink without measured patches stays linear
-  std::array<int, 3> count{};                 // measured patches of each ink
-  std::array<double, 3> rms{}, rms_linear{};  // of measured minus expected coverage: with the curve, and without one
-  double worst = 0;                           // the largest difference
+  std::array<int, 3> count{};  // measured patches of each ink
+  std::array<double, 3> rms{},
+      rms_linear{};  // of measured minus expected coverage: with the curve, and without one
+  double worst = 0;  // the largest difference
   std::string worst_patch;
   std::vector<std::array<double, 2>> by_step;  // mean area ratio and rms of each step, from the top
 };

@@ -74,7 +74,8 @@ std::vector<double> rising(const std::vector<std::vector<InkSample>>& of_coverag
 double to_thousandths(double value) { return std::round(value * 1000) / 1000; }
 
 double shown_by(const InkCurve& curve, const InkPatch& patch) {
-  const double ink = static_cast<double>(curve.ink(static_cast<std::size_t>(patch.ink), static_cast<float>(patch.coverage)));
+  const double ink =
+      static_cast<double>(curve.ink(static_cast<std::size_t>(patch.ink), static_cast<float>(patch.coverage)));
   return std::min(1.0, ink / patch.area_ratio);
 }
 
@@ -96,7 +97,8 @@ Result<InkFit> fit_ink_curve(const std::vector<InkPatch>& patches, const std::ve
   for (const MeasuredInk& m : measured) {
     const InkPatch& patch = patches[m.patch];
     if (patch.coverage > 0)
-      samples[static_cast<std::size_t>(patch.ink)][to_thousandths(patch.coverage)].push_back({patch.area_ratio, std::min(m.shown, 1.0)});
+      samples[static_cast<std::size_t>(patch.ink)][to_thousandths(patch.coverage)].push_back(
+          {patch.area_ratio, std::min(m.shown, 1.0)});
   }
   std::array<InkCurveRows, 3> lines;  // printed and ink
   std::vector<double> printed{0};
@@ -106,8 +108,10 @@ Result<InkFit> fit_ink_curve(const std::vector<InkPatch>& patches, const std::ve
     if (samples[k].empty()) continue;
     const std::string name = ink_names[k];
     if (samples[k].size() < least_coverages || samples[k].rbegin()->first != 1)
-      return refuse(std::string("only ") + std::to_string(samples[k].size()) + " coverages of " + name + " are measured, or not the full one",
-                    std::string("measure at least three coverages of ") + name + ", with the full one (such as " + name[0] + "5a)");
+      return refuse(std::string("only ") + std::to_string(samples[k].size()) + " coverages of " + name +
+                        " are measured, or not the full one",
+                    std::string("measure at least three coverages of ") + name +
+                        ", with the full one (such as " + name[0] + "5a)");
     std::vector<std::vector<InkSample>> of_coverage;
     lines[k].resize(1);
     for (const auto& [coverage, of_it] : samples[k]) {
@@ -118,9 +122,12 @@ Result<InkFit> fit_ink_curve(const std::vector<InkPatch>& patches, const std::ve
     const std::vector<double> ink = rising(of_coverage);
     for (std::size_t i = 0; i < ink.size(); ++i) lines[k][i + 1][1] = to_thousandths(ink[i]);
     if (ink.back() < least_full)
-      return refuse(std::string("full ") + name + " hardly darkens the patches", "check that the rows are those of this chart, and that it was printed in colour");
+      return refuse(std::string("full ") + name + " hardly darkens the patches",
+                    "check that the rows are those of this chart, and that it was printed in colour");
   }
-  if (printed.size() == 1) return refuse("no patch is measured", "fill in measured.csv, which vacuform chart wrote beside chart.json");
+  if (printed.size() == 1)
+    return refuse("no patch is measured",
+                  "fill in measured.csv, which vacuform chart wrote beside chart.json");
   std::sort(printed.begin(), printed.end());
   printed.erase(std::unique(printed.begin(), printed.end()), printed.end());
   for (const double at : printed) {
@@ -150,15 +157,19 @@ Result<InkFit> fit_ink_curve(const std::vector<InkPatch>& patches, const std::ve
   }
   for (std::size_t k = 0; k < 3; ++k)
     fit.count[k] = with[k].count, fit.rms[k] = with[k].rms(), fit.rms_linear[k] = without[k].rms();
-  for (const auto& [number, step] : steps) fit.by_step.push_back({step.second / step.first.count, step.first.rms()});
+  for (const auto& [number, step] : steps)
+    fit.by_step.push_back({step.second / step.first.count, step.first.rms()});
   return fit;
 }
 
 nlohmann::ordered_json fit_json(const InkFit& fit) {
   nlohmann::ordered_json inks = nlohmann::ordered_json::object(), steps = nlohmann::ordered_json::array();
   for (std::size_t k = 0; k < 3; ++k)
-    inks[ink_names[k]] = {{"patches", fit.count[k]}, {"rms", to_thousandths(fit.rms[k])}, {"rms_linear", to_thousandths(fit.rms_linear[k])}};
-  for (const auto& [ratio, rms] : fit.by_step) steps.push_back({{"area_ratio", to_thousandths(ratio)}, {"rms", to_thousandths(rms)}});
+    inks[ink_names[k]] = {{"patches", fit.count[k]},
+                          {"rms", to_thousandths(fit.rms[k])},
+                          {"rms_linear", to_thousandths(fit.rms_linear[k])}};
+  for (const auto& [ratio, rms] : fit.by_step)
+    steps.push_back({{"area_ratio", to_thousandths(ratio)}, {"rms", to_thousandths(rms)}});
   return {{"print", {{"ink_curve", fit.curve}}},
           {"calibration",
            {{"inks", std::move(inks)},
@@ -170,18 +181,22 @@ std::string text_of(const InkFit& fit) {
   std::string rows;
   for (const auto& row : fit.curve) {
     rows += rows.empty() ? "[" : ",";
-    for (std::size_t k = 0; k < row.size(); ++k) rows += std::string(k == 0 ? "[" : ",") + short_decimal(row[k]);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      rows += std::string(k == 0 ? "[" : ",") + short_decimal(row[k]);
     rows += "]";
   }
   std::string out;
   for (std::size_t k = 0; k < 3; ++k)
     out += std::string(ink_names[k]) +
            (fit.count[k] == 0 ? std::string(": not measured, stays linear\n")
-                              : std::string(": ") + std::to_string(fit.count[k]) + " patches, residual " + decimal(100 * fit.rms[k], 1) +
-                                    " % coverage RMS (linear curve: " + decimal(100 * fit.rms_linear[k], 1) + " %)\n");
+                              : std::string(": ") + std::to_string(fit.count[k]) + " patches, residual " +
+                                    decimal(100 * fit.rms[k], 1) + " % coverage RMS (linear curve: " +
+                                    decimal(100 * fit.rms_linear[k], 1) + " %)\n");
   for (const auto& [ratio, rms] : fit.by_step)
-    out += std::string("stretched ") + decimal(ratio, 2) + " times: residual " + decimal(100 * rms, 1) + " %\n";
-  out += std::string("largest difference: ") + decimal(100 * fit.worst, 1) + " %, patch " + fit.worst_patch + "\n";
+    out +=
+        std::string("stretched ") + decimal(ratio, 2) + " times: residual " + decimal(100 * rms, 1) + " %\n";
+  out += std::string("largest difference: ") + decimal(100 * fit.worst, 1) + " %, patch " + fit.worst_patch +
+         "\n";
   return out + "--set 'print.ink_curve=" + rows + "]'\n";
 }
 

@@ -34,7 +34,8 @@ std::optional<PatchColumns> patch_columns(const std::vector<std::string_view>& h
   };
   const auto patch = find("patch");
   if (!patch) return {};
-  const auto all = [&](Measure measure, std::initializer_list<std::string_view> names) -> std::optional<PatchColumns> {
+  const auto all = [&](Measure measure,
+                       std::initializer_list<std::string_view> names) -> std::optional<PatchColumns> {
     PatchColumns out{measure, *patch, {}};
     for (const std::string_view name : names) {
       const auto column = find(name);
@@ -65,15 +66,19 @@ Vector3d linear_of_lab(const Vector3d& lab) {
 // Why the values cannot be a measured patch; empty if they can.
 std::string nonsense(Measure measure, const Vector3d& v) {
   if (measure == Measure::coverage)
-    return v[0] < -0.2 || v[0] > 1.2 ? std::string("the coverage is ") + short_decimal(v[0]) + ", not from 0 to 1" : std::string();
+    return v[0] < -0.2 || v[0] > 1.2
+               ? std::string("the coverage is ") + short_decimal(v[0]) + ", not from 0 to 1"
+               : std::string();
   if (measure == Measure::rgb) {
     for (int k = 0; k < 3; ++k)
-      if (v[k] < 0 || v[k] > 255) return std::string("a value is ") + short_decimal(v[k]) + ", not from 0 to 255";
+      if (v[k] < 0 || v[k] > 255)
+        return std::string("a value is ") + short_decimal(v[k]) + ", not from 0 to 255";
     return "";
   }
   if (v[0] < 0 || v[0] > 105) return std::string("L is ") + short_decimal(v[0]) + ", not from 0 to 100";
   for (int k = 1; k < 3; ++k)
-    if (std::abs(v[k]) > 150) return std::string("a or b is ") + short_decimal(v[k]) + ", not from -150 to 150";
+    if (std::abs(v[k]) > 150)
+      return std::string("a or b is ") + short_decimal(v[k]) + ", not from -150 to 150";
   return "";
 }
 
@@ -85,7 +90,8 @@ struct MeasuredRow {
 
 }  // namespace
 
-Result<std::vector<MeasuredInk>> read_measured_patches(std::span<const std::uint8_t> csv, const std::string& file_name,
+Result<std::vector<MeasuredInk>> read_measured_patches(std::span<const std::uint8_t> csv,
+                                                       const std::string& file_name,
                                                        const std::vector<InkPatch>& patches) {
   CsvTable table(csv);
   const auto refuse = [&](std::string what, std::string fix) {
@@ -99,20 +105,31 @@ Result<std::vector<MeasuredInk>> read_measured_patches(std::span<const std::uint
   for (std::vector<std::string_view> cells; table.next(cells);) {
     if (!columns) {
       columns = patch_columns(cells);
-      if (!columns) return refuse("the header lacks the column patch, or the columns of a colour or a coverage", columns_fix);
+      if (!columns)
+        return refuse("the header lacks the column patch, or the columns of a colour or a coverage",
+                      columns_fix);
       continue;
     }
-    const auto cell = [&](std::size_t column) { return column < cells.size() ? cells[column] : std::string_view(); };
-    if (std::all_of(columns->values.begin(), columns->values.end(), [&](std::size_t c) { return cell(c).empty(); })) continue;
+    const auto cell = [&](std::size_t column) {
+      return column < cells.size() ? cells[column] : std::string_view();
+    };
+    if (std::all_of(columns->values.begin(), columns->values.end(),
+                    [&](std::size_t c) { return cell(c).empty(); }))
+      continue;
     const auto known = by_id.find(cell(columns->patch));
     if (known == by_id.end())
-      return refuse(std::string("the chart has no patch ") + quoted_cell(cell(columns->patch)), "give the chart.json of this sheet with --chart");
-    if (seen[known->second]) return refuse(std::string("patch ") + known->first + " is there twice", "give the mean of its measurements");
+      return refuse(std::string("the chart has no patch ") + quoted_cell(cell(columns->patch)),
+                    "give the chart.json of this sheet with --chart");
+    if (seen[known->second])
+      return refuse(std::string("patch ") + known->first + " is there twice",
+                    "give the mean of its measurements");
     seen[known->second] = true;
     Vector3d values = Vector3d::Zero();
     for (std::size_t k = 0; k < columns->values.size(); ++k)
       if (!table.number(cell(columns->values[k]), values[static_cast<Eigen::Index>(k)]))
-        return refuse(std::string("not a number for patch ") + known->first + ": " + quoted_cell(cell(columns->values[k])), columns_fix);
+        return refuse(std::string("not a number for patch ") + known->first + ": " +
+                          quoted_cell(cell(columns->values[k])),
+                      columns_fix);
     if (const std::string why = nonsense(columns->measure, values); !why.empty())
       return refuse(std::string("patch ") + known->first + ": " + why, "check the units of the measurement");
     if (columns->measure == Measure::lab) values = linear_of_lab(values);
@@ -123,7 +140,8 @@ Result<std::vector<MeasuredInk>> read_measured_patches(std::span<const std::uint
   std::map<int, Vector3d> bare;
   Vector3d mean_bare = Vector3d::Zero();
   for (const MeasuredRow& row : rows)
-    if (const InkPatch& patch = patches[row.patch]; patch.ink < 0) bare[patch.step] = row.values, mean_bare += row.values;
+    if (const InkPatch& patch = patches[row.patch]; patch.ink < 0)
+      bare[patch.step] = row.values, mean_bare += row.values;
   if (!bare.empty()) mean_bare /= static_cast<double>(bare.size());
   const bool of_coverage = columns && columns->measure == Measure::coverage;
   std::vector<MeasuredInk> out;
@@ -135,15 +153,19 @@ Result<std::vector<MeasuredInk>> read_measured_patches(std::span<const std::uint
       continue;
     }
     if (bare.empty())
-      return fail(Code::corrupt_file, "no bare patch is measured", file_name, "measure at least one of the patches W, which show the plastic without ink");
+      return fail(Code::corrupt_file, "no bare patch is measured", file_name,
+                  "measure at least one of the patches W, which show the plastic without ink");
     const Vector3d& white = bare.contains(patch.step) ? bare[patch.step] : mean_bare;
     const double full = white[patch.ink];
     if (full < 0.1)
-      return fail(Code::corrupt_file, "the bare plastic is too dark to measure " + std::string(ink_names[static_cast<std::size_t>(patch.ink)]) + " on it", file_name,
-                  "measure the formed sheet over a white backing");
+      return fail(Code::corrupt_file,
+                  "the bare plastic is too dark to measure " +
+                      std::string(ink_names[static_cast<std::size_t>(patch.ink)]) + " on it",
+                  file_name, "measure the formed sheet over a white backing");
     const double shown = 1 - row.values[patch.ink] / full;
     if (shown < -0.2)
-      return fail(Code::corrupt_file, std::string("patch ") + patch.id + " is brighter than bare plastic", row.where, "check that the rows are those of this chart");
+      return fail(Code::corrupt_file, std::string("patch ") + patch.id + " is brighter than bare plastic",
+                  row.where, "check that the rows are those of this chart");
     out.push_back({row.patch, std::min(shown, 1.2)});
   }
   return out;

@@ -38,7 +38,9 @@ Eigen::Vector3d lab_of(const Eigen::Vector3d& linear) {
   Eigen::Matrix3d m;
   m << 3.1338561, -1.6168667, -0.4906146, -0.9787684, 1.9161415, 0.0334540, 0.0719453, -0.2289914, 1.4052427;
   const Eigen::Vector3d xyz = m.inverse() * linear;
-  const auto f = [](double t) { return t > std::pow(6.0 / 29, 3) ? std::cbrt(t) : t / (3 * std::pow(6.0 / 29, 2)) + 4.0 / 29; };
+  const auto f = [](double t) {
+    return t > std::pow(6.0 / 29, 3) ? std::cbrt(t) : t / (3 * std::pow(6.0 / 29, 2)) + 4.0 / 29;
+  };
   const double x = f(xyz[0] / 0.96422), y = f(xyz[1]), z = f(xyz[2] / 0.82521);
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
@@ -110,7 +112,8 @@ TEST(InkFit, FindsInkBeyondFullCoverageWhereItIsStretched) {
   auto patches = chart_of_four_steps();
   std::string csv = "patch,coverage\n";  // twice the ink: it covers the first steps fully
   for (const InkPatch& patch : patches)
-    if (patch.ink == 2) csv += patch.id + "," + std::to_string(std::min(1.0, 2 * patch.coverage / patch.area_ratio)) + "\n";
+    if (patch.ink == 2)
+      csv += patch.id + "," + std::to_string(std::min(1.0, 2 * patch.coverage / patch.area_ratio)) + "\n";
   const auto measured = read_measured_patches(bytes_in(csv), "m.csv", patches);
   ASSERT_TRUE(measured) << measured.error().text();
   const auto fit = fit_ink_curve(patches, *measured, "m.csv");
@@ -127,7 +130,10 @@ TEST(InkFit, NeverFalls) {
   std::string csv = "patch,coverage\n";
   for (const InkPatch& patch : patches)
     if (patch.ink == 0)
-      csv += patch.id + "," + std::to_string((patch.coverage == 0.6 ? 0.5 : std::min(patch.coverage, 0.55)) / patch.area_ratio) + "\n";
+      csv +=
+          patch.id + "," +
+          std::to_string((patch.coverage == 0.6 ? 0.5 : std::min(patch.coverage, 0.55)) / patch.area_ratio) +
+          "\n";
   const auto measured = read_measured_patches(bytes_in(csv), "m.csv", patches);
   ASSERT_TRUE(measured) << measured.error().text();
   const auto fit = fit_ink_curve(patches, *measured, "m.csv");
@@ -145,7 +151,8 @@ class BadPatches : public testing::TestWithParam<RefusedTable> {};
 TEST_P(BadPatches, AreRefusedWithTheirLine) {
   const auto patches = chart_of_four_steps();
   const auto measured = read_measured_patches(bytes_in(GetParam().csv), "m.csv", patches);
-  const auto fit = measured ? fit_ink_curve(patches, *measured, "m.csv") : tl::make_unexpected(measured.error());
+  const auto fit =
+      measured ? fit_ink_curve(patches, *measured, "m.csv") : tl::make_unexpected(measured.error());
   ASSERT_FALSE(fit);
   EXPECT_EQ(fit.error().code, Code::corrupt_file);
   EXPECT_EQ(fit.error().where, GetParam().where);
@@ -168,7 +175,8 @@ INSTANTIATE_TEST_SUITE_P(
                     RefusedTable{"patch,coverage\nC1a,55\n", "coverage is 55", "m.csv, line 2"},
                     RefusedTable{"patch,L,a,b\nC1a,50,0,0\n", "no bare patch", "m.csv"},
                     RefusedTable{"patch,L,a,b\nWa,5,0,0\nC1a,50,0,0\n", "too dark", "m.csv"},
-                    RefusedTable{"patch,L,a,b\nWa,60,0,0\nC1a,90,0,0\n", "brighter than bare", "m.csv, line 3"},
+                    RefusedTable{"patch,L,a,b\nWa,60,0,0\nC1a,90,0,0\n", "brighter than bare",
+                                 "m.csv, line 3"},
                     RefusedTable{"patch,coverage\nC5a,0.9\nC1a,0.2\n", "three coverages of cyan", "m.csv"},
                     RefusedTable{"patch,coverage\nC1a,0.2\nC2a,0.3\nC3a,0.5\n", "the full one", "m.csv"},
                     RefusedTable{"patch,coverage\nC1a,0\nC3a,0\nC5a,0.01\n", "hardly darkens", "m.csv"}));
@@ -189,9 +197,10 @@ TEST(InkChart, IsReadBackAsItWasWritten) {
 }
 
 TEST(InkChart, RefusesAnythingElse) {
-  for (const char* text : {"", "{", "[]", R"({"patches": 3})", R"({"patches": [3]})", R"({"patches": [{"id": "a"}]})",
-                           R"({"patches": [{"id": "a", "ink": "green", "coverage": 1, "area_ratio": 1, "step": 1}]})",
-                           R"({"patches": [{"id": "a", "ink": "cyan", "coverage": 1, "area_ratio": 0, "step": 1}]})"}) {
+  for (const char* text :
+       {"", "{", "[]", R"({"patches": 3})", R"({"patches": [3]})", R"({"patches": [{"id": "a"}]})",
+        R"({"patches": [{"id": "a", "ink": "green", "coverage": 1, "area_ratio": 1, "step": 1}]})",
+        R"({"patches": [{"id": "a", "ink": "cyan", "coverage": 1, "area_ratio": 0, "step": 1}]})"}) {
     const auto patches = read_patches(bytes_in(text), "chart.json");
     ASSERT_FALSE(patches) << text;
     EXPECT_EQ(patches.error().code, Code::corrupt_file);
