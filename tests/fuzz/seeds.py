@@ -252,7 +252,7 @@ REQUESTS = [REQUEST, REQUEST.replace("5", "99999999999999999999"), REQUEST.repla
 def seeds():
     """By target, by name, the bytes."""
     found = {name: {} for name in ("stl", "obj", "ply", "off", "glb", "zip", "png", "jpeg", "svg", "settings", "multipart", "names",
-                                   "temperature", "patches", "request")}
+                                   "temperature", "patches", "icc", "request")}
     points, faces = small_dome()
     found["stl"] |= {"binary": hostile.stl(triangles()), "text": hostile.ascii_stl(triangles()),
                      "two": hostile.stl(triangles() + triangles(scale=0.5)), "open": hostile.stl(triangles()[:-8]),
@@ -277,6 +277,8 @@ def seeds():
         found["jpeg" if extension == "jpg" else extension][name] = make()
     for target, texts in (("settings", SETTINGS), ("temperature", TEMPERATURES), ("patches", PATCHES)):
         found[target] |= {str(i): text.encode("utf-8", "surrogatepass") for i, text in enumerate(texts)}
+    found["icc"] |= {space.decode(): hostile.icc(space) for space in (b"RGB ", b"CMYK", b"GRAY")}
+    found["icc"]["wide"] = hostile.icc(gamma=1.8, red=(0.8, 0.29, 0.0))
     found["temperature"]["gray"] = coloured_png(9, 7, 16, 0)
     found["multipart"] |= {str(i): b"\x07" + text.encode() for i, text in enumerate(FORMS)}
     found["request"] |= {str(i): text.encode() for i, text in enumerate(REQUESTS)}

@@ -7,7 +7,7 @@
 namespace vacuform::fuzz {
 
 namespace {
-constexpr std::array<Target, 15> all{{{"stl", read_stl},
+constexpr std::array<Target, 16> all{{{"stl", read_stl},
                                       {"obj", read_obj},
                                       {"ply", read_ply},
                                       {"off", read_off},
@@ -21,6 +21,7 @@ constexpr std::array<Target, 15> all{{{"stl", read_stl},
                                       {"names", blank_names},
                                       {"temperature", read_temperature},
                                       {"patches", read_ink_chart},
+                                      {"icc", read_icc},
                                       {"request", read_request}}};
 }
 

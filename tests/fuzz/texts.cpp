@@ -1,10 +1,12 @@
-// Settings, measured temperatures and measured patches of inks.
+// Settings, measured temperatures, measured patches of inks, and colour profiles.
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "api/settings.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "worker/forming/heat/measured_field.hpp"
+#include "worker/printing/output_profile.hpp"
 #include "worker/studies/ink_chart.hpp"
 
 namespace vacuform::fuzz {
@@ -52,6 +54,15 @@ void read_ink_chart(Bytes bytes) {
   if (!fit) return require(fit.error().code == Code::corrupt_file, "a table that fits nothing is called so");
   require(settings_from_json(nlohmann::json{{"print", {{"ink_curve", fit->curve}}}}).has_value(),
           "a curve that was fitted is a setting");
+}
+
+void read_icc(Bytes bytes) {
+  const auto profile = OutputProfile::read(bytes, "fuzz.icc");
+  if (!profile)
+    return require(profile.error().code != Code::internal, "a bad profile is no fault of Vacuform's");
+  std::array<std::uint8_t, 16> pixels{0, 0, 0, 1, 255, 255, 255, 2, 200, 100, 50, 3, 9, 99, 199, 4};
+  profile->convert(pixels);
+  for (std::size_t i = 0; i < 4; ++i) require(pixels[4 * i + 3] == i + 1, "opacities stay");
 }
 
 }  // namespace vacuform::fuzz

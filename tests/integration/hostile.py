@@ -73,6 +73,22 @@ def meshopt():
                 "accessors": [{"componentType": 5126, "type": "VEC3", "count": 3}]})
 
 
+def icc(space=b"RGB ", gamma=2.2, red=(0.6097, 0.3111, 0.0195), green=(0.2053, 0.6257, 0.0609), blue=(0.1492, 0.0632, 0.7446)):
+    """An ICC profile of version 2 with a matrix and one gamma; by default that of Adobe RGB (1998)."""
+    def xyz(values):
+        return b"XYZ " + bytes(4) + struct.pack(">3i", *(round(v * 65536) for v in values))
+    curve = b"curv" + bytes(4) + struct.pack(">IH", 1, round(gamma * 256)) + bytes(2)
+    tags = {b"wtpt": xyz((0.9642, 1, 0.8249)), b"rXYZ": xyz(red), b"gXYZ": xyz(green), b"bXYZ": xyz(blue),
+            b"rTRC": curve, b"gTRC": curve, b"bTRC": curve}
+    table, data, at = struct.pack(">I", len(tags)), b"", 128 + 4 + 12 * len(tags)
+    for name, content in tags.items():
+        table += struct.pack(">4sII", name, at + len(data), len(content))
+        data += content
+    head = struct.pack(">I4sI4s4s4s12s4s", at + len(data), bytes(4), 0x02400000, b"mntr", space, b"XYZ ", bytes(12), b"acsp")
+    head += bytes(28) + struct.pack(">3i", 63190, 65536, 54061)  # of D50
+    return head.ljust(128, bytes(1)) + table + data
+
+
 def chunk(kind, data):
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 

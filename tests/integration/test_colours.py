@@ -1,4 +1,5 @@
 """The colours of a scan as the print: from the command line and through the service, and what is refused."""
+import base64
 import hashlib
 import io
 import json
@@ -187,6 +188,55 @@ class Colours(Case):
         before = json.loads((self.out / "report.json").read_text())
         self.assertIsNone(before["pattern"]["colours"]["ink"])
         self.assertNotIn("ink-not-enough", [w["code"] for w in before["warnings"]])
+
+    def test_the_print_is_marked_as_srgb(self):
+        png, pdf = (self.out / "print.png").read_bytes(), (self.out / "print.pdf").read_bytes()
+        self.assertIn(b"sRGB", png[:100])
+        self.assertNotIn(b"iCCP", png)
+        self.assertEqual(pdf.count(b"/DefaultRGB [/ICCBased "), 1)
+        in_svg = re.search(rb"base64,([A-Za-z0-9+/=]+)", (self.out / "print.svg").read_bytes())[1]
+        self.assertIn(b"sRGB", base64.b64decode(in_svg)[:100])
+
+    def test_a_profile_converts_the_colours_and_is_embedded(self):
+        profile = hostile.icc()  # Adobe RGB
+        (self.folder / "printer.icc").write_bytes(profile)
+        out = self.folder / "profiled"
+        done = self.run_with(self.scan, out, "--profile", self.folder / "printer.icc", "--set", "pattern.source=scan")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        png, pdf = (out / "print.png").read_bytes(), (out / "print.pdf").read_bytes()
+        at = png.index(b"iCCP")
+        size = struct.unpack(">I", png[at - 4:at])[0]
+        name, _, packed = png[at + 4:at + 4 + size].partition(b"\0")
+        self.assertEqual((name, zlib.decompress(packed[1:])), (b"ICC profile", profile))
+        self.assertNotIn(b"sRGB", png[:100])
+        self.assertIn(b"/ColorSpace [/ICCBased ", pdf)
+        rows = pixels(png)
+        middle, per_mm = len(rows) // 2, 72 / 25.4
+        # The same light in Adobe RGB, from the primaries of both.
+        for x, wanted in ((-15, self.in_adobe_rgb(RED)), (15, self.in_adobe_rgb(BLUE)), (140, (255, 255, 255))):
+            found = rows[middle - round(10 * per_mm)][middle + round(x * per_mm)]
+            for a, b in zip(found, wanted):
+                self.assertAlmostEqual(a, b, delta=2, msg=(found, wanted))
+        report = json.loads((out / "report.json").read_text())
+        self.assertEqual(report["sha256"]["profile"], hashlib.sha256(profile).hexdigest())
+        self.assertNotEqual(report["label"], json.loads((self.out / "report.json").read_text())["label"])
+
+    @staticmethod
+    def in_adobe_rgb(colour):
+        linear = [v / 255 / 12.92 if v <= 10 else ((v / 255 + 0.055) / 1.055) ** 2.4 for v in colour]
+        r, g, b = linear
+        mixed = (0.71515 * r + 0.28485 * g, g, 0.04116 * g + 0.95884 * b)
+        return tuple(round(255 * max(0, v) ** (1 / 2.2)) for v in mixed)
+
+    def test_other_profiles_are_refused_by_name(self):
+        for profile, says in ((hostile.icc(b"CMYK"), "for CMYK"), (hostile.icc(b"GRAY"), "for gray"), (b"hello", "not an ICC profile"),
+                              (hostile.icc()[:140], "damaged"), (hostile.icc() + bytes(5 << 20), "printer.icc")):
+            (self.folder / "printer.icc").write_bytes(profile)
+            done = self.run_with(self.scan, self.folder / "refused", "--profile", self.folder / "printer.icc")
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn(says, done.stderr)
+            self.assertIn("printer.icc", done.stderr)
+            self.assertFalse((self.folder / "refused").exists())
 
     def test_an_obj_prints_the_same_from_a_folder_and_from_a_zip(self):
         points, faces = hostile.dome()

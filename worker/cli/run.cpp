@@ -12,13 +12,14 @@
 #include "worker/cli/outcome.hpp"
 #include "worker/cli/settings_options.hpp"
 #include "worker/pipeline/pipeline.hpp"
+#include "worker/printing/output_profile.hpp"
 
 namespace vacuform::cli {
 
 namespace {
 
 struct RunOptions {
-  std::string scan, pattern, temperature, weights, keep, out, reference;
+  std::string scan, pattern, temperature, weights, profile, keep, out, reference;
   ProgressAs progress = ProgressAs::bar;
   bool sensitivity = false;
   OutcomeOptions outcome;
@@ -56,6 +57,12 @@ Result<void> run(const RunOptions& o, const Context& context) {
     VACUFORM_CHECK(blank_names(painted, o.weights));
     weights = std::move(painted);
     inputs.weights = WeightsFile{weights, o.weights};
+  }
+  std::vector<std::uint8_t> profile;
+  if (!o.profile.empty()) {
+    VACUFORM_TRY(icc, read_file(o.profile, OutputProfile::largest_bytes));
+    profile = std::move(icc);
+    inputs.profile = ProfileFile{profile, o.profile};
   }
   VACUFORM_TRY(reference, clean_reference(o.reference));
   inputs.reference = std::move(reference);
@@ -114,6 +121,12 @@ void add_run(CLI::App& app, int& exit_code) {
       ->add_option(
           "--weights", options->weights,
           "Picture over the pattern: where it is dark, the chart is distorted least; PNG, JPEG or SVG")
+      ->type_name("FILE");
+  command
+      ->add_option(
+          "--profile", options->profile,
+          "RGB ICC profile of the printer: pixels that have colours are converted to it; without, they are "
+          "sRGB")
       ->type_name("FILE");
   command
       ->add_option("--keep", options->keep,

@@ -70,6 +70,7 @@ std::vector<Vector3f> printed_colours(const Print& print, const PixelGrid& grid)
   for (int i = 0, y = 0; i < grid.rows; ++i) {
     for (; y <= grid.row(i); ++y)
       if (!reader.row(line.data())) throw std::logic_error("the print cannot be read again");
+    print.profile.convert_back(line);
     for (int k = 0; k < grid.columns; ++k) {
       const int x = print.mirrored ? print.width - 1 - grid.column(k) : grid.column(k);
       const std::uint8_t* p = &line[4 * static_cast<std::size_t>(x)];

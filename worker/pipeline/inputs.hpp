@@ -21,6 +21,12 @@ struct WeightsFile {
   std::string name;  // for messages
 };
 
+// The ICC profile of the printed files (worker/printing/output_profile.hpp).
+struct ProfileFile {
+  std::span<const std::uint8_t> bytes;
+  std::string name;  // for messages
+};
+
 struct Inputs {
   std::span<const std::uint8_t> scan;
   std::string scan_name;                  // for messages and the format
@@ -29,6 +35,7 @@ struct Inputs {
   Settings settings;
   std::optional<MeasuredFile> temperature = {};  // of the sheet; if and only if heat.source is measured
   std::optional<WeightsFile> weights = {};       // if and only if flattening.weights is painted
+  std::optional<ProfileFile> profile = {};       // none: sRGB
   bool sensitivity = false;  // report.json also shows how far errors of the machine move each coil
   std::string reference =
       {};  // of the job (api/job_text.hpp): on the print and in the report, with no other effect

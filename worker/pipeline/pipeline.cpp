@@ -57,6 +57,10 @@ Result<std::optional<Pattern>> weights_of(const Inputs& inputs, const Pattern& p
   return std::optional(std::move(picture));
 }
 
+Result<OutputProfile> profile_of(const Inputs& inputs) {
+  return inputs.profile ? OutputProfile::read(inputs.profile->bytes, inputs.profile->name) : OutputProfile();
+}
+
 // The same inputs, settings and version make the same print: the digest of all of them is its name.
 struct Identity {
   std::string label;
@@ -76,10 +80,11 @@ Identity identity_of(const Inputs& inputs) {
   }
   if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
   if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
+  if (inputs.profile) whole["profile"] = sha256_hex(inputs.profile->bytes);
   Sha256 digest;
   digest.add(whole.dump());
   nlohmann::ordered_json of_files = {{"scan", whole["scan"]}};
-  for (const char* more : {"pattern", "temperature", "weights"})
+  for (const char* more : {"pattern", "temperature", "weights", "profile"})
     if (whole.contains(more)) of_files[more] = whole[more];
   return {digest.hex().substr(0, 12), std::move(of_files)};
 }
@@ -121,6 +126,7 @@ Result<SheetColours> colours_on(const FormedSheet& sheet, const Mold& mold, cons
 Result<std::vector<Artifact>> use_colours(const Inputs& inputs, const Identity& identity,
                                           const UseOfPrint& use, const Context& context) {
   const Settings& s = inputs.settings;
+  VACUFORM_TRY(profile, profile_of(inputs));
   VACUFORM_TRY(formed, form_head(inputs, context));
   const InkedSurface inked = inked_surface(formed.sheet, s.pattern.inked_face);
   VACUFORM_TRY(flattening, flatten(formed.sheet, inked, formed.mold, s.flattening, context));
@@ -132,7 +138,7 @@ Result<std::vector<Artifact>> use_colours(const Inputs& inputs, const Identity& 
   VACUFORM_TRY(picture, picture_of(colours, s.sheet, looking.context()));
   const Placement placement = lay_flat(charted);
   VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, {identity.label, inputs.reference},
-                                 printing.context(), &colours));
+                                 printing.context(), &colours, profile));
   const Alignment alignment{.shift_mm = -flattening.top_rest};
   const Finished job{s,           formed.mold, formed.sheet, inked,      flattening,     picture, print,
                      formed.heat, alignment,   nullptr,      &placement, identity.label, &colours};
@@ -161,6 +167,7 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
   if (s.pattern.source == PatternSource::scan) return colour_artifacts(inputs, context);
   VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
   VACUFORM_TRY(weights, weights_of(inputs, pattern));
+  VACUFORM_TRY(profile, profile_of(inputs));
   VACUFORM_TRY(formed, form_head(inputs, context));
   const InkCoverage coverage = [&](const Eigen::Vector2d& chart, double blur_mm) {
     return (weights ? *weights : pattern)
@@ -193,7 +200,7 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
   }
   const SheetColours* const colours = below ? &*below : nullptr;
   VACUFORM_TRY(print, make_print(charted, pattern, lines, placement, s, {identity.label, inputs.reference},
-                                 printing.context(), colours));
+                                 printing.context(), colours, profile));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   VACUFORM_TRY(alignment, align(charted, s.pattern));

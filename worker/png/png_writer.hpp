@@ -4,16 +4,18 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace vacuform {
 
 class PngWriter {
  public:
-  // 8 bits a channel: 1 gray, 3 RGB, 4 RGBA (straight). `dpi` is kept in pHYs as round(dpi / 0.0254) pixels a
-  // metre. Deflate at level 6 without row filters: the best for line art, which adaptive filters make larger
-  // and slower.
-  PngWriter(int width, int height, int channels, std::optional<double> dpi = {});
+  // 8 bits a channel: 1 gray, 3 RGB, 4 RGBA (straight). `dpi` is that of a print: it is kept in pHYs as
+  // round(dpi / 0.0254) pixels a metre, and the colours are marked as sRGB, or as those of `icc`, an ICC profile of RGB.
+  // Deflate at level 6 without row filters: the best for line art, which adaptive filters make larger and slower.
+  PngWriter(int width, int height, int channels, std::optional<double> dpi = {},
+            std::span<const std::uint8_t> icc = {});
   ~PngWriter();
 
   void row(const std::uint8_t* pixels);  // exactly `height` times, from the top

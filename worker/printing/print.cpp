@@ -188,8 +188,8 @@ std::vector<Line> outline_of_mold(const Patch& chart, double grid_mm, const Laid
 // separately.
 class PictureFiles {
  public:
-  PictureFiles(const PixelBox& box, int channels, double dpi)
-      : box_(box), channels_(channels), whole_(width(), height(), channels, dpi) {
+  PictureFiles(const PixelBox& box, int channels, double dpi, std::span<const std::uint8_t> icc)
+      : box_(box), channels_(channels), whole_(width(), height(), channels, dpi, icc) {
     if (channels != 4) return;
     colour_.emplace(width(), height(), 3, dpi);
     opacity_.emplace(width(), height(), 1, dpi);
@@ -279,12 +279,13 @@ void on_white(const std::vector<std::uint8_t>& rgba, std::vector<std::uint8_t>& 
 // Draws the rows and makes their files. `vectors`: of a vector print, else null. `size` holds the size of the print.
 Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, const Marks& marks,
                           const Settings& settings, int channels, const PrintLabel& label, const Print& size,
-                          const Context& context) {
+                          const OutputProfile& profile, const Context& context) {
+  const std::span<const std::uint8_t> icc = channels == 4 ? profile.icc() : std::span<const std::uint8_t>();
   const PixelBox box = source.box();
   const bool opaque = channels == 4 && settings.print.background == Background::white;
-  PngWriter whole(size.width, size.height, opaque ? 3 : channels, settings.print.dpi);
+  PngWriter whole(size.width, size.height, opaque ? 3 : channels, settings.print.dpi, icc);
   std::optional<PictureFiles> files;
-  if (!vectors) files.emplace(box, channels, settings.print.dpi);
+  if (!vectors) files.emplace(box, channels, settings.print.dpi, icc);
   const int band = source.band_rows();
   std::vector<std::uint8_t> row(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(channels)),
       rgb;
@@ -308,7 +309,9 @@ Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, c
     const int before = top - band, bottom = std::min(top + band, size.height);
     together(
         [&] {
-          if (top < size.height) next = source.rows(top, bottom);
+          if (top >= size.height) return;
+          next = source.rows(top, bottom);
+          if (channels == 4) profile.convert(next);
         },
         [&] {
           if (before >= 0) write(before, std::min(top, size.height), inked);
@@ -321,14 +324,14 @@ Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, c
   const PrintPage page{{settings.sheet.width_mm, settings.sheet.height_mm}, size.mirrored, label};
   if (!files)
     return Print::Layer{whole.finish(), make_svg(page, vectors, nullptr, marks),
-                        make_pdf(page, vectors, nullptr, {}, marks)};
+                        make_pdf(page, vectors, nullptr, {}, marks, profile)};
   files->finish();
   const double d = size.pixel_mm;
   PlacedPicture picture{(box.left - 0.5 * size.width) * d, (box.top - 0.5 * size.height) * d,
                         (box.right - box.left) * d, (box.bottom - box.top) * d, files->png};
   Print::Layer layer{whole.finish(), make_svg(page, nullptr, &picture, marks), {}};
   picture.png = files->colour();
-  layer.pdf = make_pdf(page, nullptr, &picture, files->opacity(), marks);
+  layer.pdf = make_pdf(page, nullptr, &picture, files->opacity(), marks, profile);
   return layer;
 }
 
@@ -336,11 +339,12 @@ Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, c
 
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
                          const Placement& placement, const Settings& settings, const PrintLabel& label,
-                         const Context& context, const SheetColours* colours) {
+                         const Context& context, const SheetColours* colours, const OutputProfile& profile) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
   const bool of_colours = colours && settings.pattern.source == PatternSource::scan;
   const SheetColours* const below = of_colours ? nullptr : colours;  // in files of their own
   Print print;
+  print.profile = profile;
   print.warnings = pattern.warnings();
   VACUFORM_CHECK(measure(settings, print));
   print.pattern_uv = uv_of_corners(placement.charts);
@@ -400,13 +404,13 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
   const double begin = drawing ? 0.2 : 0, end = below ? 0.6 : 1;
   const Portion first(context, Stage::printing, begin, end), second(context, Stage::printing, end, 1);
   VACUFORM_TRY(files, draw(*source, vectors, marks, settings, pattern.grayscale() ? 1 : 4, shown, print,
-                           first.context()));
+                           profile, first.context()));
   print.png = std::move(files.png);
   print.svg = std::move(files.svg);
   print.pdf = std::move(files.pdf);
   if (below) {
     const ColourRaster raster(*below, print.width, print.height, print.pixel_mm, compensation);
-    VACUFORM_TRY(layer, draw(raster, nullptr, marks, settings, 4, shown, print, second.context()));
+    VACUFORM_TRY(layer, draw(raster, nullptr, marks, settings, 4, shown, print, profile, second.context()));
     print.colours = std::move(layer);
   }
   VACUFORM_CHECK(context.step(Stage::printing, 1));

@@ -17,6 +17,7 @@
 #include "api/settings.hpp"
 #include "worker/pattern/pattern.hpp"
 #include "worker/placement/placement.hpp"
+#include "worker/printing/output_profile.hpp"
 #include "worker/printing/print_label.hpp"
 #include "worker/printing/vector_print.hpp"
 #include "worker/stage/context.hpp"
@@ -64,6 +65,7 @@ struct Print {
   std::optional<Layer> colours;
   std::optional<InkShortage> shortage;  // of the colours of the scan, if their ink is compensated
   std::optional<VectorPrint> vectors;   // the source of the three files, for a vector drawing
+  OutputProfile profile;                // of the colours in the files
   bool mirrored = false;
   std::optional<double> ruler_mm;  // length of the printed ruler; none without marks or without room for it
   double ink_area_mm2 = 0;         // of the drawing
@@ -93,11 +95,15 @@ struct Print {
 // With `colours` and pattern.source=scan, the print shows the colours of the scan. `pattern` is then the result of
 // picture_of() for them, `placement` that of lay_flat(), and there is no drawing. All of the ink counts as printed.
 // Coverages are compensated for the stretch of the sheet, if settings.print.compensate_colours is set.
+// PNG and PDF are marked as sRGB. With a `profile`, pixels that have colours are converted to it and marked as its own;
+// vectors in PDF and SVG, marks, and shades of gray are not.
+//
 // With pattern.source=both, the colours become Print::colours and the print stays that of the drawing; marks keep clear
 // of both.
 Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, const Drawing* drawing,
                          const Placement& placement, const Settings& settings, const PrintLabel& label,
-                         const Context& context, const SheetColours* colours = nullptr);
+                         const Context& context, const SheetColours* colours = nullptr,
+                         const OutputProfile& profile = {});
 
 // The colours of a scan as a picture of the flat sheet in sheet coordinates, for code that shows a drawing: 0.2 mm a
 // pixel, or 4000 pixels on the longer side if that is coarser. Errors: cancelled.

@@ -109,7 +109,8 @@ std::uint32_t number_at(std::span<const std::uint8_t> bytes, std::size_t at) {
 }
 
 // PDF takes the rows of a PNG in compressed form: the content of its IDAT chunks.
-int embed(PdfWriter& pdf, std::span<const std::uint8_t> png, const std::string& more) {
+int embed(PdfWriter& pdf, std::span<const std::uint8_t> png, const std::string& rgb,
+          const std::string& more) {
   const std::uint32_t width = number_at(png, 16), height = number_at(png, 20);
   const int channels = png[25] == 0 ? 1 : 3;
   std::vector<std::uint8_t> rows;
@@ -122,7 +123,7 @@ int embed(PdfWriter& pdf, std::span<const std::uint8_t> png, const std::string& 
   }
   return pdf.stream(std::string("/Type /XObject /Subtype /Image /Width ") + std::to_string(width) +
                         " /Height " + std::to_string(height) + " /BitsPerComponent 8 /ColorSpace " +
-                        (channels == 1 ? "/DeviceGray" : "/DeviceRGB") + more +
+                        (channels == 1 ? std::string("/DeviceGray") : rgb) + more +
                         " /Filter /FlateDecode /DecodeParms << /Predictor 15 /Colors " +
                         std::to_string(channels) + " /BitsPerComponent 8 /Columns " + std::to_string(width) +
                         " >>",
@@ -131,11 +132,17 @@ int embed(PdfWriter& pdf, std::span<const std::uint8_t> png, const std::string& 
 
 std::string reference(int object) { return std::to_string(object) + " 0 R"; }
 
+// The colour space of a profile of RGB.
+std::string icc_based(PdfWriter& pdf, std::span<const std::uint8_t> icc) {
+  const int stream = pdf.deflated_stream("/N 3 /Alternate /DeviceRGB", {icc.begin(), icc.end()});
+  return std::string("[/ICCBased ") + reference(stream) + "]";
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vectors,
                                    const PlacedPicture* picture, std::span<const std::uint8_t> alpha,
-                                   const Marks& marks) {
+                                   const Marks& marks, const OutputProfile& profile) {
   PdfWriter pdf;
   const double points = 72 / 25.4;
   const Vector2d size = points * page.size_mm;
@@ -148,9 +155,11 @@ std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vec
   if (page.mirrored) content += "-1 0 0 1 0 0 cm\n";
   if (vectors) content += content_of(*vectors, opacities);
   if (picture) {
-    const int mask = alpha.empty() ? 0 : embed(pdf, alpha, "");
+    const std::string rgb =
+        profile.icc().empty() || alpha.empty() ? std::string("/DeviceRGB") : icc_based(pdf, profile.icc());
+    const int mask = alpha.empty() ? 0 : embed(pdf, alpha, rgb, "");
     const int image =
-        embed(pdf, picture->png, mask ? std::string(" /SMask ") + reference(mask) : std::string());
+        embed(pdf, picture->png, rgb, mask ? std::string(" /SMask ") + reference(mask) : std::string());
     resources += std::string(" /XObject << /Picture ") + reference(image) + " >>";
     content += pdf_number(picture->width_mm, 6) + " 0 0 " + pdf_number(picture->height_mm, 6) + " " +
                pdf_number(picture->left_mm, 6) + " " + pdf_number(-picture->top_mm - picture->height_mm, 6) +
@@ -171,6 +180,11 @@ std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vec
     for (const auto& [opacity, name] : opacities)
       resources += std::string(" /") + name + " << /Type /ExtGState /ca " + opacity + " >>";
     resources += " >>";
+  }
+  // Whatever is RGB without a profile of its own is sRGB (ISO 32000-1, 8.6.5.6).
+  if (content.find(" rg\n") != std::string::npos || !alpha.empty()) {
+    const std::vector<std::uint8_t> srgb = srgb_icc();
+    resources += std::string(" /ColorSpace << /DefaultRGB ") + icc_based(pdf, srgb) + " >>";
   }
   const int stream = pdf.deflated_stream("", content);
   const int pages = pdf.reserve();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/printing/output_profile.hpp"
 #include "worker/printing/print_svg.hpp"
 
 namespace vacuform {
@@ -11,9 +12,9 @@ namespace vacuform {
 // One page of the size of the sheet, with two layers that a viewer can switch, "pattern" and "marks". Vectors stay
 // vectors; a picture is embedded losslessly with its own deflated rows. Texts are texts, in Helvetica, which every
 // viewer and press has. `alpha` is a gray PNG of the opacity of the picture, empty if it is opaque; the picture is then
-// RGB. No dates: the same print gives the same bytes.
+// RGB, and converted to `profile`. Colours of vectors are sRGB. No dates: the same print gives the same bytes.
 std::vector<std::uint8_t> make_pdf(const PrintPage& page, const VectorPrint* vectors,
                                    const PlacedPicture* picture, std::span<const std::uint8_t> alpha,
-                                   const Marks& marks);
+                                   const Marks& marks, const OutputProfile& profile);
 
 }  // namespace vacuform
