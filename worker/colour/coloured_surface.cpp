@@ -59,7 +59,7 @@ Result<ColouredSurface> ColouredSurface::read(std::span<const std::uint8_t> byte
     VACUFORM_CHECK(progress.tick());
     VACUFORM_TRY(texture, Texture::read(image, file_name, left));
     left -= texture.pixels();
-    image.bytes = {};
+    image.bytes = std::vector<std::uint8_t>();  // `= {}` would keep the memory
     textures.push_back(std::move(texture));
   }
   mark_shown(*scan.colours, textures);

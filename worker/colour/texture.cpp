@@ -196,10 +196,22 @@ void Texture::continue_islands(Level& level) {
     return out;
   };
   in_parallel(0, level.height, [&](int first, int last) {
-    for (int y = first; y < last; ++y)
-      for (int x = 0; x < level.width; ++x)
-        if (level.row(y)[4 * std::ptrdiff_t{x} + 3] == 0)
+    for (int y = first; y < last; ++y) {
+      // Most texels are inside of an island or far from all.
+      const std::uint8_t* const rows[] = {level.row(std::max(y - 1, 0)), level.row(y),
+                                          level.row(std::min(y + 1, level.height - 1))};
+      const auto above_and_below = [&](int x) {
+        const std::ptrdiff_t at = 4 * std::ptrdiff_t{std::clamp(x, 0, level.width - 1)} + 3;
+        return rows[0][at] | rows[1][at] | rows[2][at];
+      };
+      int before = above_and_below(-1), here = above_and_below(0);
+      for (int x = 0; x < level.width; ++x) {
+        const int after = above_and_below(x + 1);
+        if ((before | here | after) != 0 && rows[1][4 * std::ptrdiff_t{x} + 3] == 0)
           if (const auto found = continued(x, y)) of_row[static_cast<std::size_t>(y)].push_back(*found);
+        before = here, here = after;
+      }
+    }
   });
   for (int y = 0; y < level.height; ++y)
     for (const auto& [x, rgb] : of_row[static_cast<std::size_t>(y)]) {
@@ -215,7 +227,8 @@ void Texture::build() {
     for (std::size_t i = 3; i < rgba.size(); i += 4) rgba[i] = 255;
   }
   while (std::max(levels_.back().width, levels_.back().height) > 1) levels_.push_back(halve(levels_.back()));
-  for (Level& level : levels_) continue_islands(level);
+  if (marked_ && !all_shown_)
+    for (Level& level : levels_) continue_islands(level);
 }
 
 Footprint Texture::footprint(const Vector2d& a, const Vector2d& b) const {
