@@ -26,7 +26,7 @@ function zipped(folder) {
 test('a zip is sent without being shown, and its colours are printed', async ({page, service}) => {
   await show(page, '#/new');
   await choose(page, 'Choose a scan', zipped(service.folder));
-  await page.getByRole('status').filter({hasText: 'block.zip cannot be shown here before it is sent'}).waitFor();
+  await page.getByRole('status').filter({hasText: 'block.zip is not shown here'}).waitFor();
   assert.equal((await page.getByRole('alert').allTextContents()).join(''), '');
   assert.deepEqual(await violations(page), []);
   await page.getByRole('radio', {name: 'mm', exact: false}).first().check();
