@@ -240,10 +240,10 @@ TEST(ColouredSheet, ShowsNoSeamBetweenFiftyIslands) {
       for (const auto& [i, j] : {std::pair(x + 1, y), std::pair(x, y + 1)}) {
         const auto there = placed(i, j);
         if (!there || island(*here) == island(*there)) continue;
-        on_print = std::max(on_print, coloured::ciede2000(coloured::lab(print.linear(x, y)),
-                                                          coloured::lab(print.linear(i, j))));
+        on_print = std::max(on_print, ciede2000(lab_of(print.linear(x, y)),
+                                                          lab_of(print.linear(i, j))));
         on_model = std::max(
-            on_model, coloured::ciede2000(coloured::lab(in_levels(*here)), coloured::lab(in_levels(*there))));
+            on_model, ciede2000(lab_of(in_levels(*here)), lab_of(in_levels(*there))));
         ++steps;
       }
     }
