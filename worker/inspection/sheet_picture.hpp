@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "worker/inspection/inspection.hpp"
-#include "worker/printing/colour_raster.hpp"
 #include "worker/printing/row_source.hpp"
 #include "worker/surface/plane_locator.hpp"
 
@@ -17,7 +16,8 @@ namespace vacuform {
 // compensated are those that the formed sheet shows, or as they are printed. Keeps a reference to the job.
 class SheetPicture {
  public:
-  explicit SheetPicture(const Finished& job, ColourRaster::Shows shows = ColourRaster::Shows::formed_sheet);
+  enum class Shows { formed_sheet, print };
+  explicit SheetPicture(const Finished& job, Shows shows = Shows::formed_sheet);
 
   // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off
   // it.

@@ -240,10 +240,8 @@ TEST(ColouredSheet, ShowsNoSeamBetweenFiftyIslands) {
       for (const auto& [i, j] : {std::pair(x + 1, y), std::pair(x, y + 1)}) {
         const auto there = placed(i, j);
         if (!there || island(*here) == island(*there)) continue;
-        on_print = std::max(on_print, ciede2000(lab_of(print.linear(x, y)),
-                                                          lab_of(print.linear(i, j))));
-        on_model = std::max(
-            on_model, ciede2000(lab_of(in_levels(*here)), lab_of(in_levels(*there))));
+        on_print = std::max(on_print, ciede2000(lab_of(print.linear(x, y)), lab_of(print.linear(i, j))));
+        on_model = std::max(on_model, ciede2000(lab_of(in_levels(*here)), lab_of(in_levels(*there))));
         ++steps;
       }
     }
