@@ -8,7 +8,7 @@ import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {gzipSync} from 'node:zlib';
 import {checkMessages, messages} from './messages.mjs';
-import {leanThree} from './three.mjs';
+import {checkUnused, leanThree} from './three.mjs';
 
 const budget = 200_000;  // bytes of all files, compressed
 const here = dirname(fileURLToPath(import.meta.url));
@@ -61,7 +61,9 @@ function writePage(metafile) {
 function compress() {
   let all = 0;
   for (const name of readdirSync(out).sort()) {
-    const bytes = gzipSync(readFileSync(join(out, name)), {level: 9});
+    const content = readFileSync(join(out, name));
+    if (name.endsWith('.js')) checkUnused(content.toString());
+    const bytes = gzipSync(content, {level: 9});
     bytes[9] = 255;  // the operating system in the header of gzip: unknown, so that the bytes are the same everywhere
     writeFileSync(join(out, name + '.gz'), bytes);
     all += bytes.length;

@@ -27,12 +27,25 @@ const replaced = {
     addEventListener() {} removeEventListener() {} setAnimationLoop() {} dispose() {} getEnvironmentBlendMode() {} }`,
 };
 
-// Methods that write an object as JSON and read it back, that look for what a ray meets, that change a geometry, and others
-// that nothing here calls.
-const unused = 'toJSON|fromJSON|raycast|computeTangents|computeVertexNormals|toNonIndexed|setAxisAngleFromRotationMatrix|makeOrthographic|' +
-  'transformUv|setFromUnitVectors';
+// Methods of three that nothing calls. checkUnused() says if something does.
+const unused = [
+  'toJSON', 'fromJSON', 'raycast', 'computeTangents', 'computeVertexNormals', 'toNonIndexed',
+  'setAxisAngleFromRotationMatrix', 'makeOrthographic', 'transformUv', 'setFromUnitVectors', 'distanceSqToSegment',
+  'slerpFlat', 'attach', 'setViewOffset', 'clearViewOffset', 'intersectLine', 'intersectSphere', 'intersectPlane',
+  'intersectsLine', 'setXYZW', 'multiplyQuaternionsFlat', 'makeRotationAxis', 'setFromMatrixScale',
+  'setAxisAngleFromQuaternion', 'randomDirection', 'normalizeNormals', 'containsBox', 'transposeIntoArray',
+  'setFromAttributeAndIndices', 'lerpHSL', 'rotateAround', 'setFromCenterAndSize', 'copyAt', 'setPosition',
+  'setFromMatrix3', 'setFromArray', 'rotateTowards', 'setFocalLength', 'getFocalLength', 'getEffectiveFOV',
+  'setFromPointsAndIndices', 'lerpColors', 'getWorldScale', 'rotateOnWorldAxis', 'makeBasis', 'makeShear',
+  'setFromCylindrical', 'setFromSpherical', 'offsetHSL', 'getHexString', 'applyAxisAngle', 'projectOnPlane'].join('|');
 const method = new RegExp(String.raw`^\t(?:static )?(?:${unused})\(.*\{\n(?:(?!\t\}$).*\n)*\t\}$`, 'gm');
 const withoutUnused = (source) => source.replace(method, '');
+
+// Fails if built code calls a method that was left out.
+export function checkUnused(code) {
+  const call = new RegExp(String.raw`\.(${unused})\(`).exec(code);
+  if (call) throw new Error(`three.mjs: something calls ${call[1]}; take it off the list of unused methods`);
+}
 
 export function leanThree(here) {
   const source = join(here, 'node_modules/three/src');

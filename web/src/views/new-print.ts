@@ -176,14 +176,17 @@ function step(section: Section, at: number, content: Children): HTMLElement {
 class NewPrint extends View {
   protected build(): Children {
     setTitle(t('shell.new'));
-    const failed = el('div', null);
+    const failed = el('div', null), parts = el('div', {class: 'stack'});
     begin();
     follow((state) => state.route, (route) => {
       const from = route.view === 'new' ? new URLSearchParams(route.query).get('from') : null;
       if (!from || from === store.get().draft.from?.job) return;
-      const open = (): void => void startFrom(from).then(() => replace(failed, null),
-                                                         (error: unknown) => replace(failed, problemBox(error, open)));
-      open();
+      const open = async (): Promise<void> => {
+        parts.inert = true;  // what a person typed now would be lost when the other job arrives
+        replace(failed, await startFrom(from).then(() => null, (error: unknown) => problemBox(error, () => void open())));
+        parts.inert = false;
+      };
+      void open();
     });
     undoByKeys();
     let openAll = (): SettingsForm | null => null;
@@ -195,6 +198,7 @@ class NewPrint extends View {
       followDraft(() => openAll());
       return sections.map((section, at) => step(section, at, content[section]));
     });
+    parts.append(body);
     readSchema().catch(() => {});  // shown above
     return [
       el('div', {class: 'spread new-head'}, el('h1', null, t('shell.new')), toolbar()),
@@ -203,7 +207,7 @@ class NewPrint extends View {
         el('nav', {class: 'new-steps', 'aria-label': t('new.sections')}, el('ol', null, sections.map((section) =>
           el('li', null, el('button', {type: 'button', class: 'plain', onclick: () => goTo(section)},
             icon(icons[section]), el('span', null, t(`new.section_${section}`)), statusBadge(section)))))),
-        el('div', {class: 'stack'}, body))];
+        parts)];
   }
 }
 customElements.define('vf-new-print', NewPrint);
