@@ -39,12 +39,13 @@ struct InputKind {
   std::uint64_t most_bytes;
   bool always = true;  // otherwise only where the settings ask for it
 };
-inline constexpr std::array<InputKind, 4> input_kinds{{
+inline constexpr std::array<InputKind, 5> input_kinds{{
     {"scan", "Scan of the head", ".stl,.obj,.ply,.off,.glb,.zip", 1ull << 30},
     {"pattern", "Pattern", ".svg,.png,.jpg,.jpeg", 256ull << 20},
     {"temperature", "Temperature, where measured", ".csv,.txt,.png", 64ull << 20, false},
     {"weights", "Picture that is dark where the chart is distorted least", ".png,.jpg,.jpeg,.svg",
      64ull << 20, false},
+    {"icc", "ICC profile of the printer, RGB", ".icc,.icm", 4ull << 20, false},
 }};
 // nullptr when no input has that name.
 const InputKind* input_kind(std::string_view name);

@@ -78,6 +78,10 @@ std::string_view temperature_format(std::string_view head) {
   return !binary(head) && !head.starts_with("\xff\xd8\xff") ? "csv" : "";
 }
 
+std::string_view profile_format(std::string_view head) {
+  return head.size() >= 40 && head.substr(36, 4) == "acsp" ? "icc" : "";
+}
+
 }  // namespace
 
 Result<std::string_view> format_of(std::string_view input, std::string_view head, std::uint64_t bytes,
@@ -88,6 +92,7 @@ Result<std::string_view> format_of(std::string_view input, std::string_view head
   if (other.empty())
     format = input == "scan"          ? scan_format(head, bytes, extension)
              : input == "temperature" ? temperature_format(head)
+             : input == "icc"         ? profile_format(head)
                                       : drawing_format(head);
   if (!format.empty()) return format;
   const InputKind* kind = input_kind(input);

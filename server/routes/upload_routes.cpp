@@ -124,7 +124,7 @@ Result<Response> create(Service& service, Request& request, const Caller& caller
   const InputKind* kind = input_kind(metadata.input);
   if (!kind)
     return fail(Code::bad_usage, "there is no such input", "Upload-Metadata",
-                "give the key input as scan, pattern, temperature or weights, or leave it out for a scan");
+                "give the key input as scan, pattern, temperature, weights or icc, or leave it out for a scan");
   VACUFORM_TRY(upload, service.uploads.begin(caller.owner, *kind, metadata.extension, length));
   log_event("upload-started", {{"upload", upload.id}, {"bytes", length}, {"token", caller.token}});
   std::uint64_t offset = 0;

@@ -4,11 +4,7 @@
 //   bench_stages [--json]
 //
 // Peak memory is the process's resident peak within the stage (Linux: clear_refs and VmHWM), inputs included.
-#include <sys/resource.h>
-
-#include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -16,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/bench/step_cost.hpp"
 #include "worker/coils/coupled_neighbours.hpp"
 #include "worker/forming/inked_face.hpp"
 #include "worker/inspection/inspection.hpp"
@@ -28,28 +25,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 struct Row {
   std::string head, stage, made;  // made: what came out, with its size
-  double seconds = 0, cpu_seconds = 0, peak_mib = 0;
+  StepCost cost;
 };
-
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
-void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
-
-double peak_mib() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (word == "VmHWM:") {
-      double kib = 0;
-      status >> kib;
-      return kib / 1024;
-    }
-  return 0;
-}
 
 std::string count(std::size_t n, const char* unit) { return std::to_string(n) + " " + unit; }
 
@@ -58,22 +35,14 @@ class Bench {
 
   template <class Stage>
   auto measure(const std::string& head, const std::string& stage_name, const Stage& stage) {
-    reset_peak();
-    const double cpu = cpu_seconds();
-    const auto start = std::chrono::steady_clock::now();
-    auto made = stage();
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-    if (!made) {
-      std::fprintf(stderr, "bench_stages: %s, %s: %s\n", head.c_str(), stage_name.c_str(),
-                   made.error().text().c_str());
-      std::exit(1);
-    }
-    rows.push_back({head, stage_name, "", wall.count(), cpu_seconds() - cpu, peak_mib()});
-    return std::move(*made);
+    StepCost cost;
+    auto made = measured("bench_stages: " + head + ", " + stage_name, stage, cost);
+    rows.push_back({head, stage_name, "", cost});
+    return made;
   }
 
  public:
-  // Runs the stages on one head. A refusal ends the program: a benchmark of nothing must not look fast.
+  // Runs the stages on one head.
   void run(const std::string& head, const Bytes& scan, const std::string& pattern_name,
            const Bytes& drawing) {
     const Settings settings;
@@ -130,9 +99,10 @@ class Bench {
     double total = 0;
     for (const auto& row : rows) {
       std::printf("%-14s %-18s %9.3f %9.3f %9.0f  %s\n", row.head == head ? "" : row.head.c_str(),
-                  row.stage.c_str(), row.seconds, row.cpu_seconds, row.peak_mib, row.made.c_str());
+                  row.stage.c_str(), row.cost.seconds, row.cost.cpu_seconds, row.cost.peak_mib,
+                  row.made.c_str());
       head = row.head;
-      total += row.seconds;
+      total += row.cost.seconds;
     }
     std::printf("%-14s %-18s %9.3f\n", "all", "", total);
   }
@@ -142,9 +112,9 @@ class Bench {
     for (const auto& row : rows)
       list.push_back({{"head", row.head},
                       {"stage", row.stage},
-                      {"seconds", row.seconds},
-                      {"cpu_seconds", row.cpu_seconds},
-                      {"peak_mib", row.peak_mib},
+                      {"seconds", row.cost.seconds},
+                      {"cpu_seconds", row.cost.cpu_seconds},
+                      {"peak_mib", row.cost.peak_mib},
                       {"made", row.made}});
     std::printf("%s\n", list.dump(2).c_str());
   }

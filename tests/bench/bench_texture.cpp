@@ -5,53 +5,30 @@
 //
 // The texture is 8192 x 8192 pixels: colours that change over some hundred pixels, with the noise of a camera. Peak memory
 // is the largest resident set within the step, less that at the end of forming.
-#include <sys/resource.h>
-
-#include <chrono>
+#include <cmath>
 #include <cstdio>
 // jpeglib.h needs the types of stdio first.
 #include <jpeglib.h>
 
 #include <cstdlib>
-#include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "tests/bench/step_cost.hpp"
 #include "worker/colour/sheet_colours.hpp"
 #include "worker/forming/inked_face.hpp"
-#include "worker/gltf/gltf_buffer.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/png/png_writer.hpp"
 #include "worker/printing/colour_raster.hpp"
 #include "worker/sample/painted_model.hpp"
+#include "worker/sample/textured_glb.hpp"
 
 namespace {
 
 using namespace vacuform;
 using FileBytes = std::vector<std::uint8_t>;
-
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
-void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
-
-double status_mib(std::string_view field) {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (word == field) {
-      double kib = 0;
-      status >> kib;
-      return kib / 1024;
-    }
-  return 0;
-}
 
 // One row of the texture, RGB. The noise is of a hash, so that it is the same everywhere.
 void paint_row(int y, int side, std::uint8_t* rgb) {
@@ -105,45 +82,17 @@ FileBytes jpeg_texture(int side) {
   return bytes;
 }
 
-FileBytes mask_glb(const FileBytes& texture) {
-  const PaintedModel model = painted_model(Model::mask);
-  const auto& vertices = model.mesh.vertices;
-  GltfBuffer buffer;
-  GltfJson primitive;
-  primitive["attributes"]["POSITION"] = buffer.add_attribute(
-      vertices.size(), 3,
-      [&](std::size_t v, std::size_t k) { return vertices[v][static_cast<Eigen::Index>(k)]; });
-  primitive["attributes"]["TEXCOORD_0"] = buffer.add_attribute(
-      vertices.size(), 2,
-      [&](std::size_t v, std::size_t k) { return model.uv[v][static_cast<Eigen::Index>(k)]; });
-  primitive["indices"] = buffer.add_triangles(model.mesh.triangles);
-  primitive["material"] = 0;
-  auto json = GltfJson::parse(
-      R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "textures": [{"source": 0}],
-    "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]})");
-  json["nodes"] = GltfJson::array({GltfJson{{"mesh", 0}, {"matrix", gltf_matrix_from_mm()}}});
-  json["meshes"] = GltfJson::array({GltfJson{{"primitives", GltfJson::array({primitive})}}});
-  json["images"] = GltfJson::array({buffer.add_png("texture", texture)});  // readers go by the first bytes
-  return glb_of(std::move(json), std::move(buffer));
-}
-
 class Bench {
  public:
   explicit Bench(std::string format) : format_(std::move(format)) {}
 
   template <class Step>
   auto measure(const char* name, const Step& step) {
-    reset_peak();
-    const double cpu = cpu_seconds();
-    const auto start = std::chrono::steady_clock::now();
-    auto made = step();
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-    if (!made) {
-      std::fprintf(stderr, "bench_texture: %s: %s\n", name, made.error().text().c_str());
-      std::exit(1);
-    }
-    rows_.push_back({name, wall.count(), cpu_seconds() - cpu, status_mib("VmHWM:") - formed_mib_});
-    return std::move(*made);
+    StepCost cost;
+    auto made = measured(std::string("bench_texture: ") + name, step, cost);
+    cost.peak_mib -= formed_mib_;
+    rows_.push_back({name, cost});
+    return made;
   }
   // What follows is on top of what there is now.
   void formed() { formed_mib_ = status_mib("VmRSS:"); }
@@ -155,19 +104,19 @@ class Bench {
       if (json)
         list.push_back({{"format", format_},
                         {"step", row.step},
-                        {"seconds", row.seconds},
-                        {"cpu_seconds", row.cpu_seconds},
-                        {"peak_mib", row.peak_mib}});
+                        {"seconds", row.cost.seconds},
+                        {"cpu_seconds", row.cost.cpu_seconds},
+                        {"peak_mib", row.cost.peak_mib}});
       else
-        std::printf("%-6s %-40s %7.2f %7.2f %6.0f\n", format_.c_str(), row.step.c_str(), row.seconds,
-                    row.cpu_seconds, row.peak_mib);
+        std::printf("%-6s %-40s %7.2f %7.2f %6.0f\n", format_.c_str(), row.step.c_str(), row.cost.seconds,
+                    row.cost.cpu_seconds, row.cost.peak_mib);
     if (json) std::printf("%s\n", list.dump(2).c_str());
   }
 
  private:
   struct Row {
     std::string step;
-    double seconds, cpu_seconds, peak_mib;
+    StepCost cost;
   };
   std::string format_;
   std::vector<Row> rows_;
@@ -198,7 +147,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   const ScanImage image{"image 0", format == "png" ? png_texture(side) : jpeg_texture(side)};
-  const FileBytes scan = mask_glb(image.bytes);
+  const PaintedModel model = painted_model(Model::mask);
+  const FileBytes scan = textured_glb(model.mesh, model.uv, image.bytes, "mask");
   Settings settings;
   settings.pattern.source = PatternSource::scan;
   const Context context;

@@ -201,7 +201,7 @@ class Colours(Case):
         profile = hostile.icc()  # Adobe RGB
         (self.folder / "printer.icc").write_bytes(profile)
         out = self.folder / "profiled"
-        done = self.run_with(self.scan, out, "--profile", self.folder / "printer.icc", "--set", "pattern.source=scan")
+        done = self.run_with(self.scan, out, "--icc", self.folder / "printer.icc", "--set", "pattern.source=scan")
         self.assertEqual(done.returncode, 0, done.stderr)
         png, pdf = (out / "print.png").read_bytes(), (out / "print.pdf").read_bytes()
         at = png.index(b"iCCP")
@@ -218,7 +218,7 @@ class Colours(Case):
             for a, b in zip(found, wanted):
                 self.assertAlmostEqual(a, b, delta=2, msg=(found, wanted))
         report = json.loads((out / "report.json").read_text())
-        self.assertEqual(report["sha256"]["profile"], hashlib.sha256(profile).hexdigest())
+        self.assertEqual(report["sha256"]["icc"], hashlib.sha256(profile).hexdigest())
         self.assertNotEqual(report["label"], json.loads((self.out / "report.json").read_text())["label"])
 
     @staticmethod
@@ -232,7 +232,7 @@ class Colours(Case):
         for profile, says in ((hostile.icc(b"CMYK"), "for CMYK"), (hostile.icc(b"GRAY"), "for gray"), (b"hello", "not an ICC profile"),
                               (hostile.icc()[:140], "damaged"), (hostile.icc() + bytes(5 << 20), "printer.icc")):
             (self.folder / "printer.icc").write_bytes(profile)
-            done = self.run_with(self.scan, self.folder / "refused", "--profile", self.folder / "printer.icc")
+            done = self.run_with(self.scan, self.folder / "refused", "--icc", self.folder / "printer.icc")
             self.assertNotEqual(done.returncode, 0)
             self.assertIn(says, done.stderr)
             self.assertIn("printer.icc", done.stderr)
@@ -345,6 +345,7 @@ class Colours(Case):
             self.assertEqual(hashes(out), hashes(self.out))
             for path in [p for p in server.data.rglob("*") if p.is_file()]:
                 self.assertNotIn(NAME, path.read_bytes(), path)
+            self.profiles(server)
             pattern = self.folder / "ring.svg"
             pattern.write_bytes(hostile.GOOD_SVG)
             refused = server.post(self.scan, pattern, COARSE)
@@ -359,6 +360,24 @@ class Colours(Case):
                              "--set", "pattern.source=both", "--wait")
             self.assertEqual(alone.returncode, 2, alone.stderr)
             self.assertIn("a pattern", alone.stderr)
+
+    def profiles(self, server):
+        """An ICC profile goes with a job, and with the jobs made from it."""
+        icc = self.folder / "service.icc"
+        icc.write_bytes(hostile.icc())
+        self.assertEqual(self.run_with(self.scan, self.folder / "icc-run", "--icc", icc).returncode, 0)
+        done = vacuform("submit", "--server", server.url, "--scan", self.scan, "--icc", icc, "--settings", self.settings, "--wait",
+                        "--out", self.folder / "icc-submitted")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(hashes(self.folder / "icc-submitted"), hashes(self.folder / "icc-run"))
+        job = curl(f"{server.api}/jobs/" + curl(server.api + "/jobs?limit=1").json["jobs"][0]["id"]).json
+        self.assertEqual(job["inputs"]["icc"]["sha256"], hashlib.sha256(icc.read_bytes()).hexdigest())
+        again = curl("-F", f"from={job['id']}", server.api + "/jobs")
+        self.assertEqual((again.status, again.json["inputs"]["icc"]), (202, job["inputs"]["icc"]))
+        icc.write_bytes(hostile.icc(b"CMYK"))
+        done = vacuform("submit", "--server", server.url, "--scan", self.scan, "--icc", icc, "--settings", self.settings, "--wait")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("for CMYK", done.stderr)
 
     def test_refusals(self):
         plain, pattern, webp = self.folder / "plain.stl", self.folder / "ring.svg", self.folder / "webp.glb"

@@ -19,7 +19,7 @@ namespace vacuform::cli {
 namespace {
 
 struct RunOptions {
-  std::string scan, pattern, temperature, weights, profile, keep, out, reference;
+  std::string scan, pattern, temperature, weights, icc, keep, out, reference;
   ProgressAs progress = ProgressAs::bar;
   bool sensitivity = false;
   OutcomeOptions outcome;
@@ -58,11 +58,11 @@ Result<void> run(const RunOptions& o, const Context& context) {
     weights = std::move(painted);
     inputs.weights = WeightsFile{weights, o.weights};
   }
-  std::vector<std::uint8_t> profile;
-  if (!o.profile.empty()) {
-    VACUFORM_TRY(icc, read_file(o.profile, OutputProfile::largest_bytes));
-    profile = std::move(icc);
-    inputs.profile = ProfileFile{profile, o.profile};
+  std::vector<std::uint8_t> icc;
+  if (!o.icc.empty()) {
+    VACUFORM_TRY(profile, read_file(o.icc, OutputProfile::largest_bytes));
+    icc = std::move(profile);
+    inputs.icc = IccFile{icc, o.icc};
   }
   VACUFORM_TRY(reference, clean_reference(o.reference));
   inputs.reference = std::move(reference);
@@ -124,7 +124,7 @@ void add_run(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   command
       ->add_option(
-          "--profile", options->profile,
+          "--icc", options->icc,
           "RGB ICC profile of the printer: pixels that have colours are converted to it; without, they are "
           "sRGB")
       ->type_name("FILE");

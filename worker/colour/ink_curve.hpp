@@ -16,6 +16,9 @@ namespace vacuform {
 
 inline constexpr std::array<const char*, 3> ink_names{"cyan", "magenta", "yellow"};
 
+// Colours as they are printed, or as the stretched plastic shows them.
+enum class InkState { printed, stretched };
+
 // One curve for each ink, straight between its points. Never falls.
 class InkCurve {
  public:

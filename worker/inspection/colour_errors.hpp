@@ -45,8 +45,8 @@ struct ColourErrors {
     Figures touching;
   };
   std::vector<OffRegister> off_register;  // by register_errors_mm
-  // Where the largest of these shifts of full colour changes most what is seen: the place, the outward normal of the sheet there, and
-  // the direction of the shift on the flat sheet, one of the four.
+  // Where the largest of these shifts changes most what is seen of full colour: the place, the outward normal of the
+  // sheet there, and the direction of the shift on the flat sheet, one of the four.
   struct Change {
     Eigen::Vector3d place = Eigen::Vector3d::Zero(), outward = Eigen::Vector3d::UnitZ();
     Eigen::Vector2d towards = Eigen::Vector2d::UnitX();

@@ -315,7 +315,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   shown.push_back({"preview-pattern.png", pattern_preview(job, preview_side)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.76));
   std::optional<SheetPicture> as_printed;
-  if (job.print.shortage) as_printed.emplace(job, SheetPicture::Shows::print);
+  if (job.print.shortage) as_printed.emplace(job, InkState::printed);
   shown.push_back({"preview-print.png", print_preview(job, as_printed ? *as_printed : print, preview_side)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.77));
   for (std::size_t i = 0; i < 5; ++i) {

@@ -13,14 +13,12 @@ namespace {
 constexpr double pixel_mm = 0.15;
 }
 
-SheetPicture::SheetPicture(const Finished& job, Shows shows)
+SheetPicture::SheetPicture(const Finished& job, InkState state)
     : job_(job), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
   width_ = static_cast<int>(std::ceil(job.settings.sheet.width_mm / pixel_mm));
   height_ = static_cast<int>(std::ceil(job.settings.sheet.height_mm / pixel_mm));
   const auto ink = ink_of(job.print, job.surface, job.settings.print.ink_curve);
-  const ColourRaster::Compensation compensation{
-      ink ? &*ink : nullptr,
-      shows == Shows::print ? ColourRaster::Shows::print : ColourRaster::Shows::formed_sheet};
+  const ColourRaster::Compensation compensation{ink ? &*ink : nullptr, state};
   if (job.print.vectors) {
     print_ = pixels_of(VectorRaster(*job.print.vectors, width_, height_, pixel_mm, false), 4);
   } else if (of_colours_alone(job)) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "worker/colour/ink_curve.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/printing/row_source.hpp"
 #include "worker/surface/plane_locator.hpp"
@@ -13,11 +14,10 @@ namespace vacuform {
 
 // The print itself, 0.15 mm a pixel, for a vector print, for a picture in parts, and for the colours of the scan;
 // otherwise the pattern under the charts. A drawing over the colours of the scan is shown over them. Colours whose ink is
-// compensated are those that the formed sheet shows, or as they are printed. Keeps a reference to the job.
+// compensated are in the given state. Keeps a reference to the job.
 class SheetPicture {
  public:
-  enum class Shows { formed_sheet, print };
-  explicit SheetPicture(const Finished& job, Shows shows = Shows::formed_sheet);
+  explicit SheetPicture(const Finished& job, InkState state = InkState::stretched);
 
   // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off
   // it.

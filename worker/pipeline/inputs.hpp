@@ -22,7 +22,7 @@ struct WeightsFile {
 };
 
 // The ICC profile of the printed files (worker/printing/output_profile.hpp).
-struct ProfileFile {
+struct IccFile {
   std::span<const std::uint8_t> bytes;
   std::string name;  // for messages
 };
@@ -35,7 +35,7 @@ struct Inputs {
   Settings settings;
   std::optional<MeasuredFile> temperature = {};  // of the sheet; if and only if heat.source is measured
   std::optional<WeightsFile> weights = {};       // if and only if flattening.weights is painted
-  std::optional<ProfileFile> profile = {};       // none: sRGB
+  std::optional<IccFile> icc = {};               // none: sRGB
   bool sensitivity = false;  // report.json also shows how far errors of the machine move each coil
   std::string reference =
       {};  // of the job (api/job_text.hpp): on the print and in the report, with no other effect

@@ -58,7 +58,7 @@ Result<std::optional<Pattern>> weights_of(const Inputs& inputs, const Pattern& p
 }
 
 Result<OutputProfile> profile_of(const Inputs& inputs) {
-  return inputs.profile ? OutputProfile::read(inputs.profile->bytes, inputs.profile->name) : OutputProfile();
+  return inputs.icc ? OutputProfile::read(inputs.icc->bytes, inputs.icc->name) : OutputProfile();
 }
 
 // The same inputs, settings and version make the same print: the digest of all of them is its name.
@@ -80,11 +80,11 @@ Identity identity_of(const Inputs& inputs) {
   }
   if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
   if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
-  if (inputs.profile) whole["profile"] = sha256_hex(inputs.profile->bytes);
+  if (inputs.icc) whole["icc"] = sha256_hex(inputs.icc->bytes);
   Sha256 digest;
   digest.add(whole.dump());
   nlohmann::ordered_json of_files = {{"scan", whole["scan"]}};
-  for (const char* more : {"pattern", "temperature", "weights", "profile"})
+  for (const char* more : {"pattern", "temperature", "weights", "icc"})
     if (whole.contains(more)) of_files[more] = whole[more];
   return {digest.hex().substr(0, 12), std::move(of_files)};
 }

@@ -118,8 +118,8 @@ std::vector<ColourRaster::Origin> ColourRaster::origins(int row, int first, int 
 
 Eigen::Vector3f ColourRaster::inked(const Eigen::Vector3f& linear, float area_ratio) const {
   if (!compensation_.ink) return linear;
-  return compensation_.shows == Shows::print ? compensation_.ink->printed(linear, area_ratio)
-                                             : compensation_.ink->shown(linear, area_ratio);
+  return compensation_.state == InkState::printed ? compensation_.ink->printed(linear, area_ratio)
+                                                  : compensation_.ink->shown(linear, area_ratio);
 }
 
 std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {

@@ -15,10 +15,9 @@ namespace vacuform {
 // The same bytes for any number of threads.
 class ColourRaster : public RowSource {
  public:
-  enum class Shows { print, formed_sheet };
   struct Compensation {
     const ColourInk* ink = nullptr;  // null: the colours as they are; a reference is kept
-    Shows shows = Shows::print;      // what to print, or what the sheet that was printed so shows
+    InkState state = InkState::printed;
   };
   // `samples`: places along each side of a pixel. Each has the mean colour of its part of the pixel, so more of them
   // only make borders smoother: 2 for a print, 1 for a picture that is shown smaller.

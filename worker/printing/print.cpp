@@ -376,7 +376,7 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
     print.shortage = ink_shortage(*colours, charted.surface(), *colour);
     if (auto warning = warning_of(*print.shortage)) print.warnings.push_back(std::move(*warning));
   }
-  const ColourRaster::Compensation compensation{colour ? &*colour : nullptr, ColourRaster::Shows::print};
+  const ColourRaster::Compensation compensation{colour ? &*colour : nullptr, InkState::printed};
   Marks marks;
   const PrintLabel shown = printable(label, print.warnings);
   if (settings.print.marks) {

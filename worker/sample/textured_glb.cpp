@@ -29,7 +29,7 @@ std::vector<std::uint8_t> png_of(cairo_surface_t* surface) {
 }
 
 std::vector<std::uint8_t> textured_glb(const TriangleMesh& mesh, const std::vector<Eigen::Vector2d>& uv,
-                                       const std::vector<std::uint8_t>& png, const char* name) {
+                                       const std::vector<std::uint8_t>& picture, const char* name) {
   const auto& vertices = mesh.vertices;
   GltfBuffer buffer;
   GltfJson primitive;
@@ -49,7 +49,7 @@ std::vector<std::uint8_t> textured_glb(const TriangleMesh& mesh, const std::vect
       {"pbrMetallicRoughness",
        {{"baseColorTexture", {{"index", 0}}}, {"metallicFactor", 0.0}, {"roughnessFactor", 0.6}}}}});
   json["textures"] = GltfJson::array({GltfJson{{"sampler", 0}, {"source", 0}}});
-  json["images"] = GltfJson::array({buffer.add_png(name, png)});
+  json["images"] = GltfJson::array({buffer.add_png(name, picture)});
   json["samplers"] = GltfJson::array({GltfJson{{"magFilter", gltf::linear},
                                                {"minFilter", gltf::linear_mipmaps},
                                                {"wrapS", gltf::clamp_to_edge},

@@ -47,6 +47,9 @@ TEST(Formats, AreRecognisedForDrawingsAndTemperatures) {
   EXPECT_EQ(seems("temperature", "140,141\n"), "csv");
   EXPECT_EQ(seems("temperature", "\x89PNG\r\n\x1a\n...."), "png");
   EXPECT_EQ(seems("temperature", "\xff\xd8\xff\xe0...."), "unsupported-format");
+  EXPECT_EQ(seems("icc", std::string(36, '\0') + "acsp"), "icc");
+  EXPECT_EQ(seems("icc", std::string(36, '\0') + "acs"), "unsupported-format");
+  EXPECT_EQ(seems("icc", "\x89PNG\r\n\x1a\n...."), "unsupported-format");
 }
 
 class ServerSubmission : public ServerTest {

@@ -32,7 +32,7 @@ constexpr int pixels = 600;
 constexpr double pixel_size = 0.5;
 
 std::vector<std::uint8_t> drawn(const SheetColours& colours, const ColourInk& ink,
-                                ColourRaster::Shows shows) {
+                                InkState shows) {
   const ColourRaster raster(colours, pixels, pixels, pixel_size, {&ink, shows});
   std::vector<std::uint8_t> rgba;
   for (int top = 0; top < pixels; top += raster.band_rows()) {
@@ -63,7 +63,7 @@ TEST(ColourInk, ALinearCurvePrintsTheCoverageTimesTheAreaRatio) {
   const Vector3f colour(0.8f, 0.6f, 0.4f);
   const SheetColours colours = sphere_of(colour);
   const ColourInk ink = colour_ink(hand_made::inked(dome_of_ink()), {});
-  const auto print = drawn(colours, ink, ColourRaster::Shows::print);
+  const auto print = drawn(colours, ink, InkState::printed);
   EXPECT_LT(largest_error(print,
                           [&](double r) -> Vector3f {
                             return Vector3f::Ones() -
@@ -71,7 +71,7 @@ TEST(ColourInk, ALinearCurvePrintsTheCoverageTimesTheAreaRatio) {
                           }),
             0.02);
   EXPECT_LT(
-      largest_error(drawn(colours, ink, ColourRaster::Shows::formed_sheet), [&](double) { return colour; }),
+      largest_error(drawn(colours, ink, InkState::stretched), [&](double) { return colour; }),
       0.005);
 }
 
@@ -81,7 +81,7 @@ TEST(ColourInk, WhatTheCurvesPrinterLaysShowsTheColourOnTheFormedSheet) {
   const Vector3f colour(0.7f, 0.45f, 0.6f);
   const SheetColours colours = sphere_of(colour);
   const ColourInk ink = colour_ink(hand_made::inked(dome_of_ink()), curved);
-  const auto print = drawn(colours, ink, ColourRaster::Shows::print);
+  const auto print = drawn(colours, ink, InkState::printed);
   // The printer of the curve, by hand.
   const auto lays = [](int channel, double printed) {
     std::size_t i = 1;
