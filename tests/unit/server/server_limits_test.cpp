@@ -190,7 +190,7 @@ TEST_F(ServerLimits, ABodyThatBreaksOffMakesNoJob) {
 TEST_F(ServerLimits, AFormThatAnnouncesTooMuchIsRefusedBeforeItsBytes) {
   expect_problem(raw("POST /api/v1/jobs HTTP/1.1\r\nHost: " + host() + "\r\n" + bearer(user_) + form_type +
                      "Content-Length: 3000000000\r\n\r\n"),
-                 413, "the body is larger than 1409 MiB");
+                 413, "the body is larger than 1413 MiB");
 }
 
 // A request is refused by its Content-Length alone, on every route and for every client.
@@ -200,7 +200,7 @@ TEST_F(ServerLimits, EveryRouteBoundsItsBodyBeforeItsBytes) {
                                    {"POST /sign-out", "4096 bytes"},
                                    {"GET /healthz", "73728 bytes"},
                                    {"POST /api/v1/scans", "1025 MiB"},
-                                   {"POST /jobs", "1409 MiB"},
+                                   {"POST /jobs", "1413 MiB"},
                                    {"POST /api/v1/tokens", "73728 bytes"},
                                    {"PUT /api/v1/profiles/a", "73728 bytes"},
                                    {"POST /api/v1/leases", "73728 bytes"},
