@@ -123,8 +123,9 @@ Result<Response> create(Service& service, Request& request, const Caller& caller
   VACUFORM_TRY(metadata, metadata_of(request.header("Upload-Metadata")));
   const InputKind* kind = input_kind(metadata.input);
   if (!kind)
-    return fail(Code::bad_usage, "there is no such input", "Upload-Metadata",
-                "give the key input as scan, pattern, temperature, weights or icc, or leave it out for a scan");
+    return fail(
+        Code::bad_usage, "there is no such input", "Upload-Metadata",
+        "give the key input as scan, pattern, temperature, weights or icc, or leave it out for a scan");
   VACUFORM_TRY(upload, service.uploads.begin(caller.owner, *kind, metadata.extension, length));
   log_event("upload-started", {{"upload", upload.id}, {"bytes", length}, {"token", caller.token}});
   std::uint64_t offset = 0;

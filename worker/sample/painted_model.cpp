@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "worker/sample/cairo_png.hpp"
 #include "worker/sample/textured_glb.hpp"
 
 namespace vacuform {

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "worker/sample/cairo_png.hpp"
 #include "worker/sample/textured_glb.hpp"
 
 namespace vacuform {
@@ -88,14 +89,14 @@ Pyramid pyramid() {
 // The middle of a place for a patch: on the top four rows of four, on a terrace four along each side.
 Vector2d place_for(int step, int slot) {
   const double along = slot % 4 - 1.5;
-  if (step == 0) return top_pitch * Vector2d(along, 1.5 - slot / 4);
+  const int four = slot / 4;  // the row, or the side
+  if (step == 0) return top_pitch * Vector2d(along, 1.5 - four);
   const double out = top_half + step * wall_run + (step - 0.5) * terrace;
   const Vector2d at(side_pitch * along, out);
   // From one side to the next by a quarter turn.
-  const int turns = slot / 4;
-  if (turns == 0) return at;
-  if (turns == 2) return -at;
-  return turns == 1 ? Vector2d(-at.y(), at.x()) : Vector2d(at.y(), -at.x());
+  if (four == 0) return at;
+  if (four == 2) return -at;
+  return four == 1 ? Vector2d(-at.y(), at.x()) : Vector2d(at.y(), -at.x());
 }
 
 // A byte of sRGB (IEC 61966-2-1) with about this much linear light, and the light that it has.

@@ -31,8 +31,7 @@ SheetColours sphere_of(const Vector3f& linear) {
 constexpr int pixels = 600;
 constexpr double pixel_size = 0.5;
 
-std::vector<std::uint8_t> drawn(const SheetColours& colours, const ColourInk& ink,
-                                InkState shows) {
+std::vector<std::uint8_t> drawn(const SheetColours& colours, const ColourInk& ink, InkState shows) {
   const ColourRaster raster(colours, pixels, pixels, pixel_size, {&ink, shows});
   std::vector<std::uint8_t> rgba;
   for (int top = 0; top < pixels; top += raster.band_rows()) {
@@ -70,9 +69,7 @@ TEST(ColourInk, ALinearCurvePrintsTheCoverageTimesTheAreaRatio) {
                                    static_cast<float>(area_ratio_at(r)) * (Vector3f::Ones() - colour);
                           }),
             0.02);
-  EXPECT_LT(
-      largest_error(drawn(colours, ink, InkState::stretched), [&](double) { return colour; }),
-      0.005);
+  EXPECT_LT(largest_error(drawn(colours, ink, InkState::stretched), [&](double) { return colour; }), 0.005);
 }
 
 const InkCurveRows curved{{0, 0, 0, 0}, {0.2, 0.35, 0.3, 0.25}, {0.5, 0.75, 0.7, 0.6}, {1, 1.2, 1.1, 0.95}};
