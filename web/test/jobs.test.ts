@@ -119,6 +119,14 @@ test('every problem type of the API has a title, a meaning and a fix in German',
   assert.deepEqual(Object.keys(texts('de', 'problems.json')).sort(), wanted.map((name) => `error.${name}`).sort());
 });
 
+test('every input of a job has a name', () => {
+  const description = readFileSync(join(web, '../api/openapi.yaml'), 'utf8');
+  const list = /input: \{enum: \[(.*)\]\}/.exec(description)?.[1]?.split(', ') ?? [];
+  assert.ok(list.includes('icc'));
+  for (const language of ['en', 'de'])
+    assert.deepEqual(Object.keys(texts(language, 'job.json')).filter((key) => key.startsWith('job.input_')), list.map((name) => `job.input_${name}`));
+});
+
 test('a mold stands in the machine as it is, in the frame of its job', () => {
   const settings = {sheet: {width_mm: 300, height_mm: 320}, machine: {window: 'rectangle', window_width_mm: 280, window_height_mm: 290, drape_height_mm: 12}};
   const {placed, plug, frame} = standingOf({low: [-70, -95, 0], high: [80, 90, 130]}, settings);
