@@ -20,6 +20,7 @@ import {toJob, toJobs, toNew} from '../route';
 import {announce, setJobs, store} from '../state';
 import {fieldOf, staleJob} from '../state/draft';
 import {settingsOf, type Report, type Setting, type Warning} from '../state/jobs';
+import type {PrintReport} from '../state/result';
 import {bytes, duration, number, t, textIfKnown, when} from '../text';
 import {follow, live, onEnd, View} from '../view';
 import {failureView} from './result/failure';
@@ -188,16 +189,17 @@ class JobView extends View {
   #succeeded(job: Job, identity: HTMLElement): Children {
     if (job.kind === 'layout') return this.#layout(job);
     const name = job.kind === 'print' ? 'report.json' : 'findings.json';
-    return later(() => api.artifactJson<Report>(job.id, name), (report) => {
+    return later(() => api.artifactJson<Report & PrintReport>(job.id, name), (report) => {
       replace(identity, band(job, report));
       return job.kind === 'print' ? this.#print(job, report) : this.#inspection(job, report);
     });
   }
 
-  #print(job: Job, report: Report): Children {
+  #print(job: Job, report: Report & PrintReport): Children {
     const files = downloads(job);
     const pictures = onDemand(t('job.pictures'), () => this.#pictures(job, report));
     const view = document.createElement('vf-result');
+    view.report = report;
     view.job = job;
     const result = el('div', null, view);
     const show = ([x = 0, y = 0, z = 0]: readonly number[]): void => {

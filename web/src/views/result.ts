@@ -28,6 +28,7 @@ export class ResultView extends View {
     this.disconnectedCallback();
     this.connectedCallback();
   }
+  report: PrintReport | null = null;  // that of the job, if it has been read already; set it before the job
   // Shows a place of the mold, in mm.
   showPlace(x: number, y: number, z: number): void {
     setResult({tab: 'part'});
@@ -55,7 +56,7 @@ export class ResultView extends View {
     const host = el('div', {class: 'result'}, el('p', {class: 'quiet', role: 'status'}, t('shell.loading')));
     let over = false;
     ends.push(() => { over = true; });
-    const load = (): void => void api.artifactJson<PrintReport>(job.id, 'report.json').then(
+    const load = (): void => void (async () => this.report ?? await api.artifactJson<PrintReport>(job.id, 'report.json'))().then(
       (report) => { if (!over) replace(host, this.#content(job, report, ends)); },
       (error: unknown) => { if (!over) replace(host, problemBox(error, load)); });
     load();
