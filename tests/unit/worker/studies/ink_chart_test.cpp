@@ -52,14 +52,14 @@ std::span<const std::uint8_t> bytes_in(const std::string& text) {
 // A colorimeter with this noise in L*, a*, b*, on plastic that is not quite white.
 std::string measured_lab(const std::vector<InkPatch>& patches, double noise, unsigned seed) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> error(0, noise);
+  std::normal_distribution<double> error(0, 1);
   const Eigen::Vector3d plastic(0.86, 0.84, 0.78);
   std::string csv = "patch;L;a;b\n";
   for (const InkPatch& patch : patches) {
     Eigen::Vector3d linear = plastic;
     if (patch.ink >= 0) linear[patch.ink] *= 1 - shown_on(patch);
     csv += patch.id;
-    for (const double v : lab_of(linear)) csv.append(";").append(std::to_string(v + error(random)));
+    for (const double v : lab_of(linear)) csv.append(";").append(std::to_string(v + noise * error(random)));
     csv += "\n";
   }
   return csv;
