@@ -37,7 +37,7 @@ struct InputKind {
   std::string_view title;       // one line for people
   std::string_view extensions;  // of what is read, as a file dialog takes them
   std::uint64_t most_bytes;
-  bool always = true;  // otherwise only where the settings ask for it
+  bool always = true;  // otherwise optional, or where the settings ask for it
 };
 inline constexpr std::array<InputKind, 5> input_kinds{{
     {"scan", "Scan of the head", ".stl,.obj,.ply,.off,.glb,.zip", 1ull << 30},

@@ -96,3 +96,18 @@ test('two tabs keep two drafts', async ({page: first}) => {
     assert.equal(await referenceField(page).inputValue(), text);
   }
 });
+
+test('the settings of a new print cannot be changed until the job that it starts from has arrived', async ({page, jobs}) => {
+  let release;
+  const held = new Promise((done) => { release = done; });
+  await page.route(`**/api/v1/jobs/${jobs.print}`, async (route) => {
+    await held;
+    await route.continue();
+  });
+  await page.goto(`/#/new?from=${jobs.print}`);
+  const parts = page.locator('.new-print > .stack');
+  await parts.waitFor();
+  assert.equal(await parts.evaluate((element) => element.inert), true);
+  release();
+  await page.waitForFunction(() => !document.querySelector('.new-print > .stack').inert);
+});

@@ -89,14 +89,14 @@ Pyramid pyramid() {
 // The middle of a place for a patch: on the top four rows of four, on a terrace four along each side.
 Vector2d place_for(int step, int slot) {
   const double along = slot % 4 - 1.5;
-  const int four = slot / 4;  // the row, or the side
-  if (step == 0) return top_pitch * Vector2d(along, 1.5 - four);
+  const int group = slot / 4;  // the row on the top, or the side of a terrace
+  if (step == 0) return top_pitch * Vector2d(along, 1.5 - group);
   const double out = top_half + step * wall_run + (step - 0.5) * terrace;
   const Vector2d at(side_pitch * along, out);
   // From one side to the next by a quarter turn.
-  if (four == 0) return at;
-  if (four == 2) return -at;
-  return four == 1 ? Vector2d(-at.y(), at.x()) : Vector2d(at.y(), -at.x());
+  if (group == 0) return at;
+  if (group == 2) return -at;
+  return group == 1 ? Vector2d(-at.y(), at.x()) : Vector2d(at.y(), -at.x());
 }
 
 // A byte of sRGB (IEC 61966-2-1) with about this much linear light, and the light that it has.
