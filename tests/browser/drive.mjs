@@ -121,6 +121,7 @@ export async function startService({workers = 1, options = [], copyOf} = {}) {
       for (const program of programs.reverse()) {
         if (program.exitCode !== null) continue;
         const ended = new Promise((resolve) => { program.once('exit', resolve); });
+        program.ref();  // or Node ends here where nothing else is left to do
         end(program, 'SIGTERM');
         await ended;
       }
@@ -183,6 +184,8 @@ export async function openPage(browser, service, options = {}, at = service.url)
     if (['error', 'warning'].includes(message.type()) && !ofSoftwareDrawing.test(message.text()))
       page.faults.push(`console: ${message.text()} (${message.location().url})`);
   });
+  // Chromium hands over every choice of files from now on. Once a test waits for one, it is too late to ask for that.
+  if (options.javaScriptEnabled !== false) page.on('filechooser', () => {});
   page.on('pageerror', (error) => { page.faults.push(`exception: ${error.stack}`); });
   page.on('requestfailed', (request) => {
     const why = request.failure()?.errorText ?? '';
@@ -350,7 +353,7 @@ async function furnish(service) {
 }
 
 // A service with finished jobs of every kind: {service, jobs}. The computing is done once if VACUFORM_BROWSER_DATA names a
-// folder for its outcome, as tests/browser/run does.
+// folder for its outcome.
 export async function startFurnished(workers = 0) {
   const kept = process.env.VACUFORM_BROWSER_DATA;
   const list = kept && join(kept, 'jobs.json');

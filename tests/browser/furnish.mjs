@@ -1,0 +1,9 @@
+// Makes the jobs that most tests look at, anew, in the folder VACUFORM_BROWSER_DATA.
+import {mkdirSync, rmSync} from 'node:fs';
+import {startFurnished} from './drive.mjs';
+
+const folder = process.env.VACUFORM_BROWSER_DATA;
+rmSync(folder, {recursive: true, force: true});
+mkdirSync(folder);
+const {service} = await startFurnished();
+await service.stop();
