@@ -17,6 +17,7 @@
 #include "worker/forming/inked_face.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/sample/sample.hpp"
+#include "worker/surface/stl.hpp"
 
 namespace {
 

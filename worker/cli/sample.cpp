@@ -1,43 +1,12 @@
 // vacuform sample: writes the bundled head form and coil pattern, or a model that wears colours.
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
 
 #include "worker/cli/commands.hpp"
-#include "worker/sample/painted_model.hpp"
-#include "worker/sample/sample.hpp"
-#include "worker/scan/mold.hpp"
+#include "worker/sample/sample_files.hpp"
 
 namespace vacuform::cli {
-
-namespace {
-
-template <class Bytes>
-Result<void> write(const std::filesystem::path& path, const Bytes& bytes) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file)
-    return fail(Code::unreadable, "cannot write the file", path.string(),
-                "choose a folder you may write to, with room");
-  return {};
-}
-
-Result<void> write_sample(const std::filesystem::path& out, const std::string& model, HeadForm form) {
-  std::error_code error;
-  std::filesystem::create_directories(out, error);
-  if (error)
-    return fail(Code::unreadable, "cannot make the folder: " + error.message(), out.string(),
-                "choose a folder you may write to");
-  if (model != "head")
-    return write(out / (model + ".glb"), painted_glb(model == "mask" ? Model::mask : Model::figurine));
-  VACUFORM_CHECK(write(out / "head.stl", stl_bytes(sample_head(form))));
-  return write(out / "pattern.svg", sample_pattern());
-}
-
-}  // namespace
 
 void add_sample(CLI::App& app, int& exit_code) {
   auto* command =

@@ -8,6 +8,7 @@
 #include "worker/inspection/mold_marks.hpp"
 #include "worker/inspection/picture_png.hpp"
 #include "worker/inspection/previews.hpp"
+#include "worker/surface/stl.hpp"
 
 namespace vacuform {
 

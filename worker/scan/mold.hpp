@@ -94,7 +94,4 @@ Result<void> check_fit(const Mold& mold, const SheetSettings& sheet, const Machi
 std::vector<Warning> fit_findings(const Mold& mold, const SheetSettings& sheet,
                                   const MachineSettings& machine, double thin_limit);
 
-// Binary STL of the mold, mm, header "Vacuform mold, mm".
-std::vector<std::uint8_t> stl_bytes(const TriangleMesh& mesh);
-
 }  // namespace vacuform

@@ -151,13 +151,6 @@ Box bounds(const TriangleMesh& mesh) {
   return box;
 }
 
-Eigen::Vector3d area_vector(const TriangleMesh& mesh, const Triangle& t) {
-  const auto& a = mesh.vertices[static_cast<std::size_t>(t[0])];
-  const auto& b = mesh.vertices[static_cast<std::size_t>(t[1])];
-  const auto& c = mesh.vertices[static_cast<std::size_t>(t[2])];
-  return (b - a).cross(c - a) / 2;
-}
-
 double signed_volume(const TriangleMesh& mesh) {
   const Eigen::Vector3d centre = bounds(mesh).centre();
   double volume = 0;

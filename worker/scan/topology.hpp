@@ -44,7 +44,6 @@ struct Box {
 };
 Box bounds(const TriangleMesh& mesh);  // of the vertices; of a mesh without any: zeros
 
-Eigen::Vector3d area_vector(const TriangleMesh& mesh, const Triangle& t);  // normal times area
 double signed_volume(const TriangleMesh& mesh);  // positive: oriented outwards; mesh closed
 
 }  // namespace vacuform

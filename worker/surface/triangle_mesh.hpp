@@ -1,7 +1,7 @@
 // The triangle mesh that every stage uses.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <vector>
 
@@ -13,5 +13,13 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3d> vertices;  // mm
   std::vector<Triangle> triangles;
 };
+
+// The normal of a triangle times its area, mm^2.
+inline Eigen::Vector3d area_vector(const TriangleMesh& mesh, const Triangle& t) {
+  const auto& a = mesh.vertices[static_cast<std::size_t>(t[0])];
+  const auto& b = mesh.vertices[static_cast<std::size_t>(t[1])];
+  const auto& c = mesh.vertices[static_cast<std::size_t>(t[2])];
+  return (b - a).cross(c - a) / 2;
+}
 
 }  // namespace vacuform

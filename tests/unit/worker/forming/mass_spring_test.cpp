@@ -10,6 +10,7 @@
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/settling.hpp"
 #include "worker/sample/sample.hpp"
+#include "worker/surface/stl.hpp"
 
 namespace vacuform {
 namespace {

@@ -1,6 +1,7 @@
 #include "tests/unit/worker/printing/round_trip.hpp"
 
 #include "tests/unit/fixtures/shapes.hpp"
+#include "worker/surface/stl.hpp"
 
 namespace vacuform {
 namespace {

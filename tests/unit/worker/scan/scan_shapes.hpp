@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "worker/scan/mold.hpp"
+#include "worker/surface/stl.hpp"
 #include "worker/scan/topology.hpp"
 
 namespace vacuform::shapes {

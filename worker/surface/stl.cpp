@@ -1,9 +1,7 @@
-#include <Eigen/Geometry>
+#include "worker/surface/stl.hpp"
+
 #include <bit>
 #include <cstring>
-
-#include "worker/scan/mold.hpp"
-#include "worker/scan/topology.hpp"
 
 namespace vacuform {
 
