@@ -101,18 +101,22 @@ class Crashes(Case):
         new = wait_for(lambda: (answer := ask()).status == 200 and answer, "the end of the job's rest").json
         self.assertEqual((new["job"], new["attempt"]), (job, 2))
         self.assertNotEqual(new["lease"], old["lease"])
+
+        def say(lease, path, *words):
+            return curl(*bearer, "-H", "Vacuform-Lease: " + lease["lease"], *words, f"{server.api}/leases/{job}/{path}")
+
+        heartbeat = ("heartbeat", *of_json, "-d", '{"stage":"forming","progress":0.5}')
+        puts = [("artifacts/" + name, "-H", "Content-Type: application/octet-stream", "-X", "PUT", "--data-binary")
+                for name in sorted(DUE_ARTIFACTS)]
         for lease, status in (old, 409), (new, 200):
-            words = [*bearer, "-H", "Vacuform-Lease: " + lease["lease"]]
-            root = f"{server.api}/leases/{job}"
-            put = lambda name: curl(*words, "-H", "Content-Type: application/octet-stream", "-X", "PUT", "--data-binary",
-                                    lease["lease"], f"{root}/artifacts/{name}")
-            for answer in [curl(*words, *of_json, "-d", '{"stage":"forming","progress":0.5}', root + "/heartbeat"),
-                           *map(put, sorted(DUE_ARTIFACTS)),
-                           curl(*words, *of_json, "-d", "{}", root + "/complete")]:
+            for path, *words in puts:
+                answers = [say(lease, *heartbeat), say(lease, path, *words, lease["lease"])]  # a heartbeat keeps the lease
+                self.assertEqual([answer.status // 100 for answer in answers], [status // 100] * 2, answers)
                 if status == 409:
-                    self.assertEqual((answer.status, answer.json["type"]), (409, "/problems/lease-lost"))
-                else:
-                    self.assertEqual(answer.status // 100, 2, answer)
+                    say(new, *heartbeat)
+                    self.assertEqual({answer.json["type"] for answer in answers}, {"/problems/lease-lost"})
+            answer = say(lease, "complete", *of_json, "-d", "{}")
+            self.assertEqual(answer.status // 100, status // 100, answer)
         self.assertEqual(curl(f"{server.api}/jobs/{job}/artifacts/report.json").body.decode(), new["lease"])
         self.assertEqual(curl(*of_json, "-d", '{"protocol":2}', f"{server.api}/leases").status, 403)  # the administrator is no worker
 

@@ -217,7 +217,8 @@ TEST(ZipNames, RefusesABomb) {
 }
 
 TEST(ZipNames, RefusesALineWithoutEnd) {
-  expect_refused({{"a.obj", std::string(std::size_t{3} << 20, 'x'), false}}, Code::corrupt_file, "longer than a mebibyte");
+  expect_refused({{"a.obj", std::string(std::size_t{3} << 20, 'x'), false}}, Code::corrupt_file,
+                 "longer than a mebibyte");
 }
 
 TEST(ZipNames, RefusesATruncatedArchive) {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "worker/scan/mold.hpp"
-#include "worker/surface/stl.hpp"
 #include "worker/scan/topology.hpp"
+#include "worker/surface/stl.hpp"
 
 namespace vacuform::shapes {
 
