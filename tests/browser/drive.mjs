@@ -184,8 +184,8 @@ export async function openPage(browser, service, options = {}, at = service.url)
     if (['error', 'warning'].includes(message.type()) && !ofSoftwareDrawing.test(message.text()))
       page.faults.push(`console: ${message.text()} (${message.location().url})`);
   });
-  // Chromium hands over every choice of files from now on. Once a test waits for one, it is too late to ask for that.
-  if (options.javaScriptEnabled !== false) page.on('filechooser', () => {});
+  // With a listener, Playwright asks Chromium for file choosers now, not when a test begins to wait for one: that is too late.
+  page.on('filechooser', () => {});
   page.on('pageerror', (error) => { page.faults.push(`exception: ${error.stack}`); });
   page.on('requestfailed', (request) => {
     const why = request.failure()?.errorText ?? '';

@@ -1,4 +1,4 @@
-// Makes the jobs that most tests look at, anew, in the folder VACUFORM_BROWSER_DATA.
+// Makes the jobs that most tests look at, in the folder VACUFORM_BROWSER_DATA, which it empties first.
 import {mkdirSync, rmSync} from 'node:fs';
 import {startFurnished} from './drive.mjs';
 
