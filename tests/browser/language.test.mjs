@@ -178,5 +178,5 @@ function strings(text) {
   return found;
 }
 
-// Times, names that are the same in every language, and what people and the service have named.
-const known = /^(?:· )?(\d+ \w{3,4} \d{4}, .*|CASE-\d|admin|local-workers|station-3|English|Deutsch|API|[\w.-]+\.(png|pdf|svg|ply|obj|mtl|stl|json|html|glb|zip))$/;
+// Times, durations, names that are the same in every language, and what people and the service have named.
+const known = /^(?:· )?(\d+ \w{3,4} \d{4}, .*|(\d+ h )?\d+ min|CASE-\d|admin|local-workers|station-3|English|Deutsch|API|[\w.-]+\.(png|pdf|svg|ply|obj|mtl|stl|json|html|glb|zip))$/;

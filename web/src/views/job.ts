@@ -23,7 +23,9 @@ import {settingsOf, type Report, type Setting, type Warning} from '../state/jobs
 import type {PrintReport} from '../state/result';
 import {bytes, duration, number, t, textIfKnown, when} from '../text';
 import {follow, live, onEnd, View} from '../view';
+import {ResultView} from './result';
 import {failureView} from './result/failure';
+import {loadModel, type Model} from './result/part';
 
 const queueEvery = 5000;  // ms: nothing tells a queued job that those before it are done
 
@@ -188,23 +190,21 @@ class JobView extends View {
 
   #succeeded(job: Job, identity: HTMLElement): Children {
     if (job.kind === 'layout') return this.#layout(job);
-    const name = job.kind === 'print' ? 'report.json' : 'findings.json';
+    const name = job.kind === 'print' ? 'report.json' : 'findings.json', model = job.kind === 'print' ? loadModel(job) : null;
     return later(() => api.artifactJson<Report & PrintReport>(job.id, name), (report) => {
       replace(identity, band(job, report));
-      return job.kind === 'print' ? this.#print(job, report) : this.#inspection(job, report);
+      return job.kind === 'print' ? this.#print(job, report, model) : this.#inspection(job, report);
     });
   }
 
-  #print(job: Job, report: Report & PrintReport): Children {
+  #print(job: Job, report: Report & PrintReport, model: Model): Children {
     const files = downloads(job);
     const pictures = onDemand(t('job.pictures'), () => this.#pictures(job, report));
-    const view = document.createElement('vf-result');
-    view.report = report;
-    view.job = job;
+    const view = new ResultView(job, report, model);
     const result = el('div', null, view);
     const show = ([x = 0, y = 0, z = 0]: readonly number[]): void => {
       result.scrollIntoView();
-      view.dispatchEvent(new CustomEvent('show-place', {detail: {x, y, z}}));
+      view.showPlace(x, y, z);
     };
     // out of date too while a print that starts from this job has other settings
     const setStale = (moved: boolean): void => files.setStale(moved || staleJob(store.get().draft) === job.id);

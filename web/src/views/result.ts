@@ -1,34 +1,23 @@
 // A print that has succeeded: its figures, the formed sheet in 3D, its coils, and the flat print.
 // Event "stale" {stale}: the drawing was moved, so the files of the job do not match what is shown.
-import {el, replace, type Children} from '../dom';
-import {api} from '../api/client';
+import {el, type Children} from '../dom';
 import type {Job} from '../api/types';
 import {coilTable} from '../parts/coil-table';
-import {problemBox} from '../parts/problem';
 import {store} from '../state';
 import {coilsOf, resultOf, type PrintReport} from '../state/result';
 import {t} from '../text';
 import {follow, onEnd, View} from '../view';
 import {adjustView} from './result/adjust';
 import {keyFigures} from './result/figures';
-import {partView, setResult, type Part} from './result/part';
+import {partView, setResult, type Model, type Part} from './result/part';
 import {printSheet} from './result/print-sheet';
 
 export class ResultView extends View {
-  #job: Job | null = null;
   #part: Part | null = null;
 
-  get job(): Job | null {
-    return this.#job;
+  constructor(readonly job: Job, readonly report: PrintReport, readonly model: Model) {
+    super();
   }
-  set job(job: Job | null) {
-    if (job?.id === this.#job?.id) return;
-    this.#job = job;
-    if (!this.isConnected) return;
-    this.disconnectedCallback();
-    this.connectedCallback();
-  }
-  report: PrintReport | null = null;  // that of the job, if it has been read already; set it before the job
   // Shows a place of the mold, in mm.
   showPlace(x: number, y: number, z: number): void {
     setResult({tab: 'part'});
@@ -36,36 +25,22 @@ export class ResultView extends View {
   }
 
   protected build(): Children {
-    const job = this.#job;
-    if (!job) return [];
+    const {job} = this;
     const ends: (() => void)[] = [];
     onEnd(() => {
       this.#part = null;
       for (const end of ends.splice(0).reverse()) end();
     });
-    const place = (event: Event): void => {
-      const {x, y, z} = (event as CustomEvent<{x: number; y: number; z: number}>).detail;
-      this.showPlace(x, y, z);
-    };
-    this.addEventListener('show-place', place);
-    onEnd(() => this.removeEventListener('show-place', place));
     // Also when a link to another view of this job is opened.
     follow((state) => state.route, (route) => {
       if (route.view === 'job' && route.id === job.id) setResult(resultOf(route.query));
     });
-    const host = el('div', {class: 'result'}, el('p', {class: 'quiet', role: 'status'}, t('shell.loading')));
-    let over = false;
-    ends.push(() => { over = true; });
-    const load = (): void => void (async () => this.report ?? await api.artifactJson<PrintReport>(job.id, 'report.json'))().then(
-      (report) => { if (!over) replace(host, this.#content(job, report, ends)); },
-      (error: unknown) => { if (!over) replace(host, problemBox(error, load)); });
-    load();
-    return host;
+    return el('div', {class: 'result'}, this.#content(ends));
   }
 
-  #content(job: Job, report: PrintReport, ends: (() => void)[]): Children {
-    const coils = coilsOf(report);
-    const part = this.#part = partView(job, report, coils, ends);
+  #content(ends: (() => void)[]): Children {
+    const {job, report, model} = this, coils = coilsOf(report);
+    const part = this.#part = partView(job, report, model, coils, ends);
     const table = coils.length > 0 ? coilTable(coils, ({id}) => {
       const coil = store.get().result.coil === id ? '' : id;
       setResult({coil});
@@ -109,8 +84,3 @@ export class ResultView extends View {
   }
 }
 customElements.define('vf-result', ResultView);
-declare global {
-  interface HTMLElementTagNameMap {
-    'vf-result': ResultView;
-  }
-}

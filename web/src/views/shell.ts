@@ -13,7 +13,6 @@ import './job';
 import './jobs';
 import './new-print';
 import './not-found';
-import './result';
 
 const languageNames = {en: 'English', de: 'Deutsch'};
 

@@ -53,7 +53,17 @@ function pictures(job: Job, identity: string): HTMLElement {
     el('figcaption', null, titleOf(file)))));
 }
 
-export function partView(job: Job, report: PrintReport, coils: readonly Coil[], ends: (() => void)[]): Part {
+// What the 3D view needs; null: the job has no formed sheet. It is large, so it is asked for before the report is read.
+export type Model = Promise<[Scene, ArrayBuffer]> | null;
+export function loadModel(job: Job): Model {
+  if (!job.artifacts.some((file) => file.name === 'formed.glb')) return null;
+  const model = Promise.all([
+    import('../../scene/sheet') as Promise<Scene>, api.artifact(job.id, 'formed.glb').then((answer) => answer.arrayBuffer())]);
+  model.catch(() => {});  // the view says what is wrong
+  return model;
+}
+
+export function partView(job: Job, report: PrintReport, model: Model, coils: readonly Coil[], ends: (() => void)[]): Part {
   const identity = identityOf(job, report);
   const group = (name: string): Record<string, unknown> => job.settings[name] ?? {};
   const tolerances = {
@@ -302,12 +312,10 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     host.replaceChildren(el('p', {class: 'notice'}, icon('info'), why), pictures(job, identity));
     element.classList.add('flat');
   };
-  async function load(): Promise<void> {
-    if (!job.artifacts.some((file) => file.name === 'formed.glb')) return fallback(t('result.no_formed'));
+  async function load(loading: Model): Promise<void> {
+    if (!loading) return fallback(t('result.no_formed'));
     try {
-      const [scene, file] = await Promise.all([
-        import('../../scene/sheet') as Promise<Scene>,
-        api.artifact(job.id, 'formed.glb').then((answer) => answer.arrayBuffer())]);
+      const [scene, file] = await loading;
       if (over) return;
       try {
         viewer = scene.createViewer({label: t('result.view_label', {job: nameOf(job)}), elevation: 38, failed: () => fallback(t('result.lost_3d'))});
@@ -331,7 +339,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     } catch (error) {
       if (over) return;
       viewer?.dispose();
-      replace(host, [problemBox(error, () => void load()), pictures(job, identity)]);
+      replace(host, [problemBox(error, () => void load(loadModel(job))), pictures(job, identity)]);
     }
   }
   // The centre lines come from the print itself; without them coils cannot be outlined.
@@ -403,7 +411,7 @@ export function partView(job: Job, report: PrintReport, coils: readonly Coil[], 
     if (!over && state.result !== before) apply(state.result);
   }));
   apply(store.get().result);
-  void load();
+  void load(model);
   void loadLines().catch(() => {});
 
   return {
