@@ -45,18 +45,16 @@ const options = {
   logLevel: 'warning',
 };
 
-// The names of the built entry points, and the page that refers to them. The browser loads what the application imports
-// at the same time as the application.
+// The names of the built entry points, and the page that refers to them.
 function writePage(metafile) {
-  const path = (file) => `/app/${file.split('/').pop()}`;
-  const built = (entry) => Object.entries(metafile.outputs).find(([, output]) => output.entryPoint === entry);
-  const [app, {imports}] = built('src/main.ts');
+  const named = (entry) => {
+    const [file] = Object.entries(metafile.outputs).find(([, output]) => output.entryPoint === entry);
+    return file.split('/').pop();
+  };
   const page = readFileSync(join(here, 'index.html'), 'utf8')
-    .replace('{{style}}', path(built('style/main.css')[0]))
-    .replace('{{app}}', path(app))
-    .replace('{{imports}}', imports.filter(({kind}) => kind === 'import-statement')
-      .map((one) => `<link rel="modulepreload" href="${path(one.path)}">`).join('\n'))
-    .replace('{{read-worker}}', path(built('src/read/worker.ts')[0]));
+    .replace('{{style}}', `/app/${named('style/main.css')}`)
+    .replace('{{app}}', `/app/${named('src/main.ts')}`)
+    .replace('{{read-worker}}', `/app/${named('src/read/worker.ts')}`);
   writeFileSync(join(out, 'index.html'), page);
 }
 
