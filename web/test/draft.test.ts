@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import type {SettingsSchema} from '../src/api/types';
 import {
-  accepting, attemptFor, withDefaultProfile, changed, doubtsOf, emptyDraft, emptyForm, hasPattern, redone, restored, saved, scanSettings, separated, staleJob, statusOf,
+  accepting, attemptFor, withDefaultProfile, changed, doubtsOf, emptyDraft, emptyForm, hasIcc, hasPattern, redone, restored, saved, scanSettings, separated, staleJob, statusOf,
   submission, undone, withProfile, withSetting, withSettings, type DraftState, type Origin, type Pattern, type SentFile} from '../src/state/draft';
 
 const schema: SettingsSchema = {properties: {
@@ -14,7 +14,7 @@ const scan: SentFile = {upload: 'u1', whole: true, name: 'Meier.stl', bytes: 10,
 const pattern: Pattern = {...scan, upload: 'u2', name: 'rings.svg', mark: '9-cd', kind: 'svg', width: 10, height: 5, aspect: 2, layout: ''};
 const from: Origin = {
   job: 'j1', kind: 'print', settings: {print: {dpi: 600}},
-  scan: {bytes: 1, sha256: 'aa', extension: 'stl'}, pattern: {bytes: 1, sha256: 'bb', extension: 'svg'}};
+  scan: {bytes: 1, sha256: 'aa', extension: 'stl'}, pattern: {bytes: 1, sha256: 'bb', extension: 'svg'}, icc: null};
 const draft = (change: Partial<DraftState> = {}): DraftState => ({...emptyDraft('tab'), ...change});
 const fields = (of: DraftState, kind: 'print' | 'inspection' | 'layout' = 'print'): Record<string, string> =>
   Object.fromEntries(submission(of, kind, schema));
@@ -35,6 +35,18 @@ test('a print of the colours of the scan needs no drawing and sends none', () =>
   assert.equal(hasPattern(draft({scan})), false);
   assert.equal(fields(now)['pattern_upload'], undefined);
   assert.equal(fields({...now, form: {...now.form, settings: {}}})['pattern_upload'], 'u2');
+});
+
+test('an ICC profile goes with a print as soon as it has arrived, and with no other job', () => {
+  const icc = {upload: 'u3', whole: false, name: 'printer.icc', bytes: 344, mark: 'i'};
+  const now = draft({schema, scan, form: {...emptyForm, pattern, icc}});
+  assert.equal(hasIcc(now), false);
+  assert.equal(statusOf(now, 'machine'), 'working');
+  assert.equal(fields(now)['icc_upload'], undefined);
+  const there = {...now, form: {...now.form, icc: {...icc, whole: true}}};
+  assert.equal(hasIcc(there), true);
+  assert.equal(fields(there)['icc_upload'], 'u3');
+  assert.equal(fields(there, 'inspection')['icc_upload'], undefined);
 });
 
 test('undo and redo go over the whole form', () => {

@@ -24,7 +24,7 @@ export interface Watcher {
 export interface Source {
   file: Blob;
   extension: string;        // all that is sent of the name
-  input: 'scan' | 'pattern';
+  input: 'scan' | 'pattern' | 'icc';
   id: string | null;        // of an unfinished upload of the same file
 }
 

@@ -4,6 +4,9 @@ import type {Transfer} from '../api/upload';
 import type {Problem} from '../api/client';
 import type {FieldSchema, Input, JobKind, Plan, ProblemBody, Profile, Settings, SettingsSchema} from '../api/types';
 
+// What this page may send as files.
+export type SentInput = 'scan' | 'pattern' | 'icc';
+
 // A file that this page sends to the server, or has sent.
 export interface SentFile {
   upload: string;   // its id; empty before the server has given one
@@ -28,6 +31,7 @@ export interface Form {
   reference: string;
   note: string;
   pattern: Pattern | null;
+  icc: SentFile | null;   // the ICC profile of the printer
 }
 
 // The job that this print starts from.
@@ -36,6 +40,7 @@ export interface Origin {
   kind: JobKind;
   scan: Input;
   pattern: Input | null;
+  icc: Input | null;
   settings: Settings;     // what differs from the defaults
 }
 
@@ -61,7 +66,7 @@ export interface DraftState extends Draft {
   past: Form[];
   future: Form[];
   faults: Record<string, string>;          // settings whose text cannot be used, by group.key
-  transfers: {scan: Transfer | null; pattern: Transfer | null};
+  transfers: Record<SentInput, Transfer | null>;
   plan: Plan | null;                       // the server's answer to what the form says now
   problem: ProblemBody | null;             // what it finds wrong instead
   checking: boolean;
@@ -70,12 +75,12 @@ export interface DraftState extends Draft {
   unread: Problem | null;                  // why it could not
 }
 
-export const emptyForm: Form = {settings: {}, profile: '', reference: '', note: '', pattern: null};
+export const emptyForm: Form = {settings: {}, profile: '', reference: '', note: '', pattern: null, icc: null};
 
 export function emptyDraft(tab: string): DraftState {
   return {
     tab, form: emptyForm, scan: null, facts: null, from: null, inspection: null, layout: '', accepted: [], attempt: null,
-    past: [], future: [], faults: {}, transfers: {scan: null, pattern: null}, plan: null, problem: null, checking: false,
+    past: [], future: [], faults: {}, transfers: {scan: null, pattern: null, icc: null}, plan: null, problem: null, checking: false,
     schema: null, profiles: null, unread: null};
 }
 
@@ -165,6 +170,7 @@ export const hasScan = (draft: Draft): boolean => draft.scan ? draft.scan.whole 
 export const printsScan = (draft: Draft): boolean => settingOf(draft.form.settings, 'pattern.source') === 'scan';
 export const hasPattern = (draft: Draft): boolean =>
   printsScan(draft) || (draft.form.pattern ? draft.form.pattern.whole : draft.from?.pattern != null);
+export const hasIcc = (draft: Draft): boolean => draft.form.icc === null || draft.form.icc.whole;  // or needs none
 
 // The fields of the form that makes this job, as the API names them. From another job every setting is sent, so that one which
 // went back to its default counts too.
@@ -177,6 +183,7 @@ export function submission(draft: Draft, kind: JobKind, schema: SettingsSchema):
   if (draft.from) fields.push(['from', draft.from.job]);
   if (draft.scan) fields.push(['scan_upload', draft.scan.upload]);
   if (kind === 'print' && draft.form.pattern && !printsScan(draft)) fields.push(['pattern_upload', draft.form.pattern.upload]);
+  if (kind === 'print' && draft.form.icc?.whole) fields.push(['icc_upload', draft.form.icc.upload]);
   if (draft.form.reference) fields.push(['reference', draft.form.reference]);
   if (kind === 'print' && draft.form.note) fields.push(['note', draft.form.note]);
   return fields;
@@ -224,6 +231,8 @@ export function statusOf(draft: DraftState, section: Section): Status {
       if (draft.transfers.pattern?.state === 'failed') return 'problem';
       return hasPattern(draft) ? 'done' : draft.form.pattern || draft.layout ? 'working' : 'open';
     case 'machine': {
+      if (draft.transfers.icc?.state === 'failed') return 'problem';
+      if (!hasIcc(draft)) return 'working';
       const {sheet, machine} = draft.form.settings;
       return draft.form.profile || draft.from || sheet || machine ? 'done' : 'defaults';
     }
@@ -249,7 +258,7 @@ export function accepting(draft: Draft, doubts: readonly Doubt[]): string[] {
 export function staleJob(draft: DraftState): string | null {
   const {from, form, scan} = draft;
   if (!from || from.kind !== 'print') return null;
-  return scan || form.pattern || !sameSettings(form.settings, from.settings) ? from.job : null;
+  return scan || form.pattern || form.icc || !sameSettings(form.settings, from.settings) ? from.job : null;
 }
 const sameSettings = (a: Settings, b: Settings): boolean => {
   const text = (settings: Settings): string => JSON.stringify(Object.entries(settings).flatMap(
@@ -280,10 +289,10 @@ export function restored(text: string | null, tab: string): DraftState {
 
 // For a second tab with a copy of the storage: its own draft, with files that only one tab may go on sending left out.
 export function separated(draft: DraftState, tab: string): DraftState {
-  const {pattern} = draft.form;
+  const {pattern, icc} = draft.form;
   return {
     ...draft, tab, attempt: null, layout: '', scan: draft.scan?.whole ? draft.scan : null,
-    form: {...draft.form, pattern: pattern?.whole ? pattern : null}};
+    form: {...draft.form, pattern: pattern?.whole ? pattern : null, icc: icc?.whole ? icc : null}};
 }
 
 export const storedUnder = 'vacuform.draft';

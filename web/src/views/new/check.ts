@@ -11,7 +11,7 @@ import {choiceOf, labelOf, valueText} from '../../parts/settings-form';
 import {toJob} from '../../route';
 import {announce} from '../../state';
 import {
-  accepting, doubtsOf, fieldOf, hasPattern, hasScan, idsOf, printsScan, sectionOf, settingOf, valueOf, type Doubt, type DraftState,
+  accepting, doubtsOf, fieldOf, hasIcc, hasPattern, hasScan, idsOf, printsScan, sectionOf, settingOf, valueOf, type Doubt, type DraftState,
   type Section} from '../../state/draft';
 import {bytes, t} from '../../text';
 import {follow, live} from '../../view';
@@ -44,6 +44,7 @@ function faultsOf(now: DraftState, {go}: CheckOptions): Fault[] {
   const faults: Fault[] = Object.entries(now.faults).map(([id, text]) => ({text: `${isText(id) ? texts[id].label() : labelOf(id)}: ${text}`, go: to(id)}));
   if (!hasScan(now)) faults.push({text: t(now.scan ? 'new.scan_not_sent' : 'new.scan_missing'), go: () => go('scan')});
   if (!hasPattern(now)) faults.push({text: t(now.form.pattern ? 'new.pattern_not_sent' : 'new.pattern_missing'), go: () => go('pattern')});
+  if (!hasIcc(now)) faults.push({text: t('new.icc_not_sent'), go: () => go('machine')});
   if (now.problem && hasScan(now) && hasPattern(now)) {
     const {where = ''} = now.problem;
     const setting = where.includes('.') && fieldOf(now.schema ?? {properties: {}}, where);
@@ -95,6 +96,8 @@ function rows(now: DraftState, {schema, go}: CheckOptions): Children {
     {name: 'machine', label: t('new.row_machine'), go: () => go('machine'), value:
       [form.profile || t('new.no_profile'), el('br'), el('span', {class: 'quiet'}, frameText(frameOf(schema, settings)))]},
     {name: 'sheet', label: t('new.row_sheet'), go: setting('sheet.material'), value: `${shown('sheet.material')}, ${shown('sheet.thickness_mm')}`},
+    (form.icc ?? from?.icc) != null && {name: 'icc', label: t('new.icc'), go: () => document.getElementById('icc-choose')?.focus(), value:
+      form.icc ? el('span', {class: 'file-name'}, form.icc.name) : t('new.icc_of_this_job', {job: shortId(from?.job ?? '')})},
     {name: 'others', label: t('new.row_others'), go: () => void focusSetting(others[0] ?? 'print.dpi'), value:
       others.length === 0 ? t('new.all_defaults')
       : el('ul', {class: 'plain-list'}, others.map((id) => el('li', null, `${labelOf(id)}: `, el('strong', null, shown(id)))))}];

@@ -1,14 +1,17 @@
 // Section 3: the machine and its sheet. Profiles first, then the settings that matter most, then all of them.
 import {el, svg, type Children} from '../../dom';
 import type {Profile, Settings, SettingsSchema} from '../../api/types';
+import {dropZone} from '../../parts/drop-zone';
 import {icon} from '../../parts/icon';
 import type {SettingsForm} from '../../parts/settings-form';
+import {iccSpace} from '../../read/icc';
 import {follows, valueOf, withProfile} from '../../state/draft';
-import {t} from '../../text';
-import {follow, live} from '../../view';
+import {bytes, t} from '../../text';
+import {follow, live, onEnd} from '../../view';
 import {sizeText} from './pattern';
 import {draftFields} from './fields';
-import {draft, edit} from './work';
+import {transferLine} from './transfer';
+import {draft, edit, removeIcc, takeIcc} from './work';
 
 const basic = [
   'sheet.width_mm', 'sheet.height_mm', 'sheet.thickness_mm', 'sheet.material', 'machine.window', 'machine.window_width_mm',
@@ -66,6 +69,28 @@ function cards(schema: SettingsSchema, profiles: readonly Profile[]): Children {
     el('div', {class: 'profiles'}, list), other);
 }
 
+// The colours of the printer.
+function iccPart(): Children {
+  const refused = el('div', {role: 'alert'});
+  const refuse = (why: string): void => refused.replaceChildren(el('p', {class: 'fault'}, why));
+  const take = async (file: File): Promise<void> => {
+    const space = iccSpace(await file.slice(0, 128).arrayBuffer()), {name} = file;
+    if (space !== 'RGB') return refuse(space ? t('new.icc_space', {name, space}) : t('new.wrong_icc', {name}));
+    refused.replaceChildren();
+    await takeIcc(file);
+  };
+  const zone = dropZone({
+    id: 'icc-choose', label: t('new.choose_icc'), hint: t('new.icc_hint'), accept: ['.icc', '.icm'], everywhere: true,
+    take: (file) => void take(file), refused: (name) => refuse(t('new.wrong_icc', {name}))});
+  onEnd(zone.end);
+  return [
+    el('h3', null, t('new.icc')), zone.element, refused, transferLine('icc'),
+    live(({draft: {form, from}}) => [form.icc, from] as const, ([icc, from]): Children =>
+      icc ? el('p', {class: 'row'}, el('strong', {class: 'file-name'}, icc.name), el('span', {class: 'quiet'}, bytes(icc.bytes)),
+              el('button', {type: 'button', id: 'icc-remove', class: 'plain', onclick: removeIcc}, icon('delete'), t('new.remove_icc')))
+      : from?.icc && el('p', {class: 'notice good'}, icon('check'), t('new.icc_of_job', {bytes: bytes(from.icc.bytes)})))];
+}
+
 // `made` receives what opens all settings and returns their form.
 export function machineSection(schema: SettingsSchema, made: (open: () => SettingsForm) => void): Children {
   let all: SettingsForm | null = null;
@@ -82,5 +107,5 @@ export function machineSection(schema: SettingsSchema, made: (open: () => Settin
   made(open);
   return [
     live((state) => state.draft.profiles, (profiles) => profiles && cards(schema, profiles)),
-    el('h3', null, t('new.main_settings')), draftFields(schema, 'machine', basic).element, rest];
+    el('h3', null, t('new.main_settings')), draftFields(schema, 'machine', basic).element, iccPart(), rest];
 }

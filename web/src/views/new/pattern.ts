@@ -13,7 +13,7 @@ import {bytes, number, percent, t} from '../../text';
 import {follow, live, onEnd} from '../../view';
 import {draftFields} from './fields';
 import {transferLine} from './transfer';
-import {cancelLayout, draft, layout, makeLayout, onSideJob, pictureOf, removePattern, setSetting, takePattern} from './work';
+import {cancelLayout, draft, keptFile, layout, makeLayout, onSideJob, removePattern, setSetting, takePattern} from './work';
 
 export const patternTypes = ['.svg', '.png', '.jpg', '.jpeg'] as const;
 const placed = ['pattern.inked_face', 'pattern.width_mm', 'pattern.rotate_deg', 'pattern.scale', 'pattern.offset_mm'];
@@ -32,7 +32,7 @@ export function sizeText(size: readonly [number, number]): string {
 
 // Loads the drawing into the image. False if this page does not have it.
 export async function loadDrawing(pattern: Pattern, image: HTMLImageElement): Promise<boolean> {
-  const blob = pictureOf(pattern.mark);
+  const blob = keptFile(pattern.mark);
   if (!blob) return false;
   image.src = URL.createObjectURL(pattern.kind === 'svg' ? new Blob([svgWithSize(await blob.text())], {type: blob.type}) : blob);
   await image.decode().catch(() => {});  // the service says what is wrong with it
@@ -40,7 +40,7 @@ export async function loadDrawing(pattern: Pattern, image: HTMLImageElement): Pr
   return image.naturalWidth > 0;
 }
 function picture(pattern: Pattern, alt: string): Children {
-  if (!pictureOf(pattern.mark)) return el('p', {class: 'quiet'}, t('new.no_picture'));
+  if (!keptFile(pattern.mark)) return el('p', {class: 'quiet'}, t('new.no_picture'));
   const image = el('img', {alt, class: 'flat', width: 480, height: Math.round(480 / (pattern.aspect ?? 1))});
   void loadDrawing(pattern, image);
   return el('div', {class: 'paper'}, image);

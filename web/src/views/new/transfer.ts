@@ -4,13 +4,14 @@ import {icon} from '../../parts/icon';
 import {problemBox, problemLine} from '../../parts/problem';
 import {bytes, duration, percent, t} from '../../text';
 import {live} from '../../view';
-import {removePattern, removeScan, uploadOf} from './work';
+import type {SentInput} from '../../state/draft';
+import {removeIcc, removePattern, removeScan, uploadOf} from './work';
 
-export function transferLine(input: 'scan' | 'pattern'): HTMLElement {
+export function transferLine(input: SentInput): HTMLElement {
   return live((state) => state.draft.transfers[input], (transfer): Children => {
     if (!transfer || transfer.state === 'done') return null;
     const {state, sent, bytes: all, speed, left, problem} = transfer;
-    const remove = input === 'scan' ? removeScan : removePattern;
+    const remove = {scan: removeScan, pattern: removePattern, icc: removeIcc}[input];
     if (state === 'failed')
       return problem?.code === 'file-changed'
         ? el('p', {class: 'notice', role: 'alert'}, icon('warning'), t('new.file_changed')) : problemBox(problem, () => uploadOf(input)?.resume());

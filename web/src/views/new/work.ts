@@ -7,7 +7,7 @@ import {announce, store} from '../../state';
 import {
   attemptFor, changed, emptyDraft, emptyForm, hasPattern, hasScan, isNew, redone, restored, saved, scanSettings, separated,
   storedUnder, submission, undone, withDefaultProfile, withoutDefaults, withSetting, type Draft, type DraftState, type Form, type Pattern,
-  type SentFile} from '../../state/draft';
+  type SentFile, type SentInput} from '../../state/draft';
 import {ended} from '../../api/types';
 import type {Warning} from '../../state/jobs';
 import {pictureSize, svgSize} from '../../read/drawing';
@@ -52,23 +52,22 @@ export const readSchema = (): Promise<SettingsSchema> => reading ??= (async () =
 
 // Files on their way. They go on while another view is shown.
 
-type Input = 'scan' | 'pattern';
-const uploads: Record<Input, Upload | null> = {scan: null, pattern: null};
-const fileOf = (of: Draft, input: Input): SentFile | null => input === 'scan' ? of.scan : of.form.pattern;
-const setTransfer = (input: Input, transfer: Transfer | null): void =>
+const uploads: Record<SentInput, Upload | null> = {scan: null, pattern: null, icc: null};
+const fileOf = (of: Draft, input: SentInput): SentFile | null => input === 'scan' ? of.scan : of.form[input];
+const setTransfer = (input: SentInput, transfer: Transfer | null): void =>
   update((now) => ({transfers: {...now.transfers, [input]: transfer}}));
 
 // Changes the record of a file that is being sent, also where undo could bring it back.
-function setFile(input: Input, mark: string, change: Partial<SentFile>): void {
+function setFile(input: SentInput, mark: string, change: Partial<SentFile>): void {
   update((now) => {
     if (input === 'scan') return now.scan?.mark === mark ? {scan: {...now.scan, ...change}} : {};
     const renew = (form: Form): Form =>
-      form.pattern?.mark === mark ? {...form, pattern: {...form.pattern, ...change}} : form;
+      form[input]?.mark === mark ? {...form, [input]: {...form[input], ...change}} : form;
     return {form: renew(now.form), past: now.past.map(renew), future: now.future.map(renew)};
   });
 }
 
-function send(input: Input, file: Blob, name: string, mark: string, id: string | null): void {
+function send(input: SentInput, file: Blob, name: string, mark: string, id: string | null): void {
   uploads[input]?.pause();
   uploads[input] = startUpload({file, extension: extensionOf(name), input, id}, {
     started: (upload) => setFile(input, mark, {upload, whole: false}),
@@ -76,15 +75,15 @@ function send(input: Input, file: Blob, name: string, mark: string, id: string |
     done: (upload) => {
       setFile(input, mark, {upload, whole: true});
       setTransfer(input, null);
-      announce(t(input === 'scan' ? 'new.scan_sent' : 'new.pattern_sent'));
+      announce(t(`new.${input}_sent`));
       if (input === 'scan') void inspect();
     },
   });
 }
-export const uploadOf = (input: Input): Upload | null => uploads[input];
+export const uploadOf = (input: SentInput): Upload | null => uploads[input];
 
 // What has fully arrived stays: undo may bring it back.
-function drop(input: Input): void {
+function drop(input: SentInput): void {
   if (!fileOf(draft(), input)?.whole) uploads[input]?.abort();
   uploads[input] = null;
   setTransfer(input, null);
@@ -119,30 +118,30 @@ export function removeScan(): void {
   update({scan: null, facts: null, inspection: null});
 }
 
-// Patterns. Small ones stay in the storage of the tab, so that a reload shows them again.
+// Patterns. Small files stay in the storage of the tab, so that a reload shows them again.
 
-const pictures = new Map<string, Blob>();
-const pictureKey = (mark: string): string => `vacuform.pattern.${mark}`;
+const keptFiles = new Map<string, Blob>();
+const fileKey = (mark: string): string => `vacuform.pattern.${mark}`;
 const mostKept = 1_000_000;  // bytes
 
-function keepPicture(mark: string, bytes: ArrayBuffer, type: string): void {
-  pictures.set(mark, new Blob([bytes], {type}));
+function keepFile(mark: string, bytes: ArrayBuffer, type: string): void {
+  keptFiles.set(mark, new Blob([bytes], {type}));
   if (bytes.byteLength > mostKept) return;
   try {
     const text = [...new Uint8Array(bytes)].map((byte) => String.fromCharCode(byte)).join('');
-    sessionStorage.setItem(pictureKey(mark), `${type},${btoa(text)}`);
+    sessionStorage.setItem(fileKey(mark), `${type},${btoa(text)}`);
   } catch {
-    // the storage is full: the picture is missing after a reload, the upload is not
+    // the storage is full: the file is missing after a reload, the upload is not
   }
 }
 
-export function pictureOf(mark: string): Blob | null {
-  const known = pictures.get(mark);
+export function keptFile(mark: string): Blob | null {
+  const known = keptFiles.get(mark);
   if (known) return known;
-  const [type = '', text] = sessionStorage.getItem(pictureKey(mark))?.split(',') ?? [];
+  const [type = '', text] = sessionStorage.getItem(fileKey(mark))?.split(',') ?? [];
   if (!text) return null;
   const blob = new Blob([Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0))], {type});
-  pictures.set(mark, blob);
+  keptFiles.set(mark, blob);
   return blob;
 }
 
@@ -151,7 +150,7 @@ export async function takePattern(file: Blob, name: string, layout = ''): Promis
   const bytes = await file.arrayBuffer();
   const svg = extensionOf(name) === 'svg';
   const size = svg ? svgSize(new TextDecoder().decode(bytes)) : pictureSize(bytes);
-  keepPicture(mark, bytes, svg ? 'image/svg+xml' : extensionOf(name) === 'png' ? 'image/png' : 'image/jpeg');
+  keepFile(mark, bytes, svg ? 'image/svg+xml' : extensionOf(name) === 'png' ? 'image/png' : 'image/jpeg');
   const former = draft().form.pattern;
   if (former?.mark === mark && (former.whole || uploads.pattern)) return;
   const resumed = former?.mark === mark ? former.upload || null : null;
@@ -168,12 +167,30 @@ export function removePattern(): void {
   edit({pattern: null});
 }
 
-// After a reload, or when undo brings back a pattern whose upload did not end: sends it again if its bytes are here.
-function resumePattern(): void {
-  const {pattern} = draft().form;
-  if (!pattern || pattern.whole || uploads.pattern) return;
-  const bytes = pictureOf(pattern.mark);
-  if (bytes) send('pattern', bytes, pattern.name, pattern.mark, pattern.upload || null);
+// ICC profiles are kept like patterns.
+export async function takeIcc(file: File): Promise<void> {
+  const mark = await markOf(file), former = draft().form.icc;
+  if (former?.mark === mark && (former.whole || uploads.icc)) return;
+  keepFile(mark, await file.arrayBuffer(), 'application/vnd.iccprofile');
+  drop('icc');
+  edit({icc: {upload: '', whole: false, name: file.name, bytes: file.size, mark}});
+  send('icc', file, file.name, mark, null);
+}
+export function removeIcc(): void {
+  drop('icc');
+  edit({icc: null});
+}
+
+// After a reload, or when undo brings back a file whose upload did not end: sends it again if its bytes are here.
+function resume(input: 'pattern' | 'icc'): void {
+  const file = draft().form[input];
+  if (!file || file.whole || uploads[input]) return;
+  const bytes = keptFile(file.mark);
+  if (bytes) send(input, bytes, file.name, file.mark, file.upload || null);
+}
+function resumeFiles(): void {
+  resume('pattern');
+  resume('icc');
 }
 
 // Jobs that prepare the print
@@ -320,11 +337,16 @@ function lost(problem: Problem): boolean {
   if (scan?.whole && where.includes(scan.upload)) {
     update({scan: {...scan, whole: false, upload: ''}});
     if (scanFile) send('scan', scanFile, scan.name, scan.mark, null);
-  } else if (form.pattern?.whole && where.includes(form.pattern.upload)) {
-    setFile('pattern', form.pattern.mark, {whole: false, upload: ''});
-    resumePattern();
-  } else return false;
-  return true;
+    return true;
+  }
+  for (const input of ['pattern', 'icc'] as const) {
+    const file = form[input];
+    if (!file?.whole || !where.includes(file.upload)) continue;
+    setFile(input, file.mark, {whole: false, upload: ''});
+    resume(input);
+    return true;
+  }
+  return false;
 }
 
 // Starts the job. The key is kept until the server has answered, so that a second attempt makes no second job.
@@ -347,15 +369,16 @@ export async function start(): Promise<Job> {
 // Forgets the draft and deletes its files on the server, of which a started job has copies: an owner may have a few only.
 export function clear(): void {
   const {scan, form, past, future} = draft();
-  const files = [scan, ...[form, ...past, ...future].map(({pattern}) => pattern)];
+  const files = [scan, ...[form, ...past, ...future].flatMap(({pattern, icc}) => [pattern, icc])];
   reset();
   for (const id of new Set(files.map((file) => file?.upload))) if (id) removeUpload(id);
 }
 
 function reset(): void {
-  uploads.scan?.pause();
-  uploads.pattern?.pause();
-  uploads.scan = uploads.pattern = null;
+  for (const input of ['scan', 'pattern', 'icc'] as const) {
+    uploads[input]?.pause();
+    uploads[input] = null;
+  }
   scanFile = null;
   layout.stop();
   tell(layout, none);
@@ -385,13 +408,13 @@ function putAside(): void {
 
 export async function startFrom(id: string): Promise<void> {
   const [job, schema] = await Promise.all([api.job(id), readSchema()]);
-  const {scan, pattern = null} = job.inputs;
+  const {scan, pattern = null, icc = null} = job.inputs;
   if (!scan) throw new Problem({type: 'not-found', title: '', status: 0, what: t('new.no_scan_in_job')});
   putAside();
   reset();
   const {layout: _, ...settings} = withoutDefaults(job.settings, schema);
   update({
-    from: {job: id, kind: job.kind, scan, pattern, settings},
+    from: {job: id, kind: job.kind, scan, pattern, icc, settings},
     form: {...emptyForm, settings, reference: job.reference ?? ''},
     inspection: job.kind === 'inspection' ? {job: id, scan: ''} : null});
   update((now) => now.inspection ? {inspection: {job: id, scan: scanSettings(now)}} : {});
@@ -439,10 +462,10 @@ export function begin(): void {
     keep();
     if (now.form !== was.form || now.scan !== was.scan || now.from !== was.from) {
       checkSoon();
-      if (now.form.pattern !== was.form.pattern) resumePattern();
+      if (now.form !== was.form) resumeFiles();
     }
   });
-  resumePattern();
+  resumeFiles();
   resumeJobs();
   checkSoon();
 }
