@@ -1,5 +1,5 @@
 // vacuform-server orphans: lists or deletes the objects in the bucket that no row knows, while the server runs or not. Like
-// backup, it asks a running server, and opens the store itself if there is none.
+// backup, it asks a running server, and opens the store itself if no server runs.
 #pragma once
 
 #include <filesystem>

@@ -59,11 +59,13 @@ ordered_json problem_values(const std::optional<Error>& error) {
 std::string readable_bytes(std::uint64_t bytes) {
   if (bytes < 1024) return std::to_string(bytes) + " B";
   char text[32];
-  const double kib = static_cast<double>(bytes) / 1024;
-  if (kib < 1024)
+  const double kib = static_cast<double>(bytes) / 1024, mib = kib / 1024;
+  if (kib < 1023.5)  // 1024 is written as 1.0 of the next unit
     std::snprintf(text, sizeof text, "%.0f KiB", kib);
+  else if (mib < 1023.95)
+    std::snprintf(text, sizeof text, "%.1f MiB", mib);
   else
-    std::snprintf(text, sizeof text, "%.1f MiB", kib / 1024);
+    std::snprintf(text, sizeof text, "%.1f GiB", mib / 1024);
   return text;
 }
 

@@ -33,7 +33,7 @@ bool blobs_in_files(const std::string& blobs);
 Result<void> check_blobs(const std::string& blobs);
 
 // From a file in the format that other programs for S3 use (aws_access_key_id = ..., aws_secret_access_key = ...,
-// aws_session_token = ...), or from the environment if there is none (AWS_ACCESS_KEY_ID and so on). Errors: bad_usage.
+// aws_session_token = ...), or, without a file, from the environment (AWS_ACCESS_KEY_ID and so on). Errors: bad_usage.
 Result<S3Credentials> s3_credentials(const std::filesystem::path& file);
 
 }  // namespace vacuform

@@ -69,7 +69,7 @@ Result<std::int64_t> SqlStore::queue_position(Database& db, const Job& job) {
   }
 }
 
-// The median of the last jobs of this kind whose scan is of a similar size, or of all of this kind if there are none.
+// The median of the last jobs of this kind whose scan is of a similar size; without such jobs, of all of this kind.
 Result<std::optional<double>> SqlStore::seconds_expected(Database& db, const Job& job) {
   const Input* const scan = job.input("scan");
   const double bytes = scan ? static_cast<double>(scan->blob.bytes) : 0;

@@ -53,7 +53,7 @@ export function t(key: Key, values: Values = {}): string {
   return filled(messages[key] ?? `[${key}]`, values);
 }
 
-// The text of a key that comes from the server, such as the name of a setting; undefined if there is none.
+// The text of a key that comes from the server, such as the name of a setting; undefined without a text.
 export function textIfKnown(key: string, values: Values = {}): string | undefined {
   const text = messages[key];
   return text === undefined ? undefined : filled(text, values);

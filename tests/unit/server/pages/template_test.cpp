@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/pages/assets.hpp"
+#include "server/pages/html.hpp"
 #include "server/pages/pages.hpp"
 
 namespace vacuform {
@@ -63,6 +64,15 @@ TEST(Templates, ABugStopsLoudly) {
   EXPECT_THROW(rendered("problems", {{"problems", 7}}), std::logic_error);
   EXPECT_THROW(rendered("problem", {{"title", "x"}}), std::logic_error);
   EXPECT_THROW(asset("none"), std::logic_error);
+}
+
+TEST(ReadableBytes, AreInTheLargestUnitThatFits) {
+  EXPECT_EQ(readable_bytes(1023), "1023 B");
+  EXPECT_EQ(readable_bytes(1024), "1 KiB");
+  EXPECT_EQ(readable_bytes((1 << 20) - 1), "1.0 MiB");
+  EXPECT_EQ(readable_bytes(3'600'000), "3.4 MiB");
+  EXPECT_EQ(readable_bytes((1 << 30) - 1), "1.0 GiB");
+  EXPECT_EQ(readable_bytes(std::uint64_t{1} << 31), "2.0 GiB");
 }
 
 }  // namespace

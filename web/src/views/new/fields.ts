@@ -27,7 +27,7 @@ export function followDraft(open: () => SettingsForm | null): void {
   });
 }
 
-// Goes to the field of a setting; false if there is none.
+// Goes to the field of a setting; false if it has no field.
 export function focusSetting(id: string): boolean {
   const ofScan = document.getElementById(`scan-section-${id.split('.')[1] ?? ''}`);  // the fields of new/scan.ts
   if (id.startsWith('scan.') && ofScan?.offsetParent) {
