@@ -55,6 +55,9 @@ struct Job {
   const Input* input(std::string_view name) const;
 };
 
+// Brings them into the order of input_kinds.
+void sort_inputs(std::vector<Input>& inputs);
+
 // What happened to a job, in its order; ids and words of our own, nothing out of a file.
 struct LogLine {
   std::int64_t number;  // from 1

@@ -10,12 +10,9 @@
 
 namespace vacuform {
 
-namespace {
+void FreePgResult::operator()(pg_result* result) const { PQclear(result); }
 
-struct FreeResult {
-  void operator()(PGresult* result) const { PQclear(result); }
-};
-using PgResult = std::unique_ptr<PGresult, FreeResult>;
+namespace {
 
 bool succeeded(const PGresult* result) {
   const auto status = PQresultStatus(result);
@@ -90,8 +87,13 @@ class PostgresStatement : public Statement {
     bind(index, std::string_view(text, static_cast<std::size_t>(end - text)));
   }
   Result<bool> step() override {
-    if (!result_) VACUFORM_CHECK(run());
+    if (!result_) VACUFORM_CHECK(ask());
     return ++row_ < PQntuples(result_.get());
+  }
+  Result<void> run() override {
+    if (!connection_.in_transaction_) return ask();
+    VACUFORM_CHECK(prepare());
+    return send();
   }
   void reset() override {
     arguments_.clear();
@@ -118,28 +120,42 @@ class PostgresStatement : public Statement {
     return {PQgetvalue(result_.get(), row_, column),
             static_cast<std::size_t>(PQgetlength(result_.get(), row_, column))};
   }
-  Result<void> run() {
+  Result<void> prepare() {
+    if (prepared_) return {};
+    if (connection_.sent_ > 0) VACUFORM_CHECK(connection_.answers());
     PGconn* const connection = connection_.connection_;
-    if (!prepared_) {
-      const PgResult made(PQprepare(connection, name_.c_str(), sql_.c_str(), 0, nullptr));
-      if (!succeeded(made.get())) return failure(made.get());
-      prepared_ = true;
-      const PgResult described(PQdescribePrepared(connection, name_.c_str()));
-      if (!succeeded(described.get())) return failure(described.get());
-      parameters_ = static_cast<std::size_t>(PQnparams(described.get()));
-    }
-    arguments_.resize(parameters_);  // the last ones may be NULL
-    std::vector<const char*> values;
-    for (const auto& argument : arguments_) values.push_back(argument ? argument->c_str() : nullptr);
-    result_.reset(PQexecPrepared(connection, name_.c_str(), static_cast<int>(parameters_), values.data(),
-                                 nullptr, nullptr, 0));
-    if (!succeeded(result_.get())) return failure(result_.get());
+    const PgResult made(PQprepare(connection, name_.c_str(), sql_.c_str(), 0, nullptr));
+    if (!succeeded(made.get())) return connection_.failure(made.get());
+    prepared_ = true;
+    const PgResult described(PQdescribePrepared(connection, name_.c_str()));
+    if (!succeeded(described.get())) return connection_.failure(described.get());
+    parameters_ = static_cast<std::size_t>(PQnparams(described.get()));
     return {};
   }
-  Result<void> failure(const PGresult* result) {
-    auto error = connection_.error(state_of(result));
-    error.value().what += ": " + message_of(result);
-    return error;
+  std::vector<const char*> values() {
+    arguments_.resize(parameters_);  // the last ones may be NULL
+    std::vector<const char*> all;
+    for (const auto& argument : arguments_) all.push_back(argument ? argument->c_str() : nullptr);
+    return all;
+  }
+  Result<void> send() {
+    return connection_.send([&] {
+      return PQsendQueryPrepared(connection_.connection_, name_.c_str(), static_cast<int>(parameters_),
+                                 values().data(), nullptr, nullptr, 0);
+    });
+  }
+  Result<void> ask() {
+    VACUFORM_CHECK(prepare());
+    if (connection_.sent_ > 0) {
+      VACUFORM_CHECK(send());
+      VACUFORM_TRY(last, connection_.answers());
+      result_ = std::move(last);
+      return {};
+    }
+    result_.reset(PQexecPrepared(connection_.connection_, name_.c_str(), static_cast<int>(parameters_),
+                                 values().data(), nullptr, nullptr, 0));
+    if (!succeeded(result_.get())) return connection_.failure(result_.get());
+    return {};
   }
 
   PostgresConnection& connection_;
@@ -201,22 +217,71 @@ tl::unexpected<Error> PostgresConnection::error(const char* state) {
   return fail(Code::unavailable, "the database cannot be used", {}, look_at_database);
 }
 
-Result<void> PostgresConnection::execute(const std::string& sql) {
-  warned_ = false;
-  const PgResult result(PQexec(connection_, sql.c_str()));
-  if (succeeded(result.get())) return {};
-  auto failure = error(state_of(result.get()));
-  failure.value().what += ": " + message_of(result.get());
+tl::unexpected<Error> PostgresConnection::failure(const pg_result* result) {
+  auto failure = error(state_of(result));
+  failure.value().what += ": " + message_of(result);
   return failure;
+}
+
+Result<void> PostgresConnection::execute(const std::string& sql) {
+  const PgResult result(PQexec(connection_, sql.c_str()));
+  if (!succeeded(result.get())) return failure(result.get());
+  return {};
+}
+
+void PostgresConnection::begin() {
+  in_transaction_ = true;
+  answered_ = false;
+  (void)send(
+      [&] { return PQsendQueryParams(connection_, "BEGIN", 0, nullptr, nullptr, nullptr, nullptr, 0); });
+}
+
+Result<void> PostgresConnection::commit() {
+  warned_ = false;
+  in_transaction_ = false;
+  VACUFORM_CHECK(send(
+      [&] { return PQsendQueryParams(connection_, "COMMIT", 0, nullptr, nullptr, nullptr, nullptr, 0); }));
+  VACUFORM_CHECK(answers());
+  return {};
+}
+
+void PostgresConnection::roll_back() {
+  in_transaction_ = false;
+  if (PQpipelineStatus(connection_) != PQ_PIPELINE_OFF) (void)answers();
+  (void)execute("ROLLBACK");
+}
+
+Result<void> PostgresConnection::send(const std::function<int()>& statement) {
+  if (sent_ == 0) PQenterPipelineMode(connection_);
+  if (statement() == 0) return error("08006");
+  if (++sent_ < most_sent) return {};
+  VACUFORM_CHECK(answers());
+  return {};
+}
+
+Result<PgResult> PostgresConnection::answers() {
+  PgResult last, faulty;
+  PQpipelineSync(connection_);
+  for (; sent_ > 0 && !lost(); --sent_)
+    while (PgResult result{PQgetResult(connection_)}) {
+      if (!succeeded(result.get()) && !faulty)
+        faulty = std::move(result);
+      else
+        last = std::move(result);
+      if (lost()) break;
+    }
+  sent_ = 0;
+  if (lost()) return faulty ? failure(faulty.get()) : error("08006");
+  PQclear(PQgetResult(connection_));  // of the end of the pipeline
+  PQexitPipelineMode(connection_);
+  answered_ = true;
+  if (faulty) return failure(faulty.get());
+  return last;
 }
 
 Result<std::vector<PostgresConnection::Row>> PostgresConnection::rows_of(const std::string& sql) {
   const PgResult result(PQexec(connection_, sql.c_str()));
-  if (!succeeded(result.get())) {
-    auto failure = error(state_of(result.get()));
-    failure.value().what += ": " + message_of(result.get());
-    return failure;
-  }
+  if (!succeeded(result.get())) return failure(result.get());
   std::vector<Row> rows(static_cast<std::size_t>(PQntuples(result.get())));
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (int column = 0; column < PQnfields(result.get()); ++column) {

@@ -14,8 +14,14 @@
 #include "server/store/sql.hpp"
 
 struct pg_conn;
+struct pg_result;
 
 namespace vacuform {
+
+struct FreePgResult {
+  void operator()(pg_result* result) const;
+};
+using PgResult = std::unique_ptr<pg_result, FreePgResult>;
 
 class PostgresStatement;
 
@@ -32,6 +38,16 @@ class PostgresConnection : public Database {
   Result<Statement*> prepared(const char* sql) override;
   Result<void> take_turns(const std::string& subject) override;
 
+  // A transaction. Its statements without rows are only sent (libpq's pipeline mode): their answers, and that of BEGIN,
+  // arrive with those of the next statement that has rows, or of the commit, so that one trip over the network serves
+  // several statements. After an error PostgreSQL runs none of the others.
+  void begin();
+  // False if the connection was lost before begin(), or a statement failed. Waits for answers if there are none so far: a
+  // commit over a connection that was lost long ago would look as if it may have happened.
+  bool is_there() { return answered_ || answers().has_value(); }
+  Result<void> commit();
+  void roll_back();
+
   // All rows of a statement without arguments.
   using Row = std::vector<std::optional<std::string>>;
   Result<std::vector<Row>> rows_of(const std::string& sql);
@@ -43,7 +59,7 @@ class PostgresConnection : public Database {
   void start_over() { failed_ = may_try_again_ = false; }
   // Whether the connection is lost.
   bool lost() const;
-  // Whether the last execute() gave a warning. A commit that the standby has not confirmed in time succeeds with one.
+  // Whether the last commit gave a warning. One that the standby has not confirmed in time succeeds with one.
   bool warned() const { return warned_; }
 
   // Waits for the next notification of LISTEN, until `time` is over or something can be read from `wake`. Errors:
@@ -54,9 +70,18 @@ class PostgresConnection : public Database {
   friend class PostgresStatement;
   explicit PostgresConnection(pg_conn* connection);
   tl::unexpected<Error> error(const char* state);
+  tl::unexpected<Error> failure(const pg_result* result);
+  // Sends a statement whose answer is read later.
+  Result<void> send(const std::function<int()>& statement);
+  // Reads the answers of all that was sent, and returns the last one. Errors: the first of theirs.
+  Result<PgResult> answers();
+
+  static constexpr int most_sent = 64;  // so that neither side waits for the other to read
 
   pg_conn* connection_;
   bool failed_ = false, may_try_again_ = false, warned_ = false;
+  bool in_transaction_ = false, answered_ = false;  // a statement of the transaction has been answered
+  int sent_ = 0;                                    // whose answers have not been read
   std::unordered_map<const char*, std::unique_ptr<PostgresStatement>> statements_;
 };
 

@@ -122,21 +122,19 @@ Result<void> PostgresStore::look_at_rows(const Look& look) {
 
 Result<PostgresStore::Outcome> PostgresStore::change_once(PostgresConnection& connection,
                                                           const Change& change) {
-  if (const auto started = connection.execute("BEGIN"); !started) {
-    if (connection.may_try_again()) return Outcome::again;
-    return tl::make_unexpected(started.error());
-  }
+  connection.begin();
   const bool wanted = change(connection);
-  if (!wanted || connection.failed()) {
-    (void)connection.execute("ROLLBACK");
+  if (!wanted || !connection.is_there() || connection.failed()) {
+    connection.roll_back();
     if (connection.may_try_again()) return Outcome::again;
     if (!wanted) return Outcome::refused;
     return fail(Code::unavailable, "the database refused a part of a change", {},
                 "see the log of the database");
   }
-  const auto committed = connection.execute("COMMIT");
+  const auto committed = connection.commit();
   if (committed && !connection.warned()) return Outcome::done;
   if (!committed && !connection.lost()) {
+    connection.roll_back();
     if (connection.may_try_again()) return Outcome::again;
     return tl::make_unexpected(committed.error());
   }

@@ -26,6 +26,11 @@ class Statement {
   virtual void bind(int index, double value) = 0;
   // Steps to the next row; false after the last.
   virtual Result<bool> step() = 0;
+  // Runs a statement without rows. In a transaction its error may be that of a later statement, or of the commit.
+  virtual Result<void> run() {
+    VACUFORM_CHECK(step());
+    return {};
+  }
   // Forgets the arguments and the rows.
   virtual void reset() = 0;
   // The columns of the row, from 0. NULL reads as 0 or an empty text.
@@ -72,8 +77,8 @@ class Query {
   }
   // For statements that give no rows.
   Result<void> run() {
-    VACUFORM_CHECK(row());
-    return {};
+    if (!prepared_) return tl::make_unexpected(prepared_.error());
+    return (*prepared_)->run();
   }
 
   // The columns of the row, from 0.

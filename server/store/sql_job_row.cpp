@@ -82,15 +82,10 @@ Result<void> SqlStore::load_files(Database& db, Job& job) {
     job.inputs.push_back(
         {inputs.text(0), {inputs.text(1), static_cast<std::uint64_t>(inputs.integer(2))}, inputs.text(3)});
   }
-  std::sort(job.inputs.begin(), job.inputs.end(), [](const Input& a, const Input& b) {
-    return input_kind(a.name) < input_kind(b.name);  // index in one table
-  });
+  sort_inputs(job.inputs);
   if (!ended(job.state)) return {};  // its artifacts are incomplete
   VACUFORM_TRY(artifacts, artifacts_of(db, job.id));
   job.artifacts = std::move(artifacts);
-  std::sort(job.artifacts.begin(), job.artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
-    return artifact_kind(a.name) < artifact_kind(b.name);  // index in one table
-  });
   return {};
 }
 
@@ -99,9 +94,13 @@ Result<std::vector<StoredArtifact>> SqlStore::artifacts_of(Database& db, const s
   Query query(db, "SELECT name, blob, bytes FROM artifact WHERE job=?", job);
   for (;;) {
     VACUFORM_TRY(more, query.row());
-    if (!more) return artifacts;
+    if (!more) break;
     artifacts.push_back({query.text(0), {query.text(1), static_cast<std::uint64_t>(query.integer(2))}});
   }
+  std::sort(artifacts.begin(), artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
+    return artifact_kind(a.name) < artifact_kind(b.name);  // index in one table
+  });
+  return artifacts;
 }
 
 Result<void> SqlStore::save(Transaction& tx, JobRow& row) {
@@ -165,11 +164,15 @@ Result<void> SqlStore::apply(Transaction& tx, JobRow& row, const Transition& nex
   return add_line(tx.db, job.id, next.line);
 }
 
-Result<void> SqlStore::drop_artifacts(Transaction& tx, const Job& job, bool but_explaining) {
+Result<void> SqlStore::drop_artifacts(Transaction& tx, Job& job, bool but_explaining) {
   VACUFORM_TRY(artifacts, artifacts_of(tx.db, job.id));
+  job.artifacts.clear();
   for (const auto& artifact : artifacts) {
     const ArtifactKind* kind = artifact_kind(artifact.name);
-    if (but_explaining && kind && explains_failure(job.kind, *kind)) continue;
+    if (but_explaining && kind && explains_failure(job.kind, *kind)) {
+      job.artifacts.push_back(artifact);
+      continue;
+    }
     tx.garbage.push_back(artifact.blob.sha256);
     VACUFORM_CHECK(Query(tx.db, "DELETE FROM artifact WHERE job=? AND name=?", job.id, artifact.name).run());
   }

@@ -16,6 +16,26 @@ std::string key_of(const NewJob& job) {
   return job.owner.empty() ? job.client_key : job.owner + "/" + job.client_key;
 }
 
+// As find() reads it.
+Job queued_job(const NewJob& made, const std::vector<Blob>& blobs, const std::string& id, Millis now) {
+  Job job;
+  job.id = id;
+  job.kind = made.kind;
+  job.created = now;
+  job.settings = made.settings;
+  job.request = made.request;
+  job.owner = made.owner;
+  job.priority = made.priority;
+  job.derived_from = made.derived_from;
+  job.reference = made.reference;
+  job.note = made.note;
+  job.version = 1;
+  for (std::size_t i = 0; i < blobs.size(); ++i)
+    job.inputs.push_back({made.inputs[i].name, blobs[i], made.inputs[i].extension});
+  sort_inputs(job.inputs);
+  return job;
+}
+
 }  // namespace
 
 Result<Job> SqlStore::create(NewJob job, bool* repeated) {
@@ -57,7 +77,7 @@ Result<Job> SqlStore::create(NewJob job, bool* repeated) {
     }
     VACUFORM_CHECK(add_line(tx.db, id, "queued"));
     tx.changed.push_back(id);
-    return find(tx.db, id);
+    return queued_job(job, blobs, id, now);
   });
   stored.written(created);
   return created;

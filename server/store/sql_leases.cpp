@@ -26,6 +26,7 @@ Result<std::optional<LeasedJob>> SqlStore::lease(const std::string& worker) {
     if (!next) return std::optional<LeasedJob>();
     const std::string token = random_hex(32);
     VACUFORM_TRY(row, find_row(tx.db, *next, true));
+    VACUFORM_CHECK(load_files(tx.db, row.job));
     VACUFORM_TRY(change, when_leased(row.job, row.faults));
     row.job.started = options_.clock();
     row.job.stage.reset(), row.job.not_before.reset();
@@ -39,7 +40,6 @@ Result<std::optional<LeasedJob>> SqlStore::lease(const std::string& worker) {
                          "UPDATE submitter SET served=(SELECT max(served) + 1 FROM submitter) WHERE owner=?",
                          row.job.owner)
                        .run());
-    VACUFORM_CHECK(load_files(tx.db, row.job));
     return std::optional<LeasedJob>(LeasedJob{std::move(row.job), token});
   });
 }
@@ -142,12 +142,18 @@ Result<Job> SqlStore::finish(const LeaseKey& key, JobState wanted, const std::op
   const Deletion deletion(*this);
   return write_for_worker([&](Transaction& tx) -> Result<Job> {
     VACUFORM_TRY(row, holder(tx.db, key, true));
-    VACUFORM_TRY(artifacts, artifacts_of(tx.db, row.job.id));
-    VACUFORM_TRY(next,
-                 when_finished(row.job, row.faults, {wanted, error, retry, artifacts}, limits(), chance()));
-    if (next.changes && next.state == JobState::succeeded) row.job.serious_warnings = serious_warnings;
-    VACUFORM_CHECK(apply(tx, row, next));
     VACUFORM_CHECK(load_files(tx.db, row.job));
+    std::vector<StoredArtifact> made;
+    if (wanted == JobState::succeeded) {
+      VACUFORM_TRY(artifacts, artifacts_of(tx.db, row.job.id));
+      made = std::move(artifacts);
+    }
+    VACUFORM_TRY(next, when_finished(row.job, row.faults, {wanted, error, retry, made}, limits(), chance()));
+    if (next.changes && next.state == JobState::succeeded) {
+      row.job.serious_warnings = serious_warnings;
+      row.job.artifacts = std::move(made);
+    }
+    VACUFORM_CHECK(apply(tx, row, next));
     return std::move(row.job);
   });
 }

@@ -249,7 +249,7 @@ class SqlStore : public Store, public ObjectTable {
   Result<void> add_line(Database& db, const std::string& job, std::string_view text);
   // Makes a job what the transition says, and saves it.
   Result<void> apply(Transaction& tx, JobRow& row, const Transition& next);
-  static Result<void> drop_artifacts(Transaction& tx, const Job& job, bool but_explaining = false);
+  static Result<void> drop_artifacts(Transaction& tx, Job& job, bool but_explaining = false);
 
   static Result<std::vector<std::string>> ids_of(Database& db, int count, const std::string& before,
                                                  const JobFilter& filter);

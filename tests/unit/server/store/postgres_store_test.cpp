@@ -93,6 +93,46 @@ TEST_F(PostgresStoreTest, SaysWhenTheDatabaseCannotBeReached) {
 }
 
 // PostgreSQL ends the wait for a standby at the time limit of a statement, with a warning and a commit on this machine alone.
+// Statements without rows are sent together with the next one that has rows, or with the commit.
+TEST_F(PostgresStoreTest, AStatementThatFailsWhileOthersAreSentUndoesTheWholeTransaction) {
+  const auto opened = PostgresConnection::open(url_);
+  ASSERT_TRUE(opened);
+  PostgresConnection& db = **opened;
+  ASSERT_TRUE(db.execute("CREATE TABLE number(n integer PRIMARY KEY)"));
+  const auto insert = [&](int n) { return Query(db, "INSERT INTO number(n) VALUES(?)", n).run(); };
+  const auto count = [&] { return *db.rows_of("SELECT count(*) FROM number")->at(0).at(0); };
+
+  db.begin();
+  for (int i = 0; i < 200; ++i) ASSERT_TRUE(insert(i));
+  {
+    Query query(db, "SELECT count(*) FROM number");
+    ASSERT_TRUE(query.row());
+    EXPECT_EQ(query.integer(0), 200);
+  }
+  ASSERT_TRUE(db.commit());
+  EXPECT_EQ(count(), "200");
+
+  db.start_over();
+  db.begin();
+  ASSERT_TRUE(insert(200));
+  ASSERT_TRUE(insert(0));  // is there already, which the commit finds out
+  ASSERT_TRUE(insert(201));
+  EXPECT_FALSE(db.commit());
+  EXPECT_TRUE(db.failed() && db.may_try_again() && !db.lost());
+  db.roll_back();
+  EXPECT_EQ(count(), "200");
+
+  db.start_over();
+  db.begin();
+  ASSERT_TRUE(insert(0));
+  EXPECT_FALSE(Query(db, "SELECT count(*) FROM number").row());  // so does the next statement with rows
+  db.roll_back();
+  db.begin();
+  ASSERT_TRUE(insert(200));
+  db.roll_back();  // before anything was answered
+  EXPECT_EQ(count(), "200");
+}
+
 TEST_F(PostgresStoreTest, ACommitThatNoStandbyConfirmsIsNotAcknowledged) {
   const auto store = server("one");
   PostgresServer& postgres = PostgresServer::get();
