@@ -2,8 +2,10 @@
 // a long queue. Every answer is durable: SQLite in WAL mode with synchronous=FULL, where concurrent changes share one flush;
 // or PostgreSQL with its own settings.
 //
-// bench_store [FOLDER [DATABASE]]   folder of the store, whose disk is flushed; default: the folder for temporary files.
-//                                   DATABASE: an empty one, as postgresql://user@host/database
+// bench_store [FOLDER [DATABASE [CYCLES]]]
+//   FOLDER: of the store, whose disk is flushed; default: the folder for temporary files.
+//   DATABASE: an empty one, as postgresql://user@host/database, or "sqlite"
+//   CYCLES: measures instead that many cycles, a fifth at a time: dead rows would make the last fifth slower
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -85,6 +87,29 @@ bool run_one(Store& store) {
   return true;
 }
 
+// One cycle a time in each thread, until `more` is false; how many there were.
+int cycles(Store& store, const Job& model, int threads, const std::function<bool()>& more) {
+  std::atomic<int> done{0}, number{0};
+  together(threads, [&] {
+    const int me = number++;
+    while (more()) {
+      submit(store, model, me);
+      if (run_one(store)) ++done;
+    }
+  });
+  return done;
+}
+
+void measure_many(Store& store, const Job& model, int count) {
+  std::printf("\n%10s %14s\n", "cycles", "cycles/s");
+  for (int part = 1; part <= 5; ++part) {
+    std::atomic<int> left{count / 5};
+    const double took = seconds_of([&] { cycles(store, model, 8, [&] { return left-- > 0; }); });
+    std::printf("%10d %14.0f\n", part * (count / 5), count / 5 / took);
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -94,29 +119,29 @@ int main(int argc, char** argv) {
       "vacuform-bench-store";
   std::filesystem::remove_all(folder);
   StoreOptions options;
-  if (argc > 2) options.database = argv[2];
+  const bool postgres = argc > 2 && std::string(argv[2]) != "sqlite";
+  if (postgres) options.database = argv[2];
   options.most_queued = options.most_queued_by_owner = 1'000'000;
   auto store = sound(open_store(folder, options));
   const Job model = with_files(*store);
-  std::printf("%s; store in %s\n", argc > 2 ? "PostgreSQL" : "SQLite: WAL, synchronous=FULL, group commit",
+  std::printf("%s; store in %s\n", postgres ? "PostgreSQL" : "SQLite: WAL, synchronous=FULL, group commit",
               folder.c_str());
 
   std::printf("a flush of 4 KiB there takes %.2f ms (median of 200)\n", milliseconds_of_flush(folder));
 
+  if (argc > 3) {
+    measure_many(*store, model, std::atoi(argv[3]));
+    store.reset();
+    std::filesystem::remove_all(folder);
+    return 0;
+  }
   std::printf("\n%10s %14s %20s\n", "threads", "cycles/s", "(submit+lease+end)");
   for (const int threads : {1, 8, 32, 64}) {
     constexpr double wanted = 4;
-    std::atomic<int> done{0};
     const auto until = std::chrono::steady_clock::now() + Seconds(wanted);
+    int done = 0;
     const double took = seconds_of([&] {
-      std::atomic<int> number{0};
-      together(threads, [&] {
-        const int me = number++;
-        while (std::chrono::steady_clock::now() < until) {
-          submit(*store, model, me);
-          if (run_one(*store)) ++done;
-        }
-      });
+      done = cycles(*store, model, threads, [&] { return std::chrono::steady_clock::now() < until; });
     });
     std::printf("%10d %14.0f\n", threads, done / took);
   }
