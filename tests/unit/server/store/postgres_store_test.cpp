@@ -420,12 +420,15 @@ TEST_F(PostgresStoreTest, KeepsAcknowledgedJobsWhenTheDatabaseIsKilled) {
           if (job) acknowledged[key] = job->id;
         }
       });
-    std::this_thread::sleep_for(300ms);
+    EXPECT_TRUE(eventually([&] {
+      const std::lock_guard hold(mutex);
+      return acknowledged.size() > 8;
+    }));
+    std::this_thread::sleep_for(100ms);
     PostgresServer::get().kill();
     killed = true;
     for (auto& client : clients) client.join();
     PostgresServer::get().start();
-    EXPECT_GT(acknowledged.size(), 8u);
     for (const std::string& key : sent) {
       const auto again = submit(*store, key, owner_of(key));  // what a client does that got no answer
       ASSERT_TRUE(again) << again.error().text();
