@@ -42,7 +42,7 @@ class PostgresConnection : public Database {
   // arrive with those of the next statement that has rows, or of the commit, so that one trip over the network serves
   // several statements. After an error PostgreSQL runs none of the others.
   void begin();
-  // False if the connection was lost before begin(), or a statement failed. Waits for answers if there are none so far: a
+  // False if the connection was lost before begin(), or a statement failed. Before the first answer it waits for one: a
   // commit over a connection that was lost long ago would look as if it may have happened.
   bool is_there() { return answered_ || answers().has_value(); }
   Result<void> commit();
