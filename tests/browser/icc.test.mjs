@@ -43,6 +43,8 @@ test('an ICC profile goes with the job, outlives a reload, and is used again', a
 
 test('an ICC profile can be removed, and undo brings it back', async ({page, service}) => {
   const {path} = profile(service, 'printer.icc', 'RGB ');
+  let uploads = 0;
+  page.on('request', (request) => { if (request.method() === 'POST' && request.url().endsWith('/uploads')) ++uploads; });
   await show(page, '#/new');
   await choose(page, 'Choose an ICC profile', path);
   const remove = page.getByRole('button', {name: 'Remove the ICC profile'});
@@ -51,6 +53,7 @@ test('an ICC profile can be removed, and undo brings it back', async ({page, ser
   await remove.waitFor({state: 'detached'});
   await page.getByRole('button', {name: 'Undo'}).click();
   await remove.waitFor();
+  assert.equal(uploads, 1);
   assert.deepEqual(page.faults, []);
 });
 

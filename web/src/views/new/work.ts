@@ -159,7 +159,7 @@ export async function takePattern(file: Blob, name: string, layout = ''): Promis
   const pattern: Pattern = {
     upload: resumed ?? '', whole: false, name, bytes: file.size, mark, kind: svg ? 'svg' : 'picture', ...size, layout};
   edit({pattern});
-  send('pattern', file, name, mark, resumed);
+  resume('pattern');
 }
 
 export function removePattern(): void {
@@ -174,14 +174,15 @@ export async function takeIcc(file: File): Promise<void> {
   keepFile(mark, await file.arrayBuffer(), 'application/vnd.iccprofile');
   drop('icc');
   edit({icc: {upload: '', whole: false, name: file.name, bytes: file.size, mark}});
-  send('icc', file, file.name, mark, null);
+  resume('icc');
 }
 export function removeIcc(): void {
   drop('icc');
   edit({icc: null});
 }
 
-// After a reload, or when undo brings back a file whose upload did not end: sends it again if its bytes are here.
+// Sends a file that has been chosen, that undo has brought back, or that a reload has interrupted, if its bytes are here and
+// are not on their way.
 function resume(input: 'pattern' | 'icc'): void {
   const file = draft().form[input];
   if (!file || file.whole || uploads[input]) return;
