@@ -87,7 +87,7 @@ bool run_one(Store& store) {
   return true;
 }
 
-// One cycle a time in each thread, until `more` is false; how many there were.
+// One cycle at a time in each thread, until `more` is false; how many there were.
 int cycles(Store& store, const Job& model, int threads, const std::function<bool()>& more) {
   std::atomic<int> done{0}, number{0};
   together(threads, [&] {

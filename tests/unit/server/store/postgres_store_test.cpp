@@ -92,7 +92,6 @@ TEST_F(PostgresStoreTest, SaysWhenTheDatabaseCannotBeReached) {
   EXPECT_EQ(store.error().what, "the database cannot be reached");
 }
 
-// PostgreSQL ends the wait for a standby at the time limit of a statement, with a warning and a commit on this machine alone.
 // Statements without rows are sent together with the next one that has rows, or with the commit.
 TEST_F(PostgresStoreTest, AStatementThatFailsWhileOthersAreSentUndoesTheWholeTransaction) {
   const auto opened = PostgresConnection::open(url_);
@@ -133,6 +132,7 @@ TEST_F(PostgresStoreTest, AStatementThatFailsWhileOthersAreSentUndoesTheWholeTra
   EXPECT_EQ(count(), "200");
 }
 
+// PostgreSQL ends the wait for a standby at the time limit of a statement, with a warning and a commit on this machine alone.
 TEST_F(PostgresStoreTest, ACommitThatNoStandbyConfirmsIsNotAcknowledged) {
   const auto store = server("one");
   PostgresServer& postgres = PostgresServer::get();

@@ -1,8 +1,72 @@
 // Leases, and the fate of a job whose worker or pipeline fails.
+#include <sstream>
+
 #include "tests/unit/server/store/store_fixture.hpp"
 
 namespace vacuform {
 namespace {
+
+// Everything that anybody can see of a job.
+std::string shown(const Job& job) {
+  std::ostringstream out;
+  const auto time = [&](const std::optional<Millis>& value) { out << ' ' << value.value_or(-1); };
+  out << job.id << ' ' << static_cast<int>(job.kind) << ' ' << name(job.state) << ' '
+      << (job.stage ? name(*job.stage) : "none") << ' ' << job.stage_progress << ' ' << job.attempt << ' '
+      << job.priority << ' ' << job.version << ' ' << job.serious_warnings.value_or(-1);
+  time(job.created), time(job.started), time(job.ended), time(job.not_before);
+  out << '\n'
+      << (job.error ? job.error->text() : "no error") << '\n'
+      << job.settings << ' ' << job.request << ' ' << job.owner << ' ' << job.derived_from.value_or("none")
+      << ' ' << job.reference << ' ' << job.note << '\n';
+  for (const Input& input : job.inputs)
+    out << input.name << ' ' << input.blob.sha256 << ' ' << input.blob.bytes << ' ' << input.extension
+        << '\n';
+  for (const StoredArtifact& artifact : job.artifacts)
+    out << artifact.name << ' ' << artifact.blob.sha256 << ' ' << artifact.blob.bytes << '\n';
+  return out.str();
+}
+
+TEST_P(StoreTest, EveryChangeReturnsTheJobAsItIsThen) {
+  const auto submit = [&] {
+    NewJob made{R"({"print":{"dpi":300}})", "key-" + random_hex(8)};
+    made.add("pattern", upload("a pattern"), "svg");  // not in the order of the kinds
+    made.add("scan", upload("a scan"), "stl");
+    made.request = "request-1";
+    made.owner = "station-1";
+    made.priority = 3;
+    made.derived_from = std::string(26, '0');
+    made.reference = "CASE-1";
+    made.note = "thin";
+    const Job job = store_->create(std::move(made)).value();
+    EXPECT_EQ(shown(job), shown(this->job(job.id)));
+    return job.id;
+  };
+  const auto leased = [&](const std::string& id) {
+    const auto lease = store_->lease("tester").value();
+    EXPECT_EQ(lease->job.id, id);
+    EXPECT_EQ(shown(lease->job), shown(job(id)));
+    return LeaseKey{id, lease->token};
+  };
+  const auto expect = [&](const Result<Job>& returned) {
+    ASSERT_TRUE(returned) << returned.error().text();
+    EXPECT_EQ(shown(*returned), shown(job(returned->id)));
+  };
+  const LeaseKey good = leased(submit());
+  EXPECT_TRUE(store_->heartbeat(good, Stage::forming, 0.5));
+  expect(complete(good));
+  EXPECT_FALSE(job(good.job).artifacts.empty());
+  expect(store_->complete(good));  // repeated
+  for (const Retry retry : {Retry::after_fault, Retry::never}) {
+    const LeaseKey bad = leased(submit());
+    for (const char* file : {"print.png", "findings.json", "mold.stl"})
+      EXPECT_TRUE(store_->put_artifact(bad, file, upload(file)));
+    expect(store_->fail_job(bad, {Code::forming_failed, "the sheet tears", "here", "heat it"}, retry));
+    if (retry == Retry::after_fault) expect(store_->cancel(bad.job));
+  }
+  const LeaseKey back = leased(submit());
+  expect(store_->release(back));
+  expect(store_->cancel(leased(back.job).job));
+}
 
 TEST_P(StoreTest, LeasesTheOldestJobOnceAndOnlyOnce) {
   const Job first = create(), second = create();
