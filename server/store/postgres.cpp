@@ -3,8 +3,10 @@
 #include <libpq-fe.h>
 #include <poll.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <utility>
 
 #include "server/store/store.hpp"
 
@@ -86,6 +88,11 @@ class PostgresStatement : public Statement {
     const auto end = std::to_chars(text, text + sizeof text, value).ptr;
     bind(index, std::string_view(text, static_cast<std::size_t>(end - text)));
   }
+  void send() override {
+    if (sent_) return;
+    // A statement that cannot be sent is asked again when its rows are wanted, and fails there.
+    if (prepare()) sent_ = send_for(this).has_value();
+  }
   Result<bool> step() override {
     if (!result_) VACUFORM_CHECK(ask());
     return ++row_ < PQntuples(result_.get());
@@ -93,13 +100,16 @@ class PostgresStatement : public Statement {
   Result<void> run() override {
     if (!connection_.in_transaction_) return ask();
     VACUFORM_CHECK(prepare());
-    return send();
+    return send_for(nullptr);
   }
   void reset() override {
+    if (sent_) connection_.forget(this);
     arguments_.clear();
     result_.reset();
     row_ = -1;
+    sent_ = false;
   }
+  void answer(PgResult result) { result_ = std::move(result); }
   bool null(int column) const override { return PQgetisnull(result_.get(), row_, column) != 0; }
   std::int64_t integer(int column) const override {
     std::int64_t value = 0;
@@ -122,7 +132,7 @@ class PostgresStatement : public Statement {
   }
   Result<void> prepare() {
     if (prepared_) return {};
-    if (connection_.sent_ > 0) VACUFORM_CHECK(connection_.answers());
+    if (!connection_.sent_.empty()) VACUFORM_CHECK(connection_.answers());
     PGconn* const connection = connection_.connection_;
     const PgResult made(PQprepare(connection, name_.c_str(), sql_.c_str(), 0, nullptr));
     if (!succeeded(made.get())) return connection_.failure(made.get());
@@ -138,29 +148,31 @@ class PostgresStatement : public Statement {
     for (const auto& argument : arguments_) all.push_back(argument ? argument->c_str() : nullptr);
     return all;
   }
-  Result<void> send() {
-    return connection_.send([&] {
-      return PQsendQueryPrepared(connection_.connection_, name_.c_str(), static_cast<int>(parameters_),
-                                 values().data(), nullptr, nullptr, 0);
-    });
+  Result<void> send_for(PostgresStatement* reader) {
+    return connection_.send(
+        [&] {
+          return PQsendQueryPrepared(connection_.connection_, name_.c_str(), static_cast<int>(parameters_),
+                                     values().data(), nullptr, nullptr, 0);
+        },
+        reader);
   }
   Result<void> ask() {
-    VACUFORM_CHECK(prepare());
-    if (connection_.sent_ > 0) {
-      VACUFORM_CHECK(send());
-      VACUFORM_TRY(last, connection_.answers());
-      result_ = std::move(last);
+    if (!sent_) VACUFORM_CHECK(prepare());
+    if (!sent_ && connection_.sent_.empty()) {
+      result_.reset(PQexecPrepared(connection_.connection_, name_.c_str(), static_cast<int>(parameters_),
+                                   values().data(), nullptr, nullptr, 0));
+      if (!succeeded(result_.get())) return connection_.failure(result_.get());
       return {};
     }
-    result_.reset(PQexecPrepared(connection_.connection_, name_.c_str(), static_cast<int>(parameters_),
-                                 values().data(), nullptr, nullptr, 0));
-    if (!succeeded(result_.get())) return connection_.failure(result_.get());
+    if (!sent_) VACUFORM_CHECK(send_for(this));
+    VACUFORM_CHECK(connection_.answers());
+    if (!result_) return connection_.error("25P02");  // a statement before it failed
     return {};
   }
 
   PostgresConnection& connection_;
   const std::string name_, sql_;
-  bool prepared_ = false;
+  bool prepared_ = false, sent_ = false;
   std::size_t parameters_ = 0;
   std::vector<std::optional<std::string>> arguments_;
   PgResult result_;
@@ -241,42 +253,45 @@ Result<void> PostgresConnection::commit() {
   in_transaction_ = false;
   VACUFORM_CHECK(send(
       [&] { return PQsendQueryParams(connection_, "COMMIT", 0, nullptr, nullptr, nullptr, nullptr, 0); }));
-  VACUFORM_CHECK(answers());
-  return {};
+  return answers();
 }
 
 void PostgresConnection::roll_back() {
   in_transaction_ = false;
-  if (PQpipelineStatus(connection_) != PQ_PIPELINE_OFF) (void)answers();
+  (void)answers();
   (void)execute("ROLLBACK");
 }
 
-Result<void> PostgresConnection::send(const std::function<int()>& statement) {
-  if (sent_ == 0) PQenterPipelineMode(connection_);
+Result<void> PostgresConnection::send(const std::function<int()>& statement, PostgresStatement* reader) {
+  if (sent_.empty()) PQenterPipelineMode(connection_);
   if (statement() == 0) return error("08006");
-  if (++sent_ < most_sent) return {};
-  VACUFORM_CHECK(answers());
-  return {};
+  sent_.push_back(reader);
+  return sent_.size() < most_sent ? Result<void>() : answers();
 }
 
-Result<PgResult> PostgresConnection::answers() {
-  PgResult last, faulty;
+void PostgresConnection::forget(PostgresStatement* reader) {
+  std::replace(sent_.begin(), sent_.end(), reader, static_cast<PostgresStatement*>(nullptr));
+}
+
+Result<void> PostgresConnection::answers() {
+  if (PQpipelineStatus(connection_) == PQ_PIPELINE_OFF) return {};
+  PgResult faulty;
   PQpipelineSync(connection_);
-  for (; sent_ > 0 && !lost(); --sent_)
-    while (PgResult result{PQgetResult(connection_)}) {
-      if (!succeeded(result.get()) && !faulty)
-        faulty = std::move(result);
-      else
-        last = std::move(result);
-      if (lost()) break;
+  for (PostgresStatement* reader : std::exchange(sent_, {})) {
+    while (PgResult result{lost() ? nullptr : PQgetResult(connection_)}) {
+      if (!succeeded(result.get())) {
+        if (!faulty) faulty = std::move(result);
+      } else if (reader) {
+        reader->answer(std::move(result));
+      }
     }
-  sent_ = 0;
+  }
   if (lost()) return faulty ? failure(faulty.get()) : error("08006");
   PQclear(PQgetResult(connection_));  // of the end of the pipeline
   PQexitPipelineMode(connection_);
   answered_ = true;
   if (faulty) return failure(faulty.get());
-  return last;
+  return {};
 }
 
 Result<std::vector<PostgresConnection::Row>> PostgresConnection::rows_of(const std::string& sql) {
@@ -364,6 +379,7 @@ Result<void> PostgresPool::with(const std::function<Result<void>(PostgresConnect
   VACUFORM_TRY(connection, take());
   connection->start_over();
   auto result = use(*connection);
+  (void)connection->answers();  // of rows that nobody wanted
   give_back(std::move(connection));
   return result;
 }

@@ -38,15 +38,18 @@ class PostgresConnection : public Database {
   Result<Statement*> prepared(const char* sql) override;
   Result<void> take_turns(const std::string& subject) override;
 
-  // A transaction. Its statements without rows are only sent (libpq's pipeline mode): their answers, and that of BEGIN,
-  // arrive with those of the next statement that has rows, or of the commit, so that one trip over the network serves
-  // several statements. After an error PostgreSQL runs none of the others.
+  // A transaction. Its statements without rows, and those that Query::send() names, are only sent (libpq's pipeline
+  // mode): their answers, and that of BEGIN, arrive when rows are asked for, or with that of the commit, so that one trip
+  // over the network serves several statements. After an error PostgreSQL runs none of the others.
   void begin();
   // False if the connection was lost before begin(), or a statement failed. Before the first answer it waits for one: a
   // commit over a connection that was lost long ago would look as if it may have happened.
   bool is_there() { return answered_ || answers().has_value(); }
   Result<void> commit();
   void roll_back();
+
+  // Reads the answers of all that was sent, if any. Errors: the first of theirs.
+  Result<void> answers();
 
   // All rows of a statement without arguments.
   using Row = std::vector<std::optional<std::string>>;
@@ -71,17 +74,17 @@ class PostgresConnection : public Database {
   explicit PostgresConnection(pg_conn* connection);
   tl::unexpected<Error> error(const char* state);
   tl::unexpected<Error> failure(const pg_result* result);
-  // Sends a statement whose answer is read later.
-  Result<void> send(const std::function<int()>& statement);
-  // Reads the answers of all that was sent, and returns the last one. Errors: the first of theirs.
-  Result<PgResult> answers();
+  // Sends a statement whose answer is read later, and is given to `reader` if there is one.
+  Result<void> send(const std::function<int()>& statement, PostgresStatement* reader = nullptr);
+  // The reader does not want its answer any more.
+  void forget(PostgresStatement* reader);
 
-  static constexpr int most_sent = 64;  // so that neither side waits for the other to read
+  static constexpr std::size_t most_sent = 64;  // so that neither side waits for the other to read
 
   pg_conn* connection_;
   bool failed_ = false, may_try_again_ = false, warned_ = false;
   bool in_transaction_ = false, answered_ = false;  // a statement of the transaction has been answered
-  int sent_ = 0;                                    // whose answers have not been read
+  std::vector<PostgresStatement*> sent_;            // whose answers have not been read
   std::unordered_map<const char*, std::unique_ptr<PostgresStatement>> statements_;
 };
 

@@ -38,6 +38,23 @@ constexpr const char* locked_leases_over =
     " AND lease.ends<=" VACUFORM_NOW ") FOR UPDATE SKIP LOCKED";
 constexpr const char* leases_left = "SELECT job, ends-" VACUFORM_NOW " FROM lease WHERE ends>" VACUFORM_NOW;
 
+// A raised job, or the first of the owner whose turn it is. Jobs that rest or are just being leased are passed over; so are,
+// with the lock, owners whose counts another transaction is changing, which would otherwise be waited for.
+#define VACUFORM_MAY_RUN "(not_before IS NULL OR not_before<=" VACUFORM_NOW ")"
+#define VACUFORM_NEXT_JOB(lock)                                                                             \
+  "SELECT id FROM (SELECT id FROM job WHERE state='queued' AND priority>0 AND " VACUFORM_MAY_RUN            \
+  " ORDER BY priority DESC, id LIMIT 1 FOR UPDATE SKIP LOCKED) AS raised"                                   \
+  " UNION ALL"                                                                                              \
+  " SELECT own.id FROM (SELECT owner FROM submitter WHERE queued>0 ORDER BY running, served, owner" lock    \
+  ") AS turn"                                                                                               \
+  " CROSS JOIN LATERAL (SELECT id FROM job WHERE state='queued' AND owner=turn.owner AND " VACUFORM_MAY_RUN \
+  " ORDER BY priority DESC, id LIMIT 1 FOR UPDATE SKIP LOCKED) AS own"                                      \
+  " LIMIT 1"
+constexpr const char* next_job = VACUFORM_NEXT_JOB("");
+constexpr const char* next_job_without_waiting = VACUFORM_NEXT_JOB(" FOR UPDATE SKIP LOCKED");
+
+#undef VACUFORM_NEXT_JOB
+#undef VACUFORM_MAY_RUN
 #undef VACUFORM_NOW
 
 constexpr int rows_at_once = 1000;
@@ -256,6 +273,15 @@ Result<Millis> PostgresStore::Leases::now(Database& db) {
   Query query(db, time_now, set_time());
   VACUFORM_CHECK(query.row());
   return query.integer(0);
+}
+
+Result<std::optional<std::string>> PostgresStore::next_queued(Database& db) {
+  for (const char* sql : {next_job_without_waiting, next_job}) {
+    Query next(db, sql, leases_.set_time());
+    VACUFORM_TRY(found, next.row());
+    if (found) return std::optional(next.text(0));
+  }
+  return std::optional<std::string>();
 }
 
 Result<void> PostgresStore::Leases::renew(Database& db, const std::string& job) {

@@ -35,6 +35,8 @@ class PostgresStore : public SqlStore {
   Result<void> look_at_rows(const Look& look) override;
   Result<void> change_rows(const Change& change) override;
   LeaseTimes& lease_times() override { return leases_; }
+  // Two workers that ask at the same moment see the same counts, and may get two jobs of one owner.
+  Result<std::optional<std::string>> next_queued(Database& db) override;
   std::int64_t schema_version() const override;
   // "synchronous" when a standby confirms each commit.
   Result<void> describe(Database& db, StoreStatus& status) override;
@@ -55,11 +57,11 @@ class PostgresStore : public SqlStore {
     Result<std::vector<std::string>> over(Database& db, bool lock) override;
     Result<std::vector<Current>> current(Database& db) override;
     Result<Millis> now(Database& db) override;
+    // The time that a test sets; none: that of the database.
+    std::optional<Millis> set_time() const;
 
    private:
     Millis elapsed() const { return options_.elapsed ? options_.elapsed() : boot_clock(); }
-    // The time that a test sets; none: that of the database.
-    std::optional<Millis> set_time() const;
 
     const StoreOptions& options_;
     std::atomic<Millis> held_until_{0};

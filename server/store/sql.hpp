@@ -4,7 +4,7 @@
 // when it prepares a statement:
 //  - arguments are `?` or `?1`;
 //  - `INDEXED BY name` is for SQLite alone, which would otherwise scan a queue with another index;
-//  - `FOR UPDATE` and `FOR UPDATE SKIP LOCKED`, at the end, are for PostgreSQL alone: SQLite runs one transaction at a time.
+//  - `FOR UPDATE`, at the end, is for PostgreSQL alone: SQLite runs one transaction at a time.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,9 @@ class Statement {
   virtual void bind(int index, std::string_view value) = 0;
   virtual void bind(int index, std::int64_t value) = 0;
   virtual void bind(int index, double value) = 0;
+  // Tells that the rows will be wanted. A database at the end of a network then brings those of several statements in one
+  // trip, with the first row that is asked for. Nothing that they read may change in between.
+  virtual void send() {}
   // Steps to the next row; false after the last.
   virtual Result<bool> step() = 0;
   // Runs a statement without rows. In a transaction its error may be that of a later statement, or of the commit.
@@ -70,6 +73,10 @@ class Query {
     if (prepared_) (*prepared_)->reset();
   }
 
+  // Sends it, so that its rows come with those of others (Statement::send()).
+  void send() {
+    if (prepared_) (*prepared_)->send();
+  }
   // Steps to the next row; false after the last.
   Result<bool> row() {
     if (!prepared_) return tl::make_unexpected(prepared_.error());

@@ -18,6 +18,31 @@ constexpr const char* locked_job_row = VACUFORM_JOB_COLUMNS " FOR UPDATE";
 
 #undef VACUFORM_JOB_COLUMNS
 
+Result<std::vector<Input>> inputs_in(Query& query) {
+  std::vector<Input> inputs;
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) break;
+    inputs.push_back(
+        {query.text(0), {query.text(1), static_cast<std::uint64_t>(query.integer(2))}, query.text(3)});
+  }
+  sort_inputs(inputs);
+  return inputs;
+}
+
+Result<std::vector<StoredArtifact>> artifacts_in(Query& query) {
+  std::vector<StoredArtifact> artifacts;
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) break;
+    artifacts.push_back({query.text(0), {query.text(1), static_cast<std::uint64_t>(query.integer(2))}});
+  }
+  std::sort(artifacts.begin(), artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
+    return artifact_kind(a.name) < artifact_kind(b.name);  // index in one table
+  });
+  return artifacts;
+}
+
 std::optional<Millis> time_in(const Query& query, int column) {
   if (query.null(column)) return std::nullopt;
   return query.integer(column);
@@ -25,8 +50,12 @@ std::optional<Millis> time_in(const Query& query, int column) {
 
 }  // namespace
 
-Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id, bool lock) {
-  Query query(db, lock ? locked_job_row : job_row, id);
+Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id, Lock lock, Detail detail) {
+  Query query(db, lock == Lock::yes ? locked_job_row : job_row, id);
+  Query inputs(db, "SELECT name, blob, bytes, extension FROM input WHERE job=?", id);
+  Query artifacts(db, "SELECT name, blob, bytes FROM artifact WHERE job=?", id);
+  query.send();
+  if (detail == Detail::full) inputs.send(), artifacts.send();
   VACUFORM_TRY(found, query.row());
   if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
   const auto state = job_state_from(query.text(1));
@@ -60,47 +89,20 @@ Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id,
   row.worker = query.text(25);
   row.lease_hash = query.text(26);
   row.log_lines = query.integer(27);
+  if (detail == Detail::full) {
+    VACUFORM_TRY(given, inputs_in(inputs));
+    VACUFORM_TRY(stored, artifacts_in(artifacts));
+    job.inputs = std::move(given);
+    row.stored = std::move(stored);
+    if (ended(job.state)) job.artifacts = row.stored;
+  }
   return row;
 }
 
 Result<Job> SqlStore::find(Database& db, const std::string& id, Detail detail) {
-  VACUFORM_TRY(row, find_row(db, id));
-  if (detail == Detail::brief) {
-    row.job.settings.clear();
-    return std::move(row.job);
-  }
-  VACUFORM_CHECK(load_files(db, row.job));
+  VACUFORM_TRY(row, find_row(db, id, Lock::no, detail));
+  if (detail == Detail::brief) row.job.settings.clear();
   return std::move(row.job);
-}
-
-Result<void> SqlStore::load_files(Database& db, Job& job) {
-  job.inputs.clear();
-  Query inputs(db, "SELECT name, blob, bytes, extension FROM input WHERE job=?", job.id);
-  for (;;) {
-    VACUFORM_TRY(more, inputs.row());
-    if (!more) break;
-    job.inputs.push_back(
-        {inputs.text(0), {inputs.text(1), static_cast<std::uint64_t>(inputs.integer(2))}, inputs.text(3)});
-  }
-  sort_inputs(job.inputs);
-  if (!ended(job.state)) return {};  // its artifacts are incomplete
-  VACUFORM_TRY(artifacts, artifacts_of(db, job.id));
-  job.artifacts = std::move(artifacts);
-  return {};
-}
-
-Result<std::vector<StoredArtifact>> SqlStore::artifacts_of(Database& db, const std::string& job) {
-  std::vector<StoredArtifact> artifacts;
-  Query query(db, "SELECT name, blob, bytes FROM artifact WHERE job=?", job);
-  for (;;) {
-    VACUFORM_TRY(more, query.row());
-    if (!more) break;
-    artifacts.push_back({query.text(0), {query.text(1), static_cast<std::uint64_t>(query.integer(2))}});
-  }
-  std::sort(artifacts.begin(), artifacts.end(), [](const StoredArtifact& a, const StoredArtifact& b) {
-    return artifact_kind(a.name) < artifact_kind(b.name);  // index in one table
-  });
-  return artifacts;
 }
 
 Result<void> SqlStore::save(Transaction& tx, JobRow& row) {
@@ -143,7 +145,7 @@ Result<void> SqlStore::apply(Transaction& tx, JobRow& row, const Transition& nex
   job.attempt = next.attempt;
   row.faults = next.faults;
   if (next.state == JobState::queued || (ended(next.state) && next.state != JobState::succeeded))
-    VACUFORM_CHECK(drop_artifacts(tx, job, next.explained));
+    VACUFORM_CHECK(drop_artifacts(tx, row, next.explained));
   if (next.state == JobState::queued) {
     job.stage.reset(), job.started.reset(), job.not_before.reset();
     job.stage_progress = 0;
@@ -164,18 +166,19 @@ Result<void> SqlStore::apply(Transaction& tx, JobRow& row, const Transition& nex
   return add_line(tx.db, job.id, next.line);
 }
 
-Result<void> SqlStore::drop_artifacts(Transaction& tx, Job& job, bool but_explaining) {
-  VACUFORM_TRY(artifacts, artifacts_of(tx.db, job.id));
-  job.artifacts.clear();
-  for (const auto& artifact : artifacts) {
+Result<void> SqlStore::drop_artifacts(Transaction& tx, JobRow& row, bool but_explaining) {
+  std::vector<StoredArtifact> kept;
+  for (const auto& artifact : row.stored) {
     const ArtifactKind* kind = artifact_kind(artifact.name);
-    if (but_explaining && kind && explains_failure(job.kind, *kind)) {
-      job.artifacts.push_back(artifact);
+    if (but_explaining && kind && explains_failure(row.job.kind, *kind)) {
+      kept.push_back(artifact);
       continue;
     }
     tx.garbage.push_back(artifact.blob.sha256);
-    VACUFORM_CHECK(Query(tx.db, "DELETE FROM artifact WHERE job=? AND name=?", job.id, artifact.name).run());
+    VACUFORM_CHECK(
+        Query(tx.db, "DELETE FROM artifact WHERE job=? AND name=?", row.job.id, artifact.name).run());
   }
+  row.job.artifacts = row.stored = kept;
   return {};
 }
 

@@ -46,18 +46,27 @@ Result<Job> SqlStore::create(NewJob job, bool* repeated) {
     VACUFORM_TRY(blob, stored.add(input.file));
     blobs.push_back(blob);
   }
+  const std::optional<std::string> client_key =
+      job.client_key.empty() ? std::nullopt : std::optional(key_of(job));
   auto created = write([&](Transaction& tx) -> Result<Job> {
-    if (!job.client_key.empty()) {
-      VACUFORM_TRY(earlier, made_before(tx.db, job, blobs));
+    Query same_key(tx.db, "SELECT id FROM job WHERE client_key=?", client_key);
+    Query waiting(
+        tx.db,
+        "SELECT coalesce(sum(queued), 0), coalesce(sum(queued) FILTER (WHERE owner=?), 0) FROM submitter",
+        job.owner);
+    if (client_key) same_key.send();
+    waiting.send();
+    SharedBlobs shared(tx.db, job.inputs);
+    if (client_key) {
+      VACUFORM_TRY(earlier, made_before(tx.db, same_key, job, blobs));
       if (repeated) *repeated = earlier.has_value();
       if (earlier) return *earlier;
     }
-    VACUFORM_CHECK(check_room(tx.db, job.owner));
+    VACUFORM_CHECK(check_room(waiting));
+    VACUFORM_CHECK(shared.check());
     VACUFORM_CHECK(room_for(0));
     const Millis now = options_.clock();
     const std::string id = next_id();
-    std::optional<std::string> client_key;
-    if (!job.client_key.empty()) client_key = key_of(job);
     VACUFORM_CHECK(Query(tx.db,
                          "INSERT INTO job(id, kind, client_key, state, created, settings, request, owner,"
                          " priority, derived_from, reference, note) VALUES(?,?,?,'queued',?,?,?,?,?,?,?,?)",
@@ -65,10 +74,7 @@ Result<Job> SqlStore::create(NewJob job, bool* repeated) {
                          job.priority, job.derived_from, job.reference, job.note)
                        .run());
     std::vector<std::string> hashes;
-    for (std::size_t i = 0; i < blobs.size(); ++i) {
-      VACUFORM_CHECK(check_shared(tx.db, job.inputs[i]));
-      hashes.push_back(blobs[i].sha256);
-    }
+    for (const Blob& blob : blobs) hashes.push_back(blob.sha256);
     VACUFORM_CHECK(hold_objects(tx.db, std::move(hashes)));
     for (std::size_t i = 0; i < blobs.size(); ++i) {
       VACUFORM_CHECK(Query(tx.db, "INSERT INTO input(job, name, blob, bytes, extension) VALUES(?,?,?,?,?)",
@@ -83,27 +89,23 @@ Result<Job> SqlStore::create(NewJob job, bool* repeated) {
   return created;
 }
 
-Result<void> SqlStore::check_room(Database& db, const std::string& owner) {
-  Query query(
-      db, "SELECT coalesce(sum(queued), 0), coalesce(sum(queued) FILTER (WHERE owner=?), 0) FROM submitter",
-      owner);
-  VACUFORM_CHECK(query.row());
-  if (query.integer(0) >= options_.most_queued)
-    return fail(Code::busy, "the queue is full: " + std::to_string(query.integer(0)) + " jobs wait", {},
+Result<void> SqlStore::check_room(Query& waiting) const {
+  VACUFORM_CHECK(waiting.row());
+  if (waiting.integer(0) >= options_.most_queued)
+    return fail(Code::busy, "the queue is full: " + std::to_string(waiting.integer(0)) + " jobs wait", {},
                 "try again later");
-  if (query.integer(1) >= options_.most_queued_by_owner)
-    return fail(Code::busy, std::to_string(query.integer(1)) + " of your jobs wait already", {},
+  if (waiting.integer(1) >= options_.most_queued_by_owner)
+    return fail(Code::busy, std::to_string(waiting.integer(1)) + " of your jobs wait already", {},
                 "try again when some are done, or cancel some");
   return {};
 }
 
 // The job that an earlier submission with the same key created.
-Result<std::optional<Job>> SqlStore::made_before(Database& db, const NewJob& job,
+Result<std::optional<Job>> SqlStore::made_before(Database& db, Query& same_key, const NewJob& job,
                                                  const std::vector<Blob>& blobs) {
-  Query query(db, "SELECT id FROM job WHERE client_key=?", key_of(job));
-  VACUFORM_TRY(found, query.row());
+  VACUFORM_TRY(found, same_key.row());
   if (!found) return std::optional<Job>();
-  VACUFORM_TRY(earlier, find(db, query.text(0)));
+  VACUFORM_TRY(earlier, find(db, same_key.text(0)));
   bool same = earlier.kind == job.kind && earlier.settings == job.settings &&
               earlier.priority == job.priority && earlier.derived_from == job.derived_from &&
               earlier.reference == job.reference && earlier.note == job.note &&
@@ -224,13 +226,11 @@ Result<std::optional<Job>> SqlStore::newest_inspection(const StoredScan& scan) {
 Result<Job> SqlStore::cancel(const std::string& id, const JobGuard& allowed) {
   const Deletion deletion(*this);
   return write([&](Transaction& tx) -> Result<Job> {
-    VACUFORM_TRY(row, find_row(tx.db, id, true));
-    VACUFORM_CHECK(load_files(tx.db, row.job));
+    VACUFORM_TRY(row, find_row(tx.db, id, Lock::yes, Detail::full));
     if (allowed && !allowed(row.job))
       return fail(Code::conflict, "the job has changed", id, "look at it again");
     VACUFORM_TRY(next, when_cancel_asked(row.job, row.faults));
     VACUFORM_CHECK(apply(tx, row, next));
-    VACUFORM_CHECK(load_files(tx.db, row.job));
     return std::move(row.job);
   });
 }
@@ -238,13 +238,12 @@ Result<Job> SqlStore::cancel(const std::string& id, const JobGuard& allowed) {
 Result<void> SqlStore::remove(const std::string& id, const JobGuard& allowed) {
   const Deletion deletion(*this);
   return write([&](Transaction& tx) -> Result<void> {
-    VACUFORM_TRY(row, find_row(tx.db, id, true));
-    VACUFORM_CHECK(load_files(tx.db, row.job));
+    VACUFORM_TRY(row, find_row(tx.db, id, Lock::yes, Detail::full));
     if (allowed && !allowed(row.job))
       return fail(Code::conflict, "the job has changed", id, "look at it again");
     VACUFORM_CHECK(may_be_deleted(row.job));
     for (const auto& input : row.job.inputs) tx.garbage.push_back(input.blob.sha256);
-    VACUFORM_CHECK(drop_artifacts(tx, row.job));
+    VACUFORM_CHECK(drop_artifacts(tx, row));
     tx.changed.push_back(id);  // waiting clients learn that it is gone
     return Query(tx.db, "DELETE FROM job WHERE id=?", id).run();
   });

@@ -25,8 +25,7 @@ Result<std::optional<LeasedJob>> SqlStore::lease(const std::string& worker) {
     VACUFORM_TRY(next, next_queued(tx.db));
     if (!next) return std::optional<LeasedJob>();
     const std::string token = random_hex(32);
-    VACUFORM_TRY(row, find_row(tx.db, *next, true));
-    VACUFORM_CHECK(load_files(tx.db, row.job));
+    VACUFORM_TRY(row, find_row(tx.db, *next, Lock::yes, Detail::full));
     VACUFORM_TRY(change, when_leased(row.job, row.faults));
     row.job.started = options_.clock();
     row.job.stage.reset(), row.job.not_before.reset();
@@ -44,40 +43,16 @@ Result<std::optional<LeasedJob>> SqlStore::lease(const std::string& worker) {
   });
 }
 
-// In PostgreSQL two workers that ask at the same moment see the same counts, and may get two jobs of one owner.
-Result<std::optional<std::string>> SqlStore::next_queued(Database& db) {
-  VACUFORM_TRY(now, lease_times().now(db));
-  Query raised(db,
-               "SELECT id FROM job INDEXED BY job_raised WHERE state='queued' AND priority>0"
-               " AND (not_before IS NULL OR not_before<=?) ORDER BY priority DESC, id LIMIT 1"
-               " FOR UPDATE SKIP LOCKED",
-               now);
-  VACUFORM_TRY(found_raised, raised.row());
-  if (found_raised) return std::optional(raised.text(0));
-  Query turns(db, "SELECT owner FROM submitter WHERE queued>0 ORDER BY running, served, owner");
-  for (;;) {
-    VACUFORM_TRY(more, turns.row());
-    if (!more) return std::optional<std::string>();
-    Query own(db,
-              "SELECT id FROM job WHERE state='queued' AND owner=? AND (not_before IS NULL OR not_before<=?)"
-              " ORDER BY priority DESC, id LIMIT 1 FOR UPDATE SKIP LOCKED",
-              turns.text(0), now);
-    VACUFORM_TRY(found, own.row());
-    if (found) return std::optional(own.text(0));  // otherwise all its jobs are resting
-  }
-}
-
 Result<Job> SqlStore::leased(const LeaseKey& key) {
   return write_for_worker([&](Transaction& tx) -> Result<Job> {
-    VACUFORM_TRY(row, holder(tx.db, key, false));
-    VACUFORM_CHECK(load_files(tx.db, row.job));
+    VACUFORM_TRY(row, holder(tx.db, key, Detail::full));
     return std::move(row.job);
   });
 }
 
 Result<bool> SqlStore::heartbeat(const LeaseKey& key, std::optional<Stage> stage, double progress) {
   return write_for_worker([&](Transaction& tx) -> Result<bool> {
-    VACUFORM_TRY(row, holder(tx.db, key, false));
+    VACUFORM_TRY(row, holder(tx.db, key, Detail::brief));
     VACUFORM_CHECK(lease_times().renew(tx.db, row.job.id));
     const double clamped = std::clamp(progress, 0.0, 1.0);
     if (stage != row.job.stage || clamped != row.job.stage_progress) {
@@ -91,7 +66,7 @@ Result<bool> SqlStore::heartbeat(const LeaseKey& key, std::optional<Stage> stage
 
 Result<void> SqlStore::log(const LeaseKey& key, int first, const std::vector<std::string>& lines) {
   return write_for_worker([&](Transaction& tx) -> Result<void> {
-    VACUFORM_TRY(row, holder(tx.db, key, false));
+    VACUFORM_TRY(row, holder(tx.db, key, Detail::brief));
     const std::int64_t before = row.log_lines;
     std::int64_t number = first;
     for (const std::string& line : lines) {
@@ -111,9 +86,8 @@ Result<void> SqlStore::put_artifact(const LeaseKey& key, const std::string& name
   std::variant<Upload, Blob> file(std::move(upload));
   VACUFORM_TRY(blob, stored.add(file));
   auto put = write_for_worker([&](Transaction& tx) -> Result<void> {
-    VACUFORM_TRY(row, holder(tx.db, key, false));
-    VACUFORM_TRY(artifacts, artifacts_of(tx.db, row.job.id));
-    for (const auto& old : artifacts)
+    VACUFORM_TRY(row, holder(tx.db, key, Detail::full));
+    for (const auto& old : row.stored)
       if (old.name == name) tx.garbage.push_back(old.blob.sha256);
     VACUFORM_CHECK(hold_objects(tx.db, {blob.sha256}));
     return Query(tx.db,
@@ -129,10 +103,9 @@ Result<void> SqlStore::put_artifact(const LeaseKey& key, const std::string& name
 Result<Job> SqlStore::release(const LeaseKey& key) {
   const Deletion deletion(*this);
   return write_for_worker([&](Transaction& tx) -> Result<Job> {
-    VACUFORM_TRY(row, holder(tx.db, key, false));
+    VACUFORM_TRY(row, holder(tx.db, key, Detail::full));
     VACUFORM_TRY(next, when_given_back(row.job, row.faults));
     VACUFORM_CHECK(apply(tx, row, next));
-    VACUFORM_CHECK(load_files(tx.db, row.job));
     return std::move(row.job);
   });
 }
@@ -141,25 +114,20 @@ Result<Job> SqlStore::finish(const LeaseKey& key, JobState wanted, const std::op
                              Retry retry, std::optional<int> serious_warnings) {
   const Deletion deletion(*this);
   return write_for_worker([&](Transaction& tx) -> Result<Job> {
-    VACUFORM_TRY(row, holder(tx.db, key, true));
-    VACUFORM_CHECK(load_files(tx.db, row.job));
-    std::vector<StoredArtifact> made;
-    if (wanted == JobState::succeeded) {
-      VACUFORM_TRY(artifacts, artifacts_of(tx.db, row.job.id));
-      made = std::move(artifacts);
-    }
-    VACUFORM_TRY(next, when_finished(row.job, row.faults, {wanted, error, retry, made}, limits(), chance()));
+    VACUFORM_TRY(row, holder(tx.db, key, Detail::full, true));
+    VACUFORM_TRY(next,
+                 when_finished(row.job, row.faults, {wanted, error, retry, row.stored}, limits(), chance()));
     if (next.changes && next.state == JobState::succeeded) {
       row.job.serious_warnings = serious_warnings;
-      row.job.artifacts = std::move(made);
+      row.job.artifacts = row.stored;
     }
     VACUFORM_CHECK(apply(tx, row, next));
     return std::move(row.job);
   });
 }
 
-Result<SqlStore::JobRow> SqlStore::holder(Database& db, const LeaseKey& key, bool even_ended) {
-  auto row = find_row(db, key.job, true);
+Result<SqlStore::JobRow> SqlStore::holder(Database& db, const LeaseKey& key, Detail detail, bool even_ended) {
+  auto row = find_row(db, key.job, Lock::yes, detail);
   if (!row && row.error().code != Code::not_found) return row;
   if (row && !row->lease_hash.empty() && equal_secrets(row->lease_hash, text_hash(key.token)) &&
       (even_ended || !ended(row->job.state)))
@@ -199,7 +167,7 @@ Result<std::vector<Expired>> SqlStore::end_leases() {
     std::vector<Expired> expired;
     VACUFORM_TRY(over, lease_times().over(tx.db, true));
     for (const std::string& id : over) {
-      auto row = find_row(tx.db, id, true);
+      auto row = find_row(tx.db, id, Lock::yes, Detail::full);
       if (!row && row.error().code != Code::not_found) return tl::make_unexpected(row.error());
       const Result<Transition> next =
           row ? when_expired(row->job, row->faults, limits(), chance()) : fail(Code::lease_lost, "");

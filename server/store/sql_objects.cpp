@@ -16,7 +16,35 @@ constexpr std::string_view bucket_number = "bucket";
   " AND NOT EXISTS(SELECT 1 FROM upload_piece WHERE blob=sha256)" \
   " AND NOT EXISTS(SELECT 1 FROM scan WHERE blob=sha256)"
 
+constexpr const char* unnamed_of_five =
+    "SELECT sha256 FROM (SELECT ?1 AS sha256 UNION ALL SELECT ?2 UNION ALL SELECT ?3 UNION ALL SELECT ?4"
+    " UNION ALL SELECT ?5) AS asked WHERE sha256<>''" VACUFORM_UNNAMED;
+
+std::string shared_hash(std::span<const NewInput> inputs, std::size_t i) {
+  const Blob* blob = i < inputs.size() ? std::get_if<Blob>(&inputs[i].file) : nullptr;
+  return blob ? blob->sha256 : std::string();
+}
+
 }  // namespace
+
+SqlStore::SharedBlobs::SharedBlobs(Database& db, std::span<const NewInput> inputs)
+    : inputs_(inputs),
+      unnamed_(db, unnamed_of_five, shared_hash(inputs, 0), shared_hash(inputs, 1), shared_hash(inputs, 2),
+               shared_hash(inputs, 3), shared_hash(inputs, 4)) {
+  static_assert(input_kinds.size() == 5);
+  unnamed_.send();
+}
+
+Result<void> SqlStore::SharedBlobs::check() {
+  VACUFORM_TRY(some, unnamed_.row());
+  if (!some) return {};
+  const auto gone = std::find_if(inputs_.begin(), inputs_.end(), [&](const NewInput& input) {
+    const Blob* blob = std::get_if<Blob>(&input.file);
+    return blob && blob->sha256 == unnamed_.text(0);
+  });
+  return fail(Code::gone, "the file was deleted in the meantime",
+              gone == inputs_.end() ? std::string() : gone->name, "send it again");
+}
 
 Result<std::optional<StoredObject>> SqlStore::live_object(const std::string& sha256) {
   return read([&](Database& db) -> Result<std::optional<StoredObject>> {

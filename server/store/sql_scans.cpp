@@ -32,7 +32,7 @@ Result<StoredScan> SqlStore::add_scan(const std::string& owner, std::variant<Upl
       if (found) return scan_of(same);
     }
     VACUFORM_CHECK(room_for(0));
-    VACUFORM_CHECK(check_shared(tx.db, input));
+    VACUFORM_CHECK(SharedBlobs(tx.db, {&input, 1}).check());
     VACUFORM_CHECK(hold_objects(tx.db, {blob.sha256}));
     const StoredScan scan{next_id(), owner, options_.clock(), blob, extension};
     VACUFORM_CHECK(Query(tx.db,

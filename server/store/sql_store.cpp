@@ -74,14 +74,6 @@ Result<bool> SqlStore::named(Database& db, const std::string& sha256) {
   return query.row();
 }
 
-Result<void> SqlStore::check_shared(Database& db, const NewInput& input) {
-  const auto* blob = std::get_if<Blob>(&input.file);
-  if (!blob) return {};
-  VACUFORM_TRY(there, named(db, blob->sha256));
-  if (there) return {};
-  return fail(Code::gone, "the file was deleted in the meantime", input.name, "send it again");
-}
-
 Result<void> SqlStore::begin_blobs() {
   VACUFORM_CHECK(blobs_->begin(*this));
   return blobs_->sweep(

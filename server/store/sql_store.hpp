@@ -13,6 +13,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -138,6 +139,8 @@ class SqlStore : public Store, public ObjectTable {
   // Within a look: whether every change that failed is undone for good. Until then no blob is deleted.
   virtual bool settled() const { return true; }
   virtual LeaseTimes& lease_times() = 0;
+  // The id of the job whose turn it is (Store::lease()), locked.
+  virtual Result<std::optional<std::string>> next_queued(Database& db) = 0;
   virtual std::int64_t schema_version() const = 0;  // of the tables
   // Adds to the status what the database alone knows.
   virtual Result<void> describe(Database&, StoreStatus&) { return {}; }
@@ -162,9 +165,9 @@ class SqlStore : public Store, public ObjectTable {
     std::vector<std::string> changed = {};  // ids of jobs
     std::vector<Job> ended = {};
   };
-  // A row of the table of jobs; its job has inputs and artifacts only after load_files().
   struct JobRow {
     Job job;
+    std::vector<StoredArtifact> stored;  // artifacts so far; the job has them when it has ended
     Faults faults;
     std::string worker, lease_hash;
     std::int64_t log_lines = 0;  // of this attempt
@@ -234,22 +237,31 @@ class SqlStore : public Store, public ObjectTable {
   void collect_garbage();
   Result<bool> wanted(const std::string& sha256);  // whether a row names the blob, or it must stay for now
   static Result<bool> named(Database& db, const std::string& sha256);
-  // Errors: gone, if a blob that a new row is to share is named by no row.
-  static Result<void> check_shared(Database& db, const NewInput& input);
+  // The blobs that new inputs are to share with rows that exist.
+  class SharedBlobs {
+   public:
+    SharedBlobs(Database& db, std::span<const NewInput> inputs);
+    // Errors: gone, if no row names one of them.
+    Result<void> check();
+
+   private:
+    std::span<const NewInput> inputs_;
+    Query unnamed_;
+  };
   std::string next_id();
 
-  // sql_job_row.cpp. With `lock`, nobody else changes the job until the transaction has ended. Errors: not_found.
-  static Result<JobRow> find_row(Database& db, const std::string& id, bool lock = false);
+  // sql_job_row.cpp. With the lock, nobody else changes the job until the transaction has ended. Only a full job has inputs
+  // and artifacts. Errors: not_found.
+  enum class Lock { no, yes };
+  static Result<JobRow> find_row(Database& db, const std::string& id, Lock lock, Detail detail);
   static Result<Job> find(Database& db, const std::string& id, Detail detail = Detail::full);
-  static Result<void> load_files(Database& db, Job& job);
-  static Result<std::vector<StoredArtifact>> artifacts_of(Database& db, const std::string& job);
   // Writes all that changes about a job, with a greater version.
   static Result<void> save(Transaction& tx, JobRow& row);
   // Adds a line to the job's log, whose row is locked.
   Result<void> add_line(Database& db, const std::string& job, std::string_view text);
-  // Makes a job what the transition says, and saves it.
+  // Makes a full job what the transition says, and saves it.
   Result<void> apply(Transaction& tx, JobRow& row, const Transition& next);
-  static Result<void> drop_artifacts(Transaction& tx, Job& job, bool but_explaining = false);
+  static Result<void> drop_artifacts(Transaction& tx, JobRow& row, bool but_explaining = false);
 
   static Result<std::vector<std::string>> ids_of(Database& db, int count, const std::string& before,
                                                  const JobFilter& filter);
@@ -257,9 +269,10 @@ class SqlStore : public Store, public ObjectTable {
   Result<JobCounts> counts(Database& db);
   static Result<std::int64_t> queue_position(Database& db, const Job& job);
   static Result<std::optional<double>> seconds_expected(Database& db, const Job& job);
-  static Result<std::optional<Job>> made_before(Database& db, const NewJob& job,
+  // What create() checks, of rows that the query finds.
+  static Result<std::optional<Job>> made_before(Database& db, Query& same_key, const NewJob& job,
                                                 const std::vector<Blob>& blobs);
-  Result<void> check_room(Database& db, const std::string& owner);
+  Result<void> check_room(Query& waiting) const;
   static Result<Token> token_row(Database& db, const std::string& id);
   static Token token_in(const Query& row);  // id, owner, scopes, hash, created, expires, revoked, file
   Result<StoredUpload> upload_row(Database& db, const std::string& id);
@@ -270,7 +283,7 @@ class SqlStore : public Store, public ObjectTable {
                                                         const ProfileGuard& allowed);
 
   // The job that the key's lease holds, locked. Ended jobs count only when `even_ended`.
-  static Result<JobRow> holder(Database& db, const LeaseKey& key, bool even_ended);
+  static Result<JobRow> holder(Database& db, const LeaseKey& key, Detail detail, bool even_ended = false);
   // As write(), after the leases that are over have been ended.
   template <class F>
   auto write_for_worker(F change) -> decltype(change(std::declval<Transaction&>())) {
@@ -295,7 +308,6 @@ class SqlStore : public Store, public ObjectTable {
   Result<Bucket> bucket() override;
   Result<void> remember_bucket(std::int64_t number) override;
 
-  Result<std::optional<std::string>> next_queued(Database& db);  // the id of the job whose turn it is, locked
   Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error = {},
                      Retry retry = Retry::never, std::optional<int> serious_warnings = {});
   RetryLimits limits() const { return {options_.losses, options_.crashes, options_.backoff}; }

@@ -61,6 +61,27 @@ void SqliteStore::make_room() {
   (void)db_.execute("PRAGMA wal_checkpoint(RESTART)");
 }
 
+Result<std::optional<std::string>> SqliteStore::next_queued(Database& db) {
+  VACUFORM_TRY(now, leases_.now(db));
+  Query raised(db,
+               "SELECT id FROM job INDEXED BY job_raised WHERE state='queued' AND priority>0"
+               " AND (not_before IS NULL OR not_before<=?) ORDER BY priority DESC, id LIMIT 1",
+               now);
+  VACUFORM_TRY(found_raised, raised.row());
+  if (found_raised) return std::optional(raised.text(0));
+  Query turns(db, "SELECT owner FROM submitter WHERE queued>0 ORDER BY running, served, owner");
+  for (;;) {
+    VACUFORM_TRY(more, turns.row());
+    if (!more) return std::optional<std::string>();
+    Query own(db,
+              "SELECT id FROM job WHERE state='queued' AND owner=? AND (not_before IS NULL OR not_before<=?)"
+              " ORDER BY priority DESC, id LIMIT 1",
+              turns.text(0), now);
+    VACUFORM_TRY(found, own.row());
+    if (found) return std::optional(own.text(0));  // otherwise all its jobs are resting
+  }
+}
+
 Result<void> SqliteStore::Leases::open(Database& db) {
   opened_ = options_.clock();
   opened_elapsed_ = options_.elapsed();

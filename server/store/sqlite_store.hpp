@@ -32,6 +32,7 @@ class SqliteStore : public SqlStore {
   Result<void> change_rows(const Change& change) override;
   bool settled() const override { return !doubtful_; }
   LeaseTimes& lease_times() override { return leases_; }
+  Result<std::optional<std::string>> next_queued(Database& db) override;
   std::int64_t schema_version() const override;
   // SQLite's backup API copies while the store is in use.
   Result<void> copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) override;

@@ -66,7 +66,7 @@ void together(int threads, const std::function<void()>& work) {
 void submit(Store& store, const Job& model, int thread) {
   NewJob job{.settings = "{}"};
   for (const Input& input : model.inputs) job.add(input.name, input.blob, input.extension);
-  job.owner = "station-" + std::to_string(thread % 8);
+  job.owner = "station-" + std::to_string(thread);
   sound(store.create(std::move(job)));
 }
 

@@ -47,7 +47,7 @@ export interface NumberOptions {
   whole?: boolean;
   describedBy?: string;
   named?: boolean;           // has a <label>
-  // A number that can be used; null where there is none and why.
+  // The number, or null and the reason why it cannot be used.
   change(value: number | null, fault: string): void;
 }
 

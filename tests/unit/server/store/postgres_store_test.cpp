@@ -132,6 +132,63 @@ TEST_F(PostgresStoreTest, AStatementThatFailsWhileOthersAreSentUndoesTheWholeTra
   EXPECT_EQ(count(), "200");
 }
 
+// Rows that are asked for together come in one trip.
+TEST_F(PostgresStoreTest, RowsThatComeTogetherReachTheirOwnQueries) {
+  const auto opened = PostgresConnection::open(url_);
+  ASSERT_TRUE(opened);
+  PostgresConnection& db = **opened;
+  for (const bool in_transaction : {false, true}) {
+    if (in_transaction) db.begin();
+    {
+      Query one(db, "SELECT ?", "one"), none(db, "SELECT 1 WHERE ?='x'", "y"), three(db, "SELECT 3");
+      for (Query* query : {&one, &none, &three}) query->send();
+      { Query(db, "SELECT 4").send(); }  // nobody reads it
+      ASSERT_TRUE(*three.row());
+      ASSERT_TRUE(*one.row());
+      EXPECT_EQ(three.integer(0), 3);
+      EXPECT_EQ(one.text(0), "one");
+      EXPECT_FALSE(*one.row());
+      EXPECT_FALSE(*none.row());
+    }
+    if (in_transaction) {
+      ASSERT_TRUE(db.commit());
+    }
+  }
+  db.begin();
+  {
+    Query good(db, "SELECT 5"), bad(db, "SELECT 1/CAST(? AS integer)", 0), later(db, "SELECT 6");
+    for (Query* query : {&good, &bad, &later}) query->send();
+    EXPECT_FALSE(later.row());
+    EXPECT_FALSE(bad.row());
+  }
+  EXPECT_TRUE(db.failed() && !db.lost());
+  db.roll_back();
+  EXPECT_EQ(db.rows_of("SELECT 7")->at(0).at(0), "7");
+}
+
+// The counts of an owner are a row that many transactions change.
+TEST_F(PostgresStoreTest, ALeaseDoesNotWaitForAnOwnerWhoseCountsAreBeingChanged) {
+  const auto store = server("one");
+  for (const char* owner : {"a", "a", "b"}) ASSERT_TRUE(submit(*store, "", owner));
+  const auto opened = PostgresConnection::open(url_);
+  ASSERT_TRUE(opened);
+  PostgresConnection& other = **opened;
+  ASSERT_TRUE(other.execute("BEGIN; UPDATE submitter SET served=served WHERE owner='a'"));
+  const auto first = store->lease("w");
+  ASSERT_TRUE(first && *first);
+  EXPECT_EQ((*first)->job.owner, "b");
+  std::atomic<bool> leased{false};
+  std::thread next([&] {  // the jobs of that owner are the last ones: it waits
+    const auto second = store->lease("w");
+    leased = second && *second && (*second)->job.owner == "a";
+  });
+  std::this_thread::sleep_for(200ms);
+  EXPECT_FALSE(leased);
+  ASSERT_TRUE(other.execute("COMMIT"));
+  next.join();
+  EXPECT_TRUE(leased);
+}
+
 // PostgreSQL ends the wait for a standby at the time limit of a statement, with a warning and a commit on this machine alone.
 TEST_F(PostgresStoreTest, ACommitThatNoStandbyConfirmsIsNotAcknowledged) {
   const auto store = server("one");
@@ -396,9 +453,10 @@ TEST_F(PostgresStoreTest, NoLeaseEndsRightAfterAnOutage) {
 }
 
 TEST_F(PostgresStoreTest, KeepsAcknowledgedJobsWhenTheDatabaseIsKilled) {
-  const auto store = server("one");
+  StoreOptions options;
+  options.most_queued = options.most_queued_by_owner = 1'000'000;  // the clients submit as fast as they can
+  const auto store = server("one", options);
   for (int round = 0; round < 3; ++round) {
-    // One for each client and round: an owner may have 1,000 jobs that wait.
     const auto owner_of = [round](const std::string& key) {
       return "owner-" + std::to_string(round) + "-" + key.substr(0, key.find('-'));
     };
