@@ -91,7 +91,7 @@ class PostgresConnection : public Database {
 // From any thread. Connections are opened when they are needed, and stay.
 class PostgresPool {
  public:
-  static constexpr std::size_t most_connections = 12;
+  static constexpr std::size_t most_connections = 16;
 
   explicit PostgresPool(std::string url) : url_(std::move(url)) {}
   // Called when a connection is opened after one was lost: until then anything may have happened.
