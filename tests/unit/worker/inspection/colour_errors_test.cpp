@@ -52,7 +52,7 @@ struct Case {
   int columns_off = 0;  // how far the pixels of the print are moved to the right
   bool written_mirrored = false, said_mirrored = false;
   Vector3f (*printed_as)(const Vector3f&) = nullptr;  // changes the colours of the print; linear light
-  std::optional<double> ink_for_ratio = {};  // the area ratio that the print states it compensates
+  std::optional<double> ink_for_ratio = {};           // the area ratio that the print states it compensates
 };
 
 ColourErrors errors_of(const Case& c) {
