@@ -59,7 +59,7 @@ class Database {
   virtual Result<void> take_turns(const std::string& subject) = 0;
 };
 
-// One use of a prepared statement: the arguments in, in the order of the question marks, and the rows out.
+// One use of a prepared statement, the only one at that time: the arguments in, in the order of the question marks, rows out.
 class Query {
  public:
   template <class... Arguments>
