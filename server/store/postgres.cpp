@@ -90,7 +90,7 @@ class PostgresStatement : public Statement {
   }
   void send() override {
     if (sent_) return;
-    // A statement that cannot be sent is asked again when its rows are wanted, and fails there.
+    // If this fails, step() tries again and reports it.
     if (prepare()) sent_ = send_for(this).has_value();
   }
   Result<bool> step() override {

@@ -38,8 +38,8 @@ constexpr const char* locked_leases_over =
     " AND lease.ends<=" VACUFORM_NOW ") FOR UPDATE SKIP LOCKED";
 constexpr const char* leases_left = "SELECT job, ends-" VACUFORM_NOW " FROM lease WHERE ends>" VACUFORM_NOW;
 
-// A raised job, or the first of the owner whose turn it is. Jobs that rest or are just being leased are passed over; so are,
-// with the lock, owners whose counts another transaction is changing, which would otherwise be waited for.
+// A raised job, or the first of the owner whose turn it is. Passes over jobs that rest or are just being leased. With the
+// lock it also passes over owners whose counts another transaction changes; without it, it waits for that transaction.
 #define VACUFORM_MAY_RUN "(not_before IS NULL OR not_before<=" VACUFORM_NOW ")"
 #define VACUFORM_NEXT_JOB(lock)                                                                             \
   "SELECT id FROM (SELECT id FROM job WHERE state='queued' AND priority>0 AND " VACUFORM_MAY_RUN            \

@@ -24,8 +24,8 @@ class Statement {
   virtual void bind(int index, std::string_view value) = 0;
   virtual void bind(int index, std::int64_t value) = 0;
   virtual void bind(int index, double value) = 0;
-  // Tells that the rows will be wanted. A database at the end of a network then brings those of several statements in one
-  // trip, with the first row that is asked for. Nothing that they read may change in between.
+  // Announces that the rows will be read. PostgreSQL brings the rows of all announced statements in one trip, when the first
+  // of them is read. Until then, change nothing that they read.
   virtual void send() {}
   // Steps to the next row; false after the last.
   virtual Result<bool> step() = 0;
@@ -59,7 +59,8 @@ class Database {
   virtual Result<void> take_turns(const std::string& subject) = 0;
 };
 
-// One use of a prepared statement, the only one at that time: the arguments in, in the order of the question marks, rows out.
+// One use of a prepared statement: the arguments in, in the order of the question marks, and the rows out. A statement has
+// one use at a time.
 class Query {
  public:
   template <class... Arguments>
@@ -73,7 +74,7 @@ class Query {
     if (prepared_) (*prepared_)->reset();
   }
 
-  // Sends it, so that its rows come with those of others (Statement::send()).
+  // As Statement::send().
   void send() {
     if (prepared_) (*prepared_)->send();
   }

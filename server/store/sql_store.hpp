@@ -237,7 +237,7 @@ class SqlStore : public Store, public ObjectTable {
   void collect_garbage();
   Result<bool> wanted(const std::string& sha256);  // whether a row names the blob, or it must stay for now
   static Result<bool> named(Database& db, const std::string& sha256);
-  // The blobs that new inputs are to share with rows that exist.
+  // The blobs of new inputs that older rows must name, since the inputs share them.
   class SharedBlobs {
    public:
     SharedBlobs(Database& db, std::span<const NewInput> inputs);
@@ -269,7 +269,7 @@ class SqlStore : public Store, public ObjectTable {
   Result<JobCounts> counts(Database& db);
   static Result<std::int64_t> queue_position(Database& db, const Job& job);
   static Result<std::optional<double>> seconds_expected(Database& db, const Job& job);
-  // What create() checks, of rows that the query finds.
+  // The checks of create(), each with the query that finds its rows.
   static Result<std::optional<Job>> made_before(Database& db, Query& same_key, const NewJob& job,
                                                 const std::vector<Blob>& blobs);
   Result<void> check_room(Query& waiting) const;
