@@ -293,9 +293,15 @@ export async function startJob(page) {
   return jobShown(page);
 }
 
+// Opens the list of all settings, and waits for its fields: the first ones have the same names as the main settings above.
+export async function openSettings(page, name = 'All settings') {
+  await page.getByText(name, {exact: true}).click();
+  await page.locator('.all-settings input[type=search]').waitFor();
+}
+
 // Sets two settings so that the job takes seconds.
 export async function makeQuick(page) {
-  await page.getByText('All settings', {exact: true}).click();
+  await openSettings(page);
   for (const [label, value] of [['Simulation grid', '6'], ['Print resolution', '100']]) {
     const field = page.getByRole('textbox', {name: label, exact: true}).last();
     await field.fill(value);

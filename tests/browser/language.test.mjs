@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import {readdirSync, readFileSync} from 'node:fs';
 import {join} from 'node:path';
-import {setUp, show, signIn, viewsOf, web} from './drive.mjs';
+import {openSettings, setUp, show, signIn, viewsOf, web} from './drive.mjs';
 
 const test = setUp();
 const german = {locale: 'de-DE'};
@@ -82,7 +82,7 @@ async function refusal(page, path, act) {
 
 test('German pages explain a refused setting', german, async ({page, jobs}) => {
   await show(page, `#/new?from=${jobs.print}`);
-  await page.getByText('Alle Einstellungen', {exact: true}).click();
+  await openSettings(page, 'Alle Einstellungen');
   const width = page.getByRole('textbox', {name: 'Breite der Folie', exact: true}).last();
   const problem = await refusal(page, '/api/v1/validate', async () => {
     await width.fill('100');
