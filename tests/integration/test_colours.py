@@ -12,6 +12,7 @@ import zlib
 
 import hostile
 from harness import Case, Server, curl, vacuform
+from png_rows import rgb_rows
 
 NAME = b"Erika Mustermann"
 COARSE = {"scan": {"units": "mm"}, "sheet": {"resolution_mm": 6}, "print": {"dpi": 72, "marks": False, "compensate_colours": False},
@@ -46,20 +47,8 @@ def coloured_dome(picture):
 
 
 def pixels(png):
-    """Rows of an RGB picture as print.png is: without filters."""
-    at, data = 8, b""
-    while at < len(png):
-        size, kind = struct.unpack(">I4s", png[at:at + 8])
-        body = png[at + 8:at + 8 + size]
-        if kind == b"IHDR":
-            width, height, depth, colour = struct.unpack(">IIBB", body[:10])
-            assert (depth, colour) == (8, 2)
-        data += body if kind == b"IDAT" else b""
-        at += size + 12
-    raw = zlib.decompress(data)
-    rows = [raw[y * (3 * width + 1):(y + 1) * (3 * width + 1)] for y in range(height)]
-    assert all(row[0] == 0 for row in rows)
-    return [[tuple(row[1 + 3 * x:4 + 3 * x]) for x in range(width)] for row in rows]
+    """Rows of the colours of a picture."""
+    return [[tuple(row[x:x + 3]) for x in range(0, len(row), 3)] for row in rgb_rows(png)]
 
 
 def textures(glb):

@@ -7,6 +7,7 @@ import zlib
 
 import hostile
 from harness import Case, vacuform
+from png_rows import rgb_rows
 from test_colours import archive_of
 from test_painted_models import formed_sheet
 
@@ -128,21 +129,11 @@ class Body:
 class Picture:
     """print.png in rows of bytes, sampled in mm from the middle of the sheet, to the right and up."""
     def __init__(self, path):
-        png, at, data = path.read_bytes(), 8, []
-        while at < len(png):
-            size, kind = struct.unpack(">I4s", png[at:at + 8])
-            body = png[at + 8:at + 8 + size]
-            if kind == b"IHDR":
-                self.width, self.height = struct.unpack(">II", body[:8])
-            if kind == b"IDAT":
-                data.append(body)
-            at += size + 12
-        self.row_bytes = 3 * self.width + 1
-        self.bytes = zlib.decompress(b"".join(data))
+        self.rows = rgb_rows(path.read_bytes())
+        self.width, self.height = len(self.rows[0]) // 3, len(self.rows)
 
     def pixel(self, column, row):
-        at = row * self.row_bytes + 1 + 3 * column
-        return self.bytes[at:at + 3]
+        return self.rows[row][3 * column:3 * column + 3]
 
     def column_row(self, s, t):
         return s * DPI / 25.4 + self.width / 2 - 0.5, self.height / 2 - t * DPI / 25.4 - 0.5
@@ -152,7 +143,7 @@ class Picture:
         x, y = self.column_row(s, t)
         i, j = math.floor(x), math.floor(y)
         def at(column, row):
-            return LINEAR[self.bytes[row * self.row_bytes + 3 + 3 * column]]
+            return LINEAR[self.rows[row][3 * column + 2]]
         upper = at(i, j) + (x - i) * (at(i + 1, j) - at(i, j))
         lower = at(i, j + 1) + (x - i) * (at(i + 1, j + 1) - at(i, j + 1))
         return upper + (y - j) * (lower - upper)
@@ -295,7 +286,8 @@ class PaintedBodies(Case):
             ("ply.zip", body.ply_zip(self.texture), "--set", "scan.up=+z"))]
         for other in pictures[1:]:
             self.assertEqual((other.width, other.height), (pictures[0].width, pictures[0].height))
-            self.assertLessEqual(max(map(abs, map(int.__sub__, other.bytes, pictures[0].bytes))), 1)  # of 255
+            for row, same in zip(other.rows, pictures[0].rows, strict=True):
+                self.assertLessEqual(max(map(abs, map(int.__sub__, row, same))), 1)  # of 255
 
     def test_the_difference_of_colours_is_that_of_the_standard(self):
         # Pairs 1, 7 and 17 of the test data of Sharma, Wu and Dalal 2005.

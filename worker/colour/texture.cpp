@@ -256,21 +256,33 @@ Footprint Texture::footprint(const Vector2d& a, const Vector2d& b) const {
 }
 
 inline Vector4f Texture::mean(const Level& level, double x, double y, Wrap across, Wrap down, bool all) {
-  const Curve8& curve = curve8();
+  const std::array<float, 256>& linear = curve8().linear;
   const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
   const float fx = static_cast<float>(x - 0.5 - left), fy = static_cast<float>(y - 0.5 - top);
   const auto i = static_cast<std::int64_t>(left), j = static_cast<std::int64_t>(top);
-  const std::ptrdiff_t columns[] = {4 * std::ptrdiff_t{wrapped(i, level.width, across)},
-                                    4 * std::ptrdiff_t{wrapped(i + 1, level.width, across)}};
-  const std::uint8_t* const rows[] = {level.row(wrapped(j, level.height, down)),
-                                      level.row(wrapped(j + 1, level.height, down))};
-  const auto part = [&](std::size_t column, std::size_t row, float share) -> Vector4f {
-    const std::uint8_t* p = rows[row] + columns[column];
-    if (!all && p[3] != 255) share *= static_cast<float>(p[3]) / 255;
-    return share * Vector4f(curve.linear[p[0]], curve.linear[p[1]], curve.linear[p[2]], 1);
+  const std::uint8_t *upper, *lower;  // the left texels of the four
+  std::ptrdiff_t right = 4;           // from there to the others
+  if (i >= 0 && j >= 0 && i + 1 < level.width && j + 1 < level.height) {
+    upper = level.row(static_cast<int>(j)) + 4 * i;
+    lower = upper + 4 * std::ptrdiff_t{level.width};
+  } else {
+    const std::ptrdiff_t column = 4 * std::ptrdiff_t{wrapped(i, level.width, across)};
+    right = 4 * std::ptrdiff_t{wrapped(i + 1, level.width, across)} - column;
+    upper = level.row(wrapped(j, level.height, down)) + column;
+    lower = level.row(wrapped(j + 1, level.height, down)) + column;
+  }
+  const std::array<const std::uint8_t*, 4> four{upper, upper + right, lower, lower + right};
+  std::array<float, 4> share{(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+  if (!all && (four[0][3] & four[1][3] & four[2][3] & four[3][3]) != 255)
+    for (std::size_t k = 0; k < 4; ++k) share[k] *= static_cast<float>(four[k][3]) / 255;
+  const auto sum = [&](auto&& value) {
+    return (share[0] * value(four[0]) + share[1] * value(four[1])) +
+           (share[2] * value(four[2]) + share[3] * value(four[3]));
   };
-  return (part(0, 0, (1 - fx) * (1 - fy)) + part(1, 0, fx * (1 - fy))) +
-         (part(0, 1, (1 - fx) * fy) + part(1, 1, fx * fy));
+  return {sum([&](const std::uint8_t* p) { return linear[p[0]]; }),
+          sum([&](const std::uint8_t* p) { return linear[p[1]]; }),
+          sum([&](const std::uint8_t* p) { return linear[p[2]]; }),
+          sum([](const std::uint8_t*) { return 1.0f; })};
 }
 
 Vector3f Texture::sample(const Vector2d& uv, const Footprint& footprint, Wrap across, Wrap down) const {

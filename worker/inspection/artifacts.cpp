@@ -33,12 +33,13 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
     files.push_back({"colours.svg", {colours->svg.begin(), colours->svg.end()}});
     files.push_back({"colours.pdf", colours->pdf});
   }
-  VACUFORM_TRY(pictures, previews(job, context));
+  const SheetPicture print(job);
+  VACUFORM_TRY(pictures, previews(job, print, context));
   for (auto& picture : pictures) files.push_back(std::move(picture));
   files.push_back({"formed.ply", formed_ply(job)});
   files.push_back({"formed.obj", formed_obj(job)});
   files.push_back({"formed.mtl", formed_mtl()});
-  VACUFORM_TRY(glb, formed_glb(job, context));
+  VACUFORM_TRY(glb, formed_glb(job, print, context));
   files.push_back({"formed.glb", std::move(glb)});
   files.push_back({"uv-map.obj", uv_map_obj(job)});
   files.push_back({"mold.stl", stl_bytes(marked_mold(job.mold.mesh))});

@@ -75,11 +75,10 @@ GltfJson material(const char* name, int texture) {
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const Context& context) {
+Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const SheetPicture& print,
+                                             const Context& context) {
   constexpr const char *with = "pre-distorted", *without = "printed as drawn";
-  std::optional<SheetPicture> picture;
-  if (over_colours(job) || job.print.shortage) picture.emplace(job);
-  const SheetPicture* const over = picture ? &*picture : nullptr;
+  const SheetPicture* const over = over_colours(job) || job.print.shortage ? &print : nullptr;
   // Made at the same time as the other texture, or after it if there is no thread for it.
   auto printed = std::async([&] { return print_texture(job, over); });
   VACUFORM_TRY(drawn, drawing_texture(job, over, context));

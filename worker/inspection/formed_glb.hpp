@@ -2,6 +2,7 @@
 #pragma once
 
 #include "worker/inspection/inspection.hpp"
+#include "worker/inspection/sheet_picture.hpp"
 
 namespace vacuform {
 
@@ -12,7 +13,8 @@ namespace vacuform {
 //   and for the colours of a scan _POSITION_ERROR (mm) and _COLOUR_DIFFERENCE (CIEDE2000), both -1 without colour.
 // Off the chart _PATTERN, _SHAPE and _AREA are 0: glTF has no NaN.
 // Two materials, by KHR_materials_variants: "pre-distorted", which is the default, and "printed as drawn"; their
-// textures are those of sheet_textures.hpp, inside the file. Deterministic. Errors: cancelled.
-Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const Context& context);
+// textures are those of sheet_textures.hpp, inside the file. `print`: of the job. Deterministic. Errors: cancelled.
+Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const SheetPicture& print,
+                                             const Context& context);
 
 }  // namespace vacuform

@@ -203,6 +203,9 @@ Result<Around> views(const Finished& job, const Distortion& after, View& view, c
   return out;
 }
 
+// Of the print as it is printed, where that is another picture: as fine as preview-print.png shows it.
+constexpr double print_pixel_mm = 0.25;
+
 struct NamedPicture {
   const char* name;
   Picture picture;
@@ -229,9 +232,9 @@ Result<std::vector<Artifact>> encoded(std::vector<NamedPicture>& pictures, const
 
 }  // namespace
 
-Result<std::vector<Artifact>> previews(const Finished& job, const Context& context) {
+Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& print,
+                                       const Context& context) {
   const Alignment& alignment = job.alignment;
-  const SheetPicture print(job);
   const FlatPlaces flat(job.sheet);
   const WithoutVacuform without{job, print};
   const WithVacuform with{print};
@@ -315,7 +318,7 @@ Result<std::vector<Artifact>> previews(const Finished& job, const Context& conte
   shown.push_back({"preview-pattern.png", pattern_preview(job, preview_side)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.76));
   std::optional<SheetPicture> as_printed;
-  if (job.print.shortage) as_printed.emplace(job, InkState::printed);
+  if (job.print.shortage) as_printed.emplace(job, InkState::printed, print_pixel_mm);
   shown.push_back({"preview-print.png", print_preview(job, as_printed ? *as_printed : print, preview_side)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.77));
   for (std::size_t i = 0; i < 5; ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "worker/inspection/inspection.hpp"
+#include "worker/inspection/sheet_picture.hpp"
 
 namespace vacuform {
 
@@ -10,7 +11,9 @@ namespace vacuform {
 // of the sheet that comes to lie on the top of the mold. preview-with.png: the pre-distorted print.
 // preview-anisotropy.png, preview-area.png: the figures without pre-distortion over the chart.
 // preview-thickness.png: the whole sheet. preview-findings.png: the bare sheet with the marks of the warnings of
-// scan, forming and of stretched traces. preview-segments.png, where the drawing is laid in segments.
-Result<std::vector<Artifact>> previews(const Finished& job, const Context& context);
+// scan, forming and of stretched traces. preview-segments.png, where the drawing is laid in segments. `print`: of the
+// job.
+Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& print,
+                                       const Context& context);
 
 }  // namespace vacuform

@@ -9,12 +9,8 @@
 
 namespace vacuform {
 
-namespace {
-constexpr double pixel_mm = 0.15;
-}
-
-SheetPicture::SheetPicture(const Finished& job, InkState state)
-    : job_(job), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
+SheetPicture::SheetPicture(const Finished& job, InkState state, double pixel_mm)
+    : job_(job), pixel_mm_(pixel_mm), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
   width_ = static_cast<int>(std::ceil(job.settings.sheet.width_mm / pixel_mm));
   height_ = static_cast<int>(std::ceil(job.settings.sheet.height_mm / pixel_mm));
   const auto ink = ink_of(job.print, job.surface, job.settings.print.ink_curve);
@@ -65,7 +61,7 @@ Ink SheetPicture::over_colours(const Ink& ink, const Eigen::Vector2d& rest) cons
 
 // Bilinear, with pixels weighted by their opacity.
 Ink SheetPicture::of_pixels(const Pixels& rgba, const Eigen::Vector2d& rest) const {
-  const double x = rest.x() / pixel_mm + width_ / 2.0 - 0.5, y = height_ / 2.0 - rest.y() / pixel_mm - 0.5;
+  const double x = rest.x() / pixel_mm_ + width_ / 2.0 - 0.5, y = height_ / 2.0 - rest.y() / pixel_mm_ - 0.5;
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
   if (left >= 0 && top >= 0 && left + 1 < width_ && top + 1 < height_) {  // most of the sheet is bare
     const std::uint8_t* above = &rgba[4 * (static_cast<std::size_t>(top) * static_cast<std::size_t>(width_) +

@@ -12,12 +12,12 @@
 
 namespace vacuform {
 
-// The print itself, 0.15 mm a pixel, for a vector print, for a picture in parts, and for the colours of the scan;
+// The print itself, in pixels of `pixel_mm`, for a vector print, for a picture in parts, and for the colours of the scan;
 // otherwise the pattern under the charts. A drawing over the colours of the scan is shown over them. Colours whose ink is
 // compensated are in the given state. Keeps a reference to the job.
 class SheetPicture {
  public:
-  explicit SheetPicture(const Finished& job, InkState state = InkState::stretched);
+  explicit SheetPicture(const Finished& job, InkState state = InkState::stretched, double pixel_mm = 0.15);
 
   // Straight colour and opacity at a place of the sheet, before any mirroring, over about `blur_mm`; transparent off
   // it.
@@ -32,6 +32,7 @@ class SheetPicture {
   Ink of_pattern(const Eigen::Vector2d& rest, double blur_mm) const;  // of the flat sheet
 
   const Finished& job_;
+  double pixel_mm_;
   int width_ = 0, height_ = 0;
   Pixels print_;        // empty: sampled from the pattern
   Pixels colours_;      // below the drawing; empty without

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "worker/png/png_reader.hpp"
-#include "worker/png/png_writer.hpp"
 
 namespace vacuform {
 
@@ -36,8 +35,8 @@ class Squeeze {
       double sum[3] = {0, 0, 0};
       const auto add = [&](int i, double weight) {
         const std::uint8_t* p = rgba + 4 * static_cast<std::ptrdiff_t>(i);
-        const double alpha = p[3] / 255.0;
-        for (int k = 0; k < 3; ++k) sum[k] += weight * (255 + alpha * (p[k] - 255));
+        const double white = p[3] == 255 ? 0 : 255 - p[3], alpha = p[3] == 255 ? 1 : p[3] / 255.0;
+        for (int k = 0; k < 3; ++k) sum[k] += weight * (white + alpha * p[k]);
       };
       add(cell.first, cell.of_first);
       for (int i = cell.first + 1; i < cell.last; ++i) add(i, 1);
@@ -57,7 +56,7 @@ class Squeeze {
 }  // namespace
 
 std::vector<std::uint8_t> shrunk_png(const std::vector<std::uint8_t>& png, int width, int skipped,
-                                     bool mirrored) {
+                                     bool mirrored, PngContent content) {
   PngReader reader(png);
   if (png.size() < 24 || !reader.begin(PngReader::Rows::rgba8) || reader.passes() != 1) return {};
   // Width and height are at fixed places of the first chunk.
@@ -68,7 +67,7 @@ std::vector<std::uint8_t> shrunk_png(const std::vector<std::uint8_t>& png, int w
   if (shown <= 0) return {};
   width = std::min(width, columns);
   const int height = std::max(1, static_cast<int>(static_cast<std::int64_t>(shown) * width / columns));
-  PngWriter writer(width, height, 3);
+  PngWriter writer(width, height, 3, {}, {}, content);
   const Squeeze squeeze(columns, width);
   std::vector<std::uint8_t> read(reader.row_bytes()), before, row(3 * static_cast<std::size_t>(width));
   std::vector<double> line(row.size()), sum(row.size(), 0);

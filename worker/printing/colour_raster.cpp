@@ -12,7 +12,7 @@ namespace vacuform {
 
 namespace {
 // Rows of pixels that are made together. They are the same for any number of threads, and so is the walk over the scan.
-constexpr int strip_rows = 8;
+constexpr int strip_rows = 16;
 }  // namespace
 
 using Eigen::Matrix2d;
@@ -65,29 +65,90 @@ ColourRaster::ColourRaster(const SheetColours& colours, int width, int height, d
   of_band_ = pieces_by_band(pieces_, n, height_, band_);
 }
 
-void ColourRaster::scan(const Piece& piece, int first_row, int last_row, int top,
-                        std::vector<float>& sums) const {
-  const int n = samples_;
+// Rows of pixels: the sums of the colours of their places, each times its share of full colour, and of the shares.
+struct ColourRaster::Strip {
+  int left, width, top, bottom;  // of the pixels
+  std::vector<std::array<float, 4>> sums;
+
+  Strip(const PixelBox& box, int from, int to)
+      : left(box.left),
+        width(box.right - box.left),
+        top(from),
+        bottom(to),
+        sums(static_cast<std::size_t>(width) * static_cast<std::size_t>(to - from)) {}
+  std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y - top) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x - left);
+  }
+};
+
+template <class Wanted>
+void ColourRaster::add(const Piece& piece, int places, const Wanted& wanted, Strip& strip) const {
+  const double step = static_cast<double>(samples_) / places;
+  const Vector3d across = step * piece.across, down = step * piece.down;
+  std::array<Vector2d, 3> corners = piece.corners;
+  for (Vector2d& corner : corners) corner /= step;
   const ColourReach& reach = colours_.reach();
-  ColourWalk walk(colours_.surface(), piece.across, piece.down, piece.start), at_begin = walk;
-  scan_triangle(piece.corners, width_ * n, first_row * n, last_row * n, [&](int row, int begin, int end) {
-    float* out = sums.data() + static_cast<std::ptrdiff_t>(row / n - top) * (box_.right - box_.left) * 4;
-    const Vector3d start = piece.origin + (row + 0.5) * piece.down;
-    const double ratio = piece.ratio + (row + 0.5) * piece.ratio_down;
-    walk = at_begin;
-    const int first = std::max(begin, box_.left * n);
-    for (int x = first; x < std::min(end, box_.right * n); ++x) {
-      const auto found = walk.at(start + (x + 0.5) * piece.across, reach.end_mm());
-      if (x == first) at_begin = walk;
-      if (!found) continue;
-      const float share = static_cast<float>(reach.share(found->distance_mm));
-      float* sum = out + static_cast<std::ptrdiff_t>(x / n - box_.left) * 4;
-      const Eigen::Vector3f linear =
-          inked(found->linear, static_cast<float>(ratio + (x + 0.5) * piece.ratio_across));
-      for (int c = 0; c < 3; ++c) sum[c] += share * linear[c];
-      sum[3] += share;
+  const float part = 1.0f / static_cast<float>(places * places);
+  ColourWalk walk(colours_.surface(), across, down, piece.start), at_begin = walk;
+  scan_triangle(
+      corners, width_ * places, strip.top * places, strip.bottom * places, [&](int row, int begin, int end) {
+        const Vector3d start = piece.origin + (row + 0.5) * down;
+        const double ratio = piece.ratio + (row + 0.5) * step * piece.ratio_down;
+        walk = at_begin;
+        bool first = true;
+        for (int x = std::max(begin, strip.left * places);
+             x < std::min(end, (strip.left + strip.width) * places); ++x) {
+          const std::size_t pixel = strip.at(x / places, row / places);
+          if (!wanted(pixel)) continue;
+          const auto found = walk.at(start + (x + 0.5) * across, reach.end_mm());
+          if (first) at_begin = walk, first = false;
+          if (!found) continue;
+          const float share = part * static_cast<float>(reach.share(found->distance_mm));
+          const Eigen::Vector3f linear =
+              inked(found->linear, static_cast<float>(ratio + (x + 0.5) * step * piece.ratio_across));
+          std::array<float, 4>& sum = strip.sums[pixel];
+          for (int c = 0; c < 3; ++c) sum[static_cast<std::size_t>(c)] += share * linear[c];
+          sum[3] += share;
+        }
+      });
+}
+
+// The pixels of a strip that need more than one place: those that are partly on coloured triangles, those that fade, and
+// those with another colour than a pixel beside them.
+std::vector<char> ColourRaster::borders(const Strip& strip, const std::vector<int>& pieces) const {
+  std::vector<char> border(strip.sums.size(), 0), inside(strip.sums.size(), 0);
+  const int n = samples_;
+  for (const int i : pieces)
+    scan_triangle(pieces_[static_cast<std::size_t>(i)].corners, width_ * n, strip.top * n, strip.bottom * n,
+                  [&](int row, int begin, int end) {
+                    for (int x = std::max(begin, strip.left * n);
+                         x < std::min(end, (strip.left + strip.width) * n); ++x)
+                      ++inside[strip.at(x / n, row / n)];
+                  });
+  const auto alike = [](const std::array<float, 4>& a, const std::array<float, 4>& b) {
+    constexpr float least = 0.01f, most_share = 0.1f;  // in linear light
+    for (std::size_t c = 0; c < 3; ++c)
+      if (std::abs(a[c] - b[c]) > least + most_share * std::min(a[c], b[c])) return false;
+    return true;
+  };
+  for (int y = strip.top; y < strip.bottom; ++y)
+    for (int x = strip.left; x < strip.left + strip.width; ++x) {
+      const std::size_t at = strip.at(x, y);
+      const auto& here = strip.sums[at];
+      if ((inside[at] > 0 && inside[at] < n * n) || (here[3] > 0 && here[3] < 1)) border[at] = 1;
+      const bool last = x + 1 == strip.left + strip.width;
+      const auto compare = [&](std::size_t other) {
+        if (!alike(here, strip.sums[other])) border[at] = border[other] = 1;
+      };
+      if (!last) compare(at + 1);
+      if (y + 1 == strip.bottom) continue;
+      const std::size_t below = strip.at(x, y + 1);
+      compare(below);
+      if (!last) compare(below + 1);
+      if (x > strip.left) compare(below - 1);
     }
-  });
+  return border;
 }
 
 std::vector<ColourRaster::Origin> ColourRaster::origins(int row, int first, int step) const {
@@ -127,24 +188,37 @@ std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
       4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(bottom - top), 0);
   const auto& pieces = of_band_[static_cast<std::size_t>(top / band_)];
   if (pieces.empty()) return pixels;
-  const int box_width = box_.right - box_.left;
-  std::vector<float> sums(4 * static_cast<std::size_t>(box_width) * static_cast<std::size_t>(bottom - top),
-                          0.0f);
-  const float scale = 1.0f / static_cast<float>(samples_ * samples_);
+  const auto make = [&](int first, int last) {
+    // First one place for each pixel, with one more row on each side to compare with; then more places at borders.
+    Strip strip(box_, std::max(first - 1, 0), std::min(last + 1, height_));
+    for (const int i : pieces)
+      add(
+          pieces_[static_cast<std::size_t>(i)], 1, [](std::size_t) { return true; }, strip);
+    if (samples_ > 1) {
+      const std::vector<char> border = borders(strip, pieces);
+      for (std::size_t i = 0; i < border.size(); ++i)
+        if (border[i]) strip.sums[i] = {};
+      for (const int i : pieces)
+        add(
+            pieces_[static_cast<std::size_t>(i)], samples_,
+            [&](std::size_t pixel) { return border[pixel] != 0; }, strip);
+    }
+    for (int y = first; y < last; ++y) {
+      const std::array<float, 4>* sum = &strip.sums[strip.at(box_.left, y)];
+      std::uint8_t* out = pixels.data() + (static_cast<std::ptrdiff_t>(y - top) * width_ + box_.left) * 4;
+      for (int x = box_.left; x < box_.right; ++x, ++sum, out += 4) {
+        const float share = (*sum)[3];
+        if (!(share > 0)) continue;
+        for (std::size_t c = 0; c < 3; ++c)
+          out[c] = static_cast<std::uint8_t>(std::lround(srgb_from_linear((*sum)[c] / share) * 255));
+        out[3] = static_cast<std::uint8_t>(std::lround(std::min(1.0f, share) * 255));
+      }
+    }
+  };
   in_parallel(0, (bottom - top + strip_rows - 1) / strip_rows, [&](int first_strip, int last_strip) {
     for (int strip = first_strip; strip < last_strip; ++strip) {
-      const int first = top + strip * strip_rows, last = std::min(first + strip_rows, bottom);
-      for (const int i : pieces) scan(pieces_[static_cast<std::size_t>(i)], first, last, top, sums);
-    }
-    for (int y = top + first_strip * strip_rows; y < std::min(top + last_strip * strip_rows, bottom); ++y) {
-      const float* sum = sums.data() + static_cast<std::ptrdiff_t>(y - top) * box_width * 4;
-      std::uint8_t* out = pixels.data() + (static_cast<std::ptrdiff_t>(y - top) * width_ + box_.left) * 4;
-      for (int x = 0; x < box_width; ++x, sum += 4, out += 4) {
-        if (!(sum[3] > 0)) continue;
-        for (int c = 0; c < 3; ++c)
-          out[c] = static_cast<std::uint8_t>(std::lround(srgb_from_linear(sum[c] / sum[3]) * 255));
-        out[3] = static_cast<std::uint8_t>(std::lround(std::min(1.0f, sum[3] * scale) * 255));
-      }
+      const int first = top + strip * strip_rows;
+      make(first, std::min(first + strip_rows, bottom));
     }
   });
   return pixels;

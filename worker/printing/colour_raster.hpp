@@ -10,17 +10,17 @@
 
 namespace vacuform {
 
-// Keeps a reference to the colours. Pixels are those of the print before any mirroring, RGBA: each is the mean, in
-// linear light, of some places of the sheet, each with the mean colour of the scan's surface around its closest point.
-// The same bytes for any number of threads.
+// Keeps a reference to the colours. Pixels are those of the print before any mirroring, RGBA: the mean colour, in linear
+// light, of the scan's surface around the point closest to the pixel; at borders of colours the mean of several parts of
+// the pixel. The same bytes for any number of threads.
 class ColourRaster : public RowSource {
  public:
   struct Compensation {
     const ColourInk* ink = nullptr;  // null: the colours as they are; a reference is kept
     InkState state = InkState::printed;
   };
-  // `samples`: places along each side of a pixel. Each has the mean colour of its part of the pixel, so more of them
-  // only make borders smoother: 2 for a print, 1 for a picture that is shown smaller.
+  // `samples`: parts along each side of a pixel at a border, which is smoother with more of them: 2 for a print, 1 for a
+  // picture that is shown smaller.
   ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm, Compensation compensation,
                int samples = 2);
   ColourRaster(const SheetColours& colours, int width, int height, double pixel_mm, int samples = 2)
@@ -29,6 +29,7 @@ class ColourRaster : public RowSource {
   PixelBox box() const override { return box_; }
   int band_rows() const override { return band_; }
   std::vector<std::uint8_t> rows(int top, int bottom) const override;
+  PngContent content() const override { return PngContent::photograph; }
 
   // Where the colour of a pixel comes from.
   struct Origin {
@@ -49,7 +50,12 @@ class ColourRaster : public RowSource {
     int start = -1;
   };
   Eigen::Vector3f inked(const Eigen::Vector3f& linear, float area_ratio) const;
-  void scan(const Piece& piece, int first_row, int last_row, int top, std::vector<float>& sums) const;
+  struct Strip;
+  // Adds `places` x `places` parts of each pixel, where they lie in a piece, to the pixels of a strip for which
+  // wanted(index in the strip).
+  template <class Wanted>
+  void add(const Piece& piece, int places, const Wanted& wanted, Strip& strip) const;
+  std::vector<char> borders(const Strip& strip, const std::vector<int>& pieces) const;
 
   const SheetColours& colours_;
   Compensation compensation_;

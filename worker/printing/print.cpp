@@ -188,11 +188,12 @@ std::vector<Line> outline_of_mold(const Patch& chart, double grid_mm, const Laid
 // separately.
 class PictureFiles {
  public:
-  PictureFiles(const PixelBox& box, int channels, double dpi, std::span<const std::uint8_t> icc)
-      : box_(box), channels_(channels), whole_(width(), height(), channels, dpi, icc) {
+  PictureFiles(const PixelBox& box, int channels, double dpi, std::span<const std::uint8_t> icc,
+               PngContent content)
+      : box_(box), channels_(channels), whole_(width(), height(), channels, dpi, icc, content) {
     if (channels != 4) return;
-    colour_.emplace(width(), height(), 3, dpi);
-    opacity_.emplace(width(), height(), 1, dpi);
+    colour_.emplace(width(), height(), 3, dpi, std::span<const std::uint8_t>(), content);
+    opacity_.emplace(width(), height(), 1, dpi, std::span<const std::uint8_t>(), content);
     rgb_.resize(3 * static_cast<std::size_t>(width()));
     alpha_.resize(static_cast<std::size_t>(width()));
   }
@@ -268,11 +269,12 @@ LaidInk laid_ink(const Print& print, const Placement& placement, const InkParts*
 
 // Lays a row of straight RGBA on white, as RGB.
 void on_white(const std::vector<std::uint8_t>& rgba, std::vector<std::uint8_t>& rgb) {
-  rgb.clear();
+  rgb.resize(rgba.size() / 4 * 3);
+  std::uint8_t* out = rgb.data();
   for (std::size_t i = 0; i < rgba.size(); i += 4)
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = rgba[i + 3];
-      rgb.push_back(static_cast<std::uint8_t>((rgba[i + k] * a + 255 * (255 - a) + 127) / 255));
+      *out++ = static_cast<std::uint8_t>((rgba[i + k] * a + 255 * (255 - a) + 127) / 255);
     }
 }
 
@@ -283,9 +285,9 @@ Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, c
   const std::span<const std::uint8_t> icc = channels == 4 ? profile.icc() : std::span<const std::uint8_t>();
   const PixelBox box = source.box();
   const bool opaque = channels == 4 && settings.print.background == Background::white;
-  PngWriter whole(size.width, size.height, opaque ? 3 : channels, settings.print.dpi, icc);
+  PngWriter whole(size.width, size.height, opaque ? 3 : channels, settings.print.dpi, icc, source.content());
   std::optional<PictureFiles> files;
-  if (!vectors) files.emplace(box, channels, settings.print.dpi, icc);
+  if (!vectors) files.emplace(box, channels, settings.print.dpi, icc, source.content());
   const int band = source.band_rows();
   std::vector<std::uint8_t> row(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(channels)),
       rgb;

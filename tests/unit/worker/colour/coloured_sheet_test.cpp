@@ -183,6 +183,35 @@ TEST(ColouredSheet, HasTheColoursOfTheModel) {
   RecordProperty("largest_milli", static_cast<int>(1000 * d.largest));
 }
 
+// Six sectors of the sphere, each with one of the two points of a palette.
+TEST(ColouredSheet, BordersOfColoursAreSmooth) {
+  constexpr int sectors = 6;
+  Model model = coloured::sphere(sphere_mm, 240);
+  for (std::size_t i = 0; i < model.uv.size(); i += 3) {
+    const double along = (model.uv[i] + model.uv[i + 1] + model.uv[i + 2]).x() / 3;
+    for (std::size_t k = i; k < i + 3; ++k)
+      model.uv[k] = {static_cast<int>(sectors * along) % 2 == 0 ? 0.25 : 0.75, 0.5};
+  }
+  const auto palette = coloured::png(
+      2, 1, [](double u, double) -> Vector3f { return u < 0.5 ? Vector3f(1, 0, 0) : Vector3f(0, 0, 1); });
+  const Printed print = printed(dome_sheet(), coloured::glb(model, palette), "a.glb");
+  int mixed = 0, far_from_border = 0;
+  for (int y = 0; y < print.side; ++y)
+    for (int x = 0; x < print.side; ++x) {
+      const Vector2d rest = print.rest(x, y);
+      if (rest.norm() < 10 || rest.norm() > on_dome_mm) continue;
+      const Vector3f colour = print.linear(x, y);
+      if (colour.x() * colour.z() < 0.05f) continue;
+      ++mixed;
+      const double along = std::atan2(rest.y(), rest.x()), border = 2 * pi / sectors;
+      const double off = rest.norm() * std::abs(along - border * std::round(along / border));
+      far_from_border += off > 1.5 * pixel_mm ? 1 : 0;
+    }
+  // Four of the borders cross about a thousand rows of pixels; the other two lie between two rows.
+  EXPECT_GT(mixed, 500);
+  EXPECT_EQ(far_from_border, 0);
+}
+
 // Ten by five patches of the sphere, each in a separate cell of the image in another order, and black between them.
 TEST(ColouredSheet, ShowsNoSeamBetweenFiftyIslands) {
   constexpr int columns = 10, rows = 5;

@@ -76,8 +76,13 @@ struct Glb {
   }
 };
 
+Result<std::vector<std::uint8_t>> bytes_of_job(const Job& job, const Context& context = Context()) {
+  const Finished finished = job.finished();
+  return formed_glb(finished, SheetPicture(finished), context);
+}
+
 Glb glb_of_job(const Job& job) {
-  const auto bytes = formed_glb(job.finished(), Context());
+  const auto bytes = bytes_of_job(job);
   if (!bytes) throw std::runtime_error(bytes.error().text());
   return Glb(*bytes);
 }
@@ -288,14 +293,14 @@ TEST(FormedGlb, TexturesHaveAtMost2048PixelsASide) {
 
 TEST(FormedGlb, HasTheSameBytesWithOneProcessor) {
   const Job job = small_dome();
-  const auto with_all = formed_glb(job.finished(), Context());
+  const auto with_all = bytes_of_job(job);
   cpu_set_t before, one;
   ASSERT_EQ(::sched_getaffinity(0, sizeof before, &before), 0);
   CPU_ZERO(&one);
   for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++cpu)
     if (CPU_ISSET(cpu, &before)) CPU_SET(cpu, &one);
   ASSERT_EQ(::sched_setaffinity(0, sizeof one, &one), 0);
-  const auto with_one = formed_glb(job.finished(), Context());
+  const auto with_one = bytes_of_job(job);
   ASSERT_EQ(::sched_setaffinity(0, sizeof before, &before), 0);
   ASSERT_TRUE(with_all && with_one);
   EXPECT_TRUE(*with_all == *with_one);
@@ -305,7 +310,7 @@ TEST(FormedGlb, CanBeCancelled) {
   const Job job = small_dome();
   Context context;
   context.cancel();
-  const auto bytes = formed_glb(job.finished(), context);
+  const auto bytes = bytes_of_job(job, context);
   ASSERT_FALSE(bytes);
   EXPECT_EQ(bytes.error().code, Code::cancelled);
 }

@@ -488,7 +488,8 @@ TEST(Previews, FindingsAreMarkedWhereTheyAre) {
   const Warning web{"webbing", "", {{{0, 52, 30}, 10}}};
   job.sample.sheet.warnings = {
       {"not-reached", "", {{{0, 0, 60}, 20}, {{20, 0, 56}, 20}}}, web, {"thin", "", {{{0, -52, 30}, 10}}}};
-  const auto files = previews(job.finished(), Context());
+  const Finished finished = job.finished();
+  const auto files = previews(finished, SheetPicture(finished), Context());
   ASSERT_TRUE(files);
   const Decoded marked = decode_png(file(*files, "preview-findings.png"));
   EXPECT_EQ(marked.width, 1000);
