@@ -1,6 +1,5 @@
 #include "server/pages/template.hpp"
 
-#include <array>
 #include <kainjow/mustache.hpp>
 #include <map>
 #include <mutex>
@@ -15,22 +14,6 @@ using nlohmann::ordered_json;
 namespace mustache = kainjow::mustache;
 
 namespace {
-
-// & < > " ' become references, so that a value may stand in an element and in a quoted attribute.
-std::string escaped(const std::string& text) {
-  std::string out;
-  out.reserve(text.size());
-  for (const char c : text) {
-    constexpr std::string_view special = "&<>\"'";
-    constexpr std::array<std::string_view, 5> references{"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
-    const std::size_t at = special.find(c);
-    if (at == std::string_view::npos)
-      out += c;
-    else
-      out += references[at];
-  }
-  return out;
-}
 
 // The text of a template with its partials in place, each without its last line end.
 std::string text_of(std::string_view name, int depth = 0) {
@@ -56,7 +39,6 @@ mustache::mustache& parsed(std::string_view name) {
   if (found != all.end()) return found->second;
   mustache::mustache made(text_of(name) + "\n");
   if (!made.is_valid()) throw std::logic_error(std::string(name) + ".mustache: " + made.error_message());
-  made.set_custom_escape(escaped);
   return all.emplace(name, std::move(made)).first->second;
 }
 
