@@ -6,7 +6,7 @@ Result<void> GroupCommit::run(const std::function<bool()>& change) {
   Waiting self{change};
   std::unique_lock queue(queue_mutex_);
   queue_.push_back(&self);
-  ended_.wait(queue, [&] { return self.done || !leading_; });
+  self.wake.wait(queue, [&] { return self.done || (!leading_ && queue_.front() == &self); });
   if (self.done) return self.result;
 
   std::vector<Waiting*> batch;
@@ -16,20 +16,24 @@ Result<void> GroupCommit::run(const std::function<bool()>& change) {
   run_together(batch);
   queue.lock();
   leading_ = false;
-  for (Waiting* waiting : batch) waiting->done = true;
-  ended_.notify_all();
+  for (Waiting* waiting : batch) {
+    waiting->done = true;
+    waiting->wake.notify_one();
+  }
+  if (!queue_.empty()) queue_.front()->wake.notify_one();
   return self.result;
 }
 
 Result<void> GroupCommit::transaction(const std::vector<Waiting*>& batch) {
+  const auto run = [&](const char* sql) { return Query(db_, sql).run(); };
   const auto all = [&]() -> Result<void> {
-    VACUFORM_CHECK(db_.execute("BEGIN IMMEDIATE"));
+    VACUFORM_CHECK(run("BEGIN IMMEDIATE"));
     for (const Waiting* waiting : batch) {
-      VACUFORM_CHECK(db_.execute("SAVEPOINT change"));
-      if (!waiting->change()) VACUFORM_CHECK(db_.execute("ROLLBACK TO change"));
-      VACUFORM_CHECK(db_.execute("RELEASE change"));
+      VACUFORM_CHECK(run("SAVEPOINT change"));
+      if (!waiting->change()) VACUFORM_CHECK(run("ROLLBACK TO change"));
+      VACUFORM_CHECK(run("RELEASE change"));
     }
-    return db_.execute("COMMIT");
+    return run("COMMIT");
   };
   auto result = all();
   // SQLite may have rolled back already; then this is refused and changes nothing.

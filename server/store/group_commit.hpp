@@ -31,6 +31,7 @@ class GroupCommit {
     const std::function<bool()>& change;
     Result<void> result = {};
     bool done = false;
+    std::condition_variable wake = {};  // its thread: it is done, or the first in the queue
   };
   void run_together(const std::vector<Waiting*>& batch);
   Result<void> transaction(const std::vector<Waiting*>& batch);
@@ -40,7 +41,6 @@ class GroupCommit {
   std::function<void(bool)> ended_transaction_;
   std::mutex database_mutex_;  // taken after the other, or alone
   std::mutex queue_mutex_;
-  std::condition_variable ended_;
   std::vector<Waiting*> queue_;
   bool leading_ = false;  // a thread runs a transaction
 };
