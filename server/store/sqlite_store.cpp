@@ -10,7 +10,7 @@ namespace vacuform {
 Result<void> SqliteStore::open(const std::filesystem::path& data) {
   VACUFORM_CHECK(db_.open((data / "jobs.sqlite").string()));
   // A job's row is some 4 KB with its settings: the pages of ten thousand fit into 64 MiB of cache, not into SQLite's 2.
-  // In memory: what undoes a change, which otherwise is a file that is written with every transaction.
+  // temp_store: what undoes a change stays in memory; otherwise SQLite writes it to a file in each transaction.
   VACUFORM_CHECK(
       db_.execute("PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
                   "PRAGMA foreign_keys=ON; PRAGMA trusted_schema=OFF; PRAGMA temp_store=MEMORY;"

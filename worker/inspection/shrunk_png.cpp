@@ -35,7 +35,7 @@ class Squeeze {
       double sum[3] = {0, 0, 0};
       const auto add = [&](int i, double weight) {
         const std::uint8_t* p = rgba + 4 * static_cast<std::ptrdiff_t>(i);
-        const double white = p[3] == 255 ? 0 : 255 - p[3], alpha = p[3] == 255 ? 1 : p[3] / 255.0;
+        const double white = 255 - p[3], alpha = p[3] == 255 ? 1 : p[3] / 255.0;
         for (int k = 0; k < 3; ++k) sum[k] += weight * (white + alpha * p[k]);
       };
       add(cell.first, cell.of_first);
