@@ -1,30 +1,58 @@
 #include "api/base/sha256.hpp"
 
-#include <sodium.h>
+#include <openssl/evp.h>
+#include <openssl/hmac.h>
 
-#include <array>
+#include <new>
+#include <stdexcept>
 
 namespace vacuform {
 
+namespace {
+
+constexpr std::size_t digest_size = 32;
+
+const EVP_MD* method() {
+  static const EVP_MD* const sha256 = EVP_MD_fetch(nullptr, "SHA256", nullptr);
+  if (!sha256) throw std::runtime_error("OpenSSL offers no SHA-256");
+  return sha256;
+}
+
+void check(bool done) {
+  if (!done) throw std::runtime_error("OpenSSL made no SHA-256");
+}
+
+}  // namespace
+
 struct Sha256::State {
-  crypto_hash_sha256_state sodium;
+  EVP_MD_CTX* context = EVP_MD_CTX_new();
+
+  State() {
+    if (!context) throw std::bad_alloc();
+    check(EVP_DigestInit_ex2(context, method(), nullptr) == 1);
+  }
+  ~State() { EVP_MD_CTX_free(context); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
 };
 
-Sha256::Sha256() : state_(std::make_unique<State>()) { crypto_hash_sha256_init(&state_->sodium); }
+Sha256::Sha256() : state_(std::make_unique<State>()) {}
 Sha256::~Sha256() = default;
 Sha256::Sha256(Sha256&&) noexcept = default;
 Sha256& Sha256::operator=(Sha256&&) noexcept = default;
 
 void Sha256::add(std::span<const std::uint8_t> bytes) {
-  crypto_hash_sha256_update(&state_->sodium, bytes.data(), bytes.size());
+  check(EVP_DigestUpdate(state_->context, bytes.data(), bytes.size()) == 1);
 }
 
 std::string Sha256::hex() {
-  std::array<unsigned char, crypto_hash_sha256_BYTES> digest;
-  crypto_hash_sha256_final(&state_->sodium, digest.data());
-  std::array<char, 2 * crypto_hash_sha256_BYTES + 1> text;
-  sodium_bin2hex(text.data(), text.size(), digest.data(), digest.size());
-  return text.data();
+  unsigned char digest[digest_size];
+  check(EVP_DigestFinal_ex(state_->context, digest, nullptr) == 1);
+  std::string text;
+  text.reserve(2 * digest_size);
+  for (const unsigned char byte : digest)
+    for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
+  return text;
 }
 
 std::string sha256_hex(std::span<const std::uint8_t> bytes) {
@@ -34,12 +62,10 @@ std::string sha256_hex(std::span<const std::uint8_t> bytes) {
 }
 
 std::string hmac_sha256(std::string_view key, std::string_view text) {
-  const auto bytes = [](std::string_view t) { return reinterpret_cast<const unsigned char*>(t.data()); };
-  crypto_auth_hmacsha256_state state;
-  crypto_auth_hmacsha256_init(&state, bytes(key), key.size());
-  crypto_auth_hmacsha256_update(&state, bytes(text), text.size());
-  std::string code(crypto_auth_hmacsha256_BYTES, '\0');
-  crypto_auth_hmacsha256_final(&state, reinterpret_cast<unsigned char*>(code.data()));
+  std::string code(digest_size, '\0');
+  check(HMAC(method(), key.data(), static_cast<int>(key.size()),
+             reinterpret_cast<const unsigned char*>(text.data()), text.size(),
+             reinterpret_cast<unsigned char*>(code.data()), nullptr) != nullptr);
   return code;
 }
 

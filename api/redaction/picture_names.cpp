@@ -30,7 +30,17 @@ std::uint32_t big_endian(std::string_view bytes) {
 class PngNames : public NameFilter::Format {
  public:
   void take(std::string_view in, std::string& out) override {
-    for (const char c : in) step(c, out);
+    while (!in.empty()) {
+      if (signature_ == 0 && !after_end_ && !blank_ && data_ > 0) {  // most of the file
+        const std::string_view kept = in.substr(0, data_);
+        out += kept;
+        data_ -= static_cast<std::uint32_t>(kept.size());
+        in.remove_prefix(kept.size());
+      } else {
+        step(in[0], out);
+        in.remove_prefix(1);
+      }
+    }
   }
   void end(std::string& out) override { out += head_; }
   void fields(FilterState& state) override {
@@ -125,7 +135,16 @@ std::string exif_of(int orientation, std::size_t size) {
 class JpegNames : public NameFilter::Format {
  public:
   void take(std::string_view in, std::string& out) override {
-    for (const char c : in) step(static_cast<unsigned char>(c), out);
+    while (!in.empty()) {
+      if (place_ == Place::picture) {  // most of the file
+        const std::string_view kept = in.substr(0, in.find('\xFF'));
+        out += kept;
+        in.remove_prefix(kept.size());
+        if (in.empty()) return;
+      }
+      step(static_cast<unsigned char>(in[0]), out);
+      in.remove_prefix(1);
+    }
   }
   void end(std::string& out) override {
     if (segment_ > 0) finish_segment(out, held_.size());

@@ -10,6 +10,7 @@
 // jpeglib.h needs the types of stdio first.
 #include <jpeglib.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -19,11 +20,13 @@
 #include "tests/bench/step_cost.hpp"
 #include "worker/colour/sheet_colours.hpp"
 #include "worker/forming/inked_face.hpp"
+#include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/png/png_writer.hpp"
 #include "worker/printing/colour_raster.hpp"
 #include "worker/sample/painted_model.hpp"
 #include "worker/sample/textured_glb.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace {
 
@@ -94,6 +97,16 @@ class Bench {
     rows_.push_back({name, cost});
     return made;
   }
+  // The seconds of one step less those of another.
+  void add_difference(const char* name, std::string_view step, std::string_view less) {
+    const auto cost_of = [&](std::string_view of) {
+      return std::find_if(rows_.begin(), rows_.end(), [&](const Row& row) { return row.step == of; })->cost;
+    };
+    StepCost cost = cost_of(step);
+    cost.seconds -= cost_of(less).seconds;
+    cost.cpu_seconds -= cost_of(less).cpu_seconds;
+    rows_.push_back({name, cost});
+  }
   // What follows is on top of what there is now.
   void formed() { formed_mib_ = status_mib("VmRSS:"); }
 
@@ -155,9 +168,10 @@ int main(int argc, char** argv) {
   Bench bench(format);
   const auto mold =
       bench.measure("scan", [&] { return make_mold(scan, "mask.glb", settings.scan, context); });
-  const auto sheet = bench.measure("forming", [&] {
+  const auto form_sheet = [&] {
     return form(mold, settings.sheet, settings.machine, settings.forming, TemperatureField(140), context);
-  });
+  };
+  const auto sheet = bench.measure("forming", form_sheet);
   const InkedSurface surface = inked_surface(sheet, settings.pattern.inked_face);
   const auto flattening = bench.measure(
       "flattening", [&] { return flatten(sheet, surface, mold, settings.flattening, context); });
@@ -167,11 +181,17 @@ int main(int argc, char** argv) {
 
   bench.measure("the texture alone: decoding",
                 [&] { return Texture::read(image, "mask.glb", most_texture_pixels); });
-  auto coloured = bench.measure("1 reading scan and texture, pyramid", [&] {
-    return ColouredSurface::read(scan, "mask.glb", mold.placing, context);
+  bench.measure("reading scan and texture, pyramid",
+                [&] { return read_coloured_scan(scan, "mask.glb", context); });
+  // As a job does.
+  ColouredScan coloured = bench.measure("forming, and reading meanwhile", [&] {
+    Result<ColouredScan> read;
+    together([&] { form_sheet(); }, [&] { read = read_coloured_scan(scan, "mask.glb", context); });
+    return read;
   });
+  bench.add_difference("1 reading: forming is later by", "forming, and reading meanwhile", "forming");
   const SheetColours colours = bench.measure("2 distances, hidden surface", [&]() -> Result<SheetColours> {
-    return SheetColours(std::move(coloured), sheet,
+    return SheetColours(ColouredSurface(std::move(coloured), mold.placing), sheet,
                         colour_reach(settings.scan.clearance_mm, settings.pattern.fade_mm));
   });
   const Pattern picture =
@@ -186,12 +206,16 @@ int main(int argc, char** argv) {
       bytes += raster.rows(top, std::min(top + raster.band_rows(), print.height)).size();
     return bytes;
   });
+  const auto ink = ink_of(print, surface, settings.print.ink_curve);
+  const ColourErrors errors = bench.measure("5 comparison with the scan", [&] {
+    return colour_errors(colours, print, ink ? &*ink : nullptr, settings.sheet.resolution_mm, context);
+  });
   const Finished finished{settings, mold,       sheet,
                           surface,  flattening, picture,
                           print,    {},         Alignment{.shift_mm = -flattening.top_rest},
                           nullptr,  &placement, "benchmark",
-                          &colours};
-  bench.measure("5 report, previews and other files", [&] {
+                          &colours, &errors};
+  bench.measure("6 report, previews and other files", [&] {
     report(finished);
     return artifacts(finished, context);
   });

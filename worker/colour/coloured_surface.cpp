@@ -42,9 +42,8 @@ void mark_shown(const ScanColours& colours, std::vector<Texture>& textures) {
 
 }  // namespace
 
-Result<ColouredSurface> ColouredSurface::read(std::span<const std::uint8_t> bytes,
-                                              const std::string& file_name, const ScanPlacing& placing,
-                                              const Context& context) {
+Result<ColouredScan> read_coloured_scan(std::span<const std::uint8_t> bytes, const std::string& file_name,
+                                        const Context& context) {
   const ScanProgress progress(context);
   VACUFORM_TRY(scan, read_scan(bytes, file_name, progress, ScanParts::with_colours));
   if (!scan.colours)
@@ -52,7 +51,6 @@ Result<ColouredSurface> ColouredSurface::read(std::span<const std::uint8_t> byte
                 "give a GLB with textures, an OBJ or PLY with its textures in a zip or with vertex colours, "
                 "or pattern.source=file and a "
                 "pattern");
-  for (auto& p : scan.mesh.vertices) p = placing(p);
   std::vector<Texture> textures;
   std::int64_t left = most_texture_pixels;
   for (ScanImage& image : scan.colours->images) {
@@ -67,9 +65,12 @@ Result<ColouredSurface> ColouredSurface::read(std::span<const std::uint8_t> byte
     VACUFORM_CHECK(progress.tick());
     texture.build();
   }
-  auto parts = std::make_shared<Parts>(std::move(scan.mesh), *std::move(scan.colours));
-  parts->textures = std::move(textures);
-  return ColouredSurface(std::move(parts));
+  return ColouredScan{std::move(scan.mesh), *std::move(scan.colours), std::move(textures)};
+}
+
+ColouredSurface::ColouredSurface(ColouredScan scan, const ScanPlacing& placing) {
+  for (auto& p : scan.mesh.vertices) p = placing(p);
+  parts_ = std::make_shared<const Parts>(std::move(scan));
 }
 
 Vector3f ColouredSurface::colour(int triangle, const Vector3d& weights, double side_mm) const {
@@ -80,8 +81,7 @@ Vector3f ColouredSurface::colour(int triangle, const Vector3d& weights, double s
   };
   const Vector3d across = side(1).normalized(), down = (side(2) - side(2).dot(across) * across).normalized();
   ColourWalk walk(*this, side_mm * across, side_mm * down);
-  walk.enter(triangle, walk.plane_of(triangle));
-  return walk.colour(weights);
+  return walk.colour(walk.seat(triangle), weights);
 }
 
 ColourWalk::Plane ColourWalk::plane_of(int triangle) const {
@@ -113,47 +113,45 @@ int ColourWalk::neighbour(int triangle, Eigen::Index corner) const {
   return found;
 }
 
-std::optional<double> ColourWalk::reach(const Vector3d& place, double within_mm) {
-  int triangle = triangle_;
-  Plane plane = plane_;
-  for (int step = 0; step < longest_walk && plane.normal != Vector3d::Zero(); ++step) {
-    Eigen::Index outside = 0;
-    if (plane.weights(place).minCoeff(&outside) >= 0) {
-      const double distance = plane.distance(place);
-      if (distance <= within_mm) enter(triangle, plane);
-      return distance;
-    }
-    triangle = neighbour(triangle, outside);
-    if (triangle < 0) return std::nullopt;
-    const Plane next = plane_of(triangle);
-    if (!(next.normal.dot(plane.normal) > gentle)) return std::nullopt;
-    plane = next;
-  }
-  return std::nullopt;
-}
-
-void ColourWalk::enter(int triangle, const Plane& plane) {
-  if (triangle == triangle_) return;
-  triangle_ = triangle;
-  plane_ = plane;
+const ColourWalk::Seat& ColourWalk::seat(int triangle) {
   const auto t = static_cast<std::size_t>(triangle);
-  material_ = &parts_->colours.materials[static_cast<std::size_t>(parts_->colours.material[t])];
-  texture_ = material_->image < 0 ? nullptr : &parts_->textures[static_cast<std::size_t>(material_->image)];
-  if (!texture_) return;
+  Seat& seat = seats_[t % seats_.size()];
+  if (seat.triangle == triangle) return seat;
+  seat.triangle = triangle;
+  seat.plane = plane_of(triangle);
+  seat.material = &parts_->colours.materials[static_cast<std::size_t>(parts_->colours.material[t])];
+  seat.texture =
+      seat.material->image < 0 ? nullptr : &parts_->textures[static_cast<std::size_t>(seat.material->image)];
+  if (!seat.texture) return seat;
   const UvCorners& uv = parts_->colours.uv[t];
   const Vector2d along_ab = (uv[1] - uv[0]).cast<double>(), along_ac = (uv[2] - uv[0]).cast<double>();
   const auto change = [&](const Vector3d& by) -> Vector2d {
-    return plane.second.dot(by) * along_ab + plane.third.dot(by) * along_ac;
+    return seat.plane.second.dot(by) * along_ab + seat.plane.third.dot(by) * along_ac;
   };
-  footprint_ = texture_->footprint(change(across_), change(down_));
+  seat.footprint = seat.texture->footprint(change(across_), change(down_));
+  return seat;
 }
 
-Vector3f ColourWalk::colour(const Vector3d& weights) const {
-  Vector3f out = material_->factor;
-  const auto t = static_cast<std::size_t>(triangle_);
-  if (texture_)
-    out = out.cwiseProduct(texture_->sample(uv_at(parts_->colours.uv[t], weights), footprint_,
-                                            material_->across, material_->down));
+const ColourWalk::Seat* ColourWalk::below(const Vector3d& place) {
+  const Seat* here = &seat(triangle_);
+  for (int step = 0; step < longest_walk && here->plane.normal != Vector3d::Zero(); ++step) {
+    Eigen::Index outside = 0;
+    if (here->plane.weights(place).minCoeff(&outside) >= 0) return here;
+    const int next = neighbour(here->triangle, outside);
+    if (next < 0) return nullptr;
+    const Vector3d normal = here->plane.normal;
+    here = &seat(next);
+    if (!(here->plane.normal.dot(normal) > gentle)) return nullptr;
+  }
+  return nullptr;
+}
+
+Vector3f ColourWalk::colour(const Seat& seat, const Vector3d& weights) const {
+  Vector3f out = seat.material->factor;
+  const auto t = static_cast<std::size_t>(seat.triangle);
+  if (seat.texture)
+    out = out.cwiseProduct(seat.texture->sample(uv_at(parts_->colours.uv[t], weights), seat.footprint,
+                                                seat.material->across, seat.material->down));
   if (const auto& vertex = parts_->colours.vertex; !vertex.empty()) {
     const Triangle& corners = parts_->mesh.triangles[t];
     Vector3f mean = Vector3f::Zero();
@@ -166,26 +164,24 @@ Vector3f ColourWalk::colour(const Vector3d& weights) const {
 }
 
 std::optional<ColourWalk::Found> ColourWalk::at(const Vector3d& place, double within_mm) {
-  const auto below = triangle_ >= 0 ? reach(place, std::min(beside_mm, within_mm)) : std::nullopt;
-  if (below && *below <= std::min(beside_mm, within_mm)) {
-    const double height = plane_.normal.dot(place - plane_.origin);
-    return Found{colour(plane_.weights(place)), place - height * plane_.normal, *below};
-  }
-  // The surface is at most this far: a smaller sphere holds fewer triangles.
-  constexpr double slack = 1.001;
-  const double most_mm =
-      1e-6 + slack * std::min(last_mm_ + (place - last_).norm(), below.value_or(within_mm));
-  const auto nearest = parts_->distance.nearest(place, std::min(within_mm, most_mm));
+  if (triangle_ >= 0)
+    if (const Seat* const under = below(place)) {
+      const double height = under->plane.normal.dot(place - under->plane.origin);
+      if (std::abs(height) <= std::min(beside_mm, within_mm)) {
+        triangle_ = under->triangle;
+        return Found{colour(*under, under->plane.weights(place)), place - height * under->plane.normal,
+                     std::abs(height)};
+      }
+    }
+  const auto nearest = parts_->distance.nearest(place, within_mm, triangle_);
   if (!nearest) return std::nullopt;
-  last_ = place;
-  last_mm_ = nearest->distance_mm;
-  enter(nearest->triangle, plane_of(nearest->triangle));
-  const Triangle& corners = parts_->mesh.triangles[static_cast<std::size_t>(nearest->triangle)];
+  triangle_ = nearest->triangle;
+  const Triangle& corners = parts_->mesh.triangles[static_cast<std::size_t>(triangle_)];
   Vector3d on_surface = Vector3d::Zero();
   for (int k = 0; k < 3; ++k)
     on_surface += nearest->weights[k] *
                   parts_->mesh.vertices[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
-  return Found{colour(nearest->weights), on_surface, nearest->distance_mm};
+  return Found{colour(seat(triangle_), nearest->weights), on_surface, nearest->distance_mm};
 }
 
 }  // namespace vacuform

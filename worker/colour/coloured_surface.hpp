@@ -5,8 +5,7 @@
 // original triangles, whatever was welded, closed, rebuilt, grown or cut away from the mold.
 #pragma once
 
-#include <cmath>
-#include <limits>
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -18,13 +17,20 @@
 
 namespace vacuform {
 
+// A scan with its colours as the file has it, its images unpacked.
+struct ColouredScan {
+  TriangleMesh mesh;
+  ScanColours colours;
+  std::vector<Texture> textures;  // parallel to colours.images
+};
+// `file_name` as in make_mold(). Errors: those of read_scan() and Texture::read(); unusable_scan (no colours).
+Result<ColouredScan> read_coloured_scan(std::span<const std::uint8_t> bytes, const std::string& file_name,
+                                        const Context& context);
+
 // Immutable, cheap to copy and safe to use from several threads.
 class ColouredSurface {
  public:
-  // Reads the scan again, with its colours, and unpacks its images. `file_name` as in make_mold(). Errors: those of
-  // read_scan() and Texture::read(); unusable_scan (no colours).
-  static Result<ColouredSurface> read(std::span<const std::uint8_t> bytes, const std::string& file_name,
-                                      const ScanPlacing& placing, const Context& context);
+  ColouredSurface(ColouredScan scan, const ScanPlacing& placing);
 
   const TriangleMesh& mesh() const { return parts_->mesh; }  // in the mold's frame, mm
   std::optional<MoldDistance::Nearest> nearest(const Eigen::Vector3d& place, double within_mm) const {
@@ -37,18 +43,18 @@ class ColouredSurface {
  private:
   friend class ColourWalk;
   struct Parts {
-    Parts(TriangleMesh placed, ScanColours of_file)
-        : mesh(std::move(placed)),
-          colours(std::move(of_file)),
+    explicit Parts(ColouredScan placed)
+        : mesh(std::move(placed.mesh)),
+          colours(std::move(placed.colours)),
+          textures(std::move(placed.textures)),
           distance(mesh),
           at_vertex(mesh.triangles, mesh.vertices.size()) {}
     TriangleMesh mesh;
     ScanColours colours;
-    std::vector<Texture> textures;  // parallel to colours.images
+    std::vector<Texture> textures;
     MoldDistance distance;
     VertexTriangles at_vertex;
   };
-  explicit ColouredSurface(std::shared_ptr<const Parts> parts) : parts_(std::move(parts)) {}
   std::shared_ptr<const Parts> parts_;
 };
 
@@ -63,8 +69,12 @@ class ColourWalk {
   ColourWalk(const ColouredSurface& surface, const Eigen::Vector3d& across, const Eigen::Vector3d& down,
              int start = -1)
       : parts_(surface.parts_.get()), across_(across), down_(down) {
-    if (start >= 0) enter(start, plane_of(start));
+    go_to(start);
   }
+  // The triangle of the last place, or -1.
+  int triangle() const { return triangle_; }
+  // Goes on from this triangle, or by a search if that is -1.
+  void go_to(int triangle) { triangle_ = triangle; }
 
   struct Found {
     Eigen::Vector3f linear;  // red, green, blue in linear light
@@ -84,27 +94,27 @@ class ColourWalk {
       const double b = second.dot(place - origin), c = third.dot(place - origin);
       return {1 - b - c, b, c};
     }
-    double distance(const Eigen::Vector3d& place) const { return std::abs(normal.dot(place - origin)); }
   };
+  // What colours in a triangle need. Neighbouring rows of places cross the same few triangles.
+  struct Seat {
+    int triangle = -1;
+    Plane plane;
+    const ScanMaterial* material = nullptr;
+    const Texture* texture = nullptr;  // null without
+    Footprint footprint;
+  };
+  const Seat& seat(int triangle);
   Plane plane_of(int triangle) const;
   // The triangle on the other side of the edge opposite to a corner; -1 if there is not exactly one.
   int neighbour(int triangle, Eigen::Index corner) const;
-  // The distance of the triangle below the place, if the walk reaches one. Enters it if the distance is at most
-  // `within_mm`.
-  std::optional<double> reach(const Eigen::Vector3d& place, double within_mm);
-  void enter(int triangle, const Plane& plane);
-  Eigen::Vector3f colour(const Eigen::Vector3d& weights) const;
+  // The triangle below the place, if the walk reaches one.
+  const Seat* below(const Eigen::Vector3d& place);
+  Eigen::Vector3f colour(const Seat& seat, const Eigen::Vector3d& weights) const;
 
   const ColouredSurface::Parts* parts_;
   Eigen::Vector3d across_, down_;
-  int triangle_ = -1;  // that of the last place
-  Plane plane_;
-  Eigen::Vector3d last_ =
-      Eigen::Vector3d::Zero();  // the last place whose distance was searched, and the distance
-  double last_mm_ = std::numeric_limits<double>::infinity();
-  const Texture* texture_ = nullptr;
-  const ScanMaterial* material_ = nullptr;
-  Footprint footprint_;
+  int triangle_ = -1;
+  std::array<Seat, 8> seats_;  // the last ones, each at its triangle modulo their number
 };
 
 }  // namespace vacuform

@@ -8,6 +8,7 @@
 #include "worker/inspection/mold_marks.hpp"
 #include "worker/inspection/picture_png.hpp"
 #include "worker/inspection/previews.hpp"
+#include "worker/stage/parallel.hpp"
 #include "worker/surface/stl.hpp"
 
 namespace vacuform {
@@ -36,13 +37,18 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
   const SheetPicture print(job);
   VACUFORM_TRY(pictures, previews(job, print, context));
   for (auto& picture : pictures) files.push_back(std::move(picture));
-  files.push_back({"formed.ply", formed_ply(job)});
-  files.push_back({"formed.obj", formed_obj(job)});
+  Result<std::vector<std::uint8_t>> glb;
+  std::vector<std::uint8_t> ply, obj, uv_map, stl;
+  together([&] { glb = formed_glb(job, print, context); }, [&] { ply = formed_ply(job); },
+           [&] { obj = formed_obj(job); }, [&] { uv_map = uv_map_obj(job); },
+           [&] { stl = stl_bytes(marked_mold(job.mold.mesh)); });
+  if (!glb) return tl::make_unexpected(glb.error());
+  files.push_back({"formed.ply", std::move(ply)});
+  files.push_back({"formed.obj", std::move(obj)});
   files.push_back({"formed.mtl", formed_mtl()});
-  VACUFORM_TRY(glb, formed_glb(job, print, context));
-  files.push_back({"formed.glb", std::move(glb)});
-  files.push_back({"uv-map.obj", uv_map_obj(job)});
-  files.push_back({"mold.stl", stl_bytes(marked_mold(job.mold.mesh))});
+  files.push_back({"formed.glb", *std::move(glb)});
+  files.push_back({"uv-map.obj", std::move(uv_map)});
+  files.push_back({"mold.stl", std::move(stl)});
   VACUFORM_CHECK(context.step(Stage::inspection, 1));
   return files;
 }

@@ -93,14 +93,21 @@ class Comparison {
         ink_(ink),
         grid_(grid),
         sheet_(colours.sheet()),
-        raster_(raster),
         locator_(sheet_.triangles, sheet_.rest),
-        printed_(printed_colours(print, grid)) {}
+        origins_(static_cast<std::size_t>(grid.rows)) {
+    together([&] { printed_ = printed_colours(print, grid); },
+             [&] {
+               in_parallel(0, grid.rows, [&](int first, int last) {
+                 for (int i = first; i < last; ++i)
+                   origins_[static_cast<std::size_t>(i)] = raster.origins(grid.row(i), grid.first, grid.step);
+               });
+             });
+  }
 
   ComparedRow row(int i) const {
     ComparedRow out;
     const int y = grid_.row(i);
-    const auto origins = raster_.origins(y, grid_.first, grid_.step);
+    const auto& origins = origins_[static_cast<std::size_t>(i)];
     for (int k = 0; k < grid_.columns; ++k) {
       const ColourRaster::Origin& origin = origins[static_cast<std::size_t>(k)];
       if (!(origin.share > 0)) continue;
@@ -164,8 +171,8 @@ class Comparison {
   const ColourInk* ink_;
   const PixelGrid& grid_;
   const FormedSheet& sheet_;
-  const ColourRaster& raster_;
   PlaneLocator locator_;
+  std::vector<std::vector<ColourRaster::Origin>> origins_;  // of each row, found while the print is read
   std::vector<Vector3f> printed_;
 };
 
@@ -263,8 +270,7 @@ Result<ColourErrors> colour_errors(const SheetColours& colours, const Print& pri
       position.add(each.at, each.position);
       colour.add(each.at, each.colour);
     }
-  out.whole = error_figures(whole);
-  out.touching = error_figures(touching);
+  together([&] { out.whole = error_figures(whole); }, [&] { out.touching = error_figures(touching); });
   out.position_of_vertices = position.means(colours.triangles());
   out.colour_of_vertices = colour.means(colours.triangles());
   for (std::size_t s = 0; s < shifts; ++s) {

@@ -47,8 +47,9 @@ GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer
   const MoldDistance to_mold(job.mold.mesh);
   std::vector<double> gaps(sheet.formed.size(), 0);
   in_parallel(0, static_cast<int>(gaps.size()), [&](int first, int last) {
+    int nearest = -1;
     for (auto v = static_cast<std::size_t>(first); v < static_cast<std::size_t>(last); ++v)
-      if (sheet.contact[v] != Contact::mold) gaps[v] = to_mold(sheet.formed[v]);
+      if (sheet.contact[v] != Contact::mold) gaps[v] = to_mold(sheet.formed[v], nearest);
   });
   out["_GAP"] = of_values(gaps);
   out["_SHAPE"] = of_values(anisotropy_of_vertices(job));

@@ -30,9 +30,10 @@ Json forming_of(const Finished& job) {
   std::array<std::int64_t, 4> counts{};
   double gap = 0;  // at the vertices: what the solver left, where the surfaces differ by the grid as well
   const MoldDistance distance(job.mold.mesh);
+  int nearest = -1;
   for (std::size_t i = 0; i < sheet.contact.size(); ++i) {
     ++counts[static_cast<std::size_t>(sheet.contact[i])];
-    if (sheet.contact[i] == Contact::mold) gap = std::max(gap, distance(sheet.formed[i]));
+    if (sheet.contact[i] == Contact::mold) gap = std::max(gap, distance(sheet.formed[i], nearest));
     if (sheet.contact[i] == Contact::platform) gap = std::max(gap, std::abs(sheet.formed[i].z()));
   }
   const FormingSummary& s = sheet.summary;

@@ -1,6 +1,7 @@
 #include "worker/inspection/sheet_picture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "worker/printing/colour_raster.hpp"
@@ -8,6 +9,14 @@
 #include "worker/printing/vector_raster.hpp"
 
 namespace vacuform {
+
+namespace {
+constexpr std::array<float, 256> part_of_255 = [] {
+  std::array<float, 256> parts{};
+  for (std::size_t i = 0; i < parts.size(); ++i) parts[i] = static_cast<float>(i) / 255;
+  return parts;
+}();
+}  // namespace
 
 SheetPicture::SheetPicture(const Finished& job, InkState state, double pixel_mm)
     : job_(job), pixel_mm_(pixel_mm), chart_(job.sheet.triangles, job.sheet.rest, job.flattening.triangles) {
@@ -76,8 +85,8 @@ Ink SheetPicture::of_pixels(const Pixels& rgba, const Eigen::Vector2d& rest) con
       const std::uint8_t* p = &rgba[4 * (static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) +
                                          static_cast<std::size_t>(i))];
       const double weight = (1 - std::abs(x - i)) * (1 - std::abs(y - j));
-      const float opacity = static_cast<float>(weight) * static_cast<float>(p[3]) / 255;
-      for (int k = 0; k < 3; ++k) sum[k] += opacity * static_cast<float>(p[k]) / 255;
+      const float opacity = static_cast<float>(weight) * part_of_255[p[3]];
+      for (int k = 0; k < 3; ++k) sum[k] += opacity * part_of_255[p[k]];
       sum[3] += opacity;
     }
   if (!(sum[3] > 0)) return {};

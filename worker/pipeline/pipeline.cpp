@@ -17,6 +17,7 @@
 #include "worker/pipeline/formed_head.hpp"
 #include "worker/pipeline/scan_inspection.hpp"
 #include "worker/placement/cut_lines.hpp"
+#include "worker/stage/parallel.hpp"
 #include "worker/stage/portion.hpp"
 
 namespace vacuform {
@@ -110,12 +111,37 @@ std::vector<Artifact> with_report(std::vector<Artifact> files, const nlohmann::o
   return files;
 }
 
-// The colours of the scan where the sheet comes to lie on it. Keeps a reference to the sheet.
-Result<SheetColours> colours_on(const FormedSheet& sheet, const Mold& mold, const Inputs& inputs,
-                                const Context& context) {
+struct FlatHead {
+  FormedHead formed;
+  InkedSurface surface;
+  Flattening flattening;
+  std::optional<ColouredScan> colours;
+};
+Result<FlatHead> flat_head(const Inputs& inputs, const InkCoverage& coverage, const Context& context) {
   const Settings& s = inputs.settings;
-  VACUFORM_TRY(surface, ColouredSurface::read(inputs.scan, inputs.scan_name, mold.placing, context));
-  SheetColours colours(std::move(surface), sheet, colour_reach(s.scan.clearance_mm, s.pattern.fade_mm));
+  VACUFORM_TRY(formed, form_head(inputs, context));
+  InkedSurface surface = inked_surface(formed.sheet, s.pattern.inked_face);
+  VACUFORM_TRY(flattening, flatten(formed.sheet, surface, formed.mold, s.flattening, context, coverage));
+  return FlatHead{std::move(formed), std::move(surface), std::move(flattening), {}};
+}
+// With the colours of the scan, whose textures are unpacked meanwhile.
+Result<FlatHead> coloured_head(const Inputs& inputs, const InkCoverage& coverage, const Context& context) {
+  std::optional<Result<FlatHead>> head;
+  std::optional<Result<ColouredScan>> scan;
+  together([&] { head = flat_head(inputs, coverage, context); },
+           [&] { scan = read_coloured_scan(inputs.scan, inputs.scan_name, context.silent()); });
+  VACUFORM_TRY(flat, *std::move(head));
+  VACUFORM_TRY(colours, *std::move(scan));
+  flat.colours = std::move(colours);
+  return flat;
+}
+
+// The colours of the scan where the sheet comes to lie on it. Keeps a reference to the sheet.
+Result<SheetColours> colours_on(const FormedSheet& sheet, const Mold& mold, ColouredScan scan,
+                                const Inputs& inputs) {
+  const Settings& s = inputs.settings;
+  SheetColours colours(ColouredSurface(std::move(scan), mold.placing), sheet,
+                       colour_reach(s.scan.clearance_mm, s.pattern.fade_mm));
   if (colours.triangles().empty())
     return fail(Code::unusable_surface, "no part of the formed sheet comes near the scan", inputs.scan_name,
                 "give a lower scan.trim_mm or a larger pattern.fade_mm");
@@ -127,21 +153,19 @@ Result<std::vector<Artifact>> use_colours(const Inputs& inputs, const Identity& 
                                           const UseOfPrint& use, const Context& context) {
   const Settings& s = inputs.settings;
   VACUFORM_TRY(profile, profile_of(inputs));
-  VACUFORM_TRY(formed, form_head(inputs, context));
-  const InkedSurface inked = inked_surface(formed.sheet, s.pattern.inked_face);
-  VACUFORM_TRY(flattening, flatten(formed.sheet, inked, formed.mold, s.flattening, context));
-  const ChartedSurface charted(inked, flattening);
-  const Portion reading(context, Stage::printing, 0, 0.2), looking(context, Stage::printing, 0.2, 0.3),
-      printing(context, Stage::printing, 0.3, 1);
+  VACUFORM_TRY(head, coloured_head(inputs, {}, context));
+  const FormedHead& formed = head.formed;
+  const ChartedSurface charted(head.surface, head.flattening);
+  const Portion looking(context, Stage::printing, 0, 0.2), printing(context, Stage::printing, 0.2, 1);
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  VACUFORM_TRY(colours, colours_on(formed.sheet, formed.mold, inputs, context));
+  VACUFORM_TRY(colours, colours_on(formed.sheet, formed.mold, *std::move(head.colours), inputs));
   VACUFORM_TRY(picture, picture_of(colours, s.sheet, looking.context()));
   const Placement placement = lay_flat(charted);
   VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, {identity.label, inputs.reference},
                                  printing.context(), &colours, profile));
-  const Alignment alignment{.shift_mm = -flattening.top_rest};
-  const Finished job{s,           formed.mold, formed.sheet, inked,      flattening,     picture, print,
-                     formed.heat, alignment,   nullptr,      &placement, identity.label, &colours};
+  const Alignment alignment{.shift_mm = -head.flattening.top_rest};
+  const Finished job{s,           formed.mold, formed.sheet, head.surface, head.flattening, picture, print,
+                     formed.heat, alignment,   nullptr,      &placement,   identity.label,  &colours};
   return use(job);
 }
 
@@ -168,19 +192,19 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
   VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
   VACUFORM_TRY(weights, weights_of(inputs, pattern));
   VACUFORM_TRY(profile, profile_of(inputs));
-  VACUFORM_TRY(formed, form_head(inputs, context));
   const InkCoverage coverage = [&](const Eigen::Vector2d& chart, double blur_mm) {
     return (weights ? *weights : pattern)
         .sample(plain_alignment(s.pattern).pattern(chart), blur_mm / s.pattern.scale)
         .coverage();
   };
-  InkedSurface surface = inked_surface(formed.sheet, s.pattern.inked_face);
-  VACUFORM_TRY(flat, flatten(formed.sheet, surface, formed.mold, s.flattening, context, coverage));
+  VACUFORM_TRY(head, s.pattern.source == PatternSource::both ? coloured_head(inputs, coverage, context)
+                                                             : flat_head(inputs, coverage, context));
+  FormedHead& formed = head.formed;
   // The steps from the cuts to the print share one stage of the job's progress.
   const Portion cutting(context, Stage::printing, 0, 0.05), placing(context, Stage::printing, 0.05, 0.2),
       decoupling(context, Stage::printing, 0.2, 0.4), printing(context, Stage::printing, 0.4, 1);
-  VACUFORM_TRY(cut, with_cut_lines(std::move(formed.sheet), std::move(surface), std::move(flat),
-                                   s.pattern.seams, cutting.context()));
+  VACUFORM_TRY(cut, with_cut_lines(std::move(formed.sheet), std::move(head.surface),
+                                   std::move(head.flattening), s.pattern.seams, cutting.context()));
   const FormedSheet& sheet = cut.sheet;
   const Flattening& flattening = cut.flattening;
   const ChartedSurface charted(cut.surface, flattening);
@@ -194,8 +218,8 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
   VACUFORM_TRY(placement, place(charted, laid, s, placing.context(), cut.edges));
   if (laid) VACUFORM_CHECK(add_couplings(charted, *laid, s, decoupling.context(), placement));
   std::optional<SheetColours> below;  // the drawing
-  if (s.pattern.source == PatternSource::both) {
-    VACUFORM_TRY(colours, colours_on(sheet, formed.mold, inputs, context));
+  if (head.colours) {
+    VACUFORM_TRY(colours, colours_on(sheet, formed.mold, *std::move(head.colours), inputs));
     below.emplace(std::move(colours));
   }
   const SheetColours* const colours = below ? &*below : nullptr;

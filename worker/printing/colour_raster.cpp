@@ -90,19 +90,20 @@ void ColourRaster::add(const Piece& piece, int places, const Wanted& wanted, Str
   for (Vector2d& corner : corners) corner /= step;
   const ColourReach& reach = colours_.reach();
   const float part = 1.0f / static_cast<float>(places * places);
-  ColourWalk walk(colours_.surface(), across, down, piece.start), at_begin = walk;
+  ColourWalk walk(colours_.surface(), across, down, piece.start);
+  int at_begin = piece.start;  // the triangle at the begin of the row before
   scan_triangle(
       corners, width_ * places, strip.top * places, strip.bottom * places, [&](int row, int begin, int end) {
         const Vector3d start = piece.origin + (row + 0.5) * down;
         const double ratio = piece.ratio + (row + 0.5) * step * piece.ratio_down;
-        walk = at_begin;
+        walk.go_to(at_begin);
         bool first = true;
         for (int x = std::max(begin, strip.left * places);
              x < std::min(end, (strip.left + strip.width) * places); ++x) {
           const std::size_t pixel = strip.at(x / places, row / places);
           if (!wanted(pixel)) continue;
           const auto found = walk.at(start + (x + 0.5) * across, reach.end_mm());
-          if (first) at_begin = walk, first = false;
+          if (first) at_begin = walk.triangle(), first = false;
           if (!found) continue;
           const float share = part * static_cast<float>(reach.share(found->distance_mm));
           const Eigen::Vector3f linear =
@@ -209,17 +210,14 @@ std::vector<std::uint8_t> ColourRaster::rows(int top, int bottom) const {
       for (int x = box_.left; x < box_.right; ++x, ++sum, out += 4) {
         const float share = (*sum)[3];
         if (!(share > 0)) continue;
-        for (std::size_t c = 0; c < 3; ++c)
-          out[c] = static_cast<std::uint8_t>(std::lround(srgb_from_linear((*sum)[c] / share) * 255));
+        for (std::size_t c = 0; c < 3; ++c) out[c] = srgb_byte((*sum)[c] / share);
         out[3] = static_cast<std::uint8_t>(std::lround(std::min(1.0f, share) * 255));
       }
     }
   };
-  in_parallel(0, (bottom - top + strip_rows - 1) / strip_rows, [&](int first_strip, int last_strip) {
-    for (int strip = first_strip; strip < last_strip; ++strip) {
-      const int first = top + strip * strip_rows;
-      make(first, std::min(first + strip_rows, bottom));
-    }
+  each_in_parallel(0, (bottom - top + strip_rows - 1) / strip_rows, [&](int strip) {
+    const int first = top + strip * strip_rows;
+    make(first, std::min(first + strip_rows, bottom));
   });
   return pixels;
 }

@@ -262,9 +262,9 @@ LaidInk laid_ink(const Print& print, const Placement& placement, const InkParts*
     return LaidInk(VectorRaster(*print.vectors, grid.width, grid.height, grid.pixel_mm, false), grid, 4);
   Print size;
   size.width = grid.width, size.height = grid.height, size.pixel_mm = grid.pixel_mm;
-  return LaidInk(
-      SheetRaster(layers_of(placement), parts, size, pattern, static_cast<int>(25.4 / grid.pixel_mm)), grid,
-      pattern.grayscale() ? 1 : 4);
+  constexpr int dpi = 600;  // no more samples than needed for the share of ink
+  return LaidInk(SheetRaster(layers_of(placement), parts, size, pattern, dpi), grid,
+                 pattern.grayscale() ? 1 : 4);
 }
 
 // Lays a row of straight RGBA on white, as RGB.
@@ -329,11 +329,14 @@ Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, c
                         make_pdf(page, vectors, nullptr, {}, marks, profile)};
   files->finish();
   const double d = size.pixel_mm;
-  PlacedPicture picture{(box.left - 0.5 * size.width) * d, (box.top - 0.5 * size.height) * d,
-                        (box.right - box.left) * d, (box.bottom - box.top) * d, files->png};
-  Print::Layer layer{whole.finish(), make_svg(page, nullptr, &picture, marks), {}};
-  picture.png = files->colour();
-  layer.pdf = make_pdf(page, nullptr, &picture, files->opacity(), marks, profile);
+  const auto placed = [&](std::span<const std::uint8_t> png) {
+    return PlacedPicture{(box.left - 0.5 * size.width) * d, (box.top - 0.5 * size.height) * d,
+                         (box.right - box.left) * d, (box.bottom - box.top) * d, png};
+  };
+  const PlacedPicture opaque_or_not = placed(files->png), colour = placed(files->colour());
+  Print::Layer layer{whole.finish(), {}, {}};
+  together([&] { layer.svg = make_svg(page, nullptr, &opaque_or_not, marks); },
+           [&] { layer.pdf = make_pdf(page, nullptr, &colour, files->opacity(), marks, profile); });
   return layer;
 }
 

@@ -74,23 +74,30 @@ struct Search {
   Vector3d way = Vector3d::Zero();                        // to the best
   int triangle = -1;                                      // of the best
   double enough = 0;                                      // squared: the search ends below it
+
+  // Whether the triangle is closer than the best so far, and so becomes the best.
+  bool offer(int candidate) {
+    const Triangle& t = mesh.triangles[static_cast<std::size_t>(candidate)];
+    const auto corner = [&](std::size_t k) -> const Vector3d& {
+      return mesh.vertices[static_cast<std::size_t>(t[k])];
+    };
+    const Vector3d to_it = way_to(point, corner(0), corner(1), corner(2));
+    const double squared = to_it.squaredNorm();
+    if (!(squared < best)) return false;
+    best = squared;
+    way = to_it;
+    triangle = candidate;
+    return true;
+  }
+  // How far to search for better ones. The tree holds floats: its boxes may be off by a little, so it is searched a
+  // little further.
+  float radius() const { return static_cast<float>(std::sqrt(best) * 1.0001 + 1e-3); }
 };
 
 bool visit(RTCPointQueryFunctionArguments* arguments) {
   auto& search = *static_cast<Search*>(arguments->userPtr);
-  const auto& t = search.mesh.triangles[arguments->primID];
-  const auto corner = [&](int k) -> const Vector3d& {
-    return search.mesh.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
-  };
-  const Vector3d way = way_to(search.point, corner(0), corner(1), corner(2));
-  const double squared = way.squaredNorm();
-  if (!(squared < search.best)) return false;
-  search.best = squared;
-  search.way = way;
-  search.triangle = static_cast<int>(arguments->primID);
-  // The tree holds floats: its boxes may be off by a little, so it is searched a little further.
-  arguments->query->radius =
-      squared < search.enough ? 0 : static_cast<float>(std::sqrt(squared) * 1.0001 + 1e-3);
+  if (!search.offer(static_cast<int>(arguments->primID))) return false;
+  arguments->query->radius = search.best < search.enough ? 0 : search.radius();
   return true;
 }
 
@@ -126,6 +133,19 @@ double MoldDistance::operator()(const Vector3d& point) const {
   return std::sqrt(search_all(mesh_, *scene_, point).best);
 }
 
+double MoldDistance::operator()(const Vector3d& point, int& triangle) const {
+  if (triangle < 0) {
+    const Search search = search_all(mesh_, *scene_, point);
+    triangle = search.triangle;
+    return std::sqrt(search.best);
+  }
+  Search search{.mesh = mesh_, .point = point};
+  search.offer(triangle);
+  look(*scene_, search, search.radius());
+  triangle = search.triangle;
+  return std::sqrt(search.best);
+}
+
 Vector3d MoldDistance::nearest(const Vector3d& point) const {
   return point + search_all(mesh_, *scene_, point).way;
 }
@@ -136,9 +156,11 @@ bool MoldDistance::within(const Vector3d& point, double distance_mm) const {
   return search.best < search.enough;
 }
 
-std::optional<MoldDistance::Nearest> MoldDistance::nearest(const Vector3d& point, double reach_mm) const {
+std::optional<MoldDistance::Nearest> MoldDistance::nearest(const Vector3d& point, double reach_mm,
+                                                           int guess) const {
   Search search{.mesh = mesh_, .point = point};
-  look(*scene_, search, static_cast<float>(reach_mm * 1.0001 + 1e-3));
+  if (guess >= 0) search.offer(guess);
+  look(*scene_, search, std::min(search.radius(), static_cast<float>(reach_mm * 1.0001 + 1e-3)));
   const double distance = std::sqrt(search.best);
   if (search.triangle < 0 || !(distance <= reach_mm)) return std::nullopt;
   const Triangle& t = mesh_.triangles[static_cast<std::size_t>(search.triangle)];

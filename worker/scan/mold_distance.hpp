@@ -20,6 +20,9 @@ class MoldDistance {
 
   // Infinite for a mesh without triangles. Thread safe and deterministic.
   double operator()(const Eigen::Vector3d& point) const;
+  // The same, sooner for points in a row: `triangle` is the closest one of the point before, or -1, and becomes that of
+  // this point.
+  double operator()(const Eigen::Vector3d& point, int& triangle) const;
   // The closest point itself. The mesh must have triangles.
   Eigen::Vector3d nearest(const Eigen::Vector3d& point) const;
   // Whether the distance is less than this many mm; stops at the first triangle that is near enough.
@@ -32,7 +35,11 @@ class MoldDistance {
     Eigen::Vector3d weights;
     double distance_mm;
   };
-  std::optional<Nearest> nearest(const Eigen::Vector3d& point, double reach_mm) const;
+  std::optional<Nearest> nearest(const Eigen::Vector3d& point, double reach_mm) const {
+    return nearest(point, reach_mm, -1);
+  }
+  // The same, sooner if `guess` is close: a triangle, which is the choice if no other is closer, or -1.
+  std::optional<Nearest> nearest(const Eigen::Vector3d& point, double reach_mm, int guess) const;
 
  private:
   const TriangleMesh& mesh_;

@@ -41,5 +41,7 @@ struct ScanColours {
 float linear_from_srgb(float encoded);
 // The inverse.
 float srgb_from_linear(float linear);
+// The inverse in whole numbers: the nearest to 255 * srgb_from_linear(linear), for the inner loops.
+std::uint8_t srgb_byte(float linear);
 
 }  // namespace vacuform

@@ -26,9 +26,16 @@ class Context {
   void cancel() noexcept { state_->cancelled.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return state_->cancelled.load(std::memory_order_relaxed); }
 
+  // A handle for work beside a stage: it is cancelled with the others, and reports nothing.
+  Context silent() const {
+    Context out = *this;
+    out.silent_ = true;
+    return out;
+  }
+
   // Stages call this at least every 0.2 s of work.
   void report(Stage stage, double fraction) const {
-    if (state_->listener) state_->listener(stage, fraction);
+    if (!silent_ && state_->listener) state_->listener(stage, fraction);
   }
 
   // Reports progress and checks for cancellation in one call.
@@ -44,6 +51,7 @@ class Context {
     Listener listener;
   };
   std::shared_ptr<State> state_;
+  bool silent_ = false;
 };
 
 }  // namespace vacuform

@@ -26,6 +26,13 @@ void in_parallel(int first, int last, Work&& work) {
       tbb::simple_partitioner{});
 }
 
+// Calls work(item) for each of [first, last), for items that are few and take long, and waits. May be nested. An exception
+// in any is rethrown.
+template <class Work>
+void each_in_parallel(int first, int last, Work&& work) {
+  tbb::parallel_for(first, last, work, tbb::simple_partitioner{});
+}
+
 // Runs two or more independent pieces of work, on several threads if there are some, and waits. May be nested. An
 // exception in any is rethrown.
 template <class... Work>

@@ -23,9 +23,9 @@ const FormedSheet& dome_of_ink() {
 SheetColours sphere_of(const Vector3f& linear) {
   const auto image = coloured::png(2, 2, [&](double, double) { return linear; });
   const auto surface =
-      ColouredSurface::read(coloured::glb(coloured::sphere(radius_mm, 240), image), "a.glb", {}, Context());
+      read_coloured_scan(coloured::glb(coloured::sphere(radius_mm, 240), image), "a.glb", Context());
   EXPECT_TRUE(surface) << surface.error().text();
-  return SheetColours(*surface, dome_of_ink(), colour_reach(0, 0));
+  return SheetColours(ColouredSurface(*surface, {}), dome_of_ink(), colour_reach(0, 0));
 }
 
 constexpr int pixels = 600;

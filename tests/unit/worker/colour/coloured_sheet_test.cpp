@@ -50,9 +50,9 @@ struct Printed {
 
 Printed printed(const FormedSheet& sheet, const FileBytes& scan, const std::string& name,
                 double fade_mm = 3) {
-  const auto surface = ColouredSurface::read(scan, name, {}, Context());
-  EXPECT_TRUE(surface) << surface.error().text();
-  const SheetColours colours(*surface, sheet, colour_reach(0, fade_mm));
+  const auto coloured = read_coloured_scan(scan, name, Context());
+  EXPECT_TRUE(coloured) << coloured.error().text();
+  const SheetColours colours(ColouredSurface(*coloured, {}), sheet, colour_reach(0, fade_mm));
   Printed out;
   out.side = 1500;
   const ColourRaster raster(colours, out.side, out.side, pixel_mm);
@@ -339,9 +339,9 @@ TEST(ColouredSheet, ListsWhatItDoesNotShow) {
   Model model = coloured::sphere(sphere_mm, 160);
   const auto hidden_of = [](const Model& of) {
     const auto image = coloured::png(8, 8, [](double u, double v) { return smooth(2 * pi * u, pi * v); });
-    const auto surface = ColouredSurface::read(coloured::glb(of, image), "a.glb", {}, Context());
-    EXPECT_TRUE(surface) << surface.error().text();
-    return SheetColours(*surface, dome_sheet(), colour_reach(0, 3)).hidden();
+    const auto coloured = read_coloured_scan(coloured::glb(of, image), "a.glb", Context());
+    EXPECT_TRUE(coloured) << coloured.error().text();
+    return SheetColours(ColouredSurface(*coloured, {}), dome_sheet(), colour_reach(0, 3)).hidden();
   };
   const HiddenSurface alone = hidden_of(model);
   EXPECT_NEAR(alone.whole_mm2, 2 * pi * sphere_mm * sphere_mm, 300);  // above the platform
@@ -368,11 +368,11 @@ TEST(ColouredSheet, IsTheSameWithOneThread) {
 }
 
 TEST(ColouredSheet, NeedsAScanWithColours) {
-  const auto surface = ColouredSurface::read(shapes::stl(shapes::cube(100)), "a.stl", {}, Context());
-  ASSERT_FALSE(surface);
-  EXPECT_EQ(surface.error().code, Code::unusable_scan);
-  EXPECT_NE(surface.error().text().find("no colours (STL (binary))"), std::string::npos)
-      << surface.error().text();
+  const auto coloured = read_coloured_scan(shapes::stl(shapes::cube(100)), "a.stl", Context());
+  ASSERT_FALSE(coloured);
+  EXPECT_EQ(coloured.error().code, Code::unusable_scan);
+  EXPECT_NE(coloured.error().text().find("no colours (STL (binary))"), std::string::npos)
+      << coloured.error().text();
 }
 
 }  // namespace

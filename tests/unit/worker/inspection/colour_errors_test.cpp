@@ -57,9 +57,9 @@ struct Case {
 
 ColourErrors errors_of(const Case& c) {
   const hand_made::Sample sample = hand_made::stretched(sheet_mm, 40, c.stretch);
-  const auto surface = ColouredSurface::read(square(-c.below_mm, c.paint), "scan.glb", {}, Context());
-  EXPECT_TRUE(surface) << surface.error().text();
-  const SheetColours colours(*surface, sample.sheet, colour_reach(0, 3));
+  const auto scan = read_coloured_scan(square(-c.below_mm, c.paint), "scan.glb", Context());
+  EXPECT_TRUE(scan) << scan.error().text();
+  const SheetColours colours(ColouredSurface(*scan, {}), sample.sheet, colour_reach(0, 3));
   Print print;
   print.width = print.height = static_cast<int>(sheet_mm / dot_mm);
   print.pixel_mm = dot_mm;
@@ -182,10 +182,10 @@ TEST(ColourErrors, FindWhereAShiftIsSeenMost) {
 
 TEST(ColourErrors, HaveAValueAtEveryColouredVertexAndNoOther) {
   const hand_made::Sample sample = hand_made::dome(100);
-  const auto surface = ColouredSurface::read(
-      coloured::glb(coloured::sphere(60, 160), coloured::png(8, 8, even(orange))), "scan.glb", {}, Context());
-  ASSERT_TRUE(surface);
-  const SheetColours colours(*surface, sample.sheet, colour_reach(0, 3));
+  const auto scan = read_coloured_scan(
+      coloured::glb(coloured::sphere(60, 160), coloured::png(8, 8, even(orange))), "scan.glb", Context());
+  ASSERT_TRUE(scan);
+  const SheetColours colours(ColouredSurface(*scan, {}), sample.sheet, colour_reach(0, 3));
   Print print;
   print.width = print.height = 1500, print.pixel_mm = 0.2;
   PngWriter writer(print.width, print.height, 3);

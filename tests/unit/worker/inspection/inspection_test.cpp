@@ -14,6 +14,7 @@
 
 #include "tests/unit/fixtures/drawing_files.hpp"
 #include "tests/unit/fixtures/printed_jobs.hpp"
+#include "tests/unit/fixtures/shapes.hpp"
 #include "worker/inspection/callouts.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/previews.hpp"
@@ -136,6 +137,23 @@ TEST(MoldDistance, IsExactOnAnOctahedron) {
   EXPECT_NEAR(distance({1040, 40, 0}), 30 / std::sqrt(2), 1e-9);  // to an edge
   EXPECT_NEAR(distance({1050, 0, 0}), 0, 1e-12);
   EXPECT_EQ(MoldDistance(TriangleMesh{})({0, 0, 0}), INFINITY);
+}
+
+TEST(MoldDistance, DoesNotDependOnTheGuess) {
+  const Mold mold = hemisphere(60, 30, 60);
+  const MoldDistance distance(mold.mesh);
+  int before = -1;
+  for (int i = 0; i < 2000; ++i) {
+    // Now and then far from the point before.
+    const double angle = 0.01 * i + (i % 100 == 0 ? 2.0 : 0.0), radius = 20 + 0.1 * (i % 977);
+    const Vector3d point(radius * std::cos(angle), radius * std::sin(angle), 0.05 * (i % 1500));
+    const double exact = distance(point);
+    EXPECT_EQ(distance(point, before), exact) << i;
+    const auto near = distance.nearest(point, 1000, i % static_cast<int>(mold.mesh.triangles.size()));
+    ASSERT_TRUE(near);
+    EXPECT_EQ(near->distance_mm, exact) << i;
+    EXPECT_EQ(distance.nearest(point, 0.99 * exact, before).has_value(), false) << i;
+  }
 }
 
 TEST(Report, HoldsTheFiguresUnderStableKeys) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/unit/fixtures/coloured_scans.hpp"
 #include "worker/scan/scan_file.hpp"
 
@@ -23,6 +25,19 @@ Model one_triangle() {
   return {{{0, 0, 0}, {100, 0, 0}, {0, 100, 0}}, {{0.25, 0.5}, {0.75, 0.5}, {0.25, 1}}, {}};
 }
 const FileBytes some_image = text_bytes("not looked into");
+
+TEST(ScanColours, AreEncodedInBytesAsInFloats) {
+  const auto expect_same = [](float linear) {
+    EXPECT_EQ(srgb_byte(linear), std::lround(255 * srgb_from_linear(linear))) << linear;
+  };
+  for (const float outside : {-1.0f, 2.0f}) expect_same(outside);
+  for (int i = 0; i <= 1'000'000; ++i) expect_same(1e-6f * static_cast<float>(i));
+  for (int k = 0; k < 255; ++k) {  // on both sides of the border of two bytes
+    float border = linear_from_srgb((static_cast<float>(k) + 0.5f) / 255);
+    for (int i = 0; i < 20; ++i) border = std::nextafter(border, 0.0f);
+    for (int i = 0; i < 40; ++i, border = std::nextafter(border, 1.0f)) expect_same(border);
+  }
+}
 
 TEST(ScanColours, AreTiedToTheTrianglesOfAGlb) {
   const auto scan = read_colours(coloured::glb(one_triangle(), some_image), "a.glb");
