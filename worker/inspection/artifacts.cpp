@@ -35,14 +35,17 @@ Result<std::vector<Artifact>> artifacts(const Finished& job, const Context& cont
     files.push_back({"colours.pdf", colours->pdf});
   }
   const SheetPicture print(job);
-  VACUFORM_TRY(pictures, previews(job, print, context));
-  for (auto& picture : pictures) files.push_back(std::move(picture));
+  Result<std::vector<Artifact>> pictures;
   Result<std::vector<std::uint8_t>> glb;
   std::vector<std::uint8_t> ply, obj, uv_map, stl;
-  together([&] { glb = formed_glb(job, print, context); }, [&] { ply = formed_ply(job); },
+  // The previews take longest, and report the progress.
+  together([&] { pictures = previews(job, print, context); },
+           [&] { glb = formed_glb(job, print, context.silent()); }, [&] { ply = formed_ply(job); },
            [&] { obj = formed_obj(job); }, [&] { uv_map = uv_map_obj(job); },
            [&] { stl = stl_bytes(marked_mold(job.mold.mesh)); });
+  if (!pictures) return tl::make_unexpected(pictures.error());
   if (!glb) return tl::make_unexpected(glb.error());
+  for (auto& picture : *pictures) files.push_back(std::move(picture));
   files.push_back({"formed.ply", std::move(ply)});
   files.push_back({"formed.obj", std::move(obj)});
   files.push_back({"formed.mtl", formed_mtl()});

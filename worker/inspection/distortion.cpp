@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "worker/inspection/inspection.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 namespace {
@@ -122,9 +123,18 @@ DistortionValues distortion_values(const InkedSurface& surface, const std::vecto
   return out;
 }
 
+namespace {
+Distortion statistics_of(DistortionValues& values) {
+  Distortion out;
+  together([&] { out.anisotropy = statistics(std::move(values.anisotropy)); },
+           [&] { out.area_ratio = statistics(std::move(values.area_ratio)); });
+  return out;
+}
+}  // namespace
+
 Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart, const CornersUv& uv) {
   DistortionValues values = distortion_values(surface, chart, uv);
-  return {statistics(std::move(values.anisotropy)), statistics(std::move(values.area_ratio))};
+  return statistics_of(values);
 }
 
 Distortion distortion(const std::vector<const Patch*>& patches,
@@ -137,7 +147,7 @@ Distortion distortion(const std::vector<const Patch*>& patches,
       add({of(*patch, a), of(*patch, b), of(*patch, c)}, {patch->inked[a], patch->inked[b], patch->inked[c]},
           values);
     }
-  return {statistics(std::move(values.anisotropy)), statistics(std::move(values.area_ratio))};
+  return statistics_of(values);
 }
 
 }  // namespace vacuform

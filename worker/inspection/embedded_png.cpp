@@ -23,7 +23,7 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 std::string embedded_png(const std::vector<std::uint8_t>& png, int width, int skipped) {
-  return base64(shrunk_png(png, width, skipped, false, PngContent::photograph));
+  return base64(shrunk_png(png, width, skipped, false));
 }
 
 }  // namespace vacuform

@@ -1,7 +1,6 @@
 #include "worker/inspection/formed_glb.hpp"
 
 #include <cmath>
-#include <future>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -80,21 +79,22 @@ Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const SheetPic
                                              const Context& context) {
   constexpr const char *with = "pre-distorted", *without = "printed as drawn";
   const SheetPicture* const over = over_colours(job) || job.print.shortage ? &print : nullptr;
-  // Made at the same time as the other texture, or after it if there is no thread for it.
-  auto printed = std::async([&] { return print_texture(job, over); });
-  VACUFORM_TRY(drawn, drawing_texture(job, over, context));
   const Unfolded all = unfolded(job);
   GltfBuffer buffer;
   GltfJson primitive;
-  primitive["attributes"] = attributes(job, all, buffer);
+  std::vector<std::uint8_t> printed;
+  Result<std::vector<std::uint8_t>> drawing;
+  together([&] { printed = print_texture(job, over); },
+           [&] { drawing = drawing_texture(job, over, context); },
+           [&] { primitive["attributes"] = attributes(job, all, buffer); });
+  VACUFORM_TRY(drawn, std::move(drawing));
   primitive["indices"] = buffer.add_triangles(all.corners);
   primitive["material"] = 0;
   const auto shown_by = [](int variant) {
     return GltfJson{{"material", variant}, {"variants", GltfJson::array({variant})}};
   };
   primitive["extensions"]["KHR_materials_variants"]["mappings"] = GltfJson::array({shown_by(0), shown_by(1)});
-  const GltfJson images =
-      GltfJson::array({buffer.add_png(with, printed.get()), buffer.add_png(without, drawn)});
+  const GltfJson images = GltfJson::array({buffer.add_png(with, printed), buffer.add_png(without, drawn)});
   const auto texture = [](int image) { return GltfJson{{"sampler", 0}, {"source", image}}; };
 
   GltfJson all_of_it = {

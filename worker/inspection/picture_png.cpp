@@ -5,7 +5,7 @@
 namespace vacuform {
 
 std::vector<std::uint8_t> png_of(const Picture& picture) {
-  PngWriter writer(picture.width, picture.height, 3, {}, {}, PngContent::photograph);
+  PngWriter writer(picture.width, picture.height, 3);
   std::vector<std::uint8_t> row(3 * static_cast<std::size_t>(picture.width));
   for (int y = 0; y < picture.height; ++y) {
     for (std::size_t x = 0; x < static_cast<std::size_t>(picture.width); ++x) {

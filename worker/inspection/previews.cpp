@@ -212,21 +212,13 @@ struct NamedPicture {
 };
 
 // The pictures as files, in their order. Frees the pixels.
-Result<std::vector<Artifact>> encoded(std::vector<NamedPicture>& pictures, const Context& context,
-                                      double from, double to) {
-  const int count = static_cast<int>(pictures.size());
+std::vector<Artifact> encoded(std::vector<NamedPicture>& pictures) {
   std::vector<Artifact> files(pictures.size());
-  constexpr int batch = 4;  // so that a cancellation takes effect soon
-  for (int begin = 0; begin < count; begin += batch) {
-    VACUFORM_CHECK(context.step(Stage::inspection, from + (to - from) * begin / count));
-    in_parallel(begin, std::min(begin + batch, count), [&](int first, int last) {
-      for (int i = first; i < last; ++i) {
-        NamedPicture& from_pixels = pictures[static_cast<std::size_t>(i)];
-        files[static_cast<std::size_t>(i)] = {from_pixels.name, png_of(from_pixels.picture)};
-        from_pixels.picture = {};
-      }
-    });
-  }
+  each_in_parallel(0, static_cast<int>(pictures.size()), [&](int i) {
+    NamedPicture& from_pixels = pictures[static_cast<std::size_t>(i)];
+    files[static_cast<std::size_t>(i)] = {from_pixels.name, png_of(from_pixels.picture)};
+    from_pixels.picture = {};
+  });
   return files;
 }
 
@@ -238,10 +230,16 @@ Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& 
   const FlatPlaces flat(job.sheet);
   const WithoutVacuform without{job, print};
   const WithVacuform with{print};
-  const Distortion before = distortion(job.surface, job.flattening.triangles,
-                                       corners_of(job.sheet, job.flattening, job.sheet.rest));
-  const Distortion after =
-      distortion(job.surface, job.flattening.triangles, corners_of(job.print, alignment));
+  Distortion before, after;
+  std::optional<View> seen_from;
+  together(
+      [&] { seen_from.emplace(job.sheet, preview_side, preview_side, caption_top, caption_bottom); },
+      [&] {
+        before = distortion(job.surface, job.flattening.triangles,
+                            corners_of(job.sheet, job.flattening, job.sheet.rest));
+      },
+      [&] { after = distortion(job.surface, job.flattening.triangles, corners_of(job.print, alignment)); });
+  View& view = *seen_from;
   const Heat anisotropy =
       heat_of(anisotropy_of_vertices(job), before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
   const Heat area = heat_of(area_ratio_of_vertices(job), before.area_ratio, "area ratio (1: undistorted)");
@@ -260,7 +258,6 @@ Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& 
   const int of_heat = 6, of_segments = uneven ? 7 : 6, of_errors = of_segments + (segments ? 1 : 0),
             count = of_errors + (job.errors ? 2 : 0);
 
-  View view(job.sheet, preview_side, preview_side, caption_top, caption_bottom);
   VACUFORM_TRY(pictures, view.draw(
                              count,
                              [&](const Seen& seen, Rgb* colours) {
@@ -356,7 +353,8 @@ Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& 
     warnings.insert(warnings.end(), job.measured->warnings.begin(), job.measured->warnings.end());
   VACUFORM_TRY(findings, findings_preview(warnings, view, std::move(pictures[5]), context));
   shown.push_back({"preview-findings.png", std::move(findings)});
-  return encoded(shown, context, 0.9, 0.95);
+  VACUFORM_CHECK(context.step(Stage::inspection, 0.9));
+  return encoded(shown);
 }
 
 }  // namespace vacuform

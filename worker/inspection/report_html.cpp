@@ -20,9 +20,9 @@ Embedded embedded_previews(const std::vector<Artifact>& files) {
   for (const Artifact& file : files)
     if (file.name.starts_with("preview-")) previews.push_back(&file);
   std::vector<std::string> data(previews.size());
-  in_parallel(0, static_cast<int>(data.size()), [&](int first, int last) {
-    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i)
-      data[i] = embedded_png(previews[i]->bytes, picture_width, caption_top);
+  each_in_parallel(0, static_cast<int>(data.size()), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    data[at] = embedded_png(previews[at]->bytes, picture_width, caption_top);
   });
   Embedded out;
   for (std::size_t i = 0; i < data.size(); ++i) out.emplace(previews[i]->name, std::move(data[i]));

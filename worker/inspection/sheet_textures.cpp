@@ -37,16 +37,11 @@ struct TextureGrid {
   double pixel_mm() const { return std::max(across, down); }
 };
 
-PngContent content_of(const Finished& job) {
-  return job.colours ? PngContent::photograph : PngContent::line_art;
-}
-
 // A picture on white. `ink_of` gives the ink of a row of pixels. Errors: those of `step`, which gets the fraction done.
 template <class InkOf, class Step>
-Result<std::vector<std::uint8_t>> painted_texture(const TextureGrid& grid, PngContent content, InkOf&& ink_of,
-                                                  Step&& step) {
+Result<std::vector<std::uint8_t>> painted_texture(const TextureGrid& grid, InkOf&& ink_of, Step&& step) {
   const std::size_t row_bytes = 3 * static_cast<std::size_t>(grid.width);
-  PngWriter writer(grid.width, grid.height, 3, {}, {}, content);
+  PngWriter writer(grid.width, grid.height, 3);
   constexpr int band = 64;
   std::vector<std::uint8_t> rows(band * row_bytes);
   for (int top = 0; top < grid.height; top += band) {
@@ -69,14 +64,13 @@ Result<std::vector<std::uint8_t>> painted_texture(const TextureGrid& grid, PngCo
 }  // namespace
 
 std::vector<std::uint8_t> print_texture(const Finished& job, const SheetPicture* over) {
-  if (!over)
-    return shrunk_png(job.print.png, texture_width(job.print), 0, job.print.mirrored, content_of(job));
+  if (!over) return shrunk_png(job.print.png, texture_width(job.print), 0, job.print.mirrored);
   const TextureGrid grid(job.print);
   const auto print = [&](int y, std::vector<Ink>& line) {
     for (int x = 0; x < grid.width; ++x)
       line[static_cast<std::size_t>(x)] = over->sample(grid.rest(x, y), grid.pixel_mm());
   };
-  return *painted_texture(grid, content_of(job), print, [](double) { return Result<void>(); });
+  return *painted_texture(grid, print, [](double) { return Result<void>(); });
 }
 
 Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const SheetPicture* over,
@@ -93,7 +87,7 @@ Result<std::vector<std::uint8_t>> drawing_texture(const Finished& job, const She
       ink = over->over_colours(ink, grid.rest(x, y));
     }
   };
-  return painted_texture(grid, content_of(job), drawing,
+  return painted_texture(grid, drawing,
                          [&](double done) { return context.step(Stage::inspection, 0.95 + 0.04 * done); });
 }
 

@@ -56,7 +56,7 @@ class Squeeze {
 }  // namespace
 
 std::vector<std::uint8_t> shrunk_png(const std::vector<std::uint8_t>& png, int width, int skipped,
-                                     bool mirrored, PngContent content) {
+                                     bool mirrored) {
   PngReader reader(png);
   if (png.size() < 24 || !reader.begin(PngReader::Rows::rgba8) || reader.passes() != 1) return {};
   // Width and height are at fixed places of the first chunk.
@@ -67,7 +67,7 @@ std::vector<std::uint8_t> shrunk_png(const std::vector<std::uint8_t>& png, int w
   if (shown <= 0) return {};
   width = std::min(width, columns);
   const int height = std::max(1, static_cast<int>(static_cast<std::int64_t>(shown) * width / columns));
-  PngWriter writer(width, height, 3, {}, {}, content);
+  PngWriter writer(width, height, 3);
   const Squeeze squeeze(columns, width);
   std::vector<std::uint8_t> read(reader.row_bytes()), before, row(3 * static_cast<std::size_t>(width));
   std::vector<double> line(row.size()), sum(row.size(), 0);

@@ -12,6 +12,6 @@ namespace vacuform {
 // is the mean of what it covers. `mirrored` swaps left and right. Memory is a few rows, for any size. Empty if the
 // bytes are not a PNG that is written row by row.
 std::vector<std::uint8_t> shrunk_png(const std::vector<std::uint8_t>& png, int width, int skipped,
-                                     bool mirrored, PngContent content = PngContent::line_art);
+                                     bool mirrored);
 
 }  // namespace vacuform

@@ -9,6 +9,7 @@
 
 #include "api/base/decimal.hpp"
 #include "worker/pattern/raster.hpp"
+#include "worker/stage/parallel.hpp"
 
 namespace vacuform {
 namespace {
@@ -23,19 +24,25 @@ Level halve(const Level& fine, int channels) {
   Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
   coarse.texels.resize(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height) *
                        static_cast<std::size_t>(channels));
-  std::uint8_t* out = coarse.texels.data();
-  for (int y = 0; y < coarse.height; ++y)
-    for (int x = 0; x < coarse.width; ++x)
-      for (int c = 0; c < channels; ++c) {
-        int sum = 2;
-        for (int j = 2 * y; j < std::min(2 * y + 2, fine.height); ++j)
-          for (int i = 2 * x; i < std::min(2 * x + 2, fine.width); ++i)
-            sum += fine.texels[(static_cast<std::size_t>(j) * static_cast<std::size_t>(fine.width) +
-                                static_cast<std::size_t>(i)) *
-                                   static_cast<std::size_t>(channels) +
-                               static_cast<std::size_t>(c)];
-        *out++ = static_cast<std::uint8_t>(sum / 4);
+  const std::ptrdiff_t n = channels, row = n * fine.width;
+  in_parallel(0, coarse.height, [&](int first, int last) {
+    std::uint8_t* out = coarse.texels.data() + n * coarse.width * first;
+    for (int y = first; y < last; ++y) {
+      const std::uint8_t* const upper = fine.texels.data() + 2 * y * row;
+      const std::ptrdiff_t below = 2 * y + 1 < fine.height ? row : 0;
+      for (int x = 0; x < coarse.width; ++x) {
+        const std::uint8_t* p = upper + 2 * x * n;
+        const std::ptrdiff_t right = 2 * x + 1 < fine.width ? n : 0;
+        for (int c = 0; c < channels; ++c, ++p) {
+          int sum = 2 + p[0];
+          if (right) sum += p[right];
+          if (below) sum += p[below];
+          if (right && below) sum += p[below + right];
+          *out++ = static_cast<std::uint8_t>(sum / 4);
+        }
       }
+    }
+  });
   return coarse;
 }
 

@@ -31,10 +31,12 @@ bool Raster::append(const std::uint8_t* row) {
     return true;
   }
   const std::size_t start = pixels.size();
-  pixels.resize(start + static_cast<std::size_t>(width));
+  pixels.resize(start + static_cast<std::size_t>(width), 0);
   for (int x = 0; x < width; ++x, row += 4) {
+    if ((row[0] | row[1] | row[2] | row[3]) == 0) continue;  // most of a drawing
     // Rounding in decoders and in premultiplication leaves grays up to two levels apart.
-    const auto [low, high] = std::minmax({row[0], row[1], row[2]});
+    const int low = std::min(std::min(row[0], row[1]), row[2]),
+              high = std::max(std::max(row[0], row[1]), row[2]);
     if (high - low > 2) {
       needs_colour = true;
       return false;

@@ -102,13 +102,28 @@ nlohmann::ordered_json whole_report(const Inputs& inputs, const Identity& identi
   return whole;
 }
 
-std::vector<Artifact> with_report(std::vector<Artifact> files, const nlohmann::ordered_json& whole) {
+// The artifacts but the report, and the report as JSON.
+struct Inspected {
+  std::vector<Artifact> files;
+  nlohmann::ordered_json report;
+};
+Result<Inspected> inspect(const Inputs& inputs, const Identity& identity, const Finished& job,
+                          const Context& context) {
+  Result<std::vector<Artifact>> files;
+  nlohmann::ordered_json whole;
+  together([&] { files = artifacts(job, context); }, [&] { whole = whole_report(inputs, identity, job); });
+  if (!files) return tl::make_unexpected(files.error());
+  return Inspected{*std::move(files), std::move(whole)};
+}
+
+std::vector<Artifact> with_report(Inspected inspected) {
+  auto& [files, whole] = inspected;
   const auto add = [&](const char* name, const std::string& text) {
     files.push_back({name, {text.begin(), text.end()}});
   };
   add("report.html", report_html(whole, files));
   add("report.json", whole.dump(2) + "\n");
-  return files;
+  return std::move(files);
 }
 
 struct FlatHead {
@@ -178,8 +193,8 @@ Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Conte
                                        job.settings.sheet.resolution_mm, comparing.context()));
     Finished compared = job;
     compared.errors = &errors;
-    VACUFORM_TRY(files, artifacts(compared, showing.context()));
-    return with_report(std::move(files), whole_report(inputs, identity, compared));
+    VACUFORM_TRY(inspected, inspect(inputs, identity, compared, showing.context()));
+    return with_report(std::move(inspected));
   };
   return use_colours(inputs, identity, use, context);
 }
@@ -253,9 +268,7 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
                      alignment,  measured ? &*measured : nullptr,
                      &placement, identity.label,
                      colours,    errors ? &*errors : nullptr};
-  VACUFORM_TRY(files, artifacts(job, showing.context()));
-
-  nlohmann::ordered_json whole = whole_report(inputs, identity, job);
+  VACUFORM_TRY(inspected, inspect(inputs, identity, job, showing.context()));
   if (inputs.sensitivity) {
     auto coils = printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv);
     for (const PlacedElement& element :
@@ -263,9 +276,9 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
       for (PrintedCoil& coil : coils)
         if (coil.id == laid->elements[static_cast<std::size_t>(element.element)].id)
           coil.rest = element.centre_rest;
-    whole["sensitivity"] = sensitivity_json(sheet, formed.variants, coils);
+    inspected.report["sensitivity"] = sensitivity_json(sheet, formed.variants, coils);
   }
-  return with_report(std::move(files), whole);
+  return with_report(std::move(inspected));
 }
 
 // What the mold can show: it was made, and then the sheet did not fit it, or did not form or flatten on it.

@@ -34,7 +34,7 @@ struct PngWriter::State {
     throw std::logic_error("libpng refused to write");
   }
 
-  bool begin(int width, int height, int color, png_uint_32 per_metre, bool srgb, PngContent content) {
+  bool begin(int width, int height, int color, png_uint_32 per_metre, bool srgb) {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_write_fn(png, this, on_write, [](png_structp) {});
     png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
@@ -43,14 +43,9 @@ struct PngWriter::State {
     if (per_metre > 0) png_set_pHYs(png, info, per_metre, per_metre, PNG_RESOLUTION_METER);
     if (srgb) png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_set_compression_buffer_size(png, 1 << 18);
-    if (content == PngContent::photograph) {
-      png_set_compression_level(png, 1);
-      png_set_compression_strategy(png, Z_RLE);
-      png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-    } else {
-      png_set_compression_level(png, 6);
-      png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
-    }
+    png_set_compression_level(png, 1);
+    png_set_compression_strategy(png, Z_RLE);
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
     png_write_info(png, info);
     return true;
   }
@@ -91,7 +86,7 @@ std::vector<std::uint8_t> iccp_content(std::span<const std::uint8_t> icc) {
 }  // namespace
 
 PngWriter::PngWriter(int width, int height, int channels, std::optional<double> dpi,
-                     std::span<const std::uint8_t> icc, PngContent content)
+                     std::span<const std::uint8_t> icc)
     : state_(std::make_unique<State>()) {
   state_->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, State::on_error,
                                         [](png_structp, png_const_charp) {});
@@ -101,7 +96,7 @@ PngWriter::PngWriter(int width, int height, int channels, std::optional<double> 
                     : channels == 3 ? PNG_COLOR_TYPE_RGB
                                     : PNG_COLOR_TYPE_RGBA;
   const png_uint_32 per_metre = dpi ? static_cast<png_uint_32>(std::lround(*dpi / 0.0254)) : 0;
-  if (!state_->begin(width, height, color, per_metre, dpi && icc.empty(), content)) state_->raise();
+  if (!state_->begin(width, height, color, per_metre, dpi && icc.empty())) state_->raise();
   if (icc.empty()) return;
   const std::vector<std::uint8_t> chunk = iccp_content(icc);
   if (!state_->profile(chunk.data(), chunk.size())) state_->raise();

@@ -9,16 +9,14 @@
 
 namespace vacuform {
 
-// What compresses best. Line art: Deflate at level 6 without row filters; adaptive ones make it larger and slower.
-// Photographs: each pixel as its difference from the one above it, in runs: half as large, in a third of the time.
-enum class PngContent { line_art, photograph };
-
+// Packs each pixel as its difference from the one above it, in runs. Beside Deflate at level 6 without row filters, prints
+// of lines are as large in 0.4 of the time, photographs half as large in a third of it.
 class PngWriter {
  public:
   // 8 bits a channel: 1 gray, 3 RGB, 4 RGBA (straight). `dpi` is that of a print: it is kept in pHYs as
   // round(dpi / 0.0254) pixels a metre, and the colours are marked as sRGB, or as those of `icc`, an ICC profile of RGB.
   PngWriter(int width, int height, int channels, std::optional<double> dpi = {},
-            std::span<const std::uint8_t> icc = {}, PngContent content = PngContent::line_art);
+            std::span<const std::uint8_t> icc = {});
   ~PngWriter();
 
   void row(const std::uint8_t* pixels);  // exactly `height` times, from the top

@@ -29,7 +29,6 @@ class ColourRaster : public RowSource {
   PixelBox box() const override { return box_; }
   int band_rows() const override { return band_; }
   std::vector<std::uint8_t> rows(int top, int bottom) const override;
-  PngContent content() const override { return PngContent::photograph; }
 
   // Where the colour of a pixel comes from.
   struct Origin {

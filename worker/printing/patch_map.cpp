@@ -2,8 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
 #include <utility>
+
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 
@@ -14,7 +15,7 @@ using Eigen::Vector2d;
 
 std::vector<Ring> border_in_pattern(const Patch& patch) {
   std::vector<Ring> rings;
-  for (const auto& vertices : border_of(patch)) {
+  for (const auto& vertices : border_loops(patch.triangles)) {
     rings.emplace_back();
     for (const int v : vertices) rings.back().push_back(patch.uv[static_cast<std::size_t>(v)]);
   }
@@ -22,29 +23,6 @@ std::vector<Ring> border_in_pattern(const Patch& patch) {
 }
 
 }  // namespace
-
-std::vector<std::vector<int>> border_of(const Patch& patch) {
-  using Edge = std::pair<int, int>;
-  std::vector<Edge> edges;
-  edges.reserve(3 * patch.triangles.size());
-  for (const Triangle& t : patch.triangles)
-    for (std::size_t k = 0; k < 3; ++k) edges.emplace_back(t[k], t[(k + 1) % 3]);
-  std::sort(edges.begin(), edges.end());
-  std::multimap<int, int> next;
-  for (const auto& [a, b] : edges)
-    if (!std::binary_search(edges.begin(), edges.end(), Edge(b, a))) next.emplace(a, b);
-  std::vector<std::vector<int>> rings;
-  while (!next.empty()) {
-    rings.emplace_back();
-    for (auto at = next.begin(); at != next.end();) {
-      rings.back().push_back(at->first);
-      const int to = at->second;
-      next.erase(at);
-      at = next.find(to);
-    }
-  }
-  return rings;
-}
 
 PatchMap::PatchMap(const Patch& patch)
     : patch_(patch), locator_(patch.triangles, patch.uv), outline_(union_of(border_in_pattern(patch))) {

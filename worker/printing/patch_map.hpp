@@ -11,9 +11,6 @@
 
 namespace vacuform {
 
-// The border of the patch: rings of vertices, along the edges with only one triangle.
-std::vector<std::vector<int>> border_of(const Patch& patch);
-
 // Keeps a reference to its patch.
 class PatchMap {
  public:

@@ -24,6 +24,7 @@
 #include "worker/printing/vector_raster.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/stage/portion.hpp"
+#include "worker/surface/adjacency.hpp"
 
 namespace vacuform {
 namespace {
@@ -173,7 +174,7 @@ void add_coloured(const SheetColours& colours, const SheetSettings& sheet, LaidI
 // Where the plastic leaves the mold, print coordinates.
 std::vector<Line> outline_of_mold(const Patch& chart, double grid_mm, const LaidInk& ink, bool mirrored) {
   std::vector<std::vector<Vector2d>> rings;
-  for (const auto& vertices : border_of(chart)) {
+  for (const auto& vertices : border_loops(chart.triangles)) {
     rings.emplace_back();
     for (const int v : vertices) rings.back().push_back(chart.rest[static_cast<std::size_t>(v)]);
   }
@@ -188,12 +189,11 @@ std::vector<Line> outline_of_mold(const Patch& chart, double grid_mm, const Laid
 // separately.
 class PictureFiles {
  public:
-  PictureFiles(const PixelBox& box, int channels, double dpi, std::span<const std::uint8_t> icc,
-               PngContent content)
-      : box_(box), channels_(channels), whole_(width(), height(), channels, dpi, icc, content) {
+  PictureFiles(const PixelBox& box, int channels, double dpi, std::span<const std::uint8_t> icc)
+      : box_(box), channels_(channels), whole_(width(), height(), channels, dpi, icc) {
     if (channels != 4) return;
-    colour_.emplace(width(), height(), 3, dpi, std::span<const std::uint8_t>(), content);
-    opacity_.emplace(width(), height(), 1, dpi, std::span<const std::uint8_t>(), content);
+    colour_.emplace(width(), height(), 3, dpi);
+    opacity_.emplace(width(), height(), 1, dpi);
     rgb_.resize(3 * static_cast<std::size_t>(width()));
     alpha_.resize(static_cast<std::size_t>(width()));
   }
@@ -285,9 +285,9 @@ Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, c
   const std::span<const std::uint8_t> icc = channels == 4 ? profile.icc() : std::span<const std::uint8_t>();
   const PixelBox box = source.box();
   const bool opaque = channels == 4 && settings.print.background == Background::white;
-  PngWriter whole(size.width, size.height, opaque ? 3 : channels, settings.print.dpi, icc, source.content());
+  PngWriter whole(size.width, size.height, opaque ? 3 : channels, settings.print.dpi, icc);
   std::optional<PictureFiles> files;
-  if (!vectors) files.emplace(box, channels, settings.print.dpi, icc, source.content());
+  if (!vectors) files.emplace(box, channels, settings.print.dpi, icc);
   const int band = source.band_rows();
   std::vector<std::uint8_t> row(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(channels)),
       rgb;
@@ -324,9 +324,13 @@ Result<Print::Layer> draw(const RowSource& source, const VectorPrint* vectors, c
     inked.swap(next);
   }
   const PrintPage page{{settings.sheet.width_mm, settings.sheet.height_mm}, size.mirrored, label};
-  if (!files)
-    return Print::Layer{whole.finish(), make_svg(page, vectors, nullptr, marks),
-                        make_pdf(page, vectors, nullptr, {}, marks, profile)};
+  if (!files) {
+    Print::Layer layer;
+    together([&] { layer.png = whole.finish(); },
+             [&] { layer.svg = make_svg(page, vectors, nullptr, marks); },
+             [&] { layer.pdf = make_pdf(page, vectors, nullptr, {}, marks, profile); });
+    return layer;
+  }
   files->finish();
   const double d = size.pixel_mm;
   const auto placed = [&](std::span<const std::uint8_t> png) {

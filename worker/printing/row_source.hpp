@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/png/png_writer.hpp"
-
 namespace vacuform {
 
 struct PixelBox {
@@ -20,7 +18,6 @@ class RowSource {
   // Rows [top, bottom) of the whole print's width: 8-bit gray on white, or straight RGBA on transparent. `top` is a
   // multiple of band_rows(), and `bottom` at most one band further.
   virtual std::vector<std::uint8_t> rows(int top, int bottom) const = 0;
-  virtual PngContent content() const { return PngContent::line_art; }
 };
 
 }  // namespace vacuform

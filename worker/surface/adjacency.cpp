@@ -14,16 +14,27 @@ struct Edge {
 
 // Sorted by their ends: the two sides of an edge follow each other.
 std::vector<Edge> edges_of(const std::vector<Triangle>& triangles) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(triangles[t][(k + 1) % 3], triangles[t][(k + 2) % 3]);
-      edges.push_back({low, high, static_cast<int>(3 * t + k)});
-    }
-  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
-    return std::tie(x.low, x.high, x.side) < std::tie(y.low, y.high, y.side);
-  });
+  const auto each = [&](auto&& take) {
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int a = triangles[t][(k + 1) % 3], b = triangles[t][(k + 2) % 3];
+        take(Edge{std::min(a, b), std::max(a, b), static_cast<int>(3 * t + k)});
+      }
+  };
+  // First by the lower end, of which each has few edges.
+  int last = -1;
+  each([&](const Edge& edge) { last = std::max(last, edge.low); });
+  std::vector<std::size_t> begin(static_cast<std::size_t>(last + 2), 0);
+  each([&](const Edge& edge) { ++begin[static_cast<std::size_t>(edge.low) + 1]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Edge> edges(3 * triangles.size());
+  std::vector<std::size_t> next(begin.begin(), begin.end());
+  each([&](const Edge& edge) { edges[next[static_cast<std::size_t>(edge.low)]++] = edge; });
+  for (std::size_t v = 0; v + 1 < begin.size(); ++v)
+    std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin[v]),
+              edges.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]), [](const Edge& x, const Edge& y) {
+                return std::tie(x.high, x.side) < std::tie(y.high, y.side);
+              });
   return edges;
 }
 
