@@ -30,6 +30,7 @@ Result<ColouredScan> read_coloured_scan(std::span<const std::uint8_t> bytes, con
 // Immutable, cheap to copy and safe to use from several threads.
 class ColouredSurface {
  public:
+  // The scan in the mold's frame.
   ColouredSurface(ColouredScan scan, const ScanPlacing& placing);
 
   const TriangleMesh& mesh() const { return parts_->mesh; }  // in the mold's frame, mm

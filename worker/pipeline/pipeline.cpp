@@ -117,20 +117,21 @@ Result<Inspected> inspect(const Inputs& inputs, const Identity& identity, const 
 }
 
 std::vector<Artifact> with_report(Inspected inspected) {
-  auto& [files, whole] = inspected;
+  std::vector<Artifact>& files = inspected.files;
   const auto add = [&](const char* name, const std::string& text) {
     files.push_back({name, {text.begin(), text.end()}});
   };
-  add("report.html", report_html(whole, files));
-  add("report.json", whole.dump(2) + "\n");
+  add("report.html", report_html(inspected.report, files));
+  add("report.json", inspected.report.dump(2) + "\n");
   return std::move(files);
 }
 
+// The formed head with its chart.
 struct FlatHead {
   FormedHead formed;
   InkedSurface surface;
   Flattening flattening;
-  std::optional<ColouredScan> colours;
+  std::optional<ColouredScan> colours;  // if they are printed
 };
 Result<FlatHead> flat_head(const Inputs& inputs, const InkCoverage& coverage, const Context& context) {
   const Settings& s = inputs.settings;
