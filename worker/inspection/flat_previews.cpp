@@ -136,7 +136,9 @@ Picture print_preview(const Finished& job, const SheetPicture& print, int side) 
   write({"The pre-distorted print on the flat sheet",
          decimal(size.x(), 0) + " × " + decimal(size.y(), 0) + " mm, " + face,
          {},
-         "Blue: comes to lie on the mold. Dashed: the window of the clamp frame."},
+         // The colours of a scan cover what lies on the mold.
+         std::string(of_colours_alone(job) ? "" : "Blue: comes to lie on the mold. ") +
+             "Dashed: the window of the clamp frame."},
         picture);
   Canvas canvas(picture);
   rectangle(canvas, frame, size / 2, false);

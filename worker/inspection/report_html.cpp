@@ -61,21 +61,28 @@ std::string summary(const ReportJson& r) {
   for (char& c : material)
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
   const ReportJson& coils = at(r, {"coils"});
-  std::string text = "A drawing of " + numbers(at(r, {"pattern", "size_mm"}), 1, " × ") + " mm (" +
-                     text_of(at(r, {"pattern", "format"}));
-  if (coils.is_array() && !coils.empty()) text += ", " + std::to_string(coils.size()) + " coils";
-  text += ") for a sheet of " + material + ", " + number_text(at(s, {"sheet", "width_mm"}), 0) + " × " +
+  const bool of_scan = text_of(at(s, {"pattern", "source"})) == "scan";
+  std::string text = "The colours of the scan";
+  if (!of_scan) {
+    text = "A drawing of " + numbers(at(r, {"pattern", "size_mm"}), 1, " × ") + " mm (" +
+           text_of(at(r, {"pattern", "format"}));
+    if (coils.is_array() && !coils.empty()) text += ", " + std::to_string(coils.size()) + " coils";
+    text += ")";
+  }
+  text += " for a sheet of " + material + ", " + number_text(at(s, {"sheet", "width_mm"}), 0) + " × " +
           number_text(at(s, {"sheet", "height_mm"}), 0) + " × " + text_of(at(s, {"sheet", "thickness_mm"})) +
           " mm, formed over a mold of " + numbers(at(r, {"mold", "size_mm"}), 0, " × ") + " mm at " +
           number_text(at(r, {"heat", "mean_c"}), 0, "°C") + ". The print is for the " +
           text_of(at(r, {"print", "inked_face"})) + " face";
-  text += at(r, {"print", "mirrored"}) == true ? " and mirrored. " : ". ";
-  const std::string from_top = numbers(offset, 1, ", ");
-  text += "The drawing's centre lies ";
-  if (from_top != "0.0, 0.0") text.append("(").append(from_top).append(") mm from ");
-  text += from_top == "0.0, 0.0" ? "on the top of the mold" : "the top of the mold";
-  text += ", turned by " + text_of(at(s, {"pattern", "rotate_deg"})) + " degrees, at " +
-          text_of(at(s, {"pattern", "scale"})) + " times its size.";
+  text += at(r, {"print", "mirrored"}) == true ? " and mirrored." : ".";
+  if (!of_scan) {
+    const std::string from_top = numbers(offset, 1, ", ");
+    text += " The drawing's centre lies ";
+    if (from_top != "0.0, 0.0") text.append("(").append(from_top).append(") mm from ");
+    text += from_top == "0.0, 0.0" ? "on the top of the mold" : "the top of the mold";
+    text += ", turned by " + text_of(at(s, {"pattern", "rotate_deg"})) + " degrees, at " +
+            text_of(at(s, {"pattern", "scale"})) + " times its size.";
+  }
   const std::string left = text_of(at(r, {"scan", "left_side"}));
   if (left == "minus_x" || left == "plus_x")
     text += std::string(" The patient's left is at ") + (left == "minus_x" ? "-x" : "+x") +

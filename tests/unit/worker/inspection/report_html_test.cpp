@@ -240,6 +240,15 @@ TEST(ReportHtml, SaysWhoseItIsAndWhichSideIsConfirmed) {
   EXPECT_EQ(summary_json(report, "out")["reference"], report["reference"]);
 }
 
+TEST(ReportHtml, OfTheColoursOfAScanSpeaksOfNoDrawing) {
+  ReportJson report = small_report();
+  EXPECT_NE(report_html(report, {}).find("The drawing&#39;s centre lies"), std::string::npos);
+  report["settings"]["pattern"]["source"] = "scan";
+  const std::string page = report_html(report, {});
+  EXPECT_NE(page.find("<p>The colours of the scan for a sheet of "), std::string::npos);
+  EXPECT_EQ(page.find("drawing&#39;s centre"), std::string::npos);
+}
+
 TEST(ReportHtml, ShowsSeverityPlaceAndFixOfAWarning) {
   const std::string page = report_html(small_report(), {});
   EXPECT_NE(page.find("<li class=\"serious\"><b>serious</b> coil-3 lies off.<br><span class=\"soft\">Where: "
