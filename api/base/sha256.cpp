@@ -2,6 +2,7 @@
 
 #include <openssl/evp.h>
 #include <openssl/hmac.h>
+#include <sodium.h>
 
 #include <new>
 #include <stdexcept>
@@ -48,11 +49,8 @@ void Sha256::add(std::span<const std::uint8_t> bytes) {
 std::string Sha256::hex() {
   unsigned char digest[digest_size];
   check(EVP_DigestFinal_ex(state_->context, digest, nullptr) == 1);
-  std::string text;
-  text.reserve(2 * digest_size);
-  for (const unsigned char byte : digest)
-    for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
-  return text;
+  char text[2 * digest_size + 1];
+  return sodium_bin2hex(text, sizeof text, digest, sizeof digest);
 }
 
 std::string sha256_hex(std::span<const std::uint8_t> bytes) {
