@@ -3,8 +3,9 @@
     python3 tests/bench/invariance.py BIN SCAN.stl [--grid MM ...]
 
 Turns the file's own points about z, mirrors, shifts and scales them (with every length of sheet and machine), runs
-`vacuform run` on each, and follows every point of the sheet that lies on the first head to where the same point of the
-other sheet lies: the distance, moved back, in millimetres of the first head. The window is round, so that it turns too.
+`vacuform run` on each, and follows every vertex of the sheet that lies on the first head to where the same point of the
+other sheet lies: the distance, moved back, in millimetres of the first head. Only triangles that touch the head with all
+corners count, on both sheets: nothing else is printed on. The window is round, so that it turns too.
 """
 import argparse
 import math
@@ -46,6 +47,7 @@ class Formed:
         ply = meshes.Ply((folder / "formed.ply").read_bytes())
         self.rest, self.points = list(zip(ply.vertices["s"], ply.vertices["t"])), ply.points
         self.faces, self.contact = ply.faces, ply.vertices["contact"]
+        self.printed = {v for face in self.faces if self.lies_on_head(face) for v in face}
         self.cell = 2 * max(abs(self.rest[a][0] - self.rest[b][0]) for a, b, _ in self.faces)
         self.cells = {}
         for face in self.faces:
@@ -54,8 +56,11 @@ class Formed:
                 for j in range(spans[1][0], spans[1][2] + 1):
                     self.cells.setdefault((i, j), []).append(face)
 
+    def lies_on_head(self, face):
+        return all(self.contact[v] == MOLD for v in face)
+
     def at(self, s, t):
-        """Where a point of the flat sheet lies, or None."""
+        """Where a point of the flat sheet lies, or None off the head."""
         for face in self.cells.get((int(s // self.cell), int(t // self.cell)), ()):
             (s0, t0), (s1, t1), (s2, t2) = (self.rest[v] for v in face)
             whole = (s1 - s0) * (t2 - t0) - (t1 - t0) * (s2 - s0)
@@ -65,7 +70,7 @@ class Formed:
             third = ((s1 - s0) * (t - t0) - (t1 - t0) * (s - s0)) / whole
             weights = 1 - second - third, second, third
             if min(weights) >= -1e-6:
-                return [sum(w * self.points[v][k] for w, v in zip(weights, face)) for k in range(3)]
+                return self.lies_on_head(face) and [sum(w * self.points[v][k] for w, v in zip(weights, face)) for k in range(3)]
         return None
 
 
@@ -86,9 +91,9 @@ def formed(bin_folder, folder, triangles, grid, scale):
 
 
 def distances(first, other, motion):
-    for rest, place, contact in zip(first.rest, first.points, first.contact):
-        there = other.at(*motion.plane(*rest)) if contact == MOLD else None
-        if there:
+    for v in first.printed:
+        rest, place = first.rest[v], first.points[v]
+        if there := other.at(*motion.plane(*rest)):
             yield math.dist(there, (*motion.plane(*place[:2]), motion.scale * place[2])) / motion.scale
 
 

@@ -5,9 +5,11 @@
 #include <cstdlib>
 
 #include "api/base/decimal.hpp"
+#include "worker/forming/curved_contact.hpp"
 #include "worker/forming/findings.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/forming/surface_fit.hpp"
+#include "worker/numerics/plane.hpp"
 
 namespace vacuform {
 
@@ -36,29 +38,34 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
   out.temperature = process.celsius;
   out.summary = state.summary;
   out.summary.shear_modulus_kpa = process.modulus_kpa;
-  const std::size_t n = out.rest.size();
-  for (std::size_t i = 0; i < n; ++i) out.formed.push_back(state.x.col(i));
+  for (Eigen::Index i = 0; i < state.x.cols(); ++i) out.formed.push_back(state.x.col(i));
 
   const Membrane membrane(out.rest, process.grid.triangles, process.forming.law, process.stiffness);
-  std::vector<double> area(n, 0), volume(n, 0);
-  double total_area = 0, total_volume = 0;
   for (std::size_t k = 0; k < out.triangles.size(); ++k) {
     const Triangle& t = out.triangles[k];
-    // A triangle that a fold has crushed to a line would be infinitely thick.
-    const double stretch = std::max(1e-6, membrane.area_stretch(state.x, static_cast<int>(k)));
-    const double thickness = process.sheet.thickness_mm / stretch;
-    const double formed =
-        0.5 * (out.formed[t[1]] - out.formed[t[0]]).cross(out.formed[t[2]] - out.formed[t[0]]).norm();
-    out.element_thickness.push_back(thickness);
     const bool folded = state.folded[t[0]] || state.folded[t[1]] || state.folded[t[2]];
     out.element_wrinkled.push_back(folded || membrane.wrinkled(state.x, static_cast<int>(k)));
-    total_area += membrane.rest_area(static_cast<int>(k));
+  }
+  if (process.forming.model != FormingModel::projection) bend_to_mold(out, process.obstacles);
+
+  const std::size_t n = out.rest.size();
+  std::vector<double> area(n, 0), volume(n, 0);
+  double total_volume = 0;
+  for (const Triangle& t : out.triangles) {
+    const Eigen::Vector2d flat_b = out.rest[t[1]] - out.rest[t[0]], flat_c = out.rest[t[2]] - out.rest[t[0]];
+    const double flat = 0.5 * cross(flat_b, flat_c);
+    const double formed =
+        0.5 * (out.formed[t[1]] - out.formed[t[0]]).cross(out.formed[t[2]] - out.formed[t[0]]).norm();
+    // A triangle that a fold has crushed to a line would be infinitely thick.
+    const double thickness = process.sheet.thickness_mm / std::max(1e-6, formed / flat);
+    out.element_thickness.push_back(thickness);
     total_volume += formed * thickness;
     for (int v : t) area[v] += formed, volume[v] += formed * thickness;
   }
   for (std::size_t i = 0; i < n; ++i)
     out.thickness.push_back(area[i] > 0 ? volume[i] / area[i] : process.sheet.thickness_mm);
-  out.summary.mass_error = std::abs(total_volume / (total_area * process.sheet.thickness_mm) - 1);
+  const double volume_before = process.sheet.width_mm * process.sheet.height_mm * process.sheet.thickness_mm;
+  out.summary.mass_error = std::abs(total_volume / volume_before - 1);
   FindingLimits limits;
   limits.fit = {std::max(0.5, 0.2 * process.sheet.resolution_mm),
                 std::max(0.5, 0.5 * process.sheet.resolution_mm)};

@@ -1,9 +1,11 @@
 #include "worker/placement/bent_mesh.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "worker/stage/index.hpp"
+#include "worker/surface/split_triangle.hpp"
 
 namespace vacuform {
 
@@ -39,33 +41,20 @@ bool halve(BentMesh& mesh, const std::function<double(const SheetPoint&)>& radiu
     const Triangle old = mesh.triangles[t];
     const std::array<Vector3d, 3> w = mesh.corners[t];
     const std::array<int, 3> cut{middle(t, 0), middle(t, 1), middle(t, 2)};
-    const auto count = std::count_if(cut.begin(), cut.end(), [](int v) { return v >= 0; });
-    if (count == 0) continue;
     // Corners 0 to 2 are the old ones, 3 to 5 the middles after them.
     const std::array<int, 6> vertex{old[0], old[1], old[2], cut[0], cut[1], cut[2]};
     const std::array<Vector3d, 6> weights{
         w[0], w[1], w[2], (w[0] + w[1]) / 2, (w[1] + w[2]) / 2, (w[2] + w[0]) / 2};
-    bool first = true;
-    const auto put = [&](std::size_t a, std::size_t b, std::size_t c) {
-      if (!first)
-        mesh.triangles.push_back({}), mesh.corners.push_back({}), mesh.faces.push_back(mesh.faces[t]);
-      const std::size_t at = first ? t : mesh.triangles.size() - 1;
-      mesh.triangles[at] = {vertex[a], vertex[b], vertex[c]};
-      mesh.corners[at] = {weights[a], weights[b], weights[c]};
-      first = false;
-    };
-    const auto one = [&](auto which) {
-      return static_cast<std::size_t>(std::find_if(cut.begin(), cut.end(), which) - cut.begin());
-    };
-    if (count == 3) {
-      put(0, 3, 5), put(3, 1, 4), put(5, 4, 2), put(3, 4, 5);
-    } else if (count == 2) {
-      const std::size_t k = one([](int v) { return v < 0; }), m = (k + 1) % 3,
-                        o = (k + 2) % 3;  // k to m is whole
-      put(k, m, 3 + m), put(k, 3 + m, 3 + o), put(3 + o, 3 + m, o);
-    } else {
-      const std::size_t k = one([](int v) { return v >= 0; }), m = (k + 1) % 3, o = (k + 2) % 3;
-      put(k, 3 + k, o), put(3 + k, m, o);
+    const auto place = [&](std::size_t k) { return cut[k] < 0 ? -1 : static_cast<int>(3 + k); };
+    std::size_t at = t;
+    for (const Triangle& piece : pieces_of({0, 1, 2}, {place(0), place(1), place(2)})) {
+      if (at > t)
+        mesh.triangles.push_back(piece), mesh.corners.push_back(w), mesh.faces.push_back(mesh.faces[t]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        mesh.triangles[at][k] = vertex[index(piece[k])];
+        mesh.corners[at][k] = weights[index(piece[k])];
+      }
+      at = mesh.triangles.size();
     }
   }
   return mesh.triangles.size() > before;

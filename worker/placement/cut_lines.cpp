@@ -12,6 +12,7 @@
 #include "worker/stage/index.hpp"
 #include "worker/surface/exact_geodesics.hpp"
 #include "worker/surface/nearest_point.hpp"
+#include "worker/surface/split_triangle.hpp"
 
 namespace vacuform {
 
@@ -122,23 +123,11 @@ class Cutter {
     const int count = static_cast<int>(sheet_.triangles.size());
     for (int t = 0; t < count; ++t) {
       const Triangle c = sheet_.triangles[index(t)];
-      std::array<int, 3> middle{-1, -1, -1};  // of the edges (0 1), (1 2), (2 0)
-      int divided = 0;
+      std::array<int, 3> middle{-1, -1, -1};
       for (std::size_t e = 0; e < 3; ++e)
         if (const auto at = middles_.find(std::minmax(c[e], c[(e + 1) % 3])); at != middles_.end())
-          middle[e] = at->second, ++divided;
-      if (divided == 0) continue;
-      // Rotated so that the split edges come first.
-      std::size_t first = 0;
-      while (divided < 3 && !(middle[first] >= 0 && middle[(first + 2) % 3] < 0)) ++first;
-      const int a = c[first], b = c[(first + 1) % 3], d = c[(first + 2) % 3];
-      const int p = middle[first], q = middle[(first + 1) % 3], r = middle[(first + 2) % 3];
-      if (divided == 1)
-        replace(t, {{a, p, d}, {p, b, d}});
-      else if (divided == 2)
-        replace(t, {{p, b, q}, {a, p, q}, {a, q, d}});
-      else
-        replace(t, {{a, p, r}, {p, b, q}, {r, q, d}, {p, q, r}});
+          middle[e] = at->second;
+      replace(t, pieces_of(c, middle));
     }
     middles_.clear();
   }

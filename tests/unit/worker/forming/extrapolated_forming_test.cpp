@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "tests/unit/fixtures/shapes.hpp"
 #include "tests/unit/worker/forming/axisymmetric.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/interpolation.hpp"
+#include "worker/forming/sheet_grid.hpp"
 #include "worker/scan/mold_distance.hpp"
 
 namespace vacuform {
@@ -15,18 +17,29 @@ namespace {
 
 constexpr double radius_mm = 85, ring = 1.5;
 
-FormedSheet formed_hemisphere(const Mold& mold, double resolution_mm, FormingQuality quality) {
+std::pair<SheetSettings, MachineSettings> clamped(double resolution_mm) {
   SheetSettings sheet;
   sheet.resolution_mm = resolution_mm;
   sheet.width_mm = sheet.height_mm = 2 * ring * radius_mm + 10;
   MachineSettings machine;
   machine.window = WindowShape::circle;
   machine.window_width_mm = 2 * ring * radius_mm;
+  return {sheet, machine};
+}
+
+FormedSheet formed_hemisphere(const Mold& mold, double resolution_mm, FormingQuality quality) {
+  const auto [sheet, machine] = clamped(resolution_mm);
   FormingSettings forming;
   forming.quality = quality;
   auto formed = form(mold, sheet, machine, forming, TemperatureField(140), Context{});
   if (!formed) throw std::runtime_error(formed.error().text());
   return *std::move(formed);
+}
+
+// The number of its vertices that are on its grid: those between them come later.
+std::size_t vertices_of_grid(double resolution_mm) {
+  const auto [sheet, machine] = clamped(resolution_mm);
+  return make_sheet_grid(sheet, machine).rest.size();
 }
 
 // Mean distance on the flat sheet between what lies on the mold and what belongs there.
@@ -65,10 +78,9 @@ TEST(FastForming, LiesOnTheMoldAndOnTheGridThatIsAskedFor) {
   const Mold mold = hemisphere(radius_mm, 180, 360);
   const FormedSheet fast = formed_hemisphere(mold, 3, FormingQuality::fast),
                     standard = formed_hemisphere(mold, 3, FormingQuality::standard);
-  EXPECT_EQ(fast.triangles, standard.triangles);
   const MoldDistance distance(mold.mesh);
   int on_mold = 0, on_both = 0;
-  for (std::size_t i = 0; i < fast.rest.size(); ++i) {
+  for (std::size_t i = 0; i < vertices_of_grid(3); ++i) {
     EXPECT_EQ(fast.rest[i], standard.rest[i]);
     EXPECT_GE(fast.formed[i].z(), 0);
     if (fast.contact[i] != Contact::mold) continue;
