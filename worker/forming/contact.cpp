@@ -112,7 +112,7 @@ TriangleMesh mesh_of(const Points& x, const std::vector<Triangle>& triangles) {
 }  // namespace
 
 SheetAsObstacle::SheetAsObstacle(const Points& x, const std::vector<Triangle>& triangles)
-    : mesh_(mesh_of(x, triangles)), rays_(mesh_) {}
+    : mesh_(mesh_of(x, triangles)), rays_(mesh_, RayTree::quick) {}
 
 bool SheetAsObstacle::possible(const Points& x, const std::vector<Triangle>& triangles,
                                const std::vector<char>& held) {

@@ -116,8 +116,6 @@ struct Vector {
   Lanes x, y, z;
 };
 
-#define VACUFORM_INLINE [[gnu::always_inline]] inline
-
 VACUFORM_INLINE void transpose(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d, Vector& out) {
   const Lanes ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), cd = __builtin_shufflevector(c, d, 0, 4, 2, 6);
   out.x = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
@@ -248,14 +246,6 @@ template <class Four>
 #endif
 
 }  // namespace
-
-bool FreeMembrane::processor_has_avx2() {
-#if defined(__x86_64__)
-  return __builtin_cpu_supports("avx2");
-#else
-  return false;
-#endif
-}
 
 double FreeMembrane::sum(const Part& part, const Column* x, double pressure, Column* gradient) const {
   const Four *begin = fours_.data() + part.begin, *end = fours_.data() + part.end;

@@ -7,6 +7,7 @@
 
 #include "worker/forming/membrane.hpp"
 #include "worker/forming/sheet_grid.hpp"
+#include "worker/numerics/avx2.hpp"
 
 namespace vacuform {
 
@@ -15,7 +16,6 @@ using Column = Eigen::Array4d;
 
 class FreeMembrane {
  public:
-  static bool processor_has_avx2();
   explicit FreeMembrane(bool use_avx2 = processor_has_avx2()) : avx2_(use_avx2) {}
 
   // Packs the membrane as it is now: call this again after the rest shape of triangles has changed.

@@ -1,9 +1,7 @@
 #include "worker/numerics/paired_cholesky.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <stdexcept>
 
@@ -14,82 +12,15 @@ namespace vacuform {
 namespace {
 
 using Quad = PairedCholesky::Quad;
+using Row = PairedRow;
 
 constexpr int worth_a_thread = 2500;  // rows
 constexpr float most_units = 32767;
 
 // Entries of both matrices in turn (t0, n0, t1, n1): one of the two for the three columns and the one.
-using Lanes = float __attribute__((vector_size(16)));
-template <int which>
-Quad spread(const Lanes& two) {
-  const Lanes out = __builtin_shufflevector(two, two, 2 * which, 2 * which, 2 * which, 2 * which + 1);
-  return Eigen::Map<const Quad>(reinterpret_cast<const float*>(&out));
-}
 template <int which>
 Quad spread(const Quad& two) {
-  Lanes lanes;
-  std::memcpy(&lanes, two.data(), sizeof lanes);
-  return spread<which>(lanes);
-}
-
-// The entries of a row in four columns, times 65536.
-struct Wide {
-  explicit Wide(const std::array<std::int16_t, 8>& entries) {
-    using Shorts = std::int16_t __attribute__((vector_size(16)));
-    using Ints = std::int32_t __attribute__((vector_size(16)));
-    Shorts all;
-    const Shorts none{};
-    std::memcpy(&all, entries.data(), sizeof all);
-    static_assert(std::endian::native == std::endian::little);
-    const Shorts low = __builtin_shufflevector(none, all, 0, 8, 0, 9, 0, 10, 0, 11),
-                 high = __builtin_shufflevector(none, all, 0, 12, 0, 13, 0, 14, 0, 15);
-    first = __builtin_convertvector(std::bit_cast<Ints>(low), Lanes);
-    second = __builtin_convertvector(std::bit_cast<Ints>(high), Lanes);
-  }
-  Lanes first, second;
-};
-
-// Cholesky's elimination of the first `own` columns (a multiple of four) of a symmetric matrix of 4 `quads` rows, of
-// which the lower triangle counts. The inverse of the diagonal stands on the diagonal afterwards. `least`: of the pivots.
-bool eliminate_columns(Quad* matrix, int quads, int own, const float* least) {
-  const auto column = [&](int c) { return matrix + static_cast<std::ptrdiff_t>(c) * quads; };
-  for (int c = 0; c < own; c += 4) {
-    const int k = c / 4;
-    float l[4][4];
-    for (int j = 0; j < 4; ++j)
-      for (int i = j; i < 4; ++i) l[i][j] = column(c + j)[k][i];
-    float inverse[4];
-    for (int j = 0; j < 4; ++j) {
-      for (int m = 0; m < j; ++m)
-        for (int i = j; i < 4; ++i) l[i][j] -= l[i][m] * l[j][m];
-      const float pivot = std::max(l[j][j], c + j < own ? least[c + j] : 0.0f);
-      if (!(pivot > 0) || !std::isfinite(l[j][j])) return false;
-      inverse[j] = 1 / std::sqrt(pivot);
-      for (int i = j + 1; i < 4; ++i) l[i][j] *= inverse[j];
-    }
-    for (int j = 0; j < 4; ++j) {
-      column(c + j)[k][j] = inverse[j];
-      for (int i = j + 1; i < 4; ++i) column(c + j)[k][i] = l[i][j];
-    }
-    Quad* const L[4] = {column(c), column(c + 1), column(c + 2), column(c + 3)};
-    for (int r = k + 1; r < quads; ++r) {
-      L[0][r] *= inverse[0];
-      L[1][r] = (L[1][r] - L[0][r] * l[1][0]) * inverse[1];
-      L[2][r] = (L[2][r] - L[0][r] * l[2][0] - L[1][r] * l[2][1]) * inverse[2];
-      L[3][r] = (L[3][r] - L[0][r] * l[3][0] - L[1][r] * l[3][1] - L[2][r] * l[3][2]) * inverse[3];
-    }
-    for (int d = k + 1; d < quads; ++d) {  // four columns at a time
-      Quad by[4][4];
-      for (int m = 0; m < 4; ++m)
-        for (int j = 0; j < 4; ++j) by[m][j] = Quad::Constant(L[m][d][j]);
-      Quad* const to[4] = {column(4 * d), column(4 * d + 1), column(4 * d + 2), column(4 * d + 3)};
-      for (int r = d; r < quads; ++r) {
-        const Quad a = L[0][r], b = L[1][r], e = L[2][r], f = L[3][r];
-        for (int j = 0; j < 4; ++j) to[j][r] -= a * by[0][j] + b * by[1][j] + e * by[2][j] + f * by[3][j];
-      }
-    }
-  }
-  return true;
+  return {two[2 * which], two[2 * which], two[2 * which], two[2 * which + 1]};
 }
 
 int fours(int n) { return (n + 3) / 4; }
@@ -206,6 +137,61 @@ bool PairedCholesky::factor(std::span<const Element> elements) {
   return eliminate(static_cast<int>(fronts_.size()) - 1, elements, none);
 }
 
+void PairedCholesky::add_update(const Front& child, const std::vector<Quad>& update, Quad* matrix,
+                                int quads) const {
+  const int* to = place_in_parent_.data() + child.border_begin;
+  const int height = fours(child.border);
+  struct Run {
+    int begin, end;
+  };
+  static thread_local std::vector<Run> runs;  // of rows that follow each other here and there
+  runs.clear();
+  for (int r = 0; r < child.border; ++r)
+    if (r > 0 && to[r] == to[r - 1] + 1)
+      runs.back().end = r + 1;
+    else
+      runs.push_back({r, r + 1});
+  for (std::size_t first = 0; first < runs.size(); ++first)
+    for (int c = runs[first].begin; c < runs[first].end; ++c) {
+      const auto* from = reinterpret_cast<const float*>(update.data() + static_cast<std::size_t>(c) * height);
+      auto* into = reinterpret_cast<float*>(matrix + static_cast<std::size_t>(to[c]) * quads);
+      for (std::size_t k = first; k < runs.size(); ++k) {
+        const int begin = std::max(c, runs[k].begin), offset = to[begin] - begin;
+        for (int r = begin; r < runs[k].end; ++r) into[r + offset] += from[r];
+      }
+    }
+}
+
+void PairedCholesky::keep_columns(const Front& front, int which, const Quad* matrix, int quads) {
+  Row* row = rows_.data() + front.row_begin;
+  for (int c = 0; c < front.padded; c += 4) {
+    const Quad* const column[4] = {
+        matrix + static_cast<std::size_t>(c) * quads, matrix + static_cast<std::size_t>(c + 1) * quads,
+        matrix + static_cast<std::size_t>(c + 2) * quads, matrix + static_cast<std::size_t>(c + 3) * quads};
+    Block& block = blocks_[front.block_begin + static_cast<std::size_t>(c) / 4];
+    int entry = 0;
+    for (int j = 0; j < 4; ++j) {
+      block.inverse[j / 2][2 * (j % 2) + which] = column[j][c / 4][j];
+      for (int i = j + 1; i < 4; ++i, ++entry)
+        block.below[entry / 2][2 * (entry % 2) + which] = column[j][c / 4][i];
+    }
+    float per_unit[4];
+    for (int j = 0; j < 4; ++j) {  // rows beyond the last are zero
+      Quad largest = Quad::Constant(std::numeric_limits<float>::min());
+      for (int q = c / 4 + 1; q < quads; ++q) largest = largest.max(column[j][q].abs());
+      block.unit[j / 2][2 * (j % 2) + which] = largest.maxCoeff() / most_units / 65536;
+      per_unit[j] = most_units / largest.maxCoeff();
+    }
+    for (int q = c / 4 + 1; q < quads; ++q) {
+      Eigen::Array4i units[4];
+      for (int j = 0; j < 4; ++j) units[j] = (column[j][q] * per_unit[j]).cast<int>();
+      const int rows = std::min(4, front.rows() - 4 * q);
+      for (int i = 0; i < rows; ++i, ++row)
+        for (int j = 0; j < 4; ++j) (*row)[2 * j + which] = static_cast<std::int16_t>(units[j][i]);
+    }
+  }
+}
+
 bool PairedCholesky::eliminate(int which, std::span<const Element> elements, Update& update) {
   const Front& front = fronts_[which];
   const int children[2] = {front.first, front.second};
@@ -239,42 +225,15 @@ bool PairedCholesky::eliminate(int which, std::span<const Element> elements, Upd
         }
     }
     for (int k = 0; k < 2; ++k) {
-      if (children[k] < 0) continue;
-      const Front& child = fronts_[children[k]];
-      const int* to = place_in_parent_.data() + child.border_begin;
-      const int height = fours(child.border);
-      for (int c = 0; c < child.border; ++c) {
-        const auto* from =
-            reinterpret_cast<const float*>(below[k][m].data() + static_cast<std::size_t>(c) * height);
-        auto* into = reinterpret_cast<float*>(dense.data() + static_cast<std::size_t>(to[c]) * quads);
-        for (int r = c; r < child.border; ++r) into[to[r]] += from[r];
-      }
+      if (children[k] >= 0) add_update(fronts_[children[k]], below[k][m], dense.data(), quads);
     }
     float* const least = least_[m].data() + front.first_row;
-    if (!eliminate_columns(dense.data(), quads, front.own, least)) {
+    if (!eliminate_columns(avx2_, dense.data(), quads, front.own, least)) {
       positive[m] = false;
       return;
     }
 
-    Row* row = rows_.data() + front.row_begin;
-    for (int c = 0; c < front.padded; c += 4) {
-      Block& block = blocks_[front.block_begin + static_cast<std::size_t>(c) / 4];
-      int entry = 0;
-      for (int j = 0; j < 4; ++j) {
-        block.inverse[j / 2][2 * (j % 2) + m] = at(c + j, c + j);
-        for (int i = j + 1; i < 4; ++i, ++entry)
-          block.below[entry / 2][2 * (entry % 2) + m] = at(c + i, c + j);
-      }
-      float per_unit[4];
-      for (int j = 0; j < 4; ++j) {
-        float largest = std::numeric_limits<float>::min();
-        for (int r = c + 4; r < front.rows(); ++r) largest = std::max(largest, std::abs(at(r, c + j)));
-        block.unit[j / 2][2 * (j % 2) + m] = largest / most_units / 65536;
-        per_unit[j] = most_units / largest;
-      }
-      for (int r = c + 4; r < front.rows(); ++r, ++row)
-        for (int j = 0; j < 4; ++j) (*row)[2 * j + m] = static_cast<std::int16_t>(at(r, c + j) * per_unit[j]);
-    }
+    keep_columns(front, m, dense.data(), quads);
     const int height = fours(front.border), skip = front.padded / 4;
     update[m].resize(static_cast<std::size_t>(height) * front.border);
     for (int c = 0; c < front.border; ++c)
@@ -330,13 +289,11 @@ void PairedCholesky::forward(int which, std::span<const Quad> columns) {
     y[2] = (y[2] - y[0] * spread<1>(l[0]) - y[1] * spread<1>(l[1])) * spread<0>(inverse[1]);
     y[3] = (y[3] - y[0] * spread<0>(l[1]) - y[1] * spread<0>(l[2]) - y[2] * spread<1>(l[2])) *
            spread<1>(inverse[1]);
-    const Quad a = y[0] * spread<0>(unit[0]), b = y[1] * spread<1>(unit[0]), d = y[2] * spread<0>(unit[1]),
-               e = y[3] * spread<1>(unit[1]);
-    for (int r = c + 4; r < rows; ++r, ++row) {
-      const Wide entry(*row);
-      w[r] -= (a * spread<0>(entry.first) + b * spread<1>(entry.first)) +
-              (d * spread<0>(entry.second) + e * spread<1>(entry.second));
-    }
+    const Quad in_units[4] = {y[0] * spread<0>(unit[0]), y[1] * spread<1>(unit[0]), y[2] * spread<0>(unit[1]),
+                              y[3] * spread<1>(unit[1])};
+    const int below = rows - c - 4;
+    subtract_rows(avx2_, row, below, in_units, y + 4);
+    row += below;
   }
 }
 
@@ -348,13 +305,10 @@ void PairedCholesky::backward(int which, std::span<Quad> columns) {
     const auto& [inverse, l, unit] = blocks_[front.block_begin + static_cast<std::size_t>(c) / 4];
     const int below = front.rows() - c - 4;
     Quad* const x = w + c;
-    Quad a = Quad::Zero(), b = a, d = a, e = a;
-    for (int r = below; r-- > 0;) {
-      const Wide entry(*--row);
-      const Quad& known = x[4 + r];
-      a += known * spread<0>(entry.first), b += known * spread<1>(entry.first);
-      d += known * spread<0>(entry.second), e += known * spread<1>(entry.second);
-    }
+    row -= below;
+    Quad sum[4];
+    add_rows(avx2_, row, below, x + 4, sum);
+    const auto& [a, b, d, e] = sum;
     x[3] = (x[3] - e * spread<1>(unit[1])) * spread<1>(inverse[1]);
     x[2] = (x[2] - d * spread<0>(unit[1]) - x[3] * spread<1>(l[2])) * spread<0>(inverse[1]);
     x[1] = (x[1] - b * spread<1>(unit[0]) - x[2] * spread<1>(l[1]) - x[3] * spread<0>(l[2])) *

@@ -11,6 +11,9 @@
 #include <span>
 #include <vector>
 
+#include "worker/numerics/avx2.hpp"
+#include "worker/numerics/paired_kernels.hpp"
+
 namespace vacuform {
 
 // An order of elimination: each part follows its two subordinate parts, which only it and parts above it join.
@@ -24,14 +27,16 @@ struct Dissection {
 
 class PairedCholesky {
  public:
-  // Three columns for the first matrix, one for the second.
-  using Quad = Eigen::Array4f;
+  using Quad = PairedQuad;
   // What a triangle adds to either matrix: entries 00, 10, 11, 20, 21, 22 of its corners.
   using Element = std::array<std::array<float, 6>, 2>;
 
+  explicit PairedCholesky(bool use_avx2 = processor_has_avx2()) : avx2_(use_avx2) {}
+
   // The unknowns are the rows 0 to the last part's end - 1; a corner of a triangle is a row, or -1.
   void analyse(const Dissection& dissection, std::span<const std::array<int, 3>> triangles);
-  // False when a matrix is not positive definite. One element a triangle. Deterministic at any number of threads.
+  // False when a matrix is not positive definite. One element a triangle. Deterministic at any number of threads, and on
+  // any processor.
   bool factor(std::span<const Element> elements);
   // Solves in place; one entry a row. Deterministic at any number of threads.
   void solve(std::span<Quad> columns);
@@ -53,10 +58,15 @@ class PairedCholesky {
   // Of each matrix: the lower triangle of a front's border after its own rows are eliminated, four rows an entry.
   using Update = std::array<std::vector<Quad>, 2>;
 
+  // Adds what a subordinate front leaves to the matrix of the front above, of 4 `quads` rows.
+  void add_update(const Front& child, const std::vector<Quad>& update, Quad* matrix, int quads) const;
+  // Keeps the eliminated columns of a front's matrix for solving; which: of the two matrices.
+  void keep_columns(const Front& front, int which, const Quad* matrix, int quads);
   bool eliminate(int front, std::span<const Element> elements, Update& update);
   void forward(int front, std::span<const Quad> columns);
   void backward(int front, std::span<Quad> columns);
 
+  bool avx2_;
   std::vector<std::array<int, 3>> triangles_;
   std::array<std::vector<float>, 2> least_;  // pivot of each row
   std::vector<Front> fronts_;
@@ -71,10 +81,8 @@ class PairedCholesky {
     std::array<Quad, 3> below;
     std::array<Quad, 2> unit;
   };
-  // A row below a block, in units: 15 bits do for a preconditioner, and a solve takes as long as the factors are large.
-  using Row = std::array<std::int16_t, 8>;
   std::vector<Block> blocks_;
-  std::vector<Row> rows_;  // by front and block
+  std::vector<PairedRow> rows_;  // by front and block
   std::vector<Quad> work_;
 };
 

@@ -11,11 +11,13 @@
 #include <new>
 #include <stdexcept>
 
+#include "worker/scan/ray_caster.hpp"
+
 namespace vacuform {
 
 namespace {
 
-void fill(EmbreeScene& to, const TriangleMesh& mesh) {
+void fill(EmbreeScene& to, const TriangleMesh& mesh, RayTree tree) {
   // Only one thread builds the tree, so that the tree, and with it the order of equal hits, is the same on every
   // machine. (Embree's own option, threads=1, would keep every other loop of the process on one thread while the scene
   // exists.)
@@ -23,8 +25,10 @@ void fill(EmbreeScene& to, const TriangleMesh& mesh) {
   to.device = rtcNewDevice("set_affinity=0");
   if (!to.device) throw std::runtime_error("Embree cannot start");
   to.scene = rtcNewScene(to.device);
-  rtcSetSceneFlags(to.scene, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(to.scene, RTC_BUILD_QUALITY_MEDIUM);
+  const bool quick = tree == RayTree::quick;
+  rtcSetSceneFlags(to.scene, quick ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_ROBUST);
+  const RTCBuildQuality quality = quick ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
+  rtcSetSceneBuildQuality(to.scene, quality);
 
   if (!mesh.triangles.empty()) {
     Eigen::Vector3d low = mesh.vertices.front(), high = low;
@@ -41,6 +45,7 @@ void fill(EmbreeScene& to, const TriangleMesh& mesh) {
       for (int k = 0; k < 3; ++k) *points++ = static_cast<float>(p[k] - to.centre[k]);
     for (const Triangle& t : mesh.triangles)
       for (const int v : t) *indices++ = static_cast<unsigned>(v);
+    rtcSetGeometryBuildQuality(geometry, quality);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(to.scene, geometry);
     rtcReleaseGeometry(geometry);
@@ -57,9 +62,9 @@ void release(EmbreeScene& scene) {
 
 }  // namespace
 
-EmbreeScene::EmbreeScene(const TriangleMesh& mesh) {
+EmbreeScene::EmbreeScene(const TriangleMesh& mesh, RayTree tree) {
   try {
-    fill(*this, mesh);
+    fill(*this, mesh, tree);
   } catch (...) {
     release(*this);
     throw;

@@ -10,10 +10,12 @@ struct RTCSceneTy;
 
 namespace vacuform {
 
+enum class RayTree;  // ray_caster.hpp
+
 // Copies the triangles, as floats relative to the middle of the mesh's bounding box. Queries never hit a mesh without
 // triangles. Throws std::runtime_error or std::bad_alloc if Embree fails.
 struct EmbreeScene {
-  explicit EmbreeScene(const TriangleMesh& mesh);
+  explicit EmbreeScene(const TriangleMesh& mesh, RayTree tree);
   ~EmbreeScene();
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;

@@ -125,7 +125,7 @@ Search search_all(const TriangleMesh& mesh, const EmbreeScene& scene, const Vect
 }  // namespace
 
 MoldDistance::MoldDistance(const TriangleMesh& mesh)
-    : mesh_(mesh), scene_(std::make_shared<const EmbreeScene>(mesh)) {}
+    : mesh_(mesh), scene_(std::make_shared<const EmbreeScene>(mesh, RayTree::tight)) {}
 MoldDistance::MoldDistance(const TriangleMesh& mesh, const RayCaster& rays)
     : mesh_(mesh), scene_(rays.scene()) {}
 

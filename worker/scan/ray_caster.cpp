@@ -11,7 +11,8 @@
 
 namespace vacuform {
 
-RayCaster::RayCaster(const TriangleMesh& mesh) : scene_(std::make_shared<const EmbreeScene>(mesh)) {}
+RayCaster::RayCaster(const TriangleMesh& mesh, RayTree tree)
+    : scene_(std::make_shared<const EmbreeScene>(mesh, tree)) {}
 
 std::optional<RayCaster::Hit> RayCaster::first_hit(const Eigen::Vector3d& origin,
                                                    const Eigen::Vector3d& direction) const {

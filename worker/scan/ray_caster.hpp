@@ -13,6 +13,10 @@ namespace vacuform {
 
 struct EmbreeScene;
 
+// `quick` takes a quarter of the time to prepare (4 instead of 16 ms for 80,000 triangles), for few queries. The hits are
+// the same.
+enum class RayTree { tight, quick };
+
 class RayCaster {
  public:
   struct Hit {
@@ -22,7 +26,7 @@ class RayCaster {
   };
 
   // Copies what it needs of the mesh. A mesh without triangles is allowed and is never hit.
-  explicit RayCaster(const TriangleMesh& mesh);
+  explicit RayCaster(const TriangleMesh& mesh, RayTree tree = RayTree::tight);
 
   // The first hit on the segment from origin to origin + direction. Thread safe and deterministic.
   std::optional<Hit> first_hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;

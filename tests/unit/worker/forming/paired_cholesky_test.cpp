@@ -111,6 +111,18 @@ TEST(PairedCholesky, GivesTheSameBytesAtAnyNumberOfThreads) {
     EXPECT_EQ(std::memcmp(solution.data(), solutions[0].data(), solution.size() * sizeof(Quad)), 0);
 }
 
+TEST(PairedCholesky, GivesTheSameBytesWithoutAvx2) {
+  const System system = random_system(2, 140);
+  std::vector<std::vector<Quad>> solutions;
+  for (PairedCholesky cholesky : {PairedCholesky(), PairedCholesky(false)}) {
+    cholesky.analyse(system.dissection, system.triangles);
+    ASSERT_TRUE(cholesky.factor(system.elements));
+    solutions.push_back(columns_for(system));
+    cholesky.solve(solutions.back());
+  }
+  EXPECT_EQ(std::memcmp(solutions[0].data(), solutions[1].data(), solutions[0].size() * sizeof(Quad)), 0);
+}
+
 TEST(PairedCholesky, RefusesWhatIsNoNumber) {
   System system = random_system(10, 100);
   PairedCholesky cholesky;
