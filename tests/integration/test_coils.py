@@ -103,8 +103,8 @@ class Coils(CoilCase):
             said = coils[measured["id"]]["with"]
             for key in ("diameter_mm", "area_mm2"):
                 self.assertAlmostEqual(said[key] / measured[key], 1, delta=0.001, msg=key)
-            # Of the worst millimetre: it begins elsewhere.
-            self.assertAlmostEqual(said["worst_stretch"] / measured["worst_stretch"], 1, delta=0.005)
+            # Of the worst millimetre: it begins elsewhere, and neighbouring triangles of a bent sheet differ by a hundredth.
+            self.assertAlmostEqual(said["worst_stretch"] / measured["worst_stretch"], 1, delta=0.01)
             for key in ("circularity", "area_error"):
                 self.assertAlmostEqual(said[key], measured[key], delta=0.001, msg=key)
             self.assertAlmostEqual(said["inductance_nh"] / measured["inductance_nh"], 1, delta=0.01)

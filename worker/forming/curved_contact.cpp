@@ -1,8 +1,10 @@
 #include "worker/forming/curved_contact.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <optional>
 
+#include "worker/numerics/plane.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/adjacency.hpp"
 #include "worker/surface/split_triangle.hpp"
@@ -11,11 +13,11 @@ namespace vacuform {
 
 namespace {
 
-constexpr double least_mm = 0.03, most_of_edge = 0.1;
+constexpr double least_mm = 0.03, most_of_edge = 0.05, most_of_height = 0.1;
 
 }  // namespace
 
-void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles) {
+void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature) {
   const std::vector<int> opposite = opposite_sides(sheet.triangles);
   const auto corner = [&](int side, int k) { return sheet.triangles[side / 3][(side % 3 + k) % 3]; };
   const auto area_vector = [&](int side) -> Eigen::Vector3d {
@@ -30,9 +32,12 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles) {
         sheet.contact[b] != Contact::mold)
       return std::nullopt;
     const Eigen::Vector3d middle = (sheet.formed[a] + sheet.formed[b]) / 2;
-    const double reach = most_of_edge * (sheet.formed[b] - sheet.formed[a]).norm();
-    if (reach <= least_mm) return std::nullopt;
-    const Eigen::Vector3d way = reach * (area_vector(side) + area_vector(opposite[side])).normalized();
+    const double length = (sheet.formed[b] - sheet.formed[a]).norm();
+    const Eigen::Vector3d here = area_vector(side), beside = area_vector(opposite[side]);
+    const double height = std::min(here.norm(), beside.norm()) / length;
+    const double reach = std::min(most_of_edge * length, most_of_height * height);
+    if (!(reach > least_mm)) return std::nullopt;
+    const Eigen::Vector3d way = reach * (here + beside).normalized();
     const auto touch = obstacles.first_touch(middle + way, middle - way);
     // At the very beginning it would already be in the mold there.
     if (!touch || touch->with != Contact::mold || touch->t == 0) return std::nullopt;
@@ -53,15 +58,31 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles) {
     sheet.rest.emplace_back((sheet.rest[a] + sheet.rest[b]) / 2);
     sheet.contact.push_back(Contact::mold);
     sheet.contact_time.push_back((sheet.contact_time[a] + sheet.contact_time[b]) / 2);
-    sheet.temperature.push_back((sheet.temperature[a] + sheet.temperature[b]) / 2);
+    sheet.temperature.push_back(temperature.at(sheet.rest.back()));
   }
+  // How much of the sheet there is on an area.
+  const auto thickness = [&](const Triangle& t) {
+    const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
+    return cross(sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]]) /
+           (b - a).cross(c - a).norm();
+  };
   const std::size_t before = sheet.triangles.size();
   for (std::size_t t = 0; t < before; ++t) {
-    const auto pieces =
-        pieces_of(sheet.triangles[t], {middles[3 * t + 2], middles[3 * t], middles[3 * t + 1]});
-    sheet.triangles[t] = pieces.front();
-    sheet.triangles.insert(sheet.triangles.end(), pieces.begin() + 1, pieces.end());
-    sheet.element_wrinkled.insert(sheet.element_wrinkled.end(), pieces.size() - 1, sheet.element_wrinkled[t]);
+    const Triangle whole = sheet.triangles[t];
+    const auto pieces = pieces_of(whole, {middles[3 * t + 2], middles[3 * t], middles[3 * t + 1]});
+    if (pieces.size() == 1) continue;
+    const double flat = sheet.element_thickness[t] / thickness(whole);
+    const std::uint8_t wrinkled = sheet.element_wrinkled[t];
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const double now = flat * thickness(pieces[k]);
+      if (k == 0) {
+        sheet.triangles[t] = pieces[k], sheet.element_thickness[t] = now;
+        continue;
+      }
+      sheet.triangles.push_back(pieces[k]);
+      sheet.element_thickness.push_back(now);
+      sheet.element_wrinkled.push_back(wrinkled);
+    }
   }
 }
 

@@ -178,13 +178,11 @@ void Equilibrium::remember(double step) {
   zg_.head<memory>() = Eigen::Matrix<double, memory, 1>(zg_.tail<memory>());
 }
 
-double Equilibrium::accept() {
+double Equilibrium::moved() const {
   std::array<double, parts> squares{};
   in_parts([&](int part, long begin, long end) {
-    for (long i = begin; i < end; ++i) {
-      base_[i] = x_[i];
-      squares[part] = std::max(squares[part], (x_[i] - start_[i]).matrix().squaredNorm());
-    }
+    for (long i = begin; i < end; ++i)
+      squares[part] = std::max(squares[part], (base_[i] - start_[i]).matrix().squaredNorm());
   });
   return std::sqrt(*std::max_element(squares.begin(), squares.end()));
 }
@@ -198,10 +196,13 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limit
     return outcome;
   }
   const auto& vertices = free_membrane_.vertices();
-  x_.clear();
-  for (const int v : vertices) x_.emplace_back(x(0, v), x(1, v), x(2, v), 0);
-  start_.assign(x_.begin(), x_.begin() + static_cast<std::ptrdiff_t>(n));
-  base_ = start_;
+  x_.resize(vertices.size());
+  in_parallel(0, static_cast<int>(vertices.size()), [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) x_[i] << x.col(vertices[i]).array(), 0;
+  });
+  base_ = x_;
+  const bool may_run_away = std::isfinite(limits.range);
+  if (may_run_away) start_ = x_;
   direction_.assign(n, Direction::Zero());
   pairs_ = 0;
   Value now = evaluate(pull);
@@ -250,9 +251,9 @@ Equilibrium::Outcome Equilibrium::solve(Points& x, const Pull& pull, const Limit
       pairs_ = 0;
       continue;
     }
-    const double furthest = accept();
+    base_.swap(x_);
     still = taken * descent.longest <= limits.motion ? still + 1 : 0;
-    if (furthest > limits.range) {
+    if (may_run_away && moved() > limits.range) {
       outcome.ran_away = true;
       return result();
     }

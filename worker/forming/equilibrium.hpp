@@ -67,8 +67,8 @@ class Equilibrium {
   Descent choose_direction();
   // x_ is the base and a step along the direction.
   void move(double step);
-  // x_ is the new base; returns how far a vertex is from its start.
-  double accept();
+  // How far a vertex at the base is from its start.
+  double moved() const;
   // Goes over to the gradient at the new base, after a step. Keeps the pair if the curvature along it is positive.
   void remember(double step);
 
@@ -84,8 +84,10 @@ class Equilibrium {
   Preconditioner preconditioner_;
   int worn_ = 0;  // iterations since the last factorization of the preconditioner
 
-  // Of the free vertices, in the order of free_membrane_; x_ also of the held ones beside them.
-  std::vector<Column> start_, base_, x_, gradient_, trial_gradient_;
+  // Of the vertices of free_membrane_, in its order: the free ones, then the held ones beside them.
+  std::vector<Column> start_, base_, x_;
+  // Of the free vertices.
+  std::vector<Column> gradient_, trial_gradient_;
   std::vector<Preconditioner::Direction> direction_, preconditioned_, trial_preconditioned_;
 
   // Limited-memory BFGS in its compact form (Byrd, Nocedal, Schnabel, "Representations of quasi-Newton matrices and their

@@ -266,7 +266,7 @@ Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, do
   return findings;
 }
 std::optional<Tear> torn_at(const FormedSheet& sheet) {
-  constexpr double torn_stretch = 20, torn_mm2 = 25;
+  constexpr double torn_stretch = 10, torn_mm2 = 25;
   const std::vector<double> stretch = stretches(sheet), area = formed_areas(sheet);
   auto found = pieces(sheet, area, [&](std::size_t k) { return stretch[k] > torn_stretch; });
   if (found.empty() || found.front().area < torn_mm2) return std::nullopt;

@@ -34,7 +34,7 @@ struct Findings {
 Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
                           const FindingLimits& limits = {});
 
-// Where the sheet is stretched more than twentyfold over more than 25 mm2. No plastic survives that: the sheet is torn,
+// Where the sheet is stretched more than tenfold over more than 25 mm2. No plastic survives that: the sheet is torn,
 // or the solution diverged. Returns the largest such place.
 struct Tear {
   Eigen::Vector3d place;

@@ -9,7 +9,6 @@
 #include "worker/forming/findings.hpp"
 #include "worker/forming/process.hpp"
 #include "worker/forming/surface_fit.hpp"
-#include "worker/numerics/plane.hpp"
 
 namespace vacuform {
 
@@ -29,7 +28,26 @@ Result<void> form_by_model(const Process& process, SheetState& state, const Cont
   std::abort();
 }
 
-FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&& state) {
+double formed_area(const FormedSheet& sheet, const Triangle& t) {
+  const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
+// Sets the thickness at the vertices from that of the triangles.
+void set_thickness(FormedSheet& sheet, double where_nothing_is_left_mm) {
+  std::vector<double> area(sheet.formed.size(), 0), volume(area);
+  for (std::size_t k = 0; k < sheet.triangles.size(); ++k) {
+    const double formed = formed_area(sheet, sheet.triangles[k]);
+    for (const int v : sheet.triangles[k])
+      area[v] += formed, volume[v] += formed * sheet.element_thickness[k];
+  }
+  sheet.thickness.clear();
+  for (std::size_t v = 0; v < area.size(); ++v)
+    sheet.thickness.push_back(area[v] > 0 ? volume[v] / area[v] : where_nothing_is_left_mm);
+}
+
+// What was simulated: one vertex for each of the grid.
+FormedSheet sheet_on_grid(const Process& process, SheetState&& state) {
   FormedSheet out;
   out.triangles = process.grid.triangles;
   out.rest = std::move(state.rest);
@@ -38,45 +56,34 @@ FormedSheet finish(const Process& process, const TriangleMesh& mold, SheetState&
   out.temperature = process.celsius;
   out.summary = state.summary;
   out.summary.shear_modulus_kpa = process.modulus_kpa;
-  for (Eigen::Index i = 0; i < state.x.cols(); ++i) out.formed.push_back(state.x.col(i));
+  const std::size_t n = out.rest.size();
+  for (std::size_t i = 0; i < n; ++i) out.formed.push_back(state.x.col(i));
 
   const Membrane membrane(out.rest, process.grid.triangles, process.forming.law, process.stiffness);
+  double total_area = 0, total_volume = 0;
   for (std::size_t k = 0; k < out.triangles.size(); ++k) {
     const Triangle& t = out.triangles[k];
+    // A triangle that a fold has crushed to a line would be infinitely thick.
+    const double stretch = std::max(1e-6, membrane.area_stretch(state.x, static_cast<int>(k)));
+    out.element_thickness.push_back(process.sheet.thickness_mm / stretch);
     const bool folded = state.folded[t[0]] || state.folded[t[1]] || state.folded[t[2]];
     out.element_wrinkled.push_back(folded || membrane.wrinkled(state.x, static_cast<int>(k)));
+    total_area += membrane.rest_area(static_cast<int>(k));
+    total_volume += formed_area(out, t) * out.element_thickness[k];
   }
-  if (process.forming.model != FormingModel::projection) bend_to_mold(out, process.obstacles);
+  set_thickness(out, process.sheet.thickness_mm);
+  out.summary.mass_error = std::abs(total_volume / (total_area * process.sheet.thickness_mm) - 1);
+  return out;
+}
 
-  const std::size_t n = out.rest.size();
-  std::vector<double> area(n, 0), volume(n, 0);
-  double total_volume = 0;
-  for (const Triangle& t : out.triangles) {
-    const Eigen::Vector2d flat_b = out.rest[t[1]] - out.rest[t[0]], flat_c = out.rest[t[2]] - out.rest[t[0]];
-    const double flat = 0.5 * cross(flat_b, flat_c);
-    const double formed =
-        0.5 * (out.formed[t[1]] - out.formed[t[0]]).cross(out.formed[t[2]] - out.formed[t[0]]).norm();
-    // A triangle that a fold has crushed to a line would be infinitely thick.
-    const double thickness = process.sheet.thickness_mm / std::max(1e-6, formed / flat);
-    out.element_thickness.push_back(thickness);
-    total_volume += formed * thickness;
-    for (int v : t) area[v] += formed, volume[v] += formed * thickness;
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    out.thickness.push_back(area[i] > 0 ? volume[i] / area[i] : process.sheet.thickness_mm);
-  const double volume_before = process.sheet.width_mm * process.sheet.height_mm * process.sheet.thickness_mm;
-  out.summary.mass_error = std::abs(total_volume / volume_before - 1);
+FindingLimits limits_of(const Process& process) {
   FindingLimits limits;
   limits.fit = {std::max(0.5, 0.2 * process.sheet.resolution_mm),
                 std::max(0.5, 0.5 * process.sheet.resolution_mm)};
-  out.fit = surface_fit(out.triangles, out.formed, out.contact, mold, limits.fit);
   limits.thickness_ratio = process.forming.thin_limit;
   const bool elastic = process.forming.model == FormingModel::membrane;
   if (elastic && process.forming.law == MembraneLaw::neo_hookean) limits.stretch = 3;
-  Findings findings = forming_findings(out, mold, process.sheet.thickness_mm, limits);
-  out.warnings = std::move(findings.warnings);
-  out.vents = std::move(findings.vents);
-  return out;
+  return limits;
 }
 
 }  // namespace
@@ -90,9 +97,9 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& plastic, const M
   const Process process(obstacles, mold.top.z(), sheet, machine, settings, temperature);
   SheetState state(process);
   VACUFORM_CHECK(form_by_model(process, state, context));
-  FormedSheet formed = finish(process, mold.mesh, std::move(state));
+  FormedSheet on_grid = sheet_on_grid(process, std::move(state));
   // Who sets the limit of thinness to nothing studies an ideal sheet, which never tears.
-  const auto tear = settings.thin_limit > 0 ? torn_at(formed) : std::nullopt;
+  const auto tear = settings.thin_limit > 0 ? torn_at(on_grid) : std::nullopt;
   if (tear) {
     Error error{
         Code::forming_failed,
@@ -107,6 +114,19 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& plastic, const M
     error.place_mm = {tear->place.x(), tear->place.y(), tear->place.z()};
     return tl::make_unexpected(std::move(error));
   }
+  FormedSheet formed = on_grid;
+  // A projection moves straight down, also between the vertices.
+  if (settings.model != FormingModel::projection) {
+    bend_to_mold(formed, obstacles, temperature);
+    set_thickness(formed, sheet.thickness_mm);
+  }
+  const FindingLimits limits = limits_of(process);
+  formed.fit = surface_fit(formed.triangles, formed.formed, formed.contact, mold.mesh, limits.fit);
+  // The rest is said of what was simulated.
+  on_grid.fit = formed.fit;
+  Findings findings = forming_findings(on_grid, mold.mesh, process.sheet.thickness_mm, limits);
+  formed.warnings = std::move(findings.warnings);
+  formed.vents = std::move(findings.vents);
   return formed;
 }
 

@@ -60,7 +60,8 @@ struct SurfaceFit {
   std::vector<Misfit> pierced, bridged;  // beyond a limit, worst first
 };
 
-// The sheet's triangulation; arrays over vertices have one entry a vertex, over triangles one a triangle.
+// The sheet's triangulation: its grid, with more vertices where it bends to the mold (curved_contact.hpp). Arrays over
+// vertices have one entry a vertex, over triangles one a triangle.
 // Triangles are counter-clockwise seen from above (from the side that faces the ceiling).
 struct FormedSheet {
   std::vector<Triangle> triangles;

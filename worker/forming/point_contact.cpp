@@ -13,9 +13,9 @@ namespace vacuform {
 
 namespace {
 
-// The share of a grid spacing by which the mold falls off a sharp edge within half a spacing: what a rim does that turns
-// by 50 degrees. What is smoother is met by the vertices alone.
-constexpr double sharp = 0.233;
+// The share of a grid spacing by which the mold falls off a sharp edge within half a spacing. What is smoother is met by
+// the vertices alone.
+constexpr double sharp = 0.3;
 // How far a point may stand above the sheet, mm: more than a smooth mold does between the corners of a triangle.
 double tolerance(const Process& p) { return 0.02 * p.sheet.resolution_mm; }
 
@@ -122,17 +122,26 @@ std::vector<int> PointContact::follow(const Process& process, SheetState& state,
   const auto& triangles = process.grid.triangles;
   std::vector<int> changed, look;
   if (points_.size() == 0) return changed;
-  for (std::size_t k = 0; k < triangles.size(); ++k) {
-    const Triangle& t = triangles[k];
-    if (state.x.col(t[0]) != y.col(t[0]) || state.x.col(t[1]) != y.col(t[1]) ||
-        state.x.col(t[2]) != y.col(t[2]))
-      look.push_back(static_cast<int>(k));
-  }
+  constexpr int parts = 64;
+  const auto in_parts = [&](auto&& work) {
+    in_parallel(0, parts, [&](int begin, int end) {
+      for (int part = begin; part < end; ++part) work(part);
+    });
+  };
+  std::vector<std::vector<int>> moved_by(parts);
+  in_parts([&](int part) {
+    for (std::size_t k = triangles.size() * part / parts; k < triangles.size() * (part + 1) / parts; ++k) {
+      const Triangle& t = triangles[k];
+      if (state.x.col(t[0]) != y.col(t[0]) || state.x.col(t[1]) != y.col(t[1]) ||
+          state.x.col(t[2]) != y.col(t[2]))
+        moved_by[part].push_back(static_cast<int>(k));
+    }
+  });
+  for (const auto& some : moved_by) look.insert(look.end(), some.begin(), some.end());
   constexpr int most_rounds = 4;  // what a vertex that was taken lets through is looked at again
   for (int round = 0; round < most_rounds && !look.empty(); ++round) {
-    constexpr int parts = 64;
     std::vector<std::vector<Crossing>> found_by(parts);
-    const auto search = [&](int part) {
+    in_parts([&](int part) {
       for (std::size_t i = look.size() * part / parts; i < look.size() * (part + 1) / parts; ++i) {
         const int k = look[i];
         Eigen::Vector3d low = Eigen::Vector3d::Constant(HUGE_VAL), high = -low;
@@ -147,9 +156,6 @@ std::vector<int> PointContact::follow(const Process& process, SheetState& state,
           if (const auto found = crossing(process, state.x, y, k, point)) found_by[part].push_back(*found);
         });
       }
-    };
-    in_parallel(0, parts, [&](int begin, int end) {
-      for (int part = begin; part < end; ++part) search(part);
     });
     std::vector<Crossing> crossings;
     for (const auto& some : found_by) crossings.insert(crossings.end(), some.begin(), some.end());

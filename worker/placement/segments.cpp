@@ -12,6 +12,7 @@
 #include "worker/pattern/area.hpp"
 #include "worker/stage/index.hpp"
 #include "worker/surface/adjacency.hpp"
+#include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
 
@@ -54,19 +55,35 @@ bool stays_in_place(const Region& region, const Segment& segment, double scale) 
 
 // Whether the flattened patch overlaps itself: a place of the drawing would then map to two places on the sheet.
 bool overlaps_itself(const Patch& patch) {
-  constexpr double little = 1e-3;  // of its area: for rounding, and the sides of a slit that touch
+  constexpr double rounding = 1e-6;  // of its area
   double area = 0;
   for (const Triangle& t : patch.triangles) {
     const Vector2d a = patch.uv[index(t[1])] - patch.uv[index(t[0])],
                    b = patch.uv[index(t[2])] - patch.uv[index(t[0])];
     area += cross(a, b) / 2;
   }
+  const auto loops = border_loops(patch.triangles);
   std::vector<Ring> border;
-  for (const auto& loop : border_loops(patch.triangles)) {
+  for (const auto& loop : loops) {
     border.emplace_back();
     for (const int v : loop) border.back().push_back(patch.uv[index(v)]);
   }
-  return area - square_mm(union_of(border)) > little * area;
+  if (area - square_mm(union_of(border)) > rounding * area) return true;
+  // However little it overlaps, its border may be found elsewhere, as the sides of a seam are in the print.
+  const PlaneLocator locator(patch.triangles, patch.uv);
+  constexpr double same_mm = 0.05;
+  const auto elsewhere = [&](const Vector2d& uv, const Vector3d& place) {
+    const auto found = locator.nearest(uv, 1e-3);
+    return !found || (interpolate(patch.triangles, *found, patch.inked) - place).norm() > same_mm;
+  };
+  for (const auto& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const auto a = index(loop[i]), b = index(loop[(i + 1) % loop.size()]);
+      if (elsewhere(patch.uv[a], patch.inked[a]) ||
+          elsewhere((patch.uv[a] + patch.uv[b]) / 2, (patch.inked[a] + patch.inked[b]) / 2))
+        return true;
+    }
+  return false;
 }
 
 Result<Segment> flattened(const Region& region, Faces faces, double scale, const Context& context) {

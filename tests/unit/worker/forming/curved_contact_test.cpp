@@ -85,13 +85,14 @@ TEST(CurvedContact, LeavesWhatIsNoCurvature) {
     low.contact.assign(4, Contact::mold);
     low.contact_time.assign(4, 1);
     low.temperature.assign(4, 140);
+    low.element_thickness.assign(2, 1);
     low.element_wrinkled.assign(2, 0);
-    bend_to_mold(low, obstacles);
+    bend_to_mold(low, obstacles, TemperatureField(140));
     return low;
   };
   EXPECT_EQ(bend(0.02).triangles, sheet.triangles);  // close enough
   EXPECT_EQ(bend(2).triangles, sheet.triangles);     // too far
-  const FormedSheet bent = bend(0.4);
+  const FormedSheet bent = bend(0.25);
   EXPECT_EQ(bent.triangles.size(), 4u);  // the diagonal alone has two triangles
   ASSERT_EQ(bent.formed.size(), 5u);
   EXPECT_NEAR((bent.formed[4] - Eigen::Vector3d(0, 0, 50)).norm(), 0, 1e-4);
