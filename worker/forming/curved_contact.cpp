@@ -60,8 +60,8 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const Temperat
     sheet.contact_time.push_back((sheet.contact_time[a] + sheet.contact_time[b]) / 2);
     sheet.temperature.push_back(temperature.at(sheet.rest.back()));
   }
-  // How much of the sheet there is on an area.
-  const auto thickness = [&](const Triangle& t) {
+  // The flat area over the formed one: what is left of the thickness.
+  const auto left = [&](const Triangle& t) {
     const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
     return cross(sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]]) /
            (b - a).cross(c - a).norm();
@@ -71,16 +71,13 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const Temperat
     const Triangle whole = sheet.triangles[t];
     const auto pieces = pieces_of(whole, {middles[3 * t + 2], middles[3 * t], middles[3 * t + 1]});
     if (pieces.size() == 1) continue;
-    const double flat = sheet.element_thickness[t] / thickness(whole);
+    const double unformed_mm = sheet.element_thickness[t] / left(whole);
     const std::uint8_t wrinkled = sheet.element_wrinkled[t];
-    for (std::size_t k = 0; k < pieces.size(); ++k) {
-      const double now = flat * thickness(pieces[k]);
-      if (k == 0) {
-        sheet.triangles[t] = pieces[k], sheet.element_thickness[t] = now;
-        continue;
-      }
+    sheet.triangles[t] = pieces.front();
+    sheet.element_thickness[t] = unformed_mm * left(pieces.front());
+    for (std::size_t k = 1; k < pieces.size(); ++k) {
       sheet.triangles.push_back(pieces[k]);
-      sheet.element_thickness.push_back(now);
+      sheet.element_thickness.push_back(unformed_mm * left(pieces[k]));
       sheet.element_wrinkled.push_back(wrinkled);
     }
   }

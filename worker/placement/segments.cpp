@@ -55,7 +55,7 @@ bool stays_in_place(const Region& region, const Segment& segment, double scale) 
 
 // Whether the flattened patch overlaps itself: a place of the drawing would then map to two places on the sheet.
 bool overlaps_itself(const Patch& patch) {
-  constexpr double rounding = 1e-6;  // of its area
+  constexpr double rounding = 1e-6, rounding_mm2 = 1e-3;  // of its area, and at least
   double area = 0;
   for (const Triangle& t : patch.triangles) {
     const Vector2d a = patch.uv[index(t[1])] - patch.uv[index(t[0])],
@@ -68,7 +68,7 @@ bool overlaps_itself(const Patch& patch) {
     border.emplace_back();
     for (const int v : loop) border.back().push_back(patch.uv[index(v)]);
   }
-  if (area - square_mm(union_of(border)) > rounding * area) return true;
+  if (area - square_mm(union_of(border)) > std::max(rounding_mm2, rounding * area)) return true;
   // However little it overlaps, its border may be found elsewhere, as the sides of a seam are in the print.
   const PlaneLocator locator(patch.triangles, patch.uv);
   constexpr double same_mm = 0.05;
