@@ -62,9 +62,8 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const Temperat
   }
   // The flat area over the formed one: what is left of the thickness.
   const auto left = [&](const Triangle& t) {
-    const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
-    return cross(sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]]) /
-           (b - a).cross(c - a).norm();
+    return cross(sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]]) / 2 /
+           formed_area(sheet, t);
   };
   const std::size_t before = sheet.triangles.size();
   for (std::size_t t = 0; t < before; ++t) {

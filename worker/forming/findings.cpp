@@ -28,10 +28,7 @@ Eigen::Vector3d centre(const FormedSheet& sheet, std::size_t triangle) {
 
 std::vector<double> formed_areas(const FormedSheet& sheet) {
   std::vector<double> area;
-  for (const Triangle& t : sheet.triangles)
-    area.push_back(
-        0.5 *
-        (sheet.formed[t[1]] - sheet.formed[t[0]]).cross(sheet.formed[t[2]] - sheet.formed[t[0]]).norm());
+  for (const Triangle& t : sheet.triangles) area.push_back(formed_area(sheet, t));
   return area;
 }
 

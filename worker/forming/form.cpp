@@ -28,11 +28,6 @@ Result<void> form_by_model(const Process& process, SheetState& state, const Cont
   std::abort();
 }
 
-double formed_area(const FormedSheet& sheet, const Triangle& t) {
-  const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
-  return 0.5 * (b - a).cross(c - a).norm();
-}
-
 // Sets the thickness at the vertices from that of the triangles.
 void set_thickness(FormedSheet& sheet, double where_nothing_is_left_mm) {
   std::vector<double> area(sheet.formed.size(), 0), volume(area);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -79,6 +80,14 @@ struct FormedSheet {
   std::vector<Vent> vents;  // where air is trapped
   std::vector<Warning> warnings;
 };
+
+// The area of a triangle of the sheet once it is formed, mm^2.
+inline double formed_area(const FormedSheet& sheet, const Triangle& t) {
+  const auto at = [&](std::size_t k) -> const Eigen::Vector3d& {
+    return sheet.formed[static_cast<std::size_t>(t[k])];
+  };
+  return 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+}
 
 // Forms the sheet, from the temperature it has when it meets the mold. Pure and deterministic.
 // Errors: forming_failed, cancelled.
