@@ -111,21 +111,30 @@ Mold cone(double R, int sectors) {
   return mold;
 }
 
-// Rest radius of what lands at a radius, over the base radius (axisymmetric Newton solver).
+// What lands at a radius: its rest radius, both over the base radius, and its thickness over the flat sheet's
+// (axisymmetric Newton solver).
 Case cone_under_a_ring() {
   constexpr double R = 75;
   return {"cone 45", [](double grid_mm, const FormingSettings& forming) {
             auto [sheet, machine] = clamped_circle(3 * R, grid_mm);
-            static constexpr std::pair<double, double> table[] = {{.1, .10281}, {.2, .20517}, {.3, .30714},
-                                                                  {.5, .52211}, {.7, .74642}, {.9, .97145}};
-            return errors_of(
-                cone(R, 720), sheet, machine, forming, Contact::mold,
-                [&](const Rest& flat, const Place& p) -> std::optional<double> {
-                  const double radius = p.head<2>().norm();
-                  for (const auto& [r, rest] : table)  // near a value of the table its ratio holds
-                    if (std::abs(radius / R - r) < 0.004) return std::abs(flat.norm() - rest / r * radius);
-                  return std::nullopt;
-                });
+            struct Ring {
+              double radius, rest, thickness;
+            };
+            static constexpr Ring rings[] = {{.1, .10281, .7459}, {.2, .20517, .7408}, {.3, .30714, .7440},
+                                             {.5, .52211, .8176}, {.7, .74642, .8519}, {.9, .97145, .8460}};
+            return errors_of(cone(R, 720), sheet, machine, forming, Contact::mold,
+                             [&](const Rest& flat, const Place& p) -> std::optional<double> {
+                               const double radius = p.head<2>().norm() / R;
+                               for (const Ring& ring : rings) {
+                                 if (std::abs(radius - ring.radius) > 0.004) continue;
+                                 // The plastic is kept: rest d(rest) = thickness radius d(slant).
+                                 const double slope =
+                                     ring.thickness * std::numbers::sqrt2 * ring.radius / ring.rest;
+                                 const double rest = ring.rest + slope * (radius - ring.radius);
+                                 return std::abs(flat.norm() - R * rest);
+                               }
+                               return std::nullopt;
+                             });
           }};
 }
 

@@ -33,9 +33,11 @@ INSTANTIATE_TEST_SUITE_P(All, RealHead,
                                          "adult-fsaverage-metres.obj", "child-headform-metres.stl"));
 
 // The grid stays where it is: what is printed must not depend on how the head lies on it.
-TEST(RealScans, ThePrintTurnsWithTheNeonate) {
-  VACUFORM_READ_REAL_SCAN(scan, "neonate-40w.stl");
-  const auto mold = make_mold(scan, "neonate-40w.stl", ScanSettings{}, Context{});
+class RealPrint : public testing::TestWithParam<const char*> {};
+
+TEST_P(RealPrint, TurnsWithTheHead) {
+  VACUFORM_READ_REAL_SCAN(scan, GetParam());
+  const auto mold = make_mold(scan, GetParam(), ScanSettings{}, Context{});
   ASSERT_TRUE(mold) << mold.error().text();
   MachineSettings round;
   round.window = WindowShape::circle;
@@ -68,6 +70,8 @@ TEST(RealScans, ThePrintTurnsWithTheNeonate) {
     EXPECT_LE(distances[distances.size() * 99 / 100], 0.05) << degrees << " degrees";
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(All, RealPrint, testing::Values("neonate-40w.stl", "adult-scalp-ascii.ply"));
 
 }  // namespace
 }  // namespace vacuform

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "worker/numerics/plane.hpp"
@@ -13,7 +14,44 @@ namespace vacuform {
 
 namespace {
 
-constexpr double least_mm = 0.03, most_of_edge = 0.05, most_of_height = 0.1;
+constexpr double least_mm = 0.02, most_of_edge = 0.05, most_of_height = 0.1;
+constexpr double least_smooth = 0.99;  // length of the mean of the normals around a vertex
+
+using Gradient = Eigen::Matrix<double, 2, 3>;
+
+// How the place on the flat sheet changes along the formed one, at each vertex: the mean of the triangles around it. Not a
+// number where one of them does not lie on the mold, or where the mold has an edge.
+std::vector<Gradient> rest_gradients(const FormedSheet& sheet) {
+  struct Around {
+    Gradient gradient = Gradient::Zero();
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    double area = 0;
+    bool on_mold = true;
+  };
+  std::vector<Around> around(sheet.rest.size());
+  for (const Triangle& t : sheet.triangles) {
+    Eigen::Matrix2d flat;
+    flat << sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]];
+    Eigen::Matrix<double, 3, 2> solid;
+    solid << sheet.formed[t[1]] - sheet.formed[t[0]], sheet.formed[t[2]] - sheet.formed[t[0]];
+    const Gradient gradient = flat * (solid.transpose() * solid).inverse() * solid.transpose();
+    const Eigen::Vector3d normal = solid.col(0).cross(solid.col(1)) / 2;
+    const double area = normal.norm();
+    const bool on_mold = std::ranges::all_of(t, [&](int v) { return sheet.contact[v] == Contact::mold; });
+    for (const int v : t) {
+      around[v].gradient += area * gradient;
+      around[v].normal += normal;
+      around[v].area += area;
+      around[v].on_mold = around[v].on_mold && on_mold;
+    }
+  }
+  std::vector<Gradient> out;
+  for (const Around& a : around) {
+    const bool smooth = a.normal.norm() >= least_smooth * a.area;
+    out.emplace_back(a.on_mold && smooth ? Gradient(a.gradient / a.area) : Gradient::Constant(NAN));
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -43,6 +81,14 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const Temperat
     if (!touch || touch->with != Contact::mold || touch->t == 0) return std::nullopt;
     return (touch->place - middle).norm() > least_mm ? std::optional(touch->place) : std::nullopt;
   };
+  // The middle of an edge on the flat sheet: of a cubic with the gradients of both ends, or of a line.
+  const std::vector<Gradient> gradients = rest_gradients(sheet);
+  const auto middle_of_rest = [&](int a, int b) -> Eigen::Vector2d {
+    const Eigen::Vector2d line = (sheet.rest[a] + sheet.rest[b]) / 2;
+    const Eigen::Vector2d off = (gradients[a] - gradients[b]) * (sheet.formed[b] - sheet.formed[a]) / 8;
+    const double most = most_of_edge * (sheet.rest[b] - sheet.rest[a]).norm();  // the pieces stay upright
+    return off.norm() <= most ? Eigen::Vector2d(line + off) : line;
+  };
   const int sides = static_cast<int>(opposite.size());
   std::vector<std::optional<Eigen::Vector3d>> places(opposite.size());
   in_parallel(0, sides, [&](int begin, int end) {
@@ -55,7 +101,7 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const Temperat
     const int a = corner(side, 1), b = corner(side, 2);
     middles[side] = middles[opposite[side]] = static_cast<int>(sheet.formed.size());
     sheet.formed.push_back(*places[side]);
-    sheet.rest.emplace_back((sheet.rest[a] + sheet.rest[b]) / 2);
+    sheet.rest.push_back(middle_of_rest(a, b));
     sheet.contact.push_back(Contact::mold);
     sheet.contact_time.push_back((sheet.contact_time[a] + sheet.contact_time[b]) / 2);
     sheet.temperature.push_back(temperature.at(sheet.rest.back()));

@@ -153,12 +153,24 @@ void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double
   findings.warnings.push_back(std::move(warning));
 }
 
+// Whether a triangle lies upside down without the mold's being so: the sheet hangs over.
+bool hangs_over(const FormedSheet& sheet, std::size_t triangle) {
+  constexpr double down = -0.3;  // of the normal: steeper walls are noise of the grid
+  const Triangle& t = sheet.triangles[triangle];
+  const Eigen::Vector3d& a = sheet.formed[t[0]];
+  const Eigen::Vector3d normal = (sheet.formed[t[1]] - a).cross(sheet.formed[t[2]] - a);
+  return normal.z() < down * normal.norm() &&
+         std::any_of(t.begin(), t.end(), [&](int v) { return sheet.contact[v] != Contact::mold; });
+}
+
 void find_webs(const FormedSheet& sheet, const std::vector<double>& area, double least_mm2,
                std::vector<Warning>& warnings) {
-  auto found = pieces(sheet, area, [&](std::size_t k) { return sheet.element_wrinkled[k] != 0; });
+  auto found = pieces(sheet, area,
+                      [&](std::size_t k) { return sheet.element_wrinkled[k] != 0 || hangs_over(sheet, k); });
   std::erase_if(found, [&](const Piece& p) { return p.area < least_mm2; });
   if (found.empty()) return;
-  warnings.push_back({"webbing", "The sheet is compressed sideways and tends to fold, " + over(found),
+  warnings.push_back({"webbing",
+                      "The sheet is compressed sideways, or hangs over, and tends to fold, " + over(found),
                       marks_of(found), Warning::Figure{found.front().area, "mm2", least_mm2}});
 }
 

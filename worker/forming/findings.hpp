@@ -14,7 +14,7 @@ namespace vacuform {
 // Limits below which there is no warning.
 struct FindingLimits {
   double pocket_mm2 = 25;     // of sheet that bridges a hollow of the mold
-  double web_mm2 = 25;        // of sheet that is compressed across its tension, in one piece
+  double web_mm2 = 25;        // of sheet that is compressed across its tension or hangs over, in one piece
   FitLimits fit;              // that the mold stands out of the sheet, or that the sheet stays off
   double stretch = HUGE_VAL;  // times: above this the material law does not describe the plastic
   double stretch_mm2 = 25;    // of sheet that is stretched further, in one piece
@@ -25,7 +25,7 @@ struct FindingLimits {
 // One warning per kind, with the number of places and the worst in its text and up to twenty marks, worst first:
 // "not-reached", pieces of free sheet bordered by the mold alone (size: diameter of a disk of their area), then gaps
 // between vertices that touch; "trapped-air", with the vents as marks (size: the drill), and all of them in `vents`;
-// "webbing", pieces of wrinkled triangles; "thin", pieces of triangles below the limit, each at its thinnest point. Places
+// "webbing", pieces of triangles that are wrinkled or hang over; "thin", pieces of triangles below the limit, each at its thinnest point. Places
 // lie on the sheet, in the frame of the mold, mm; areas are of the formed sheet.
 struct Findings {
   std::vector<Warning> warnings;

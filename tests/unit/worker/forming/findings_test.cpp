@@ -111,6 +111,15 @@ TEST(FormingFindings, WebsAndThinPlacesAreSaid) {
   EXPECT_NEAR(found[1].marks[0].place_mm[1], -40 + 8.0 / 3, 1e-9);
 }
 
+// A fold lies upside down. Where the whole of it lies on the mold, the mold has an undercut, which is said elsewhere.
+TEST(FormingFindings, ASheetThatHangsOverIsAWeb) {
+  FormedSheet sheet = sheet_on_mold();
+  for (const int j : {5, 6}) sheet.formed[21 * j + 11].x() = -12;  // the columns beside it stay at 0 and 8
+  EXPECT_EQ(codes(sheet), "");
+  for (const int j : {5, 6}) sheet.contact[21 * j + 11] = Contact::platform;
+  EXPECT_EQ(codes(sheet), "webbing ");
+}
+
 TEST(FormingFindings, ThinPlacesAreMarkedThinnestFirstBelowTheLimitThatIsSet) {
   FormedSheet sheet = sheet_on_mold();
   for (int k = 300; k < 310; ++k) sheet.element_thickness[k] = 0.5;
