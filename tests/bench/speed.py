@@ -1,5 +1,5 @@
-"""Prints how long forming, a whole print, a changed pattern and a layout take, beside CGAL's ARAP in the same run, as a
-Markdown table: docs/develop/speed.md holds one.
+"""Prints how long forming, a whole print, a changed pattern and a layout take, beside CGAL's ARAP, CGAL's exact geodesics and
+Blender's cloth (where Blender is installed) in the same run, as Markdown tables: docs/develop/speed.md holds them.
 
     python3 tests/bench/speed.py BIN SHARED-DATA [--runs N] [--only WORD]
 
@@ -11,6 +11,7 @@ import argparse
 import json
 import pathlib
 import resource
+import shutil
 import statistics
 import subprocess
 import tempfile
@@ -70,12 +71,27 @@ def measures(arguments, folder):
         yield "layout of 32 fitted loops on a kept head", *medians(arguments.runs, lambda _: laid), peak_mib(laid)
 
 
+def peers(arguments, folder):
+    """Yields name, our seconds, the peer's, both of one core or both of the wall."""
+    for row in json.loads(run([arguments.bin / "bench_geodesics", "--json"])["out"]):
+        yield f"{row['distances']} exact distances on {row['scan']}, CGAL's geodesics", row["seconds"], row["cgal_seconds"]
+    if not shutil.which("blender"):
+        return
+    cells = 101
+    ours = json.loads(run([arguments.bin / "bench_forming", "--json", cells - 1])["out"])
+    run([arguments.bin / "vacuform", "inspect", "--scan", arguments.data / "scans" / HEADS["newborn"], "--out", folder / "mold"])
+    cloth = run(["blender", "--background", "--factory-startup", "--python", pathlib.Path(__file__).with_name("blender_cloth.py"),
+                 "--", folder / "mold" / "mold.stl", cells])["out"]
+    theirs = json.loads(next(line for line in cloth.splitlines() if line.startswith("{")))
+    yield f"the newborn under a sheet of {cells} x {cells}, Blender's cloth", ours[0]["seconds"], theirs["wall"]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bin", type=pathlib.Path)
     parser.add_argument("data", type=pathlib.Path)
     parser.add_argument("--runs", type=int, default=5)
-    parser.add_argument("--only", default="", help="forming, print, kept head or layout")
+    parser.add_argument("--only", default="", help="forming, print, kept head, layout or peers")
     arguments = parser.parse_args()
     flattening = json.loads(run([arguments.bin / "bench_flattening", "--json", "201"])["out"])
     arap = next(row["cpu_seconds"] for row in flattening if row["method"] == "cgal_arap" and row["surface"].startswith("dome"))
@@ -84,6 +100,10 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for name, wall, cpu, mib in measures(arguments, pathlib.Path(folder)):
             print(f"| {name} | {wall:.2f} | {'' if cpu is None else f'{cpu:.2f}'} | {mib} | {wall / arap:.2f} |", flush=True)
+        if arguments.only in "peers":
+            print("\n| What, beside which peer | s | peer, s | peer over ours |\n|---|---|---|---|")
+            for name, ours, theirs in peers(arguments, pathlib.Path(folder)):
+                print(f"| {name} | {ours:.2f} | {theirs:.2f} | {theirs / ours:.1f} |", flush=True)
 
 
 main()

@@ -81,12 +81,17 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const Temperat
     if (!touch || touch->with != Contact::mold || touch->t == 0) return std::nullopt;
     return (touch->place - middle).norm() > least_mm ? std::optional(touch->place) : std::nullopt;
   };
-  // The middle of an edge on the flat sheet: of a cubic with the gradients of both ends, or of a line.
+  // The middle of an edge on the flat sheet: of a polynomial with the gradients that are known at its ends.
   const std::vector<Gradient> gradients = rest_gradients(sheet);
   const auto middle_of_rest = [&](int a, int b) -> Eigen::Vector2d {
-    const Eigen::Vector2d line = (sheet.rest[a] + sheet.rest[b]) / 2;
-    const Eigen::Vector2d off = (gradients[a] - gradients[b]) * (sheet.formed[b] - sheet.formed[a]) / 8;
-    const double most = most_of_edge * (sheet.rest[b] - sheet.rest[a]).norm();  // the pieces stay upright
+    const Eigen::Vector2d edge = sheet.rest[b] - sheet.rest[a], line = (sheet.rest[a] + sheet.rest[b]) / 2;
+    const Eigen::Vector3d formed = sheet.formed[b] - sheet.formed[a];
+    Eigen::Vector2d at_a = gradients[a] * formed, at_b = gradients[b] * formed;
+    if (!at_a.allFinite() && !at_b.allFinite()) return line;
+    if (!at_a.allFinite()) at_a = 2 * edge - at_b;  // a parabola has the edge as the mean of both
+    if (!at_b.allFinite()) at_b = 2 * edge - at_a;
+    const Eigen::Vector2d off = (at_a - at_b) / 8;
+    const double most = most_of_edge * edge.norm();  // the pieces stay upright
     return off.norm() <= most ? Eigen::Vector2d(line + off) : line;
   };
   const int sides = static_cast<int>(opposite.size());

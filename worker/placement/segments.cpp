@@ -56,6 +56,8 @@ bool stays_in_place(const Region& region, const Segment& segment, double scale) 
 // Whether the flattened patch overlaps itself: a place of the drawing would then map to two places on the sheet.
 bool overlaps_itself(const Patch& patch) {
   constexpr double rounding = 1e-6, rounding_mm2 = 1e-3;  // of its area, and at least
+  // A union leaves out points within 0.0005 mm of a line, which alone can be more than that: so it is of a larger patch.
+  constexpr double larger = 100;
   double area = 0;
   for (const Triangle& t : patch.triangles) {
     const Vector2d a = patch.uv[index(t[1])] - patch.uv[index(t[0])],
@@ -66,9 +68,10 @@ bool overlaps_itself(const Patch& patch) {
   std::vector<Ring> border;
   for (const auto& loop : loops) {
     border.emplace_back();
-    for (const int v : loop) border.back().push_back(patch.uv[index(v)]);
+    for (const int v : loop) border.back().push_back(larger * patch.uv[index(v)]);
   }
-  if (area - square_mm(union_of(border)) > std::max(rounding_mm2, rounding * area)) return true;
+  if (area - square_mm(union_of(border)) / (larger * larger) > std::max(rounding_mm2, rounding * area))
+    return true;
   // However little it overlaps, its border may be found elsewhere, as the sides of a seam are in the print.
   const PlaneLocator locator(patch.triangles, patch.uv);
   constexpr double same_mm = 0.05;
