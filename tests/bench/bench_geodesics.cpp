@@ -53,7 +53,8 @@ FormedSheet formed_over(const std::string& scan) {
   const Settings settings;
   const auto mold = make_mold(bytes, scan, settings.scan, Context{});
   if (!mold) stop(mold.error().text());
-  auto sheet = form(*mold, settings.sheet, settings.machine, settings.forming, TemperatureField(140), Context{});
+  auto sheet =
+      form(*mold, settings.sheet, settings.machine, settings.forming, TemperatureField(140), Context{});
   if (!sheet) stop(sheet.error().text());
   return *std::move(sheet);
 }
@@ -64,7 +65,8 @@ std::vector<Eigen::Vector2d> hexagon() {
   std::vector<Eigen::Vector2d> out;
   for (int j = -2; j <= 2; ++j)
     for (int i = -2; i <= 2; ++i)
-      if (std::abs(i + j) <= 2) out.emplace_back(0.4 + 35 * (i + j / 2.0), 0.3 + 35 * std::numbers::sqrt3 / 2 * j);
+      if (std::abs(i + j) <= 2)
+        out.emplace_back(0.4 + 35 * (i + j / 2.0), 0.3 + 35 * std::numbers::sqrt3 / 2 * j);
   return out;
 }
 
@@ -159,7 +161,8 @@ int main(int argc, char** argv) {
   const bool json = argc > 1 && std::string_view(argv[1]) == "--json";
   auto rows = nlohmann::ordered_json::array();
   if (!json)
-    std::printf("%-22s %9s %9s %9s %9s %9s %14s\n", "scan", "triangles", "distances", "ours s", "CGAL s", "ratio", "difference mm");
+    std::printf("%-22s %9s %9s %9s %9s %9s %14s\n", "scan", "triangles", "distances", "ours s", "CGAL s",
+                "ratio", "difference mm");
   for (const std::string scan : {"neonate-40w.stl", "adult-scalp-ascii.ply"}) {
     const FormedSheet sheet = formed_over(scan);
     const PlaneLocator locator(sheet.triangles, sheet.rest);
@@ -182,8 +185,8 @@ int main(int argc, char** argv) {
                       {"cgal_seconds", peer_seconds},
                       {"difference_mm", difference}});
     else
-      std::printf("%-22s %9zu %9zu %9.3f %9.3f %9.1f %14.1e\n", scan.c_str(), triangles, distances, our_seconds,
-                  peer_seconds, peer_seconds / our_seconds, difference);
+      std::printf("%-22s %9zu %9zu %9.3f %9.3f %9.1f %14.1e\n", scan.c_str(), triangles, distances,
+                  our_seconds, peer_seconds, peer_seconds / our_seconds, difference);
   }
   if (json) std::printf("%s\n", rows.dump(2).c_str());
   return 0;

@@ -241,6 +241,15 @@ class Decoupled(CoilCase):
         self.assertLess(max(abs(p["k"]) for p in measured["pairs"]), 0.005)
         self.assertNotIn("coils-moved", [w["code"] for w in report["warnings"]])
 
+    def test_a_fitted_array_lies_on_the_head_and_no_loops_overlap_too_far(self):
+        for count in "7", "12":
+            done = vacuform("layout", *self.given, "--count", count, "--diameter_mm", "fitted", "--out", self.folder / "fitted")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            layout = json.loads((self.folder / "fitted" / "layout.json").read_text())
+            self.assertEqual(layout["off_head"], 0, count)
+            self.assertLess(abs(layout["strongest_neighbours"]["k"]), 0.01, count)
+            self.assertLess(layout["strongest"]["k"], 0.01, count)  # what overlaps too far couples by a positive k
+
     def test_a_layout_of_too_few_or_too_many_is_refused(self):
         for count in "3", "65":
             done = vacuform("layout", *self.given, "--count", count, "--out", self.folder / "none")

@@ -348,27 +348,50 @@ Result<std::optional<StrongestPair>> strongest_of_all(const Trial& trial, const 
   return strongest_pair(matrix, [](int) { return true; });
 }
 
-// Spread, and decoupled unless the wish sets the overlap.
-Result<Trial> try_out(const ChartedSurface& charted, const ChartVertices& vertices,
-                      const LayoutSettings& wish, const CoilSettings& coils, bool settle,
-                      const Context& context) {
-  VACUFORM_TRY(layout, spread(charted, vertices, wish, 0, settle, context));
-  layout.keep = coils.keep;
-  VACUFORM_TRY(laid, lay_coils(charted, layout, context));
-  constexpr double farther_mm = 2.5;
-  constexpr int most_tries = 4;  // at equal distances some reach farther out than their cells
-  for (int again = 1; again < most_tries && off_head(laid) > 0; ++again) {
-    auto next = spread(charted, vertices, wish, again * farther_mm, settle, context);
-    if (!next && next.error().code != Code::cancelled) break;  // no room for that
-    VACUFORM_CHECK(next);
-    next->keep = coils.keep;
-    VACUFORM_TRY(next_laid, lay_coils(charted, *next, context));
-    if (off_head(next_laid) >= off_head(laid)) continue;
-    layout = std::move(*next);
-    laid = std::move(next_laid);
+// Decouples the loops. Loops that were no neighbours may then have come so near that they overlap: they count, too.
+Result<void> decouple_all(const ChartedSurface& charted, const LayoutSettings& wish,
+                          const CoilSettings& coils, Trial& trial, const Context& context) {
+  const double spacing = 2 * ratio_of(wish) * trial.layout.elements.front().outline.radius_mm;
+  constexpr int most_rounds = 3;
+  for (int round = 0; round < most_rounds; ++round) {
+    VACUFORM_CHECK(decouple(charted, trial.layout, trial.laid, coils.size_limit, context));
+    if (!find_pairs(charted.surface(), trial.layout, spacing)) break;
   }
-  if (wish.overlap == 0) VACUFORM_CHECK(decouple(charted, layout, laid, coils.size_limit, context));
-  return Trial{std::move(layout), std::move(laid)};
+  return {};
+}
+
+// The best of several ways to spread the loops, each farther from the border than the one before: the fewest loops off the
+// head, then the least coupling of neighbours.
+Result<Trial> best_of(const ChartedSurface& charted, const ChartVertices& vertices,
+                      const LayoutSettings& wish, const CoilSettings& coils, const Context& context) {
+  constexpr double farther_mm = 2.5;
+  constexpr int most_ways = 8, most_decoupled = 5;
+  constexpr double required_k = 0.01;
+  std::optional<Trial> best, nearest;  // decoupled; with the fewest loops off the head before that
+  int decoupled = 0;
+  for (int way = 0; way < most_ways && decoupled < most_decoupled; ++way) {
+    const Portion portion(context, Stage::printing, static_cast<double>(way) / most_ways,
+                          (way + 1.0) / most_ways);
+    // A given size is laid as the lattice is; a fitted one as the region asks.
+    auto layout = spread(charted, vertices, wish, way * farther_mm, wish.diameter_mm == 0, portion.context());
+    if (!layout && layout.error().code != Code::cancelled && way > 0) break;  // no room for that
+    VACUFORM_CHECK(layout);
+    layout->keep = coils.keep;
+    VACUFORM_TRY(laid, lay_coils(charted, *layout, portion.context()));
+    Trial trial{*std::move(layout), std::move(laid)};
+    const int off = off_head(trial.laid);
+    if (!nearest || off <= off_head(nearest->laid)) nearest = trial;
+    if (off > 0) continue;
+    if (wish.overlap > 0) return trial;
+    VACUFORM_CHECK(decouple_all(charted, wish, coils, trial, portion.context()));
+    ++decoupled;
+    const auto rank = [](const Trial& of) { return std::pair(off_head(of.laid), worst_coupling(of)); };
+    if (!best || rank(trial) < rank(*best)) best = std::move(trial);
+    if (off_head(best->laid) == 0 && worst_coupling(*best) < required_k) break;
+  }
+  if (best) return *std::move(best);
+  if (wish.overlap == 0) VACUFORM_CHECK(decouple_all(charted, wish, coils, *nearest, context));
+  return *std::move(nearest);
 }
 
 // The picture, shifted loop by loop until the least squares of the drawn distances (spacing.hpp) put each centre where
@@ -402,18 +425,10 @@ Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementL
 Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
                             const CoilSettings& coils, const Context& context) {
   VACUFORM_CHECK(context.step(Stage::printing, 0));
-  const Portion first(context, Stage::printing, 0, 0.4), second(context, Stage::printing, 0.4, 0.8),
-      last(context, Stage::printing, 0.8, 1);
+  const Portion first(context, Stage::printing, 0, 0.8), last(context, Stage::printing, 0.8, 1);
   const InkedSurface& surface = charted.surface();
   const ChartVertices vertices = chart_vertices(charted);
-  // A given size is laid as the lattice is; a fitted one as the region asks. What cannot be decoupled is tried the other way.
-  VACUFORM_TRY(best, try_out(charted, vertices, wish, coils, wish.diameter_mm == 0, first.context()));
-  constexpr double required_k = 0.01;
-  if (wish.overlap == 0 && worst_coupling(best) >= required_k) {
-    auto other = try_out(charted, vertices, wish, coils, wish.diameter_mm > 0, second.context());
-    if (!other && other.error().code == Code::cancelled) return tl::make_unexpected(other.error());
-    if (other && worst_coupling(*other) < worst_coupling(best)) best = std::move(*other);
-  }
+  VACUFORM_TRY(best, best_of(charted, vertices, wish, coils, first.context()));
   const auto& [layout, laid] = best;
 
   Array out;

@@ -30,8 +30,8 @@ struct Array {
 // Loops of equal size. With a given diameter: a piece of a hexagonal lattice about the middle of the region. Fitted:
 // the centres of a centroidal Voronoi tessellation of it (hexagons where it is flat, pentagons where the curvature
 // needs them). Then the loops are moved to equal geodesic distances. With wish.overlap that is all. Otherwise they are
-// decoupled with sizes within coils.size_limit; if one way cannot be decoupled, the other is tried;
-// strongest_neighbours shows the result. The settings decouple and stretch_limit of `coils` have no effect.
+// decoupled with sizes within coils.size_limit. Where loops end off the head or stay coupled, others are spread farther from
+// the border; the best counts, and off_head and strongest_neighbours show it. The settings decouple and stretch_limit of `coils` have no effect.
 // Deterministic. Errors: unusable_surface (they do not fit), cancelled.
 Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
                             const CoilSettings& coils, const Context& context);
