@@ -360,20 +360,22 @@ Result<void> decouple_all(const ChartedSurface& charted, const LayoutSettings& w
   return {};
 }
 
-// The best of several ways to spread the loops, each farther from the border than the one before: the fewest loops off the
-// head, then the least coupling of neighbours.
+// The best of several ways to spread the loops: the fewest loops off the head, then the least coupling of neighbours. Each
+// way is farther from the border than the one before; a given size is laid as the lattice is and as the region asks in turn.
 Result<Trial> best_of(const ChartedSurface& charted, const ChartVertices& vertices,
                       const LayoutSettings& wish, const CoilSettings& coils, const Context& context) {
   constexpr double farther_mm = 2.5;
-  constexpr int most_ways = 8, most_decoupled = 5;
+  const bool fitted = wish.diameter_mm == 0;
+  const int most_ways = fitted ? 8 : 4;
+  constexpr int most_decoupled = 5;
   constexpr double required_k = 0.01;
   std::optional<Trial> best, nearest;  // decoupled; with the fewest loops off the head before that
   int decoupled = 0;
   for (int way = 0; way < most_ways && decoupled < most_decoupled; ++way) {
     const Portion portion(context, Stage::printing, static_cast<double>(way) / most_ways,
                           (way + 1.0) / most_ways);
-    // A given size is laid as the lattice is; a fitted one as the region asks.
-    auto layout = spread(charted, vertices, wish, way * farther_mm, wish.diameter_mm == 0, portion.context());
+    const bool settle = fitted || way % 2 == 1;
+    auto layout = spread(charted, vertices, wish, way * farther_mm, settle, portion.context());
     if (!layout && layout.error().code != Code::cancelled && way > 0) break;  // no room for that
     VACUFORM_CHECK(layout);
     layout->keep = coils.keep;

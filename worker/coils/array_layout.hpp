@@ -30,9 +30,9 @@ struct Array {
 // Loops of equal size. With a given diameter: a piece of a hexagonal lattice about the middle of the region. Fitted:
 // the centres of a centroidal Voronoi tessellation of it (hexagons where it is flat, pentagons where the curvature
 // needs them). Then the loops are moved to equal geodesic distances. With wish.overlap that is all. Otherwise they are
-// decoupled with sizes within coils.size_limit. Where loops end off the head or stay coupled, others are spread farther from
-// the border; the best counts, and off_head and strongest_neighbours show it. The settings decouple and stretch_limit of `coils` have no effect.
-// Deterministic. Errors: unusable_surface (they do not fit), cancelled.
+// decoupled with sizes within coils.size_limit. Where loops end off the head or stay coupled, they are spread farther from
+// the border, and a given size by a tessellation; the best counts, and off_head and strongest_neighbours show it. The
+// settings decouple and stretch_limit of `coils` have no effect. Deterministic. Errors: unusable_surface (they do not fit), cancelled.
 Result<Array> lay_out_array(const ChartedSurface& charted, const LayoutSettings& wish,
                             const CoilSettings& coils, const Context& context);
 

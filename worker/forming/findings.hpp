@@ -25,8 +25,8 @@ struct FindingLimits {
 // One warning per kind, with the number of places and the worst in its text and up to twenty marks, worst first:
 // "not-reached", pieces of free sheet bordered by the mold alone (size: diameter of a disk of their area), then gaps
 // between vertices that touch; "trapped-air", with the vents as marks (size: the drill), and all of them in `vents`;
-// "webbing", pieces of triangles that are wrinkled or hang over; "thin", pieces of triangles below the limit, each at its thinnest point. Places
-// lie on the sheet, in the frame of the mold, mm; areas are of the formed sheet.
+// "webbing", pieces of triangles that are wrinkled or hang over; "thin", pieces of triangles below the limit, each at its
+// thinnest point. Places lie on the sheet, in the frame of the mold, mm; areas are of the formed sheet.
 struct Findings {
   std::vector<Warning> warnings;
   std::vector<Vent> vents;
