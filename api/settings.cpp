@@ -265,6 +265,9 @@ Result<void> check_together(const Settings& s) {
   if (s.scan.size_mm && s.scan.units != Unit::automatic)
     return fail(Code::bad_settings, "scan.units and scan.size_mm both say how large the scan is",
                 "scan.size_mm", "give one of them");
+  if (s.scan.front != FrontSide::automatic && std::abs(s.scan.yaw_deg) > 45)
+    return fail(Code::bad_settings, "the yaw turns the face, which scan.front brings to +y, away from there",
+                "scan.yaw_deg", "give -45 to 45 degrees, and another scan.front for quarter turns");
   const auto& m = s.machine;
   const double height = m.window == WindowShape::circle ? m.window_width_mm : m.window_height_mm;
   if (m.window_width_mm > s.sheet.width_mm || height > s.sheet.height_mm)

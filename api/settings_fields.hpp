@@ -95,13 +95,16 @@ void describe(S& s, V& v) {
   v.field("roll_deg", s.scan.roll_deg, {-180, 180, "deg"}, "Turn about the x axis, after up");
   v.field("pitch_deg", s.scan.pitch_deg, {-180, 180, "deg"}, "Turn about the y axis, after the roll");
   v.field("front", s.scan.front,
-          "The side of the upright scan that is the face; it is turned to +y, before the yaw. Auto takes it "
-          "to be +y");
-  v.field("yaw_deg", s.scan.yaw_deg, {-180, 180, "deg"}, "Turn about the vertical axis, after the pitch");
+          "The side of the upright scan that is the face; it is turned to +y, before the yaw. Auto takes the "
+          "placed scan's +y to be the face");
   v.field(
-      "left_side", s.scan.left_side,
-      "The side of the placed mold on which a person saw the patient's left; the report says so. It changes "
-      "neither mold nor print");
+      "yaw_deg", s.scan.yaw_deg, {-180, 180, "deg"},
+      "Turn about the vertical axis, after the pitch; with scan.front at most 45 degrees either way, so that "
+      "the face stays at +y");
+  v.field("left_side", s.scan.left_side,
+          "The side of the placed mold on which a person saw the patient's left; a face at +y has it at -x. "
+          "Pictures, "
+          "marks and report say so. It changes neither mold nor drawing");
   v.field("trim_mm", s.scan.trim_mm, {0, 2000, "mm"},
           "Height above the scan's lowest point at which it is cut; auto cuts where undercuts begin");
   v.field("clearance_mm", s.scan.clearance_mm, {0, 30, "mm"},

@@ -35,7 +35,7 @@ GltfJson GltfBuffer::add_png(const char* name, const std::vector<std::uint8_t>& 
 }
 
 GltfJson gltf_matrix_from_mm() {
-  return {0.001, 0.0, 0.0, 0.0, 0.0, 0.0, -0.001, 0.0, 0.0, 0.001, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+  return {-0.001, 0.0, 0.0, 0.0, 0.0, 0.0, 0.001, 0.0, 0.0, 0.001, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
 }
 
 // The header and the two chunks; each chunk is a multiple of four bytes long.

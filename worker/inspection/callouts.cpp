@@ -168,7 +168,7 @@ void draw_legend(Canvas& canvas, const std::vector<const Warning*>& marked, doub
     std::string words(look.words.empty() ? std::string_view(warning.code) : look.words);
     std::replace(words.begin(), words.end(), '-', ' ');
     if (count > look.most) words += ", " + std::to_string(look.most) + " shown";
-    canvas.text(words, x + 42, y + 10, 27, false, 0, 0.13f);
+    canvas.text(words, x + 42, y + 10, 27, false, 0, 0.13f, width / 2 - 110);
   }
 }
 

@@ -1,11 +1,13 @@
 #include "worker/inspection/canvas.hpp"
 
+#include <algorithm>
 #include <new>
 
 namespace vacuform {
 
 Canvas::Canvas(Picture& picture)
-    : surface_(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(picture.pixels.data()),
+    : width_(picture.width),
+      surface_(cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(picture.pixels.data()),
                                                    CAIRO_FORMAT_RGB24, picture.width, picture.height,
                                                    4 * picture.width),
                cairo_surface_destroy),
@@ -24,16 +26,25 @@ void Canvas::band(double top, double bottom, double line) {
   cairo_fill(cairo());
 }
 
-void Canvas::text(const std::string& words, double x, double y, double size, bool bold, double along,
-                  const Rgb& colour_of_words) {
+double Canvas::text(const std::string& words, double x, double y, double size, bool bold, double along,
+                    const Rgb& colour_of_words, double room) {
+  constexpr double margin = 6;
   cairo_select_font_face(cairo(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
                          bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo(), size);
   cairo_text_extents_t extents;
   cairo_text_extents(cairo(), words.c_str(), &extents);
+  if (along > 0) room = std::min(room, (x - margin) / along);
+  if (along < 1) room = std::min(room, (width_ - margin - x) / (1 - along));
+  if (extents.x_advance > room && room > 0) {
+    size *= room / extents.x_advance;
+    cairo_set_font_size(cairo(), size);
+    cairo_text_extents(cairo(), words.c_str(), &extents);
+  }
   colour(colour_of_words);
   cairo_move_to(cairo(), x - along * extents.x_advance, y);
   cairo_show_text(cairo(), words.c_str());
+  return size;
 }
 
 }  // namespace vacuform

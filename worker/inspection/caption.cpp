@@ -59,11 +59,12 @@ void write(const Caption& caption, Picture& picture) {
   Canvas canvas(picture);
   cairo_t* cairo = canvas.cairo();
   canvas.band(0, caption_top, caption_top - 1);
-  canvas.text(caption.title, 40, 50, 27, true, 0, 0.13f);
-  canvas.text(caption.figures, 40, 82, 17, false, 0, 0.32f);
+  const double room = picture.width - 80;
+  canvas.text(caption.title, 40, 50, 27, true, 0, 0.13f, room);
+  canvas.text(caption.figures, 40, 82, 17, false, 0, 0.32f, room);
   canvas.band(picture.height - caption_bottom, picture.height, picture.height - caption_bottom);
   if (!caption.scale) {
-    canvas.text(caption.note, 40, picture.height - 40, 17, false, 0, 0.2f);
+    canvas.text(caption.note, 40, picture.height - 40, 17, false, 0, 0.2f, room);
   } else {
     const Scale& s = *caption.scale;
     const double left = 40, right = picture.width - 40.0, top = picture.height - 55.0, thick = 18;
@@ -73,7 +74,7 @@ void write(const Caption& caption, Picture& picture) {
       cairo_rectangle(cairo, x, top, 1, thick);
       cairo_fill(cairo);
     }
-    canvas.text(s.quantity, left, top - 10, 17, false, 0, 0.2f);
+    canvas.text(s.quantity, left, top - 10, 17, false, 0, 0.2f, room);
     const int steps = static_cast<int>(std::lround((s.high - s.low) / s.step));
     // As many digits as the step needs: two for 0.25, one for 0.2.
     int places = 0;

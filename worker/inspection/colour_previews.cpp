@@ -8,6 +8,7 @@
 #include "worker/colour/sheet_colours.hpp"
 #include "worker/inspection/caption_words.hpp"
 #include "worker/inspection/colour_errors.hpp"
+#include "worker/inspection/side_marks.hpp"
 #include "worker/inspection/tiles.hpp"
 
 namespace vacuform {
@@ -67,13 +68,13 @@ std::string position_words(const PlacedStatistics& position) {
 View::Side side_before(const Vector3d& outward) {
   if (outward.z() > 0.75) return View::Side::above;
   if (std::abs(outward.x()) > std::abs(outward.y()))
-    return outward.x() < 0 ? View::Side::left : View::Side::right;
-  return outward.y() < 0 ? View::Side::straight_front : View::Side::straight_back;
+    return outward.x() < 0 ? View::Side::minus_x : View::Side::plus_x;
+  return outward.y() > 0 ? View::Side::straight_front : View::Side::straight_back;
 }
 
 std::string direction_words(const Vector2d& towards) {
   if (towards.x() != 0) return towards.x() > 0 ? "the right (+s)" : "the left (-s)";
-  return towards.y() > 0 ? "the back (+t)" : "the front (-t)";
+  return towards.y() > 0 ? "the front (+t)" : "the back (-t)";
 }
 
 }  // namespace
@@ -83,11 +84,12 @@ Result<Picture> original_preview(const Finished& job, const View& view, const st
   const ColouredSurface& surface = job.colours->surface();
   ShownScan scan = shown_scan(surface.mesh());
   const bool shadows = scan.mesh.vertices.size() <= most_shadowed;
-  View of_scan(std::move(scan.mesh), view.shown(), tile_width, tile_height, tile_label, 0, shadows);
+  View of_scan(std::move(scan.mesh), view.shown(), view.letters(), tile_width, tile_height, tile_label, 0,
+               shadows);
   Tiles tiles(static_cast<int>(tile_columns * std::size(five_sides)));
   for (std::size_t i = 0; i < std::size(five_sides); ++i) {
-    const auto [side, words] = five_sides[i];
-    of_scan.look_from(side, tile_width, tile_height, tile_label, 0);
+    const std::string words = side_words(five_sides[i], view.letters());
+    of_scan.look_from(five_sides[i], tile_width, tile_height, tile_label, 0);
     VACUFORM_TRY(pictures,
                  of_scan.draw(
                      1,
@@ -98,8 +100,8 @@ Result<Picture> original_preview(const Finished& job, const View& view, const st
                        *colour = seen.light * linear.unaryExpr(&srgb_from_linear) + Rgb::Constant(seen.gloss);
                      },
                      context, 0.76 + 0.01 * static_cast<double>(i), 0.77 + 0.01 * static_cast<double>(i)));
-    tiles.put(static_cast<int>(tile_columns * i), pictures.front(), std::string("Scan: ") + words);
-    tiles.put(static_cast<int>(tile_columns * i + 1), formed[i], std::string("Formed part: ") + words);
+    tiles.put(static_cast<int>(tile_columns * i), pictures.front(), "Scan: " + words);
+    tiles.put(static_cast<int>(tile_columns * i + 1), formed[i], "Formed part: " + words);
   }
   const ColourErrors::Figures& errors = job.errors->touching;
   return tiles.finished({"The scan and the formed part",
@@ -123,7 +125,7 @@ Result<Picture> align_preview(const Finished& job, View& view, const ShadeShifte
   const std::size_t rows = 1 + errors.off_register.size();
   Tiles tiles(static_cast<int>(tile_columns * rows));
   for (const bool near : {false, true}) {
-    view.show(near ? detail : whole);
+    view.show(near ? detail : whole, near);
     view.look_from(side, tile_width, tile_height, tile_label, 0);
     VACUFORM_TRY(pictures,
                  view.draw(
@@ -142,7 +144,7 @@ Result<Picture> align_preview(const Finished& job, View& view, const ShadeShifte
                 near ? position_words(of_row.position) : name);
     }
   }
-  view.show(whole);
+  view.show(whole, false);
   std::string place;
   for (int axis = 0; axis < 3; ++axis) place += (axis == 0 ? "" : ", ") + decimal(change.place[axis], 0);
   return tiles.finished(

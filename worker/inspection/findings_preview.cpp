@@ -32,7 +32,8 @@ Result<Picture> findings_preview(const std::vector<Warning>& warnings, View& vie
 }
 
 Result<Picture> findings_preview(const Mold& mold, const Context& context) {
-  View view(mold.mesh, mold.mesh.vertices, preview_side, preview_side, caption_top, caption_bottom);
+  View view(mold.mesh, mold.mesh.vertices, side_letters(mold.findings.left_side), preview_side, preview_side,
+            caption_top, caption_bottom);
   VACUFORM_TRY(pictures, view.draw(
                              1, [](const Seen& at, Rgb* colour) { *colour = bare(at); }, context, 0, 0.86));
   return findings_preview(mold.warnings, view, std::move(pictures.front()), context);

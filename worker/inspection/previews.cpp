@@ -16,6 +16,7 @@
 #include "worker/inspection/flat_previews.hpp"
 #include "worker/inspection/picture_png.hpp"
 #include "worker/inspection/segment_colours.hpp"
+#include "worker/inspection/side_marks.hpp"
 #include "worker/inspection/tiles.hpp"
 #include "worker/inspection/vertex_figures.hpp"
 #include "worker/inspection/view.hpp"
@@ -190,12 +191,12 @@ Result<Around> views(const Finished& job, const Distortion& after, View& view, c
   Tiles tiles(static_cast<int>(std::size(five_sides)));
   Around out;
   for (std::size_t i = 0; i < std::size(five_sides); ++i) {
-    view.look_from(five_sides[i].first, tile_width, tile_height, tile_label, 0);
+    view.look_from(five_sides[i], tile_width, tile_height, tile_label, 0);
     VACUFORM_TRY(pictures,
                  view.draw(
                      1, [&](const Seen& seen, Rgb* colour) { *colour = inked(job, with(flat(seen)), seen); },
                      context, 0.7 + 0.01 * static_cast<double>(i), 0.71 + 0.01 * static_cast<double>(i)));
-    tiles.put(static_cast<int>(i), pictures.front(), five_sides[i].second);
+    tiles.put(static_cast<int>(i), pictures.front(), side_words(five_sides[i], view.letters()));
     out.tiles.push_back(std::move(pictures.front()));
   }
   out.whole = tiles.finished(
@@ -233,7 +234,10 @@ Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& 
   Distortion before, after;
   std::optional<View> seen_from;
   together(
-      [&] { seen_from.emplace(job.sheet, preview_side, preview_side, caption_top, caption_bottom); },
+      [&] {
+        seen_from.emplace(job.sheet, side_letters(job.mold.findings.left_side), preview_side, preview_side,
+                          caption_top, caption_bottom);
+      },
       [&] {
         before = distortion(job.surface, job.flattening.triangles,
                             corners_of(job.sheet, job.flattening, job.sheet.rest));

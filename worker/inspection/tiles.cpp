@@ -30,7 +30,7 @@ Picture Tiles::finished(const Caption& caption) {
     for (std::size_t i = 0; i < labels_.size(); ++i) {
       const int column = static_cast<int>(i) % tile_columns, row = static_cast<int>(i) / tile_columns;
       canvas.text(labels_[i], column * tile_width + 14, caption_top + row * tile_height + 23, 18, true, 0,
-                  0.2f);
+                  0.2f, tile_width - 28);
     }
   }
   return std::move(whole_);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
 
 #include "worker/inspection/caption.hpp"
 
@@ -13,12 +12,8 @@ namespace vacuform {
 inline constexpr int tile_columns = 2, tile_width = 500, tile_height = 400, tile_label = 34;
 
 // The sides that a part is shown from.
-inline constexpr std::pair<View::Side, const char*> five_sides[] = {
-    {View::Side::straight_front, "Front"},
-    {View::Side::straight_back, "Back"},
-    {View::Side::left, "Left (-x)"},
-    {View::Side::right, "Right (+x)"},
-    {View::Side::above, "Above, front below"}};
+inline constexpr View::Side five_sides[] = {View::Side::straight_front, View::Side::straight_back,
+                                            View::Side::minus_x, View::Side::plus_x, View::Side::above};
 
 class Tiles {
  public:

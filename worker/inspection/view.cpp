@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/inspection/side_marks.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/vertex_normals.hpp"
 
@@ -11,10 +12,11 @@ namespace vacuform {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double from_the_front = -28 * M_PI / 180, slanted = 52 * M_PI / 180;
+// Azimuths are those of the eye, from +y towards -x.
+constexpr double from_the_front = 28 * M_PI / 180, slanted = 52 * M_PI / 180;
 constexpr double straight = 18 * M_PI / 180;   // so that the foot is visible
 constexpr double half_view = 11 * M_PI / 180;  // a long lens: little perspective
-const Vector3d key_light = Vector3d(-0.55, -0.45, 0.75).normalized();
+const Vector3d key_light = Vector3d(0.25, 0.67, 0.75).normalized();
 
 const Vector3d& at(const std::vector<Vector3d>& points, int i) { return points[static_cast<std::size_t>(i)]; }
 
@@ -89,10 +91,11 @@ std::uint32_t pixel_of(const Rgb& c) {
 
 }  // namespace
 
-View::View(TriangleMesh mesh, std::vector<Vector3d> shown, int width, int height, int top, int bottom,
-           bool shadows)
+View::View(TriangleMesh mesh, std::vector<Vector3d> shown, SideLetters letters, int width, int height,
+           int top, int bottom, bool shadows)
     : mesh_(std::move(mesh)),
       shown_(std::move(shown)),
+      letters_(std::move(letters)),
       width_(width),
       height_(height),
       top_(top),
@@ -106,8 +109,9 @@ View::View(TriangleMesh mesh, std::vector<Vector3d> shown, int width, int height
   frame();
 }
 
-View::View(const FormedSheet& sheet, int width, int height, int top, int bottom)
-    : View({sheet.formed, sheet.triangles}, drawn_part(sheet), width, height, top, bottom) {}
+View::View(const FormedSheet& sheet, SideLetters letters, int width, int height, int top, int bottom)
+    : View({sheet.formed, sheet.triangles}, drawn_part(sheet), std::move(letters), width, height, top,
+           bottom) {}
 
 void View::look_from(Side side, int height, int top, int bottom) {
   look_from(side, width_, height, top, bottom);
@@ -128,14 +132,14 @@ void View::look_from(Side side, int width, int height, int top, int bottom) {
     case Side::straight_back:
       azimuth_ = M_PI;
       break;
-    case Side::left:
-      azimuth_ = -M_PI / 2;
-      break;
-    case Side::right:
+    case Side::minus_x:
       azimuth_ = M_PI / 2;
       break;
+    case Side::plus_x:
+      azimuth_ = -M_PI / 2;
+      break;
     case Side::above:
-      azimuth_ = 0, elevation_ = M_PI / 2;
+      azimuth_ = M_PI, elevation_ = M_PI / 2;  // the front is at the top of the picture
       break;
   }
   frame();
@@ -143,9 +147,9 @@ void View::look_from(Side side, int width, int height, int top, int bottom) {
 
 // Moves the eye so that the part to be shown just fills the picture.
 void View::frame() {
-  back_ = {std::sin(azimuth_) * std::cos(elevation_), -std::cos(azimuth_) * std::cos(elevation_),
+  back_ = {-std::sin(azimuth_) * std::cos(elevation_), std::cos(azimuth_) * std::cos(elevation_),
            std::sin(elevation_)};
-  right_ = {std::cos(azimuth_), std::sin(azimuth_), 0};
+  right_ = {-std::cos(azimuth_), -std::sin(azimuth_), 0};
   up_ = back_.cross(right_);
   tangent_ = std::tan(half_view);
   const double room_x = 0.88 * tangent_;
@@ -287,6 +291,8 @@ Result<std::vector<Picture>> View::draw(int count, const std::function<void(cons
     VACUFORM_CHECK(context.step(Stage::inspection, lit + (to - lit) * (y - top_) / (end - top_)));
     in_parallel(y, std::min(y + band, end), rows);
   }
+  if (!detail_)
+    for (Picture& picture : pictures) write_sides(*this, letters_, picture, top_, end);
   return pictures;
 }
 

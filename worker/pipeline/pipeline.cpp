@@ -177,8 +177,9 @@ Result<std::vector<Artifact>> use_colours(const Inputs& inputs, const Identity& 
   VACUFORM_TRY(colours, colours_on(formed.sheet, formed.mold, *std::move(head.colours), inputs));
   VACUFORM_TRY(picture, picture_of(colours, s.sheet, looking.context()));
   const Placement placement = lay_flat(charted);
-  VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, {identity.label, inputs.reference},
-                                 printing.context(), &colours, profile));
+  const PrintLabel label{identity.label, inputs.reference, side_letters(formed.mold.findings.left_side)};
+  VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, label, printing.context(), &colours,
+                                 profile));
   const Alignment alignment{.shift_mm = -head.flattening.top_rest};
   const Finished job{s,           formed.mold, formed.sheet, head.surface, head.flattening, picture, print,
                      formed.heat, alignment,   nullptr,      &placement,   identity.label,  &colours};
@@ -239,8 +240,9 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
     below.emplace(std::move(colours));
   }
   const SheetColours* const colours = below ? &*below : nullptr;
-  VACUFORM_TRY(print, make_print(charted, pattern, lines, placement, s, {identity.label, inputs.reference},
-                                 printing.context(), colours, profile));
+  const PrintLabel label{identity.label, inputs.reference, side_letters(formed.mold.findings.left_side)};
+  VACUFORM_TRY(
+      print, make_print(charted, pattern, lines, placement, s, label, printing.context(), colours, profile));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   VACUFORM_TRY(alignment, align(charted, s.pattern));

@@ -7,8 +7,8 @@
 #include "api/version.hpp"
 #include "worker/pipeline/artifact_files.hpp"
 #include "worker/scan/findings_json.hpp"
-#include "worker/scan/left_side.hpp"
 #include "worker/scan/plug.hpp"
+#include "worker/scan/sides.hpp"
 #include "worker/stage/warning_json.hpp"
 
 namespace vacuform {
@@ -42,9 +42,9 @@ Result<Mold> made_or_kept(const Inputs& inputs, const Context& context) {
 
 Result<Mold> mold_of(const Inputs& inputs, const Context& context) {
   VACUFORM_TRY(mold, made_or_kept(inputs, context));
-  const ScanSettings& settings = inputs.settings.scan;
-  mold.findings.left_side = settings.left_side;
-  if (auto warning = left_side_warning(settings)) mold.warnings.push_back(std::move(*warning));
+  mold.findings.left_side = inputs.settings.scan.left_side;
+  if (inputs.settings.pattern.source != PatternSource::scan)
+    for (Warning& warning : side_warnings(mold.findings)) mold.warnings.push_back(std::move(warning));
   return mold;
 }
 

@@ -77,7 +77,7 @@ Line rectangle(const Vector2d& half, bool dashed) {
       .dashed = dashed};
 }
 
-// A cross in a circle. The one at the left front has two filled quadrants, so that a turned print can be recognised.
+// A cross in a circle. The one at the lower left has two filled quadrants, so that a turned print can be recognised.
 Mark registration(const std::string& name, const Vector2d& c, bool filled) {
   Mark mark{.name = name, .lines = {}, .circles = {{.centre = c, .radius = 2}}, .texts = {}};
   mark.lines = {segment(c - Vector2d(3, 0), c + Vector2d(3, 0)),
@@ -115,6 +115,24 @@ Mark t_arrow(double x) {
   mark.texts.push_back(
       {.at = {x + 2.9, 0}, .size = letter_mm, .centred = true, .upwards = true, .text = "+t, extrusion"});
   return mark;
+}
+
+// The letters of the patient's sides along the edges; +t is up, and +s to the right unless the print is mirrored.
+std::vector<Mark> sides(const SideLetters& letters, bool mirrored, const Vector2d& half, double ruler_mm,
+                        std::size_t legend_lines) {
+  if (letters.plus_y.empty()) return {};
+  constexpr double size = 4;
+  const auto mark = [&](const char* name, const Vector2d& at, const std::string& letter) {
+    return Mark{.name = name,
+                .lines = {},
+                .circles = {},
+                .texts = {{.at = at, .size = size, .centred = true, .text = letter}}};
+  };
+  const double above_legend = -half.y() + 2 + 3.2 * static_cast<double>(legend_lines);
+  return {mark("side-front", {-ruler_mm / 2 - 5, half.y() - 5.5}, letters.plus_y),
+          mark("side-back", {0, above_legend}, letters.minus_y),
+          mark("side-on-the-left", {-half.x() + 4, 15}, mirrored ? letters.plus_x : letters.minus_x),
+          mark("side-on-the-right", {half.x() - 4, 15}, mirrored ? letters.minus_x : letters.plus_x)};
 }
 
 Eigen::AlignedBox2d box_of(const Mark& mark) {
@@ -198,10 +216,10 @@ Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
   if ((opening.array() < half.array()).all()) all.push_back(std::move(window));
 
   const Vector2d corner = half - Vector2d(3.5, 3.5);
-  all.push_back(registration("registration-left-front", -corner, true));
-  all.push_back(registration("registration-right-front", {corner.x(), -corner.y()}, false));
-  all.push_back(registration("registration-left-back", {-corner.x(), corner.y()}, false));
-  all.push_back(registration("registration-right-back", corner, false));
+  all.push_back(registration("registration-lower-left", -corner, true));
+  all.push_back(registration("registration-lower-right", {corner.x(), -corner.y()}, false));
+  all.push_back(registration("registration-upper-left", {-corner.x(), corner.y()}, false));
+  all.push_back(registration("registration-upper-right", corner, false));
 
   const double room = 2 * half.x() - 16;
   const double ruler_mm = room >= 112 ? 100 : room >= 62 ? 50 : 20;
@@ -228,6 +246,8 @@ Marks lay_out_marks(const Settings& settings, const PrintLabel& label,
          .text = lines[i]});
   }
   all.push_back(std::move(legend));
+  for (Mark& letter : sides(label.sides, mirrored, half, ruler_mm, lines.size()))
+    all.push_back(std::move(letter));
 
   std::string left_out;
   int count_left_out = 0;

@@ -46,7 +46,8 @@ struct Marks {
   std::vector<Warning> warnings;   // "marks-left-out"
 };
 
-// Lays the marks out along the sheet's edge, print.margin_mm from it. A mark that would touch one of `taken`
+// Lays the marks out along the sheet's edge, print.margin_mm from it: frame, window, crosses to register by, ruler, the
+// direction of +t, the letters of the patient's sides, and a legend. A mark that would touch one of `taken`
 // (the boxes of the chart's triangles, print coordinates) is left out with a warning: marks never lie on the
 // pattern. `label` must be as printable() gives it.
 //

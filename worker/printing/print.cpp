@@ -43,7 +43,7 @@ std::string in_latin_1(const std::string& text, int& lost) {
 
 PrintLabel printable(const PrintLabel& label, std::vector<Warning>& warnings) {
   int of_job = 0, lost = 0;
-  const PrintLabel shown{in_latin_1(label.job, of_job), in_latin_1(label.reference, lost)};
+  const PrintLabel shown{in_latin_1(label.job, of_job), in_latin_1(label.reference, lost), label.sides};
   if (lost > 0)
     warnings.push_back(
         {.code = "reference-incomplete",

@@ -56,6 +56,9 @@ constexpr WarningKind kinds[] = {
     {"seams-not-enough", Severity::note, "Add cuts to pattern.seams."},
     {"segment-distorted", Severity::warning,
      "Keep ink away from the segment, or use a finer sheet.resolution_mm."},
+    {"side-unconfirmed", Severity::warning,
+     "Compare preview-views.png with the patient. Set scan.front if the face is elsewhere, then "
+     "scan.left_side=minus_x."},
     {"thin", Severity::warning, "Use a thicker sheet or a lower mold."},
     {"too-cold", Severity::serious, "Heat the sheet longer."},
     {"too-hot", Severity::serious, "Heat the sheet for a shorter time."},

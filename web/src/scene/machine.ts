@@ -57,16 +57,19 @@ export function sign(text: string, size: number, viewer: Viewer): Mesh {
   return mesh;
 }
 
-// Signs around a rectangle that reaches from -x to x and from -y to y, on the plane z. `left` unknown: the sides are named
-// by their axis.
+// The letters at -x, +x, +y and -y, as worker/scan/sides.hpp has them: with a question mark until a person has seen the
+// patient's left at -x.
+export const sideLetters: Record<LeftSide, readonly [string, string, string, string]> = {
+  minus_x: ['L', 'R', 'A', 'P'], plus_x: ['R', 'L', 'A?', 'P?'], unknown: ['L?', 'R?', 'A?', 'P?']};
+
+// Signs around a rectangle that reaches from -x to x and from -y to y, on the plane z.
 export function letters(viewer: Viewer, [w, h]: Point, z: number, size: number, left: LeftSide): Group {
   const group = new Group();
-  const [minus, plus] = left === 'unknown' ? ['−x', '+x'] : left === 'minus_x' ? ['L', 'R'] : ['R', 'L'];
-  for (const [text, x, y] of [[minus, -1, 0], [plus, 1, 0], ['A', 0, 1], ['P', 0, -1]] as const) {
-    const one = sign(text, size, viewer);
-    one.position.set(x * (w + size), y * (h + size), z + size / 2);
+  [[-1, 0], [1, 0], [0, 1], [0, -1]].forEach(([x, y], i) => {
+    const one = sign(sideLetters[left][i]!, size, viewer);
+    one.position.set(x! * (w + size), y! * (h + size), z + size / 2);
     group.add(one);
-  }
+  });
   return group;
 }
 

@@ -264,7 +264,7 @@ TEST(View, ThePlatformHasNoShadowAndTheFootNoSteps) {
       mesh.triangles.push_back({a, a + 1, a + n + 2});
       mesh.triangles.push_back({a, a + n + 2, a + n + 1});
     }
-  View view(mesh, mesh.vertices, 300, 300, 0, 0);
+  View view(mesh, mesh.vertices, {}, 300, 300, 0, 0);
   view.look_from(View::Side::above, 300, 0, 0);
   std::vector<std::pair<double, float>> platform;
   std::mutex mutex;
@@ -503,16 +503,16 @@ TEST(Previews, ShowTheDrawingAndTheHeat) {
 // shows from behind is shown from there.
 TEST(Previews, FindingsAreMarkedWhereTheyAre) {
   Job job = small_dome();
-  const Warning web{"webbing", "", {{{0, 52, 30}, 10}}};
+  const Warning web{"webbing", "", {{{0, -52, 30}, 10}}};
   job.sample.sheet.warnings = {
-      {"not-reached", "", {{{0, 0, 60}, 20}, {{20, 0, 56}, 20}}}, web, {"thin", "", {{{0, -52, 30}, 10}}}};
+      {"not-reached", "", {{{0, 0, 60}, 20}, {{20, 0, 56}, 20}}}, web, {"thin", "", {{{0, 52, 30}, 10}}}};
   const Finished finished = job.finished();
   const auto files = previews(finished, SheetPicture(finished), Context());
   ASSERT_TRUE(files);
   const Decoded marked = decode_png(file(*files, "preview-findings.png"));
   EXPECT_EQ(marked.width, 1000);
   EXPECT_EQ(marked.height, 1000 - caption_bottom + behind_height + 44 + 2 * 70);
-  const View view(job.sample.sheet, 1000, 1000, caption_top, caption_bottom);
+  const View view(job.sample.sheet, {}, 1000, 1000, caption_top, caption_bottom);
   for (const auto& place : {Vector3d(0, 0, 60), Vector3d(20, 0, 56)}) {
     const auto spot = view.spot(place);
     ASSERT_TRUE(spot);
@@ -534,10 +534,10 @@ TEST(Previews, FindingsAreMarkedWhereTheyAre) {
   EXPECT_FALSE(callouts.take_hidden(view).empty());
   EXPECT_TRUE(callouts.empty());
   // Just under the sheet at the back: deeper seen from the front.
-  Callouts under({{"webbing", "", {{{0, 40, 30}, 10}}}});
+  Callouts under({{"webbing", "", {{{0, -40, 30}, 10}}}});
   Callouts hidden = under.take_hidden(view);
   ASSERT_FALSE(hidden.empty());
-  View turned(job.sample.sheet, 1000, 1000, caption_top, caption_bottom);
+  View turned(job.sample.sheet, {}, 1000, 1000, caption_top, caption_bottom);
   turned.look_from(View::Side::behind, 1000, caption_top, caption_bottom);
   EXPECT_TRUE(hidden.take_no_better(turned).empty());
   EXPECT_FALSE(hidden.take_no_better(view).empty());

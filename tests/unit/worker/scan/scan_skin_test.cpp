@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/worker/scan/scan_shapes.hpp"
-#include "worker/scan/left_side.hpp"
 #include "worker/scan/outliers.hpp"
 #include "worker/scan/shells.hpp"
+#include "worker/scan/sides.hpp"
 #include "worker/scan/upright.hpp"
 #include "worker/scan/welding.hpp"
 
@@ -153,32 +153,34 @@ TEST(Front, TheNamedSideComesToTheFront) {
   }
 }
 
-TEST(LeftSide, WarnsOnlyWhereTheFaceIsKnown) {
-  struct Row {
-    FrontSide front;
-    double yaw_deg;
-    LeftSide left;
-    bool warns;
+TEST(Sides, AreInDoubtUntilAPersonSawTheLeftAtMinusX) {
+  const auto joined = [](LeftSide left) {
+    const SideLetters l = side_letters(left);
+    return l.minus_x + " " + l.plus_x + " " + l.plus_y + " " + l.minus_y + " " + l.plus_z;
   };
-  for (const Row& row : {Row{FrontSide::automatic, 0, LeftSide::plus_x, false},
-                         Row{FrontSide::plus_y, 0, LeftSide::unknown, false},
-                         Row{FrontSide::plus_y, 0, LeftSide::minus_x, false},
-                         Row{FrontSide::plus_y, 0, LeftSide::plus_x, true},
-                         Row{FrontSide::minus_x, 20, LeftSide::plus_x, true},
-                         Row{FrontSide::plus_y, 180, LeftSide::plus_x, false},
-                         Row{FrontSide::plus_y, 180, LeftSide::minus_x, true},
-                         Row{FrontSide::plus_y, 90, LeftSide::minus_x, false},
-                         Row{FrontSide::plus_y, -90, LeftSide::plus_x, false}}) {
-    ScanSettings settings;
-    settings.front = row.front;
-    settings.yaw_deg = row.yaw_deg;
-    settings.left_side = row.left;
-    const auto warning = left_side_warning(settings);
-    EXPECT_EQ(warning.has_value(), row.warns)
-        << name(row.front) << " " << row.yaw_deg << " " << name(row.left);
-    if (!warning) continue;
-    EXPECT_EQ(warning->severity(), Severity::warning);
-    EXPECT_NE(warning->what_to_do().find("scan.mirror=yes"), std::string::npos);
+  EXPECT_EQ(joined(LeftSide::minus_x), "L R A P H");
+  EXPECT_EQ(joined(LeftSide::plus_x), "R L A? P? H");
+  EXPECT_EQ(joined(LeftSide::unknown), "L? R? A? P? H");
+}
+
+TEST(Sides, WarnOfWhatNobodyConfirmedAndOfALeftAtPlusX) {
+  const auto warned = [](LeftSide left, bool front_assumed) {
+    ScanFindings findings;
+    findings.left_side = left;
+    findings.front_assumed = front_assumed;
+    return side_warnings(findings);
+  };
+  for (const bool assumed : {false, true}) {
+    EXPECT_TRUE(warned(LeftSide::minus_x, assumed).empty());
+    const auto turned = warned(LeftSide::plus_x, assumed);
+    ASSERT_EQ(turned.size(), 1u);
+    EXPECT_EQ(turned[0].code, "mirrored-or-turned");
+    EXPECT_NE(turned[0].what_to_do().find("scan.mirror=yes"), std::string::npos);
+    const auto unconfirmed = warned(LeftSide::unknown, assumed);
+    ASSERT_EQ(unconfirmed.size(), 1u);
+    EXPECT_EQ(unconfirmed[0].code, "side-unconfirmed");
+    EXPECT_EQ(unconfirmed[0].severity(), Severity::warning);
+    EXPECT_EQ(unconfirmed[0].text.find("face is taken to be at +y") != std::string::npos, assumed);
   }
 }
 
