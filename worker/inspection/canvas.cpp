@@ -36,8 +36,8 @@ double Canvas::text(const std::string& words, double x, double y, double size, b
   cairo_text_extents(cairo(), words.c_str(), &extents);
   if (along > 0) room = std::min(room, (x - margin) / along);
   if (along < 1) room = std::min(room, (width_ - margin - x) / (1 - along));
-  if (extents.x_advance > room && room > 0) {
-    size *= room / extents.x_advance;
+  while (extents.x_advance > room && room > 0) {  // widths are rounded at each size
+    size *= 0.99 * room / extents.x_advance;
     cairo_set_font_size(cairo(), size);
     cairo_text_extents(cairo(), words.c_str(), &extents);
   }

@@ -157,11 +157,11 @@ Picture print_preview(const Finished& job, const SheetPicture& print, int side) 
   scale_bar(canvas, frame, side);
   const SideLetters letters = side_letters(job.mold.findings.left_side);
   const bool mirrored = job.print.mirrored;
-  constexpr double away = 24;
+  constexpr double away = 24, above = 15;
   const Vector2d upper_left = frame.pixel({-size.x() / 2, size.y() / 2}),
                  lower_right = frame.pixel({size.x() / 2, -size.y() / 2});
-  write_letter(canvas, letters.plus_y, frame.middle_x, upper_left.y() - away);
-  write_letter(canvas, letters.minus_y, frame.middle_x, lower_right.y() + away);
+  write_letter(canvas, letters.plus_y, frame.middle_x, upper_left.y() - above);
+  write_letter(canvas, letters.minus_y, frame.middle_x, lower_right.y() + above);
   write_letter(canvas, mirrored ? letters.plus_x : letters.minus_x, upper_left.x() - away, frame.middle_y);
   write_letter(canvas, mirrored ? letters.minus_x : letters.plus_x, lower_right.x() + away, frame.middle_y);
   return picture;

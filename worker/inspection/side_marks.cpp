@@ -73,16 +73,16 @@ void write_sides(const View& view, const SideLetters& letters, Picture& picture,
                {letters.plus_x, {1, 0, 0}, {box.max().x() + away, middle.y(), low}},
                {letters.minus_y, {0, -1, 0}, {middle.x(), box.min().y() - away, low}},
                {letters.plus_y, {0, 1, 0}, {middle.x(), box.max().y() + away, low}},
-               {letters.plus_z, {0, 0, 1}, {middle.x(), middle.y(), box.max().z() + away}}};
-  constexpr double straight = 0.98, hidden_mm = 1;
+               {letters.plus_z, {0, 0, 1}, {middle.x(), middle.y(), box.max().z() + 1.5 * away}}};
+  constexpr double straight = 0.98, steep = 0.7, hidden_mm = 1;
   const double side = 0.8 * letter_size;
   Canvas canvas(picture);
   for (const auto& sign : signs) {
-    if (sign.towards.dot(view.towards_eye()) > straight) continue;
+    if (sign.towards.dot(view.towards_eye()) > (sign.towards.z() > 0 ? steep : straight)) continue;
     const auto spot = view.spot(sign.place);
     if (!spot || spot->behind_mm > hidden_mm) continue;
     write_letter(canvas, sign.letter, std::clamp(spot->x, side, picture.width - side),
-          std::clamp(spot->y, top + side, bottom - side));
+                 std::clamp(spot->y, top + side, bottom - side));
   }
 }
 

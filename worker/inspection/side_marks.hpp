@@ -12,7 +12,7 @@ namespace vacuform {
 std::string side_words(View::Side side, const SideLetters& letters);
 
 // Writes the letters around the part in a picture that `view` drew, between the rows `top` and `bottom`. A letter that the
-// part hides, or that would lie on it because the eye is straight above it, is left out.
+// part hides, or that would lie on it because the eye is above it, is left out.
 void write_sides(const View& view, const SideLetters& letters, Picture& picture, int top, int bottom);
 
 // Writes one letter about a point, with a white edge.

@@ -213,13 +213,13 @@ TEST(FormedGlb, NormalsPointOutOfADome) {
   EXPECT_GT(on_dome, 100);
 }
 
-TEST(FormedGlb, TheNodeTakesMillimetresWithZUpToMetresWithYUp) {
+TEST(FormedGlb, TheNodeTakesMillimetresWithZUpToMetresWithYUpAndTheFrontAtZ) {
   const Glb glb = glb_of_job(small_dome());
   const auto& node = glb.json["nodes"].at(glb.json["scenes"][0]["nodes"][0].get<std::size_t>());
   EXPECT_EQ(node["mesh"], 0);
   const std::vector<double> m = node["matrix"];
   const Eigen::Vector4d there = Eigen::Map<const Eigen::Matrix4d>(m.data()) * Eigen::Vector4d(10, 20, 30, 1);
-  EXPECT_NEAR((there - Eigen::Vector4d(0.01, 0.03, -0.02, 1)).norm(), 0, 1e-12);
+  EXPECT_NEAR((there - Eigen::Vector4d(-0.01, 0.03, 0.02, 1)).norm(), 0, 1e-12);
 }
 
 TEST(FormedGlb, ShapeAndAreaAreThoseOfTheStretchAndZeroOffTheChart) {

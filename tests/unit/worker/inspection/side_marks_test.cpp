@@ -63,18 +63,17 @@ TEST(SideLetters, AreOnTheirSideOfEveryPicture) {
     Side side;
     int right, down;  // of the middle of the picture: -1, 0 or 1; 2: not there
   };
-  for (const Row& row : {Row{left, Side::straight_front, 1, 0}, Row{right, Side::straight_front, -1, 0},
-                         Row{head, Side::straight_front, 0, -1}, Row{back, Side::straight_front, 2, 2},
-                         Row{left, Side::straight_back, -1, 0}, Row{right, Side::straight_back, 1, 0},
-                         Row{front, Side::straight_back, 2, 2}, Row{front, Side::minus_x, -1, 0},
-                         Row{back, Side::minus_x, 1, 0}, Row{right, Side::minus_x, 2, 2},
-                         Row{front, Side::plus_x, 1, 0}, Row{back, Side::plus_x, -1, 0},
-                         Row{front, Side::above, 0, -1}, Row{back, Side::above, 0, 1},
-                         Row{left, Side::above, -1, 0}, Row{right, Side::above, 1, 0},
-                         Row{head, Side::above, 2, 2}}) {
+  for (const Row& row :
+       {Row{left, Side::straight_front, 1, 0}, Row{right, Side::straight_front, -1, 0},
+        Row{head, Side::straight_front, 0, -1}, Row{back, Side::straight_front, 2, 2},
+        Row{left, Side::straight_back, -1, 0}, Row{right, Side::straight_back, 1, 0},
+        Row{front, Side::straight_back, 2, 2}, Row{front, Side::minus_x, -1, 0},
+        Row{back, Side::minus_x, 1, 0}, Row{right, Side::minus_x, 2, 2}, Row{front, Side::plus_x, 1, 0},
+        Row{back, Side::plus_x, -1, 0}, Row{front, Side::above, 0, -1}, Row{back, Side::above, 0, 1},
+        Row{left, Side::above, -1, 0}, Row{right, Side::above, 1, 0}, Row{head, Side::above, 2, 2}}) {
     const auto spot = letter_at(row.letter, row.side);
-    const std::string words = side_words(row.side, row.letter) + " of " + row.letter.minus_x + row.letter.plus_x +
-                              row.letter.plus_y + row.letter.minus_y + row.letter.plus_z;
+    const std::string words = side_words(row.side, row.letter) + " of " + row.letter.minus_x +
+                              row.letter.plus_x + row.letter.plus_y + row.letter.minus_y + row.letter.plus_z;
     ASSERT_EQ(spot.has_value(), row.right != 2) << words;
     if (!spot) continue;
     const auto third = [](double at, double size) { return at < size / 3 ? -1 : at > 2 * size / 3 ? 1 : 0; };
@@ -109,11 +108,15 @@ TEST(Captions, FitAtAnyNumber) {
   CoilTable table;
   table.coils.resize(512);
   table.with.coils = 511;
-  table.with.mean_shape_error = 9.8765, table.with.worst_shape_error = 123.4567, table.with.mean_area_error = 45.6789;
+  table.with.mean_shape_error = 9.8765, table.with.worst_shape_error = 123.4567,
+  table.with.mean_area_error = 45.6789;
   const std::string longest = coils_caption(table, &CoilTable::with);
   for (const std::string& figures : {longest, ink_caption(0.1234, 0.1111), colours_caption(0.4567)}) {
     Picture picture{1000, 1000, std::vector<std::uint32_t>(1'000'000, 0xffffffffu)};
-    write({"The pre-distorted print, formed over a head with a very long title that nobody shortened", figures, {}, figures},
+    write({"The pre-distorted print, formed over a head with a very long title that nobody shortened",
+           figures,
+           {},
+           figures},
           picture);
     EXPECT_TRUE(clear_at_the_right(picture, 0, caption_top)) << figures;
     EXPECT_TRUE(clear_at_the_right(picture, 1000 - caption_bottom, 1000)) << figures;
