@@ -46,7 +46,7 @@ struct ScanSettings {
       Mirror::automatic;  // of the upright scan in x = 0; automatic: not, with a warning where it might be
   double roll_deg = 0, pitch_deg = 0, yaw_deg = 0;  // then turned about x, y, z, in this order
   FrontSide front =
-      FrontSide::automatic;  // of the scan before its yaw: comes to +y; automatic: is taken to be there
+      FrontSide::automatic;  // of the scan before its yaw: comes to +y; automatic: +Z of a glTF file, else +y
   LeftSide left_side = LeftSide::unknown;  // of the placed mold, where a person saw the patient's left
   std::optional<double> trim_mm;  // height above the scan's lowest point; none: where undercuts begin
   double clearance_mm = 0;        // offset skin for padding or hair

@@ -29,7 +29,7 @@ def texture(left, right):
 def coloured_dome(picture):
     """A dome of 45 mm whose texture is laid over it from above, from its left (x = -50 mm) to its right."""
     points, faces = hostile.dome()
-    vertices = b"".join(struct.pack("<5f", x, z, -y, x / 100 + 0.5, 0.5 - y / 100) for x, y, z in points)
+    vertices = b"".join(struct.pack("<5f", -x, z, y, x / 100 + 0.5, 0.5 - y / 100) for x, y, z in points)
     indices = b"".join(struct.pack("<3I", *face) for face in faces)
     views, at = [], 0
     for part, more in ((vertices, {"byteStride": 20}), (indices, {}), (picture, {})):

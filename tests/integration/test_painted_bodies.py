@@ -95,7 +95,7 @@ class Body:
         return theirs[1] > round(v * 90 / NET) * NET / 90
 
     def glb(self, picture):
-        vertices = b"".join(struct.pack("<5f", x, z, -y, u, v) for (x, y, z), (u, v) in zip(self.points, self.uv))
+        vertices = b"".join(struct.pack("<5f", -x, z, y, u, v) for (x, y, z), (u, v) in zip(self.points, self.uv))
         parts = (vertices, {"byteStride": 20}), (b"".join(struct.pack("<3I", *f) for f in self.faces), {}), (picture, {})
         views, at = [], 0
         for part, more in parts:

@@ -46,8 +46,10 @@ void print_text(const ScanInspection& inspection) {
   line("unit", f.size_given ? "none, scaled to the size given"
                             : std::string(name(f.unit)) + (f.unit_guessed ? " (guessed)" : " (given)"));
   line("up", std::string(name(f.up)) + (f.up_guessed ? " (guessed)" : " (given)"));
-  line("front",
-       std::string(name(f.front)) + " of the upright scan" + (f.front_assumed ? " (assumed)" : " (given)"));
+  line("front", std::string(name(f.front)) + " of the upright scan" +
+                    (f.front_assumed       ? " (assumed)"
+                     : f.front_from_format ? " (+z of the file, as the format defines)"
+                                           : " (given)"));
   if (f.left_side != LeftSide::unknown)
     line("left", std::string(f.left_side == LeftSide::minus_x ? "-x" : "+x") +
                      " of the mold (confirmed by a person)");

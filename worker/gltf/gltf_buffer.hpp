@@ -58,7 +58,8 @@ struct GltfBuffer {
   GltfJson add_png(const char* name, const std::vector<std::uint8_t>& png);
 };
 
-// A node's matrix, by columns: from (x, y, z) in mm, z up, front +y, to (-x, z, y) in metres, y up, front +z, as glTF has it.
+// A node's matrix, by columns: from (x, y, z) in mm, z up and +y in front, to (-x, z, y) in metres: glTF defines +Y as up and
+// +Z as the front.
 GltfJson gltf_matrix_from_mm();
 
 // The file: `json`, with the buffer's members added, and the buffer.

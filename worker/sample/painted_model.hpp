@@ -28,7 +28,7 @@ struct PaintedModel {
 // The mask is 144 x 192 x 73 mm, the figurine (a penguin on its back) 134 x 197 x 46 mm. Deterministic.
 PaintedModel painted_model(Model model);
 
-// The model with its texture of 2048 x 2048 pixels as a GLB; +Y is up there, metres.
+// The model with its texture of 2048 x 2048 pixels as a GLB; +Y is up there, the model's +y at +Z, metres.
 std::vector<std::uint8_t> painted_glb(Model model);
 
 }  // namespace vacuform

@@ -8,7 +8,7 @@
 
 namespace vacuform {
 
-// `mesh` in mm, Z up; +Y is up in the file, and lengths are metres. `uv` of each vertex, as in glTF: v down. `picture`: PNG,
+// `mesh` in mm, Z up, front +Y; +Y is up in the file, +Z in front, and lengths are metres. `uv` of each vertex, as in glTF: v down. `picture`: PNG,
 // or JPEG, which readers know by its first bytes.
 std::vector<std::uint8_t> textured_glb(const TriangleMesh& mesh, const std::vector<Eigen::Vector2d>& uv,
                                        const std::vector<std::uint8_t>& picture, const char* name);

@@ -27,6 +27,7 @@ Json scan_json(const ScanFindings& f) {
           {"up", name(f.up)},
           {"up_guessed", f.up_guessed},
           {"front", name(f.front)},
+          {"front_from_format", f.front_from_format},
           {"front_assumed", f.front_assumed},
           {"mirrored", f.mirrored},
           {"left_side", name(f.left_side)},

@@ -228,9 +228,15 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(),
                                    longest_side(stood), mold));
   stood = {};
-  findings.front = settings.front == FrontSide::automatic ? FrontSide::plus_y : settings.front;
-  findings.front_assumed = settings.front == FrontSide::automatic;
-  const Eigen::Matrix3d upright = scan_turn(settings, findings.up);
+  ScanSettings settled = settings;  // with the front that is used
+  if (settings.front == FrontSide::automatic) {
+    const auto told = scan.y_up ? front_of_gltf(settings, findings.up) : std::nullopt;
+    findings.front_from_format = told.has_value();
+    findings.front_assumed = !told;
+    settled.front = told.value_or(FrontSide::plus_y);
+  }
+  findings.front = settled.front;
+  const Eigen::Matrix3d upright = scan_turn(settled, findings.up);
   turn(skin.mesh, Eigen::Matrix3d::Identity(), scale);
   turn(skin.mesh, upright, 1);
   const Eigen::Vector3d foot = stand_on_floor(skin.mesh);
@@ -244,7 +250,7 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   VACUFORM_TRY(closed, close(skin, settings.clearance_mm, mold, progress));
   skin = {};
   VACUFORM_CHECK(progress.reach(0.6));
-  VACUFORM_TRY(trim, choose_trim(closed, settings, findings, principal * upright, file_name, progress));
+  VACUFORM_TRY(trim, choose_trim(closed, settled, findings, principal * upright, file_name, progress));
   findings.trim_mm = trim.height_mm;
   findings.trim_chosen = !settings.trim_mm;
   VACUFORM_CHECK(progress.reach(0.9));

@@ -42,7 +42,8 @@ struct ScanFindings {
   UpAxis up = UpAxis::plus_z;  // as used
   bool up_guessed = false;
   FrontSide front = FrontSide::plus_y;  // of the upright scan, turned to +y of the mold before the yaw
-  bool front_assumed = false;
+  bool front_from_format = false;  // glTF defines +Z of the file as the front
+  bool front_assumed = false;      // neither given nor told by the format
   LeftSide left_side = LeftSide::unknown;  // as a person saw it; make_mold() does not set it
   bool mirrored = false;                   // left and right swapped, as scan.mirror asked
   int outliers_dropped = 0;                // vertices far from all others

@@ -30,7 +30,7 @@ inline constexpr ScanLimits scan_limits;
 struct ScanFile {
   std::string format;  // "STL (binary)", "PLY (ASCII)", "OBJ", ...
   TriangleMesh mesh;   // as in the file: not welded, any orientation, any unit; at least one triangle
-  bool y_up = false;   // the format itself says that +Y is up (glTF)
+  bool y_up = false;   // the format itself says that +Y is up and +Z is the front (glTF)
   std::optional<ScanColours> colours = {};  // if they were asked for and the file has any
 };
 

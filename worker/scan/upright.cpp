@@ -237,9 +237,28 @@ Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const Sc
 
 }  // namespace
 
-Eigen::Matrix3d scan_turn(const ScanSettings& settings, UpAxis up) {
-  Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity(), front = mirror;
+namespace {
+
+// Up, mirrored in x = 0, roll and pitch: all that comes before the front.
+Eigen::Matrix3d turn_before_front(const ScanSettings& settings, UpAxis up) {
+  Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
   if (settings.mirror == Mirror::yes) mirror(0, 0) = -1;
+  return upright_turn(UpAxis::plus_z, settings.roll_deg, settings.pitch_deg, 0) * mirror *
+         upright_turn(up, 0, 0, 0);
+}
+
+}  // namespace
+
+std::optional<FrontSide> front_of_gltf(const ScanSettings& settings, UpAxis up) {
+  const Eigen::Vector3d front = turn_before_front(settings, up).col(2);
+  const double x = std::abs(front.x()), y = std::abs(front.y());
+  if (std::max(x, y) == 0 || std::abs(front.z()) > std::hypot(x, y)) return std::nullopt;
+  if (x > y) return front.x() > 0 ? FrontSide::plus_x : FrontSide::minus_x;
+  return front.y() > 0 ? FrontSide::plus_y : FrontSide::minus_y;
+}
+
+Eigen::Matrix3d scan_turn(const ScanSettings& settings, UpAxis up) {
+  Eigen::Matrix3d front = Eigen::Matrix3d::Identity();
   switch (settings.front) {
     case FrontSide::plus_x:
       front << 0, -1, 0, 1, 0, 0, 0, 0, 1;
@@ -254,9 +273,7 @@ Eigen::Matrix3d scan_turn(const ScanSettings& settings, UpAxis up) {
     case FrontSide::automatic:
       break;
   }
-  return upright_turn(UpAxis::plus_z, 0, 0, settings.yaw_deg) * front *
-         upright_turn(UpAxis::plus_z, settings.roll_deg, settings.pitch_deg, 0) * mirror *
-         upright_turn(up, 0, 0, 0);
+  return upright_turn(UpAxis::plus_z, 0, 0, settings.yaw_deg) * front * turn_before_front(settings, up);
 }
 
 Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, double yaw_deg) {

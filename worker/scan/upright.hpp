@@ -1,6 +1,7 @@
 // Properties that a scan file does not state: its unit and which way is up.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "api/settings.hpp"
@@ -44,6 +45,10 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
 // The rotation that brings `up` to +z: about the single axis that needs the smallest angle. Then roll, pitch and yaw
 // about the fixed axes x, y and z, in this order.
 Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, double yaw_deg);
+
+// Where +Z of the file, which glTF defines as the front of an asset, points in the upright scan: after up, mirror, roll
+// and pitch. Nothing if it points less than 45 degrees from the vertical.
+std::optional<FrontSide> front_of_gltf(const ScanSettings& settings, UpAxis up);
 
 // All that the settings apply to a scan whose up axis is known: up, mirrored in x = 0, roll, pitch, the front to +y,
 // yaw.

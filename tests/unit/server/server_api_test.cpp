@@ -715,6 +715,9 @@ TEST(Pages, ListWhatWasLeftOutOfTheScan) {
     EXPECT_NE(html.find("left</dt><dd>+x, confirmed by a person</dd>"), std::string::npos) << html;
     EXPECT_EQ(html.find("Fits the machine"), std::string::npos);
   }
+  made["scan"]["front_from_format"] = true;
+  EXPECT_NE(job_page(job, made).main.find("<dt>Face</dt><dd>+x (as the format defines), mirrored</dd>"),
+            std::string::npos);
   made["fits"] = true;
   EXPECT_NE(job_page(job, made).main.find("<dt>Fits the machine</dt><dd>yes</dd>"), std::string::npos);
 }

@@ -21,7 +21,7 @@ export interface Mesh {
 }
 export interface ScanMesh extends Mesh {
   format: string;
-  yUp: boolean;  // the format itself says that +y is up
+  yUp: boolean;  // the format itself says that +y is up and +z is the front
 }
 export type Progress = (share: number) => void;
 

@@ -15,6 +15,7 @@ export interface ScanFacts {
   high: [number, number, number];
   insideOut: boolean;              // its triangles face inwards: reversed, or a mirror image
   up: {axis: Axis; told: boolean}; // told: by the format or by the opening of the scan; otherwise a guess
+  zFront: boolean;                 // the format says that +z of the file is the front
 }
 
 const vector = (axis: Axis): number[] => ['x', 'y', 'z'].map((name) => axis[1] !== name ? 0 : axis[0] === '+' ? 1 : -1);
@@ -40,7 +41,7 @@ export function factsOf(mesh: ScanMesh): ScanFacts {
     sum[2]! += z;
   });
   const inwards = volume < 0;
-  return {format: mesh.format, triangles: indices.length / 3, low, high, insideOut: inwards,
+  return {format: mesh.format, triangles: indices.length / 3, low, high, insideOut: inwards, zFront: mesh.yUp,
           up: mesh.yUp ? {axis: '+y', told: true} : upOf(mesh, low, high, inwards ? sum.map((value) => -value) : sum, area)};
 }
 

@@ -36,6 +36,14 @@ export function turnOf(p: Placement): Matrix3 {
   return turns.reduce((done, turn) => times(turn, done)).map((value) => value * p.scale);
 }
 
+// Where +z of the file, which glTF defines as the front of an asset, points in the upright scan, before the front is turned.
+// Undefined if it points less than 45 degrees from the vertical.
+export function frontOfGltf(p: Pick<Placement, 'up' | 'mirror' | 'roll' | 'pitch'>): Placement['front'] | undefined {
+  const m = turnOf({...p, scale: 1, front: '+y', yaw: 0}), [x, y, z] = [m[2]!, m[5]!, m[8]!];
+  if (Math.abs(z) > Math.hypot(x, y)) return undefined;
+  return Math.abs(x) > Math.abs(y) ? (x > 0 ? '+x' : '-x') : y > 0 ? '+y' : '-y';
+}
+
 // The tilt that turns a placed scan about the axis nearest to the picture's horizontal one, and the sign with which the side
 // in front goes down. One looks from `azimuth`: 0 degrees from the front, 90 from -x.
 export function tilting(azimuth: number, front: Placement['front'], yaw: number): ['roll' | 'pitch', number] {

@@ -146,7 +146,7 @@ export const bySeverity = (warnings: readonly Warning[]): Warning[] =>
 export interface Report {
   label?: string;
   scan: {format: string; triangles_read: number; unit: string; unit_guessed: boolean; up: string; up_guessed: boolean;
-         front: string; front_assumed: boolean; mirrored: boolean; holes_closed: number; holes_capped: number;
+         front: string; front_from_format: boolean; front_assumed: boolean; mirrored: boolean; holes_closed: number; holes_capped: number;
          rebuilt: boolean; size_mm: readonly number[]; trim_mm: number | null};
   mold: {size_mm: readonly number[]; undercut_count: number};
   print?: {inked_face: string; mirrored: boolean; ruler_mm?: number | null};

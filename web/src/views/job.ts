@@ -261,7 +261,7 @@ class JobView extends View {
           [t('job.unit'), guessed(scan.unit, scan.unit_guessed)],
           [t('job.size'), size(scan.size_mm)],
           [t('job.up'), guessed(scan.up, scan.up_guessed)],
-          [t('job.front'), guessed(scan.front, scan.front_assumed)],
+          [t('job.front'), scan.front_from_format ? t('job.from_format', {text: scan.front}) : guessed(scan.front, scan.front_assumed)],
           [t('job.holes'), number(scan.holes_closed + scan.holes_capped)],
           scan.trim_mm !== null && [t('job.trim'), `${number(scan.trim_mm, 1)} mm`],
           [t('job.mold_size'), size(mold.size_mm)],

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {axes} from '../../src/read/facts';
-import {place, turnOf, type Matrix3, type Placement} from '../../src/read/place';
+import {frontOfGltf, place, turnOf, type Matrix3, type Placement} from '../../src/read/place';
 
 const plain: Placement = {scale: 1, up: '+z', mirror: false, roll: 0, pitch: 0, front: '+y', yaw: 0};
 const apply = (m: Matrix3, p: number[]): number[] =>
@@ -19,6 +19,16 @@ test('brings each up axis to the ceiling without mirroring', () => {
 
 test('brings each front side to +y', () => {
   for (const front of ['+x', '-x', '+y', '-y'] as const) assert.deepEqual(apply(turnOf({...plain, front}), unit(front)), [0, 1, 0]);
+});
+
+test('finds the front of a glTF file, its +z, in the upright scan', () => {
+  const of = (up: Placement['up'], mirror = false, roll = 0, pitch = 0): string => frontOfGltf({up, mirror, roll, pitch}) ?? 'none';
+  assert.deepEqual(axes.map((up) => `${up} ${of(up)}`), ['+x -x', '-x +x', '+y -y', '-y +y', '+z none', '-z none']);
+  assert.deepEqual([of('+x', true), of('-x', true), of('+y', true)], ['+x', '-x', '-y']);
+  assert.deepEqual([of('+y', false, 40), of('+y', false, 50), of('+z', false, 50), of('+z', false, 0, 90)], ['-y', 'none', '-y', '+x']);
+  for (const up of ['+x', '-x', '+y', '-y'] as const)
+    for (const mirror of [false, true])
+      assert.deepEqual(apply(turnOf({...plain, up, mirror, front: frontOfGltf({up, mirror, roll: 0, pitch: 0})!}), [0, 0, 1]), [0, 1, 0]);
 });
 
 test('turns in the fixed order: up, mirror, roll, pitch, front, yaw', () => {

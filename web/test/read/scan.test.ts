@@ -22,6 +22,7 @@ for (const [name, bytes] of all())
     facts.low.forEach((value, k) => assert.ok(Math.abs(value - [-50, -75, 0][k]!) < 1e-3, `${facts.low}`));
     facts.high.forEach((value, k) => assert.ok(Math.abs(value - [50, 75, 200][k]!) < 1e-3, `${facts.high}`));
     assert.equal(facts.insideOut, false);
+    assert.equal(facts.zFront, name.endsWith('.glb'));  // of these formats, only glTF defines a front
   });
 
 test('knows the formats by their bytes, whatever the name says', () => {

@@ -213,7 +213,7 @@ TEST(FormedGlb, NormalsPointOutOfADome) {
   EXPECT_GT(on_dome, 100);
 }
 
-TEST(FormedGlb, TheNodeTakesMillimetresWithZUpToMetresWithYUpAndTheFrontAtZ) {
+TEST(FormedGlb, TheNodeTakesMillimetresWithZUpToMetresWithYUpAndTheFrontAtPlusZ) {
   const Glb glb = glb_of_job(small_dome());
   const auto& node = glb.json["nodes"].at(glb.json["scenes"][0]["nodes"][0].get<std::size_t>());
   EXPECT_EQ(node["mesh"], 0);

@@ -153,6 +153,57 @@ TEST(Front, TheNamedSideComesToTheFront) {
   }
 }
 
+// A box with a nose at +z of the file, an ear at +x, and +y up, as glTF defines them: the patient's left ear is at +x.
+TEST(Front, GltfSaysThatPlusZIsTheFront) {
+  const auto figure = joined(joined(box({-20, 0, -20}, {20, 50, 20}), box({-5, 10, 15}, {5, 20, 80})),
+                             box({15, 20, -3}, {30, 30, 3}));
+  auto settings = whole();
+  settings.up = UpAxis::automatic;
+  struct Row {
+    UpAxis up;
+    Mirror mirror;
+    double roll_deg;
+    FrontSide front;
+    bool told;
+  };
+  for (const Row& row : {Row{UpAxis::automatic, Mirror::automatic, 0, FrontSide::minus_y, true},
+                         Row{UpAxis::plus_y, Mirror::automatic, 17, FrontSide::minus_y, true},
+                         Row{UpAxis::plus_y, Mirror::yes, 0, FrontSide::minus_y, true},
+                         Row{UpAxis::minus_y, Mirror::automatic, 0, FrontSide::plus_y, true},
+                         Row{UpAxis::plus_x, Mirror::automatic, 0, FrontSide::minus_x, true},
+                         Row{UpAxis::minus_x, Mirror::automatic, 0, FrontSide::plus_x, true},
+                         Row{UpAxis::plus_x, Mirror::yes, 0, FrontSide::plus_x, true},
+                         Row{UpAxis::plus_z, Mirror::automatic, 0, FrontSide::plus_y, false}}) {
+    settings.up = row.up;
+    settings.mirror = row.mirror;
+    settings.roll_deg = row.roll_deg;
+    const auto mold = make_mold(glb(figure), "a.glb", settings, quiet);
+    ASSERT_TRUE(mold) << mold.error().text();
+    EXPECT_EQ(mold->findings.front, row.front) << name(row.up);
+    EXPECT_EQ(mold->findings.front_from_format, row.told) << name(row.up);
+    EXPECT_EQ(mold->findings.front_assumed, !row.told) << name(row.up);
+    if (row.told) {
+      const Eigen::Vector3d nose = mold->placing(Eigen::Vector3d(0, 15, 80)) - mold->placing({0, 15, 0});
+      EXPECT_GT(nose.y(), 75) << name(row.up) << nose.transpose();
+    }
+  }
+  settings = whole();
+  settings.up = UpAxis::automatic;
+  const auto mold = make_mold(glb(figure), "a.glb", settings, quiet);
+  ASSERT_TRUE(mold);
+  EXPECT_NEAR((mold->placing({30, 25, 0}) - mold->placing({0, 25, 0}) - Eigen::Vector3d(-30, 0, 0)).norm(), 0,
+              1e-9);  // the patient's left is at -x
+  settings.front = FrontSide::plus_x;  // a person knows better
+  const auto given = make_mold(glb(figure), "a.glb", settings, quiet);
+  ASSERT_TRUE(given);
+  EXPECT_EQ(given->findings.front, FrontSide::plus_x);
+  EXPECT_FALSE(given->findings.front_from_format || given->findings.front_assumed);
+  // No other format defines a front.
+  const auto obj_mold = make_mold(obj(figure), "a.obj", settings = whole(), quiet);
+  ASSERT_TRUE(obj_mold);
+  EXPECT_TRUE(obj_mold->findings.front_assumed && !obj_mold->findings.front_from_format);
+}
+
 TEST(Sides, AreInDoubtUntilAPersonSawTheLeftAtMinusX) {
   const auto joined = [](LeftSide left) {
     const SideLetters l = side_letters(left);

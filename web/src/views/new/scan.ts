@@ -12,7 +12,7 @@ import {numberField, type NumberField} from '../../parts/number-field';
 import {readScanFile, ScanFault} from '../../parts/reader';
 import {axes, inMillimetres, plausible, sizesOf, unitOf, units, type Axis, type Unit} from '../../read/facts';
 import {landmarks, straighten, type Point, type Straight} from '../../read/landmarks';
-import {place, tilting, wrapped, type Placed, type Placement} from '../../read/place';
+import {frontOfGltf, place, tilting, wrapped, type Placed, type Placement} from '../../read/place';
 import type {ReadScan} from '../../read/prepare';
 import type {LeftSide} from '../../scene/orbit';
 import type {Frame, Ink, ScanScene} from '../../scene/scan';
@@ -86,7 +86,10 @@ class ScanSection extends View {
   }
   get #unit(): Unit | undefined { return units.find((unit) => unit === this.#value('scan', 'units')); }
   get #up(): Axis { return choice(this.#value('scan', 'up'), axes, this.#scan?.read.facts.up.axis ?? '+z'); }
-  get #front(): Placement['front'] { return choice(this.#value('scan', 'front'), fronts, '+y'); }
+  get #front(): Placement['front'] {
+    const told = this.#scan?.read.facts.zFront && frontOfGltf({up: this.#up, mirror: this.#mirror === 'yes', roll: this.#angle('roll'), pitch: this.#angle('pitch')});
+    return choice(this.#value('scan', 'front'), fronts, told || '+y');
+  }
   get #left(): LeftSide { return choice(this.#value('scan', 'left_side'), ['minus_x', 'plus_x', 'unknown'], 'unknown'); }
   get #mirror(): 'yes' | 'no' | 'auto' { return choice(this.#value('scan', 'mirror'), ['yes', 'no', 'auto'], 'auto'); }
   get #plug(): number { return this.#number('machine', 'plug_height_mm', 0); }
