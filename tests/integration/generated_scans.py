@@ -6,6 +6,8 @@
 A scan fails when the program crashes or takes too long, when a refusal's proposals do not lead to a mold within three
 steps, when check_sheet finds the sheet torn, folded, penetrated or off the mold at a place that no warning marks, or when
 the unit, the up axis, crumbs, outliers or a mirror image were silently taken wrong. Prints a row a scan and a total.
+
+With --poses, heads of known pose are inspected: without a crown, with floating parts, pits or noise, upside down, tilted.
 """
 import argparse
 import collections
@@ -20,6 +22,7 @@ import sys
 import tempfile
 
 import meshes
+import scan_files
 import scan_generator
 
 PATTERN = """<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" viewBox="0 0 30 30">
@@ -162,6 +165,100 @@ def wrong_shape(scan, found, mold, scale):
     return [f"the mold is {' x '.join(f'{s:.0f}' for s in size)} mm, not {text}"]
 
 
+class PoseRunner(Runner):
+    """Inspects heads whose pose is hard to tell. A pose is right, or the scan stage asks: a warning or a refusal, and one
+    of its proposals leads to the right pose in one step."""
+
+    MOST_TILT = 20  # degrees, beyond which a tilt must be told
+
+    def run(self, seed, number):
+        scan = scan_generator.PosedScan(seed, number)
+        result = PoseResult(scan)
+        file = self.folder / f"{scan.name}.{scan.extension}"
+        file.write_bytes(scan.data)
+        findings = self.inspect(result, file, scan.name, [])
+        while findings is None and not result.failures and len(result.refusals) <= MOST_STEPS:
+            offered = proposals(result.refusals[-1])
+            if not offered:
+                result.failures.append("a refusal without a proposal")
+                return result
+            result.settings += offered[0]
+            findings = self.inspect(result, file, scan.name, result.settings)
+        if findings is None:
+            result.failures.append("the proposals do not lead to a mold")
+            return result
+        result.codes = [w["code"] for w in findings["warnings"]]
+        asking = [w for w in findings["warnings"] if w["code"] in ("up-guessed", "tilted")]
+        result.asked = bool(asking)
+        self.judge_trim(result, findings, scan)
+        result.off_deg = off_upright(scan, {"scan.up": findings["scan"]["up"]})
+        fixes = [words for w in asking for words in proposals(w["fix"])]
+        right = [words for words in fixes if off_upright(scan, dict(word.split("=") for word in words)) < 12]
+        if result.off_deg > self.MOST_TILT:
+            if not result.asked:
+                result.failures.append(f"up is {scan.up}, {result.off_deg:.0f} degrees off in silence")
+            elif not right:
+                result.failures.append(f"no proposal leads to the right pose: {fixes}")
+        for words in right[:1]:
+            result.settings = words
+            if self.inspect(result, file, scan.name + "-led", words) is None:
+                result.failures.append("what a warning proposes is refused")
+        return result
+
+    def inspect(self, result, file, name, settings):
+        """The findings, or nothing if the scan is refused."""
+        words = [w for setting in ["scan.units=mm", *settings] for w in ("--set", setting)]
+        done = subprocess.run([self.binaries / "vacuform", "inspect", file, "--out", self.folder / name, *words],
+                              capture_output=True, text=True, timeout=self.patience)
+        result.exit_codes.append(done.returncode)
+        if done.returncode == 2:
+            result.refusals.append(done.stderr.strip().replace(str(self.folder) + "/", ""))
+            return None
+        if done.returncode != 0:
+            result.failures.append(f"exit {done.returncode}: {done.stderr[-300:]}")
+            return None
+        return json.loads((self.folder / name / "findings.json").read_text())
+
+    def judge_trim(self, result, findings, scan):
+        """The automatic trim of a noisy scan is that of the clean body, within 3 mm."""
+        if not scan.noise or findings["scan"]["up"] != scan.up:
+            return
+        clean = self.folder / f"{scan.name}-clean.stl"
+        clean.write_bytes(scan_files.stl(scan.clean))
+        there = self.inspect(PoseResult(scan), clean, scan.name + "-clean", ["scan.up=+z"])
+        if there is None:
+            return
+        result.trims = findings["scan"]["trim_mm"] + scan.lowest, there["scan"]["trim_mm"]
+        if abs(result.trims[0] - result.trims[1]) > 3:
+            result.failures.append(f"the trim is {result.trims[0]:.1f} mm, without noise {result.trims[1]:.1f} mm")
+
+
+class PoseResult(Result):
+    def __init__(self, scan):
+        super().__init__(scan)
+        self.asked, self.off_deg, self.trims = False, 0.0, None
+
+    @property
+    def ended(self):
+        return "asked" if self.asked else "taken"
+
+    def row(self):
+        s = self.scan
+        return (f"{s.name}  {s.pose:14} {s.neck:5} up {s.up} + {s.turn_deg:2.0f}  off {self.off_deg:3.0f}  {self.ended:6}"
+                f"{'RIGHT' if not self.failures else 'WRONG'}  {' '.join(self.settings)} warnings: {' '.join(self.codes) or '-'}"
+                + (f" trim {self.trims[0]:.1f} of {self.trims[1]:.1f}" if self.trims else "")
+                + "".join("\n    " + f for f in self.failures) + "".join("\n    refusal: " + r for r in self.refusals))
+
+
+def off_upright(scan, given):
+    """Degrees between the ceiling and the crown, under the given settings."""
+    up = given.get("scan.up", scan.up)
+    v = [sum(scan.up_vector[k] * scan_generator.AXES[up][j][k] for k in range(3)) for j in range(3)]
+    v, = scan_generator.turned([v], (1, 0, 0), float(given.get("scan.roll_deg", 0)))
+    v, = scan_generator.turned([v], (0, 1, 0), float(given.get("scan.pitch_deg", 0)))
+    return math.degrees(math.acos(max(-1.0, min(1.0, v[2]))))
+
+
 def run_all(runner, seed, numbers, workers=2, report=print):
     """The results of all scans, in order; `report` is given each row."""
     results = []
@@ -190,12 +287,13 @@ def main():
     parser.add_argument("--grid", type=float, default=3.0, help="sheet.resolution_mm")
     parser.add_argument("--workers", type=int, choices=(1, 2), default=1)
     parser.add_argument("--patience", type=float, default=300, help="seconds for each run")
+    parser.add_argument("--poses", action="store_true", help="heads whose pose is hard to tell, inspected alone")
     parser.add_argument("--keep", help="a folder for scans and results")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(options.keep or temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        runner = Runner(os.environ["VACUFORM_BIN"], folder, options.grid, options.patience)
+        runner = (PoseRunner if options.poses else Runner)(os.environ["VACUFORM_BIN"], folder, options.grid, options.patience)
         results = run_all(runner, options.seed, range(options.first, options.first + options.count), options.workers,
                           lambda text: print(text, flush=True))
     return 1 if any(r.failures for r in results) else 0

@@ -131,3 +131,94 @@ class Scan:
         points = [tuple(per_mm * (sum(vertices[v][j] * to[j][k] for j in range(3)) + shift[k]) for k in range(3))
                   for v in used]
         return points, [tuple(number[v] for v in t) for t in triangles]
+
+
+def turned(points, axis, degrees):
+    """About a unit vector through the origin: Rodrigues' formula."""
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    a, b, d = axis
+    rows = ((c + a * a * (1 - c), a * b * (1 - c) - d * s, a * d * (1 - c) + b * s),
+            (a * b * (1 - c) + d * s, c + b * b * (1 - c), b * d * (1 - c) - a * s),
+            (a * d * (1 - c) - b * s, b * d * (1 - c) + a * s, c + d * d * (1 - c)))
+    return [tuple(sum(row[k] * p[k] for k in range(3)) for row in rows) for p in points]
+
+
+POSES = ("plain", "crown missing", "floating parts", "pits", "upside down", "tilt 30", "tilt 60", "noise 0.5", "noise 2")
+
+
+class PosedScan:
+    """A head whose pose is hard to tell, as an STL in mm. `up_vector` points to its crown in the axes of the file, `up` is
+    the axis of the file nearest to it, and `turn_deg` the angle between the two. `clean` is the body before its damage."""
+
+    def __init__(self, seed, number):
+        chance = random.Random(f"{seed}/pose/{number}")
+        self.pose = POSES[number % len(POSES)]
+        self.name = f"{seed}-pose-{number:03d}"
+        size = chance.uniform(0.55, 1.08)
+        self.neck = chance.choice(("flat", "round", "open"))
+        if self.pose == "crown missing" and self.neck == "open":
+            self.neck = "flat"
+        cell = chance.choice((5.0, 6.0, 7.0)) if self.pose != "noise 2" else 5.0
+        # A round neck ends in a half ball.
+        parts, floor = scan_shapes.head_parts(chance), 0.0
+        if self.neck == "round":
+            floor = -90.0
+        body = scan_shapes.union(parts, 12, floor)
+        if self.pose == "pits":
+            body = scan_shapes.without(body, [self.pit(chance) for _ in range(chance.randint(4, 9))])
+        mesh = scan_shapes.scaled(scan_shapes.meshed(body, (-115, -120, floor), (115, 130, 232), cell), size)
+        lowest = min(p[2] for p in mesh[0])
+        vertices, triangles = [(x, y, z - lowest) for x, y, z in mesh[0]], list(mesh[1])
+        self.clean = vertices, triangles
+        self.height = max(p[2] for p in vertices)
+        if self.neck == "open":
+            triangles = [t for t in triangles if max(vertices[v][2] for v in t) > 1e-3]
+        if self.pose == "crown missing":
+            level = self.height - chance.choice((35, 70)) * size
+            triangles = [t for t in triangles if min(vertices[v][2] for v in t) < level]
+        if self.pose == "floating parts":
+            vertices, triangles = self.with_floating_parts(vertices, triangles, size, chance)
+        self.noise = float(self.pose.split()[1]) if self.pose.startswith("noise") else 0.0
+        if self.noise:
+            vertices = [tuple(x + chance.gauss(0, self.noise) for x in p) for p in vertices]
+        self.lowest = min(vertices[v][2] for t in triangles for v in t)  # noise goes below 0
+        vertices = turned(vertices, (0, 0, 1), chance.uniform(-180, 180))
+        up = (0.0, 0.0, 1.0)
+        if self.pose.startswith("tilt"):
+            about = math.radians(chance.uniform(0, 360))
+            tilt = (math.cos(about), math.sin(about), 0), float(self.pose.split()[1])
+            vertices, (up,) = turned(vertices, *tilt), turned([up], *tilt)
+        to = chance.choice(("-z", "-y")) if self.pose == "upside down" else chance.choice(("+z", "+z", "+y", "+x", "-x"))
+        self.up_vector = self.to_file(up, to)
+        k = max(range(3), key=lambda k: abs(self.up_vector[k]))
+        self.up = ("+" if self.up_vector[k] > 0 else "-") + "xyz"[k]
+        self.turn_deg = math.degrees(math.acos(min(1.0, abs(self.up_vector[k]))))
+        shift = [chance.uniform(-100, 100) for _ in range(3)]
+        points = [tuple(x + d for x, d in zip(self.to_file(p, to), shift)) for p in vertices]
+        used = sorted({v for t in triangles for v in t})
+        order = {v: n for n, v in enumerate(used)}
+        self.extension = "stl"
+        self.data = scan_files.stl(([points[v] for v in used], [tuple(order[v] for v in t) for t in triangles]))
+
+    @staticmethod
+    def to_file(p, up):
+        return tuple(sum(p[j] * AXES[up][j][k] for j in range(3)) for k in range(3))
+
+    @staticmethod
+    def pit(chance):
+        """A ball on the side of the head."""
+        around, z, r = chance.uniform(0, 2 * math.pi), chance.uniform(60, 170), chance.uniform(7, 14)
+        return scan_shapes.ellipsoid((75 * math.cos(around), 90 * math.sin(around), z), (r, r, r))
+
+    def with_floating_parts(self, vertices, triangles, size, chance):
+        vertices, triangles = list(vertices), list(triangles)
+        for _ in range(chance.randint(2, 4)):
+            r = [size * chance.uniform(12, 30) for _ in range(3)]
+            around, far = chance.uniform(0, 2 * math.pi), size * chance.uniform(135, 150)
+            middle = far * math.cos(around), far * math.sin(around), chance.uniform(0.2, 1.1) * self.height
+            part = scan_shapes.meshed(scan_shapes.ellipsoid(middle, r), [m - q for m, q in zip(middle, r)],
+                                      [m + q for m, q in zip(middle, r)], 7.0 * size)
+            first = len(vertices)
+            vertices += part[0]
+            triangles += [tuple(first + v for v in t) for t in part[1]]
+        return vertices, triangles

@@ -34,8 +34,8 @@ def capsule(a, b, radius, radius_b=None):
     return distance
 
 
-def union(parts, blend):
-    """The union with its creases rounded over about `blend` mm; cut flat at z = 0."""
+def union(parts, blend, floor=0.0):
+    """The union with its creases rounded over about `blend` mm; cut flat at z = `floor`."""
     def distance(x, y, z):
         best = math.inf
         for part in parts:
@@ -45,7 +45,14 @@ def union(parts, blend):
                 continue
             h = blend - abs(best - d)
             best = min(best, d) - (h * h / (4 * blend) if h > 0 else 0)
-        return max(best, -z)
+        return max(best, floor - z)
+    return distance
+
+
+def without(body, parts):
+    """The body with other bodies taken out of it."""
+    def distance(x, y, z):
+        return max(body(x, y, z), -min(part(x, y, z) for part in parts))
     return distance
 
 

@@ -35,7 +35,8 @@ template <class A>
 void fields(A& a, ScanFindings& f) {
   a(f.format, f.triangles_read, f.unit, f.unit_guessed, f.size_given, f.up, f.up_guessed, f.components,
     f.components_dropped, f.turned_inside_out, f.holes_closed, f.holes_capped, f.rebuilt, f.size_mm,
-    f.trim_mm, f.trim_chosen, f.crumbs_dropped, f.front, f.front_from_format, f.front_assumed, f.mirrored, f.outliers_dropped);
+    f.trim_mm, f.trim_chosen, f.crumbs_dropped, f.front, f.front_from_format, f.front_assumed, f.mirrored,
+    f.outliers_dropped);
 }
 template <class A>
 void fields(A& a, TriangleMesh& m) {

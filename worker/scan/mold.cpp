@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "api/base/decimal.hpp"
@@ -10,9 +11,11 @@
 #include "worker/scan/cutting.hpp"
 #include "worker/scan/outliers.hpp"
 #include "worker/scan/placing.hpp"
+#include "worker/scan/poses.hpp"
 #include "worker/scan/rebuilding.hpp"
 #include "worker/scan/scan_file.hpp"
 #include "worker/scan/shells.hpp"
+#include "worker/scan/smoothing.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/scan/trimming.hpp"
 #include "worker/scan/undercuts.hpp"
@@ -24,7 +27,6 @@ namespace vacuform {
 namespace {
 
 constexpr double weld_share = 1e-6;  // of the scan's size: float rounding moves a point less than this
-constexpr double nominal_mm = 200;   // a head, while the unit is unknown
 
 void turn(TriangleMesh& mesh, const Eigen::Matrix3d& rotation, double scale) {
   for (auto& p : mesh.vertices) p = scale * (rotation * p);
@@ -170,6 +172,29 @@ Warning outliers_warning(const std::vector<Eigen::Vector3d>& places) {
   return warning;
 }
 
+// Warns of a tilt, with the settings that straighten the scan if a mold can be made that way.
+Result<Warning> tilt_warning(const Tilt& tilt, const TriangleMesh& closed, const ScanSettings& settings,
+                             UpAxis up, const Eigen::Matrix3d& from_file, const ScanProgress& progress) {
+  ScanSettings straight = settings;
+  straight.roll_deg = tilt.roll_deg;
+  straight.pitch_deg = tilt.pitch_deg;
+  VACUFORM_TRY(kept,
+               share_kept(closed, std::make_shared<RayCaster>(closed), straight, up, from_file, progress));
+  constexpr std::array<const char*, 3> tilted{"The opening on which the scan should stand is tilted",
+                                              "The flat side on which the scan should stand is tilted",
+                                              "The median plane of the scan is tilted to one side"};
+  Warning warning{"tilted", std::string(tilted[static_cast<std::size_t>(tilt.of)]) + " by " +
+                                decimal(tilt.angle_deg, 0) + " degrees"};
+  warning.figure = Warning::Figure{tilt.angle_deg, "degrees", tilt.limit_deg()};
+  constexpr double least_kept_straight = 0.1;
+  if (kept >= least_kept_straight)
+    warning.fix = "Straighten the scan if its head is tilted: --set scan.up=" + std::string(name(up)) +
+                  " and --set scan.roll_deg=" + decimal(tilt.roll_deg, 1) +
+                  " and --set scan.pitch_deg=" + decimal(tilt.pitch_deg, 1) +
+                  ". If only the cut is oblique, leave it.";
+  return warning;
+}
+
 }  // namespace
 
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,
@@ -206,18 +231,17 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   // the upright scan. That side does not depend on how the scan is turned about the vertical axis.
   findings.mirrored = settings.mirror == Mirror::yes;
   findings.up = settings.up;
-  if (settings.up == UpAxis::automatic) {
-    TriangleMesh sized = skin.mesh;  // the unit is not known yet
-    turn(sized, Eigen::Matrix3d::Identity(), nominal_mm / bounds(sized).size().maxCoeff());
-    VACUFORM_TRY(guess, guess_up(sized, progress));
-    findings.up = scan.y_up ? UpAxis::plus_y : guess.axis;
-    findings.up_guessed = !scan.y_up;
-    if (scan.y_up && guess.conclusive && guess.axis != UpAxis::plus_y)
-      warn("up-guessed", "The up axis is +y, as its format says, but " + std::string(name(guess.axis)) +
-                             " looks right because " + guess.why);
-    else if (!scan.y_up && !guess.conclusive)
-      warn("up-guessed",
-           "The up axis was taken to be " + std::string(name(guess.axis)) + " because " + guess.why);
+  const bool straight = settings.roll_deg == 0 && settings.pitch_deg == 0;
+  std::optional<Tilt> tilt;
+  if (settings.up == UpAxis::automatic || straight) {
+    VACUFORM_TRY(guess, guess_up(skin.mesh, progress));
+    if (settings.up == UpAxis::automatic) {
+      findings.up = scan.y_up ? UpAxis::plus_y : guess.best().axis;
+      findings.up_guessed = !scan.y_up;
+      if (scan.y_up ? guess.conclusive() && guess.best().axis != UpAxis::plus_y : !guess.conclusive())
+        mold.warnings.push_back(up_warning(guess, findings.up, scan.y_up));
+    }
+    if (straight) tilt = find_tilt(guess, turn_before_front(settings, findings.up));
   }
   if (skin.turned_inside_out && !skin.soup && settings.mirror == Mirror::automatic)
     warn("inside-out",
@@ -250,7 +274,14 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   VACUFORM_TRY(closed, close(skin, settings.clearance_mm, mold, progress));
   skin = {};
   VACUFORM_CHECK(progress.reach(0.6));
-  VACUFORM_TRY(trim, choose_trim(closed, settled, findings, principal * upright, file_name, progress));
+  VACUFORM_TRY(smooth, without_noise(closed, enclosing_circle(closed).radius, progress));
+  if (tilt) {
+    VACUFORM_TRY(warning, tilt_warning(*tilt, smooth ? *smooth : closed, settled, findings.up,
+                                       principal * upright, progress));
+    mold.warnings.push_back(std::move(warning));
+  }
+  VACUFORM_TRY(trim,
+               choose_trim(closed, smooth, settled, findings, principal * upright, file_name, progress));
   findings.trim_mm = trim.height_mm;
   findings.trim_chosen = !settings.trim_mm;
   VACUFORM_CHECK(progress.reach(0.9));

@@ -7,8 +7,9 @@
 //
 // The automatic trim is the lowest cut above which no undercut is deeper than R / 70 and larger than R^2 / 300, where R
 // is the radius of the smallest circle around the scan seen from above: 1.5 mm and 36 mm2 on an adult head. On a sphere
-// that is 0.17 R below the equator; on a noisy scan it is well below the first grain that overhangs. It does not change
-// if the scan is turned about the vertical axis, mirrored or shifted, and it scales with the size of the scan. If it
+// that is 0.17 R below the equator. Grain is not an undercut: if the noise of the surface is more than R / 500 and 5 % of
+// an edge, the cut is chosen on a smoothed copy, and the mold keeps the surface as it is. The cut does not change if the
+// scan is turned about the vertical axis, mirrored or shifted, and it scales with the size of the scan. If it
 // leaves less than a third of the height of the scan, a warning is given; less than a twentieth is rejected. A given
 // trim is kept. Undercuts deeper than 1.5 R / 70 are reported if they are larger than R^2 / 2500.
 #pragma once
@@ -41,9 +42,9 @@ struct ScanFindings {
   bool size_given = false;     // scaled to scan.size_mm; `unit` says nothing then
   UpAxis up = UpAxis::plus_z;  // as used
   bool up_guessed = false;
-  FrontSide front = FrontSide::plus_y;  // of the upright scan, turned to +y of the mold before the yaw
-  bool front_from_format = false;  // glTF defines +Z of the file as the front
-  bool front_assumed = false;      // neither given nor told by the format
+  FrontSide front = FrontSide::plus_y;     // of the upright scan, turned to +y of the mold before the yaw
+  bool front_from_format = false;          // glTF defines +Z of the file as the front
+  bool front_assumed = false;              // neither given nor told by the format
   LeftSide left_side = LeftSide::unknown;  // as a person saw it; make_mold() does not set it
   bool mirrored = false;                   // left and right swapped, as scan.mirror asked
   int outliers_dropped = 0;                // vertices far from all others
@@ -79,7 +80,7 @@ struct Mold {
 };
 
 // Makes the mold. Pure: the same bytes and settings give the same mold. Its coordinates are those of mold.stl, exactly.
-// Warnings: outliers, inside-out, up-guessed, large-hole, rebuilt, trim-discards, undercut. Takes a tenth of a second
+// Warnings: outliers, inside-out, up-guessed, tilted, large-hole, rebuilt, trim-discards, undercut. Takes a tenth of a second
 // for 27,000 triangles, two for a million. `file_name` is used for messages and, if the bytes do not tell the format,
 // for its extension. Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,

@@ -50,14 +50,7 @@ Result<std::optional<OtherUp>> better_up(const TriangleMesh& closed, const ScanS
   for (const UpAxis axis :
        {UpAxis::plus_z, UpAxis::plus_y, UpAxis::minus_z, UpAxis::minus_y, UpAxis::plus_x, UpAxis::minus_x}) {
     if (axis == used) continue;
-    const Eigen::Matrix3d turn = scan_turn(settings, axis) * from_file.transpose();
-    TriangleMesh turned = closed;
-    for (auto& p : turned.vertices) p = turn * p;
-    const Box box = bounds(turned);
-    const Limits limits = limits_of(enclosing_circle(turned).radius);
-    VACUFORM_TRY(space, CoveredSpace::measure(closed, caster, turn, box.low.z(), limits.spacing, progress));
-    const double kept =
-        (box.high.z() - space.lowest_cut(limits.depth, limits.area)) / (box.high.z() - box.low.z());
+    VACUFORM_TRY(kept, share_kept(closed, caster, settings, axis, from_file, progress));
     if (kept >= wanted_kept && (!best || kept > best->kept)) best = OtherUp{axis, kept};
   }
   return best;
@@ -68,9 +61,22 @@ std::string half_of(double height) { return decimal(height / 2, height < 20 ? 1 
 
 }  // namespace
 
-Result<Trim> choose_trim(const TriangleMesh& closed, const ScanSettings& settings,
-                         const ScanFindings& findings, const Eigen::Matrix3d& from_file,
-                         const std::string& file_name, const ScanProgress& progress) {
+Result<double> share_kept(const TriangleMesh& closed, const std::shared_ptr<const RayCaster>& caster,
+                          const ScanSettings& settings, UpAxis up, const Eigen::Matrix3d& from_file,
+                          const ScanProgress& progress) {
+  const Eigen::Matrix3d turn = scan_turn(settings, up) * from_file.transpose();
+  TriangleMesh turned = closed;
+  for (auto& p : turned.vertices) p = turn * p;
+  const Box box = bounds(turned);
+  const Limits limits = limits_of(enclosing_circle(turned).radius);
+  VACUFORM_TRY(space, CoveredSpace::measure(closed, caster, turn, box.low.z(), limits.spacing, progress));
+  return (box.high.z() - space.lowest_cut(limits.depth, limits.area)) / (box.high.z() - box.low.z());
+}
+
+Result<Trim> choose_trim(const TriangleMesh& closed, const std::optional<TriangleMesh>& smooth,
+                         const ScanSettings& settings, const ScanFindings& findings,
+                         const Eigen::Matrix3d& from_file, const std::string& file_name,
+                         const ScanProgress& progress) {
   const double height = bounds(closed).high.z();
   if (settings.trim_mm && *settings.trim_mm > height - std::min(1.0, least_kept * height))
     return fail(Code::unusable_scan,
@@ -84,14 +90,15 @@ Result<Trim> choose_trim(const TriangleMesh& closed, const ScanSettings& setting
                     " across",
                 file_name, "give a scan of a body, or turn it (scan.up)");
   const Limits limits = limits_of(radius);
-  VACUFORM_TRY(space, CoveredSpace::measure(closed, 0, limits.spacing, progress));
+  const TriangleMesh& judged = smooth ? *smooth : closed;
+  VACUFORM_TRY(space, CoveredSpace::measure(judged, 0, limits.spacing, progress));
   Trim trim;
   trim.height_mm = settings.trim_mm ? *settings.trim_mm : space.lowest_cut(limits.depth, limits.area);
   const double kept = (height - trim.height_mm) / height;
   if (!settings.trim_mm && kept < usual_kept) {
     std::optional<OtherUp> other;
     if (findings.holes_capped == 0) {  // else the opening tells which way is up
-      VACUFORM_TRY(found, better_up(closed, settings, findings.up, from_file, progress));
+      VACUFORM_TRY(found, better_up(judged, settings, findings.up, from_file, progress));
       other = found;
     }
     const std::string turn_it =
@@ -121,6 +128,10 @@ Result<Trim> choose_trim(const TriangleMesh& closed, const ScanSettings& setting
     fix.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(fix.front())));
     warning.fix = fix + ".";
     trim.warning = std::move(warning);
+  }
+  if (smooth) {  // the sheet meets the noise too
+    VACUFORM_TRY(rough, CoveredSpace::measure(closed, 0, limits.spacing, progress));
+    space = std::move(rough);
   }
   for (Undercut u : space.undercuts(trim.height_mm)) {
     if (u.depth_mm <= limits.reported_depth || u.area_mm2 <= limits.reported_area) continue;

@@ -268,9 +268,10 @@ double CoveredSpace::domed_share(double floor, double reach) const {
       };
       const double here = top(x, y), west = top(x - d, y), east = top(x + d, y), south = top(x, y - d),
                    north = top(x, y + d);
-      if (std::min({here, west, east, south, north}) < floor) continue;
+      const double least = std::min({here, west, east, south, north});
+      if (least == -HUGE_VAL) continue;
       ++seen;
-      domed += here + slack >= (west + east) / 2 && here + slack >= (south + north) / 2;
+      domed += least >= floor && here + slack >= (west + east) / 2 && here + slack >= (south + north) / 2;
     }
   return seen > 0 ? static_cast<double>(domed) / static_cast<double>(seen) : 0;
 }

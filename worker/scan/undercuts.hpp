@@ -42,8 +42,10 @@ class CoveredSpace {
   // sqrt(2 R depth - depth^2) below the equator.
   double lowest_cut(double depth, double area) const;
 
-  // How much of the mesh above z = floor is a dome seen from above: the share of its columns that are not lower than
-  // the mean of their neighbours `reach` mm away on either side, along x and along y. 1 for anything convex.
+  // How much of the mesh seen from above is a dome that stands out of z = floor: the share of its columns that are above
+  // the floor, as are their neighbours `reach` mm away on either side, along x and along y, and not lower than the mean
+  // of these. Columns with a neighbour beside the mesh do not count. 1 for anything convex that stands on its widest
+  // section.
   double domed_share(double floor, double reach) const;
 
  private:

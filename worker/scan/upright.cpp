@@ -8,9 +8,6 @@
 
 #include "api/base/decimal.hpp"
 #include "worker/scan/placing.hpp"
-#include "worker/scan/topology.hpp"
-#include "worker/scan/undercuts.hpp"
-#include "worker/scan/wrapping.hpp"
 
 namespace vacuform {
 namespace {
@@ -18,34 +15,9 @@ namespace {
 constexpr double shortest_mm = 80, longest_mm = 400;
 constexpr double possible_share =
     2.54;  // beyond these sizes: a figurine or a large bust, taken in the wrong unit
-constexpr double least_opening = 0.12;  // of the box seen from below; a neck has a quarter
-constexpr double other_flat =
-    0.5;  // of the largest flat side: with another one this large, both may be the foot
 constexpr std::array units{Unit::mm, Unit::cm, Unit::m, Unit::in};
 
 std::string one_digit(double mm) { return decimal(mm, mm < 10 ? 1 : 0); }
-
-Eigen::Vector3d direction(UpAxis axis) {
-  switch (axis) {
-    case UpAxis::plus_x:
-      return {1, 0, 0};
-    case UpAxis::minus_x:
-      return {-1, 0, 0};
-    case UpAxis::plus_y:
-      return {0, 1, 0};
-    case UpAxis::minus_y:
-      return {0, -1, 0};
-    case UpAxis::minus_z:
-      return {0, 0, -1};
-    case UpAxis::plus_z:
-    case UpAxis::automatic:
-      return {0, 0, 1};
-  }
-  return {0, 0, 1};
-}
-
-constexpr std::array axes{UpAxis::plus_z,  UpAxis::plus_y, UpAxis::minus_z,
-                          UpAxis::minus_y, UpAxis::plus_x, UpAxis::minus_x};
 
 }  // namespace
 
@@ -110,144 +82,12 @@ std::string unit_doubt(double longest_side, Unit guessed) {
          one_digit(longest_side * millimetres(guessed)) + " mm; it could be " + others;
 }
 
-namespace {
-
-// What the borders of an open skin show: the area vectors of the faces that are missing.
-struct Borders {
-  std::size_t count = 0, edges = 0;
-  Eigen::Vector3d largest = Eigen::Vector3d::Zero();
-};
-
-Borders borders_of(const TriangleMesh& skin) {
-  Borders borders;
-  for (const auto& loop : border_loops(skin)) {
-    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
-      return skin.vertices[static_cast<std::size_t>(loop[i])];
-    };
-    Eigen::Vector3d area = Eigen::Vector3d::Zero();
-    for (std::size_t i = 2; i < loop.size(); ++i) area += (at(i - 1) - at(0)).cross(at(i) - at(0)) / 2;
-    ++borders.count;
-    borders.edges += loop.size();
-    if (area.norm() > borders.largest.norm()) borders.largest = area;
-  }
-  return borders;
-}
-
-Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const ScanProgress& progress);
-
-}  // namespace
-
-Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double total = 0;
-  for (const auto& t : skin.triangles) {
-    const Eigen::Vector3d a = area_vector(skin, t);
-    sum += a;
-    total += a.norm();
-  }
-  const Borders borders = borders_of(skin);
-  // An opening that spans an angle of t from a sphere's middle leaves sin^2(t) / 4 of the area: 1.5 % at 14 degrees.
-  // Its missing face must point against the sum, because many small holes can leave such a sum by chance.
-  const bool open = sum.norm() > 0.015 * total && -borders.largest.dot(sum) > 0.8 * sum.squaredNorm();
-  // It must also be a large part of the body seen from below. The hole that an arm leaves is not.
-  const auto below = [&](UpAxis axis) {
-    const Eigen::Vector3d up = direction(axis), size = bounds(skin).size();
-    const double footprint = size.prod() / std::abs(up.dot(size));
-    return -up.dot(borders.largest) / footprint;
-  };
-  const bool broken = borders.count > 20 && 10 * borders.edges > skin.triangles.size();
-  UpGuess best;
-  double most = 0;
-  for (const UpAxis axis : axes)
-    if (const double along = direction(axis).dot(sum); along > most) most = along, best.axis = axis;
-  if (open && below(best.axis) > least_opening) {
-    best.conclusive = !broken;
-    best.why = "the scan is open on the other side";
-    return best;
-  }
-  if (broken) {
-    WrapBudget budget{25'000'000 + 1000 * static_cast<std::int64_t>(skin.triangles.size())};
-    const double size = bounds(skin).size().norm();
-    auto wrapped = wrap(skin, 0.04 * size, 0.001 * size, progress, budget);
-    if (!wrapped && wrapped.error().code == Code::cancelled) return tl::make_unexpected(wrapped.error());
-    if (wrapped) {
-      double area = 0;
-      for (const auto& t : wrapped->triangles) area += area_vector(*wrapped, t).norm();
-      VACUFORM_TRY(guess, guess_of_closed(*wrapped, area, progress));
-      guess.conclusive = false;
-      return guess;
-    }
-  }
-  return guess_of_closed(skin, total, progress);
-}
-
-namespace {
-
-Result<UpGuess> guess_of_closed(const TriangleMesh& skin, double total, const ScanProgress& progress) {
-  const Box box = bounds(skin);
-  UpGuess best;
-  std::array<double, axes.size()> flat{};
-  for (std::size_t k = 0; k < axes.size(); ++k) {
-    const Eigen::Vector3d up = direction(axes[k]);
-    const double lowest = std::min(up.dot(box.low), up.dot(box.high)), band = 0.004 * box.size().norm();
-    for (const auto& t : skin.triangles) {
-      const Eigen::Vector3d a = area_vector(skin, t);
-      if (-up.dot(a) < 0.99 * a.norm()) continue;
-      bool low = true;
-      for (const int v : t) low = low && up.dot(skin.vertices[static_cast<std::size_t>(v)]) < lowest + band;
-      if (low) flat[k] += a.norm();
-    }
-  }
-  const double flattest = *std::max_element(flat.begin(), flat.end());
-  const bool on_flat = flattest > 0.02 * total;
-  const auto may_be_foot = [&](std::size_t k) { return !on_flat || flat[k] > other_flat * flattest; };
-  std::size_t feet = 0;
-  for (std::size_t k = 0; k < axes.size(); ++k)
-    if (on_flat && may_be_foot(k)) ++feet, best.axis = axes[k];
-  if (feet == 1) {
-    best.conclusive = true;
-    best.why = "the scan is cut flat on the other side";
-    return best;
-  }
-  // Coarse rays are enough: the results differ by tens of millimetres on a head, and in proportion on anything larger.
-  const double size = box.size().norm() / 250;
-  const auto caster = std::make_shared<RayCaster>(skin);
-  double highest = 0;
-  for (std::size_t k = 0; k < axes.size(); ++k) {
-    if (!may_be_foot(k)) continue;
-    const UpAxis axis = axes[k];
-    const Eigen::Vector3d up = direction(axis);
-    const double lowest = std::min(up.dot(box.low), up.dot(box.high)), height = std::abs(up.dot(box.size()));
-    VACUFORM_TRY(
-        space, CoveredSpace::measure(skin, caster, upright_turn(axis, 0, 0, 0), lowest, 2 * size, progress));
-    const double cut = space.lowest_cut(size, 20 * size * size);
-    const bool usual = axis == UpAxis::plus_z || axis == UpAxis::plus_y;
-    const double left = (lowest + height - cut) * space.domed_share(cut, 10 * size) * (usual ? 1.2 : 1.0);
-    if (left > highest) highest = left, best.axis = axis;
-  }
-  if (highest >= 0.1 * box.size().maxCoeff()) {
-    best.why = on_flat ? "of the scan's flat sides, most of it can be formed over that one"
-                       : "most of the scan can be formed from there";
-    return best;
-  }
-  best.axis = UpAxis::plus_z;
-  best.why = "nothing in the scan shows it";
-  return best;
-}
-
-}  // namespace
-
-namespace {
-
-// Up, mirrored in x = 0, roll and pitch: all that comes before the front.
 Eigen::Matrix3d turn_before_front(const ScanSettings& settings, UpAxis up) {
   Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();
   if (settings.mirror == Mirror::yes) mirror(0, 0) = -1;
   return upright_turn(UpAxis::plus_z, settings.roll_deg, settings.pitch_deg, 0) * mirror *
          upright_turn(up, 0, 0, 0);
 }
-
-}  // namespace
 
 std::optional<FrontSide> front_of_gltf(const ScanSettings& settings, UpAxis up) {
   const Eigen::Vector3d front = turn_before_front(settings, up).col(2);

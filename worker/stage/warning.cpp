@@ -60,6 +60,7 @@ constexpr WarningKind kinds[] = {
      "Compare preview-views.png with the patient. Set scan.front if the face is elsewhere, then "
      "scan.left_side=minus_x."},
     {"thin", Severity::warning, "Use a thicker sheet or a lower mold."},
+    {"tilted", Severity::warning, "Straighten the scan (scan.roll_deg, scan.pitch_deg)."},
     {"too-cold", Severity::serious, "Heat the sheet longer."},
     {"too-hot", Severity::serious, "Heat the sheet for a shorter time."},
     {"top-off-chart", Severity::warning,

@@ -192,7 +192,7 @@ TEST(Front, GltfSaysThatPlusZIsTheFront) {
   const auto mold = make_mold(glb(figure), "a.glb", settings, quiet);
   ASSERT_TRUE(mold);
   EXPECT_NEAR((mold->placing({30, 25, 0}) - mold->placing({0, 25, 0}) - Eigen::Vector3d(-30, 0, 0)).norm(), 0,
-              1e-9);  // the patient's left is at -x
+              1e-9);                   // the patient's left is at -x
   settings.front = FrontSide::plus_x;  // a person knows better
   const auto given = make_mold(glb(figure), "a.glb", settings, quiet);
   ASSERT_TRUE(given);
