@@ -18,11 +18,11 @@ NAMES = {
     "JobKind": "JobKind", "JobState": "JobState", "Stage": "Stage", "Scope": ("Scopes", "items"),
     "ArtifactName": "ArtifactName", "ProblemBody": "Problem", "Input": "Input", "Artifact": "Artifact", "Warning": "Warning",
     "Links": ("ListedJob", "properties", "links"), "ListedJob": "ListedJob", "Estimates": ("GET /api/v1/jobs/{id}", "allOf", 1),
-    "LogLine": "LogLine", "JobPage": "GET /api/v1/jobs", "LogPage": "GET /api/v1/jobs/{id}/log", "Plan": "POST /api/v1/validate",
+    "LogLine": "LogLine", "ReferenceChange": "ReferenceChange", "JobPage": "GET /api/v1/jobs", "LogPage": "GET /api/v1/jobs/{id}/log", "Plan": "POST /api/v1/validate",
     "Session": "GET /api/v1/session", "Profile": "Profile", "TokenInfo": "Token", "Service": "GET /api/v1/service",
 }
 # Members of lists that only a full job has.
-ONLY_FULL = ["settings", "inputs", "artifacts", "links"]
+ONLY_FULL = ["settings", "inputs", "artifacts", "reference_changes", "printed_reference", "links"]
 # Members that the application leaves out of problems that it makes itself, such as when the server does not answer.
 OPTIONAL = {("ProblemBody", member) for member in ("detail", "what", "where", "fix")}
 # What a kind has besides: the estimates are only in the answer for one job, the format only in a plan.
@@ -39,6 +39,8 @@ export interface Job extends ListedJob {
   settings: Settings;
   inputs: Record<string, Input>;
   artifacts: Artifact[];
+  reference_changes: ReferenceChange[];
+  printed_reference: string | null;
   links: Links;
 }
 

@@ -165,7 +165,8 @@ Result<RemoteJob> Client::submit(const JobRequest& job, const std::function<bool
   request.headers = {{"Idempotency-Key", random_key()}};
   request.form = {{"kind", {}, std::string(name(job.kind))}, {"settings", {}, job.settings}};
   for (const auto& [name, value] :
-       {std::pair("from", job.from), std::pair("reference", job.reference), std::pair("note", job.note)})
+       {std::pair("from", job.from), std::pair("reference", job.reference),
+        std::pair("rescan", std::string(job.rescan ? "true" : "")), std::pair("note", job.note)})
     if (!value.empty()) request.form.push_back({name, {}, value});
   for (const auto& [name, file] : job.files) {
     if (::access(file.c_str(), R_OK) != 0 || !std::filesystem::is_regular_file(file))

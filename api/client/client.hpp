@@ -44,6 +44,7 @@ struct JobRequest {
   std::string settings;                                // JSON text
   std::string from = {};  // the id of a job whose other files are shared; may be empty
   std::string reference = {}, note = {};
+  bool rescan = false;  // another scan of the patient who has the reference
   JobKind kind = JobKind::print;
 };
 

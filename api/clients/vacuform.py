@@ -147,7 +147,8 @@ class Service:
     def submit(self, scan=None, pattern=None, settings=None, **fields):
         """The new job. `scan` and `pattern` are paths; other fields are those of the form, for example kind="inspection" or
         kind="layout", profile="studio", reference="CASE-12" (an order or case number, never a name), note=..., scan_id=...,
-        or from_job=ID for the files and settings of another job."""
+        rescan="true" (another scan of the patient who has the reference), or from_job=ID for the files and settings of another
+        job."""
         if "from_job" in fields:
             fields["from"] = fields.pop("from_job")
         files = []
@@ -218,6 +219,11 @@ class Service:
     def cancel(self, id):
         return self.request("POST", f"/jobs/{id}/cancel", body=b"").json
 
+    def set_reference(self, id, reference, rescan=False):
+        """Gives a job a reference, or another one. The job, whose reference_changes have every change."""
+        body = json.dumps({"reference": reference, "rescan": rescan}).encode()
+        return self.request("PATCH", "/jobs/" + id, {"Content-Type": "application/json"}, body).json
+
     def delete(self, id):
         """Deletes a job that has ended, with its files."""
         self.request("DELETE", "/jobs/" + id)
@@ -273,6 +279,7 @@ def main():
     parser.add_argument("--settings", metavar="FILE", help="settings as JSON")
     parser.add_argument("--profile", metavar="NAME", help="settings that the service stores")
     parser.add_argument("--reference", metavar="TEXT", help="Order or case number. Do not type a name.")
+    parser.add_argument("--rescan", action="store_const", const="true", help="another scan of the patient who has the reference")
     parser.add_argument("--note", metavar="TEXT", help="a remark. Do not type a name.")
     parser.add_argument("--cafile", metavar="FILE", help="certificates to trust, as PEM")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the results")
@@ -289,7 +296,7 @@ def main():
         service = Service(options.server, pathlib.Path(options.token_file).read_text().strip(), cafile=options.cafile)
         settings = json.loads(pathlib.Path(options.settings).read_text()) if options.settings else None
         fields = {"kind": options.kind or ("print" if options.pattern else "inspection")}
-        for name in ("profile", "reference", "note"):
+        for name in ("profile", "reference", "rescan", "note"):
             if getattr(options, name):
                 fields[name] = getattr(options, name)
         job = service.submit(options.scan, options.pattern, settings, **fields)

@@ -88,6 +88,14 @@ ordered_json inputs_json(const Job& job) {
   return inputs;
 }
 
+ordered_json reference_changes_json(const Job& job) {
+  ordered_json changes = ordered_json::array();
+  if (job.reference_changes.empty()) return changes;
+  changes = ordered_json::parse(job.reference_changes);
+  for (ordered_json& change : changes) change["time"] = rfc3339(change["time"].get<Millis>());
+  return changes;
+}
+
 ordered_json job_json(const Job& job, Detail detail) {
   ordered_json all = ordered_json::object();
   // One by one: a list of braces would make each value twice, and lists show many jobs.
@@ -116,6 +124,10 @@ ordered_json job_json(const Job& job, Detail detail) {
   all["inputs"] = inputs_json(job);
   ordered_json& artifacts = all["artifacts"] = ordered_json::array();
   for (const auto& artifact : job.artifacts) artifacts.push_back(artifact_json(job, artifact));
+  all["reference_changes"] = reference_changes_json(job);
+  all["printed_reference"] = job.kind == JobKind::print && job.started
+                                 ? ordered_json(reference_at(job, *job.started))
+                                 : ordered_json();
   const std::string self = "/api/v1/jobs/" + job.id;
   all["links"] = {{"self", self},
                   {"page", "/jobs/" + job.id},

@@ -16,7 +16,8 @@ nlohmann::ordered_json backup_json(const BackupReport& report);
 nlohmann::ordered_json orphans_json(const OrphanReport& report);
 nlohmann::ordered_json log_line_json(const LogLine& line);
 nlohmann::ordered_json inputs_json(const Job& job);  // by name, those that the job has
-std::string etag_of(const Job& job);                 // of the job as it is now, with its quotes
+nlohmann::ordered_json reference_changes_json(const Job& job);
+std::string etag_of(const Job& job);  // of the job as it is now, with its quotes
 
 // Progress of the whole job in 0..1, from the stage and the progress within it. It never falls while an
 // attempt runs.

@@ -24,6 +24,16 @@ bool has(const NewJob& job, std::string_view name) {
                      [&](const NewInput& input) { return input.name == name; });
 }
 
+// The digest of the scan; empty if there is none.
+std::string scan_digest(NewJob& job) {
+  for (NewInput& input : job.inputs) {
+    if (input.name != "scan") continue;
+    auto* upload = std::get_if<Upload>(&input.file);
+    return (upload ? upload->digest() : std::get<Blob>(input.file)).sha256;
+  }
+  return {};
+}
+
 // Every job of this kind needs these files, and they must not be empty.
 Result<void> check_files(const NewJob& job, const Settings& settings) {
   const bool prints_scan = settings.pattern.source == PatternSource::scan;
@@ -186,12 +196,29 @@ Result<std::string> base_of(Service& service, const SubmissionForm& form, JobKin
   return settings.dump();
 }
 
-// An empty field counts as not sent: then the reference of the source job is taken, and no note.
+// Whether the job has the scan of the source job.
+bool shares_scan(NewJob& job, const Job& from) {
+  const Input* scan = from.input("scan");
+  const std::string sha256 = scan_digest(job);
+  return sha256.empty() || (scan && scan->blob.sha256 == sha256);
+}
+
+Result<bool> rescan_of(const SubmissionForm& form) {
+  const std::string text = form.field("rescan");
+  if (text.empty() || text == "false") return false;
+  if (text == "true") return true;
+  return fail(Code::bad_usage, "neither true nor false: " + text.substr(0, 64), "rescan",
+              "send true if this is another scan of the same patient");
+}
+
+// An empty field counts as not sent: then the reference of the source job is taken if the scan is the same, and no note.
 Result<void> read_texts(const SubmissionForm& form, const std::optional<Job>& from, NewJob& job) {
   VACUFORM_TRY(reference, clean_reference(form.field("reference")));
   VACUFORM_TRY(note, clean_note(form.field("note")));
   job.reference = std::move(reference);
-  if (job.reference.empty() && from) job.reference = from->reference;
+  if (job.reference.empty() && from && shares_scan(job, *from)) job.reference = from->reference;
+  VACUFORM_TRY(rescan, rescan_of(form));
+  job.rescan = rescan;
   job.note = std::move(note);
   return {};
 }
@@ -242,6 +269,11 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
   const std::string page = form.field("idempotency_key");
   job.client_key = client_key.empty() && !page.empty() ? key_of_form(page, job) : std::move(client_key);
   return job;
+}
+
+Result<void> check_reference(Service& service, NewJob& submission) {
+  if (submission.rescan) return {};
+  return service.store.check_reference(submission.owner, submission.reference, scan_digest(submission));
 }
 
 Result<Job> create_job(Service& service, NewJob submission, const Caller& caller) {

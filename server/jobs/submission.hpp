@@ -1,7 +1,7 @@
 // A new job as submitted in a form: a file for each kind of input (api/job.hpp) or the id of an existing one (scan_id
 // of a scan; scan_upload, pattern_upload... of a complete upload), kind (print by default, inspection or layout), profile (the
 // name of the base settings), settings (JSON text), from (the id of a job whose files and settings are the default),
-// priority, reference, note, and fields named group.key as the HTML form sends them.
+// priority, reference, rescan (true: another scan of the patient who has the reference), note, and fields named group.key as the HTML form sends them.
 #pragma once
 
 #include <map>
@@ -27,6 +27,9 @@ std::uint64_t largest_form();
 // repeated, the body is not a form), not_found, gone and conflict (of the object that an id names).
 Result<NewJob> read_submission(Service& service, http::Request& request, const Caller& caller,
                                std::map<std::string, std::string>& fields);
+
+// Refuses a reference that belongs to another head, as create_job() does. `submission` is of a job that is not created yet.
+Result<void> check_reference(Service& service, NewJob& submission);
 
 // Creates the job, or returns the one that the same key created before, and logs which of the two. Errors: those of
 // Store::create.

@@ -10,8 +10,8 @@ namespace vacuform {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> plain_fields{"kind",      "from", "priority",       "profile",
-                                                       "reference", "note", "idempotency_key"};
+constexpr std::array<std::string_view, 8> plain_fields{"kind",      "from",   "priority", "profile",
+                                                       "reference", "rescan", "note",     "idempotency_key"};
 
 bool known(const std::string& field) {
   return SubmissionForm::is_file(field) ||
@@ -92,16 +92,21 @@ Result<void> SubmissionForm::end() {
 // Here settings is an object, and everything else a field.
 Result<void> SubmissionForm::take(const nlohmann::json& object) {
   for (const auto& [name, value] : object.items()) {
-    const bool is_settings = name == "settings", is_number = name == "priority";
+    const bool is_settings = name == "settings", is_number = name == "priority",
+               is_yes_or_no = name == "rescan";
     if (!is_settings && !known(name))
-      return tl::make_unexpected(unknown(
-          "member", name,
-          "send settings, kind, from, priority, profile, reference, note, scan_id or ids of uploads"));
-    if (is_settings ? !value.is_object() : is_number ? !value.is_number_integer() : !value.is_string())
+      return tl::make_unexpected(unknown("member", name,
+                                         "send settings, kind, from, priority, profile, reference, rescan, "
+                                         "note, scan_id or ids of uploads"));
+    if (is_settings    ? !value.is_object()
+        : is_number    ? !value.is_number_integer()
+        : is_yes_or_no ? !value.is_boolean()
+                       : !value.is_string())
       return fail(Code::bad_usage,
-                  std::string("not ") + (is_settings ? "an object"
-                                         : is_number ? "a whole number"
-                                                     : "a string"),
+                  std::string("not ") + (is_settings    ? "an object"
+                                         : is_number    ? "a whole number"
+                                         : is_yes_or_no ? "true or false"
+                                                        : "a string"),
                   name, "see /api/v1/openapi.yaml");
     (is_settings ? settings : fields_[name]) = value.is_string() ? value.get<std::string>() : value.dump();
   }

@@ -179,6 +179,7 @@ Page form_page(const std::vector<Job>& recent, const std::vector<Profile>& profi
                                 {"reference", filled_in(fields, "reference")},
                                 {"reference_hint", reference_hint},
                                 {"longest_reference", std::to_string(longest_reference)},
+                                {"rescan", filled_in(fields, "rescan") == "true"},
                                 {"note", filled_in(fields, "note")},
                                 {"note_hint", note_hint},
                                 {"longest_note", std::to_string(longest_note)},

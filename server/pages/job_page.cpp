@@ -147,6 +147,14 @@ ordered_json inputs_values(const Job& job) {
   return inputs;
 }
 
+// The reference on the print, if it is no longer that of the job.
+ordered_json printed_reference_values(const Job& job) {
+  if (job.kind != JobKind::print || !job.started) return nullptr;
+  const std::string printed = reference_at(job, *job.started);
+  if (printed == job.reference) return nullptr;
+  return {{"text", printed.empty() ? "No reference" : printed}};
+}
+
 std::string seconds_text(const Job& job) {
   if (!job.ended || !job.started) return "";
   char seconds[32];
@@ -197,6 +205,8 @@ Page job_page(const Job& job, const json& made, const std::vector<LogLine>& log,
                        {"downloads", files_values(job, false)},
                        {"created", rfc3339(job.created)},
                        {"reference", job.reference},
+                       {"printed_reference", printed_reference_values(job)},
+                       {"reference_changes", reference_changes_json(job)},
                        {"note", job.note},
                        {"inputs", inputs_values(job)},
                        {"derived_from", job.derived_from.value_or("")},

@@ -10,17 +10,12 @@ namespace vacuform {
 using http::Request;
 using http::Response;
 
-namespace {
-
-// The check of If-Match and If-None-Match, for the transaction that changes the job.
 JobGuard precondition(const Request& request, std::optional<http::Refusal>& refusal) {
   return [&request, &refusal](const Job& now) {
     refusal = http::unmet_precondition(request, etag_of(now));
     return !refusal;
   };
 }
-
-}  // namespace
 
 GuardedHandler cancelling(JobAnswer answer) {
   return [answer](Service& service, const Request& request, const Caller& caller) -> Result<Response> {

@@ -5,6 +5,10 @@
 
 namespace vacuform {
 
+// The check of If-Match and If-None-Match, for the transaction that changes the job. Both arguments outlive it; `refusal`
+// receives why it refused.
+JobGuard precondition(const http::Request& request, std::optional<http::Refusal>& refusal);
+
 // What the caller gets when it is done; the job is as it then is, or was.
 using JobAnswer = http::Response (*)(const Job& job);
 

@@ -3,8 +3,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "api/base/log.hpp"
 #include "api/base/text.hpp"
 #include "api/base/utf8.hpp"
+#include "api/job_text.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/range.hpp"
 #include "server/jobs/blob_response.hpp"
@@ -38,6 +40,9 @@ Result<Response> no_room(Service& service, const Caller& caller, const Error& er
 Result<Response> validate_job(Service& service, Request& request, const Caller& caller) {
   std::map<std::string, std::string> fields;
   VACUFORM_TRY(submission, read_submission(service, request, caller, fields));
+  if (const auto free = check_reference(service, submission); !free)
+    return free.error().code == Code::conflict ? problem_response(free.error(), 422)
+                                               : Result<Response>(tl::make_unexpected(free.error()));
   VACUFORM_TRY(plan, plan_of(submission, service.store));
   return json_response(plan);
 }
@@ -46,12 +51,38 @@ Result<Response> submit_job(Service& service, Request& request, const Caller& ca
   std::map<std::string, std::string> fields;
   VACUFORM_TRY(submission, read_submission(service, request, caller, fields));
   auto made = create_job(service, std::move(submission), caller);
-  // The key of another submission: as the draft of Idempotency-Key wants it told.
+  // The key of another submission, as the draft of Idempotency-Key wants it told; or the reference of another head.
   if (!made && made.error().code == Code::conflict) return problem_response(made.error(), 422);
   if (!made && made.error().code == Code::busy) return no_room(service, caller, made.error());
   VACUFORM_TRY(job, std::move(made));
   Response response = json_response(job_json(job), 202);
   response.set("Location", "/api/v1/jobs/" + job.id);
+  return response;
+}
+
+// {"reference": "CASE-12", "rescan": false}
+Result<Response> change_reference(Service& service, Request& request, const Caller& caller) {
+  VACUFORM_TRY(seen, job_for(service, request.at("id"), caller));
+  VACUFORM_TRY(object, read_object(request, http::small_body));
+  const auto text = object.find("reference"), rescan = object.find("rescan");
+  if (text == object.end() || !text->is_string() || (rescan != object.end() && !rescan->is_boolean()) ||
+      object.size() != (rescan == object.end() ? 1u : 2u))
+    return fail(Code::bad_usage, "not a change of a job's reference", "request body",
+                R"(send {"reference": "CASE-12"}, and "rescan": true for another scan of the same patient)");
+  NewReference change;
+  VACUFORM_TRY(reference, clean_reference(text->get<std::string>()));
+  change.text = std::move(reference);
+  change.rescan = rescan != object.end() && rescan->get<bool>();
+  change.owner = caller.owner;
+  change.token = caller.token;
+  std::optional<http::Refusal> refusal;
+  auto changed = service.store.set_reference(seen.id, change, precondition(request, refusal));
+  if (refusal) return http::refused_response(std::move(*refusal));
+  VACUFORM_TRY(job, std::move(changed));
+  if (job.version != seen.version)
+    log_event("job-reference-changed", {{"job", job.id}, {"token", caller.token}});
+  Response response = json_response(job_json(job));
+  response.set("ETag", etag_of(job));
   return response;
 }
 
@@ -206,6 +237,7 @@ void add_job_routes(http::Router& router, Service& service) {
   add(Scope::read, "GET", "/{id}/log?after&limit", get_log);
   add(Scope::submit, "POST", "/{id}/cancel",
       cancelling([](const Job& job) { return json_response(job_json(job)); }));
+  add(Scope::submit, "PATCH", "/{id}", change_reference);
   add(Scope::submit, "DELETE", "/{id}", deleting([](const Job&) { return no_content(); }));
   add(Scope::read, "GET", "/{id}/artifacts", list_artifacts);
   add(Scope::read, "GET", "/{id}/artifacts/{name}", get_artifact);

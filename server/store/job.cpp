@@ -1,6 +1,8 @@
 #include "server/store/job.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
 
 namespace vacuform {
 
@@ -9,6 +11,15 @@ const Input* Job::input(std::string_view name) const {
       std::find_if(inputs.begin(), inputs.end(), [&](const Input& i) { return i.name == name; });
   return found == inputs.end() ? nullptr : &*found;
 }
+
+std::string reference_at(const Job& job, Millis time) {
+  if (job.reference_changes.empty()) return job.reference;
+  for (const auto& change : nlohmann::json::parse(job.reference_changes))
+    if (change["time"].get<Millis>() >= time) return change["old"];
+  return job.reference;
+}
+
+std::string first_reference(const Job& job) { return reference_at(job, std::numeric_limits<Millis>::min()); }
 
 void sort_inputs(std::vector<Input>& inputs) {
   std::sort(inputs.begin(), inputs.end(), [](const Input& a, const Input& b) {

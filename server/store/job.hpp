@@ -48,12 +48,26 @@ struct Job {
   std::string owner;                        // of the token that made it; empty: made before there were tokens
   std::optional<std::string> derived_from;  // the job whose inputs it shares, which may be deleted since
   std::string reference, note;              // as clean_reference() and clean_note() give them
-  std::vector<StoredArtifact> artifacts;    // in the order of artifact_kinds
-  std::int64_t version = 0;                 // grows with everything about the job that anybody can see
+  std::string reference_changes;          // JSON text: a list of {time, owner, token, old, new}; empty: none
+  std::vector<StoredArtifact> artifacts;  // in the order of artifact_kinds
+  std::int64_t version = 0;               // grows with everything about the job that anybody can see
 
   // nullptr when it has none of that name.
   const Input* input(std::string_view name) const;
 };
+
+// Another reference for a job that exists.
+struct NewReference {
+  std::string text;          // as clean_reference() gives it; empty: none
+  bool rescan = false;       // as in NewJob
+  std::string owner, token;  // who changes it
+};
+
+inline constexpr int most_reference_changes = 100;  // of a job
+
+// The reference at a time, and the one that the job was created with.
+std::string reference_at(const Job& job, Millis time);
+std::string first_reference(const Job& job);
 
 // Brings them into the order of input_kinds.
 void sort_inputs(std::vector<Input>& inputs);
@@ -82,6 +96,7 @@ struct NewJob {
   std::optional<std::string> derived_from = {};
   JobKind kind = JobKind::print;
   std::string reference = {}, note = {};
+  bool rescan = false;  // another scan of the patient whose jobs have this reference, as a person confirmed
 
   void add(std::string name, std::variant<Upload, Blob> file, std::string extension);
 };

@@ -55,12 +55,23 @@ class JobTable {
   virtual ~JobTable() = default;
   // If a job was created under the same client key, that job is returned and no second one is created; conflict if that
   // key came with other files or settings. busy: the queue is full. gone: no row names a blob any more that the job
-  // would share. `repeated`, if given, tells which of the two happened.
+  // would share. `repeated`, if given, tells which of the two happened. Errors of
+  // check_reference(), unless the job is a rescan.
   virtual Result<Job> create(NewJob job, bool* repeated = nullptr) = 0;
   // The time until the queue can accept this owner's next job after create() returned busy, from the rate at which jobs
   // ended within the last quarter of an hour: 1 to 600 seconds, and 60 if too few have ended for an estimate.
   virtual Result<std::int64_t> seconds_until_room(const std::string& owner) = 0;
   virtual Result<Job> job(const std::string& id) = 0;
+  // Whether a job with this scan may have the reference: a reference belongs to one head. Jobs of the owner that are queued,
+  // running or have succeeded count, except the job `but`. If such jobs have the reference and none of them has this scan, the
+  // error is conflict, at "reference". An empty reference is free.
+  virtual Result<void> check_reference(const std::string& owner, const std::string& reference,
+                                       const std::string& scan_sha256, const std::string& but = {}) = 0;
+  // Gives a job another reference and records who changed it, when, and both texts. The same text changes nothing. `allowed`
+  // as for cancel(). Errors: not_found; conflict as in check_reference() unless it is a rescan, if `allowed` refused, or after
+  // most_reference_changes.
+  virtual Result<Job> set_reference(const std::string& id, const NewReference& reference,
+                                    const JobGuard& allowed = {}) = 0;
   // Of the job as the store gave it.
   virtual Result<Outlook> outlook(const Job& job) = 0;
   // `limit` jobs (1 to 100) older than the job that the cursor names; an empty cursor starts with the newest. A filter

@@ -11,7 +11,8 @@ namespace {
 #define VACUFORM_JOB_COLUMNS                                                                              \
   "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"          \
   " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings," \
-  " serious_warnings, reference, note, losses, crashes, worker, lease_hash, log_lines FROM job WHERE id=?"
+  " serious_warnings, reference, note, losses, crashes, worker, lease_hash, log_lines, reference_changes" \
+  " FROM job WHERE id=?"
 
 constexpr const char* job_row = VACUFORM_JOB_COLUMNS;
 constexpr const char* locked_job_row = VACUFORM_JOB_COLUMNS " FOR UPDATE";
@@ -89,6 +90,7 @@ Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id,
   row.worker = query.text(25);
   row.lease_hash = query.text(26);
   row.log_lines = query.integer(27);
+  job.reference_changes = query.text(28);
   if (detail == Detail::full) {
     VACUFORM_TRY(given, inputs_in(inputs));
     VACUFORM_TRY(stored, artifacts_in(artifacts));

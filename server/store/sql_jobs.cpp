@@ -65,6 +65,7 @@ Result<Job> SqlStore::create(NewJob job, bool* repeated) {
     VACUFORM_CHECK(check_room(waiting));
     VACUFORM_CHECK(shared.check());
     VACUFORM_CHECK(room_for(0));
+    VACUFORM_CHECK(claim_reference_of(tx.db, job, blobs));
     const Millis now = options_.clock();
     const std::string id = next_id();
     VACUFORM_CHECK(Query(tx.db,
@@ -82,6 +83,7 @@ Result<Job> SqlStore::create(NewJob job, bool* repeated) {
                          .run());
     }
     VACUFORM_CHECK(add_line(tx.db, id, "queued"));
+    if (job.rescan) VACUFORM_CHECK(add_line(tx.db, id, "confirmed as another scan of the same patient"));
     tx.changed.push_back(id);
     return queued_job(job, blobs, id, now);
   });
@@ -108,7 +110,7 @@ Result<std::optional<Job>> SqlStore::made_before(Database& db, Query& same_key, 
   VACUFORM_TRY(earlier, find(db, same_key.text(0)));
   bool same = earlier.kind == job.kind && earlier.settings == job.settings &&
               earlier.priority == job.priority && earlier.derived_from == job.derived_from &&
-              earlier.reference == job.reference && earlier.note == job.note &&
+              first_reference(earlier) == job.reference && earlier.note == job.note &&
               earlier.inputs.size() == blobs.size();
   for (std::size_t i = 0; same && i < blobs.size(); ++i) {
     const Input* input = earlier.input(job.inputs[i].name);

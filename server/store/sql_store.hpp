@@ -2,7 +2,8 @@
 // provides (sqlite_store.hpp). transitions.hpp decides what happens to jobs.
 //
 // sql_store.cpp keeps blobs and rows together, sql_jobs.cpp has the operations of users on jobs, sql_leases.cpp those of
-// workers, sql_job_row.cpp the rows of both, sql_status.cpp what administrators see, sql_outlook.cpp estimates.
+// workers, sql_job_row.cpp the rows of both, sql_references.cpp
+// whose a reference is, sql_status.cpp what administrators see, sql_outlook.cpp estimates.
 #pragma once
 
 #include <algorithm>
@@ -46,6 +47,10 @@ class SqlStore : public Store, public ObjectTable {
 
   Result<Job> create(NewJob job, bool* repeated = nullptr) override;
   Result<std::int64_t> seconds_until_room(const std::string& owner) override;
+  Result<void> check_reference(const std::string& owner, const std::string& reference,
+                               const std::string& scan_sha256, const std::string& but) override;
+  Result<Job> set_reference(const std::string& id, const NewReference& reference,
+                            const JobGuard& allowed) override;
   Result<Job> job(const std::string& id) override;
   Result<Outlook> outlook(const Job& job) override;
   Result<JobPage> list(int limit, const std::string& cursor, const JobFilter& filter, Detail detail) override;
@@ -273,6 +278,7 @@ class SqlStore : public Store, public ObjectTable {
   static Result<std::optional<Job>> made_before(Database& db, Query& same_key, const NewJob& job,
                                                 const std::vector<Blob>& blobs);
   Result<void> check_room(Query& waiting) const;
+  static Result<void> claim_reference_of(Database& db, const NewJob& job, const std::vector<Blob>& blobs);
   static Result<Token> token_row(Database& db, const std::string& id);
   static Token token_in(const Query& row);  // id, owner, scopes, hash, created, expires, revoked, file
   Result<StoredUpload> upload_row(Database& db, const std::string& id);

@@ -37,7 +37,7 @@ struct SubmitOptions {
   std::array<std::string, input_kinds.size()> files;  // in the order of input_kinds
   SettingsOptions settings;
   OutcomeOptions outcome;
-  bool wait = false;
+  bool wait = false, rescan = false;
 };
 
 JobKind kind_of(const SubmitOptions& o) { return job_kind_from(o.kind).value_or(JobKind::print); }
@@ -62,6 +62,7 @@ Result<RemoteJob> create(Client& client, const SubmitOptions& o, ProgressBar& ba
   VACUFORM_TRY(note, clean_note(o.note));
   job.reference = std::move(reference);
   job.note = std::move(note);
+  job.rescan = o.rescan;
   for (std::size_t i = 0; i < input_kinds.size(); ++i)
     if (!o.files[i].empty()) job.files[std::string(input_kinds[i].name)] = o.files[i];
   job.kind = kind_of(o);
@@ -232,6 +233,9 @@ void add_submit(CLI::App& app, int& exit_code) {
         ->excludes(job);
   command->add_option("--reference", options->reference, std::string(reference_hint))
       ->type_name("TEXT")
+      ->excludes(job);
+  command
+      ->add_flag("--rescan", options->rescan, "The scan is another one of the patient who has the reference")
       ->excludes(job);
   command->add_option("--note", options->note, std::string(note_hint))->type_name("TEXT")->excludes(job);
   auto* wait = command->add_flag("--wait", options->wait, "Wait until the job has ended");

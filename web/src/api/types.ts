@@ -94,6 +94,15 @@ export interface LogLine {
   text: string;
 }
 
+export interface ReferenceChange {
+  time: string;
+  owner: string;
+  token: string;
+  old: string;
+  new: string;
+  rescan: boolean;
+}
+
 export interface JobPage {
   jobs: ListedJob[];
   next: string | null;
@@ -155,6 +164,8 @@ export interface Job extends ListedJob {
   settings: Settings;
   inputs: Record<string, Input>;
   artifacts: Artifact[];
+  reference_changes: ReferenceChange[];
+  printed_reference: string | null;
   links: Links;
 }
 

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <functional>
 #include <future>
+#include <nlohmann/json.hpp>
 
 namespace {
 // Called before this program deletes a file, by the thread that does; null: nothing is.
@@ -521,6 +522,84 @@ TEST_P(StoreTest, KeepsReferenceAndNoteAsPartOfASubmission) {
   EXPECT_EQ(submit("CASE-12 ä", "").error().code, Code::conflict);
   const Job listed = store_->list(1, "", {}, Detail::brief)->jobs.at(0);
   EXPECT_EQ(listed.reference + "/" + listed.note, "CASE-12 ä/two\nlines");
+}
+
+TEST_P(StoreTest, GivesAReferenceToOneHead) {
+  const auto submit = [&](const std::string& scan, const std::string& reference, bool rescan = false,
+                          const std::string& owner = "a") {
+    NewJob job = submission(scan, "a pattern");
+    job.reference = reference;
+    job.rescan = rescan;
+    job.owner = owner;
+    return store_->create(std::move(job));
+  };
+  const auto first = submit("head one", "CASE-2000");
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(submit("head one", "CASE-2000"));
+  const auto other = submit("head two", "CASE-2000");
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, Code::conflict);
+  EXPECT_EQ(other.error().where, "reference");
+  EXPECT_EQ(store_->list(10, "")->jobs.size(), 2u);
+  EXPECT_TRUE(submit("head two", ""));
+  EXPECT_TRUE(submit("head two", "case-2000"));
+  EXPECT_TRUE(submit("head two", "CASE-2000", false, "b"));  // of another owner
+  const auto again = submit("head three", "CASE-2000", true);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(store_->log_after(again->id, 0, 10)->back().text,
+            "confirmed as another scan of the same patient");
+  EXPECT_TRUE(submit("head three", "CASE-2000"));  // it is known now
+  // A job that is cancelled makes no print.
+  const auto wrong = submit("wrong file", "CASE-7");
+  ASSERT_TRUE(wrong && store_->cancel(wrong->id));
+  EXPECT_TRUE(submit("right file", "CASE-7"));
+}
+
+TEST_P(StoreTest, ChangesAReferenceAndRecordsWhoDidIt) {
+  NewJob made = submission("head one", "a pattern", "key-0001");
+  made.reference = "CASE-2000";
+  made.owner = "a";
+  const Job before = store_->create(std::move(made)).value();
+  ASSERT_TRUE(store_->lease("w"));
+  const Millis started = *job(before.id).started;
+  const auto changed = store_->set_reference(before.id, {"CASE-2001", false, "a", "token-7"});
+  ASSERT_TRUE(changed) << changed.error().text();
+  EXPECT_GT(changed->version, before.version);
+  EXPECT_EQ(store_->set_reference(before.id, {"CASE-2001", false, "a", "token-8"})->version,
+            changed->version);
+  reopen();
+  const Job now = job(before.id);
+  EXPECT_EQ(now.reference, "CASE-2001");
+  EXPECT_EQ(now.state, JobState::running);
+  EXPECT_EQ(reference_at(now, started), "CASE-2000");
+  EXPECT_EQ(first_reference(now), "CASE-2000");
+  const auto changes = nlohmann::json::parse(now.reference_changes);
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_GE(changes[0]["time"].get<Millis>(), started);
+  EXPECT_EQ(changes[0]["owner"], "a");
+  EXPECT_EQ(changes[0]["token"], "token-7");
+  EXPECT_EQ(changes[0]["old"], "CASE-2000");
+  EXPECT_EQ(changes[0]["new"], "CASE-2001");
+  // The first submission again is still the same one.
+  NewJob again = submission("head one", "a pattern", "key-0001");
+  again.reference = "CASE-2000";
+  again.owner = "a";
+  EXPECT_EQ(store_->create(std::move(again))->id, before.id);
+
+  NewJob second = submission("head two", "a pattern");
+  second.reference = "CASE-3000";
+  second.owner = "a";
+  const std::string other = store_->create(std::move(second))->id;
+  const auto taken = store_->set_reference(other, {"CASE-2001", false, "a", "t"});
+  ASSERT_FALSE(taken);
+  EXPECT_EQ(taken.error().where, "reference");
+  EXPECT_EQ(job(other).reference, "CASE-3000");
+  EXPECT_TRUE(store_->set_reference(other, {"CASE-2001", true, "a", "t"}));
+  EXPECT_TRUE(store_->set_reference(other, {"", false, "a", "t"}));
+  for (int i = 2; i < most_reference_changes; ++i)
+    ASSERT_TRUE(store_->set_reference(other, {"C-" + std::to_string(i), false, "a", "t"}));
+  EXPECT_EQ(store_->set_reference(other, {"one too many", false, "a", "t"}).error().code, Code::conflict);
+  EXPECT_EQ(store_->set_reference("0nobody", {"x", false, "a", "t"}).error().code, Code::not_found);
 }
 
 TEST_P(StoreTest, ListsJobsByTheirText) {
