@@ -38,12 +38,24 @@ const unused = [
   'setFromMatrix3', 'setFromArray', 'rotateTowards', 'setFocalLength', 'getFocalLength', 'getEffectiveFOV',
   'setFromPointsAndIndices', 'lerpColors', 'getWorldScale', 'rotateOnWorldAxis', 'makeBasis', 'makeShear',
   'setFromCylindrical', 'setFromSpherical', 'offsetHSL', 'getHexString', 'applyAxisAngle', 'projectOnPlane'].join('|');
+// Functions of the renderer that nothing calls, `this.NAME = function`.
+const unusedOfRenderer = [
+  'compile', 'compileAsync', 'readRenderTargetPixels', 'readRenderTargetPixelsAsync', 'copyFramebufferToTexture', 'copyTextureToTexture',
+  'initRenderTarget', 'initTexture', 'resetState', 'setRenderTargetTextures', 'setRenderTargetFramebuffer', 'setEffects', 'setNodesHandler',
+  'forceContextRestore'].join('|');
+const renderFunction = new RegExp(String.raw`^\t\tthis\.(?:${unusedOfRenderer}) = (?:async )?function .*\{\n(?:(?!\t\t\};$).*\n)*\t\t\};$`, 'gm');
+// Functions within the renderer for features that the scenes do not use: render targets, cube textures, videos, transmission.
+const never = ['uploadCubeTexture', 'setupFrameBufferTexture', 'setupRenderBufferStorage', 'setupDepthTexture', 'setupDepthRenderbuffer', 'rebindTextures',
+  'setupRenderTarget', 'updateRenderTargetMipmap', 'updateMultisampleRenderTarget', 'updateVideoTexture', 'deallocateRenderTarget',
+  'renderTransmissionPass'].join('|');
+const featureFunction = new RegExp(String.raw`^(\t+)function (${never})\(.*\{\n(?:(?!\1\}$).*\n)*\1\}$`, 'gm');
 const method = new RegExp(String.raw`^\t(?:static )?(?:${unused})\(.*\{\n(?:(?!\t\}$).*\n)*\t\}$`, 'gm');
-const withoutUnused = (source) => source.replace(method, '');
+const withoutUnused = (source) => source.replace(method, '').replace(renderFunction, '')
+  .replace(featureFunction, (_, indent, name) => `${indent}function ${name}() { throw new Error('three.mjs: ${name}'); }`);
 
 // Fails if built code calls a method that was left out.
 export function checkUnused(code) {
-  const call = new RegExp(String.raw`\.(${unused})\(`).exec(code);
+  const call = new RegExp(String.raw`\.(${unused}|${unusedOfRenderer})\(`).exec(code);
   if (call) throw new Error(`three.mjs: something calls ${call[1]}; take it off the list of unused methods`);
 }
 
