@@ -57,6 +57,39 @@ std::string text_of(const ReportJson& value) {
   return value.dump();
 }
 
+namespace {
+
+struct CoilsInBoth {
+  ReportJson coils = ReportJson::array();  // on the head both as drawn and pre-distorted
+  std::size_t count = 0;
+  bool all = true;  // no other coil is on the head with either
+};
+CoilsInBoth coils_in_both(const ReportJson& coils) {
+  CoilsInBoth out;
+  if (!coils.is_array()) return out;
+  for (const ReportJson& coil : coils) {
+    const bool drawn = at(coil, {"without", "on_head"}) == true, made = at(coil, {"with", "on_head"}) == true;
+    if (drawn && made) out.coils.push_back(coil);
+    out.all = out.all && drawn == made;
+  }
+  out.count = out.coils.size();
+  return out;
+}
+
+// The mean size of a figure over the coils that have it with both prints; null if none has.
+ReportJson mean_over(const ReportJson& coils, const char* way, const char* key) {
+  double sum = 0;
+  int count = 0;
+  for (const ReportJson& coil : coils)
+    if (at(coil, {"with", key}).is_number() && at(coil, {"without", key}).is_number()) {
+      sum += std::abs(at(coil, {way, key}).get<double>());
+      ++count;
+    }
+  return count > 0 ? ReportJson(sum / count) : ReportJson();
+}
+
+}  // namespace
+
 std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
   std::vector<std::array<std::string, 3>> rows;
   const ReportJson &without = at(report, {"figures", "without"}), &with = at(report, {"figures", "with"});
@@ -91,6 +124,14 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
     const ReportJson& k = at(way, {"coils", "strongest_pair", "k"});
     return k.is_number() ? decimal(std::abs(k.get<double>()), 3) : no_figure;
   });
+  // The means above are of the coils on the head with each print. Where these differ, the same coils are compared too.
+  if (const CoilsInBoth same = coils_in_both(coils); same.count > 0 && !same.all) {
+    const std::string which = std::to_string(same.count) + " of the coils, on the head with both prints: ";
+    for (const auto& [key, title] : {std::pair{"circularity", "circles out of round, mean"},
+                                     std::pair{"area_error", "areas inside coils off, mean"}})
+      rows.push_back({which + title, percent_text(mean_over(same.coils, "without", key)),
+                      percent_text(mean_over(same.coils, "with", key))});
+  }
   for (const auto& [key, title] :
        {std::pair{"anisotropy", "Shape: longer one way than the other, mean (95 % below)"},
         std::pair{"area_ratio", "Area: larger or smaller, mean (95 % below)"}})

@@ -39,6 +39,15 @@ LayoutJson layout_json(const Inputs& inputs, const Array& array) {
           {"warnings", LayoutJson::array()}};
 }
 
+Warning coils_off_head(const Array& array) {
+  Warning warning{"coil-off-head", std::to_string(array.off_head) + " of " +
+                                       std::to_string(array.drawing.elements.size()) +
+                                       " coils do not lie wholly on the formed part"};
+  warning.figure = Warning::Figure{static_cast<double>(array.off_head), "", 0};
+  warning.fix = "Set a smaller layout.diameter_mm or layout.count, or lower scan.trim_mm.";
+  return warning;
+}
+
 }  // namespace
 
 Result<ScanLayout> lay_out_scan(const Inputs& inputs, const Context& context) {
@@ -49,12 +58,15 @@ Result<ScanLayout> lay_out_scan(const Inputs& inputs, const Context& context) {
   VACUFORM_TRY(flattening, flatten(formed.sheet, surface, formed.mold, s.flattening, context));
   VACUFORM_TRY(array, lay_out_array(ChartedSurface(surface, flattening), s.layout, s.coils, context));
   LayoutJson report = layout_json(inputs, array);
+  std::vector<Warning> of_array;
+  if (array.off_head > 0) of_array.push_back(coils_off_head(array));
   const auto add = [&](Stage stage, const std::vector<Warning>& warnings) {
     for (const Warning& warning : warnings) report["warnings"].push_back(warning_json(stage, warning));
   };
   add(Stage::scan, formed.mold.warnings);
   add(Stage::forming, formed.sheet.warnings);
   add(Stage::flattening, flattening.warnings);
+  add(Stage::printing, of_array);
   return ScanLayout{std::move(array), std::move(report)};
 }
 

@@ -173,6 +173,32 @@ TEST(Summary, SaysHowManyCoilsLieOnTheHead) {
   EXPECT_TRUE(figures.ends_with("0.10 % (0.20 %)")) << text;
 }
 
+// Of three coils two lie on the head as drawn and two as printed: one can be compared.
+TEST(Summary, ComparesTheSameCoils) {
+  ReportJson report = small_report();
+  const auto way = [](bool on_head, double round) {
+    return ReportJson{{"on_head", on_head}, {"circularity", round}, {"area_error", -round}};
+  };
+  report["coils"] = {{{"id", "a"}, {"with", way(true, 0.001)}, {"without", way(true, 0.05)}},
+                     {{"id", "b"}, {"with", way(true, 0.003)}, {"without", way(false, 0.4)}},
+                     {{"id", "c"}, {"with", way(false, 0.5)}, {"without", way(true, 0.2)}}};
+  const auto line_of = [&](const std::string& start) {
+    std::istringstream lines(summary_text(report, "out"));
+    std::string line;
+    while (std::getline(lines, line))
+      if (line.find(start) != std::string::npos) return line;
+    return std::string();
+  };
+  const std::string round =
+      line_of("1 of the coils, on the head with both prints: circles out of round, mean");
+  EXPECT_NE(round.find("5.00 %"), std::string::npos) << summary_text(report, "out");
+  EXPECT_TRUE(round.ends_with("0.10 %")) << round;
+  EXPECT_NE(line_of("areas inside coils off, mean").find("5.00 %"), std::string::npos);
+  report["coils"].erase(2);
+  report["coils"].erase(1);
+  EXPECT_EQ(line_of("with both prints"), "");  // then the means above are of the same coils
+}
+
 TEST(Summary, ListsSeriousWarningsFirstWithPlaceAndFix) {
   const std::string text = summary_text(small_report(), "out");
   EXPECT_NE(text.find("1 serious warning, 1 warning, 0 notes\n  serious: coil-3 lies off. [coil-off-head]\n"
