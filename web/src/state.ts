@@ -2,7 +2,7 @@
 import {createStore} from './store';
 import type {Session} from './api/types';
 import {initialJobs, type JobsState} from './state/jobs';
-import {initialDraft, type DraftState} from './state/draft';
+import {emptyDraft, type DraftState} from './state/draft';
 import {initialResult, type ResultState} from './state/result';
 import {routeOf, type Route} from './route';
 
@@ -22,7 +22,7 @@ export const store = createStore<State>({
   online: true,
   announcement: '',
   jobs: initialJobs,
-  draft: initialDraft,
+  draft: emptyDraft(Math.random().toString(36).slice(2)),
   result: initialResult,
 });
 

@@ -3,7 +3,7 @@ import test from 'node:test';
 import type {SettingsSchema} from '../src/api/types';
 import {
   accepting, attemptFor, withDefaultProfile, changed, doubtsOf, emptyDraft, emptyForm, hasIcc, hasPattern, redone, restored, saved, scanSettings, separated, staleJob, statusOf,
-  submission, undone, withProfile, withSetting, withSettings, type DraftState, type Origin, type Pattern, type SentFile} from '../src/state/draft';
+  submission, undone, withProfile, withoutReference, withSetting, withSettings, type DraftState, type Origin, type Pattern, type SentFile} from '../src/state/draft';
 
 const schema: SettingsSchema = {properties: {
   scan: {properties: {units: {type: 'string', enum: ['auto', 'mm'], default: 'auto'}, left_side: {type: 'string', default: 'unknown'}}},
@@ -133,15 +133,72 @@ test('sections say what is missing', () => {
   assert.equal(statuses(draft({from})), 'done done done open');
 });
 
+const good = {plausible: true, mirrored: false, upGuessed: false, wide: false};
 test('a doubt is raised once for each scan', () => {
-  const now = draft({scan, facts: {plausible: false, mirrored: true}});
-  assert.deepEqual(doubtsOf(now, schema, []), ['mirror', 'size', 'side']);
+  const now = draft({schema, scan, facts: {...good, plausible: false, mirrored: true}});
+  assert.deepEqual(doubtsOf(now), ['mirror', 'size', 'side']);
   const accepted = accepting(now, ['mirror', 'size', 'side']);
-  assert.deepEqual(doubtsOf({...now, accepted}, schema, []), []);
-  assert.deepEqual(doubtsOf({...now, accepted, scan: {...scan, mark: 'another'}}, schema, []), ['mirror', 'size', 'side']);
-  const confirmed = draft({scan, form: {...draft().form, settings: {scan: {left_side: 'minus_x'}}}});
-  assert.deepEqual(doubtsOf(confirmed, schema, []), []);
-  assert.deepEqual(doubtsOf(confirmed, schema, ['inside-out']), ['mirror']);
+  assert.deepEqual(doubtsOf({...now, accepted}), []);
+  assert.deepEqual(doubtsOf({...now, accepted, scan: {...scan, mark: 'another'}}), ['mirror', 'size', 'side']);
+  const confirmed = draft({schema, scan, form: {...draft().form, settings: {scan: {left_side: 'minus_x'}}}});
+  assert.deepEqual(doubtsOf(confirmed), []);
+  assert.deepEqual(doubtsOf({...confirmed, found: {codes: ['inside-out'], fits: true}}), ['mirror']);
+});
+
+test('no section is done and nothing is ready while a point is open', () => {
+  const statuses = (of: DraftState): string => (['scan', 'pattern', 'check'] as const).map((one) => statusOf(of, one)).join(' ');
+  const settings = {scan: {left_side: 'minus_x'}}, machine: SettingsSchema = {properties: {...schema.properties,
+    machine: {properties: {window: {type: 'string', default: 'rectangle'}, window_width_mm: {type: 'number', default: 280}, window_height_mm: {type: 'number', default: 200}}}}};
+  const whole = draft({schema: machine, scan, facts: good, plan: {kind: 'print', reference: '', note: '', settings: {}, inputs: {}}, form: {...draft().form, pattern, settings}});
+  assert.equal(statuses(whole), 'done done ready');
+  const open = {...whole, form: {...whole.form, settings: {}}};
+  assert.equal(statuses(open), 'look done look');
+  assert.equal(statuses({...whole, facts: {...good, plausible: false}}), 'look done look');
+  assert.equal(statuses({...whole, facts: {...good, wide: true}}), 'look done look');
+  assert.deepEqual(doubtsOf({...open, facts: {...good, upGuessed: true}}), ['up', 'side']);
+  assert.equal(statuses({...whole, facts: {...good, upGuessed: true}}), 'done done ready', 'the side was confirmed on an upright head');
+  assert.deepEqual(doubtsOf({...whole, found: {codes: [], fits: false}}), ['fit']);
+  // rings larger than the window, turned or not; scaled down they fit
+  const of = (width: number, height: number, scale = 1): DraftState =>
+    ({...whole, form: {...whole.form, pattern: {...pattern, width, height}, settings: {...settings, pattern: {scale}}}});
+  assert.equal(statuses(of(270, 199)), 'done done ready');
+  assert.equal(statuses(of(199, 270)), 'done done ready');
+  assert.equal(statuses(of(281, 100)), 'done look look');
+  assert.equal(statuses(of(201, 201)), 'done look look');
+  assert.equal(statuses(of(400, 300, 0.5)), 'done done ready');
+  const laid = {...whole, form: {...whole.form, pattern: {...pattern, offHead: 4}}};
+  assert.deepEqual(doubtsOf(laid), ['coils']);
+  assert.equal(statuses({...laid, accepted: accepting(laid, ['coils'])}), 'done done ready');
+  assert.equal(statuses({...laid, accepted: accepting(laid, ['coils']), form: {...laid.form, pattern: {...pattern, mark: 'other', offHead: 1}}}), 'done look look');
+});
+
+test('another scan takes the reference and the note along, also from what undo brings back', () => {
+  let now = draft({scan});
+  now = {...now, ...changed(now, {reference: 'CASE-2000', rescan: true})};
+  now = {...now, ...changed(now, {note: 'left ear sore'})};
+  now = {...now, ...changed(now, {settings: {print: {dpi: 600}}})};
+  now = {...now, ...withoutReference(now)};
+  assert.deepEqual([now.form.reference, now.form.rescan, now.form.note, now.dropped], ['', false, '', 'CASE-2000']);
+  assert.deepEqual(now.form.settings, {print: {dpi: 600}});
+  for (let back = now; back.past.length > 0;) {
+    back = {...back, ...undone(back)};
+    assert.deepEqual([back.form.reference, back.form.rescan, back.form.note], ['', false, '']);
+  }
+  assert.deepEqual(withoutReference(draft({dropped: 'CASE-1'})).dropped, 'CASE-1');
+  assert.ok(restored(saved(now), 'x').dropped === 'CASE-2000');
+});
+
+test('that a scan is another one of the same patient is confirmed for one reference', () => {
+  let now = draft({scan, form: {...draft().form, pattern}});
+  now = {...now, ...changed(now, {reference: 'CASE-2000'})};
+  assert.equal(fields(now)['rescan'], undefined);
+  now = {...now, ...changed(now, {rescan: true})};
+  assert.equal(fields(now)['rescan'], 'true');
+  assert.equal(fields(now, 'inspection')['reference'], undefined);
+  now = {...now, ...changed(now, {note: 'x'})};
+  assert.equal(fields(now)['rescan'], 'true');
+  now = {...now, ...changed(now, {reference: 'CASE-2001'})};
+  assert.equal(fields(now)['rescan'], undefined);
 });
 
 test('a result is out of date when the draft from it differs', () => {

@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {initialMoves, centreLines, coilsOf, encloses, initialResult, isMoved, laid, lying, move, patternOf, placed, previewPlace, queryOf, redo, resultOf,
+import {initialMoves, centreLines, compared, coilsOf, encloses, initialResult, isMoved, laid, lying, move, patternOf, placed, previewPlace, queryOf, redo, resultOf,
         rowOf, sorted, toChart, toDrawing, undo, wantedOf, withPoints, type Flat, type PrintReport, type Row} from '../src/state/result';
 import {coarse, picturePlace} from '../src/read/formed';
 
@@ -28,6 +28,16 @@ test('the worst coil comes first, those beside the head last', () => {
   assert.deepEqual(ids('round', true), ['coil-2', 'coil-10', 'coil-1']);
   assert.deepEqual(ids('round', false), ['coil-10', 'coil-2', 'coil-1']);
   assert.deepEqual(ids('id', false), ['coil-2', 'coil-10', 'coil-1']);
+});
+
+test('the print is compared with the drawing over the same coils', () => {
+  assert.deepEqual(compared(report), {count: 2, same: true, round: [0.035, 0.3], area: [0.01, 0.01]});
+  // printed as drawn, only one of them would lie on the head; a square has no circularity
+  const coils = (report.coils ?? []).map((coil, i) => i === 1 ? {...coil, without: side(0.7, false)} : coil) as PrintReport['coils'];
+  assert.deepEqual(compared({...report, coils: coils!}), {count: 1, same: false, round: [0.02, 0.3], area: [0.01, 0.01]});
+  const square = {...report, coils: coils!.map((coil) => ({...coil, with: {...coil.with!, circularity: null}}))} as PrintReport;
+  assert.equal(compared(square)!.round, null);
+  assert.equal(compared({...report, coils: coils!.map((coil) => ({...coil, without: null}))}), null);
 });
 
 test('a coil has its neighbours, the strongest coupling first', () => {

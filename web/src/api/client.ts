@@ -36,11 +36,12 @@ export async function ask(path: string, init: RequestInit = {}): Promise<Respons
     throw noServer(error);
   }
   if (response.ok || response.status === 304) return response;
-  if (response.status === 401) signedOut();
   throw await problemOf(response);
 }
 
+// Of any answer that is one. Ends the session of the page if the server has ended it.
 export async function problemOf(response: Response): Promise<Problem> {
+  if (response.status === 401) signedOut();
   const id = response.headers.get('X-Request-Id') ?? '';
   try {
     if (response.headers.get('Content-Type')?.includes('json'))
@@ -86,6 +87,9 @@ export const api = {
   log: (id: string, after = 0): Promise<{lines: LogLine[]; next: number; ended: boolean}> =>
     read(`${jobPath(id)}/log?after=${after}&limit=1000`),
   cancel: async (id: string): Promise<Job> => await (await ask(`${jobPath(id)}/cancel`, {method: 'POST'})).json() as Job,
+  // `version`: of the job that the person saw.
+  setReference: async (id: string, reference: string, rescan: boolean, version: number): Promise<Job> =>
+    await (await send('PATCH', jobPath(id), {reference, ...(rescan && {rescan})}, {'If-Match': `"${version}"`})).json() as Job,
   remove: async (id: string): Promise<void> => void await send('DELETE', jobPath(id)),
   artifact: async (id: string, name: string, signal?: AbortSignal): Promise<Response> =>
     ask(artifactPath(id, name), signal ? {signal} : {}),

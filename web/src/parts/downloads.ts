@@ -11,17 +11,19 @@ const rank = (name: string): number => first.includes(name) ? first.indexOf(name
 export const titleOf = (artifact: Pick<Artifact, 'name' | 'title'>): string =>
   textIfKnown(`artifact.${artifact.name}`) ?? artifact.title;
 
+// While a serious warning is open, no file is called the one to print.
 export function downloads(job: Job): {element: HTMLElement; setStale(stale: boolean): void} {
-  const reason = newId('stale');
+  const reason = newId('stale'), held = (job.serious_warnings ?? 0) > 0;
   const element = el('section', {class: 'card stack downloads'});
   const link = (href: string, stale: boolean, main: boolean, ...words: (Node | string)[]): HTMLElement =>
     stale ? el('span', {class: 'button', role: 'link', 'aria-disabled': 'true', 'aria-describedby': reason}, icon('download'), ...words)
           : el('a', {class: main ? 'button primary' : 'button', href, download: true}, icon('download'), ...words);
   const row = (file: Artifact, stale: boolean): HTMLElement =>
     el('li', null,
-      link(artifactPath(job.id, file.name), stale, file.name === 'print.pdf', file.name),
+      link(artifactPath(job.id, file.name), stale, file.name === 'print.pdf' && !held, file.name),
       el('span', null, titleOf(file), ' ', el('span', {class: 'quiet'}, bytes(file.bytes)),
-        file.name === 'print.pdf' && !stale && el('strong', {class: 'state succeeded'}, icon('print'), t('job.to_print'))));
+        file.name === 'print.pdf' && !stale && (held ? el('strong', {class: 'state warning'}, icon('warning'), t('job.not_to_print'))
+          : el('strong', {class: 'state succeeded'}, icon('print'), t('job.to_print')))));
   function setStale(stale: boolean): void {
     const files = [...job.artifacts].sort((a, b) => rank(a.name) - rank(b.name));
     const main = files.filter((file) => rank(file.name) < first.length);

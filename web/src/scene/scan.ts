@@ -48,12 +48,12 @@ void main() {
   eye = -view.xyz;
   gl_Position = projectionMatrix * view;
 }`;
-// Light from the upper left and from the camera, darker towards the rim. What is cut away is shown as stripes.
+// Light from the upper left and from the camera, darker towards the rim. What is cut away is pale: the ground shines through.
 const fragmentShader = `
 in vec3 n; in vec3 eye; in vec3 place;
 out vec4 colour;
 uniform float cut, radius;
-uniform vec3 away, top;
+uniform vec3 ground, top;
 uniform mat3 onInk;  // from mm beside the top to the picture
 uniform sampler2D ink;
 void main() {
@@ -67,10 +67,7 @@ void main() {
   vec2 at = (onInk * vec3(arc * normalize(d.xy + 1e-6), 1.0)).xy;
   vec3 printed = texture(ink, at).rgb;
   if (radius > 0.0 && at == clamp(at, 0.0, 1.0)) colour.rgb *= printed;
-  if (place.z < cut - 0.05) {
-    if (fract(place.z / 6.0) < 0.6) discard;
-    colour = vec4(away, 1.0);
-  }
+  if (place.z < cut - 0.05) colour.rgb = mix(colour.rgb, ground, 0.55);
 }`;
 
 function geometryOf(mesh: ShownMesh): BufferGeometry {
@@ -106,7 +103,7 @@ export function scanScene(scan: ReadScan, options: {label: string; tools?: HTMLE
   const fine = geometryOf(scan.shown), coarse = scan.coarse ? geometryOf(scan.coarse) : fine;
   const material = new ShaderMaterial({
     glslVersion: GLSL3, vertexShader, fragmentShader, side: DoubleSide,
-    uniforms: {cut: {value: 0}, away: {value: viewer.colour('--warn')}, radius: {value: 0}, top: {value: new Vector3()}, onInk: {value: new Matrix3()},
+    uniforms: {cut: {value: 0}, ground: {value: viewer.colour('--ground')}, radius: {value: 0}, top: {value: new Vector3()}, onInk: {value: new Matrix3()},
                ink: {value: null as CanvasTexture | null}}});
   const {uniforms} = material;
   const body = new Mesh(fine, material);
@@ -124,7 +121,7 @@ export function scanScene(scan: ReadScan, options: {label: string; tools?: HTMLE
 
   viewer.on('quality', () => { body.geometry = viewer.quality.coarse ? coarse : fine; });
   viewer.on('theme', () => {
-    uniforms['away']!.value = viewer.colour('--warn');
+    uniforms['ground']!.value = viewer.colour('--ground');
     pin.material.uniforms['colour']!.value = viewer.colour('--bad');
     outline.material.uniforms['colour']!.value = viewer.colour('--accent');
     drawn = '';

@@ -22,6 +22,7 @@ export interface Pattern extends SentFile {
   height: number | null;
   aspect: number | null;
   layout: string;         // the job that made it; empty for a drawing of the person
+  offHead?: number;       // coils of that layout that do not lie wholly on the head
 }
 
 // What undo goes back and forth over.
@@ -29,6 +30,7 @@ export interface Form {
   settings: Settings;     // what differs from the defaults
   profile: string;        // chosen last; empty for none
   reference: string;
+  rescan: boolean;        // the scan is another one of the patient who has the reference, as the person confirms
   note: string;
   pattern: Pattern | null;
   icc: SentFile | null;   // the ICC profile of the printer
@@ -48,6 +50,8 @@ export interface Origin {
 export interface ScanFacts {
   plausible: boolean;     // its size is one of a head
   mirrored: boolean;      // it may be a mirror image
+  upGuessed: boolean;     // nothing in the file says which axis points up
+  wide: boolean;          // it does not fit through the window of the clamp frame
 }
 
 export interface Draft {
@@ -60,6 +64,7 @@ export interface Draft {
   layout: string;                                  // a running job that makes a pattern
   accepted: string[];                              // doubts that the person has answered
   attempt: {key: string; content: string} | null;  // the start that may have reached the server
+  dropped: string;                                 // the reference that went with the scan before this one
 }
 
 export interface DraftState extends Draft {
@@ -70,17 +75,18 @@ export interface DraftState extends Draft {
   plan: Plan | null;                       // the server's answer to what the form says now
   problem: ProblemBody | null;             // what it finds wrong instead
   checking: boolean;
+  found: {codes: string[]; fits: boolean} | null;  // by the inspection of the scan
   schema: SettingsSchema | null;           // null before the server has sent it
   profiles: Profile[] | null;
   unread: Problem | null;                  // why it could not
 }
 
-export const emptyForm: Form = {settings: {}, profile: '', reference: '', note: '', pattern: null, icc: null};
+export const emptyForm: Form = {settings: {}, profile: '', reference: '', rescan: false, note: '', pattern: null, icc: null};
 
 export function emptyDraft(tab: string): DraftState {
   return {
-    tab, form: emptyForm, scan: null, facts: null, from: null, inspection: null, layout: '', accepted: [], attempt: null,
-    past: [], future: [], faults: {}, transfers: {scan: null, pattern: null, icc: null}, plan: null, problem: null, checking: false,
+    tab, form: emptyForm, scan: null, facts: null, from: null, inspection: null, layout: '', accepted: [], attempt: null, dropped: '',
+    past: [], future: [], faults: {}, transfers: {scan: null, pattern: null, icc: null}, plan: null, problem: null, checking: false, found: null,
     schema: null, profiles: null, unread: null};
 }
 
@@ -88,8 +94,15 @@ const deepest = 100;  // steps of undo
 
 export function changed(draft: DraftState, change: Partial<Form>): Partial<DraftState> {
   const form = {...draft.form, ...change};
+  if (form.reference !== draft.form.reference && !change.rescan) form.rescan = false;
   return JSON.stringify(form) === JSON.stringify(draft.form)
     ? {} : {form, past: [...draft.past, draft.form].slice(-deepest), future: []};
+}
+
+// With another scan, the head may be another one: what names the former head goes, also from what undo would bring back.
+export function withoutReference(draft: DraftState): Partial<DraftState> {
+  const bare = (form: Form): Form => ({...form, reference: '', rescan: false, note: ''});
+  return {form: bare(draft.form), past: draft.past.map(bare), future: draft.future.map(bare), dropped: draft.form.reference || draft.dropped};
 }
 
 export function undone(draft: DraftState): Partial<DraftState> {
@@ -184,7 +197,9 @@ export function submission(draft: Draft, kind: JobKind, schema: SettingsSchema):
   if (draft.scan) fields.push(['scan_upload', draft.scan.upload]);
   if (kind === 'print' && draft.form.pattern && !printsScan(draft)) fields.push(['pattern_upload', draft.form.pattern.upload]);
   if (kind === 'print' && draft.form.icc?.whole) fields.push(['icc_upload', draft.form.icc.upload]);
-  if (draft.form.reference) fields.push(['reference', draft.form.reference]);
+  // A scan that is only examined has no reference yet: it may be the wrong file.
+  if (kind === 'print' && draft.form.reference) fields.push(['reference', draft.form.reference]);
+  if (kind === 'print' && draft.form.reference && draft.form.rescan) fields.push(['rescan', 'true']);
   if (kind === 'print' && draft.form.note) fields.push(['note', draft.form.note]);
   return fields;
 }
@@ -208,28 +223,30 @@ export function scanSettings(draft: Draft): string {
 
 export type Section = 'scan' | 'pattern' | 'machine' | 'check';
 export const sections: Section[] = ['scan', 'pattern', 'machine', 'check'];
-export type Status = 'done' | 'open' | 'working' | 'defaults' | 'ready' | 'problem';
+export type Status = 'done' | 'open' | 'working' | 'defaults' | 'ready' | 'look' | 'problem';
 
 export function sectionOf(where: string): Section {
   const [group = ''] = where.split('.');
   if (group === 'scan' || group === 'scan_upload') return 'scan';
   if (group === 'pattern' || group === 'pattern_upload' || group === 'layout') return 'pattern';
-  return group === 'reference' || group === 'note' ? 'check' : 'machine';
+  return group === 'reference' || group === 'rescan' || group === 'note' ? 'check' : 'machine';
 }
 
 export function statusOf(draft: DraftState, section: Section): Status {
+  // Nothing is done while a person has to look at it.
+  const look = doubtsOf(draft).some((doubt) => section === 'check' || placeOf[doubt] === section);
   if (section === 'check')
     return draft.problem && hasScan(draft) && hasPattern(draft) ? 'problem'
-      : draft.plan && Object.keys(draft.faults).length === 0 ? 'ready' : 'open';
+      : !draft.plan || Object.keys(draft.faults).length > 0 ? 'open' : look ? 'look' : 'ready';
   if (Object.keys(draft.faults).some((id) => sectionOf(id) === section)) return 'problem';
   if (draft.problem?.where && sectionOf(draft.problem.where) === section && hasScan(draft) && hasPattern(draft)) return 'problem';
   switch (section) {
     case 'scan':
       if (draft.transfers.scan?.state === 'failed') return 'problem';
-      return hasScan(draft) ? 'done' : draft.scan ? 'working' : 'open';
+      return !hasScan(draft) ? draft.scan ? 'working' : 'open' : look ? 'look' : 'done';
     case 'pattern':
       if (draft.transfers.pattern?.state === 'failed') return 'problem';
-      return hasPattern(draft) ? 'done' : draft.form.pattern || draft.layout ? 'working' : 'open';
+      return !hasPattern(draft) ? draft.form.pattern || draft.layout ? 'working' : 'open' : look ? 'look' : 'done';
     case 'machine': {
       if (draft.transfers.icc?.state === 'failed') return 'problem';
       if (!hasIcc(draft)) return 'working';
@@ -240,19 +257,44 @@ export function statusOf(draft: DraftState, section: Section): Status {
 }
 
 // What a person has to look at once before the job starts.
-export type Doubt = 'mirror' | 'size' | 'side';
-export function doubtsOf(draft: Draft, schema: SettingsSchema, findings: readonly string[]): Doubt[] {
-  const doubts: Doubt[] = [];
-  if (draft.facts?.mirrored || findings.includes('inside-out') || findings.includes('mirrored-or-turned')) doubts.push('mirror');
-  if (draft.facts?.plausible === false || findings.includes('units-guessed')) doubts.push('size');
-  if (fieldOf(schema, 'scan.left_side') && (valueOf(schema, draft.form.settings, 'scan.left_side') === 'unknown')) doubts.push('side');
-  const scan = draft.scan?.mark ?? draft.from?.scan.sha256 ?? '';
-  return doubts.filter((doubt) => !draft.accepted.includes(`${doubt} ${scan}`));
+export type Doubt = 'mirror' | 'size' | 'up' | 'side' | 'fit' | 'large' | 'coils';
+const placeOf: Record<Doubt, Section> = {mirror: 'scan', size: 'scan', up: 'scan', side: 'scan', fit: 'scan', large: 'pattern', coils: 'pattern'};
+export function doubtsOf(draft: DraftState): Doubt[] {
+  const doubts: Doubt[] = [], {facts, found, form: {pattern, settings}} = draft, schema = draft.schema ?? {properties: {}};
+  const has = (...codes: string[]): boolean => found?.codes.some((code) => codes.includes(code)) ?? false;
+  // The answer to the question about the left ear is given by a picture of the upright head.
+  const sideOpen = fieldOf(schema, 'scan.left_side') !== undefined && valueOf(schema, settings, 'scan.left_side') === 'unknown';
+  if (facts?.mirrored || has('inside-out', 'mirrored-or-turned')) doubts.push('mirror');
+  if (facts?.plausible === false || has('units-guessed')) doubts.push('size');
+  if (facts?.upGuessed && sideOpen || has('up-guessed')) doubts.push('up');
+  if (sideOpen) doubts.push('side');
+  if (facts?.wide || found?.fits === false) doubts.push('fit');
+  if (pattern && !printsScan(draft) && larger(draft, schema)) doubts.push('large');
+  if (pattern?.offHead) doubts.push('coils');
+  return doubts.filter((doubt) => !draft.accepted.includes(subject(draft, doubt)));
 }
+// Whether the drawing is larger than the window, however it is turned.
+function larger(draft: DraftState, schema: SettingsSchema): boolean {
+  const size = draft.form.pattern && drawnSize(draft.form.pattern, draft), at = (id: string): number => Number(valueOf(schema, draft.form.settings, id));
+  if (!size) return false;
+  const window = [at('machine.window_width_mm'), at(valueOf(schema, draft.form.settings, 'machine.window') === 'circle' ? 'machine.window_width_mm' : 'machine.window_height_mm')];
+  const scale = Number(valueOf(schema, draft.form.settings, 'pattern.scale') ?? 1), drawn = size.map((mm) => scale * (Number.isNaN(mm) ? 0 : mm));
+  return Math.max(...drawn) > Math.max(...window) || Math.min(...drawn) > Math.min(...window);
+}
+
+// The size of the drawing in mm, with the width that the person gives.
+export function drawnSize(pattern: Pattern, {schema, form}: DraftState): [number, number] | null {
+  const given = schema && valueOf(schema, form.settings, 'pattern.width_mm');
+  if (typeof given === 'number') return [given, pattern.aspect ? given / pattern.aspect : NaN];
+  return pattern.width && pattern.height ? [pattern.width, pattern.height] : null;
+}
+
 export function accepting(draft: Draft, doubts: readonly Doubt[]): string[] {
-  const scan = draft.scan?.mark ?? draft.from?.scan.sha256 ?? '';
-  return [...draft.accepted, ...doubts.map((doubt) => `${doubt} ${scan}`)];
+  return [...draft.accepted, ...doubts.map((doubt) => subject(draft, doubt))];
 }
+// What a person has accepted: the doubt about this scan, or this drawing.
+const subject = (draft: Draft, doubt: Doubt): string =>
+  `${doubt} ${placeOf[doubt] === 'pattern' ? draft.form.pattern?.mark ?? '' : draft.scan?.mark ?? draft.from?.scan.sha256 ?? ''}`;
 
 // The job whose result no longer shows what the form says, or null: its downloads are out of date.
 export function staleJob(draft: DraftState): string | null {
@@ -271,8 +313,8 @@ const sameSettings = (a: Settings, b: Settings): boolean => {
 const format = 1;
 
 export function saved(draft: Draft): string {
-  const {tab, form, scan, facts, from, inspection, layout, accepted, attempt} = draft;
-  return JSON.stringify({format, tab, form, scan, facts, from, inspection, layout, accepted, attempt});
+  const {tab, form, scan, facts, from, inspection, layout, accepted, attempt, dropped} = draft;
+  return JSON.stringify({format, tab, form, scan, facts, from, inspection, layout, accepted, attempt, dropped});
 }
 
 export function restored(text: string | null, tab: string): DraftState {
@@ -296,6 +338,3 @@ export function separated(draft: DraftState, tab: string): DraftState {
 }
 
 export const storedUnder = 'vacuform.draft';
-const stored = typeof sessionStorage === 'undefined' ? null : sessionStorage.getItem(storedUnder);
-export const isNew = stored === null;  // nothing has been done in this tab yet
-export const initialDraft: DraftState = restored(stored, Math.random().toString(36).slice(2));

@@ -136,6 +136,23 @@ export function coilsOf(report: PrintReport): Coil[] {
   });
 }
 
+export interface Compared {
+  count: number;     // of coils that lie wholly on the head with both prints
+  same: boolean;     // these are all coils on the head with the print that was made
+  round: [made: number, drawn: number] | null;     // mean shares out of round, of those drawn as circles
+  area: [made: number, drawn: number];             // mean shares of |...|
+}
+// What can be compared between the print that was made and the drawing printed as it is: the same coils.
+export function compared(report: PrintReport): Compared | null {
+  const made = (report.coils ?? []).filter((coil) => coil.with?.on_head), both = made.flatMap(({with: a, without: b}) => a && b?.on_head ? [[a, b] as const] : []);
+  if (both.length === 0) return null;
+  const mean = (pairs: readonly (readonly [number, number])[]): [number, number] =>
+    [0, 1].map((k) => pairs.reduce((sum, pair) => sum + Math.abs(pair[k as 0 | 1]), 0) / pairs.length) as [number, number];
+  const circles = both.flatMap(([a, b]) => typeof a.circularity === 'number' && typeof b.circularity === 'number' ? [[a.circularity, b.circularity] as const] : []);
+  return {count: both.length, same: both.length === made.length, round: circles.length > 0 ? mean(circles) : null,
+          area: mean(both.map(([a, b]) => [a.area_error, b.area_error] as const))};
+}
+
 // The worst first, or the other way round. Coils that do not lie wholly on the head are not as drawn anyway: they come last.
 export function sorted(coils: readonly Coil[], by: Column, down: boolean): Coil[] {
   const names = new Intl.Collator('en', {numeric: true});

@@ -12,6 +12,7 @@ import {icon} from '../parts/icon';
 import {later, svgPicture} from '../parts/later';
 import {logPart} from '../parts/log';
 import {problemBox} from '../parts/problem';
+import {changeReference, referenceChanges} from '../parts/reference';
 import {progressCard, signTab} from '../parts/progress';
 import {labelOf, valueText} from '../parts/settings-form';
 import {stateBadge} from '../parts/state-badge';
@@ -86,7 +87,7 @@ class JobView extends View {
     });
     return [
       el('p', {class: 'small'}, el('a', {href: toJobs()}, icon('back'), t('job.all_jobs'))),
-      live((state) => [phaseOf(state.jobs.job), state.jobs.job?.id, state.jobs.jobProblem] as const, ([, , problem]) => {
+      live((state) => [phaseOf(state.jobs.job), state.jobs.job?.id, state.jobs.job?.reference, state.jobs.jobProblem] as const, ([, , , problem]) => {
         const job = shown();
         if (job && !problem) return this.#page(job);
         return [el('h1', null, job ? nameOf(job) : t('job.unnamed', {id: shortId(this.#id)})),
@@ -151,9 +152,10 @@ class JobView extends View {
             const now = shown();
             return now && stateBadge(now);
           })),
-        done && el('div', {class: 'row'}, this.#again(job),
-          el('button', {type: 'button', class: 'danger', onclick: () => void this.#remove(job)}, icon('delete'), t('jobs.delete')))),
-      identity,
+        el('div', {class: 'row'}, done && this.#again(job),
+          el('button', {type: 'button', id: 'change-reference', onclick: () => void this.#changeReference()}, t(job.reference ? 'job.change_reference' : 'job.add_reference')),
+          done && el('button', {type: 'button', class: 'danger', onclick: () => void this.#remove(job)}, icon('delete'), t('jobs.delete')))),
+      identity, referenceChanges(job),
       job.note && el('p', {class: 'note'}, job.note),
       !done ? this.#active(job)
         : job.state === 'succeeded' ? this.#succeeded(job, identity)
@@ -344,6 +346,14 @@ class JobView extends View {
     } catch (error) {
       setJobs({jobProblem: error});
     }
+  }
+
+  async #changeReference(): Promise<void> {
+    const now = shown(), changed = now && await changeReference(now);
+    if (!changed || this.#over) return;
+    setJobs({job: {...changed, queue_position: now.queue_position ?? null, seconds_expected: now.seconds_expected ?? null}});
+    announce(t('job.reference_changed', {reference: changed.reference || t('job.no_reference')}));
+    document.getElementById('change-reference')?.focus({preventScroll: true});
   }
 
   async #remove(job: Job): Promise<void> {

@@ -10,23 +10,24 @@ import {foundProblem, Problem} from '../api/client';
 import type {Settings, SettingsSchema} from '../api/types';
 import {toJob, toNew} from '../route';
 import {store} from '../state';
-import {hasScan, sameValue, scanSettings, sections, statusOf, withSettings, type ScanFacts, type Section, type Status} from '../state/draft';
+import {drawnSize, hasScan, sameValue, scanSettings, sections, statusOf, withSettings, type ScanFacts, type Section, type Status} from '../state/draft';
 import {bytes, percent, t} from '../text';
 import {follow, live, onEnd, View} from '../view';
 import {checkSection} from './new/check';
 import {followDraft} from './new/fields';
 import {machineSection} from './new/machine';
+import type {ReadScan} from '../read/prepare';
 import type {Drawing} from './new/scan';
 import './new/scan';
-import {drawnSize, loadDrawing, patternSection} from './new/pattern';
+import {loadDrawing, patternSection} from './new/pattern';
 import {transferLine} from './new/transfer';
 import {
-  begin, clear, draft, edit, goBack, hasBefore, inspect, inspection, onSideJob, readSchema, redo, removeScan, startFrom, takeScan, undo,
+  begin, clear, draft, edit, goBack, hasBefore, inspect, inspection, onSideJob, readMold, readSchema, redo, removeScan, startFrom, takeScan, undo,
   update} from './new/work';
 import type {SettingsForm} from '../parts/settings-form';
 
 const icons: Record<Section, IconName> = {scan: 'head', pattern: 'pattern', machine: 'settings', check: 'print'};
-const statusIcons: Record<Status, IconName | null> = {done: 'check', open: null, working: 'upload', defaults: null, ready: 'check', problem: 'error'};
+const statusIcons: Record<Status, IconName | null> = {done: 'check', open: null, working: 'upload', defaults: null, ready: 'check', look: 'warning', problem: 'error'};
 
 const statusBadge = (section: Section): HTMLElement => live((state) => statusOf(state.draft, section), (status) => {
   const name = statusIcons[status];
@@ -43,6 +44,8 @@ export function goTo(section: Section): void {
 interface ScanSection extends HTMLElement {
   settings: Settings;
   inspected: {trim_mm?: number} | null;
+  mold: ReadScan | null;
+  readonly unseen: boolean;
   drawing: Drawing | null;
   show(place: readonly number[]): void;
 }
@@ -104,8 +107,21 @@ function scanSection(schema: SettingsSchema): Children {
     const {settings} = (event as CustomEvent<{settings?: Settings} | undefined>).detail ?? {};  // fields inside have this event too
     if (settings && !again) edit({settings: withSettings(draft().form.settings, settings, schema)});
   });
-  const inspected = (): void => { section.inspected = inspection.now.findings?.scan ?? null; };
-  inspected();
+  const ending = new AbortController();
+  onEnd(() => ending.abort());
+  const inspected = (): void => {
+    const {job, findings: found} = inspection.now;
+    section.inspected = found?.scan ?? null;
+    if (!section.unseen) return;
+    const valid = job && found && draft().inspection?.scan === scanSettings(draft()) ? job.id : '';
+    if (valid !== moldOf) void showMold(moldOf = valid);
+  };
+  let moldOf = '';  // the inspection whose mold is shown
+  const showMold = async (id: string): Promise<void> => {
+    const mold = id ? await readMold(id, ending.signal).catch(() => null) : null;  // a scan that makes no mold
+    if (id === moldOf && !ending.signal.aborted) section.mold = mold;
+  };
+  follow(({draft: now}) => [now.inspection, now.form.settings] as const, inspected);
   onEnd(onSideJob(inspected));
   let shown: Settings | null = null;
   follow(({draft: now}) => [now.form.settings, hasScan(now)] as const, ([{scan, sheet = {}, machine = {}, pattern = {}}, there]) => {

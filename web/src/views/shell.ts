@@ -1,6 +1,7 @@
 // The frame around every view: menu, state of the session, the place where the view stands.
 import {el, type Children} from '../dom';
 import {icon, type IconName} from '../parts/icon';
+import {api} from '../api/client';
 import {applyTheme, currentTheme, themes} from '../parts/theme';
 import {toAdmin, toHelp, toJobs, toNew, type Route} from '../route';
 import {store} from '../state';
@@ -28,7 +29,7 @@ function menu(view: Route['view'], mayAdminister: boolean): HTMLElement {
     mayAdminister && menuLink(toAdmin(), 'settings', t('shell.admin'), view === 'admin')));
 }
 
-function choices(owner: string | undefined): HTMLElement {
+function choices(owner: string | undefined, signOut: () => void): HTMLElement {
   const language = el('select', {id: 'language', onchange: () => chooseLanguage(
                                    languages.find((l) => l === language.value) ?? 'en')},
     ...languages.map((l) => el('option', {value: l, lang: l, selected: l === currentLanguage()}, languageNames[l])));
@@ -41,16 +42,21 @@ function choices(owner: string | undefined): HTMLElement {
       owner && el('p', {class: 'quiet small'}, t('shell.signed_in_as', {owner})),
       el('label', {for: 'language'}, t('shell.language')), language,
       el('label', {for: 'theme'}, t('shell.theme')), theme,
-      el('form', {method: 'post', action: '/sign-out'}, el('button', {type: 'submit'}, t('shell.sign_out')))));
+      el('form', {method: 'post', action: '/sign-out', onsubmit: signOut}, el('button', {type: 'submit'}, t('shell.sign_out')))));
 }
 
 class Shell extends View {
+  signOut = (): void => {};
+
   protected build(): Children {
     const main = el('main', {id: 'main', tabindex: -1});
     const status = el('p', {class: 'hidden', role: 'status', id: 'status'});
+    warnBeforeTheEnd();
     follow((state) => state.announcement, (text) => { status.textContent = text; });
     let shown = '';
-    follow((state) => state.route, (route) => {
+    // A view may show what the person prepared: none before the server has said who it is.
+    follow((state) => [state.route, state.session !== null] as const, ([route, known]) => {
+      if (!known) return;
       const tag = `vf-${route.view === 'none' ? 'not-found' : route.view === 'new' ? 'new-print' : route.view}`;
       const place = JSON.stringify({...route, query: ''});
       if (place === shown) return;  // the query belongs to the view
@@ -70,7 +76,7 @@ class Shell extends View {
         el('a', {class: 'brand', href: toJobs()}, t('shell.name')),
         live((state) => [state.route.view, state.session?.scopes.includes('admin') ?? false] as const,
              ([view, admin]) => menu(view, admin)),
-        live((state) => state.session?.owner, choices)),
+        live((state) => state.session?.owner, (owner) => choices(owner, () => this.signOut()))),
       offline, main, status,
       el('footer', null, el('span', null, t('shell.not_a_device')), el('a', {href: '/jobs'}, t('shell.plain')),
          el('a', {href: '/api/v1/openapi.yaml'}, t('shell.api'))),
@@ -79,19 +85,23 @@ class Shell extends View {
 }
 customElements.define('vf-shell', Shell);
 
-export function startShell(body: HTMLElement): void {
-  body.replaceChildren(document.createElement('vf-shell'));
-  warnBeforeTheEnd();
+// `signOut`: called before the person signs out.
+export function startShell(body: HTMLElement, signOut: () => void): void {
+  const shell = document.createElement('vf-shell') as Shell;
+  shell.signOut = signOut;
+  body.replaceChildren(shell);
 }
 
-// Two minutes before the session ends, the person is told.
+// Two minutes before the session ends, the person is told. At its end the server is asked, and its answer ends the page.
 function warnBeforeTheEnd(): void {
-  let timer = 0;
-  store.subscribe((state) => {
-    clearTimeout(timer);
-    const ends = state.session?.session_ends;
+  let warning = 0, end = 0;
+  follow((state) => state.session?.session_ends, (ends) => {
+    clearTimeout(warning);
+    clearTimeout(end);
     if (!ends) return;
-    const left = new Date(ends).getTime() - Date.now() - 120_000;
-    if (left < 2 ** 31) timer = window.setTimeout(() => store.set({announcement: t('shell.session_ends')}), left);
+    const left = new Date(ends).getTime() - Date.now();
+    if (left >= 2 ** 31) return;
+    warning = window.setTimeout(() => store.set({announcement: t('shell.session_ends')}), left - 120_000);
+    end = window.setTimeout(() => void api.session().catch(() => {}), left + 1000);
   });
 }

@@ -9,16 +9,16 @@ import {problemBox, problemLine} from '../../parts/problem';
 import {setTitle} from '../../parts/progress';
 import {choiceOf, labelOf, valueText} from '../../parts/settings-form';
 import {toJob} from '../../route';
-import {announce} from '../../state';
+import {announce, type State} from '../../state';
 import {
-  accepting, doubtsOf, fieldOf, hasIcc, hasPattern, hasScan, idsOf, printsScan, sectionOf, settingOf, valueOf, type Doubt, type DraftState,
+  accepting, doubtsOf, drawnSize, fieldOf, hasIcc, hasPattern, hasScan, idsOf, printsScan, sectionOf, settingOf, valueOf, type Doubt, type DraftState,
   type Section} from '../../state/draft';
 import {bytes, t} from '../../text';
 import {follow, live} from '../../view';
 import {focusSetting} from './fields';
 import {frameOf, frameText} from './machine';
-import {drawnSize, sizeText} from './pattern';
-import {draft, edit, findingCodes, setFault, start, update} from './work';
+import {sizeText} from './pattern';
+import {draft, edit, setFault, start, update} from './work';
 
 const texts = {
   reference: {most: 64, label: () => t('new.reference'), hint: () => t('new.reference_hint')},
@@ -46,10 +46,10 @@ function faultsOf(now: DraftState, {go}: CheckOptions): Fault[] {
   if (!hasPattern(now)) faults.push({text: t(now.form.pattern ? 'new.pattern_not_sent' : 'new.pattern_missing'), go: () => go('pattern')});
   if (!hasIcc(now)) faults.push({text: t('new.icc_not_sent'), go: () => go('machine')});
   if (now.problem && hasScan(now) && hasPattern(now)) {
-    const {where = ''} = now.problem;
+    const {where = ''} = now.problem, taken = where === 'reference' && t('new.reference_taken');
     const setting = where.includes('.') && fieldOf(now.schema ?? {properties: {}}, where);
     const place = setting ? `${labelOf(where)}: ` : '';
-    faults.push({text: [place, problemLine(now.problem)], go: to(where)});
+    faults.push({text: taken || [place, problemLine(now.problem)], go: to(where)});
   }
   return faults;
 }
@@ -136,6 +136,22 @@ function textField(name: TextName): HTMLElement {
     el('label', {for: id}, label()), el('p', {class: 'hint', id: `${id}-hint`}, hint()), fault, input);
 }
 
+// The reference went with the scan before this one.
+const droppedNotice = (): HTMLElement => live(({draft: {dropped, form}}) => [dropped, form.reference] as const, ([dropped, reference]) =>
+  dropped !== '' && reference === '' && el('p', {class: 'notice', role: 'status'}, icon('warning'),
+    el('span', null, t('new.reference_dropped', {reference: dropped}))));
+
+// Offered when the reference belongs to another head.
+function rescanBox(): HTMLElement {
+  const taken = ({draft: {problem, form}}: State): boolean => form.rescan || problem?.where === 'reference';
+  return live((state) => [taken(state), state.draft.form.rescan] as const, ([offered, rescan]) => {
+    if (!offered) return null;
+    const box = el('input', {type: 'checkbox', id: 'new-rescan', checked: rescan, onchange: () => edit({rescan: box.checked})});
+    return [!rescan && el('p', {class: 'notice', role: 'alert'}, icon('warning'), el('span', null, t('new.reference_taken'))),
+            el('label', {class: 'choice'}, box, t('new.rescan'))];
+  });
+}
+
 export function checkSection(options: CheckOptions): Children {
   const {schema, go} = options;
   const summary = el('div', null);
@@ -157,7 +173,7 @@ export function checkSection(options: CheckOptions): Children {
     setTitle(t('shell.new'));
     const faults = faultsOf(draft(), options);
     if (faults.length > 0) return showFaults(faults);
-    const doubts = doubtsOf(draft(), schema, findingCodes());
+    const doubts = doubtsOf(draft());
     if (doubts.length > 0) {
       if (!await askAbout(doubts)) return go('scan');
       update((now) => ({accepted: accepting(now, doubts)}));
@@ -170,7 +186,7 @@ export function checkSection(options: CheckOptions): Children {
       announce(t('new.started'));
       location.hash = toJob(job.id);
     } catch (error) {
-      if (error instanceof Problem && error.body.where && fieldOf(schema, error.body.where)) {
+      if (error instanceof Problem && error.body.where && (isText(error.body.where) || fieldOf(schema, error.body.where))) {
         update({problem: error.body, plan: null});
         showFaults(faultsOf(draft(), options));
       } else {
@@ -186,13 +202,13 @@ export function checkSection(options: CheckOptions): Children {
   return [
     summary,
     live(({draft: {form, scan, from, plan}}) => [form, scan, from, plan] as const, () => rows(draft(), options)),
-    el('div', {class: 'two'}, textField('reference'), textField('note')),
+    droppedNotice(), el('div', {class: 'two'}, el('div', null, textField('reference'), rescanBox()), textField('note')),
     el('div', {class: 'start-row'}, button,
-      live(({draft: now}) => [now.checking, now.plan, now.problem, now.scan, now.form.pattern, now.from, now.faults] as const, (): Children => {
+      live(({draft: now}) => [now.checking, now.plan, now.problem, now.scan, now.form, now.from, now.faults, now.facts, now.found, now.accepted] as const, (): Children => {
         const now = draft();
-        const open = faultsOf(now, options).length;
+        const open = faultsOf(now, options).length, doubts = doubtsOf(now).length;
         return el('p', {class: 'quiet', id: 'check-line'},
           now.checking ? t('new.checking') : open > 0 ? t('new.faults_open', {count: open})
-          : now.plan ? [icon('check'), ' ', t('new.ready')] : t('new.checking'));
+          : !now.plan ? t('new.checking') : doubts > 0 ? [icon('warning'), ' ', t('new.ready_but', {count: doubts})] : [icon('check'), ' ', t('new.ready')]);
       }))];
 }

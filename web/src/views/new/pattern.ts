@@ -8,7 +8,7 @@ import {problemBox} from '../../parts/problem';
 import {svgWithSize} from '../../read/drawing';
 import {toJob} from '../../route';
 import {choiceOf} from '../../parts/words';
-import {hasScan, printsScan, settingOf, valueOf, type DraftState, type Pattern} from '../../state/draft';
+import {drawnSize, hasScan, printsScan, settingOf, valueOf, type DraftState, type Pattern} from '../../state/draft';
 import {bytes, number, percent, t} from '../../text';
 import {follow, live, onEnd} from '../../view';
 import {draftFields} from './fields';
@@ -19,12 +19,6 @@ export const patternTypes = ['.svg', '.png', '.jpg', '.jpeg'] as const;
 const placed = ['pattern.inked_face', 'pattern.width_mm', 'pattern.rotate_deg', 'pattern.scale', 'pattern.offset_mm'];
 const arranged = ['layout.count', 'layout.diameter_mm', 'layout.region', 'layout.overlap'];
 
-// The size of the drawing in mm, with the width that the person gives.
-export function drawnSize(pattern: Pattern, {schema, form}: DraftState): [number, number] | null {
-  const given = schema && valueOf(schema, form.settings, 'pattern.width_mm');
-  if (typeof given === 'number') return [given, pattern.aspect ? given / pattern.aspect : NaN];
-  return pattern.width && pattern.height ? [pattern.width, pattern.height] : null;
-}
 export function sizeText(size: readonly [number, number]): string {
   const [width, height] = size.map((mm) => number(Number(mm.toFixed(1))));
   return Number.isNaN(size[1]) ? t('new.size_width', {width: width ?? ''}) : t('new.size', {width: width ?? '', height: height ?? ''});
@@ -72,7 +66,10 @@ function layoutProgress(): HTMLElement {
     replace(host, problem ? problemBox(problem, () => void makeLayout())
       : !job ? null
       : job.problem ? problemBox(new Problem(job.problem), () => void makeLayout())
-      : job.state === 'succeeded' ? el('p', {class: 'row'}, icon('check'), t('new.layout_done'), el('a', {href: toJob(job.id)}, t('new.layout_figures')))
+      : job.state === 'succeeded' ? [
+          (draft().form.pattern?.offHead ?? 0) > 0 && el('p', {class: 'notice', role: 'alert'}, icon('warning'),
+            el('span', null, t('new.layout_off_head', {count: draft().form.pattern?.offHead ?? 0}))),
+          el('p', {class: 'row'}, icon('check'), t('new.layout_done'), el('a', {href: toJob(job.id)}, t('new.layout_figures')))]
       : job.state === 'cancelled' ? null
       : el('div', {class: 'transfer'},
           el('p', {class: 'spread'}, el('strong', null, t('new.layout_running')), el('span', {class: 'number'}, percent(job.progress))),

@@ -2,7 +2,7 @@
 // has it. Without WebGL the figures and fields do the same.
 //
 // Properties: `settings` (scan, sheet, machine, pattern: what differs from the defaults), `inspected` (what the service
-// found), `drawing`.
+// found), `mold` (the one that it made, for a scan that this browser cannot show), `drawing`.
 // Events: "file" {file, facts}, "facts" {plausible, mirrored}, "change" {settings}. `show(place)` marks a place in mm.
 import {el, newId, replace, type Children} from '../../dom';
 import type {Settings} from '../../api/types';
@@ -11,6 +11,7 @@ import {icon} from '../../parts/icon';
 import {numberField, type NumberField} from '../../parts/number-field';
 import {readScanFile, ScanFault} from '../../parts/reader';
 import {axes, inMillimetres, plausible, sizesOf, unitOf, units, type Axis, type Unit} from '../../read/facts';
+import {frontPicture} from '../../read/front';
 import {landmarks, straighten, type Point, type Straight} from '../../read/landmarks';
 import {frontOfGltf, place, tilting, wrapped, type Placed, type Placement} from '../../read/place';
 import type {ReadScan} from '../../read/prepare';
@@ -23,6 +24,8 @@ import {onEnd, View} from '../../view';
 export interface Suspicions {
   plausible: boolean;  // the size, in the chosen unit, is one of a head
   mirrored: boolean;   // the scan may be a mirror image
+  upGuessed: boolean;  // nothing in the file says which axis points up
+  wide: boolean;       // it does not fit through the window
 }
 export type Drawing = Pick<Ink, 'picture' | 'size'>;
 type Values = Record<string, unknown>;
@@ -48,6 +51,7 @@ class ScanSection extends View {
   #flat = false;                       // there is no WebGL
   #outline = true;
   #drawing: Drawing | null = null;
+  #mold: ReadScan | null = null;
   #trim: number | null = null;         // the height at which the service cuts
   #stands: Placed | null = null;       // where the settings place the scan
   #marks: (Point | undefined)[] = [];  // the landmarks, where the file has them; they are never sent
@@ -56,6 +60,7 @@ class ScanSection extends View {
   #drag: {right: number; down: number; from: number; sign: number; values: Values} | null = null;  // degrees; what it sets
   #turned: Turn | null = null;         // by the last drag
   #answered: Record<string, number> = {};  // the angles at which a person said where the left is
+  #told = '';                          // the suspicions that were told last
   #reading = new AbortController();
   #update = (): void => {};
 
@@ -68,6 +73,11 @@ class ScanSection extends View {
     this.#trim = found?.trim_mm ?? null;
     this.#update();
   }
+  set mold(mold: ReadScan | null) {
+    this.#mold = mold;
+    this.#update();
+  }
+  get unseen(): boolean { return this.#scan === null; }
   set drawing(drawing: Drawing | null) {
     this.#drawing = drawing;
     this.#update();
@@ -121,7 +131,13 @@ class ScanSection extends View {
   #suspicions(read: ReadScan): Suspicions {
     const known = this.#unit !== undefined || typeof this.#value('scan', 'size_mm') === 'number';
     return {plausible: known && plausible(longest(read) * this.#scale(read)),
-            mirrored: this.#left === 'plus_x' || (read.facts.insideOut && this.#mirror === 'auto')};
+            mirrored: this.#left === 'plus_x' || (read.facts.insideOut && this.#mirror === 'auto'),
+            upGuessed: !read.facts.up.told && this.#up === read.facts.up.axis, wide: known && this.#wide(read)};
+  }
+
+  #wide(read: ReadScan): boolean {
+    const {half: [x, y]} = this.#stands ?? this.#placed(read), {window: [w, h], round} = this.#frame();
+    return round ? Math.max(x, y) > w / 2 : x > w / 2 || y > h / 2;
   }
 
   // --- what goes out
@@ -136,7 +152,13 @@ class ScanSection extends View {
     this.#settings = {...this.#settings, scan: {...this.#settings['scan'], ...values}};
     this.#update();
     this.dispatchEvent(new CustomEvent('change', {detail: {settings: {scan: values}}, bubbles: true}));
-    if (this.#scan) this.dispatchEvent(new CustomEvent('facts', {detail: this.#suspicions(this.#scan.read), bubbles: true}));
+  }
+  // Also a larger window or another profile can settle a doubt.
+  #tellFacts(): void {
+    const facts = this.#scan && this.#suspicions(this.#scan.read), now = JSON.stringify(facts);
+    if (!facts || now === this.#told) return;
+    this.#told = now;
+    this.dispatchEvent(new CustomEvent('facts', {detail: facts, bubbles: true}));
   }
   #send(file: File, facts: Suspicions | null): void {
     this.dispatchEvent(new CustomEvent('file', {detail: {file, facts}, bubbles: true}));
@@ -155,6 +177,7 @@ class ScanSection extends View {
       this.#stands = this.#scan && this.#placed(this.#scan.read);
       follow();
       this.#standing();
+      this.#tellFacts();
     };
     onEnd(() => {
       zone.end();
@@ -176,6 +199,7 @@ class ScanSection extends View {
     try {
       const read = await readScanFile(file, (share) => { bar.value = share; }, signal);
       this.#scan = {file, read, ms: performance.now() - began};
+      this.#told = '';
       this.#trim = this.#drag = null;
       this.#marks = [];
       replace(news, null);
@@ -419,14 +443,13 @@ class ScanSection extends View {
     if (!scan) return el('p', {class: 'hint'}, t('scan.fields_only'));
     const {facts} = scan.read, placed = this.#stands ?? this.#placed(scan.read), frame = this.#frame(), doubt = this.#suspicions(scan.read);
     const row = (name: string, value: string): Children => [el('dt', null, name), el('dd', null, value)];
-    const [w, h] = frame.window, wide = placed.half[0] > w / 2 || placed.half[1] > h / 2;
     return [
       el('dl', {class: 'facts'}, row(t('scan.name'), scan.file.name),
         row(t('scan.file'), `${facts.format}, ${bytes(scan.file.size)}`),
         row(t('scan.triangles'), number(facts.triangles)),
         row(t('scan.size'), this.#unit || this.#value('scan', 'size_mm') ? millimetres(placed.size) : t('scan.size_unknown')),
         row(t('scan.time'), duration(Math.max(1, scan.ms / 1000)))),
-      wide && doubt.plausible && warning(t('scan.too_wide', {window: millimetres(frame.round ? [w] : frame.window)})),
+      doubt.wide && warning(t('scan.too_wide', {window: millimetres(frame.window.slice(0, frame.round ? 1 : 2))})),
       facts.insideOut && doubt.mirrored && warning(t('scan.inside_out'))];
   }
 
@@ -488,6 +511,35 @@ class ScanSection extends View {
     return el('fieldset', null, el('legend', null, t('scan.cut')), el('label', {class: 'choice'}, auto, t('scan.trim_auto')), hint, row);
   }
 
+  // The whole head from the front, beside the question where its left ear is: drawn without WebGL, at every width.
+  #frontFigure(follows: (() => void)[]): HTMLElement {
+    const image = el('img', {width: 240, height: 240}), plus = el('span', {'aria-hidden': 'true'}), minus = el('span', {'aria-hidden': 'true'});
+    const words = el('figcaption', {class: 'small quiet'}), figure = el('figure', {class: 'scan-front'}, el('div', null, plus, image, minus), words);
+    let drawn = '', timer = 0, of: ReadScan | null = null;
+    onEnd(() => clearTimeout(timer));
+    follows.push(() => {
+      const read = this.#scan?.read ?? this.#mold, stands = this.#stands, left = this.#left;
+      image.hidden = plus.hidden = minus.hidden = !read;
+      words.textContent = t(this.#scan ? 'scan.front_whole' : read ? 'scan.front_mold' : 'scan.front_none');
+      [plus.textContent, minus.textContent] = left === 'unknown' ? ['+x', '−x'] : left === 'minus_x' ? ['R', 'L'] : ['L', 'R'];
+      image.alt = t('scan.front_alt', {left: plus.textContent, right: minus.textContent});
+      const turn = this.#scan && stands ? stands.turn : [1, 0, 0, 0, 1, 0, 0, 0, 1];
+      const cut = this.#scan && stands ? stands.size[2] - (stands.height - this.#plug) : 0, now = JSON.stringify([turn, cut]);
+      if (!read || read === of && now === drawn) return;
+      [drawn, of] = [now, read];
+      clearTimeout(timer);
+      timer = window.setTimeout(() => {
+        const {width, height, pixels} = frontPicture(read.coarse ?? read.shown, turn, cut, 480), canvas = el('canvas', {width, height});
+        canvas.getContext('2d')?.putImageData(new ImageData(pixels as Uint8ClampedArray<ArrayBuffer>, width, height), 0, 0);
+        image.src = canvas.toDataURL();
+        image.width = width / 2;
+        image.height = height / 2;
+        figure.dataset['drawn'] = now;
+      }, 100);
+    });
+    return figure;
+  }
+
   // Seen from the front, +x is on the left of the picture.
   #sides(follows: (() => void)[], host: (build: () => Children) => HTMLElement): HTMLElement {
     const answer = (value: 'minus_x' | 'plus_x' | 'unknown', text: string): HTMLElement => {
@@ -498,6 +550,7 @@ class ScanSection extends View {
       return el('label', {class: 'choice'}, input, text);
     };
     return el('fieldset', {class: 'sides'}, el('legend', null, t('scan.left')), el('p', {class: 'hint'}, t('scan.left_hint')),
+      this.#frontFigure(follows),
       host(() => this.#scene && el('p', null, el('button', {type: 'button', id: 'scan-front-view', onclick: () => this.#scene?.viewer.setView('front')}, icon('view'), t('scan.left_view')))),
       answer('minus_x', t('scan.left_in_right')), answer('plus_x', t('scan.left_in_left')), answer('unknown', t('scan.left_unknown')),
       host(() => this.#left === 'plus_x'

@@ -5,11 +5,14 @@ import {extensionOf, markOf, removeUpload, startUpload, type Transfer, type Uplo
 import type {Job, ListedJob, SettingsSchema} from '../../api/types';
 import {announce, store} from '../../state';
 import {
-  attemptFor, changed, emptyDraft, emptyForm, hasPattern, hasScan, isNew, redone, restored, saved, scanSettings, separated,
-  storedUnder, submission, undone, withDefaultProfile, withoutDefaults, withSetting, type Draft, type DraftState, type Form, type Pattern,
+  attemptFor, changed, emptyDraft, emptyForm, hasPattern, hasScan, redone, restored, saved, scanSettings, separated,
+  storedUnder, submission, undone, withDefaultProfile, withoutDefaults, withoutReference, withSetting, type Draft, type DraftState, type Form, type Pattern,
   type SentFile, type SentInput} from '../../state/draft';
+import {mayKeep} from '../../state/person';
 import {ended} from '../../api/types';
 import type {Warning} from '../../state/jobs';
+import {readScanFile} from '../../parts/reader';
+import type {ReadScan} from '../../read/prepare';
 import {pictureSize, svgSize} from '../../read/drawing';
 import {t} from '../../text';
 
@@ -37,7 +40,9 @@ const problemOf = (error: unknown): Problem =>
 
 // The settings that this service knows, and its profiles: read once.
 let reading: Promise<SettingsSchema> | null = null;
+let isNew: boolean | null = null;  // nothing has been done in this tab yet
 export const readSchema = (): Promise<SettingsSchema> => reading ??= (async () => {
+  isNew ??= sessionStorage.getItem(storedUnder) === null;
   try {
     const [schema, {profiles}] = await Promise.all([api.schema(), api.profiles()]);
     update({schema, profiles, unread: null});
@@ -102,6 +107,7 @@ export async function takeScan(file: File): Promise<void> {
     drop('scan');
     if (former) removeUpload(former.upload);
     stopInspection();
+    if (former || draft().from) dropReference();
     update({
       scan: {upload: '', whole: false, name: file.name, bytes: file.size, mark}, inspection: null, facts: null,
       form: {...draft().form, settings: withSetting(draft().form.settings, 'scan.left_side', undefined)}});
@@ -109,8 +115,16 @@ export async function takeScan(file: File): Promise<void> {
   send('scan', file, file.name, mark, same ? former.upload || null : null);
 }
 
+// The reference belongs to the head of the scan that is replaced or removed.
+function dropReference(): void {
+  const {reference} = draft().form;
+  update(withoutReference);
+  if (reference) announce(t('new.reference_dropped', {reference}));
+}
+
 export function removeScan(): void {
   const {scan} = draft();
+  dropReference();
   scanFile = null;
   drop('scan');
   if (scan?.whole) removeUpload(scan.upload);
@@ -126,7 +140,7 @@ const mostKept = 1_000_000;  // bytes
 
 function keepFile(mark: string, bytes: ArrayBuffer, type: string): void {
   keptFiles.set(mark, new Blob([bytes], {type}));
-  if (bytes.byteLength > mostKept) return;
+  if (!mayKeep() || bytes.byteLength > mostKept) return;
   try {
     const text = [...new Uint8Array(bytes)].map((byte) => String.fromCharCode(byte)).join('');
     sessionStorage.setItem(fileKey(mark), `${type},${btoa(text)}`);
@@ -145,7 +159,7 @@ export function keptFile(mark: string): Blob | null {
   return blob;
 }
 
-export async function takePattern(file: Blob, name: string, layout = ''): Promise<void> {
+export async function takePattern(file: Blob, name: string, layout = '', offHead = 0): Promise<void> {
   const mark = await markOf(file);
   const bytes = await file.arrayBuffer();
   const svg = extensionOf(name) === 'svg';
@@ -157,7 +171,7 @@ export async function takePattern(file: Blob, name: string, layout = ''): Promis
   uploads.pattern?.pause();
   uploads.pattern = null;
   const pattern: Pattern = {
-    upload: resumed ?? '', whole: false, name, bytes: file.size, mark, kind: svg ? 'svg' : 'picture', ...size, layout};
+    upload: resumed ?? '', whole: false, name, bytes: file.size, mark, kind: svg ? 'svg' : 'picture', ...size, layout, offHead};
   edit({pattern});
   resume('pattern');
 }
@@ -261,14 +275,20 @@ function followInspection(id: string): void {
     if (job.state !== 'succeeded') return tell(inspection, {job});
     const findings = await api.artifactJson<Findings>(id, 'findings.json');
     tell(inspection, {job, findings, problem: null});
+    update({found: {codes: findings.warnings.map(({code}) => code), fits: findings.fits}});
     announce(t('new.inspected', {count: findings.warnings.length}));
   })().catch((error: unknown) => tell(inspection, {problem: problemOf(error)})));
+}
+// The mold of an inspection, as the page shows it.
+export async function readMold(id: string, signal: AbortSignal): Promise<ReadScan> {
+  const bytes = await (await api.artifact(id, 'mold.stl', signal)).blob();
+  return await readScanFile(new File([bytes], 'mold.stl'), () => {}, signal);
 }
 export function stopInspection(): void {
   inspection.stop();
   tell(inspection, none);
+  update({found: null});
 }
-export const findingCodes = (): string[] => inspection.now.findings?.warnings.map(({code}) => code) ?? [];
 
 // Has the service make a pattern of coils for the scan.
 export async function makeLayout(): Promise<void> {
@@ -292,7 +312,9 @@ function followLayout(id: string): void {
 }
 async function takeLayout(id: string): Promise<void> {
   const picture = await (await api.artifact(id, 'pattern.svg')).blob();
-  await takePattern(picture, 'pattern.svg', id);
+  const {off_head: offHead} = await api.artifactJson<{off_head: number}>(id, 'layout.json');
+  await takePattern(picture, 'pattern.svg', id, offHead);
+  tell(layout, {});
 }
 export async function cancelLayout(): Promise<void> {
   const {layout: id} = draft();
@@ -438,8 +460,9 @@ function resumeJobs(): void {
 
 let keptDraft: Draft | null = null;
 function keep(): void {
+  if (!mayKeep()) return;
   const now = draft();
-  if (keptDraft && (['form', 'scan', 'facts', 'from', 'inspection', 'layout', 'accepted', 'attempt', 'tab'] as const)
+  if (keptDraft && (['form', 'scan', 'facts', 'from', 'inspection', 'layout', 'accepted', 'attempt', 'dropped', 'tab'] as const)
         .every((name) => keptDraft?.[name] === now[name])) return;
   keptDraft = now;
   try {
