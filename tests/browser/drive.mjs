@@ -101,7 +101,7 @@ export async function startService({workers = 1, options = [], copyOf} = {}) {
       const {scan, pattern} = sample();
       const form = new FormData();
       if (fields.scan === undefined) form.append('scan', new Blob([readFileSync(scan)]), 'head.stl');
-      if (fields.kind === undefined) form.append('pattern', new Blob([readFileSync(pattern)]), 'pattern.svg');
+      if (fields.kind === undefined || fields.kind === 'print' && fields.pattern === undefined) form.append('pattern', new Blob([readFileSync(pattern)]), 'pattern.svg');
       form.append('settings', JSON.stringify(settings));
       for (const [name, value] of Object.entries(fields)) form.append(name, ...[value].flat());  // a file with its name, or a text
       return (await service.json('/api/v1/jobs', {method: 'POST', body: form})).id;
@@ -245,7 +245,11 @@ export async function settled(page) {
 
 // Drops a file on the page, as from a folder of the computer.
 export async function drop(page, path, name = path.split('/').pop()) {
-  const bytes = readFileSync(path).toString('base64');
+  await dropBytes(page, readFileSync(path), name);
+}
+export const dropText = (page, text, name) => dropBytes(page, Buffer.from(text), name);
+async function dropBytes(page, content, name) {
+  const bytes = content.toString('base64');
   const data = await page.evaluateHandle(([text, fileName]) => {
     const transfer = new DataTransfer();
     transfer.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], fileName));
@@ -270,7 +274,7 @@ export async function download(page, name = 'print.pdf') {
 
 export const referenceField = (page) => page.getByLabel('Reference', {exact: true});
 export const leftOnRight = (page) => page.getByRole('radio', {name: 'On the right in the picture, at −x'});
-export const checked = (page) => page.getByText('Checked by the service. Everything is there.').waitFor({timeout: 60_000});
+export const checked = (page) => page.getByText(/^Checked by the service\./).waitFor({timeout: 60_000});
 
 // Gives the scan and the drawing of the sample, and settings that take seconds.
 export async function giveSample(page) {
