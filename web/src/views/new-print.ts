@@ -45,7 +45,7 @@ interface ScanSection extends HTMLElement {
   settings: Settings;
   inspected: {trim_mm?: number} | null;
   mold: ReadScan | null;
-  readonly unseen: boolean;
+  readonly suspicions: ScanFacts | null;
   drawing: Drawing | null;
   show(place: readonly number[]): void;
 }
@@ -93,14 +93,14 @@ function scanSection(schema: SettingsSchema): Children {
   // The same file again, after a reload: what was set for it stays.
   let again = false;
   section.addEventListener('file', (event) => {
-    const {file, facts} = (event as CustomEvent<{file: File; facts: ScanFacts | null}>).detail;
+    const {file} = (event as CustomEvent<{file: File}>).detail;
     const {scan, form} = draft();
     again = scan !== null && scan.name === file.name && scan.bytes === file.size;
     if (again) queueMicrotask(() => {
       again = false;
       section.settings = form.settings;
     });
-    void takeScan(file).then(() => update({facts}));
+    void takeScan(file).then(() => update({facts: section.suspicions}));
   });
   section.addEventListener('facts', (event) => update({facts: (event as CustomEvent<ScanFacts>).detail}));
   section.addEventListener('change', (event) => {
@@ -112,7 +112,7 @@ function scanSection(schema: SettingsSchema): Children {
   const inspected = (): void => {
     const {job, findings: found} = inspection.now;
     section.inspected = found?.scan ?? null;
-    if (!section.unseen) return;
+    if (section.suspicions) return;  // the browser has the scan itself
     const valid = job && found && draft().inspection?.scan === scanSettings(draft()) ? job.id : '';
     if (valid !== moldOf) void showMold(moldOf = valid);
   };

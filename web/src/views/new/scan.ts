@@ -3,7 +3,7 @@
 //
 // Properties: `settings` (scan, sheet, machine, pattern: what differs from the defaults), `inspected` (what the service
 // found), `mold` (the one that it made, for a scan that this browser cannot show), `drawing`.
-// Events: "file" {file, facts}, "facts" {plausible, mirrored}, "change" {settings}. `show(place)` marks a place in mm.
+// Events: "file" {file}, "facts" (suspicions), "change" {settings}. `show(place)` marks a place in mm.
 import {el, newId, replace, type Children} from '../../dom';
 import type {Settings} from '../../api/types';
 import {dropZone} from '../../parts/drop-zone';
@@ -77,7 +77,8 @@ class ScanSection extends View {
     this.#mold = mold;
     this.#update();
   }
-  get unseen(): boolean { return this.#scan === null; }
+  // Of the scan that this browser has read; null without one.
+  get suspicions(): Suspicions | null { return this.#scan && this.#suspicions(this.#scan.read); }
   set drawing(drawing: Drawing | null) {
     this.#drawing = drawing;
     this.#update();
@@ -160,8 +161,8 @@ class ScanSection extends View {
     this.#told = now;
     this.dispatchEvent(new CustomEvent('facts', {detail: facts, bubbles: true}));
   }
-  #send(file: File, facts: Suspicions | null): void {
-    this.dispatchEvent(new CustomEvent('file', {detail: {file, facts}, bubbles: true}));
+  #send(file: File): void {
+    this.dispatchEvent(new CustomEvent('file', {detail: {file}, bubbles: true}));
   }
 
   protected build(): Children {
@@ -212,7 +213,7 @@ class ScanSection extends View {
         units: unitOf(read.facts) ?? 'auto', up: read.facts.up.axis, left_side: 'unknown', size_mm: 'auto', front: 'auto', mirror: 'auto',
         yaw_deg: 0, roll_deg: 0, pitch_deg: 0, trim_mm: 'auto'};
       this.#settings = {...this.#settings, scan: {...this.#settings['scan'], ...values}};
-      this.#send(file, this.#suspicions(read));
+      this.#send(file);
       this.#change(values);
       announce(t('scan.read', {triangles: read.facts.triangles}));
       await this.#stand(stage);
@@ -233,7 +234,7 @@ class ScanSection extends View {
     this.#scene = null;
     replace(stage, null);
     replace(news, el('p', {class: 'notice', role: 'status'}, icon('info'), el('span', null, t('scan.archive', {name: file.name}))));
-    this.#send(file, null);
+    this.#send(file);
     this.#change({units: 'auto', up: 'auto', left_side: 'unknown', size_mm: 'auto', front: 'auto', mirror: 'auto', yaw_deg: 0, roll_deg: 0,
                   pitch_deg: 0, trim_mm: 'auto'});
   }
@@ -247,7 +248,7 @@ class ScanSection extends View {
       el('p', null, t('problem.fix', {fix: t(`scan.fix_${fault}`)})),
       !hopeless.includes(fault) && el('p', null, el('button', {type: 'button', onclick: (event: Event) => {
         (event.currentTarget as HTMLElement).remove();
-        this.#send(file, null);
+        this.#send(file);
       }}, icon('upload'), t('scan.send_anyway'))));
   }
 
