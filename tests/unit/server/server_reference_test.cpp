@@ -8,6 +8,10 @@ namespace {
 
 using nlohmann::json;
 
+// Heads that differ in what is no name.
+const std::string one = "solid\nfacet normal 0 0 1\n", two = "solid\nfacet normal 0 0 2\n",
+                  three = "solid\nfacet normal 0 0 3\n";
+
 class ServerReference : public ServerTest {
  protected:
   // A print of a scan with these bytes.
@@ -23,27 +27,25 @@ class ServerReference : public ServerTest {
 };
 
 TEST_F(ServerReference, DoesNotFollowToAnotherScan) {
-  const json first = json::parse(print_of("solid one", reference("CASE-2000")).body);
+  const json first = json::parse(print_of(one, reference("CASE-2000")).body);
   const std::string from = part("from", "", first["id"]);
-  EXPECT_EQ(json::parse(print_of("solid one", from).body)["reference"], "CASE-2000");
-  EXPECT_EQ(json::parse(print_of("solid two", from).body)["reference"], "");
-  EXPECT_EQ(json::parse(print_of("solid two", from, "/api/v1/validate").body)["reference"], "");
+  EXPECT_EQ(json::parse(print_of(one, from).body)["reference"], "CASE-2000");
+  EXPECT_EQ(json::parse(print_of(two, from).body)["reference"], "");
+  EXPECT_EQ(json::parse(print_of(two, from, "/api/v1/validate").body)["reference"], "");
   for (const char* path : {"/api/v1/jobs", "/api/v1/validate"}) {
     for (const std::string& origin : {from, std::string()}) {
-      const Answer refused = print_of("solid two", origin + reference("CASE-2000"), path);
+      const Answer refused = print_of(two, origin + reference("CASE-2000"), path);
       EXPECT_EQ(refused.status, 422) << path;
       const json problem = json::parse(refused.body);
       EXPECT_EQ(problem["where"], "reference");
       EXPECT_NE(problem["type"].get<std::string>().find("conflict"), std::string::npos);
       EXPECT_NE(problem["fix"].get<std::string>().find("rescan=true"), std::string::npos);
-      EXPECT_EQ(
-          print_of("solid two", origin + reference("CASE-2000") + part("rescan", "", "false"), path).status,
-          422);
+      EXPECT_EQ(print_of(two, origin + reference("CASE-2000") + part("rescan", "", "false"), path).status,
+                422);
     }
-    EXPECT_EQ(print_of("solid two", reference("CASE-2001"), path).status / 100, 2);
+    EXPECT_EQ(print_of(two, reference("CASE-2001"), path).status / 100, 2);
   }
-  const Answer confirmed =
-      print_of("solid three", from + reference("CASE-2000") + part("rescan", "", "true"));
+  const Answer confirmed = print_of(three, from + reference("CASE-2000") + part("rescan", "", "true"));
   EXPECT_EQ(confirmed.status, 202);
   EXPECT_EQ(json::parse(confirmed.body)["reference"], "CASE-2000");
   EXPECT_EQ(print_of("solid", part("rescan", "", "perhaps")).status, 400);
@@ -55,16 +57,16 @@ TEST_F(ServerReference, DoesNotFollowToAnotherScan) {
 
 // The form of the plain pages is refused in the same way, and can confirm.
 TEST_F(ServerReference, IsRefusedInThePlainFormToo) {
-  ASSERT_EQ(print_of("solid one", reference("CASE-2000")).status, 202);
-  const Answer form = print_of("solid two", reference("CASE-2000"), "/jobs");
+  ASSERT_EQ(print_of(one, reference("CASE-2000")).status, 202);
+  const Answer form = print_of(two, reference("CASE-2000"), "/jobs");
   EXPECT_EQ(form.status, 409);
   EXPECT_NE(form.body.find("the reference belongs to another head"), std::string::npos);
   EXPECT_NE(form.body.find("name=\"rescan\""), std::string::npos);
-  EXPECT_EQ(print_of("solid two", reference("CASE-2000") + part("rescan", "", "true"), "/jobs").status, 303);
+  EXPECT_EQ(print_of(two, reference("CASE-2000") + part("rescan", "", "true"), "/jobs").status, 303);
 }
 
 TEST_F(ServerReference, IsCorrectedWithATrace) {
-  const json job = json::parse(print_of("solid one", reference("CASE-2000")).body);
+  const json job = json::parse(print_of(one, reference("CASE-2000")).body);
   EXPECT_EQ(job["reference_changes"], json::array());
   EXPECT_TRUE(job["printed_reference"].is_null());
   const std::string tag = ask("GET", "/api/v1/jobs/" + job["id"].get<std::string>()).header("ETag");
@@ -92,7 +94,7 @@ TEST_F(ServerReference, IsCorrectedWithATrace) {
   EXPECT_NE(page.find("<strong>CASE-2001</strong>"), std::string::npos) << page;
   EXPECT_NE(page.find("by station-1"), std::string::npos);
 
-  const json other = json::parse(print_of("solid two").body);
+  const json other = json::parse(print_of(two).body);
   EXPECT_EQ(change(other, {{"reference", "CASE-2002"}}).status, 409);
   EXPECT_EQ(change(other, {{"reference", "CASE-2002"}, {"rescan", true}}).status, 200);
   for (const json& bad :
