@@ -274,7 +274,7 @@ export async function download(page, name = 'print.pdf') {
 
 export const referenceField = (page) => page.getByLabel('Reference', {exact: true});
 export const leftOnRight = (page) => page.getByRole('radio', {name: 'On the right in the picture, at −x'});
-export const checked = (page) => page.getByText(/^Checked by the service\./).waitFor({timeout: 60_000});
+export const checked = (page) => page.getByText('Checked by the service.').waitFor({timeout: 60_000});
 
 // Gives the scan and the drawing of the sample, and settings that take seconds.
 export async function giveSample(page) {
