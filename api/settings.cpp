@@ -306,6 +306,7 @@ Result<void> check_together(const Settings& s) {
 }  // namespace
 
 std::string_view name(Unit value) { return name_of(value); }
+std::string_view name(BodyChoice value) { return name_of(value); }
 std::string_view name(UpAxis value) { return name_of(value); }
 std::string_view name(FrontSide value) { return name_of(value); }
 std::string_view name(LeftSide value) { return name_of(value); }

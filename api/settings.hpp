@@ -15,7 +15,8 @@
 
 namespace vacuform {
 
-enum class Unit { automatic, mm, cm, m, in };
+enum class Unit { automatic, um, mm, cm, m, in, ft };
+enum class BodyChoice { automatic, all, first, second, third, fourth, fifth, sixth, seventh, eighth };
 enum class UpAxis { automatic, plus_x, minus_x, plus_y, minus_y, plus_z, minus_z };
 enum class FrontSide { automatic, plus_x, minus_x, plus_y, minus_y };
 enum class LeftSide { unknown, minus_x, plus_x };
@@ -41,6 +42,7 @@ struct ScanSettings {
   Unit units = Unit::automatic;
   std::optional<double>
       size_mm;  // longest side of the whole scan, where nobody knows its unit; none: by units
+  BodyChoice body = BodyChoice::automatic;  // of several large separate ones (worker/scan/bodies.hpp)
   UpAxis up = UpAxis::automatic;
   Mirror mirror =
       Mirror::automatic;  // of the upright scan in x = 0; automatic: not, with a warning where it might be
@@ -206,6 +208,7 @@ nlohmann::ordered_json to_json(const Settings& settings);
 nlohmann::ordered_json settings_schema();
 
 std::string_view name(Unit);
+std::string_view name(BodyChoice);
 std::string_view name(UpAxis);
 std::string_view name(FrontSide);
 std::string_view name(LeftSide);

@@ -11,7 +11,9 @@
 namespace vacuform {
 
 // The names of each enumeration's values, in the order of the values.
-inline constexpr std::array<std::string_view, 5> unit_names{"auto", "mm", "cm", "m", "in"};
+inline constexpr std::array<std::string_view, 7> unit_names{"auto", "um", "mm", "cm", "m", "in", "ft"};
+inline constexpr std::array<std::string_view, 10> body_names{"auto",   "all",   "first", "second",  "third",
+                                                             "fourth", "fifth", "sixth", "seventh", "eighth"};
 inline constexpr std::array<std::string_view, 7> up_names{"auto", "+x", "-x", "+y", "-y", "+z", "-z"};
 inline constexpr std::array<std::string_view, 5> side_names{"auto", "+x", "-x", "+y", "-y"};
 inline constexpr std::array<std::string_view, 3> left_names{"unknown", "minus_x", "plus_x"};
@@ -35,6 +37,7 @@ inline constexpr std::array<std::string_view, 2> face_names{"outer", "inner"};
 inline constexpr std::array<std::string_view, 2> background_names{"white", "transparent"};
 
 inline std::span<const std::string_view> names_of(Unit) { return unit_names; }
+inline std::span<const std::string_view> names_of(BodyChoice) { return body_names; }
 inline std::span<const std::string_view> names_of(UpAxis) { return up_names; }
 inline std::span<const std::string_view> names_of(FrontSide) { return side_names; }
 inline std::span<const std::string_view> names_of(LeftSide) { return left_names; }
@@ -84,10 +87,15 @@ void describe_heater(S& h, V& v) {
 template <class S, class V>
 void describe(S& s, V& v) {
   v.group("scan", "Scan: how the file becomes a mold");
-  v.field("units", s.scan.units,
-          "Unit of the scan's coordinates; auto guesses only when one unit makes a plausible size");
+  v.field(
+      "units", s.scan.units,
+      "Unit of the scan's coordinates; um is micrometres, ft is feet; auto guesses only when one unit makes "
+      "a plausible size");
   v.field("size_mm", s.scan.size_mm, {10, 2000, "mm"},
           "Longest side of the whole scan, for models without a unit; auto goes by the unit");
+  v.field("body", s.scan.body,
+          "Which of several large separate bodies is taken, counted along the axis of the file on which they "
+          "are farthest apart; auto refuses two heads, all makes one mold of all");
   v.field("up", s.scan.up, "The axis of the scan that points to the ceiling of the machine");
   v.field("mirror", s.scan.mirror,
           "Whether the scan is a mirror image, left and right swapped; auto warns where its triangles face "

@@ -24,7 +24,7 @@ NAMES = {
 # Members of lists that only a full job has.
 ONLY_FULL = ["settings", "inputs", "artifacts", "reference_changes", "printed_reference", "links"]
 # Members that the application leaves out of problems that it makes itself, such as when the server does not answer.
-OPTIONAL = {("ProblemBody", member) for member in ("detail", "what", "where", "fix")}
+OPTIONAL = {("ProblemBody", member) for member in ("detail", "what", "where", "fix", "proposals")}
 # What a kind has besides: the estimates are only in the answer for one job, the format only in a plan.
 EXTENDS = {"ListedJob": " extends Partial<Estimates>"}
 MORE = {"Input": ["  format?: string;"]}

@@ -5,6 +5,9 @@
 #include <optional>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
+
+#include "api/base/proposal.hpp"
 
 namespace vacuform {
 
@@ -45,6 +48,7 @@ struct Error {
   std::string where;                                   // the file, line, setting or place; may be empty
   std::string fix;                                     // what the user can do about it; may be empty
   std::optional<std::array<double, 3>> place_mm = {};  // of a fault on the mold, in the mold's frame
+  std::vector<Proposal> proposals = {};                // settings with which it passes; `fix` names them too
 
   // "what (where); fix" on one line.
   std::string text() const;
@@ -55,6 +59,14 @@ using Result = tl::expected<T, Error>;
 
 inline tl::unexpected<Error> fail(Code code, std::string what, std::string where = {}, std::string fix = {}) {
   return tl::make_unexpected(Error{code, std::move(what), std::move(where), std::move(fix)});
+}
+
+// The same with proposals. `fix` is then written from them: advice_with().
+inline tl::unexpected<Error> fail(Code code, std::string what, std::string where, const std::string& advice,
+                                  std::vector<Proposal> proposals, const std::string& otherwise = {}) {
+  std::string fix = advice_with(advice, proposals, otherwise);
+  return tl::make_unexpected(
+      Error{code, std::move(what), std::move(where), std::move(fix), {}, std::move(proposals)});
 }
 
 }  // namespace vacuform

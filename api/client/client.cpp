@@ -331,6 +331,7 @@ Result<void> WorkerClient::fail(const Lease& lease, const Error& error, Retry re
                   {"what", error.what},
                   {"where", error.where},
                   {"fix", error.fix},
+                  {"proposals", proposals_json(error.proposals)},
                   {"retry", retry != Retry::never},
                   {"crashed", retry == Retry::after_crash}};
   VACUFORM_CHECK(call(lease, "POST", "/fail", written(body)));

@@ -255,6 +255,8 @@ Error error_of(const HttpResponse& response) {
   const auto code = type.starts_with(prefix) ? code_from(type.substr(prefix.size())) : std::nullopt;
   if (code) {
     error = {*code, text_of(problem, "what"), text_of(problem, "where"), text_of(problem, "fix")};
+    if (const auto list = problem.find("proposals"); list != problem.end())
+      error.proposals = proposals_from(*list).value_or(std::vector<Proposal>());
     if (error.what.empty()) error.what = std::string(meaning(*code).title);
     return error;
   }

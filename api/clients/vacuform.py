@@ -36,13 +36,23 @@ PIECE = 16 << 20  # bytes of an upload in one request
 
 
 class Problem(Exception):
-    """An answer of 400 or more: status, type (such as "/problems/bad-settings"), what, where, fix."""
+    """An answer of 400 or more: status, type (such as "/problems/bad-settings"), what, where, fix, proposals. Each proposal
+    is {"set": {"scan": {"units": "cm"}}, "text": ...}; with_proposal() merges its settings."""
 
     def __init__(self, status, problem):
         self.status = status
         self.type = problem.get("type", "about:blank")
         self.what, self.where, self.fix = (problem.get(key, "") for key in ("what", "where", "fix"))
+        self.proposals = problem.get("proposals") or []
         super().__init__(problem.get("detail") or f"the service answered {status}")
+
+
+def with_proposal(settings, proposal):
+    """The settings with those that a proposal of a problem or a warning sets. Does not change its arguments."""
+    merged = {group: dict(values) for group, values in (settings or {}).items()}
+    for group, values in proposal["set"].items():
+        merged.setdefault(group, {}).update(values)
+    return merged
 
 
 class Answer:
@@ -304,6 +314,8 @@ def main():
         if job["state"] != "succeeded":
             problem = job.get("problem") or {}
             print(f"vacuform.py: the job {job['state']}: {problem.get('detail', '')}".rstrip(": "), file=sys.stderr)
+            for proposal in problem.get("proposals") or []:
+                print(f"vacuform.py: possible settings: {json.dumps(proposal['set'])} {proposal['text']}".rstrip(), file=sys.stderr)
             return 2
         for path in service.download_all(job["id"], options.out):
             print(path)

@@ -18,7 +18,8 @@ ordered_json problem_json(const Error& error, int status) {
           {"detail", error.text()},
           {"what", error.what},
           {"where", error.where},
-          {"fix", error.fix}};
+          {"fix", error.fix},
+          {"proposals", proposals_json(error.proposals)}};
 }
 
 http::Response problem_response(const Error& error, int status) {

@@ -9,7 +9,7 @@
 
 namespace vacuform {
 
-// {type, title, status, detail, what, where, fix}. `status` 0 means the default status of the code.
+// {type, title, status, detail, what, where, fix, proposals}. `status` 0 means the default status of the code.
 nlohmann::ordered_json problem_json(const Error& error, int status = 0);
 http::Response problem_response(const Error& error, int status = 0);
 

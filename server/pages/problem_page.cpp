@@ -46,13 +46,14 @@ Explanation explanation(Code code) {
       return {
           "Most scan formats do not say their unit. Vacuform guesses only when exactly one unit makes a "
           "plausible size.",
-          "Set scan.units to mm, cm, m or in."};
+          "Set scan.units, or measure the longest side of the head and give it as scan.size_mm."};
     case Code::unusable_scan:
       return {
-          "The scan was read, but no mold can be made of it: it is empty, flat, or nothing is left above the "
-          "trim "
-          "height.",
-          "Look at the scan in a mesh viewer; set scan.up and scan.trim_mm."};
+          "The scan was read, but no mold can be made of it: it is empty, flat, contains two heads, or "
+          "nothing "
+          "is left above the trim height.",
+          "Look at the scan in a mesh viewer; set scan.up and scan.trim_mm, or scan.body for one of two "
+          "heads."};
     case Code::does_not_fit:
       return {"The mold does not fit the sheet, the clamp frame's window or the draw.",
               "Give a larger sheet and window, raise scan.trim_mm, or turn the scan with scan.yaw_deg."};

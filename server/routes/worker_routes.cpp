@@ -207,7 +207,10 @@ Result<Response> fail_job(Service& service, Request& request) {
   VACUFORM_TRY(fix, text_of(body, "fix"));
   VACUFORM_TRY(crashed, flag_of(body, "crashed"));
   VACUFORM_TRY(again, flag_of(body, "retry"));
-  const Error error{*code, std::move(what), std::move(where), std::move(fix)};
+  const auto list = body.find("proposals");
+  auto proposals = proposals_from(list == body.end() ? json() : *list);
+  if (!proposals) return wrong_type("proposals", "a list of settings with texts");
+  const Error error{*code, std::move(what), std::move(where), std::move(fix), {}, std::move(*proposals)};
   const Retry retry = crashed ? Retry::after_crash : again ? Retry::after_fault : Retry::never;
   VACUFORM_TRY(job, service.store.fail_job(key_of(request), error, retry));
   return ended_as("job-failed", job);

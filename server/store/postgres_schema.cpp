@@ -115,10 +115,11 @@ CREATE TABLE upload_piece(
 );
 CREATE INDEX upload_piece_by_blob ON upload_piece(blob);
 )sql",
-    // 4: a reference could not be changed, and nobody looked whose it is
+    // 4: a reference could not be changed, nobody looked whose it is, and problems had no proposals
     R"sql(
 ALTER TABLE job ADD COLUMN reference_changes text NOT NULL DEFAULT '';
 CREATE INDEX job_by_reference ON job(owner, reference, id) WHERE reference<>'';
+ALTER TABLE job ADD COLUMN error_proposals text;
 )sql",
 };
 
@@ -126,7 +127,7 @@ constexpr std::array tables{
     CopiedTable{
         "job",
         "id, client_key, kind, state, stage, progress, attempt, losses, crashes, created, started, ended,"
-        " worker, lease_hash, error_code, error_what, error_where, error_fix, settings, request, owner,"
+        " worker, lease_hash, error_code, error_what, error_where, error_fix, error_proposals, settings, request, owner,"
         " priority, derived_from, not_before, version, log_lines, serious_warnings, reference, note,"
         " reference_changes",
         6},

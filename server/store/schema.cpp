@@ -177,10 +177,11 @@ CREATE TABLE upload_piece(
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX upload_piece_by_blob ON upload_piece(blob);
 )sql",
-    // 16: a reference could not be changed, and nobody looked whose it is
+    // 16: a reference could not be changed, nobody looked whose it is, and problems had no proposals
     R"sql(
 ALTER TABLE job ADD COLUMN reference_changes TEXT NOT NULL DEFAULT '';
 CREATE INDEX job_by_reference ON job(owner, reference, id) WHERE reference<>'';
+ALTER TABLE job ADD COLUMN error_proposals TEXT;
 )sql",
 };
 

@@ -1,5 +1,6 @@
 // The rows of jobs, their files and their logs.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "api/problem.hpp"
 #include "server/store/sql_store.hpp"
@@ -11,7 +12,8 @@ namespace {
 #define VACUFORM_JOB_COLUMNS                                                                              \
   "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"          \
   " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings," \
-  " serious_warnings, reference, note, losses, crashes, worker, lease_hash, log_lines, reference_changes" \
+  " serious_warnings, reference, note, losses, crashes, worker, lease_hash, log_lines, reference_changes,"  \
+  " error_proposals"                                                                                      \
   " FROM job WHERE id=?"
 
 constexpr const char* job_row = VACUFORM_JOB_COLUMNS;
@@ -73,9 +75,13 @@ Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id,
   job.created = query.integer(5);
   job.started = time_in(query, 6);
   job.ended = time_in(query, 7);
-  if (!query.null(8))
+  if (!query.null(8)) {
     job.error = Error{code_from(query.text(8)).value_or(Code::internal), query.text(9), query.text(10),
                       query.text(11)};
+    if (!query.null(29))
+      job.error->proposals = proposals_from(nlohmann::json::parse(query.text(29), nullptr, false))
+                                 .value_or(std::vector<Proposal>());
+  }
   job.request = query.text(12);
   job.owner = query.text(13);
   job.priority = static_cast<int>(query.integer(14));
@@ -111,9 +117,11 @@ Result<void> SqlStore::save(Transaction& tx, JobRow& row) {
   Job& job = row.job;
   ++job.version;
   std::optional<std::string_view> stage, code, what, where, fix;
+  std::optional<std::string> proposals;
   if (job.stage) stage = name(*job.stage);
   if (const auto& error = job.error)
-    code = meaning(error->code).slug, what = error->what, where = error->where, fix = error->fix;
+    code = meaning(error->code).slug, what = error->what, where = error->where, fix = error->fix,
+    proposals = proposals_json(error->proposals).dump();
   const auto text = [](const std::string& value) {
     return value.empty() ? std::nullopt : std::optional<std::string_view>(value);
   };
@@ -122,10 +130,10 @@ Result<void> SqlStore::save(Transaction& tx, JobRow& row) {
                "UPDATE job SET state=?, stage=?, progress=?, attempt=?, losses=?, crashes=?, started=?, "
                "ended=?,"
                " not_before=?, worker=?, lease_hash=?, log_lines=?, serious_warnings=?, error_code=?,"
-               " error_what=?, error_where=?, error_fix=?, version=? WHERE id=?",
+               " error_what=?, error_where=?, error_fix=?, error_proposals=?, version=? WHERE id=?",
                name(job.state), stage, job.stage_progress, job.attempt, row.faults.losses, row.faults.crashes,
                job.started, job.ended, job.not_before, text(row.worker), text(row.lease_hash), row.log_lines,
-               job.serious_warnings, code, what, where, fix, job.version, job.id)
+               job.serious_warnings, code, what, where, fix, proposals, job.version, job.id)
       .run();
 }
 

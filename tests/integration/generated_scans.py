@@ -2,6 +2,11 @@
 """Runs `vacuform run` on made-up scans and holds every result against the truth and against a second program.
 
     VACUFORM_BIN=build/tests/bin tests/integration/generated_scans.py --count 200 [--seed S] [--first N] [--grid MM]
+        [--odd-units] [--inspect]
+
+`--odd-units` writes the files in rare units; `--inspect` stops at the mold, without forming. The first proposal of each
+refusal is followed, and answers the question for the unit as a person does who knows the head: with the proposal of the
+right unit, otherwise with the measured longest side.
 
 A scan fails when the program crashes or takes too long, when a refusal's proposals do not lead to a mold within three
 steps, when check_sheet finds the sheet torn, folded, penetrated or off the mold at a place that no warning marks, or when
@@ -16,7 +21,6 @@ import json
 import math
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
@@ -31,10 +35,17 @@ PATTERN = """<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="30mm" 
 MOST_STEPS = 3  # refusals in a row, each with a further proposal
 
 
-def proposals(message):
-    """The alternatives that a message gives, each a list of settings."""
-    return [re.findall(r"--set (\S+=[^\s,;.]+(?:\.\d+)?)", run)
-            for run in re.findall(r"(?:--set \S+=[^\s,;]+(?: and | )?)+", message)]
+def assignments(proposal):
+    """The settings of a proposal, for --set."""
+    return [f"{group}.{key}={value}" for group, values in proposal["set"].items() for key, value in values.items()]
+
+
+def answer(scan, problem):
+    """What is done about a refusal: a list of settings, or nothing."""
+    offered = [assignments(proposal) for proposal in problem["proposals"]]
+    if problem["code"] == "ambiguous-units":
+        return [f"scan.units={scan.unit}"] if [f"scan.units={scan.unit}"] in offered else [f"scan.size_mm={scan.longest_side():.2f}"]
+    return offered[0] if offered else []
 
 
 class Result:
@@ -50,20 +61,21 @@ class Result:
 
     def row(self):
         s = self.scan
-        return (f"{s.name}  {s.kind:8} {s.unit:2} {s.up}  {s.format:14} exit {','.join(map(str, self.exit_codes)):5} "
+        return (f"{s.name}  {s.kind:8} {s.unit:4} {s.up}  {s.format:14} exit {','.join(map(str, self.exit_codes)):5} "
                 f"{'RIGHT' if not self.failures else 'WRONG'}  [{s.damage()}] {' '.join(self.settings)}"
                 f" warnings: {' '.join(self.codes) or '-'}" + (f" marked: {' '.join(self.marked)}" if self.marked else "")
                 + "".join("\n    " + f for f in self.failures) + "".join("\n    refusal: " + r for r in self.refusals))
 
 
 class Runner:
-    def __init__(self, binaries, folder, grid, patience):
+    def __init__(self, binaries, folder, grid, patience, units=tuple(scan_generator.UNITS), forms=True):
         self.binaries, self.folder, self.grid, self.patience = pathlib.Path(binaries), pathlib.Path(folder), grid, patience
+        self.units, self.forms = units, forms
         self.pattern = self.folder / "pattern.svg"
         self.pattern.write_text(PATTERN)
 
     def run(self, seed, number):
-        scan = scan_generator.Scan(seed, number)
+        scan = scan_generator.Scan(seed, number, self.units)
         result = Result(scan)
         file, out = self.folder / f"{scan.name}.{scan.extension}", self.folder / scan.name
         file.write_bytes(scan.data)
@@ -76,11 +88,12 @@ class Runner:
         return result
 
     def lead_to_success(self, result, file, out):
-        """Follows the first proposal of each refusal; whether that ends in success."""
+        """Answers each refusal by one of its proposals; whether that ends in success."""
         while True:
             words = [w for setting in result.settings for w in ("--set", setting)]
-            done = subprocess.run([self.binaries / "vacuform", "run", "--scan", file, "--pattern", self.pattern, "--out", out,
-                                   "--quiet", "--set", f"sheet.resolution_mm={self.grid}", "--set", "print.dpi=72", *words],
+            command = ["run", "--pattern", self.pattern, "--set", f"sheet.resolution_mm={self.grid}", "--set", "print.dpi=72"] \
+                if self.forms else ["inspect"]
+            done = subprocess.run([self.binaries / "vacuform", *command, "--scan", file, "--out", out, "--progress", "json", *words],
                                   capture_output=True, text=True, timeout=self.patience)
             result.exit_codes.append(done.returncode)
             if done.returncode == 0:
@@ -90,24 +103,29 @@ class Runner:
             if done.returncode != 2:
                 result.failures.append(f"exit {done.returncode}: {message[-500:]}")
                 return False
-            offered = proposals(message)
-            if not offered:
+            problem = json.loads(done.stdout.splitlines()[-1])["problem"]
+            chosen = answer(result.scan, problem)
+            if any(" ".join("--set " + setting for setting in assignments(p)) not in problem["fix"] for p in problem["proposals"]):
+                result.failures.append("the fix does not name each proposal")
+            if not chosen:
                 result.failures.append("a refusal without a proposal")
                 return False
-            if set(offered[0]) <= set(result.settings):
+            if set(chosen) <= set(result.settings):
                 result.failures.append("a refusal proposes what was done already")
                 return False
             if len(result.refusals) > MOST_STEPS:
                 result.failures.append("the proposals do not lead to a mold")
                 return False
-            names = {setting.split("=")[0] for setting in offered[0]}
-            result.settings = [s for s in result.settings if s.split("=")[0] not in names] + offered[0]
+            names = {setting.split("=")[0] for setting in chosen}
+            result.settings = [s for s in result.settings if s.split("=")[0] not in names] + chosen
 
     def judge(self, result, out):
-        report = json.loads((out / "report.json").read_text())
+        report = json.loads((out / ("report.json" if self.forms else "findings.json")).read_text())
         result.codes = [w["code"] for w in report["warnings"]]
         mold = meshes.read_stl((out / "mold.stl").read_bytes())
         result.failures += wrong_about(result.scan, report, mold, result.settings)
+        if not self.forms:
+            return
         done = subprocess.run([self.binaries / "check_sheet", out], capture_output=True, text=True, timeout=self.patience)
         if done.returncode not in (0, 1):
             result.failures.append(f"check_sheet: {done.stderr.strip() or done.returncode}")
@@ -136,7 +154,7 @@ def wrong_about(scan, report, mold, settings):
     if not scan.missing and found["components_dropped"] < scan.crumbs:
         wrong.append(f"{scan.crumbs} crumbs, {found['components_dropped']} pieces dropped")
     if found["up"] == scan.up:
-        scale = scan_generator.UNITS[found["unit"]] / scan_generator.UNITS[scan.unit] if found["unit"] else \
+        scale = scan_generator.ALL_UNITS[found["unit"]] / scan_generator.ALL_UNITS[scan.unit] if found["unit"] else \
             float(given["scan.size_mm"]) / scan.longest_side()
         wrong += wrong_shape(scan, found, mold, scale)
     return wrong
@@ -288,12 +306,16 @@ def main():
     parser.add_argument("--workers", type=int, choices=(1, 2), default=1)
     parser.add_argument("--patience", type=float, default=300, help="seconds for each run")
     parser.add_argument("--poses", action="store_true", help="heads whose pose is hard to tell, inspected alone")
+    parser.add_argument("--odd-units", action="store_true", help="files in micrometres, feet and other rare units")
+    parser.add_argument("--inspect", action="store_true", help="stop at the mold")
     parser.add_argument("--keep", help="a folder for scans and results")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(options.keep or temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        runner = (PoseRunner if options.poses else Runner)(os.environ["VACUFORM_BIN"], folder, options.grid, options.patience)
+        units = tuple(scan_generator.ODD_UNITS if options.odd_units else scan_generator.UNITS)
+        kind = PoseRunner if options.poses else Runner
+        runner = kind(os.environ["VACUFORM_BIN"], folder, options.grid, options.patience, units, not options.inspect)
         results = run_all(runner, options.seed, range(options.first, options.first + options.count), options.workers,
                           lambda text: print(text, flush=True))
     return 1 if any(r.failures for r in results) else 0

@@ -6,6 +6,9 @@ import scan_files
 import scan_shapes
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+# Those that few files are in. "x0.3" is a copy at three tenths of the size of the head, in mm.
+ODD_UNITS = {"um": 0.001, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8, "x0.3": 1 / 0.3}
+ALL_UNITS = UNITS | ODD_UNITS
 # For each up axis of the file, where the upright body's x, y and z go. Proper turns: left stays left.
 AXES = {"+z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)), "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
         "+y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)), "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
@@ -32,11 +35,11 @@ def longer_side_from_above(points):
 class Scan:
     """`data` in a file of the given `extension`, and the truth: `clean` is the undamaged body, upright and in mm."""
 
-    def __init__(self, seed, number):
+    def __init__(self, seed, number, units=tuple(UNITS)):
         chance = random.Random(f"{seed}/{number}")
         self.name = f"{seed}-{number:03d}"
         self.kind = list(scan_shapes.KINDS)[number % len(scan_shapes.KINDS)]
-        self.unit = chance.choice(list(UNITS))
+        self.unit = chance.choice(units)
         self.up = chance.choice(list(AXES))
         self.format = chance.choice(list(scan_files.FORMATS))
         if self.format == "glb":
@@ -125,7 +128,7 @@ class Scan:
         vertices, triangles = mesh
         to = AXES[self.up]
         shift = [chance.uniform(-1, 1) * self.size for _ in range(3)]
-        per_mm = 1 / UNITS[self.unit]
+        per_mm = 1 / ALL_UNITS[self.unit]
         used = sorted({v for t in triangles for v in t})
         number = {v: n for n, v in enumerate(used)}
         points = [tuple(per_mm * (sum(vertices[v][j] * to[j][k] for j in range(3)) + shift[k]) for k in range(3))

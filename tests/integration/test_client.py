@@ -2,6 +2,7 @@
 import hashlib
 import importlib.util
 import pathlib
+import struct
 import subprocess
 import sys
 import threading
@@ -54,6 +55,23 @@ class Client(Case):
         with self.assertRaises(client.Problem) as refused:
             self.service.job(job["id"])
         self.assertEqual((refused.exception.status, refused.exception.type), (404, "/problems/not-found"))
+
+    def test_follows_a_proposal(self):
+        data = bytearray(self.scan.read_bytes())  # the head at a tenth of its size, 100 mm to 254 mm in two units
+        for at in range(84, len(data), 50):
+            corners = struct.unpack_from("<9f", data, at + 12)
+            struct.pack_into("<9f", data, at + 12, *(0.055 * x for x in corners))
+        scan = self.folder / "small.stl"
+        scan.write_bytes(data)
+        settings = {"sheet": {"resolution_mm": 6}}
+        job = self.service.wait(self.service.submit(scan, settings=settings, kind="inspection")["id"])
+        self.assertEqual((job["state"], job["problem"]["type"]), ("failed", "/problems/ambiguous-units"))
+        self.assertEqual([p["set"] for p in job["problem"]["proposals"]], [{"scan": {"units": "cm"}}, {"scan": {"units": "in"}}])
+        merged = client.with_proposal(settings, job["problem"]["proposals"][1])
+        self.assertEqual(merged, {"sheet": {"resolution_mm": 6}, "scan": {"units": "in"}})
+        self.assertEqual(settings, {"sheet": {"resolution_mm": 6}})
+        job = self.service.wait(self.service.submit(scan, settings=merged, kind="inspection")["id"])
+        self.assertEqual(job["state"], "succeeded", job)
 
     def test_says_what_is_wrong_where_and_the_fix(self):
         with self.assertRaises(client.Problem) as refused:

@@ -236,7 +236,7 @@ class Newborn(Case):
     def test_every_warning_has_severity_place_figure_and_fix(self):
         for warning in self.report["warnings"]:
             with self.subTest(warning["code"]):
-                self.assertEqual(list(warning), ["stage", "code", "severity", "what", "place", "figure", "fix", "marks"])
+                self.assertEqual(list(warning), ["stage", "code", "severity", "what", "place", "figure", "fix", "proposals", "marks"])
                 self.assertIn(warning["severity"], ("note", "warning", "serious"))
                 for key in "what", "place", "fix":
                     self.assertTrue(warning[key])

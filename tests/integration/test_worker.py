@@ -264,10 +264,11 @@ class Worker(Case):
                 self.assertEqual([len(self.server.calls(tail)) for tail in ("/leases", "/release", "/fail")], [1, 1, 0])
 
     def test_refusal_is_passed_on_and_final(self):
-        self.start("""echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","fix":"turn it"}}'
+        self.start("""echo '{"problem":{"code":"does-not-fit","what":"too wide","where":"scan.stl","fix":"turn it","proposals":[{"set":{"scan":{"yaw_deg":90}},"text":""}]}}'
                       exit 2""")
-        self.assertEqual(json.loads(self.the_call("/fail")[2]), {"code": "does-not-fit", "what": "too wide",
-                         "where": "scan.stl", "fix": "turn it", "retry": False, "crashed": False})
+        self.assertEqual(json.loads(self.the_call("/fail")[2]), {
+            "code": "does-not-fit", "what": "too wide", "where": "scan.stl", "fix": "turn it",
+            "proposals": [{"set": {"scan": {"yaw_deg": 90}}, "text": ""}], "retry": False, "crashed": False})
 
     def test_refused_print_hands_in_what_explains_it(self):
         self.start("""for file in mold.stl findings.json print.png; do echo $file > $OUT/$file; done

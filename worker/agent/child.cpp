@@ -219,7 +219,10 @@ ChildLine parse_child_line(std::string_view line) {
     if (!problem->is_object()) return {};
     const auto code = code_from(text(*problem, "code"));
     if (!code || text(*problem, "what").empty()) return {};
-    return Error{*code, text(*problem, "what"), text(*problem, "where"), text(*problem, "fix")};
+    Error error{*code, text(*problem, "what"), text(*problem, "where"), text(*problem, "fix")};
+    if (const auto list = problem->find("proposals"); list != problem->end())
+      error.proposals = proposals_from(*list).value_or(std::vector<Proposal>());
+    return error;
   }
   const auto stage = stage_from(text(object, "stage"));
   const auto progress = object.find("progress");

@@ -45,8 +45,8 @@ struct ChildProgress {
 using ChildLine = std::variant<std::monostate, ChildProgress, Error>;
 
 // {"stage":"forming","progress":0.4}, with "kept":true if the stage was skipped, or
-// {"problem":{"code":"does-not-fit","what":...,"where":...,"fix":...}}; any other line returns nothing. Texts are cut
-// to 2000 bytes.
+// {"problem":{"code":"does-not-fit","what":...,"where":...,"fix":...,"proposals":[...]}}; any other line returns nothing.
+// Texts are cut to 2000 bytes; proposals outside of proposal_limits are left out.
 ChildLine parse_child_line(std::string_view line);
 
 struct ChildEnd {

@@ -60,7 +60,8 @@ int run_interruptible(const std::function<Result<void>(const Context&, ProgressB
           {{"code", meaning(error.code).slug},
            {"what", error.what},
            {"where", error.where},
-           {"fix", error.fix}}}});
+           {"fix", error.fix},
+           {"proposals", proposals_json(error.proposals)}}}});
   return refuse(error);
 }
 

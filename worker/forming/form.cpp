@@ -96,16 +96,18 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& plastic, const M
   // Who sets the limit of thinness to nothing studies an ideal sheet, which never tears.
   const auto tear = settings.thin_limit > 0 ? torn_at(on_grid) : std::nullopt;
   if (tear) {
-    Error error{
-        Code::forming_failed,
-        "the sheet tears: over " + decimal(tear->area_mm2, 0) + " mm2 it is stretched up to " +
-            decimal(tear->stretch, 0) + " times",
-        "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +
-            " mm, z = " + decimal(tear->place.z(), 0) + " mm on the mold",
-        settings.law == MembraneLaw::neo_hookean && settings.model == FormingModel::membrane
-            ? "give --set forming.law=mooney_rivlin, trim the mold higher (scan.trim_mm), or use a larger "
-              "window"
-            : "trim the mold higher (scan.trim_mm), or use a larger window"};
+    // Forming takes too long to try the other law.
+    std::vector<Proposal> proposals;
+    if (settings.law == MembraneLaw::neo_hookean && settings.model == FormingModel::membrane)
+      proposals.push_back({{{"forming.law", name(MembraneLaw::mooney_rivlin)}}, ""});
+    Error error{Code::forming_failed,
+                "the sheet tears: over " + decimal(tear->area_mm2, 0) + " mm2 it is stretched up to " +
+                    decimal(tear->stretch, 0) + " times",
+                "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +
+                    " mm, z = " + decimal(tear->place.z(), 0) + " mm on the mold",
+                advice_with(proposals.empty() ? "" : "give another law", proposals,
+                            "trim the mold higher (scan.trim_mm), or use a larger window")};
+    error.proposals = std::move(proposals);
     error.place_mm = {tear->place.x(), tear->place.y(), tear->place.z()};
     return tl::make_unexpected(std::move(error));
   }

@@ -24,8 +24,16 @@ void fields(A& a, Warning::Figure& f) {
   a(f.value, f.unit, f.limit);
 }
 template <class A>
+void fields(A& a, ProposedSetting& s) {
+  a(s.name, s.number, s.word);
+}
+template <class A>
+void fields(A& a, Proposal& p) {
+  a(p.set, p.text);
+}
+template <class A>
 void fields(A& a, Warning& w) {
-  a(w.code, w.text, w.marks, w.figure, w.fix, w.place);
+  a(w.code, w.text, w.marks, w.figure, w.fix, w.place, w.proposals);
 }
 template <class A>
 void fields(A& a, Undercut& u) {

@@ -35,9 +35,9 @@ Result<void> check_together(const Inputs& inputs) {
     return fail(Code::bad_settings, "a pattern is given, but the colours of the scan are to be printed",
                 "pattern.source", "leave the pattern out, or give pattern.source=file or both");
   if (!of_scan && inputs.pattern.empty())
-    return fail(Code::bad_usage, "there is no pattern, or it is empty", inputs.pattern_name,
-                "give a drawing with --pattern FILE, or print the colours of the scan with "
-                "--set pattern.source=scan");
+    return fail(
+        Code::bad_usage, "there is no pattern, or it is empty", inputs.pattern_name,
+        "give a drawing with --pattern FILE, or print the colours of the scan with pattern.source=scan");
   const bool painted = s.flattening.weights == FlatteningWeights::painted;
   if (painted && !inputs.weights)
     return fail(

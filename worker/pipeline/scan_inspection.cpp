@@ -80,6 +80,7 @@ Json findings_json(const Inputs& inputs, const ScanInspection& inspection) {
                       {"what", problem->what},
                       {"where", problem->where},
                       {"fix", problem->fix},
+                      {"proposals", proposals_json(problem->proposals)},
                       {"place_mm", problem->place_mm ? Json(*problem->place_mm) : Json(nullptr)}};
   for (const Warning& warning : inspection.mold.warnings)
     all["warnings"].push_back(warning_json(Stage::scan, warning));

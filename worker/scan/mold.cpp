@@ -14,6 +14,7 @@
 #include "worker/scan/poses.hpp"
 #include "worker/scan/rebuilding.hpp"
 #include "worker/scan/scan_file.hpp"
+#include "worker/scan/scan_size.hpp"
 #include "worker/scan/shells.hpp"
 #include "worker/scan/smoothing.hpp"
 #include "worker/scan/topology.hpp"
@@ -53,37 +54,6 @@ Eigen::Vector3d top_of(const TriangleMesh& mesh) {
     if (p.z() >= highest - level_mm && p.head<2>().squaredNorm() < top.head<2>().squaredNorm())
       top.head<2>() = p.head<2>();
   return top;
-}
-
-// Millimetres per unit of the file. Both lengths are in that unit: `longest` is the longest side along the axes of the
-// file, `own_longest` that of the scan itself, however it is turned.
-Result<double> choose_scale(const ScanSettings& settings, const std::string& file_name, double longest,
-                            double own_longest, Mold& mold) {
-  ScanFindings& findings = mold.findings;
-  if (settings.size_mm) {
-    findings.size_given = true;
-    return *settings.size_mm / own_longest;
-  }
-  findings.unit = settings.units;
-  if (settings.units == Unit::automatic) {
-    VACUFORM_TRY(unit, guess_unit(longest, file_name));
-    findings.unit = unit;
-    findings.unit_guessed = true;
-    if (auto doubt = unit_doubt(longest, unit); !doubt.empty())
-      mold.warnings.push_back({"units-guessed", std::move(doubt)});
-    return millimetres(unit);
-  }
-  const double side = longest * millimetres(findings.unit);
-  if (!usable_side(side)) {
-    const auto guess = guess_unit(longest, file_name);
-    return fail(Code::unusable_scan,
-                "in " + std::string(name(findings.unit)) + " the scan's longest side is " +
-                    (side < 10 ? "only " : "") + in_mm(side),
-                file_name,
-                guess ? "give another unit, for example --set scan.units=" + std::string(name(*guess))
-                      : guess.error().fix);
-  }
-  return millimetres(findings.unit);
 }
 
 // The closed mesh grown by the clearance. If long thin triangles make that too expensive, with wider facets. Heads and
@@ -217,11 +187,12 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   findings.outliers_dropped = static_cast<int>(outliers.size());
   if (!outliers.empty()) mold.warnings.push_back(outliers_warning(outliers));
   VACUFORM_CHECK(progress.reach(0.15));
-  VACUFORM_TRY(skin, outer_skin(scan.mesh, progress));
+  VACUFORM_TRY(skin, outer_skin(scan.mesh, settings.body, progress));
   scan.mesh = {};
   findings.components = skin.components;
   findings.components_dropped = skin.components_dropped;
   findings.turned_inside_out = skin.turned_inside_out;
+  if (skin.warning) mold.warnings.push_back(std::move(*skin.warning));
   if (skin.mesh.triangles.empty() || !(bounds(skin.mesh).size().maxCoeff() > 0))
     return fail(Code::unusable_scan, "all triangles of the scan are without area", file_name,
                 "export the scan again");
@@ -249,9 +220,14 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
          "scan is a mirror image, with left and right swapped");
   TriangleMesh stood{skin.mesh.vertices, {}};
   turn(stood, upright_turn(findings.up, 0, 0, 0), 1);
-  VACUFORM_TRY(scale, choose_scale(settings, file_name, bounds(skin.mesh).size().maxCoeff(),
-                                   longest_side(stood), mold));
+  VACUFORM_TRY(size,
+               choose_size(settings, file_name, bounds(skin.mesh).size().maxCoeff(), longest_side(stood)));
   stood = {};
+  const double scale = size.mm_per_unit;
+  findings.unit = size.unit;
+  findings.unit_guessed = size.unit_guessed;
+  findings.size_given = size.size_given;
+  for (Warning& warning : size.warnings) mold.warnings.push_back(std::move(warning));
   ScanSettings settled = settings;  // with the front that is used
   if (settings.front == FrontSide::automatic) {
     const auto told = scan.y_up ? front_of_gltf(settings, findings.up) : std::nullopt;
@@ -280,8 +256,15 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
                                        principal * upright, progress));
     mold.warnings.push_back(std::move(warning));
   }
-  VACUFORM_TRY(trim,
-               choose_trim(closed, smooth, settled, findings, principal * upright, file_name, progress));
+  // Cuts as below, so that what is proposed passes.
+  const CanCut can_cut = [&](const TriangleMesh& mesh, double height) {
+    if (cut_and_place(mesh, height, principal.transpose())) return true;
+    if (findings.rebuilt) return false;
+    const auto rebuilt = rebuild(mesh, progress);
+    return rebuilt && cut_and_place(*rebuilt, height, principal.transpose());
+  };
+  VACUFORM_TRY(trim, choose_trim(closed, smooth, settled, findings, principal * upright, file_name, can_cut,
+                                 progress));
   findings.trim_mm = trim.height_mm;
   findings.trim_chosen = !settings.trim_mm;
   VACUFORM_CHECK(progress.reach(0.9));
@@ -292,15 +275,14 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
     placed = cut_and_place(rebuilt, trim.height_mm, principal.transpose());
   }
   if (!placed) {
-    std::string fix =
-        "repair it in a mesh editor (close its holes, remove inner parts) or give another scan.trim_mm";
+    std::vector<Proposal> proposals;
     const double top = bounds(closed).high.z();
-    for (double height = std::ceil(trim.height_mm + 1); height < 0.9 * top; height += std::ceil(0.1 * top))
-      if (cut_and_place(closed, height, principal.transpose())) {
-        fix += ", for example --set scan.trim_mm=" + decimal(height, 0);
-        break;
-      }
-    return fail(Code::unusable_scan, "no watertight mold can be made of the scan", file_name, fix);
+    for (double height = std::ceil(trim.height_mm + 1); height < 0.9 * top && proposals.empty();
+         height += std::ceil(0.1 * top))
+      if (can_cut(closed, height)) proposals.push_back({{{"scan.trim_mm", height}}, ""});
+    return fail(Code::unusable_scan, "no watertight mold can be made of the scan", file_name,
+                proposals.empty() ? "" : "give another scan.trim_mm", std::move(proposals),
+                "repair it in a mesh editor (close its holes, remove inner parts)");
   }
   if (findings.rebuilt)
     mold.warnings.push_back(

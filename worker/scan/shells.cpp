@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/base/decimal.hpp"
 #include "api/job_limits.hpp"
+#include "worker/scan/bodies.hpp"
 #include "worker/scan/ray_caster.hpp"
 #include "worker/scan/topology.hpp"
 #include "worker/scan/welding.hpp"
@@ -73,33 +75,6 @@ std::vector<TriangleMesh> largest_pieces(const TriangleMesh& mesh, const std::ve
     piece.triangles.push_back(t);
   }
   return largest;
-}
-
-// Where a piece lies, by up to 64 of its vertices and the rays from each in 14 directions: a vertex is inside where at
-// least 12 meet the main piece, outside where at most 7 do.
-struct Place {
-  int samples = 0, inside = 0, outside = 0;
-};
-Place place_of(const TriangleMesh& piece, const RayCaster& main, double reach) {
-  const std::size_t stride = std::max<std::size_t>(1, piece.vertices.size() / 64);
-  Place place;
-  for (std::size_t i = 0; i < piece.vertices.size(); i += stride) {
-    int hits = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double sign : {-1.0, 1.0}) {
-        Eigen::Vector3d d(0.013, -0.017, 0.011);  // off the axes, so as not to run along edges
-        d[axis] += sign;
-        hits += main.first_hit(piece.vertices[i], d * reach).has_value();
-      }
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-      hits += main.first_hit(piece.vertices[i], d * reach).has_value();
-    }
-    ++place.samples;
-    place.inside += hits >= 12;
-    place.outside += hits <= 7;
-  }
-  return place;
 }
 
 // Whether a piece other than the main one is part of the outside. A small closed body that partly stands in the main
@@ -193,9 +168,72 @@ double orient(TriangleMesh& mesh) {
   return total > 0 ? turned / total : 0;
 }
 
+std::string described(const Body& body) {
+  const auto triple = [](const Eigen::Vector3d& v, const char* between) {
+    return short_decimal(v.x()) + between + short_decimal(v.y()) + between + short_decimal(v.z());
+  };
+  return triple(body.size, " x ") + " at (" + triple(body.centre, ", ") + ") in the file";
+}
+
+BodyChoice choice_of(std::size_t number) {
+  return static_cast<BodyChoice>(static_cast<int>(BodyChoice::first) + static_cast<int>(number));
+}
+
+// To take one of the bodies, as far as scan.body can name them.
+std::vector<Proposal> to_take_one(const std::vector<Body>& bodies, bool only_heads) {
+  std::vector<Proposal> proposals;
+  for (std::size_t n = 0; n < bodies.size() && choice_of(n) <= BodyChoice::eighth; ++n)
+    if (!only_heads || bodies[n].is_head)
+      proposals.push_back({{{"scan.body", name(choice_of(n))}}, described(bodies[n])});
+  return proposals;
+}
+
+// The number of the chosen body; nothing if all are kept.
+Result<std::optional<std::size_t>> choose_body(const std::vector<Body>& bodies, BodyChoice choice,
+                                               OuterSkin& skin) {
+  const auto heads = std::ranges::count_if(bodies, &Body::is_head);
+  if (choice == BodyChoice::automatic && heads > 1)
+    return fail(Code::unusable_scan,
+                "the scan contains " + std::to_string(heads) + " separate bodies that can be heads",
+                "scan.body", "choose one of them", to_take_one(bodies, true),
+                "set scan.body=all to form all of them as one mold");
+  if (choice >= BodyChoice::first) {
+    const auto number =
+        static_cast<std::size_t>(static_cast<int>(choice) - static_cast<int>(BodyChoice::first));
+    if (number < bodies.size()) return std::optional(number);
+    if (number == 0) return std::optional<std::size_t>();  // a shell is no body, but it is the only one
+    return fail(Code::unusable_scan,
+                "the scan has no " + std::string(name(choice)) + " body: it contains " +
+                    std::to_string(bodies.size()),
+                "scan.body", "choose one of them",
+                bodies.size() > 1
+                    ? to_take_one(bodies, false)
+                    : std::vector<Proposal>{{{{"scan.body", name(BodyChoice::automatic)}}, ""}});
+  }
+  if (choice == BodyChoice::automatic && bodies.size() > 1)
+    skin.warning = Warning{"several-bodies",
+                           "The scan contains " + std::to_string(bodies.size()) +
+                               " large separate bodies, and all of them are in the mold",
+                           {},
+                           Warning::Figure{static_cast<double>(bodies.size()), "bodies", 1.0},
+                           {},
+                           {},
+                           to_take_one(bodies, false)};
+  return std::optional<std::size_t>();
+}
+
+// The body that a piece is nearest to.
+std::size_t nearest_body(const TriangleMesh& piece, const std::vector<Body>& bodies) {
+  const Eigen::Vector3d centre = bounds(piece).centre();
+  const auto distance = [&](const Body& body) {
+    return (centre - body.centre).cwiseQuotient(body.size).norm();
+  };
+  return static_cast<std::size_t>(std::ranges::min_element(bodies, {}, distance) - bodies.begin());
+}
+
 }  // namespace
 
-Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progress) {
+Result<OuterSkin> outer_skin(const TriangleMesh& mesh, BodyChoice choice, const ScanProgress& progress) {
   OuterSkin skin;
   std::vector<int> piece_of;
   skin.components = connected_pieces(mesh, piece_of);
@@ -210,21 +248,28 @@ Result<OuterSkin> outer_skin(const TriangleMesh& mesh, const ScanProgress& progr
   if (pieces.empty()) return skin;
   double area = 0;
   for (const auto& piece : pieces) area += piece.area;
-  if (pieces.front().area < soup_area * area && pieces.front().diagonal < soup_size * robust_size(mesh)) {
+  const auto largest =
+      skin.components > 1 ? largest_pieces(mesh, piece_of, pieces) : std::vector<TriangleMesh>{};
+  const auto bodies = find_bodies(largest);
+  VACUFORM_CHECK(progress.tick());
+  VACUFORM_TRY(chosen, choose_body(bodies, choice, skin));
+  if (!chosen && pieces.front().area < soup_area * area &&
+      pieces.front().diagonal < soup_size * robust_size(mesh)) {
     skin.soup = true;
     skin.mesh = mesh;
   } else if (skin.components == 1) {
     skin.mesh = mesh;
   } else {
     std::vector<char> keep(static_cast<std::size_t>(skin.components), 0);
-    keep[static_cast<std::size_t>(pieces.front().number)] = 1;
-    const auto largest = largest_pieces(mesh, piece_of, pieces);
-    const RayCaster main(largest.front());
-    for (std::size_t i = 1; i < largest.size(); ++i) {
+    const std::size_t main_piece = chosen ? static_cast<std::size_t>(bodies[*chosen].piece) : 0;
+    keep[static_cast<std::size_t>(pieces[main_piece].number)] = 1;
+    const RayCaster main(largest[main_piece]);
+    for (std::size_t i = 0; i < largest.size(); ++i) {
       VACUFORM_CHECK(progress.tick());
-      const double share = pieces[i].diagonal / pieces.front().diagonal;
+      if (i == main_piece || (chosen && nearest_body(largest[i], bodies) != *chosen)) continue;
+      const double share = pieces[i].diagonal / pieces[main_piece].diagonal;
       keep[static_cast<std::size_t>(pieces[i].number)] =
-          belongs(largest[i], share, main, 2 * pieces.front().diagonal);
+          belongs(largest[i], share, main, 2 * pieces[main_piece].diagonal);
     }
     skin.components_dropped = static_cast<int>(std::count(keep.begin(), keep.end(), 0));
     skin.mesh = take_pieces(mesh, piece_of, keep);

@@ -1,7 +1,8 @@
 #include "worker/scan/trimming.hpp"
 
-#include <cctype>
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include "api/base/decimal.hpp"
@@ -41,23 +42,51 @@ struct OtherUp {
   double kept;  // share of the height
 };
 
-// The up axis that keeps most of the height, if that is enough to propose it.
-Result<std::optional<OtherUp>> better_up(const TriangleMesh& closed, const ScanSettings& settings,
-                                         UpAxis used, const Eigen::Matrix3d& from_file,
+// The up axis that keeps most of the height, if that is enough to propose it and a mold can be cut there. The height is
+// chosen on `judged`.
+Result<std::optional<OtherUp>> better_up(const TriangleMesh& closed, const TriangleMesh& judged,
+                                         const ScanSettings& settings, UpAxis used, const Eigen::Matrix3d& from_file, const CanCut& can_cut,
                                          const ScanProgress& progress) {
-  std::optional<OtherUp> best;
-  const auto caster = std::make_shared<RayCaster>(closed);
+  struct Candidate {
+    OtherUp up;
+    TriangleMesh turned;
+    double cut;
+  };
+  std::vector<Candidate> candidates;
+  const auto caster = std::make_shared<RayCaster>(judged);
   for (const UpAxis axis :
        {UpAxis::plus_z, UpAxis::plus_y, UpAxis::minus_z, UpAxis::minus_y, UpAxis::plus_x, UpAxis::minus_x}) {
     if (axis == used) continue;
-    VACUFORM_TRY(kept, share_kept(closed, caster, settings, axis, from_file, progress));
-    if (kept >= wanted_kept && (!best || kept > best->kept)) best = OtherUp{axis, kept};
+    const Eigen::Matrix3d turn = scan_turn(settings, axis) * from_file.transpose();
+    TriangleMesh turned = closed;
+    for (auto& p : turned.vertices) p = turn * p;
+    const Box box = bounds(turned);
+    const Limits limits = limits_of(enclosing_circle(turned).radius);
+    VACUFORM_TRY(space, CoveredSpace::measure(judged, caster, turn, box.low.z(), limits.spacing, progress));
+    const double cut = space.lowest_cut(limits.depth, limits.area) - box.low.z();
+    const double kept = 1 - cut / box.size().z();
+    if (kept < wanted_kept) continue;
+    for (auto& p : turned.vertices) p.z() -= box.low.z();
+    candidates.push_back({{axis, kept}, std::move(turned), cut});
   }
-  return best;
+  std::ranges::stable_sort(candidates, std::ranges::greater(), [](const Candidate& c) { return c.up.kept; });
+  for (const Candidate& candidate : candidates) {
+    VACUFORM_CHECK(progress.tick());
+    if (can_cut(candidate.turned, candidate.cut)) return std::optional(candidate.up);
+  }
+  return std::optional<OtherUp>();
 }
 
-// Half the height, in whole millimetres if that is fine enough: a trim that always leaves a mold.
-std::string half_of(double height) { return decimal(height / 2, height < 20 ? 1 : 0); }
+// A trim near half of the height that leaves a mold, in whole millimetres if that is fine enough.
+std::vector<Proposal> trim_proposals(const TriangleMesh& closed, double height, const CanCut& can_cut) {
+  for (const double share : {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8}) {
+    const double step = height < 20 ? 0.1 : 1;
+    const double trim = std::round(share * height / step) * step;
+    if (can_cut(closed, trim))
+      return {{{{"scan.trim_mm", trim}}, "keeps " + in_percent((height - trim) / height) + " of its height"}};
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -75,14 +104,14 @@ Result<double> share_kept(const TriangleMesh& closed, const std::shared_ptr<cons
 
 Result<Trim> choose_trim(const TriangleMesh& closed, const std::optional<TriangleMesh>& smooth,
                          const ScanSettings& settings, const ScanFindings& findings,
-                         const Eigen::Matrix3d& from_file, const std::string& file_name,
+                         const Eigen::Matrix3d& from_file, const std::string& file_name, const CanCut& can_cut,
                          const ScanProgress& progress) {
   const double height = bounds(closed).high.z();
   if (settings.trim_mm && *settings.trim_mm > height - std::min(1.0, least_kept * height))
     return fail(Code::unusable_scan,
                 "the scan is " + in_mm(height) + " high and trimming it at " + in_mm(*settings.trim_mm) +
                     " leaves nothing",
-                "scan.trim_mm", "give a smaller height, for example --set scan.trim_mm=" + half_of(height));
+                "scan.trim_mm", "give a smaller height", trim_proposals(closed, height, can_cut));
   const double radius = enclosing_circle(closed).radius;
   if (height < flat * radius)
     return fail(Code::unusable_scan,
@@ -96,22 +125,20 @@ Result<Trim> choose_trim(const TriangleMesh& closed, const std::optional<Triangl
   trim.height_mm = settings.trim_mm ? *settings.trim_mm : space.lowest_cut(limits.depth, limits.area);
   const double kept = (height - trim.height_mm) / height;
   if (!settings.trim_mm && kept < usual_kept) {
-    std::optional<OtherUp> other;
+    std::vector<Proposal> proposals;
     if (findings.holes_capped == 0) {  // else the opening tells which way is up
-      VACUFORM_TRY(found, better_up(judged, settings, findings.up, from_file, progress));
-      other = found;
+      VACUFORM_TRY(other, better_up(closed, judged, settings, findings.up, from_file, can_cut, progress));
+      if (other)
+        proposals.push_back(
+            {{{"scan.up", name(other->axis)}}, "keeps " + in_percent(other->kept) + " of its height"});
     }
-    const std::string turn_it =
-        other ? "turn the scan, for example --set scan.up=" + std::string(name(other->axis)) + " keeps " +
-                    in_percent(other->kept) + " of its height, or "
-              : "";
-    const std::string cut_it =
-        "accept undercuts by giving the trim, for example --set scan.trim_mm=" + half_of(height);
+    for (Proposal& trim_there : trim_proposals(closed, height, can_cut)) proposals.push_back(trim_there);
     if (kept < least_kept)
       return fail(Code::unusable_scan,
                   "undercuts begin " + in_mm(trim.height_mm) + " above the scan's lowest point, and only " +
                       in_mm(height - trim.height_mm) + " of its " + in_mm(height) + " would remain as a mold",
-                  file_name, turn_it + cut_it);
+                  file_name, "turn the scan (scan.up), or accept undercuts by giving the trim (scan.trim_mm)",
+                  std::move(proposals));
     const auto below = space.undercuts(std::max(0.0, trim.height_mm - limits.spacing));
     const auto all = space.undercuts(0);
     Warning warning{"trim-discards",
@@ -124,9 +151,7 @@ Result<Trim> choose_trim(const TriangleMesh& closed, const std::optional<Triangl
       warning.marks.push_back({{u.place.x(), u.place.y(), 0}, u.depth_mm});
     }
     warning.figure = Warning::Figure{100 * (1 - kept), "%", 100 * (1 - usual_kept)};
-    std::string fix = turn_it + cut_it;
-    fix.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(fix.front())));
-    warning.fix = fix + ".";
+    warning.proposals = std::move(proposals);
     trim.warning = std::move(warning);
   }
   if (smooth) {  // the sheet meets the noise too

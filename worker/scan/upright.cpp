@@ -6,81 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "api/base/decimal.hpp"
 #include "worker/scan/placing.hpp"
 
 namespace vacuform {
-namespace {
-
-constexpr double shortest_mm = 80, longest_mm = 400;
-constexpr double possible_share =
-    2.54;  // beyond these sizes: a figurine or a large bust, taken in the wrong unit
-constexpr std::array units{Unit::mm, Unit::cm, Unit::m, Unit::in};
-
-std::string one_digit(double mm) { return decimal(mm, mm < 10 ? 1 : 0); }
-
-}  // namespace
-
-double millimetres(Unit unit) {
-  switch (unit) {
-    case Unit::cm:
-      return 10;
-    case Unit::m:
-      return 1000;
-    case Unit::in:
-      return 25.4;
-    case Unit::mm:
-    case Unit::automatic:
-      return 1;
-  }
-  return 1;
-}
-
-bool usable_side(double mm) { return mm >= 10 && mm <= 4000; }
-
-Result<Unit> guess_unit(double longest_side, const std::string& where) {
-  std::vector<Unit> fitting;
-  std::string all, candidates;
-  for (const Unit unit : units) {
-    const double mm = longest_side * millimetres(unit);
-    const std::string text = std::string(name(unit)) + " (" + one_digit(mm) + " mm)";
-    all += (all.empty() ? "" : ", ") + text;
-    if (mm < shortest_mm || mm > longest_mm) continue;
-    fitting.push_back(unit);
-    candidates += (candidates.empty() ? "" : ", ") + text;
-  }
-  if (fitting.size() == 1) return fitting.front();
-  const std::string what =
-      fitting.empty() ? "the scan's unit is not clear: in none is its longest side 80 to 400 mm: " + all
-                      : "the scan's unit is not clear: its longest side is plausible in " + candidates;
-  // The fix must name a setting that is accepted.
-  Unit nearest = units.front();  // to a head's 200 mm, as a ratio
-  for (const Unit unit : units)
-    if (std::abs(std::log(longest_side * millimetres(unit) / 200)) <
-        std::abs(std::log(longest_side * millimetres(nearest) / 200)))
-      nearest = unit;
-  std::string fix = "say which, for example --set scan.units=";
-  if (!fitting.empty()) {
-    fix += name(fitting.front());
-  } else {
-    fix = "say how large it is, for example --set scan.size_mm=200 for its longest side";
-    if (usable_side(longest_side * millimetres(nearest)))
-      fix += ", or its unit, for example --set scan.units=" + std::string(name(nearest));
-  }
-  return fail(Code::ambiguous_units, what, where, fix);
-}
-
-std::string unit_doubt(double longest_side, Unit guessed) {
-  std::string others;
-  for (const Unit unit : units) {
-    const double mm = longest_side * millimetres(unit);
-    if (unit != guessed && mm >= shortest_mm / possible_share && mm <= longest_mm * possible_share)
-      others += (others.empty() ? "" : " or ") + std::string(name(unit)) + " (" + one_digit(mm) + " mm)";
-  }
-  if (others.empty()) return {};
-  return "The unit was taken to be " + std::string(name(guessed)) + ", in which the longest side is " +
-         one_digit(longest_side * millimetres(guessed)) + " mm; it could be " + others;
-}
 
 Eigen::Matrix3d turn_before_front(const ScanSettings& settings, UpAxis up) {
   Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity();

@@ -56,9 +56,13 @@ constexpr WarningKind kinds[] = {
     {"seams-not-enough", Severity::note, "Add cuts to pattern.seams."},
     {"segment-distorted", Severity::warning,
      "Keep ink away from the segment, or use a finer sheet.resolution_mm."},
+    {"several-bodies", Severity::warning,
+     "Look at the mold, and set scan.body if one of them does not belong to it."},
     {"side-unconfirmed", Severity::warning,
      "Compare preview-views.png with the patient. Set scan.front if the face is elsewhere, then "
      "scan.left_side=minus_x."},
+    {"size-unusual", Severity::warning,
+     "Measure the longest side of the head, and set scan.units or scan.size_mm if the size is wrong."},
     {"thin", Severity::warning, "Use a thicker sheet or a lower mold."},
     {"tilted", Severity::warning, "Straighten the scan (scan.roll_deg, scan.pitch_deg)."},
     {"too-cold", Severity::serious, "Heat the sheet longer."},
@@ -91,6 +95,13 @@ const WarningKind& warning_kind(std::string_view code) {
   if (kind != std::end(kinds) && kind->code == code) return *kind;
   std::fprintf(stderr, "no such kind of warning: %.*s\n", static_cast<int>(code.size()), code.data());
   std::abort();
+}
+
+std::string Warning::what_to_do() const {
+  std::string advice = fix.empty() ? std::string(warning_kind(code).fix) : fix;
+  if (proposals.empty()) return advice;
+  if (advice.ends_with('.')) advice.pop_back();
+  return advice_with(advice, proposals) + ".";
 }
 
 }  // namespace vacuform

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "api/base/proposal.hpp"
+
 namespace vacuform {
 
 enum class Severity {
@@ -46,11 +48,12 @@ struct Warning {
     std::optional<double> limit = {};
   };
   std::optional<Figure> figure = {};
-  std::string fix = {};    // instead of its kind's
-  std::string place = {};  // in words: "coil-3 and coil-4"; if it is empty, the marks show it
+  std::string fix = {};                  // instead of its kind's
+  std::string place = {};                // in words: "coil-3 and coil-4"; if it is empty, the marks show it
+  std::vector<Proposal> proposals = {};  // settings that were tried and that settle it
 
   Severity severity() const { return warning_kind(code).severity; }
-  std::string what_to_do() const { return fix.empty() ? std::string(warning_kind(code).fix) : fix; }
+  std::string what_to_do() const;  // the fix, with the proposals as options of the command line
 };
 
 }  // namespace vacuform

@@ -74,6 +74,7 @@ Json warning_json(Stage stage, const Warning& warning) {
           {"place", place_of(stage, warning)},
           {"figure", figure_json(warning)},
           {"fix", sentence(warning.what_to_do())},
+          {"proposals", proposals_json(warning.proposals)},
           {"marks", marks_json(warning)}};
 }
 

@@ -40,7 +40,9 @@ TEST(Http, NobodyAtTheAddressIsUnavailable) {
 
 TEST(Http, ProblemDocumentsBecomeErrors) {
   const Error error = error_of({422, {}, R"({"type":"/problems/ambiguous-units","title":"t","status":422,
-    "what":"the unit cannot be told","where":"head.obj","fix":"give scan.units"})"});
+    "what":"the unit cannot be told","where":"head.obj","fix":"give scan.units","proposals":[{"set":{"scan":{"units":"m"}},"text":"190 mm"}]})"});
+  ASSERT_EQ(error.proposals.size(), 1u);
+  EXPECT_EQ(options_of(error.proposals.front()), "--set scan.units=m");
   EXPECT_EQ(error.code, Code::ambiguous_units);
   EXPECT_EQ(error.text(), "the unit cannot be told (head.obj); give scan.units");
 }

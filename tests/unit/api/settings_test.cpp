@@ -72,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"print": {"marks": 1}})", "print.marks", "true or false"},
         Refusal{R"({"print": 300})", "print", "JSON object"},
         Refusal{R"({"scan": {"trim_mm": "automatic"}})", "scan.trim_mm", "auto"},
-        Refusal{R"({"scan": {"units": "furlong"}})", "scan.units", "auto, mm, cm, m, in"},
+        Refusal{R"({"scan": {"units": "furlong"}})", "scan.units", "auto, um, mm, cm, m, in, ft"},
         Refusal{R"({"coils": {"keep": "radius"}})", "coils.keep", "area, diameter"},
         Refusal{R"({"layout": {"count": 3}})", "layout.count", "from 4 to 64"},
         Refusal{R"({"layout": {"count": 65}})", "layout.count", "from 4 to 64"},

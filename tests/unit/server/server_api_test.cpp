@@ -240,16 +240,21 @@ TEST_F(ServerApi, AFailureReachesTheUserWithItsReason) {
   const std::string id = created();
   const json held = lease();
   EXPECT_EQ(worker("POST", held, "/fail", R"({"code":"nonsense","what":"x"})").status, 400);
+  EXPECT_EQ(worker("POST", held, "/fail", R"({"code":"ambiguous-units","what":"x","proposals":[{"set":3}]})")
+                .status,
+            400);
   EXPECT_EQ(
       worker(
           "POST", held, "/fail",
-          R"({"code":"ambiguous-units","what":"cm or in","where":"scan","fix":"set <scan.units>","retry":false})")
+          R"({"code":"ambiguous-units","what":"cm or in","where":"scan","fix":"set <scan.units>","retry":false,)"
+          R"("proposals":[{"set":{"scan":{"units":"cm"}},"text":"100 mm"}]})")
           .status,
       200);
   const json job = show(id);
   EXPECT_EQ(job["state"], "failed");
   EXPECT_EQ(job["problem"]["type"], "/problems/ambiguous-units");
   EXPECT_EQ(job["problem"]["fix"], "set <scan.units>");
+  EXPECT_EQ(job["problem"]["proposals"], json::parse(R"([{"set":{"scan":{"units":"cm"}},"text":"100 mm"}])"));
   const Answer page = ask("GET", "/jobs/" + id);
   EXPECT_NE(page.body.find("set &lt;scan.units&gt;"), std::string::npos);
   EXPECT_EQ(page.body.find("refresh"), std::string::npos);

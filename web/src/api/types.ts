@@ -23,6 +23,7 @@ export interface ProblemBody {
   what?: string;
   where?: string;
   fix?: string;
+  proposals?: ({set: Record<string, Record<string, number | string>>; text: string})[];
 }
 
 export interface Input {
@@ -49,6 +50,7 @@ export interface Warning {
   place: string;
   figure: {value: number; unit: string; limit: number | null} | null;
   fix: string;
+  proposals: ({set: Record<string, Record<string, number | string>>; text: string})[];
   marks: {place_mm: [number, number, number]; size_mm: number}[];
 }
 

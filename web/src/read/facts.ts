@@ -4,9 +4,9 @@ import {forAreas} from './cluster';
 
 export const axes = ['+x', '-x', '+y', '-y', '+z', '-z'] as const;
 export type Axis = (typeof axes)[number];
-export const units = ['mm', 'cm', 'm', 'in'] as const;
+export const units = ['mm', 'cm', 'm', 'in', 'um', 'ft'] as const;
 export type Unit = (typeof units)[number];
-const millimetres: Record<Unit, number> = {mm: 1, cm: 10, m: 1000, in: 25.4};
+const millimetres: Record<Unit, number> = {mm: 1, cm: 10, m: 1000, in: 25.4, um: 0.001, ft: 304.8};
 
 export interface ScanFacts {
   format: string;
@@ -86,9 +86,9 @@ export function sizesOf(facts: ScanFacts): SizeGuess[] {
     return {unit, mm, like: side < 80 ? 'small' : side > 400 ? 'large' : side < 150 ? 'newborn' : 'adult'};
   });
 }
-// The only unit in which the size is plausible for a head.
+// The only unit in which the size is plausible for a head. Feet are never guessed: a scan in metres is far more common.
 export function unitOf(facts: ScanFacts): Unit | undefined {
-  const fitting = units.filter((unit) => plausible(longest(facts) * millimetres[unit]));
+  const fitting = units.filter((unit) => unit !== 'ft' && plausible(longest(facts) * millimetres[unit]));
   return fitting.length === 1 ? fitting[0] : undefined;
 }
 export const inMillimetres = (unit: Unit): number => millimetres[unit];

@@ -33,14 +33,16 @@ test('guesses the unit only if one makes a plausible size', () => {
   assert.equal(of(7.5), 'in');
   assert.equal(of(10), undefined);    // 100 mm or 254 mm
   assert.equal(of(3000), undefined);
+  assert.equal(of(115_000), 'um');
+  assert.equal(of(0.6), undefined);   // 183 mm in feet, or 600 mm in metres
 });
 
 test('compares the size in each unit with heads', () => {
   const sizes = sizesOf(factsOf(readScan(stlBinary(), 'a.stl')));  // 100 x 150 x 200
-  assert.deepEqual(sizes.map(({unit, like}) => `${unit} ${like}`), ['mm adult', 'cm large', 'm large', 'in large']);
+  assert.deepEqual(sizes.map(({unit, like}) => `${unit} ${like}`), ['mm adult', 'cm large', 'm large', 'in large', 'um small', 'ft large']);
   assert.deepEqual(sizes[1]!.mm.map(Math.round), [1000, 1500, 2000]);
   const newborn = sizesOf(factsOf(readScan(sphere(5.5, 8), 'a.stl')));  // 11 across
-  assert.deepEqual(newborn.map(({unit, like}) => `${unit} ${like}`), ['mm small', 'cm newborn', 'm large', 'in adult']);
+  assert.deepEqual(newborn.map(({unit, like}) => `${unit} ${like}`), ['mm small', 'cm newborn', 'm large', 'in adult', 'um small', 'ft large']);
 });
 
 test('the opening of a scan tells which side is up', () => {

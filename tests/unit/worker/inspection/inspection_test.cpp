@@ -194,14 +194,15 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   const auto& thickness = job.sample.sheet.element_thickness;
   EXPECT_NEAR(r["thickness"]["least_ratio"].get<double>(),
               *std::min_element(thickness.begin(), thickness.end()), 1e-4);
-  EXPECT_EQ(r["warnings"].dump(),
-            R"([{"stage":"scan","code":"undercut","severity":"warning","what":"There is an undercut.",)"
-            R"("place":"x = 1.0, y = 2.0, z = 3.0 mm","figure":null,)"
-            R"("fix":"Trim the mold above the undercut (scan.trim_mm), or turn the scan.",)"
-            R"("marks":[{"place_mm":[1.0,2.0,3.0],"size_mm":5.0}]},)"
-            R"({"stage":"printing","code":"ink-off-chart","severity":"serious","what":"5 % is lost.",)"
-            R"("place":"the drawing","figure":null,)"
-            R"("fix":"Move or scale the drawing (pattern.offset_mm, pattern.scale).","marks":[]}])");
+  EXPECT_EQ(
+      r["warnings"].dump(),
+      R"([{"stage":"scan","code":"undercut","severity":"warning","what":"There is an undercut.",)"
+      R"("place":"x = 1.0, y = 2.0, z = 3.0 mm","figure":null,)"
+      R"("fix":"Trim the mold above the undercut (scan.trim_mm), or turn the scan.",)"
+      R"("proposals":[],"marks":[{"place_mm":[1.0,2.0,3.0],"size_mm":5.0}]},)"
+      R"({"stage":"printing","code":"ink-off-chart","severity":"serious","what":"5 % is lost.",)"
+      R"("place":"the drawing","figure":null,)"
+      R"("fix":"Move or scale the drawing (pattern.offset_mm, pattern.scale).","proposals":[],"marks":[]}])");
   EXPECT_EQ(r["vents"].dump(), R"([{"place_mm":[1.5,-2.0,40.0],"diameter_mm":1.0}])");
   std::size_t listed = 0;
   for (const auto& kind : artifact_kinds)

@@ -1,4 +1,4 @@
-// From triangles to one upright skin in millimetres: pieces, orientation, unit, up axis.
+// From triangles to one upright skin in millimetres: pieces, orientation, up axis.
 #include <gtest/gtest.h>
 
 #include "tests/unit/worker/scan/scan_shapes.hpp"
@@ -343,117 +343,14 @@ TriangleMesh in_pieces(int pieces) {
 }
 
 TEST(Skin, AMillionPiecesAndNotOneMore) {
-  const auto skin = outer_skin(in_pieces(1'000'000), ScanProgress(quiet));
+  const auto skin = outer_skin(in_pieces(1'000'000), BodyChoice::automatic, ScanProgress(quiet));
   ASSERT_TRUE(skin);
   EXPECT_EQ(skin->components, 1'000'000);
   EXPECT_EQ(skin->components_dropped, 999'999);
   EXPECT_EQ(skin->mesh.triangles.size(), sphere(100, 64).triangles.size());
-  const auto more = outer_skin(in_pieces(1'000'001), ScanProgress(quiet));
+  const auto more = outer_skin(in_pieces(1'000'001), BodyChoice::automatic, ScanProgress(quiet));
   ASSERT_FALSE(more);
   EXPECT_EQ(more.error().code, Code::too_large);
-}
-
-struct Size {
-  double longest;
-  Unit unit;
-};
-class GuessedUnit : public testing::TestWithParam<Size> {};
-
-TEST_P(GuessedUnit, IsTheOnlyPlausibleOne) {
-  const auto mold = mold_of(scaled(sphere(0.5), GetParam().longest));
-  ASSERT_TRUE(mold) << mold.error().text();
-  EXPECT_EQ(mold->findings.unit, GetParam().unit);
-  EXPECT_TRUE(mold->findings.unit_guessed);
-  EXPECT_NEAR(mold->findings.size_mm.z(), GetParam().longest * millimetres(GetParam().unit), 0.01);
-}
-INSTANTIATE_TEST_SUITE_P(All, GuessedUnit,
-                         testing::Values(Size{200, Unit::mm}, Size{85, Unit::mm}, Size{390, Unit::mm},
-                                         Size{20, Unit::cm}, Size{0.2, Unit::m}, Size{0.39, Unit::m},
-                                         Size{7.5, Unit::in}, Size{3.2, Unit::in}));
-
-TEST(Units, TwoPlausibleOnesAreNamedWithTheirSizes) {
-  const auto mold = mold_of(scaled(sphere(0.5), 10));
-  ASSERT_FALSE(mold);
-  EXPECT_EQ(mold.error().code, Code::ambiguous_units);
-  EXPECT_EQ(mold.error().text(),
-            "the scan's unit is not clear: its longest side is plausible in cm (100 mm), in (254 mm) "
-            "(scan.stl); say which, for example --set "
-            "scan.units=cm");
-}
-
-TEST(Units, AnotherPossibleOneIsWarnedOf) {
-  const auto doubted = mold_of(scaled(sphere(0.5), 19.7));  // 197 mm, or half a metre
-  ASSERT_TRUE(doubted) << doubted.error().text();
-  ASSERT_TRUE(warns(*doubted, "units-guessed"));
-  for (const auto& w : doubted->warnings) {
-    if (w.code != "units-guessed") continue;
-    EXPECT_EQ(w.text,
-              "The unit was taken to be cm, in which the longest side is 197 mm; it could be in (500 mm)");
-  }
-  for (const double side : {200.0, 0.2}) {
-    const auto sure = mold_of(scaled(sphere(0.5), side));
-    ASSERT_TRUE(sure) << sure.error().text();
-    EXPECT_FALSE(warns(*sure, "units-guessed")) << side;
-  }
-  ScanSettings settings;
-  settings.units = Unit::cm;
-  const auto given = mold_of(scaled(sphere(0.5), 19.7), settings);
-  ASSERT_TRUE(given) << given.error().text();
-  EXPECT_FALSE(warns(*given, "units-guessed"));
-}
-
-TEST(Units, NoPlausibleOneNamesAll) {
-  for (const double side : {1.0, 60.0, 450.0, 1e-4, 1e6}) {
-    const auto mold = mold_of(scaled(sphere(0.5), side));
-    ASSERT_FALSE(mold) << side;
-    EXPECT_EQ(mold.error().code, Code::ambiguous_units);
-    EXPECT_NE(mold.error().what.find("in none is its longest side 80 to 400 mm: mm ("), std::string::npos)
-        << mold.error().text();
-  }
-}
-
-// The setting that a refusal proposes, tried until there is a mold or a refusal for another reason.
-TEST(Units, TheProposalOfARefusalWorks) {
-  for (const double side : {1e-5, 1e-3, 0.013, 0.06, 1.0, 5.0, 10.0, 60.0, 450.0, 5000.0, 1e6})
-    for (const Unit given : {Unit::automatic, Unit::mm, Unit::m}) {
-      ScanSettings settings;
-      settings.units = given;
-      const auto mesh = scaled(sphere(0.5), side);
-      const auto refused = mold_of(mesh, settings);
-      if (refused) continue;
-      bool proposed = false;
-      const std::string& fix = refused.error().fix;
-      if (fix.find("--set scan.size_mm=200") != std::string::npos) {
-        ScanSettings sized;
-        sized.size_mm = 200;
-        EXPECT_TRUE(mold_of(mesh, sized)) << side << ": " << fix;
-        proposed = true;
-      }
-      for (const Unit unit : {Unit::mm, Unit::cm, Unit::m, Unit::in}) {
-        const std::string asked = "--set scan.units=" + std::string(name(unit));
-        if (!fix.ends_with(asked)) continue;
-        settings.units = unit;
-        const auto mold = mold_of(mesh, settings);
-        EXPECT_TRUE(mold) << side << ": " << fix << ": " << mold.error().text();
-        proposed = true;
-      }
-      EXPECT_TRUE(proposed) << side << ": " << fix;
-    }
-}
-
-TEST(Units, AGivenUnitWinsUnlessItIsAbsurd) {
-  ScanSettings settings;
-  settings.units = Unit::in;
-  const auto mold = mold_of(scaled(sphere(0.5), 10), settings);
-  ASSERT_TRUE(mold) << mold.error().text();
-  EXPECT_FALSE(mold->findings.unit_guessed);
-  EXPECT_NEAR(mold->findings.size_mm.z(), 254, 0.01);
-  settings.units = Unit::m;
-  const auto absurd = mold_of(sphere(100), settings);
-  ASSERT_FALSE(absurd);
-  EXPECT_EQ(absurd.error().code, Code::unusable_scan);
-  EXPECT_NE(absurd.error().text().find("in m the scan's longest side is 200000.0 mm"), std::string::npos)
-      << absurd.error().text();
 }
 
 const std::array<std::pair<UpAxis, Eigen::Vector3d>, 6> axes{{{UpAxis::plus_x, {1, 0, 0}},

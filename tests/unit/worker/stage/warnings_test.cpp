@@ -65,7 +65,15 @@ TEST(Warnings, HaveSeverityPlaceFigureAndFixAsJson) {
       R"({"stage":"forming","code":"thin","severity":"warning","what":"The sheet thins.",)"
       R"("place":"x = 1.0, y = 2.0, z = 3.0 mm and 1 more place",)"
       R"("figure":{"value":12.346,"unit":"%","limit":30.0},"fix":"Use a thicker sheet or a lower mold.",)"
-      R"("marks":[{"place_mm":[1.0,2.0,3.0],"size_mm":5.0},{"place_mm":[4.0,5.0,6.0],"size_mm":2.0}]})");
+      R"("proposals":[],"marks":[{"place_mm":[1.0,2.0,3.0],"size_mm":5.0},{"place_mm":[4.0,5.0,6.0],"size_mm":2.0}]})");
+}
+
+TEST(Warnings, NameTheirProposalsInTheFix) {
+  Warning warning{"units-guessed", "The unit was taken to be cm"};
+  warning.proposals = {{{{"scan.units", std::string_view("in")}}, "254 mm"}};
+  const auto json = warning_json(Stage::scan, warning);
+  EXPECT_EQ(json["fix"], "Set scan.units if the size is wrong: --set scan.units=in (254 mm).");
+  EXPECT_EQ(json["proposals"].dump(), R"([{"set":{"scan":{"units":"in"}},"text":"254 mm"}])");
 }
 
 TEST(Warnings, SayTheirPlaceInWordsAndTheirOwnFixWhereTheyHaveThem) {

@@ -211,7 +211,7 @@ class ScanSection extends View {
       // What is shown is what is sent: unit and axis are set, also where they are guesses.
       const values: Values = again && this.#settings['scan'] ? {} : {
         units: unitOf(read.facts) ?? 'auto', up: read.facts.up.axis, left_side: 'unknown', size_mm: 'auto', front: 'auto', mirror: 'auto',
-        yaw_deg: 0, roll_deg: 0, pitch_deg: 0, trim_mm: 'auto'};
+        yaw_deg: 0, roll_deg: 0, pitch_deg: 0, trim_mm: 'auto', body: 'auto'};
       this.#settings = {...this.#settings, scan: {...this.#settings['scan'], ...values}};
       this.#send(file);
       this.#change(values);
@@ -236,7 +236,7 @@ class ScanSection extends View {
     replace(news, el('p', {class: 'notice', role: 'status'}, icon('info'), el('span', null, t('scan.archive', {name: file.name}))));
     this.#send(file);
     this.#change({units: 'auto', up: 'auto', left_side: 'unknown', size_mm: 'auto', front: 'auto', mirror: 'auto', yaw_deg: 0, roll_deg: 0,
-                  pitch_deg: 0, trim_mm: 'auto'});
+                  pitch_deg: 0, trim_mm: 'auto', body: 'auto'});
   }
 
   #faultBox(file: File, {body: {fault, where, detail}}: ScanFault): HTMLElement {
