@@ -54,6 +54,7 @@ class Result:
     def __init__(self, scan):
         self.scan, self.settings, self.refusals, self.exit_codes = scan, [], [], []
         self.failures, self.codes, self.marked = [], [], []
+        self.problem = None  # of the last refusal
 
     @property
     def ended(self):
@@ -196,7 +197,7 @@ class PoseRunner(Runner):
         file.write_bytes(scan.data)
         findings = self.inspect(result, file, scan.name, [])
         while findings is None and not result.failures and len(result.refusals) <= MOST_STEPS:
-            offered = proposals(result.refusals[-1])
+            offered = [assignments(proposal) for proposal in result.problem["proposals"]]
             if not offered:
                 result.failures.append("a refusal without a proposal")
                 return result
@@ -210,7 +211,7 @@ class PoseRunner(Runner):
         result.asked = bool(asking)
         self.judge_trim(result, findings, scan)
         result.off_deg = off_upright(scan, {"scan.up": findings["scan"]["up"]})
-        fixes = [words for w in asking for words in proposals(w["fix"])]
+        fixes = [assignments(proposal) for w in asking for proposal in w["proposals"]]
         right = [words for words in fixes if off_upright(scan, dict(word.split("=") for word in words)) < 12]
         if result.off_deg > self.MOST_TILT:
             if not result.asked:
@@ -226,11 +227,12 @@ class PoseRunner(Runner):
     def inspect(self, result, file, name, settings):
         """The findings, or nothing if the scan is refused."""
         words = [w for setting in ["scan.units=mm", *settings] for w in ("--set", setting)]
-        done = subprocess.run([self.binaries / "vacuform", "inspect", file, "--out", self.folder / name, *words],
+        done = subprocess.run([self.binaries / "vacuform", "inspect", file, "--out", self.folder / name, "--progress", "json", *words],
                               capture_output=True, text=True, timeout=self.patience)
         result.exit_codes.append(done.returncode)
         if done.returncode == 2:
             result.refusals.append(done.stderr.strip().replace(str(self.folder) + "/", ""))
+            result.problem = json.loads(done.stdout.splitlines()[-1])["problem"]
             return None
         if done.returncode != 0:
             result.failures.append(f"exit {done.returncode}: {done.stderr[-300:]}")

@@ -157,11 +157,12 @@ Result<Warning> tilt_warning(const Tilt& tilt, const TriangleMesh& closed, const
                                 decimal(tilt.angle_deg, 0) + " degrees"};
   warning.figure = Warning::Figure{tilt.angle_deg, "degrees", tilt.limit_deg()};
   constexpr double least_kept_straight = 0.1;
-  if (kept >= least_kept_straight)
-    warning.fix = "Straighten the scan if its head is tilted: --set scan.up=" + std::string(name(up)) +
-                  " and --set scan.roll_deg=" + decimal(tilt.roll_deg, 1) +
-                  " and --set scan.pitch_deg=" + decimal(tilt.pitch_deg, 1) +
-                  ". If only the cut is oblique, leave it.";
+  if (kept >= least_kept_straight) {
+    warning.fix = "Leave it if only the cut is oblique. If the head is tilted, straighten it.";
+    warning.proposals = {
+        {{{"scan.up", name(up)}, {"scan.roll_deg", tilt.roll_deg}, {"scan.pitch_deg", tilt.pitch_deg}},
+         "keeps " + decimal(100 * kept, 0) + " % of its height"}};
+  }
   return warning;
 }
 

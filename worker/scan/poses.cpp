@@ -312,14 +312,10 @@ Warning up_warning(const UpGuess& guess, UpAxis used, bool told) {
                                            std::string(name(best.axis)) + " looks right because " + best.why
                                      : "The up axis was taken to be " + std::string(name(used)) + " because " +
                                            best.why + ", but its confidence is only " + percent(best.confidence)};
-  std::string others;
-  int count = 0;
-  for (const UpCandidate& c : guess.candidates) {
-    if (c.axis == used || (count > 0 && c.confidence < least_named)) continue;
-    others += (count++ > 0 ? ", or --set scan.up=" : "--set scan.up=") + std::string(name(c.axis)) + " (" +
-              percent(c.confidence) + ", " + c.why + ")";
-  }
-  warning.fix = "Look at the mold. If it stands wrong: " + others + ".";
+  for (const UpCandidate& c : guess.candidates)
+    if (c.axis != used && (warning.proposals.empty() || c.confidence >= least_named))
+      warning.proposals.push_back({{{"scan.up", name(c.axis)}}, percent(c.confidence) + ", " + c.why});
+  warning.fix = "Look at the mold, and turn it if it stands wrong.";
   warning.figure = Warning::Figure{100 * (told ? 1 - best.confidence : best.confidence), "%", 100 * certain};
   return warning;
 }

@@ -144,7 +144,7 @@ TEST(Trim, ThatDiscardsMostOfTheScanIsWarnedOf) {
     EXPECT_NEAR(warning.figure->limit.value_or(0), 66.7, 0.1);
     ASSERT_EQ(warning.marks.size(), 1u);
     EXPECT_LE(std::hypot(warning.marks[0].place_mm[0], warning.marks[0].place_mm[1]), 40 * scale);
-    EXPECT_NE(warning.fix.find("scan.up=-z"), std::string::npos) << warning.fix;  // stands on its cap
+    EXPECT_NE(warning.what_to_do().find("scan.up=-z"), std::string::npos) << warning.what_to_do();  // stands on its cap
   }
   const auto kept = mold_of(sphere(60), upright());
   ASSERT_TRUE(kept);
