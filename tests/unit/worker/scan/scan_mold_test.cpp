@@ -1,6 +1,8 @@
 // Closing, trimming, undercuts, clearance, rebuilding, placing, fitting.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/unit/worker/scan/scan_shapes.hpp"
 #include "worker/scan/cutting.hpp"
 #include "worker/scan/placing.hpp"
@@ -144,7 +146,9 @@ TEST(Trim, ThatDiscardsMostOfTheScanIsWarnedOf) {
     EXPECT_NEAR(warning.figure->limit.value_or(0), 66.7, 0.1);
     ASSERT_EQ(warning.marks.size(), 1u);
     EXPECT_LE(std::hypot(warning.marks[0].place_mm[0], warning.marks[0].place_mm[1]), 40 * scale);
-    EXPECT_NE(warning.what_to_do().find("scan.up=-z"), std::string::npos) << warning.what_to_do();  // stands on its cap
+    ASSERT_EQ(warning.proposals.size(), 2u);
+    EXPECT_EQ(options_of(warning.proposals[0]), "--set scan.up=-z");  // stands on its cap
+    EXPECT_NE(warning.what_to_do().find("--set scan.up=-z"), std::string::npos) << warning.what_to_do();
   }
   const auto kept = mold_of(sphere(60), upright());
   ASSERT_TRUE(kept);
@@ -495,6 +499,34 @@ TEST(Fit, TheProposalOfARefusalWorks) {
       EXPECT_EQ(sheet.width_mm - machine.window_width_mm, 20) << fix;
     }
   EXPECT_EQ(check_fit(block(1995, 10, 10), {}, {}).error().fix.find("--set"), std::string::npos);
+}
+
+// The settings of a proposal are merged as a client does it. A higher trim makes another mold and is left out.
+TEST(Fit, EachProposalLeadsToAFitInOneStep) {
+  Settings high_frame, small_sheet, small_round;
+  high_frame.machine.drape_height_mm = 80;  // above the top, and the mold is too wide besides
+  small_sheet.sheet.width_mm = 250;         // smaller than the window
+  small_round.machine.window = WindowShape::circle;
+  small_round.machine.window_width_mm = 200;
+  const std::tuple<const char*, Mold, Settings> rows[] = {{"frame", block(350, 120, 60), high_frame},
+                                                          {"sheet", block(300, 290, 60), small_sheet},
+                                                          {"draw", block(100, 100, 450), Settings()},
+                                                          {"round", block(150, 140, 60), small_round}};
+  for (const auto& [name, mold, settings] : rows) {
+    const auto refused = check_fit(mold, settings.sheet, settings.machine);
+    ASSERT_FALSE(refused) << name;
+    ASSERT_FALSE(refused.error().proposals.empty()) << name << ": " << refused.error().text();
+    for (const Proposal& proposal : refused.error().proposals) {
+      EXPECT_NE(refused.error().fix.find(options_of(proposal)), std::string::npos) << refused.error().fix;
+      if (proposal.set.front().name == "scan.trim_mm") continue;
+      auto json = nlohmann::json(to_json(settings));
+      json.merge_patch(nlohmann::json(proposals_json(std::vector{proposal})[0]["set"]));
+      const auto merged = settings_from_json(json);
+      ASSERT_TRUE(merged) << merged.error().text();
+      EXPECT_TRUE(check_fit(mold, merged->sheet, merged->machine)) << name << ": " << options_of(proposal);
+    }
+  }
+  EXPECT_EQ(check_fit(block(100, 100, 450), {}, {}).error().proposals.size(), 2u);  // a trim, or a window
 }
 
 TEST(Fit, TakesAMoldBesideTheMiddleByItsFartherSide) {
