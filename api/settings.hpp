@@ -75,8 +75,7 @@ struct Heater {
 struct MachineSettings {
   WindowShape window = WindowShape::rectangle;
   double window_width_mm = 280, window_height_mm = 280;  // a circle's diameter is the width
-  double drape_height_mm = 0;                            // where the clamp frame stops above the platform
-  std::optional<double> vacuum_start_mm;  // frame height at which the vacuum starts; none: where it stops
+  double drape_height_mm = 0;  // where the clamp frame stops above the platform, and the vacuum starts
   double drape_speed_mm_s = 50;
   double vacuum_kpa = 85;     // the limit of the vacuum ramp
   double vacuum_seconds = 2;  // from nothing to the limit
@@ -100,7 +99,7 @@ struct HeatSettings {
 
 struct FormingSettings {
   FormingModel model = FormingModel::membrane;
-  MembraneLaw law = MembraneLaw::neo_hookean;
+  MembraneLaw law = MembraneLaw::mooney_rivlin;
   // On a grid of sheet.resolution_mm, or of half of it (fine), or extrapolated to it from grids of four and two times the
   // spacing (fast; membrane only).
   FormingQuality quality = FormingQuality::standard;
@@ -108,7 +107,7 @@ struct FormingSettings {
   bool sag = false;           // under its own weight while it is hot
   // membrane: the frame descends no further between two searches for contact; none: two thirds of the grid's spacing
   std::optional<double> step_mm;
-  double thin_limit = 0.3;  // of the thickness before forming: below it, the maker is told
+  double thin_limit = 0.3;  // of the thickness before forming: below it, the maker is told; 0: nothing tears
   double yield_kpa = 0;     // viscoplastic: stress below which the sheet is elastic
   Integrator integrator = Integrator::implicit_euler;  // mass_spring
   std::optional<double> time_step_ms;                  // mass_spring; none: chosen for the integrator

@@ -132,9 +132,7 @@ void describe(S& s, V& v) {
   v.field("window_height_mm", s.machine.window_height_mm, {40, 2000, "mm"},
           "Height of the opening; a circle ignores it");
   v.field("drape_height_mm", s.machine.drape_height_mm, {0, 500, "mm"},
-          "Height above the platform at which the frame stops");
-  v.field("vacuum_start_mm", s.machine.vacuum_start_mm, {0, 1000, "mm"},
-          "Height of the frame at which the vacuum starts; auto waits until the frame stops");
+          "Height above the platform at which the frame stops and the vacuum starts");
   v.field("drape_speed_mm_s", s.machine.drape_speed_mm_s, {0.1, 1000, "mm/s"},
           "Speed of the frame's descent");
   v.field("vacuum_kpa", s.machine.vacuum_kpa, {1, 101, "kPa"},
@@ -171,7 +169,9 @@ void describe(S& s, V& v) {
 
   v.group("forming", "Forming: the simulation");
   v.field("model", s.forming.model, "Model of the sheet");
-  v.field("law", s.forming.law, "Law of the membrane");
+  v.field("law", s.forming.law,
+          "Law of the membrane: mooney_rivlin hardens as it stretches; neo_hookean does not, and tears on deep "
+          "molds");
   v.field(
       "quality", s.forming.quality,
       "Standard forms on the grid spacing, fine on half of it; fast extrapolates from grids of four and two "
@@ -184,7 +184,8 @@ void describe(S& s, V& v) {
       "The frame descends no further between two searches for contact (membrane); auto is two thirds of the "
       "grid spacing");
   v.field("thin_limit", s.forming.thin_limit, {0, 1, "1"},
-          "Share of its thickness below which a thin place is a warning");
+          "Share of its thickness below which a thin place is a warning; 0 turns off this warning and the check "
+          "whether the sheet tears, so a torn sheet is printed without a word");
   v.field("yield_kpa", s.forming.yield_kpa, {0, 1000, "kPa"},
           "Stress below which a viscoplastic sheet stays elastic");
   v.field("integrator", s.forming.integrator, "Time integration of the mass-spring model");

@@ -358,6 +358,7 @@ int main(int argc, char** argv) {
     if (c.name.find(word) == std::string::npos) continue;
     for (const auto& step : steps) {
       FormingSettings forming;
+      forming.law = MembraneLaw::neo_hookean;
       forming.step_mm = step;
       forming.thin_limit = 0;  // an ideal sheet: around the grooves' block it would tear
       Errors before;

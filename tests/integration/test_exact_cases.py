@@ -14,7 +14,7 @@ from harness import PATIENCE, Case, vacuform
 DOT = ('<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="20mm" viewBox="-10 -10 20 20">'
        '<circle r="6" fill="none" stroke="black"/></svg>')
 LAND, GAP, FLOOR = 4, 8, 21  # mm: around a pit, from there to the frame, and at least under a pit
-IDEAL = {"thin_limit": 0}  # the thin sheet around the block would tear
+IDEAL = {"thin_limit": 0, "law": "neo_hookean"}  # as the tables have it; the thin sheet around the block would tear
 INSIDE = 0.01  # mm that a rim lies inside the grid line, so that the line's vertices lie on the land
 
 
@@ -76,7 +76,7 @@ class Groove(Case):
     def form(self, depth, length, floor_half_width=0.0, floor=FLOOR, resolution=1, thickness=1, law="neo_hookean", **machine):
         mold = meshes.groove(self.half_width - INSIDE, depth, length, LAND, floor_half_width, floor)
         width, height = 2 * (self.half_width + LAND + GAP), length + 2 * (LAND + GAP)
-        return Formed(self.folder / self.id().rpartition(".")[2], mold, forming={"law": law, **IDEAL},
+        return Formed(self.folder / self.id().rpartition(".")[2], mold, forming={**IDEAL, "law": law},
                       **frame(width, height, floor + depth, resolution, thickness, **machine))
 
     def check_wedge(self, degrees, deepest, length=240, resolution=2, **form):

@@ -259,6 +259,12 @@ void find_extrapolated(const FormedSheet& sheet, std::vector<Warning>& warnings)
                       Warning::Figure{e.p95, "mm"}});
 }
 
+void find_half_steps(const FormedSheet& sheet, std::vector<Warning>& warnings) {
+  if (!sheet.summary.half_steps) return;
+  warnings.push_back({"half-steps",
+                      "In the usual steps the simulated sheet failed or tore; it was formed in half of them"});
+}
+
 }  // namespace
 
 Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, double sheet_thickness_mm,
@@ -271,6 +277,7 @@ Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, do
   find_pierced(sheet.fit, limits.fit.pierced_mm, findings.warnings);
   find_webs(sheet, area, limits.web_mm2, findings.warnings);
   find_thin(sheet, area, sheet_thickness_mm, limits.thickness_ratio, findings.warnings);
+  find_half_steps(sheet, findings.warnings);
   find_extrapolated(sheet, findings.warnings);
   return findings;
 }

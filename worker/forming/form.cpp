@@ -71,6 +71,42 @@ FormedSheet sheet_on_grid(const Process& process, SheetState&& state) {
   return out;
 }
 
+// The sheet at rest, whole.
+Result<FormedSheet> whole_sheet(const Process& process, const Context& context) {
+  SheetState state(process);
+  VACUFORM_CHECK(form_by_model(process, state, context));
+  FormedSheet sheet = sheet_on_grid(process, std::move(state));
+  // Who sets the limit of thinness to nothing studies an ideal sheet, which never tears.
+  const auto tear = process.forming.thin_limit > 0 ? torn_at(sheet) : std::nullopt;
+  if (!tear) return sheet;
+  // Forming takes too long to try the other law.
+  std::vector<Proposal> proposals;
+  if (process.forming.law == MembraneLaw::neo_hookean && process.forming.model == FormingModel::membrane)
+    proposals.push_back({{{"forming.law", name(MembraneLaw::mooney_rivlin)}}, ""});
+  Error error{Code::forming_failed,
+              "the sheet tears: over " + decimal(tear->area_mm2, 0) + " mm2 it is stretched up to " +
+                  decimal(tear->stretch, 0) + " times",
+              "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +
+                  " mm, z = " + decimal(tear->place.z(), 0) + " mm on the mold",
+              advice_with(proposals.empty() ? "" : "give another law", proposals,
+                          "trim the mold higher (scan.trim_mm), or use a larger window")};
+  error.proposals = std::move(proposals);
+  error.place_mm = {tear->place.x(), tear->place.y(), tear->place.z()};
+  return tl::make_unexpected(std::move(error));
+}
+
+// What fails or tears in the usual steps is tried again in half of them: so a tear is one of the sheet, not of the steps.
+Result<FormedSheet> whole_sheet_in_two_tries(Process process, const Context& context) {
+  auto sheet = whole_sheet(process, context);
+  const bool in_steps = process.forming.model == FormingModel::membrane ||
+                        process.forming.model == FormingModel::viscoplastic;
+  if (sheet || sheet.error().code != Code::forming_failed || !in_steps) return sheet;
+  process.step_share = 0.5;
+  sheet = whole_sheet(process, context.silent());  // the progress has been at its end
+  if (sheet) sheet->summary.half_steps = true;
+  return sheet;
+}
+
 FindingLimits limits_of(const Process& process) {
   FindingLimits limits;
   limits.fit = {std::max(0.5, 0.2 * process.sheet.resolution_mm),
@@ -90,27 +126,7 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& plastic, const M
   if (settings.quality == FormingQuality::fine) sheet.resolution_mm /= 2;
   const Obstacles obstacles(mold.mesh, machine);
   const Process process(obstacles, mold.top.z(), sheet, machine, settings, temperature);
-  SheetState state(process);
-  VACUFORM_CHECK(form_by_model(process, state, context));
-  FormedSheet on_grid = sheet_on_grid(process, std::move(state));
-  // Who sets the limit of thinness to nothing studies an ideal sheet, which never tears.
-  const auto tear = settings.thin_limit > 0 ? torn_at(on_grid) : std::nullopt;
-  if (tear) {
-    // Forming takes too long to try the other law.
-    std::vector<Proposal> proposals;
-    if (settings.law == MembraneLaw::neo_hookean && settings.model == FormingModel::membrane)
-      proposals.push_back({{{"forming.law", name(MembraneLaw::mooney_rivlin)}}, ""});
-    Error error{Code::forming_failed,
-                "the sheet tears: over " + decimal(tear->area_mm2, 0) + " mm2 it is stretched up to " +
-                    decimal(tear->stretch, 0) + " times",
-                "x = " + decimal(tear->place.x(), 0) + " mm, y = " + decimal(tear->place.y(), 0) +
-                    " mm, z = " + decimal(tear->place.z(), 0) + " mm on the mold",
-                advice_with(proposals.empty() ? "" : "give another law", proposals,
-                            "trim the mold higher (scan.trim_mm), or use a larger window")};
-    error.proposals = std::move(proposals);
-    error.place_mm = {tear->place.x(), tear->place.y(), tear->place.z()};
-    return tl::make_unexpected(std::move(error));
-  }
+  VACUFORM_TRY(on_grid, whole_sheet_in_two_tries(process, context));
   FormedSheet formed = on_grid;
   // A projection moves straight down, also between the vertices.
   if (settings.model != FormingModel::projection) {

@@ -37,6 +37,7 @@ struct FormingSummary {
       0;  // largest out-of-balance nodal force at the end, over the mean pressure force of a node
   double kinetic_mj = 0;  // energy of the motion that is left (mass_spring); 0 where nothing moves
   bool converged = false;
+  bool half_steps = false;       // of frame and vacuum: the usual steps failed or tore the sheet
   double pressure_kpa = 0;       // reached
   double mass_error = 0;         // |volume of plastic now / at first - 1|, summed over the elements
   double force_error = 0;        // |vertical force of the supports / (p times projected area) - 1|

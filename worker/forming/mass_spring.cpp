@@ -37,26 +37,23 @@ std::vector<Moment> moments(const Process& process, double top_mm, double first_
   const MachineSettings& m = process.machine;
   const double travel = std::max(0.0, top_mm - m.drape_height_mm), landed = travel / m.drape_speed_mm_s;
   const double stride = std::min(0.5 * process.sheet.resolution_mm, travel / 10) / m.drape_speed_mm_s;
-  const double start = m.vacuum_start_mm
-                           ? std::clamp((top_mm - *m.vacuum_start_mm) / m.drape_speed_mm_s, 0.0, landed)
-                           : landed;
-  const double end = std::max(landed, start + m.vacuum_seconds);
+  const double end = landed + m.vacuum_seconds;
   const auto pressure = [&](double t) {
-    return m.vacuum_kpa * std::clamp((t - start) / m.vacuum_seconds, 0.0, 1.0);
+    return m.vacuum_kpa * std::clamp((t - landed) / m.vacuum_seconds, 0.0, 1.0);
   };
-  const auto reached = [&](double kpa) { return start + m.vacuum_seconds * kpa / m.vacuum_kpa; };
+  const auto reached = [&](double kpa) { return landed + m.vacuum_seconds * kpa / m.vacuum_kpa; };
 
   std::vector<Moment> all;
   double t = 0;
   while (t < end) {
     double next = end;
-    if (t < landed) next = std::min({next, landed, t + stride});
-    if (t < start) next = std::min(next, start);
-    if (t >= start && pressure(t) < m.vacuum_kpa)
+    if (t < landed)
+      next = std::min(landed, t + stride);
+    else if (pressure(t) < m.vacuum_kpa)
       next = std::min(next, std::max(reached(first_kpa), reached(growth * pressure(t))));
     t = next;
     all.push_back({t < landed ? top_mm - m.drape_speed_mm_s * t : top_mm - travel, pressure(t),
-                   t < landed ? t / landed : 1 + (end > landed ? (t - landed) / (end - landed) : 0)});
+                   t < landed ? t / landed : 1 + (t - landed) / (end - landed)});
   }
   return all;
 }

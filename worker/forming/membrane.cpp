@@ -7,7 +7,8 @@ namespace vacuform {
 
 namespace {
 
-// W = c1 (I1 - 3) + c2 (I2 - 3) with l3 = 1 / (l1 l2) and c1 + c2 = 1/2 (shear modulus 1).
+// W = c1 (I1 - 3) + c2 (I2 - 3) with l3 = 1 / (l1 l2) and c1 + c2 = 1/2 (shear modulus 1). The sources of c2 / c1 = 1/4 are
+// in docs/explain/physics.md: from 0.214 on, the pressure in a balloon never falls.
 struct Coefficients {
   double c1, c2;
 };

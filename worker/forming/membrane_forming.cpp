@@ -59,6 +59,7 @@ class Descent {
         equilibrium_(membrane_, grid_),
         context_(context),
         step_mm_(step_mm),
+        most_growth_(1 + 0.3 * process.step_share),
         begin_(begin),
         end_(end),
         guide_(guide),
@@ -113,35 +114,21 @@ class Descent {
     return {};
   }
 
-  // The frame descends to its final height; an early vacuum starts on the way.
+  // The frame descends to its final height.
   Result<void> descend() {
     if (rests_) rests_->assign(1, x_);
     const double start = now_.frame_mm, travel = start - machine_.drape_height_mm;
     if (travel <= 0) return {};
-    const double vacuum_start = machine_.vacuum_start_mm.value_or(-1);
     const int steps = guide_ ? static_cast<int>(guide_->rests.size()) - 1
                              : std::max(10, static_cast<int>(std::ceil(travel / step_mm_)));
     for (int k = 1; k <= steps; ++k) {
       VACUFORM_CHECK(context_.step(Stage::forming, begin_ + (end_ - begin_) * (k - 1) / steps));
       const double frame = k == steps ? machine_.drape_height_mm : start - travel * k / steps;
-      const double vacuum = std::max(0.0, vacuum_start - frame) / machine_.drape_speed_mm_s;
-      const Load from = now_;
-      // A fast rising vacuum is applied in smaller advances.
-      const int parts =
-          vacuum > first_vacuum_s()
-              ? std::max(1,
-                         static_cast<int>(std::ceil(
-                             std::log(vacuum / std::max(from.vacuum_s, first_vacuum_s())) / std::log(1.1))))
-              : 1;
-      for (int part = 1; part <= parts; ++part) {
-        const double share = double(part) / parts;
-        Load to;
-        to.frame_mm = part == parts ? frame : from.frame_mm + share * (frame - from.frame_mm);
-        to.seconds = (start - to.frame_mm) / machine_.drape_speed_mm_s;
-        to.vacuum_s = std::max(0.0, vacuum_start - to.frame_mm) / machine_.drape_speed_mm_s;
-        to.contact = (k - 1 + share) / steps;
-        VACUFORM_CHECK(lower(to, parts == 1 && guide_ ? guided(k) : extrapolated(k == 1 ? 0 : 1.0 / parts)));
-      }
+      Load to;
+      to.frame_mm = frame;
+      to.seconds = (start - frame) / machine_.drape_speed_mm_s;
+      to.contact = double(k) / steps;
+      VACUFORM_CHECK(lower(to, guide_ ? guided(k) : extrapolated(k == 1 ? 0 : 1)));
       if (rests_) rests_->push_back(x_);
       ++state_.summary.drape_steps;
     }
@@ -153,7 +140,7 @@ class Descent {
     const bool first = now_.seconds == 0 && !guide_;
     for (std::size_t i = 0; i < grid_.clamped.size(); ++i)
       if (grid_.clamped[i] || (first && !state_.held[i])) y(2, i) += to.frame_mm - now_.frame_mm;
-    const double load = std::max(pressure(to, to.seconds - now_.seconds), weight(to.seconds - now_.seconds));
+    const double load = weight(to.seconds - now_.seconds);
     const double tension = drape_force * spacing_ * viscous_share(to.frame_mm - now_.frame_mm);
     const double force = load > 0 ? std::min(tension, ramp_force * load * spacing_ * spacing_) : tension;
     // The stiffness is computed where the sheet last rested: in the guess it still has a kink at the frame.
@@ -172,9 +159,9 @@ class Descent {
   Result<void> draw() {
     const double ramp = machine_.vacuum_seconds, hold = flows_ ? hold_ramps * ramp : ramp;
     const double first = std::min(ramp, first_vacuum_s());
-    double growth = most_growth, grown = 1;  // of the time under vacuum: allowed, and in the last advance
+    double growth = most_growth_, grown = 1;  // of the time under vacuum: allowed, and in the last advance
     now_.contact = 1;
-    double next = now_.vacuum_s > 0 ? growth * now_.vacuum_s : first;
+    double next = first;
     for (int step = 0; step < most_steps; ++step) {
       next = std::min({hold, next, now_.vacuum_s + longest_step()});
       const bool last = next >= hold;
@@ -219,7 +206,7 @@ class Descent {
       }
       go_on(std::move(y), to);
       if (!outcome.at_rest || (last && part >= 1)) continue;
-      growth = std::clamp(std::pow(growth, part < 1 ? 1.1 * part : 1.5), least_growth, most_growth);
+      growth = std::clamp(std::pow(growth, part < 1 ? 1.1 * part : 1.5), least_growth, most_growth_);
       next = growth * now_.vacuum_s;
     }
     return fail(Code::forming_failed, "the sheet did not come to rest under the vacuum", "forming",
@@ -365,7 +352,7 @@ class Descent {
   static constexpr double still_mm =
       0.01;  // a sheet that moves less in an iteration is at rest, but at the end
   static constexpr double drape_still_mm = 0.03;                    // the same while the frame descends
-  static constexpr double most_growth = 1.3, least_growth = 1.003;  // of the time under vacuum, per advance
+  static constexpr double least_growth = 1.003;  // of the time under vacuum, per advance
   static constexpr double hold_ramps =
       10;  // a sheet that flows is held under vacuum for this many times the ramp
   static constexpr int most_steps = 3000;
@@ -377,7 +364,9 @@ class Descent {
   Membrane membrane_;
   Equilibrium equilibrium_;
   Context context_;
-  const double step_mm_, begin_, end_;
+  const double step_mm_;
+  const double most_growth_;  // of the time under vacuum, per advance
+  const double begin_, end_;
   const Draped* guide_;
   std::optional<Interpolation> interpolation_;
   std::optional<std::vector<Points>> rests_;  // for a finer sheet to follow
@@ -399,6 +388,7 @@ Result<void> form_membrane(const Process& process, SheetState& state, const Cont
   constexpr double coarse_share = 0.05, fine_share = 0.5;
   // Two thirds of a grid spacing: then the error of the step is below that of the grid (bench_exact).
   const double step_mm =
+      process.step_share *
       process.forming.step_mm.value_or(std::clamp(process.sheet.resolution_mm / 1.5, 0.25, 4.0));
   std::vector<std::unique_ptr<Process>> coarser;
   std::optional<Draped> guide;

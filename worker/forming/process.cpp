@@ -42,7 +42,9 @@ Process::Process(const Obstacles& around, double top, const SheetSettings& of_sh
 Process Process::on_grid(double resolution_mm) const {
   SheetSettings other = sheet;
   other.resolution_mm = resolution_mm;
-  return {obstacles, top_mm, other, machine, forming, temperature};
+  Process on_it(obstacles, top_mm, other, machine, forming, temperature);
+  on_it.step_share = step_share;
+  return on_it;
 }
 
 SheetState::SheetState(const Process& process)

@@ -38,6 +38,7 @@ struct Process {
   std::vector<double> viscosity;  // per triangle: its viscosity over viscosity_kpa_s
   double modulus_kpa;             // shear modulus at the centre of the sheet
   double viscosity_kpa_s;         // shear viscosity there
+  double step_share = 1;          // of the usual steps of frame and vacuum
 };
 
 // The sheet on its way.

@@ -68,8 +68,8 @@ void fields(A& a, Extrapolation& e) {
 }
 template <class A>
 void fields(A& a, FormingSummary& s) {
-  a(s.drape_steps, s.vacuum_steps, s.iterations, s.residual, s.kinetic_mj, s.converged, s.pressure_kpa,
-    s.mass_error, s.force_error, s.shear_modulus_kpa, s.extrapolation);
+  a(s.drape_steps, s.vacuum_steps, s.iterations, s.residual, s.kinetic_mj, s.converged, s.half_steps,
+    s.pressure_kpa, s.mass_error, s.force_error, s.shear_modulus_kpa, s.extrapolation);
 }
 template <class A>
 void fields(A& a, Deviation& d) {

@@ -28,6 +28,8 @@ constexpr WarningKind kinds[] = {
      "Use a finer sheet.resolution_mm or another flattening.method."},
     {"flattening-overlaps", Severity::warning,
      "Use pattern.placement=segments, or keep ink away from the foot of the mold."},
+    {"half-steps", Severity::note,
+     "Check with a finer sheet.resolution_mm: the thickness may depend on the grid."},
     {"ink-hangs-together", Severity::warning, "Give an SVG with one group, with an id, for each coil."},
     {"ink-not-compensated", Severity::note, "Leave out print.compensate_ink."},
     {"ink-not-enough", Severity::warning,

@@ -84,8 +84,10 @@ TEST(CurvedContact, ANewVertexLandsAsExactlyAsTheOthers) {
   MachineSettings machine;
   machine.window = WindowShape::circle;
   machine.window_width_mm = 2 * ring * R;
+  FormingSettings forming;
+  forming.law = MembraneLaw::neo_hookean;
   const auto sheet =
-      form(hemisphere(R, 180, 360), plastic, machine, FormingSettings{}, TemperatureField(140), Context{});
+      form(hemisphere(R, 180, 360), plastic, machine, forming, TemperatureField(140), Context{});
   ASSERT_TRUE(sheet) << sheet.error().text();
   const auto landed = exact::male_hemisphere(MembraneLaw::neo_hookean, ring, 81 * degree);
   double farthest = 0;

@@ -30,6 +30,7 @@ std::pair<SheetSettings, MachineSettings> clamped(double resolution_mm) {
 FormedSheet formed_hemisphere(const Mold& mold, double resolution_mm, FormingQuality quality) {
   const auto [sheet, machine] = clamped(resolution_mm);
   FormingSettings forming;
+  forming.law = MembraneLaw::neo_hookean;
   forming.quality = quality;
   auto formed = form(mold, sheet, machine, forming, TemperatureField(140), Context{});
   if (!formed) throw std::runtime_error(formed.error().text());

@@ -355,26 +355,6 @@ TEST(MassSpring, TheTimeStepOfImplicitEulerDoesNotMoveTheSheet) {
   }
 }
 
-// A vacuum that starts while the frame descends draws the sheet onto the mold before the frame has landed.
-TEST(MassSpring, TheVacuumCanStartEarly) {
-  const Mold mold = hemisphere(50);
-  Machine m = round_machine(160, 8);
-  m.machine.vacuum_start_mm = 30;
-  m.machine.vacuum_seconds = 0.5;
-  const auto early = formed_by(mold, m, Integrator::implicit_euler);
-  m.machine.vacuum_start_mm = {};
-  const auto late = formed_by(mold, m, Integrator::implicit_euler);
-  ASSERT_TRUE(early && late);
-  const auto touched_by_landing = [](const FormedSheet& f) {
-    return std::count_if(f.contact_time.begin(), f.contact_time.end(), [](double t) { return t <= 1; });
-  };
-  EXPECT_GT(touched_by_landing(*early), touched_by_landing(*late) + 50);
-  for (const auto* f : {&*early, &*late}) {
-    EXPECT_NEAR(f->summary.pressure_kpa, 85, 1e-9);
-    for (double t : f->contact_time) EXPECT_TRUE(std::isnan(t) || (t >= 0 && t <= 2));
-  }
-}
-
 // The sag of an elastic sheet is taken back where the mold lifts it, so it moves the landing by little.
 TEST(MassSpring, SagComesBeforeTheMold) {
   const Mold mold = hemisphere(50);

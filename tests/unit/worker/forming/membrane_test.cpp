@@ -81,6 +81,23 @@ TEST(Membrane, GradientMatchesDifferences) {
   }
 }
 
+// The pressure in a spherical balloon of radius R and thickness h is h / R times (dW/dl) / l^2: it never falls with a law
+// that hardens, so no part of a sheet can take all the stretch of its neighbours at a pressure that they bear.
+TEST(Density, TheDefaultLawHardensAndNeoHookeanDoesNot) {
+  const auto pressure = [](MembraneLaw law, double l) {
+    const Density d = density(law, l, l);
+    return (d.W1 + d.W2) / (l * l);
+  };
+  const auto falls = [&](MembraneLaw law) {
+    double first = 0;
+    for (double l = 1.01; l < 10 && first == 0; l += 0.01)
+      if (pressure(law, l + 0.01) < pressure(law, l)) first = l;
+    return first;
+  };
+  EXPECT_EQ(falls(FormingSettings{}.law), 0);
+  EXPECT_NEAR(falls(MembraneLaw::neo_hookean), std::pow(7, 1.0 / 6), 0.02);
+}
+
 // A uniform biaxial stretch of the sheet by l costs A (l^2 + 1 / (2 l^4) - 3/2) with the neo-Hookean law.
 TEST(Membrane, UniformStretchCostsWhatTheLawSays) {
   SheetSettings sheet;
