@@ -169,9 +169,10 @@ void describe(S& s, V& v) {
 
   v.group("forming", "Forming: the simulation");
   v.field("model", s.forming.model, "Model of the sheet");
-  v.field("law", s.forming.law,
-          "Law of the membrane: mooney_rivlin hardens as it stretches; neo_hookean does not, and tears on deep "
-          "molds");
+  v.field(
+      "law", s.forming.law,
+      "Law of the membrane: mooney_rivlin hardens as it stretches; neo_hookean does not, and tears on deep "
+      "molds");
   v.field(
       "quality", s.forming.quality,
       "Standard forms on the grid spacing, fine on half of it; fast extrapolates from grids of four and two "
@@ -183,9 +184,10 @@ void describe(S& s, V& v) {
       "step_mm", s.forming.step_mm, {0.1, 20, "mm"},
       "The frame descends no further between two searches for contact (membrane); auto is two thirds of the "
       "grid spacing");
-  v.field("thin_limit", s.forming.thin_limit, {0, 1, "1"},
-          "Share of its thickness below which a thin place is a warning; 0 turns off this warning and the check "
-          "whether the sheet tears, so a torn sheet is printed without a word");
+  v.field(
+      "thin_limit", s.forming.thin_limit, {0, 1, "1"},
+      "Share of its thickness below which a thin place is a warning; 0 turns off this warning and the check "
+      "whether the sheet tears, so a torn sheet is printed without a word");
   v.field("yield_kpa", s.forming.yield_kpa, {0, 1000, "kPa"},
           "Stress below which a viscoplastic sheet stays elastic");
   v.field("integrator", s.forming.integrator, "Time integration of the mass-spring model");

@@ -65,8 +65,9 @@ Explanation explanation(Code code) {
       return {"The pattern was read, but there is nothing in it to print, or its size is unknown.",
               "Check that it is not empty, and set pattern.width_mm."};
     case Code::forming_failed:
-      return {"The simulated sheet does not come to rest, or it tears.",
-              "Trim the mold higher (scan.trim_mm), use a larger window, or leave forming.law at its default."};
+      return {
+          "The simulated sheet does not come to rest, or it tears.",
+          "Trim the mold higher (scan.trim_mm), use a larger window, or leave forming.law at its default."};
     case Code::unusable_surface:
       return {"The formed sheet holds no region that a pattern can be laid on.",
               "Lower scan.trim_mm, or check that the scan stands upright."};

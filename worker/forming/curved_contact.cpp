@@ -15,6 +15,13 @@ namespace vacuform {
 namespace {
 
 constexpr double least_mm = 0.02, most_of_edge = 0.05, most_of_height = 0.1;
+constexpr double most_of_circle = 1.1;  // over an edge of the sheet
+constexpr double least_sharp = 1.1;     // a crest over the middle of an edge: less is a smooth arc
+constexpr double least_piece = 0.03;    // of an edge or a triangle: no slivers
+constexpr double most_corner_mm = 0.05,
+                 most_reach_mm = 1;  // that a vertex of the mold may stand out; that is looked for
+constexpr int rim_rounds = 3;
+constexpr double last_time = 2;        // FormedSheet::contact_time of what comes last
 constexpr double least_smooth = 0.99;  // length of the mean of the normals around a vertex
 
 using Gradient = Eigen::Matrix<double, 2, 3>;
@@ -53,9 +60,69 @@ std::vector<Gradient> rest_gradients(const FormedSheet& sheet) {
   return out;
 }
 
-}  // namespace
+// The crest of the mold over an edge of the sheet: the place where it stands out furthest.
+struct Crest {
+  Eigen::Vector3d place;
+  double off_mm = 0;
+};
 
-void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature) {
+// `out`: the unit vector across the edge away from the mold. Nothing if the mold stands out nowhere by least_mm, or somewhere
+// beyond the circle over the edge: a rim of up to 90 degrees lies in it (Thales).
+std::optional<Crest> crest_over(const Obstacles& obstacles, const Eigen::Vector3d& a,
+                                const Eigen::Vector3d& b, const Eigen::Vector3d& out) {
+  const double length = (b - a).norm();
+  Crest crest;
+  bool beyond = false;
+  const auto off = [&](double share) {
+    const Eigen::Vector3d on_edge = (1 - share) * a + share * b;
+    const double most = most_of_circle * length * std::sqrt(share * (1 - share));
+    const auto touch = obstacles.first_touch(on_edge + most * out, on_edge);
+    if (!touch || touch->with != Contact::mold) return 0.0;
+    beyond = beyond || touch->t == 0;  // it is in the mold there already
+    const double mm = (touch->place - on_edge).norm();
+    if (mm > crest.off_mm) crest = {touch->place, mm};
+    return mm;
+  };
+  // A crest is seen at one of the quarters, by at least a third of what it stands out.
+  if (std::max({off(0.25), off(0.5), off(0.75)}) <= least_mm / 3) return std::nullopt;
+  constexpr int samples = 16;
+  double low = 0, highest = 0;
+  for (int k = 1; k < samples; ++k)
+    if (const double mm = off(double(k) / samples); mm > highest) highest = mm, low = double(k - 1) / samples;
+  double high = low + 2.0 / samples;
+  for (int i = 0; i < 12 && !beyond; ++i) {
+    const double third = (high - low) / 3;
+    if (off(low + third) < off(high - third))
+      low += third;
+    else
+      high -= third;
+  }
+  return !beyond && crest.off_mm > least_mm ? std::optional(crest) : std::nullopt;
+}
+
+// Replaces a triangle by pieces of it: the first in its place, the others at the end. Each keeps its plastic.
+void cut(FormedSheet& sheet, std::size_t triangle, const std::vector<Triangle>& pieces) {
+  // The flat area over the formed one: what is left of the thickness.
+  const auto left = [&](const Triangle& t) {
+    return cross(sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]]) / 2 /
+           formed_area(sheet, t);
+  };
+  const double unformed_mm = sheet.element_thickness[triangle] / left(sheet.triangles[triangle]);
+  const std::uint8_t wrinkled = sheet.element_wrinkled[triangle];
+  sheet.triangles[triangle] = pieces.front();
+  sheet.element_thickness[triangle] = unformed_mm * left(pieces.front());
+  for (std::size_t k = 1; k < pieces.size(); ++k) {
+    sheet.triangles.push_back(pieces[k]);
+    sheet.element_thickness.push_back(unformed_mm * left(pieces[k]));
+    sheet.element_wrinkled.push_back(wrinkled);
+  }
+}
+
+// Gives the edges of the triangles that are `looked` at their vertices: on crests, and in a `smooth` round on the curvature
+// between as well. Returns which triangles it changed or added.
+std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
+                              const TemperatureField& temperature, const std::vector<char>& looked,
+                              bool smooth) {
   const std::vector<int> opposite = opposite_sides(sheet.triangles);
   const auto corner = [&](int side, int k) { return sheet.triangles[side / 3][(side % 3 + k) % 3]; };
   const auto area_vector = [&](int side) -> Eigen::Vector3d {
@@ -63,26 +130,40 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const Temperat
                           &c = sheet.formed[corner(side, 2)];
     return (b - a).cross(c - a);
   };
-  // Where the new vertex of an edge lies, found at the second of its sides.
-  const auto bend = [&](int side) -> std::optional<Eigen::Vector3d> {
+  // The new vertex of an edge, found at the second of its sides: in space, and what part of the plastic of the edge lies
+  // before it, where that is not left to the gradients.
+  struct Bend {
+    Eigen::Vector3d place;
+    std::optional<double> before = {};
+  };
+  const auto bend = [&](int side) -> std::optional<Bend> {
     const int a = corner(side, 1), b = corner(side, 2);
-    if (opposite[side] < 0 || opposite[side] > side || sheet.contact[a] != Contact::mold ||
-        sheet.contact[b] != Contact::mold)
+    const bool both = sheet.contact[a] == Contact::mold && sheet.contact[b] == Contact::mold;
+    if (opposite[side] < 0 || opposite[side] > side || (!looked[side / 3] && !looked[opposite[side] / 3]))
       return std::nullopt;
-    const Eigen::Vector3d middle = (sheet.formed[a] + sheet.formed[b]) / 2;
-    const double length = (sheet.formed[b] - sheet.formed[a]).norm();
+    const Eigen::Vector3d &from = sheet.formed[a], &to = sheet.formed[b], middle = (from + to) / 2;
+    const double length = (to - from).norm();
     const Eigen::Vector3d here = area_vector(side), beside = area_vector(opposite[side]);
     const double height = std::min(here.norm(), beside.norm()) / length;
-    const double reach = std::min(most_of_edge * length, most_of_height * height);
-    if (!(reach > least_mm)) return std::nullopt;
-    const Eigen::Vector3d way = reach * (here + beside).normalized();
-    const auto touch = obstacles.first_touch(middle + way, middle - way);
+    const double reach = smooth && both ? std::min(most_of_edge * length, most_of_height * height) : 0;
+    const Eigen::Vector3d out = (here + beside).stableNormalized();
+    const auto crest = crest_over(obstacles, from, to, out);
+    const auto touch =
+        reach > least_mm ? obstacles.first_touch(middle + reach * out, middle - reach * out) : std::nullopt;
     // At the very beginning it would already be in the mold there.
-    if (!touch || touch->with != Contact::mold || touch->t == 0) return std::nullopt;
-    return (touch->place - middle).norm() > least_mm ? std::optional(touch->place) : std::nullopt;
+    if (touch && touch->with == Contact::mold && touch->t > 0) {
+      const double off = (touch->place - middle).norm();
+      if (!crest || crest->off_mm < least_sharp * off + least_mm)
+        return off > least_mm ? std::optional(Bend{touch->place}) : std::nullopt;
+    }
+    if (!crest) return std::nullopt;
+    const double first = (crest->place - from).norm(), second = (to - crest->place).norm();
+    const double before = first / (first + second);
+    return std::min(before, 1 - before) >= least_piece ? std::optional(Bend{crest->place, before})
+                                                       : std::nullopt;
   };
   // The middle of an edge on the flat sheet: of a polynomial with the gradients that are known at its ends.
-  const std::vector<Gradient> gradients = rest_gradients(sheet);
+  const std::vector<Gradient> gradients = smooth ? rest_gradients(sheet) : std::vector<Gradient>();
   const auto middle_of_rest = [&](int a, int b) -> Eigen::Vector2d {
     const Eigen::Vector2d edge = sheet.rest[b] - sheet.rest[a], line = (sheet.rest[a] + sheet.rest[b]) / 2;
     const Eigen::Vector3d formed = sheet.formed[b] - sheet.formed[a];
@@ -95,41 +176,103 @@ void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const Temperat
     return off.norm() <= most ? Eigen::Vector2d(line + off) : line;
   };
   const int sides = static_cast<int>(opposite.size());
-  std::vector<std::optional<Eigen::Vector3d>> places(opposite.size());
+  std::vector<std::optional<Bend>> bends(opposite.size());
   in_parallel(0, sides, [&](int begin, int end) {
-    for (int side = begin; side < end; ++side) places[side] = bend(side);
+    for (int side = begin; side < end; ++side) bends[side] = bend(side);
   });
 
   std::vector<int> middles(opposite.size(), -1);  // the new vertex of each side
   for (int side = 0; side < sides; ++side) {
-    if (!places[side]) continue;
+    if (!bends[side]) continue;
+    const auto& [place, before] = *bends[side];
     const int a = corner(side, 1), b = corner(side, 2);
     middles[side] = middles[opposite[side]] = static_cast<int>(sheet.formed.size());
-    sheet.formed.push_back(*places[side]);
-    sheet.rest.push_back(middle_of_rest(a, b));
+    sheet.formed.push_back(place);
+    sheet.rest.push_back(before ? Eigen::Vector2d((1 - *before) * sheet.rest[a] + *before * sheet.rest[b])
+                                : middle_of_rest(a, b));
+    const double time = (sheet.contact_time[a] + sheet.contact_time[b]) / 2;
+    sheet.contact_time.push_back(std::isnan(time) ? last_time : time);
     sheet.contact.push_back(Contact::mold);
-    sheet.contact_time.push_back((sheet.contact_time[a] + sheet.contact_time[b]) / 2);
     sheet.temperature.push_back(temperature.at(sheet.rest.back()));
   }
-  // The flat area over the formed one: what is left of the thickness.
-  const auto left = [&](const Triangle& t) {
-    return cross(sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]]) / 2 /
-           formed_area(sheet, t);
+  std::vector<char> changed(sheet.triangles.size(), 0);
+  for (std::size_t t = 0; t < changed.size(); ++t) {
+    const auto pieces =
+        pieces_of(sheet.triangles[t], {middles[3 * t + 2], middles[3 * t], middles[3 * t + 1]});
+    changed[t] = pieces.size() > 1;
+    if (pieces.size() > 1) cut(sheet, t, pieces);
+  }
+  changed.resize(sheet.triangles.size(), 1);
+  return changed;
+}
+
+// Gives each triangle that a vertex of the mold stands out of by more than most_corner_mm a vertex there, the furthest of
+// each. Returns which triangles it changed or added.
+std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
+                                const TemperatureField& temperature) {
+  std::vector<Eigen::Vector3d> normals(mold.vertices.size(), Eigen::Vector3d::Zero());
+  for (const Triangle& t : mold.triangles) {
+    const Eigen::Vector3d &a = mold.vertices[t[0]], &b = mold.vertices[t[1]], &c = mold.vertices[t[2]];
+    const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
+    for (const int v : t) normals[v] += normal;
+  }
+  const RayCaster rays({sheet.formed, sheet.triangles}, RayTree::quick);
+  struct Corner {
+    int vertex = -1;
+    double off_mm = 0;
+    Eigen::Vector3d weights = Eigen::Vector3d::Zero();
   };
-  const std::size_t before = sheet.triangles.size();
-  for (std::size_t t = 0; t < before; ++t) {
-    const Triangle whole = sheet.triangles[t];
-    const auto pieces = pieces_of(whole, {middles[3 * t + 2], middles[3 * t], middles[3 * t + 1]});
-    if (pieces.size() == 1) continue;
-    const double unformed_mm = sheet.element_thickness[t] / left(whole);
-    const std::uint8_t wrinkled = sheet.element_wrinkled[t];
-    sheet.triangles[t] = pieces.front();
-    sheet.element_thickness[t] = unformed_mm * left(pieces.front());
-    for (std::size_t k = 1; k < pieces.size(); ++k) {
-      sheet.triangles.push_back(pieces[k]);
-      sheet.element_thickness.push_back(unformed_mm * left(pieces[k]));
-      sheet.element_wrinkled.push_back(wrinkled);
+  const auto count = static_cast<int>(mold.vertices.size());
+  std::vector<std::optional<RayCaster::Hit>> hits(mold.vertices.size());
+  in_parallel(0, count, [&](int begin, int end) {
+    for (int v = begin; v < end; ++v)
+      hits[v] = rays.first_hit(mold.vertices[v], -most_reach_mm * normals[v].stableNormalized());
+  });
+  std::vector<Corner> corners(sheet.triangles.size());
+  for (int v = 0; v < count; ++v) {
+    if (!hits[v] || hits[v]->t * most_reach_mm <= most_corner_mm) continue;
+    const Triangle& t = sheet.triangles[hits[v]->triangle];
+    const Eigen::Vector3d& a = sheet.formed[t[0]];
+    const Eigen::Vector3d up = (sheet.formed[t[1]] - a).cross(sheet.formed[t[2]] - a);
+    const Eigen::Vector3d weights(1 - hits[v]->u - hits[v]->v, hits[v]->u, hits[v]->v);
+    Corner& corner = corners[hits[v]->triangle];
+    const double off = hits[v]->t * most_reach_mm;
+    if (up.dot(normals[v]) > 0 && weights.minCoeff() >= least_piece && off > corner.off_mm)
+      corner = {v, off, weights};
+  }
+  std::vector<char> changed(sheet.triangles.size(), 0);
+  for (std::size_t k = 0; k < changed.size(); ++k) {
+    if (corners[k].vertex < 0) continue;
+    const Triangle t = sheet.triangles[k];
+    const int added = static_cast<int>(sheet.formed.size());
+    Eigen::Vector2d rest = Eigen::Vector2d::Zero();
+    double time = 0;
+    for (int c = 0; c < 3; ++c) {
+      rest += corners[k].weights[c] * sheet.rest[t[c]];
+      time += sheet.contact_time[t[c]] / 3;
     }
+    sheet.formed.push_back(mold.vertices[corners[k].vertex]);
+    sheet.rest.push_back(rest);
+    sheet.contact.push_back(Contact::mold);
+    sheet.contact_time.push_back(std::isnan(time) ? last_time : time);
+    sheet.temperature.push_back(temperature.at(rest));
+    cut(sheet, k, {{t[0], t[1], added}, {t[1], t[2], added}, {t[2], t[0], added}});
+    changed[k] = 1;
+  }
+  changed.resize(sheet.triangles.size(), 1);
+  return changed;
+}
+
+}  // namespace
+
+void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature) {
+  std::vector<char> looked(sheet.triangles.size(), 1);
+  // The pieces of a triangle over a rim may have edges over it, too.
+  for (int round = 0; round < rim_rounds; ++round) {
+    std::vector<char> changed = split_edges(sheet, obstacles, temperature, looked, round == 0);
+    looked = catch_corners(sheet, obstacles.mold(), temperature);
+    for (std::size_t k = 0; k < changed.size(); ++k) looked[k] = looked[k] || changed[k];
+    if (std::ranges::none_of(looked, [](char c) { return c != 0; })) return;
   }
 }
 

@@ -11,9 +11,14 @@ namespace vacuform {
 // 0.02 mm off it there, but less than a twentieth of the edge and a tenth of the height of the triangles over it: in space
 // on the mold, along the normal of the sheet; on the flat sheet in the middle of the edge, as the cubic with the
 // gradients at both ends has it (Hermite interpolation). Beside free sheet and edges of the mold a vertex has no gradient:
-// there the parabola with one of them counts, or the straight line. The triangles beside the edge are split; each piece
-// keeps its plastic. What is further off is more than the curvature that the grid can follow: it stays, and is reported
-// (SurfaceFit).
+// there the parabola with one of them counts, or the straight line.
+//
+// Where the mold has a crest over an edge (a rim between two faces, of up to 90 degrees), the edge gets its vertex on the
+// crest. On the flat sheet it divides the edge as it does in space. A triangle that a vertex of the mold stands out of by more
+// than 0.05 mm gets a vertex there. Both are repeated on the pieces, three times at most.
+//
+// The triangles beside the edge are split; each piece keeps its plastic. What stands out further is smaller than the grid:
+// it stays, and is reported (SurfaceFit).
 //
 // New vertices and triangles come after the others. Sets all but `thickness`. Deterministic.
 void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature);

@@ -261,8 +261,8 @@ void find_extrapolated(const FormedSheet& sheet, std::vector<Warning>& warnings)
 
 void find_half_steps(const FormedSheet& sheet, std::vector<Warning>& warnings) {
   if (!sheet.summary.half_steps) return;
-  warnings.push_back({"half-steps",
-                      "In the usual steps the simulated sheet failed or tore; it was formed in half of them"});
+  warnings.push_back(
+      {"half-steps", "In the usual steps the simulated sheet failed or tore; it was formed in half of them"});
 }
 
 }  // namespace

@@ -98,8 +98,8 @@ Result<FormedSheet> whole_sheet(const Process& process, const Context& context) 
 // What fails or tears in the usual steps is tried again in half of them: so a tear is one of the sheet, not of the steps.
 Result<FormedSheet> whole_sheet_in_two_tries(Process process, const Context& context) {
   auto sheet = whole_sheet(process, context);
-  const bool in_steps = process.forming.model == FormingModel::membrane ||
-                        process.forming.model == FormingModel::viscoplastic;
+  const bool in_steps =
+      process.forming.model == FormingModel::membrane || process.forming.model == FormingModel::viscoplastic;
   if (sheet || sheet.error().code != Code::forming_failed || !in_steps) return sheet;
   process.step_share = 0.5;
   sheet = whole_sheet(process, context.silent());  // the progress has been at its end

@@ -351,8 +351,8 @@ class Descent {
   static constexpr double drape_force = 1e-2, ramp_force = 1e-2, final_force = 1e-4;
   static constexpr double still_mm =
       0.01;  // a sheet that moves less in an iteration is at rest, but at the end
-  static constexpr double drape_still_mm = 0.03;                    // the same while the frame descends
-  static constexpr double least_growth = 1.003;  // of the time under vacuum, per advance
+  static constexpr double drape_still_mm = 0.03;  // the same while the frame descends
+  static constexpr double least_growth = 1.003;   // of the time under vacuum, per advance
   static constexpr double hold_ramps =
       10;  // a sheet that flows is held under vacuum for this many times the ramp
   static constexpr int most_steps = 3000;
@@ -387,9 +387,8 @@ Result<void> form_membrane(const Process& process, SheetState& state, const Cont
   // Share of the whole work up to the end of the descent.
   constexpr double coarse_share = 0.05, fine_share = 0.5;
   // Two thirds of a grid spacing: then the error of the step is below that of the grid (bench_exact).
-  const double step_mm =
-      process.step_share *
-      process.forming.step_mm.value_or(std::clamp(process.sheet.resolution_mm / 1.5, 0.25, 4.0));
+  const double step_mm = process.step_share * process.forming.step_mm.value_or(
+                                                  std::clamp(process.sheet.resolution_mm / 1.5, 0.25, 4.0));
   std::vector<std::unique_ptr<Process>> coarser;
   std::optional<Draped> guide;
   double done = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "tests/unit/fixtures/shapes.hpp"
 #include "worker/forming/formed_sheet.hpp"
 #include "worker/forming/mold_points.hpp"
 
@@ -111,6 +112,25 @@ TEST(PointContact, TheSheetBendsAtARimAndNotBesideIt) {
   EXPECT_LT(formed->fit.penetration.p99, 0.05) << formed->fit.penetration.place.transpose();
   EXPECT_LT(formed->fit.penetration.max, 0.3) << formed->fit.penetration.place.transpose();
 }
+
+// Rims of 25 to 90 degrees, off the centre and turned against the grid, of round and of angular molds.
+class Rim : public testing::TestWithParam<double> {};
+TEST_P(Rim, IsTouchedWithinATenthOfAMillimetre) {
+  const double degrees = GetParam(), height = 24;
+  const double top = 34,
+               base = top + (degrees < 90 ? height / std::tan(degrees * std::numbers::pi / 180) : 0);
+  for (const int sides : {5, 200})
+    for (const double resolution : {3.0, 2.0}) {
+      const Mold mold = frustum(base, top, height, sides, {3.3, -1.7}, 0.3);
+      const auto formed = form(mold, sheet_of(resolution), machine(), {}, TemperatureField(140), Context{});
+      ASSERT_TRUE(formed) << formed.error().text();
+      EXPECT_LE(formed->fit.penetration.max, 0.1)
+          << sides << " sides, " << resolution << " mm, at " << formed->fit.penetration.place.transpose();
+      EXPECT_FALSE(warns(*formed, "pierced"));
+      EXPECT_LT(formed->summary.mass_error, 1e-9);
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Degrees, Rim, testing::Values(25.0, 45.0, 65.0, 90.0));
 
 TEST(PointContact, NamesThePlaceWhereTheMoldPiercesTheSheet) {
   FormingSettings springs;  // whose contact is that of its vertices alone
