@@ -18,9 +18,10 @@ constexpr double least_mm = 0.02, most_of_edge = 0.05, most_of_height = 0.1;
 constexpr double most_of_circle = 1.1;  // over an edge of the sheet
 constexpr double least_sharp = 1.1;     // a crest over the middle of an edge: less is a smooth arc
 constexpr double least_piece = 0.03;    // of an edge or a triangle: no slivers
-constexpr double most_corner_mm = 0.05,
-                 most_reach_mm = 1;  // that a vertex of the mold may stand out; that is looked for
+constexpr double most_rim_mm = 0.04,
+                 most_reach_mm = 1;  // that the mold may stand out at a rim; that is looked for
 constexpr int rim_rounds = 3;
+constexpr double least_left = 0.2;     // of the thickness of a triangle in each of its pieces
 constexpr double last_time = 2;        // FormedSheet::contact_time of what comes last
 constexpr double least_smooth = 0.99;  // length of the mean of the normals around a vertex
 
@@ -66,7 +67,7 @@ struct Crest {
   double off_mm = 0;
 };
 
-// `out`: the unit vector across the edge away from the mold. Nothing if the mold stands out nowhere by least_mm, or somewhere
+// `out`: the unit vector across the edge away from the mold. Nothing if the mold stands out nowhere by most_rim_mm, or somewhere
 // beyond the circle over the edge: a rim of up to 90 degrees lies in it (Thales).
 std::optional<Crest> crest_over(const Obstacles& obstacles, const Eigen::Vector3d& a,
                                 const Eigen::Vector3d& b, const Eigen::Vector3d& out) {
@@ -84,7 +85,7 @@ std::optional<Crest> crest_over(const Obstacles& obstacles, const Eigen::Vector3
     return mm;
   };
   // A crest is seen at one of the quarters, by at least a third of what it stands out.
-  if (std::max({off(0.25), off(0.5), off(0.75)}) <= least_mm / 3) return std::nullopt;
+  if (std::max({off(0.25), off(0.5), off(0.75)}) <= most_rim_mm / 3) return std::nullopt;
   constexpr int samples = 16;
   double low = 0, highest = 0;
   for (int k = 1; k < samples; ++k)
@@ -97,23 +98,37 @@ std::optional<Crest> crest_over(const Obstacles& obstacles, const Eigen::Vector3
     else
       high -= third;
   }
-  return !beyond && crest.off_mm > least_mm ? std::optional(crest) : std::nullopt;
+  return !beyond && crest.off_mm > most_rim_mm ? std::optional(crest) : std::nullopt;
+}
+
+// The flat area of a triangle over the formed one: what is left of the thickness.
+template <class Rest, class Formed>
+double left(const Rest& rest, const Formed& formed, const Triangle& t) {
+  return cross(rest[t[1]] - rest[t[0]], rest[t[2]] - rest[t[0]]) /
+         (formed[t[1]] - formed[t[0]]).cross(formed[t[2]] - formed[t[0]]).norm();
+}
+
+// Whether a piece would be much thinner than the triangle, or thicker: no sheet is, it comes from the division.
+template <class Rest, class Formed>
+bool divides_unevenly(const Rest& rest, const Formed& formed, const Triangle& whole,
+                      const std::vector<Triangle>& pieces) {
+  const double before = left(rest, formed, whole);
+  return std::ranges::any_of(pieces, [&](const Triangle& piece) {
+    const double ratio = left(rest, formed, piece) / before;
+    return !(ratio > least_left && ratio < 1 / least_left);
+  });
 }
 
 // Replaces a triangle by pieces of it: the first in its place, the others at the end. Each keeps its plastic.
 void cut(FormedSheet& sheet, std::size_t triangle, const std::vector<Triangle>& pieces) {
-  // The flat area over the formed one: what is left of the thickness.
-  const auto left = [&](const Triangle& t) {
-    return cross(sheet.rest[t[1]] - sheet.rest[t[0]], sheet.rest[t[2]] - sheet.rest[t[0]]) / 2 /
-           formed_area(sheet, t);
-  };
-  const double unformed_mm = sheet.element_thickness[triangle] / left(sheet.triangles[triangle]);
+  const auto left_of = [&](const Triangle& t) { return left(sheet.rest, sheet.formed, t); };
+  const double unformed_mm = sheet.element_thickness[triangle] / left_of(sheet.triangles[triangle]);
   const std::uint8_t wrinkled = sheet.element_wrinkled[triangle];
   sheet.triangles[triangle] = pieces.front();
-  sheet.element_thickness[triangle] = unformed_mm * left(pieces.front());
+  sheet.element_thickness[triangle] = unformed_mm * left_of(pieces.front());
   for (std::size_t k = 1; k < pieces.size(); ++k) {
     sheet.triangles.push_back(pieces[k]);
-    sheet.element_thickness.push_back(unformed_mm * left(pieces[k]));
+    sheet.element_thickness.push_back(unformed_mm * left_of(pieces[k]));
     sheet.element_wrinkled.push_back(wrinkled);
   }
 }
@@ -135,6 +150,7 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
   struct Bend {
     Eigen::Vector3d place;
     std::optional<double> before = {};
+    double off_mm = 0;  // of a crest
   };
   const auto bend = [&](int side) -> std::optional<Bend> {
     const int a = corner(side, 1), b = corner(side, 2);
@@ -147,7 +163,9 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     const double height = std::min(here.norm(), beside.norm()) / length;
     const double reach = smooth && both ? std::min(most_of_edge * length, most_of_height * height) : 0;
     const Eigen::Vector3d out = (here + beside).stableNormalized();
-    const auto crest = crest_over(obstacles, from, to, out);
+    const bool any = sheet.contact[a] == Contact::mold || sheet.contact[b] == Contact::mold;
+    const bool at_foot = sheet.contact[a] == Contact::platform && sheet.contact[b] == Contact::platform;
+    const auto crest = any || at_foot ? crest_over(obstacles, from, to, out) : std::nullopt;
     const auto touch =
         reach > least_mm ? obstacles.first_touch(middle + reach * out, middle - reach * out) : std::nullopt;
     // At the very beginning it would already be in the mold there.
@@ -159,8 +177,9 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     if (!crest) return std::nullopt;
     const double first = (crest->place - from).norm(), second = (to - crest->place).norm();
     const double before = first / (first + second);
-    return std::min(before, 1 - before) >= least_piece ? std::optional(Bend{crest->place, before})
-                                                       : std::nullopt;
+    return std::min(before, 1 - before) >= least_piece
+               ? std::optional(Bend{crest->place, before, crest->off_mm})
+               : std::nullopt;
   };
   // The middle of an edge on the flat sheet: of a polynomial with the gradients that are known at its ends.
   const std::vector<Gradient> gradients = smooth ? rest_gradients(sheet) : std::vector<Gradient>();
@@ -181,15 +200,51 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     for (int side = begin; side < end; ++side) bends[side] = bend(side);
   });
 
+  // What divides the plastic of a triangle too unevenly is left out; that changes the pieces of its neighbours.
+  std::vector<std::optional<Eigen::Vector2d>> rests(opposite.size());
+  for (int side = 0; side < sides; ++side)
+    if (bends[side]) {
+      const int a = corner(side, 1), b = corner(side, 2);
+      const auto& before = bends[side]->before;
+      rests[side] = before ? Eigen::Vector2d((1 - *before) * sheet.rest[a] + *before * sheet.rest[b])
+                           : middle_of_rest(a, b);
+      bends[opposite[side]] = bends[side], rests[opposite[side]] = rests[side];
+    }
+  const auto uneven = [&](int triangle) {
+    const Triangle& t = sheet.triangles[triangle];
+    std::array<Eigen::Vector2d, 6> rest;
+    std::array<Eigen::Vector3d, 6> formed;
+    std::array<int, 3> middles{-1, -1, -1};
+    bool any = false;
+    for (int k = 0; k < 3; ++k) {
+      rest[k] = sheet.rest[t[k]], formed[k] = sheet.formed[t[k]];
+      const int side = 3 * triangle + (k + 2) % 3;  // from corner k to the next
+      if (!bends[side]) continue;
+      middles[k] = 3 + k, rest[3 + k] = *rests[side], formed[3 + k] = bends[side]->place;
+      any = any || bends[side]->before;
+    }
+    return any && divides_unevenly(rest, formed, {0, 1, 2}, pieces_of({0, 1, 2}, middles));
+  };
+  for (bool again = true; again;) {
+    again = false;
+    for (int t = 0; t < sides / 3; ++t) {
+      if (!uneven(t)) continue;
+      int lowest = -1;
+      for (int side = 3 * t; side < 3 * t + 3; ++side)
+        if (bends[side] && bends[side]->before && (lowest < 0 || bends[side]->off_mm < bends[lowest]->off_mm))
+          lowest = side;
+      bends[lowest] = bends[opposite[lowest]] = std::nullopt;
+      again = true;
+    }
+  }
+
   std::vector<int> middles(opposite.size(), -1);  // the new vertex of each side
   for (int side = 0; side < sides; ++side) {
-    if (!bends[side]) continue;
-    const auto& [place, before] = *bends[side];
+    if (!bends[side] || middles[side] >= 0) continue;
     const int a = corner(side, 1), b = corner(side, 2);
     middles[side] = middles[opposite[side]] = static_cast<int>(sheet.formed.size());
-    sheet.formed.push_back(place);
-    sheet.rest.push_back(before ? Eigen::Vector2d((1 - *before) * sheet.rest[a] + *before * sheet.rest[b])
-                                : middle_of_rest(a, b));
+    sheet.formed.push_back(bends[side]->place);
+    sheet.rest.push_back(*rests[side]);
     const double time = (sheet.contact_time[a] + sheet.contact_time[b]) / 2;
     sheet.contact_time.push_back(std::isnan(time) ? last_time : time);
     sheet.contact.push_back(Contact::mold);
@@ -206,15 +261,16 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
   return changed;
 }
 
-// Gives each triangle that a vertex of the mold stands out of by more than most_corner_mm a vertex there, the furthest of
+// Gives each triangle that a vertex of the mold stands out of by more than most_rim_mm a vertex there, the furthest of
 // each. Returns which triangles it changed or added.
 std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
                                 const TemperatureField& temperature) {
   std::vector<Eigen::Vector3d> normals(mold.vertices.size(), Eigen::Vector3d::Zero());
+  std::vector<int> faces(mold.vertices.size(), 0);
   for (const Triangle& t : mold.triangles) {
     const Eigen::Vector3d &a = mold.vertices[t[0]], &b = mold.vertices[t[1]], &c = mold.vertices[t[2]];
     const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
-    for (const int v : t) normals[v] += normal;
+    for (const int v : t) normals[v] += normal, ++faces[v];
   }
   const RayCaster rays({sheet.formed, sheet.triangles}, RayTree::quick);
   struct Corner {
@@ -226,11 +282,12 @@ std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
   std::vector<std::optional<RayCaster::Hit>> hits(mold.vertices.size());
   in_parallel(0, count, [&](int begin, int end) {
     for (int v = begin; v < end; ++v)
-      hits[v] = rays.first_hit(mold.vertices[v], -most_reach_mm * normals[v].stableNormalized());
+      if (normals[v].norm() < least_smooth * faces[v])  // a corner, not curvature
+        hits[v] = rays.first_hit(mold.vertices[v], -most_reach_mm * normals[v].stableNormalized());
   });
   std::vector<Corner> corners(sheet.triangles.size());
   for (int v = 0; v < count; ++v) {
-    if (!hits[v] || hits[v]->t * most_reach_mm <= most_corner_mm) continue;
+    if (!hits[v] || hits[v]->t * most_reach_mm <= most_rim_mm) continue;
     const Triangle& t = sheet.triangles[hits[v]->triangle];
     const Eigen::Vector3d& a = sheet.formed[t[0]];
     const Eigen::Vector3d up = (sheet.formed[t[1]] - a).cross(sheet.formed[t[2]] - a);
@@ -251,12 +308,17 @@ std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
       rest += corners[k].weights[c] * sheet.rest[t[c]];
       time += sheet.contact_time[t[c]] / 3;
     }
+    const std::vector<Triangle> pieces{{t[0], t[1], added}, {t[1], t[2], added}, {t[2], t[0], added}};
     sheet.formed.push_back(mold.vertices[corners[k].vertex]);
     sheet.rest.push_back(rest);
+    if (divides_unevenly(sheet.rest, sheet.formed, t, pieces)) {
+      sheet.formed.pop_back(), sheet.rest.pop_back();
+      continue;
+    }
     sheet.contact.push_back(Contact::mold);
     sheet.contact_time.push_back(std::isnan(time) ? last_time : time);
     sheet.temperature.push_back(temperature.at(rest));
-    cut(sheet, k, {{t[0], t[1], added}, {t[1], t[2], added}, {t[2], t[0], added}});
+    cut(sheet, k, pieces);
     changed[k] = 1;
   }
   changed.resize(sheet.triangles.size(), 1);
