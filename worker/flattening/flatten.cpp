@@ -236,10 +236,9 @@ Result<Flattening> flatten(const FormedSheet& sheet, const InkedSurface& surface
                 "give a finer sheet.resolution_mm, or a mold that is larger against it");
   auto [chart, vertices, start] = chart_of(surface, out.triangles);
 
-  const Spot spot = spot_below(sheet, out.triangles, mold.top);
+  const Spot spot = spot_below(surface, out.triangles, mold.top);
   if (!spot.exact) {
-    Eigen::Vector3d nearest = Eigen::Vector3d::Zero();
-    for (int e = 0; e < 3; ++e) nearest += spot.corners[e] * sheet.formed[sheet.triangles[spot.triangle][e]];
+    const Eigen::Vector3d nearest = surface.place({spot.triangle, spot.corners});
     out.warnings.push_back({.code = "top-off-chart",
                             .text = "The top of the mold is not covered by the chart; the pattern is centred "
                                     "on the nearest point that is",

@@ -2,9 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "worker/numerics/plane.hpp"
+#include "worker/stage/index.hpp"
+#include "worker/surface/nearest_point.hpp"
 
 namespace vacuform {
 
@@ -37,6 +41,43 @@ std::vector<int> parts(const InkedSurface& surface, const std::vector<char>& ins
   return part;
 }
 
+constexpr double on_vertical_mm = 1e-6;
+
+// The point of a triangle nearest to a vertical line; of equally near ones the highest.
+struct Passed {
+  Eigen::Vector3d corners{1, 0, 0};  // weights
+  double off_mm = std::numeric_limits<double>::infinity(), z = 0;
+};
+Passed nearest_to_vertical(const std::array<Eigen::Vector3d, 3>& p, const Eigen::Vector2d& at) {
+  // A share of the squared longest side: below it the triangle is seen edge-on, and only its sides count.
+  constexpr double edge_on = 1e-9;
+  const auto flat = [&](std::size_t k) -> Eigen::Vector2d { return p[k].head<2>() - at; };
+  const Eigen::Vector3d w(cross(flat(1), flat(2)), cross(flat(2), flat(0)), cross(flat(0), flat(1)));
+  const double longest =
+      std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
+  Passed best;
+  const auto offer = [&](const Eigen::Vector3d& corners, double off_mm) {
+    const double z = corners[0] * p[0].z() + corners[1] * p[1].z() + corners[2] * p[2].z();
+    const bool as_near = std::abs(off_mm - best.off_mm) <= on_vertical_mm;
+    if (as_near ? z > best.z : off_mm < best.off_mm) best = {corners, off_mm, z};
+  };
+  if (w.sum() > edge_on * longest && w.minCoeff() >= 0) {
+    offer(w / w.sum(), 0);
+    return best;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t n = (k + 1) % 3;
+    const double f = nearest_on_edge<Eigen::Vector2d>({0, 0}, flat(k), flat(n));
+    for (const double share : {f, 0.0, 1.0}) {  // the ends too: a vertical edge is a point from above
+      Eigen::Vector3d corners = Eigen::Vector3d::Zero();
+      corners[static_cast<Eigen::Index>(k)] = 1 - share;
+      corners[static_cast<Eigen::Index>(n)] = share;
+      offer(corners, ((1 - share) * flat(k) + share * flat(n)).norm());
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface& surface) {
@@ -65,24 +106,20 @@ std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface
   return region;
 }
 
-Spot spot_below(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector3d& top) {
-  Spot best{-1, {}, false};
-  double best_z = -std::numeric_limits<double>::infinity(), nearest = std::numeric_limits<double>::infinity();
+Spot spot_below(const InkedSurface& surface, const std::vector<int>& region, const Eigen::Vector3d& top) {
+  constexpr double level_mm = 1e-9;
+  Spot best{-1, {}, true};
+  double best_z = -std::numeric_limits<double>::infinity();
   for (const int k : region) {
-    const Triangle& t = sheet.triangles[k];
-    const Eigen::Vector3d &a = sheet.formed[t[0]], &b = sheet.formed[t[1]], &c = sheet.formed[t[2]];
-    const double whole = (b - a).cross(c - a).z();
-    const Eigen::Vector3d w((b - top).cross(c - top).z(), (c - top).cross(a - top).z(),
-                            (a - top).cross(b - top).z());
-    if (whole > 0 && w.minCoeff() >= 0) {
-      const double z = (w.x() * a.z() + w.y() * b.z() + w.z() * c.z()) / whole;
-      if (z > best_z) best_z = z, best = {k, w / whole, true};
-    }
-    for (int e = 0; e < 3 && !best.exact; ++e)
-      if (const double d = (sheet.formed[t[e]] - top).norm(); d < nearest)
-        nearest = d, best = {k, Eigen::Vector3d::Unit(e), false};
+    std::array<Eigen::Vector3d, 3> p;
+    for (std::size_t e = 0; e < 3; ++e) p[e] = surface.inked()[index(surface.triangles()[index(k)][e])];
+    const Passed passed = nearest_to_vertical(p, top.head<2>());
+    if (passed.off_mm <= on_vertical_mm && passed.z > best_z + level_mm)
+      best_z = passed.z, best = {k, passed.corners, true};
   }
-  return best;
+  if (best.triangle >= 0) return best;
+  const SheetPoint nearest = nearest_point(surface.triangles(), surface.inked(), region, top).point;
+  return {nearest.triangle, nearest.weights, false};
 }
 
 Spot spot_at_rest(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector2d& st) {

@@ -16,10 +16,11 @@ std::vector<int> region_of_interest(const FormedSheet& sheet, const InkedSurface
 struct Spot {
   int triangle = -1;  // of FormedSheet::triangles; -1: none
   Eigen::Vector3d corners;
-  bool exact = true;  // false: the vertex of the region nearest to the requested point
+  bool exact = true;  // false: the point of the region nearest to the requested point
 };
-// Where the vertical through `top` meets the region, at the highest point.
-Spot spot_below(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector3d& top);
+// Where the vertical through `top` meets the inked surface of the region, at the highest point; within 1e-6 mm of the
+// vertical also where the surface is vertical. The region is not empty.
+Spot spot_below(const InkedSurface& surface, const std::vector<int>& region, const Eigen::Vector3d& top);
 // The point of the region at `st` of the flat sheet.
 Spot spot_at_rest(const FormedSheet& sheet, const std::vector<int>& region, const Eigen::Vector2d& st);
 

@@ -9,6 +9,7 @@
 #include "worker/scan/closing.hpp"
 #include "worker/scan/crumbs.hpp"
 #include "worker/scan/cutting.hpp"
+#include "worker/scan/mold_top.hpp"
 #include "worker/scan/outliers.hpp"
 #include "worker/scan/placing.hpp"
 #include "worker/scan/poses.hpp"
@@ -44,16 +45,6 @@ Eigen::Vector3d stand_on_floor(TriangleMesh& mesh) {
   return foot;
 }
 
-// The highest vertex; of those that only rounding tells apart, the one nearest the axis, so that the top does not jump
-// when the scan is turned.
-Eigen::Vector3d top_of(const TriangleMesh& mesh) {
-  constexpr double level_mm = 1e-4;
-  const double highest = bounds(mesh).high.z();
-  Eigen::Vector3d top(HUGE_VAL, HUGE_VAL, highest);
-  for (const auto& p : mesh.vertices)
-    if (p.z() >= highest - level_mm && p.head<2>().squaredNorm() < top.head<2>().squaredNorm())
-      top.head<2>() = p.head<2>();
-  return top;
 }
 
 // The closed mesh grown by the clearance. If long thin triangles make that too expensive, with wider facets. Heads and

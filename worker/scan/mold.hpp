@@ -72,7 +72,7 @@ struct ScanPlacing {
 
 struct Mold {
   TriangleMesh mesh;                // watertight, oriented outwards, z >= 0
-  Eigen::Vector3d top;              // the highest point; of several, the one nearest the axis
+  Eigen::Vector3d top;              // the middle of its highest part (mold_top.hpp); z: of the highest vertex
   std::vector<Undercut> undercuts;  // of the mold as trimmed, those reported, deepest first
   ScanFindings findings;
   std::vector<Warning> warnings;

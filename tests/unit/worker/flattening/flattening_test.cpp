@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "tests/unit/worker/flattening/flattening_charts.hpp"
+#include "worker/numerics/plane.hpp"
 
 namespace vacuform {
 namespace {
@@ -74,6 +76,49 @@ TEST(Flattening, IsLaidByTheTopAndTheSheetsAxes) {
     c += u.dot(w), s += u.x() * w.y() - u.y() * w.x();
   }
   EXPECT_NEAR(std::atan2(s, c), 0, 1e-3);
+}
+
+// A block with vertical walls, all of it on the mold, off centre and turned. Seen from above the walls have no area, but
+// for rounding.
+FormedSheet block_sheet(double yaw_deg, double spacing = 2) {
+  constexpr double half = 20, height = 15, x = 7, y = -3;
+  const Eigen::Rotation2Dd turn(yaw_deg * std::numbers::pi / 180);
+  return sheet_of(20, spacing, [&](double s, double t) {
+    const double down = std::max({0.0, std::abs(s) - half, std::abs(t) - half});
+    const Eigen::Vector2d at =
+        turn * Eigen::Vector2d(x + std::clamp(s, -half, half), y + std::clamp(t, -half, half));
+    return Eigen::Vector3d(at.x(), at.y(), height - down);
+  });
+}
+
+// The place in space, on the formed face, of a point of the chart.
+Eigen::Vector3d place_at(const FormedSheet& sheet, const Flattening& f, const Eigen::Vector2d& chart) {
+  for (const int k : f.triangles) {
+    const Triangle& t = sheet.triangles[k];
+    const Eigen::Vector2d &a = f.chart[t[0]], &b = f.chart[t[1]], &c = f.chart[t[2]];
+    const Eigen::Vector3d w(cross(b - chart, c - chart), cross(c - chart, a - chart),
+                            cross(a - chart, b - chart));
+    if (w.minCoeff() >= -1e-9 * w.sum() && w.sum() > 0)
+      return (w[0] * sheet.formed[t[0]] + w[1] * sheet.formed[t[1]] + w[2] * sheet.formed[t[2]]) / w.sum();
+  }
+  return Eigen::Vector3d::Constant(NAN);
+}
+
+TEST(Flattening, FindsTheTopOnItsVerticalBesideVerticalWalls) {
+  for (int yaw = 0; yaw <= 90; yaw += 5) {
+    const FormedSheet sheet = block_sheet(yaw);
+    const Eigen::Rotation2Dd turn(yaw * std::numbers::pi / 180);
+    // The middle of the upper face, the middle of an edge, a corner, and a place on another edge.
+    for (const Eigen::Vector2d& on : {Eigen::Vector2d(7, -3), Eigen::Vector2d(27, -3),
+                                      Eigen::Vector2d(27, 17), Eigen::Vector2d(9.3, -23)}) {
+      const Eigen::Vector2d at = turn * on;
+      const auto f = flat(sheet, {at.x(), at.y(), 15});
+      ASSERT_TRUE(f) << f.error().text();
+      EXPECT_TRUE(f->warnings.empty() || f->warnings[0].code != "top-off-chart");
+      const Eigen::Vector3d found = place_at(sheet, *f, {0, 0});
+      EXPECT_LT((found - Eigen::Vector3d(at.x(), at.y(), 15)).norm(), 1e-4) << yaw << ": " << on.transpose();
+    }
+  }
 }
 
 TEST(Flattening, OuterFaceIsAThicknessFurtherOut) {
