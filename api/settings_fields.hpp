@@ -216,7 +216,7 @@ void describe(S& s, V& v) {
           "Each coil in its own neighbourhood, all on one chart, or on several with seams; auto: elements "
           "where there are");
   v.field("offset_mm", s.pattern.offset_mm, {-500, 500, "mm"},
-          "The drawing's centre, from the top of the mold");
+          "The drawing's centre, from the top of the mold along the inked surface");
   v.field("rotate_deg", s.pattern.rotate_deg, {-360, 360, "deg"}, "Turn of the drawing, counter-clockwise");
   v.field("scale", s.pattern.scale, {0.01, 100, "1"},
           "Size of the drawing on the head against the drawing itself");

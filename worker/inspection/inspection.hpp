@@ -60,7 +60,7 @@ struct Finished {
   const Pattern& pattern;
   const Print& print;
   HeatSummary heat = {};
-  Alignment alignment = {};               // of the drawing on the chart
+  Alignment alignment = {};               // of the drawing as drawn on the flat sheet (align_flat())
   const Measured* measured = nullptr;     // of a vector print, else null
   const Placement* placement = nullptr;   // how the drawing is laid; null: on the one chart
   std::string label = {};                 // of the print, as its marks show it

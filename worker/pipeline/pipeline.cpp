@@ -245,7 +245,7 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
       print, make_print(charted, pattern, lines, placement, s, label, printing.context(), colours, profile));
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
-  VACUFORM_TRY(alignment, align(charted, s.pattern));
+  VACUFORM_TRY(alignment, align_flat(charted, s.pattern));
   std::optional<Measured> measured;
   const Portion comparing(context, Stage::inspection, 0, 0.1),
       measuring(context, Stage::inspection, 0.1, 0.3), showing(context, Stage::inspection, 0.3, 1);

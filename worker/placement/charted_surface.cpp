@@ -30,15 +30,24 @@ Vector2d ChartedSurface::chart(const SheetPoint& p) const {
   return interpolate(surface_->triangles(), p, flattening_->chart);
 }
 
-ChartedSurface::OnChart ChartedSurface::at_chart(const Vector2d& chart) const {
-  OnChart best;
+ChartedSurface::OnChart ChartedSurface::at_chart(const Vector2d& chart,
+                                                 const std::optional<Vector3d>& near) const {
+  OnChart best, on;
   best.off_mm = std::numeric_limits<double>::infinity();
+  double nearest = std::numeric_limits<double>::infinity();  // to `near`, of the points on the chart
   for (const int t : flattening_->triangles) {
     const Triangle& corners = surface_->triangles()[index(t)];
     const Vector2d &a = flattening_->chart[index(corners[0])], &b = flattening_->chart[index(corners[1])],
                    &c = flattening_->chart[index(corners[2])];
     const Vector3d w = weights_of(chart, a, b, c);
-    if (w.allFinite() && w.minCoeff() >= 0) return {{t, w}, 0};
+    // Rounding must not let a point on an edge fall between its two triangles.
+    constexpr double rounding = 1e-9;
+    if (w.allFinite() && w.minCoeff() >= -rounding) {
+      const SheetPoint here{t, w.minCoeff() < 0 ? Vector3d(w.cwiseMax(0) / w.cwiseMax(0).sum()) : w};
+      if (!near) return {here, 0};
+      const double mm = (surface_->place(here) - *near).norm();
+      if (mm < nearest) nearest = mm, on = {here, 0};
+    }
     for (int k = 0; k < 3; ++k) {
       const int n = surface_->across(t, k);
       if (n >= 0 && on_chart(n)) continue;  // only the chart's border is of interest
@@ -52,6 +61,7 @@ ChartedSurface::OnChart ChartedSurface::at_chart(const Vector2d& chart) const {
       best.point.weights[to] = f;
     }
   }
+  if (std::isfinite(nearest)) return on;
   return best;
 }
 

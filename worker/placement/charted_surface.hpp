@@ -1,6 +1,8 @@
 // The inked surface with the chart that the flattening maps a part of it to.
 #pragma once
 
+#include <optional>
+
 #include "worker/flattening/flattening.hpp"
 #include "worker/surface/inked_surface.hpp"
 
@@ -17,12 +19,13 @@ class ChartedSurface {
   Eigen::Vector2d chart(const SheetPoint& p) const;  // chart coordinates, mm; NaN off the chart
 
   // The point with the given chart coordinates. Off the chart, the nearest point of its border. If the chart overlaps
-  // itself, the first triangle is used. Linear in the triangles of the chart.
+  // itself, the point that is nearest in space to `near`, or without it that of the first triangle. Linear in the
+  // triangles of the chart.
   struct OnChart {
     SheetPoint point{};
     double off_mm = 0;  // distance from the chart, chart millimetres; 0 on it
   };
-  OnChart at_chart(const Eigen::Vector2d& chart) const;
+  OnChart at_chart(const Eigen::Vector2d& chart, const std::optional<Eigen::Vector3d>& near = {}) const;
 
   // The direction in the plane of triangle t of the chart that is the u axis of the chart, by the rotation nearest to
   // the map of the flattening there. Off the chart the s axis of the sheet is used instead of u.

@@ -46,20 +46,24 @@ Result<ElementOnSurface> lay(const ChartedSurface& charted, const LaidElement& e
 ElementLayout lay_by_chart(const ChartedSurface& charted, const Drawing& drawing,
                            const Alignment& alignment) {
   ElementLayout out;
+  const auto axis = [&](int t) {
+    return turned(charted.surface(), t, charted.axis(t), alignment.turn_deg * M_PI / 180);
+  };
+  const auto origin = charted.at_chart(alignment.chart({0, 0}), alignment.centre);
+  if (origin.off_mm == 0) out.origin = Centre{origin.point, axis(origin.point.triangle)};
   for (std::size_t i = 0; i < drawing.elements.size(); ++i) {
     const Element& element = drawing.elements[i];
     if (element.id.empty()) continue;
     LaidElement laid{static_cast<int>(i), outline(element, alignment.scale), 1};
     const Vector2d wanted = alignment.chart(element.centre);
-    const auto found = charted.at_chart(wanted);
+    const auto found = charted.at_chart(wanted, alignment.centre);
     if (found.off_mm > laid.outline.reach_mm) {
       out.left_out.push_back(static_cast<int>(i));
       continue;
     }
     Centre centre;
     centre.point = found.point;
-    centre.axis = turned(charted.surface(), found.point.triangle, charted.axis(found.point.triangle),
-                         alignment.turn_deg * M_PI / 180);
+    centre.axis = axis(found.point.triangle);
     centre.drawn = alignment.scale * element.centre;
     centre.radius_mm = laid.outline.radius_mm;
     if (found.off_mm > 0) go_beyond(charted, centre, wanted - charted.chart(found.point));

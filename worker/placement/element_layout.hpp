@@ -1,6 +1,7 @@
 // The elements of a drawing while they are being placed, and their loops in space.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "worker/placement/alignment.hpp"
@@ -20,7 +21,8 @@ struct ElementLayout {
   std::vector<LaidElement> elements;
   std::vector<Centre> centres;  // of the same elements
   std::vector<Neighbours> pairs;
-  std::vector<int> left_out;  // elements of the drawing that are far from the chart
+  std::optional<Centre> origin;  // the centre of the drawing, if it lies on the chart
+  std::vector<int> left_out;     // elements of the drawing that are far from the chart
   CoilKeep keep = CoilKeep::area;
 };
 

@@ -152,7 +152,7 @@ Result<void> place_elements(const ChartedSurface& charted, const Drawing& drawin
   layout.keep = settings.keep;
   for (const Neighbours& n : layout.pairs)
     out.pairs.push_back({n.a, n.b, n.drawn_mm, geodesic_mm(surface, layout, n), 0, {}, {}});
-  VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context));
+  VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, layout.origin, context));
   VACUFORM_TRY(laid, lay_on_surface(charted, layout, context));
   take_layout(surface, drawing, alignment.scale, std::move(layout), std::move(laid), out);
   return {};

@@ -30,37 +30,71 @@ Connection way_between(const ChartedSurface& charted, const Centre& a, const Cen
   return way;
 }
 
+// Motions of the array as a whole: rows over all moves, and how much each centre counts for its place.
+struct RigidMotion {
+  MatrixXd rows;  // shift along u and v, and turn
+  std::vector<double> weight;
+  double stiffness = 1;  // of the shift
+};
+RigidMotion rigid_motion(const std::vector<Centre>& centres, bool about_origin) {
+  const Eigen::Index n = static_cast<Eigen::Index>(centres.size());
+  RigidMotion out{MatrixXd::Zero(3, 2 * n), {}};
+  Vector2d middle = Vector2d::Zero();
+  double squares = 0;
+  for (const Centre& c : centres) {
+    const double beside = 1 + c.drawn.squaredNorm();  // mm^2
+    out.weight.push_back(about_origin ? 1 / (beside * beside) : 1);
+    squares += out.weight.back() * out.weight.back();
+    middle += c.drawn / static_cast<double>(n);
+  }
+  if (about_origin) out.stiffness = 10;
+  for (double& w : out.weight) w *= out.stiffness / std::sqrt(squares);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vector2d arm = centres[static_cast<std::size_t>(i)].drawn - middle;
+    out.rows(0, 2 * i) = out.rows(1, 2 * i + 1) = out.weight[static_cast<std::size_t>(i)];
+    out.rows(2, 2 * i) = -arm.y();
+    out.rows(2, 2 * i + 1) = arm.x();
+  }
+  if (const double norm = out.rows.row(2).norm(); norm > 0) out.rows.row(2) /= norm;
+  return out;
+}
+
 struct Measured {
   std::vector<Connection> ways;
-  double squares = 0;  // of the distances' errors
+  Eigen::Vector3d drift{0, 0, 0};  // of the array as a whole, as its rows have it
+  double squares = 0;              // of the distances' errors and the drift
 };
 
+Eigen::Vector3d drift_of(const ChartedSurface& charted, const std::vector<Centre>& centres,
+                         const RigidMotion& rigid, const std::optional<Centre>& origin) {
+  constexpr double counts = 1e-6;  // a smaller weight moves no centre by a micrometre
+  VectorXd moved(rigid.rows.cols());
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    moved.segment<2>(2 * static_cast<Eigen::Index>(i)) = centres[i].moved;
+  Eigen::Vector3d drift = rigid.rows * moved;
+  if (!origin) return drift;
+  drift.head<2>().setZero();
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    if (rigid.weight[i] < counts * rigid.stiffness) continue;
+    const Connection way = connect(charted.surface(), origin->point, centres[i].point);
+    const Vector2d seen = way.mm * in_frame(charted.surface(), *origin, way.leaving);
+    drift.head<2>() += rigid.weight[i] * (seen - centres[i].drawn);
+  }
+  return drift;
+}
+
 Measured measure(const ChartedSurface& charted, const std::vector<Centre>& centres,
-                 const std::vector<Neighbours>& pairs) {
+                 const std::vector<Neighbours>& pairs, const RigidMotion& rigid,
+                 const std::optional<Centre>& origin) {
   Measured out;
+  out.drift = drift_of(charted, centres, rigid, origin);
+  if (origin) out.squares = out.drift.squaredNorm();
   for (const Neighbours& n : pairs) {
     out.ways.push_back(way_between(charted, centres[index(n.a)], centres[index(n.b)]));
     const double error = out.ways.back().mm - n.drawn_mm;
     out.squares += error * error;
   }
   return out;
-}
-
-// Rows that preserve the array's mean place and mean turn, as unit vectors over all moves.
-MatrixXd rigid_rows(const std::vector<Centre>& centres) {
-  const Eigen::Index n = static_cast<Eigen::Index>(centres.size());
-  MatrixXd rows = MatrixXd::Zero(3, 2 * n);
-  Vector2d middle = Vector2d::Zero();
-  for (const Centre& c : centres) middle += c.drawn / static_cast<double>(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vector2d arm = centres[static_cast<std::size_t>(i)].drawn - middle;
-    rows(0, 2 * i) = rows(1, 2 * i + 1) = 1;
-    rows(2, 2 * i) = -arm.y();
-    rows(2, 2 * i + 1) = arm.x();
-  }
-  for (Eigen::Index r = 0; r < 3; ++r)
-    if (const double norm = rows.row(r).norm(); norm > 0) rows.row(r) /= norm;
-  return rows;
 }
 
 }  // namespace
@@ -97,21 +131,22 @@ std::vector<Neighbours> neighbours(const std::vector<Centre>& centres) {
 }
 
 Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& centres,
-                           const std::vector<Neighbours>& pairs, const Context& context) {
+                           const std::vector<Neighbours>& pairs, const std::optional<Centre>& origin,
+                           const Context& context) {
   if (pairs.empty()) return {};
   constexpr int most_iterations = 40;
   constexpr double held = 1e-2;  // weight that keeps what no pair determines; too small to affect a distance
   const Eigen::Index size = 2 * static_cast<Eigen::Index>(centres.size());
   const InkedSurface& surface = charted.surface();
-  const MatrixXd rigid = rigid_rows(centres);
-  Measured now = measure(charted, centres, pairs);
+  const RigidMotion rigid = rigid_motion(centres, origin.has_value());
+  Measured now = measure(charted, centres, pairs, rigid, origin);
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     VACUFORM_CHECK(context.step(Stage::printing, 0));
-    MatrixXd normal = held * held * MatrixXd::Identity(size, size) + rigid.transpose() * rigid;
+    MatrixXd normal = held * held * MatrixXd::Identity(size, size) + rigid.rows.transpose() * rigid.rows;
     VectorXd moved(size);
     for (Eigen::Index i = 0; i < size / 2; ++i)
       moved.segment<2>(2 * i) = centres[static_cast<std::size_t>(i)].moved;
-    VectorXd rhs = -(held * held * moved + rigid.transpose() * (rigid * moved));
+    VectorXd rhs = -(held * held * moved + rigid.rows.transpose() * now.drift);
     for (std::size_t p = 0; p < pairs.size(); ++p) {
       const int a = pairs[p].a, b = pairs[p].b;
       const Vector2d at_a = -in_frame(surface, centres[index(a)], now.ways[p].leaving),
@@ -133,7 +168,7 @@ Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& c
       centres = before;
       for (Eigen::Index i = 0; i < size / 2; ++i)
         move(surface, centres[static_cast<std::size_t>(i)], step.segment<2>(2 * i));
-      next = measure(charted, centres, pairs);
+      next = measure(charted, centres, pairs, rigid, origin);
       if (next.squares <= now.squares * (1 + 1e-9) + 1e-9 * static_cast<double>(pairs.size())) break;
     }
     now = std::move(next);

@@ -1,6 +1,7 @@
 // Centres on the surface, which elements are neighbours, and the least squares that sets the distances of neighbours.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "worker/placement/charted_surface.hpp"
@@ -34,10 +35,14 @@ std::vector<Neighbours> neighbours(const std::vector<Centre>& centres);
 
 // Moves the centres so that the geodesic distances of neighbours are the drawn ones, in the least squares sense: the
 // Gauss-Newton method, whose gradients are the directions in which the geodesics arrive. The array as a whole neither
-// drifts nor rotates: the moves, in the drawing, have no mean and no mean moment about the centroid of the centres. A
-// centre without pairs stays in place. Ends when no centre moves by a micrometre. Deterministic. Errors: cancelled.
+// drifts nor rotates. `origin` is where the centre of the drawing lies on the surface: the errors of the centres as seen
+// from there, by direction and length of the geodesics, have no mean. A centre counts there by the inverse fourth power
+// of its distance in the drawing, so one in the middle stays on the origin, within some hundredths of a millimetre.
+// Without an origin the moves, in the drawing, have no mean. They have no mean moment about the centroid of the centres.
+// A centre without pairs stays in place. Ends when no centre moves by a micrometre. Deterministic. Errors: cancelled.
 Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& centres,
-                           const std::vector<Neighbours>& pairs, const Context& context);
+                           const std::vector<Neighbours>& pairs, const std::optional<Centre>& origin,
+                           const Context& context);
 
 // The rotation of the axis of each centre, radians, that brings the drawn directions to its neighbours nearest to the
 // directions on the surface (Procrustes); 0 without neighbours.

@@ -33,8 +33,7 @@ struct SectionPiece {
     for (std::size_t k = 0; k < 3; ++k) {
       const Vector3d &a = corners[k], &b = corners[(k + 1) % 3];
       if (a.z() >= 0) polygon[count++] = a.head<2>();
-      if ((a.z() >= 0) != (b.z() >= 0))
-        polygon[count++] = (a + a.z() / (a.z() - b.z()) * (b - a)).head<2>();
+      if ((a.z() >= 0) != (b.z() >= 0)) polygon[count++] = (a + a.z() / (a.z() - b.z()) * (b - a)).head<2>();
     }
     for (std::size_t k = 1; k + 1 < count; ++k) {
       const double part = cross(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]) / 2;
@@ -76,8 +75,8 @@ Vector3d top_of(const TriangleMesh& mesh) {
   const Vector3d origin(highest.x(), highest.y(), height);  // near the section, for accuracy
   std::vector<SectionPiece> pieces(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
-    const auto above = std::find_if(t.begin(), t.end(),
-                                    [&](int v) { return mesh.vertices[index(v)].z() >= height; });
+    const auto above =
+        std::find_if(t.begin(), t.end(), [&](int v) { return mesh.vertices[index(v)].z() >= height; });
     if (above == t.end()) continue;
     pieces[index(first[index(*above)])].add({mesh.vertices[index(t[0])] - origin,
                                              mesh.vertices[index(t[1])] - origin,

@@ -122,7 +122,7 @@ TEST(Alignment, ShiftsByOnePointAndTurnsByTwo) {
   s.rotate_deg = 30;
   a = aligned(x, s);
   EXPECT_LT((a->chart({10, 0}) - Vector2d(6, 9)).norm(), 1e-9);
-  EXPECT_EQ(a->turn_deg, 30);
+  EXPECT_NEAR(a->turn_deg, 30, 1e-9);
 
   s = {};
   s.scale = 2;
@@ -132,6 +132,115 @@ TEST(Alignment, ShiftsByOnePointAndTurnsByTwo) {
   EXPECT_NEAR(a->turn_deg, 90, 1e-9);
   EXPECT_LT((a->chart({10, 0}) - Vector2d(5, 25)).norm(), 1e-9);  // its size is its own
   EXPECT_LT((a->pattern(a->chart({3, -4})) - Vector2d(3, -4)).norm(), 1e-9);
+}
+
+// The sphere with a chart that is too large and twisted more and more with the distance from the top, by `twist`
+// radians at one radius.
+Sample twisted_sphere(double radius, double twist, double reach = 1e9) {
+  Sample x = hand_made::sphere(radius, 240, 120, 0);
+  hand_made::lay_chart(x, reach, [&](const Vector2d& st) -> Vector2d {
+    return 1.15 * (Eigen::Rotation2Dd(twist * st.squaredNorm() / (radius * radius)) * st);
+  });
+  return x;
+}
+// The point of the sphere that is reached from the top by `way`, and the u axis of the top carried there.
+struct OnSphere {
+  Vector3d place, u;
+};
+OnSphere on_sphere(double radius, const Vector2d& way) {
+  const double a = way.norm() / radius, around = std::atan2(way.y(), way.x());
+  const Vector3d out(std::cos(around), std::sin(around), 0), aside(-out.y(), out.x(), 0);
+  return {
+      radius * (std::sin(a) * out + std::cos(a) * Vector3d::UnitZ()),
+      std::cos(around) * (std::cos(a) * out - std::sin(a) * Vector3d::UnitZ()) - std::sin(around) * aside};
+}
+
+TEST(Alignment, OffsetsAreAlongTheSurfaceWhateverTheChart) {
+  constexpr double R = 85;
+  const Sample x = twisted_sphere(R, 0.6);
+  const hand_made::Charted charted(x);
+  const ChartedSurface& surface = charted;
+  Drawing drawing;
+  drawing.elements = {hand_made::ring("coil", {0, 0}, 15)};
+  for (const Vector2d& by :
+       {Vector2d(20, 0), Vector2d(0, 30), Vector2d(-36, 48), Vector2d(-13, -57), Vector2d(3, 1)})
+    for (const double turn_deg : {0.0, 40.0}) {
+      PatternSettings s;
+      s.offset_mm = {by.x(), by.y()};
+      s.rotate_deg = turn_deg;
+      const OnSphere meant = on_sphere(R, by);
+      // One coil, with the direction of its u axis.
+      Settings settings;
+      settings.pattern = s;
+      const auto p = placed(x, drawing, settings);
+      ASSERT_TRUE(p) << p.error().text();
+      const Centre& coil = p->layout.centres.at(0);
+      EXPECT_LT((p->elements.at(0).centre - meant.place).norm(), 0.1) << by.transpose();
+      const Vector3d u = turned(surface.surface(), coil.point.triangle, coil.axis, -turn_deg * M_PI / 180);
+      EXPECT_LT((u - meant.u).norm(), 0.03) << by.transpose();
+      // The drawing on the chart: its centre, and its u axis about that.
+      const auto a = align(charted, s);
+      ASSERT_TRUE(a);
+      const auto at = [&](const Vector2d& uv) {
+        return surface.surface().place(surface.at_chart(a->chart(uv)).point);
+      };
+      EXPECT_LT((at({0, 0}) - meant.place).norm(), 0.1) << by.transpose();
+      const Vector2d drawn_u = Eigen::Rotation2Dd(-turn_deg * M_PI / 180) * Vector2d(2, 0);
+      const double along = ((at(drawn_u) - at(-drawn_u)).normalized() - meant.u).norm();
+      EXPECT_LT(along, 0.3) << by.transpose();  // the chart shears by its twist
+    }
+}
+
+TEST(Alignment, OffsetsOfPointsBeginWhereThePointsPutTheDrawing) {
+  constexpr double R = 85;
+  const Sample x = twisted_sphere(R, 0);
+  const hand_made::Charted charted(x);
+  const Vector3d on = on_sphere(R, {25, 10}).place;
+  PatternSettings s;
+  s.points = {{4, -7, on.x(), on.y(), on.z()}};
+  s.rotate_deg = 25;
+  for (const double mm : {12.0, 45.0}) {
+    s.offset_mm = {-0.6 * mm, 0.8 * mm};
+    const auto a = align(charted, s);
+    ASSERT_TRUE(a);
+    const ChartedSurface& surface = charted;
+    const Vector3d to = surface.surface().place(surface.at_chart(a->chart({4, -7})).point);
+    EXPECT_NEAR(R * std::acos(to.dot(on) / (R * R)), mm, 0.1);
+  }
+}
+
+TEST(Alignment, RefusesAnOffsetThatLeadsOffThePart) {
+  const Sample x = twisted_sphere(85, 0.3, 60);
+  PatternSettings s;
+  s.offset_mm = {-64, 48};
+  const auto a = aligned(x, s);
+  ASSERT_FALSE(a);
+  EXPECT_EQ(a.error().code, Code::bad_settings);
+  EXPECT_EQ(a.error().where, "pattern.offset_mm");
+  EXPECT_EQ(a.error().what.rfind("the offset leads off the formed part after 5", 0), 0u) << a.error().what;
+  // Pins may put the origin of the chart where there is no surface: the offset then shifts the drawing in the chart.
+  Sample pinned = hand_made::flat(40, 20);
+  for (Vector2d& p : pinned.flattening.chart) p += Vector2d(100, 0);
+  s.offset_mm = {90, 3};
+  EXPECT_LT((aligned(pinned, s)->shift_mm - Vector2d(90, 3)).norm(), 1e-12);
+}
+
+TEST(Placement, AnArrayKeepsItsCentreOnTheOffset) {
+  constexpr double R = 85;
+  // A chart whose scale changes from left to right, so that it puts the coils on one side too far out.
+  Sample x = hand_made::sphere(R, 240, 120, 0);
+  hand_made::lay_chart(x, 1e9, [](const Vector2d& st) -> Vector2d { return (1 + 0.002 * st.x()) * st; });
+  const Drawing drawing = hand_made::seven_rings(20, 30.32);
+  double still_rms = 0;
+  for (const Vector2d& by : {Vector2d(0, 0), Vector2d(20, 0), Vector2d(-24, 32)}) {
+    Settings settings;
+    settings.pattern.offset_mm = {by.x(), by.y()};
+    const auto p = placed(x, drawing, settings);
+    ASSERT_TRUE(p) << p.error().text();
+    EXPECT_LT((p->elements[0].centre - on_sphere(R, by).place).norm(), 0.1) << by.transpose();
+    if (by.isZero()) still_rms = p->spacing_rms_mm;
+    EXPECT_NEAR(p->spacing_rms_mm, still_rms, 0.02);
+  }
 }
 
 TEST(Alignment, FitsThreePointsByRigidLeastSquares) {

@@ -48,7 +48,8 @@ TEST(MoldTop, IsNearTheApexOfATiltedHeadOfCoarseTriangles) {
           Eigen::AngleAxisd(tilt * std::numbers::pi / 180, Vector3d(0.8, 0.6, 0)).toRotationMatrix();
       for (Vector3d& p : mesh.vertices) p = turn * p.cwiseProduct(radii);
       const Vector3d up = turn.transpose() * Vector3d::UnitZ();
-      const Vector3d apex = turn * (radii.cwiseProduct(radii).cwiseProduct(up) / radii.cwiseProduct(up).norm());
+      const Vector3d apex =
+          turn * (radii.cwiseProduct(radii).cwiseProduct(up) / radii.cwiseProduct(up).norm());
       const double facet = std::numbers::pi * 95 / rings;
       EXPECT_LT((top_of(mesh) - apex).head<2>().norm(), 0.55 * facet) << rings << " rings, " << tilt;
     }
@@ -76,9 +77,10 @@ TEST(MoldTop, OfSeveralPiecesIsTheLargestThenTheNearest) {
   EXPECT_LT((top_of(towers(30, 40)) - Vector3d(55, 0, 50)).norm(), 1e-9);
   EXPECT_LT((top_of(towers(20, 35)) - Vector3d(45, 0, 50)).norm(), 1e-9);
   EXPECT_LT((top_of(towers(20, 55)) - Vector3d(-50, 0, 50)).norm(), 1e-9);
-  const TriangleMesh tube = shapes::lathe(
-      {{0, 0}, {40, 0}, {40, 30}, {30, 30}, {30, 10}, {0, 10}}, 90);
-  EXPECT_LT((top_of(shapes::moved(tube, Eigen::Affine3d(Eigen::Translation3d(3, 4, 0)))) - Vector3d(3, 4, 30)).norm(), 1e-6);
+  const TriangleMesh tube = shapes::lathe({{0, 0}, {40, 0}, {40, 30}, {30, 30}, {30, 10}, {0, 10}}, 90);
+  EXPECT_LT((top_of(shapes::moved(tube, Eigen::Affine3d(Eigen::Translation3d(3, 4, 0)))) - Vector3d(3, 4, 30))
+                .norm(),
+            1e-6);
 }
 
 }  // namespace
