@@ -102,9 +102,10 @@ void describe(S& s, V& v) {
           "inwards");
   v.field("roll_deg", s.scan.roll_deg, {-180, 180, "deg"}, "Turn about the x axis, after up");
   v.field("pitch_deg", s.scan.pitch_deg, {-180, 180, "deg"}, "Turn about the y axis, after the roll");
-  v.field("front", s.scan.front,
-          "The side of the upright scan that is the face; it is turned to +y, before the yaw. Auto takes +z of a "
-          "GLB, which glTF defines as the front, and otherwise the placed scan's +y");
+  v.field(
+      "front", s.scan.front,
+      "The side of the upright scan that is the face; it is turned to +y, before the yaw. Auto takes +z of a "
+      "GLB, which glTF defines as the front, and otherwise the placed scan's +y");
   v.field(
       "yaw_deg", s.scan.yaw_deg, {-180, 180, "deg"},
       "Turn about the vertical axis, after the pitch; with scan.front at most 45 degrees either way, so that "

@@ -127,7 +127,8 @@ constexpr std::array tables{
     CopiedTable{
         "job",
         "id, client_key, kind, state, stage, progress, attempt, losses, crashes, created, started, ended,"
-        " worker, lease_hash, error_code, error_what, error_where, error_fix, error_proposals, settings, request, owner,"
+        " worker, lease_hash, error_code, error_what, error_where, error_fix, error_proposals, settings, "
+        "request, owner,"
         " priority, derived_from, not_before, version, log_lines, serious_warnings, reference, note,"
         " reference_changes",
         6},

@@ -9,11 +9,11 @@ namespace vacuform {
 
 namespace {
 
-#define VACUFORM_JOB_COLUMNS                                                                              \
-  "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"          \
-  " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings," \
-  " serious_warnings, reference, note, losses, crashes, worker, lease_hash, log_lines, reference_changes,"  \
-  " error_proposals"                                                                                      \
+#define VACUFORM_JOB_COLUMNS                                                                               \
+  "SELECT id, state, stage, progress, attempt, created, started, ended, error_code, error_what,"           \
+  " error_where, error_fix, request, owner, priority, derived_from, not_before, version, kind, settings,"  \
+  " serious_warnings, reference, note, losses, crashes, worker, lease_hash, log_lines, reference_changes," \
+  " error_proposals"                                                                                       \
   " FROM job WHERE id=?"
 
 constexpr const char* job_row = VACUFORM_JOB_COLUMNS;

@@ -45,8 +45,6 @@ Eigen::Vector3d stand_on_floor(TriangleMesh& mesh) {
   return foot;
 }
 
-}
-
 // The closed mesh grown by the clearance. If long thin triangles make that too expensive, with wider facets. Heads and
 // masks take 13 to 23 million tests.
 Result<TriangleMesh> offset(const TriangleMesh& mesh, double clearance_mm, const ScanProgress& progress) {

@@ -30,7 +30,8 @@ constexpr std::size_t opposite(std::size_t k) { return std::array<std::size_t, 6
 constexpr double small_piece = 0.25;  // of the area of the largest piece
 
 // Of the diagonal, for the formable height: undercuts of ears, dents and grain are smaller.
-constexpr double pose_ray_share = 1.0 / 125, pose_depth_share = 1.0 / 60, pose_area_share = 1.0 / 900, pose_dome_share = 1.0 / 25;
+constexpr double pose_ray_share = 1.0 / 125, pose_depth_share = 1.0 / 60, pose_area_share = 1.0 / 900,
+                 pose_dome_share = 1.0 / 25;
 
 // The weights of what is known, as logarithms of likelihoods.
 constexpr double cut_weight = 5, form_weight = 6, least_form = -4, end_weight = 1, unusual = 3;
@@ -109,7 +110,8 @@ std::vector<Cut> find_cuts(const TriangleMesh& skin) {
   }
   std::vector<Cut> cuts;
   const double band = flat_band * bounds(skin).size().norm();
-  std::stable_sort(sums.begin(), sums.end(), [](const auto& a, const auto& b) { return a.norm() > b.norm(); });
+  std::stable_sort(sums.begin(), sums.end(),
+                   [](const auto& a, const auto& b) { return a.norm() > b.norm(); });
   for (std::size_t i = 0; i < 16 && sums[i].norm() > least_flat / 4 * total; ++i) {
     Cut cut = sharpened(skin, sums[i].normalized(), band);
     if (cut.area < least_flat * total) continue;
@@ -128,7 +130,8 @@ std::vector<Cut> find_cuts(const TriangleMesh& skin) {
       Cut cut{area.normalized(), area.norm() / total, true, 0};
       double plane = 0;
       for (const int v : loop)
-        plane += cut.normal.dot(skin.vertices[static_cast<std::size_t>(v)]) / static_cast<double>(loop.size());
+        plane +=
+            cut.normal.dot(skin.vertices[static_cast<std::size_t>(v)]) / static_cast<double>(loop.size());
       cut.rim = slope_behind(skin, cut.normal, plane, bounds(skin).size().norm());
       cuts.push_back(cut);
     }
@@ -258,7 +261,8 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   for (std::size_t k = 0; k < axes.size(); ++k) {
     const Eigen::Vector3d up = upright_turn(axes[k], 0, 0, 0).row(2);
     const bool usual = axes[k] == UpAxis::plus_z || axes[k] == UpAxis::plus_y;
-    score[k] = (usual ? 0 : -unusual) + std::max(least_form, form_weight * std::log(std::max(1e-3, heights[k] / highest)));
+    score[k] = (usual ? 0 : -unusual) +
+               std::max(least_form, form_weight * std::log(std::max(1e-3, heights[k] / highest)));
     const double formed = heights[k] / std::abs(up.dot(bounds(body).size()));
     double most = 0;
     for (const Cut& cut : guess.cuts) {
@@ -296,8 +300,8 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   for (double& s : score) s = std::exp(s - best), sum += s;
   for (std::size_t k = 0; k < axes.size(); ++k)
     guess.candidates.push_back({axes[k], score[k] / sum,
-                                foot[k]                       ? foot[k]->open ? "the scan is open on the other side"
-                                                                              : "the scan is cut flat on the other side"
+                                foot[k] ? foot[k]->open ? "the scan is open on the other side"
+                                                        : "the scan is cut flat on the other side"
                                 : heights[k] > 0.1 * size / 2 ? "much of the scan can be formed from there"
                                                               : "nothing in the scan speaks against it"});
   std::stable_sort(guess.candidates.begin(), guess.candidates.end(),
@@ -308,10 +312,11 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
 Warning up_warning(const UpGuess& guess, UpAxis used, bool told) {
   const UpCandidate& best = guess.best();
   const auto percent = [](double share) { return decimal(100 * share, 0) + " %"; };
-  Warning warning{"up-guessed", told ? "The up axis is " + std::string(name(used)) + ", as the format says, but " +
-                                           std::string(name(best.axis)) + " looks right because " + best.why
-                                     : "The up axis was taken to be " + std::string(name(used)) + " because " +
-                                           best.why + ", but its confidence is only " + percent(best.confidence)};
+  Warning warning{"up-guessed",
+                  told ? "The up axis is " + std::string(name(used)) + ", as the format says, but " +
+                             std::string(name(best.axis)) + " looks right because " + best.why
+                       : "The up axis was taken to be " + std::string(name(used)) + " because " + best.why +
+                             ", but its confidence is only " + percent(best.confidence)};
   for (const UpCandidate& c : guess.candidates)
     if (c.axis != used && (warning.proposals.empty() || c.confidence >= least_named))
       warning.proposals.push_back({{{"scan.up", name(c.axis)}}, percent(c.confidence) + ", " + c.why});

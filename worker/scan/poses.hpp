@@ -17,7 +17,7 @@ struct Cut {
   Eigen::Vector3d normal;  // of the missing face, outwards, one unit long
   double area;             // of the missing face, as a share of the area of the skin
   bool open;               // an opening; otherwise a flat side
-  double rim;              // how far the surface along the border of an opening looks out of it: the mean cosine
+  double rim;  // how far the surface along the border of an opening looks out of it: the mean cosine
 };
 
 // The flat sides of a body at any angle with at least a fiftieth of its area (the body lies behind their plane, to 0.4 %
@@ -55,8 +55,8 @@ struct Tilt {
   enum class Of { opening, flat_side, median_plane };
   static constexpr double foot_limit_deg = 20;  // necks of straight heads are cut less obliquely
   static constexpr double side_limit_deg = 10;  // their median planes are less oblique
-  double angle_deg;                             // of the foot from the platform, or of the median plane from the vertical
-  double roll_deg, pitch_deg;                   // rounded to 0.1
+  double angle_deg;            // of the foot from the platform, or of the median plane from the vertical
+  double roll_deg, pitch_deg;  // rounded to 0.1
   Of of;
   double limit_deg() const { return of == Of::median_plane ? side_limit_deg : foot_limit_deg; }
 };

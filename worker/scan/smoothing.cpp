@@ -11,7 +11,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
-constexpr double gain = 1.36;             // of the second umbrella difference for white noise, six neighbours each
+constexpr double gain = 1.36;  // of the second umbrella difference for white noise, six neighbours each
 constexpr double median_of_normal = 0.6745;  // of the absolute value, in standard deviations
 constexpr int most_steps = 300;
 constexpr double noise_share = 0.002;  // of the radius

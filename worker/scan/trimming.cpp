@@ -45,7 +45,8 @@ struct OtherUp {
 // The up axis that keeps most of the height, if that is enough to propose it and a mold can be cut there. The height is
 // chosen on `judged`.
 Result<std::optional<OtherUp>> better_up(const TriangleMesh& closed, const TriangleMesh& judged,
-                                         const ScanSettings& settings, UpAxis used, const Eigen::Matrix3d& from_file, const CanCut& can_cut,
+                                         const ScanSettings& settings, UpAxis used,
+                                         const Eigen::Matrix3d& from_file, const CanCut& can_cut,
                                          const ScanProgress& progress) {
   struct Candidate {
     OtherUp up;
@@ -104,8 +105,8 @@ Result<double> share_kept(const TriangleMesh& closed, const std::shared_ptr<cons
 
 Result<Trim> choose_trim(const TriangleMesh& closed, const std::optional<TriangleMesh>& smooth,
                          const ScanSettings& settings, const ScanFindings& findings,
-                         const Eigen::Matrix3d& from_file, const std::string& file_name, const CanCut& can_cut,
-                         const ScanProgress& progress) {
+                         const Eigen::Matrix3d& from_file, const std::string& file_name,
+                         const CanCut& can_cut, const ScanProgress& progress) {
   const double height = bounds(closed).high.z();
   if (settings.trim_mm && *settings.trim_mm > height - std::min(1.0, least_kept * height))
     return fail(Code::unusable_scan,

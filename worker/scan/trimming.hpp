@@ -27,8 +27,8 @@ using CanCut = std::function<bool(const TriangleMesh& closed, double height_mm)>
 // axis that leave more; both were tried with `can_cut`.
 Result<Trim> choose_trim(const TriangleMesh& closed, const std::optional<TriangleMesh>& smooth,
                          const ScanSettings& settings, const ScanFindings& findings,
-                         const Eigen::Matrix3d& from_file, const std::string& file_name, const CanCut& can_cut,
-                         const ScanProgress& progress);
+                         const Eigen::Matrix3d& from_file, const std::string& file_name,
+                         const CanCut& can_cut, const ScanProgress& progress);
 
 // The share of the height that an automatic trim would keep of the same scan if it stood by other settings and another up
 // axis. Errors: cancelled; unusable_scan as CoveredSpace.

@@ -8,7 +8,6 @@
 
 namespace vacuform {
 
-
 // The rotation that brings `up` to +z: about the single axis that needs the smallest angle. Then roll, pitch and yaw
 // about the fixed axes x, y and z, in this order.
 Eigen::Matrix3d upright_turn(UpAxis up, double roll_deg, double pitch_deg, double yaw_deg);
