@@ -44,6 +44,12 @@ export function frontOfGltf(p: Pick<Placement, 'up' | 'mirror' | 'roll' | 'pitch
   return Math.abs(x) > Math.abs(y) ? (x > 0 ? '+x' : '-x') : y > 0 ? '+y' : '-y';
 }
 
+// The same turn with a yaw of at most 45 degrees either way, as the service wants it where the front is named.
+export function quartered(front: Placement['front'], yaw: number): Pick<Placement, 'front' | 'yaw'> {
+  const whole = quarters[front] + yaw, quarter = Math.round(whole / 90);
+  return {front: (['+y', '+x', '-y', '-x'] as const)[((quarter % 4) + 4) % 4]!, yaw: Math.round(1000 * (whole - 90 * quarter)) / 1000 + 0};
+}
+
 // The tilt that turns a placed scan about the axis nearest to the picture's horizontal one, and the sign with which the side
 // in front goes down. One looks from `azimuth`: 0 degrees from the front, 90 from -x.
 export function tilting(azimuth: number, front: Placement['front'], yaw: number): ['roll' | 'pitch', number] {

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {axes} from '../../src/read/facts';
-import {frontOfGltf, place, turnOf, type Matrix3, type Placement} from '../../src/read/place';
+import {frontOfGltf, place, quartered, turnOf, type Matrix3, type Placement} from '../../src/read/place';
 
 const plain: Placement = {scale: 1, up: '+z', mirror: false, roll: 0, pitch: 0, front: '+y', yaw: 0};
 const apply = (m: Matrix3, p: number[]): number[] =>
@@ -29,6 +29,15 @@ test('finds the front of a glTF file, its +z, in the upright scan', () => {
   for (const up of ['+x', '-x', '+y', '-y'] as const)
     for (const mirror of [false, true])
       assert.deepEqual(apply(turnOf({...plain, up, mirror, front: frontOfGltf({up, mirror, roll: 0, pitch: 0})!}), [0, 0, 1]), [0, 1, 0]);
+});
+
+test('takes quarter turns from a yaw into the front, without moving the scan', () => {
+  for (const front of ['+x', '-x', '+y', '-y'] as const)
+    for (const yaw of [-180, -135.5, -90, -50, -45, 0, 12.3, 45, 46, 90, 137, 180]) {
+      const same = quartered(front, yaw);
+      assert.ok(Math.abs(same.yaw) <= 45, `${front} ${yaw} ${same.yaw}`);
+      turnOf({...plain, ...same}).forEach((value, i) => assert.ok(Math.abs(value - turnOf({...plain, front, yaw})[i]!) < 1e-9));
+    }
 });
 
 test('turns in the fixed order: up, mirror, roll, pitch, front, yaw', () => {

@@ -13,7 +13,7 @@ import {readScanFile, ScanFault} from '../../parts/reader';
 import {axes, inMillimetres, plausible, sizesOf, unitOf, units, type Axis, type Unit} from '../../read/facts';
 import {frontPicture} from '../../read/front';
 import {landmarks, straighten, type Point, type Straight} from '../../read/landmarks';
-import {frontOfGltf, place, tilting, wrapped, type Placed, type Placement} from '../../read/place';
+import {frontOfGltf, place, quartered, tilting, wrapped, type Placed, type Placement} from '../../read/place';
 import type {ReadScan} from '../../read/prepare';
 import type {LeftSide} from '../../scene/orbit';
 import type {Frame, Ink, ScanScene} from '../../scene/scan';
@@ -143,6 +143,11 @@ class ScanSection extends View {
 
   // --- what goes out
   #change(values: Values): void {
+    const front = values['front'] ?? this.#value('scan', 'front'), yaw = values['yaw_deg'] ?? this.#angle('yaw');
+    if (front !== 'auto' && typeof yaw === 'number' && Math.abs(yaw) > 45) {
+      const same = quartered(choice(front, fronts, '+y'), yaw);
+      values = {...values, front: same.front, yaw_deg: same.yaw};
+    }
     // a scan that stands differently needs a new look at its sides; small turns add up
     const differs = ['up', 'front', 'mirror'].some((key) => key in values) || turns.some((turn) => {
       const to = values[`${turn}_deg`], from = this.#answered[turn] ??= this.#angle(turn);
