@@ -21,9 +21,10 @@ constexpr double least_piece = 0.03;    // of an edge or a triangle: no slivers
 constexpr double most_rim_mm = 0.04,
                  most_reach_mm = 1;  // that the mold may stand out at a rim; that is looked for
 constexpr int rim_rounds = 3;
-constexpr double least_left = 0.2;     // of the thickness of a triangle in each of its pieces
-constexpr double last_time = 2;        // FormedSheet::contact_time of what comes last
-constexpr double least_smooth = 0.99;  // length of the mean of the normals around a vertex
+constexpr double most_dropped_mm = 0.3;  // that a crest stands out which is left out
+constexpr double least_left = 0.3;       // of the thickness of a triangle in each of its pieces
+constexpr double last_time = 2;          // FormedSheet::contact_time of what comes last
+constexpr double least_smooth = 0.99;    // length of the mean of the normals around a vertex
 
 using Gradient = Eigen::Matrix<double, 2, 3>;
 
@@ -76,11 +77,10 @@ std::optional<Crest> crest_over(const Obstacles& obstacles, const Eigen::Vector3
   bool beyond = false;
   const auto off = [&](double share) {
     const Eigen::Vector3d on_edge = (1 - share) * a + share * b;
-    const double most = most_of_circle * length * std::sqrt(share * (1 - share));
-    const auto touch = obstacles.first_touch(on_edge + most * out, on_edge);
+    const auto touch = obstacles.first_touch(on_edge + length * out, on_edge);
     if (!touch || touch->with != Contact::mold) return 0.0;
-    beyond = beyond || touch->t == 0;  // it is in the mold there already
     const double mm = (touch->place - on_edge).norm();
+    beyond = beyond || mm > most_of_circle * length * std::sqrt(share * (1 - share));
     if (mm > crest.off_mm) crest = {touch->place, mm};
     return mm;
   };
@@ -163,9 +163,7 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     const double height = std::min(here.norm(), beside.norm()) / length;
     const double reach = smooth && both ? std::min(most_of_edge * length, most_of_height * height) : 0;
     const Eigen::Vector3d out = (here + beside).stableNormalized();
-    const bool any = sheet.contact[a] == Contact::mold || sheet.contact[b] == Contact::mold;
-    const bool at_foot = sheet.contact[a] == Contact::platform && sheet.contact[b] == Contact::platform;
-    const auto crest = any || at_foot ? crest_over(obstacles, from, to, out) : std::nullopt;
+    const auto crest = crest_over(obstacles, from, to, out);
     const auto touch =
         reach > least_mm ? obstacles.first_touch(middle + reach * out, middle - reach * out) : std::nullopt;
     // At the very beginning it would already be in the mold there.
@@ -200,7 +198,8 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     for (int side = begin; side < end; ++side) bends[side] = bend(side);
   });
 
-  // What divides the plastic of a triangle too unevenly is left out; that changes the pieces of its neighbours.
+  // What divides the plastic of a triangle too unevenly is left out, unless the mold would stand out far; that changes the
+  // pieces of its neighbours.
   std::vector<std::optional<Eigen::Vector2d>> rests(opposite.size());
   for (int side = 0; side < sides; ++side)
     if (bends[side]) {
@@ -230,9 +229,11 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     for (int t = 0; t < sides / 3; ++t) {
       if (!uneven(t)) continue;
       int lowest = -1;
+      double off = most_dropped_mm;
       for (int side = 3 * t; side < 3 * t + 3; ++side)
-        if (bends[side] && bends[side]->before && (lowest < 0 || bends[side]->off_mm < bends[lowest]->off_mm))
-          lowest = side;
+        if (bends[side] && bends[side]->before && bends[side]->off_mm < off)
+          lowest = side, off = bends[side]->off_mm;
+      if (lowest < 0) continue;
       bends[lowest] = bends[opposite[lowest]] = std::nullopt;
       again = true;
     }

@@ -84,9 +84,11 @@ TEST(MoldPoints, AreTheSharpEdgesOfABoxAndNotItsFaces) {
 }
 
 TEST(PointContact, AFinThinnerThanTheGridHoldsTheSheetUp) {
+  FormingSettings forming;
+  forming.law = MembraneLaw::neo_hookean;  // the film of a stiffer law folds at the foot of the fin
   for (const double resolution : {3.0, 2.0}) {
     const auto formed =
-        form(block_with_fin(), sheet_of(resolution), machine(), {}, TemperatureField(140), Context{});
+        form(block_with_fin(), sheet_of(resolution), machine(), forming, TemperatureField(140), Context{});
     ASSERT_TRUE(formed) << formed.error().text();
     double top = 0;
     for (const auto& p : formed->formed) top = std::max(top, p.z());
