@@ -34,12 +34,12 @@ constexpr double pose_ray_share = 1.0 / 125, pose_depth_share = 1.0 / 60, pose_a
                  pose_dome_share = 1.0 / 25;
 
 // The weights of what is known, as logarithms of likelihoods.
-constexpr double cut_weight = 5, form_weight = 6, least_form = -4, end_weight = 1, unusual = 3;
+constexpr double cut_weight = 8, form_weight = 6, least_form = -3, end_weight = 1, unusual = 3;
 constexpr double crown_rim = 0.4, neck_rim = 0.1;  // mean cosines
 constexpr double widest_neck = 0.15, least_mask = 0.4, whole = 0.8, wide_weight = 1.5;
 // Mean distances of a mirror image, as shares of the diagonal.
 constexpr double most_asymmetry = 0.006, asymmetry = 0.006, mirror_weight = 4;
-constexpr double broken_share = 0.4;
+constexpr double broken_share = 0.25;
 constexpr double certain = 0.9;
 constexpr double least_named = 0.03;  // of another axis in a warning
 
@@ -204,10 +204,9 @@ Result<std::array<double, axes.size()>> formable(const TriangleMesh& closed, con
 // How much a cut speaks for a foot. The rim of a lost crown looks out of its hole; a wide opening is the foot of a cap
 // or a mask, which can be formed whole, or a lost crown.
 double foot_weight(const Cut& cut, double formed) {
-  if (!cut.open) return cut_weight;
+  if (!cut.open || formed > whole) return cut_weight;
   const double weight = cut_weight * std::clamp((crown_rim - cut.rim) / (crown_rim - neck_rim), 0.0, 1.0);
-  const bool wide = cut.area > widest_neck && cut.area < least_mask;
-  return wide && formed < whole ? std::min(weight, wide_weight) : weight;
+  return cut.area > widest_neck && cut.area < least_mask ? std::min(weight, wide_weight) : weight;
 }
 
 // The area of the end towards each axis that looks there, within an eighth of the body, at least 1 % of the box: a crown

@@ -14,8 +14,9 @@ using Vectors = std::vector<Eigen::Vector3d>;
 constexpr double gain = 1.36;  // of the second umbrella difference for white noise, six neighbours each
 constexpr double median_of_normal = 0.6745;  // of the absolute value, in standard deviations
 constexpr int most_steps = 300;
-constexpr double noise_share = 0.002;  // of the radius
-constexpr double facet_share = 0.05;   // of an edge: facets look like noise of 3 % of their length
+constexpr double noise_share = 0.002;      // of the radius
+constexpr double coarse_share = 1.0 / 12;  // of the radius: longer edges are those of a model
+constexpr double facet_share = 0.05;       // of an edge: facets look like noise of 3 % of their length
 
 // The neighbours of each vertex, as offsets into one list; a vertex of a border has none.
 struct Neighbours {
@@ -166,8 +167,10 @@ Result<TriangleMesh> smoothed(const TriangleMesh& mesh, double noise_mm, double 
 
 Result<std::optional<TriangleMesh>> without_noise(const TriangleMesh& mesh, double radius,
                                                   const ScanProgress& progress) {
+  const double edge = mean_edge(mesh);
+  if (edge > coarse_share * radius) return std::nullopt;
   const double noise = noise_of(mesh);
-  if (noise < std::max(noise_share * radius, facet_share * mean_edge(mesh))) return std::nullopt;
+  if (noise < std::max(noise_share * radius, facet_share * edge)) return std::nullopt;
   VACUFORM_TRY(smooth, smoothed(mesh, noise, noise_share / 3 * radius, radius, progress));
   return smooth;
 }
