@@ -210,6 +210,8 @@ class Exchanges(Case):
         for path in ("", "?wait=1", "/log?limit=5", "/artifacts", "/artifacts/mold.stl", "/artifacts.zip", "/events"):
             self.taken(f"{jobs}/{first}{path}")
         self.taken("-r", "0-9", f"{jobs}/{first}/artifacts/mold.stl", status=206)
+        changed = self.taken("-X", "PATCH", *OF_JSON, "-d", '{"reference": "CASE-13", "rescan": true}', f"{jobs}/{first}").json
+        self.assertEqual((changed["reference"], changed["printed_reference"]), ("CASE-13", "CASE-12"))
         self.taken(jobs + "?limit=100&state=queued,succeeded&kind=print&created_after=2026-01-01T00:00:00Z")
         self.taken(jobs + "?full=true")
         worker, lease = self.lease()
