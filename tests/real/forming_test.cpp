@@ -6,6 +6,7 @@
 
 #include "tests/real/real_scans.hpp"
 #include "worker/forming/formed_sheet.hpp"
+#include "worker/scan/plug.hpp"
 #include "worker/surface/plane_locator.hpp"
 
 namespace vacuform {
@@ -31,6 +32,28 @@ TEST_P(RealHead, TouchesTheSheetBetweenItsVertices) {
 INSTANTIATE_TEST_SUITE_P(All, RealHead,
                          testing::Values("neonate-40w.stl", "adult-scalp-ascii.ply",
                                          "adult-fsaverage-metres.obj", "child-headform-metres.stl"));
+
+// On a plug of 30 mm a sheet that does not harden tears on a grid of 1.5 mm, and not on one of 3 mm.
+TEST(RealPlug, FormsOnEveryGrid) {
+  VACUFORM_READ_REAL_SCAN(scan, "neonate-40w.stl");
+  auto cut = make_mold(scan, "neonate-40w.stl", ScanSettings{}, Context{});
+  ASSERT_TRUE(cut) << cut.error().text();
+  const auto mold = on_plug(*std::move(cut), 30);
+  ASSERT_TRUE(mold) << mold.error().text();
+  for (const double resolution : {3.0, 2.0, 1.5}) {
+    SheetSettings plastic;
+    plastic.resolution_mm = resolution;
+    const auto sheet =
+        form(*mold, plastic, MachineSettings{}, FormingSettings{}, TemperatureField(140), Context{});
+    ASSERT_TRUE(sheet) << resolution << " mm: " << sheet.error().text();
+    EXPECT_FALSE(sheet->summary.half_steps);
+    // What lies on the mold: in the webs beside it the thickness still depends on the grid.
+    double least = plastic.thickness_mm;
+    for (std::size_t v = 0; v < sheet->formed.size(); ++v)
+      if (sheet->contact[v] == Contact::mold) least = std::min(least, sheet->thickness[v]);
+    EXPECT_GT(least, 0.4 * plastic.thickness_mm) << resolution << " mm";
+  }
+}
 
 // The grid stays where it is: what is printed must not depend on how the head lies on it.
 class RealPrint : public testing::TestWithParam<const char*> {};

@@ -109,8 +109,7 @@ Result<FormedSheet> whole_sheet_in_two_tries(Process process, const Context& con
 
 FindingLimits limits_of(const Process& process) {
   FindingLimits limits;
-  limits.fit = {std::max(0.5, 0.2 * process.sheet.resolution_mm),
-                std::max(0.5, 0.5 * process.sheet.resolution_mm)};
+  limits.fit.bridged_mm = std::max(0.5, 0.5 * process.sheet.resolution_mm);
   limits.thickness_ratio = process.forming.thin_limit;
   const bool elastic = process.forming.model == FormingModel::membrane;
   if (elastic && process.forming.law == MembraneLaw::neo_hookean) limits.stretch = 3;

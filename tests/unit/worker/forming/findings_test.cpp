@@ -72,6 +72,15 @@ TEST(FormingFindings, AStretchBeyondTheLawIsSaid) {
   EXPECT_FALSE(torn_at(sheet));
 }
 
+TEST(FormingFindings, ASecondTryInHalfTheStepsIsSaid) {
+  FormedSheet sheet = sheet_on_mold();
+  sheet.summary.half_steps = true;
+  const auto found = forming_findings(sheet, {}, 1.0).warnings;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].code, "half-steps");
+  EXPECT_EQ(found[0].severity(), Severity::note);
+}
+
 TEST(FormingFindings, ASheetThatRanAwayIsTorn) {
   FormedSheet sheet = sheet_on_mold();
   sheet.formed[21 * 10 + 5].z() += 100;  // a vertex that its triangles cannot follow
