@@ -34,7 +34,8 @@ constexpr double pose_ray_share = 1.0 / 125, pose_depth_share = 1.0 / 60, pose_a
                  pose_dome_share = 1.0 / 25;
 
 // The weights of what is known, as logarithms of likelihoods.
-constexpr double cut_weight = 8, form_weight = 6, least_form = -3, end_weight = 1, unusual = 3;
+constexpr double cut_weight = 8, form_weight = 6, least_form = -3, end_weight = 1, unusual = 3,
+                 less_usual = 0.1;
 constexpr double crown_rim = 0.4, neck_rim = 0.1;  // mean cosines
 constexpr double widest_neck = 0.15, least_mask = 0.4, whole = 0.8, wide_weight = 1.5;
 // Mean distances of a mirror image, as shares of the diagonal.
@@ -57,12 +58,13 @@ std::size_t bin_of(const Eigen::Vector3d& n) {
 }
 
 // Sharpens the direction of a flat side: the sum of what lies in its plane.
-Cut sharpened(const TriangleMesh& skin, Eigen::Vector3d normal, double band) {
+Cut sharpened(const TriangleMesh& skin, const Eigen::Vector3d& normal, double band, bool noisy) {
   Cut cut{normal, 0, false, 0};
-  for (const double cosine : {0.94, 0.98, flat_cosine}) {
+  const double last = noisy ? 0.94 : flat_cosine;
+  for (const double cosine : {0.94, std::min(0.98, last), last}) {
     double support = -HUGE_VAL;
     for (const auto& p : skin.vertices) support = std::max(support, cut.normal.dot(p));
-    const double wide = cosine < flat_cosine ? 4 * band : band;
+    const double wide = cosine < flat_cosine && !noisy ? 4 * band : band;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const auto& t : skin.triangles) {
       const Eigen::Vector3d a = area_vector(skin, t);
@@ -99,7 +101,7 @@ double slope_behind(const TriangleMesh& skin, const Eigen::Vector3d& normal, dou
 
 }  // namespace
 
-std::vector<Cut> find_cuts(const TriangleMesh& skin) {
+std::vector<Cut> find_cuts(const TriangleMesh& skin, double noise_mm) {
   std::vector<Eigen::Vector3d> sums(6 * bins * bins, Eigen::Vector3d::Zero());
   double total = 0;
   for (const auto& t : skin.triangles) {
@@ -109,11 +111,11 @@ std::vector<Cut> find_cuts(const TriangleMesh& skin) {
     total += a.norm();
   }
   std::vector<Cut> cuts;
-  const double band = flat_band * bounds(skin).size().norm();
+  const double band = flat_band * bounds(skin).size().norm() + 4 * noise_mm;
   std::stable_sort(sums.begin(), sums.end(),
                    [](const auto& a, const auto& b) { return a.norm() > b.norm(); });
   for (std::size_t i = 0; i < 16 && sums[i].norm() > least_flat / 4 * total; ++i) {
-    Cut cut = sharpened(skin, sums[i].normalized(), band);
+    Cut cut = sharpened(skin, sums[i].normalized(), band, noise_mm > 0);
     if (cut.area < least_flat * total) continue;
     cut.area /= total;
     if (std::ranges::none_of(cuts, [&](const Cut& c) { return c.normal.dot(cut.normal) > 0.95; }))
@@ -246,8 +248,13 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
     }
   } else {
     VACUFORM_TRY(smooth, without_noise(body, size / 2, progress));
-    if (smooth) body = std::move(*smooth);
-    guess.cuts = find_cuts(body);
+    if (smooth) {  // smoothing rounds the edge of a flat side that has few triangles
+      guess.cuts = find_cuts(body, noise_of(body));
+      body = std::move(*smooth);
+    }
+    for (const Cut& cut : find_cuts(body))
+      if (std::ranges::none_of(guess.cuts, [&](const Cut& c) { return c.normal.dot(cut.normal) > 0.95; }))
+        guess.cuts.push_back(cut);
   }
   body = filled(std::move(body));
   VACUFORM_TRY(heights, formable(body, progress));
@@ -259,9 +266,8 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   bool footed = false;
   for (std::size_t k = 0; k < axes.size(); ++k) {
     const Eigen::Vector3d up = upright_turn(axes[k], 0, 0, 0).row(2);
-    const bool usual = axes[k] == UpAxis::plus_z || axes[k] == UpAxis::plus_y;
-    score[k] = (usual ? 0 : -unusual) +
-               std::max(least_form, form_weight * std::log(std::max(1e-3, heights[k] / highest)));
+    score[k] = axes[k] == UpAxis::plus_z ? 0 : axes[k] == UpAxis::plus_y ? -less_usual : -unusual;
+    score[k] += std::max(least_form, form_weight * std::log(std::max(1e-3, heights[k] / highest)));
     const double formed = heights[k] / std::abs(up.dot(bounds(body).size()));
     double most = 0;
     for (const Cut& cut : guess.cuts) {

@@ -21,8 +21,9 @@ struct Cut {
 };
 
 // The flat sides of a body at any angle with at least a fiftieth of its area (the body lies behind their plane, to 0.4 %
-// of its diagonal), and its openings with at least a twentieth; the largest first. O(n log n).
-std::vector<Cut> find_cuts(const TriangleMesh& skin);
+// of its diagonal), and its openings with at least as much; the largest first. `noise_mm` of the surface widens the plane to four times that.
+// O(n log n).
+std::vector<Cut> find_cuts(const TriangleMesh& skin, double noise_mm = 0);
 
 struct UpCandidate {
   UpAxis axis;
