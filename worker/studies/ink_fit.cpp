@@ -182,7 +182,7 @@ std::string text_of(const InkFit& fit) {
   for (const auto& row : fit.curve) {
     rows += rows.empty() ? "[" : ",";
     for (std::size_t k = 0; k < row.size(); ++k)
-      rows += std::string(k == 0 ? "[" : ",") + short_decimal(row[k]);
+      rows.append(k == 0 ? "[" : ",").append(short_decimal(row[k]));
     rows += "]";
   }
   std::string out;
