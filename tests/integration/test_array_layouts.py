@@ -2,6 +2,7 @@
 import json
 import unittest
 
+import made_scans
 from harness import Case, Server, curl, vacuform, wait_for
 from test_coils import checked
 from test_jobs import log_of
@@ -94,6 +95,17 @@ class ArrayLayouts(Case):
         self.assertEqual((answer.status, answer.json["type"], answer.json["where"]), (422, "/problems/bad-settings", "layout.count"))
         answer = self.post("-F", "kind=layout", layout={"overlap": 0.3})
         self.assertEqual((answer.status, answer.json["where"]), (422, "layout.overlap"))
+
+    def test_coils_off_the_head_are_a_serious_warning(self):
+        out = self.folder / "large"
+        done = vacuform("layout", "--scan", made_scans.newborn(), "--set", "sheet.resolution_mm=8", "--set", "layout.count=12",
+                        "--set", "layout.diameter_mm=48", "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        layout = json.loads((out / "layout.json").read_text())
+        self.assertGreater(layout["off_head"], 0)
+        warning = next(w for w in layout["warnings"] if w["code"] == "coil-off-head")
+        self.assertEqual((warning["severity"], warning["figure"]["value"]), ("serious", layout["off_head"]))
+        self.assertEqual(warning["what"], f"{layout['off_head']} of 12 coils do not lie wholly on the formed part.")
 
     def test_the_command_line_submits_one(self):
         out = self.folder / "submitted"
