@@ -62,6 +62,22 @@ test('a print for the inner face says so on the page, on the sheet and in the na
   assert.equal((await download(page)).suggestedFilename(), 'FACE-1-inner-print.pdf');
 });
 
+test('a print with a serious warning is not called the one to print, and the same coils are compared', async ({page, service}) => {
+  const {id, serious_warnings: serious} = await service.print({reference: 'OFF-1'}, {...quick, pattern: {offset_mm: [60, 0]}});
+  assert.ok(serious > 0);
+  await show(page, `#/jobs/${id}`);
+  await page.getByText('Do not print yet', {exact: true}).waitFor();
+  assert.equal(await page.getByText('Print this one').count(), 0);
+  assert.equal(await page.locator('.downloads a.primary').count(), 0);
+  const {coils} = await (await service.ask(`/api/v1/jobs/${id}/artifacts/report.json`)).json();
+  const made = coils.filter((coil) => coil.with?.on_head), both = made.filter((coil) => coil.without?.on_head);
+  assert.ok(both.length > 0 && both.length < made.length, `${both.length} of ${made.length}: a case with different coils`);
+  const figure = page.locator('.key-figure').first();
+  assert.match(await figure.innerText(), new RegExp(`Mean over ${made.length} coils? on the head`));
+  const mean = (way) => (100 * both.reduce((sum, coil) => sum + coil[way].circularity, 0) / both.length).toFixed(1);
+  assert.match(await figure.innerText(), new RegExp(`Over the ${both.length} coils? that lies? on the head with both prints: ${mean('with')} %, and ${mean('without')} % if printed as drawn`));
+});
+
 test('downloads turn grey while the drawing is moved, and come back when that is undone', async ({page, jobs}) => {
   await show(page, `#/jobs/${jobs.print}`);
   const grey = () => page.getByRole('link', {name: 'print.pdf', disabled: true}).count();
