@@ -76,7 +76,7 @@ TEST(Pose, AHeadWithoutItsCrownIsNotTurnedOverInSilence) {
       ASSERT_TRUE(mold) << mold.error().text();
       const Warning* warning = warning_of(*mold, "up-guessed");
       EXPECT_TRUE(mold->findings.up == axis ||
-                  (warning && warning->fix.find("scan.up=" + std::string(name(axis))) != std::string::npos))
+                  (warning && warning->what_to_do().find("--set scan.up=" + std::string(name(axis))) != std::string::npos))
           << missing << " " << name(axis) << " is " << name(mold->findings.up);
     }
 }
@@ -114,14 +114,15 @@ TEST(Pose, ATiltIsToldWithTheTurnThatStraightensIt) {
       ASSERT_EQ(warning != nullptr, off > 20) << angle;
       if (!warning) continue;
       EXPECT_NEAR(warning->figure->value, off, 0.5);
-      double roll = 0, pitch = 0;
-      const auto at = warning->fix.find("scan.roll_deg=");
-      ASSERT_EQ(std::sscanf(warning->fix.c_str() + at, "scan.roll_deg=%lf and --set scan.pitch_deg=%lf", &roll, &pitch), 2)
-          << warning->fix;
+      ASSERT_EQ(warning->proposals.size(), 1u);
+      const auto& set = warning->proposals[0].set;
+      ASSERT_EQ(options_of(warning->proposals[0]).find("--set scan.up=" + std::string(name(mold->findings.up)) +
+                                                       " --set scan.roll_deg="),
+                0u);
       ScanSettings settings;
       settings.up = mold->findings.up;
-      settings.roll_deg = roll;
-      settings.pitch_deg = pitch;
+      settings.roll_deg = set.at(1).number.value_or(0);
+      settings.pitch_deg = set.at(2).number.value_or(0);
       const auto straight = mold_of(moved(head, turn), settings);
       ASSERT_TRUE(straight) << straight.error().text();
       EXPECT_FALSE(warning_of(*straight, "tilted"));
