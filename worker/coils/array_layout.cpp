@@ -306,7 +306,7 @@ Result<ElementLayout> spread(const ChartedSurface& charted, const ChartVertices&
   for (int round = 0; round < rounds; ++round) {
     for (Neighbours& n : layout.pairs) n.drawn_mm = ratio * diameter;
     const std::vector<Centre> before = layout.centres;
-    VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, layout.origin, context));
+    VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context));
     for (Centre& c : layout.centres) c.moved.setZero();
     if (nearest_two(surface, layout) < least_apart * ratio * diameter) {
       layout.centres = before;
@@ -409,7 +409,7 @@ Result<Drawing> picture_that_lands(const ChartedSurface& charted, const ElementL
     const Drawing drawing = drawing_of(layout, picture);
     ElementLayout landed = lay_by_chart(charted, drawing, {});
     if (landed.centres.size() != picture.size()) break;  // some have left the chart
-    VACUFORM_CHECK(multilaterate(charted, landed.centres, landed.pairs, landed.origin, context));
+    VACUFORM_CHECK(multilaterate(charted, landed.centres, landed.pairs, context));
     double off = 0;
     for (std::size_t i = 0; i < picture.size(); ++i) {
       const Vector2d is = charted.chart(landed.centres[i].point),

@@ -145,14 +145,32 @@ double geodesic_mm(const InkedSurface& surface, const ElementLayout& layout, con
   return connect(surface, layout.centres[index(pair.a)].point, layout.centres[index(pair.b)].point).mm;
 }
 
+// What an offset moves an array by: its centre lies at the end of the offset as it lies at the beginning without one.
+Result<std::optional<Anchor>> anchor_of(const ChartedSurface& charted, const Drawing& drawing,
+                                        const ElementLayout& layout, PatternSettings settings,
+                                        const Context& context) {
+  if (!layout.origin || layout.pairs.empty() || settings.offset_mm == PatternSettings().offset_mm)
+    return std::optional<Anchor>();
+  settings.offset_mm = PatternSettings().offset_mm;
+  VACUFORM_TRY(alignment, align(charted, settings));
+  ElementLayout still = lay_by_chart(charted, drawing, alignment);
+  VACUFORM_CHECK(multilaterate(charted, still.centres, still.pairs, context));
+  Anchor anchor{*layout.origin};
+  if (still.origin && still.centres.size() == layout.centres.size())
+    anchor.off = off_origin(charted.surface(), *still.origin, still.centres);
+  return std::optional(anchor);
+}
+
 Result<void> place_elements(const ChartedSurface& charted, const Drawing& drawing, const Alignment& alignment,
-                            const CoilSettings& settings, const Context& context, Placement& out) {
+                            const PatternSettings& pattern, const CoilSettings& settings,
+                            const Context& context, Placement& out) {
   const InkedSurface& surface = charted.surface();
   ElementLayout layout = lay_by_chart(charted, drawing, alignment);
   layout.keep = settings.keep;
   for (const Neighbours& n : layout.pairs)
     out.pairs.push_back({n.a, n.b, n.drawn_mm, geodesic_mm(surface, layout, n), 0, {}, {}});
-  VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, layout.origin, context));
+  VACUFORM_TRY(anchor, anchor_of(charted, drawing, layout, pattern, context));
+  VACUFORM_CHECK(multilaterate(charted, layout.centres, layout.pairs, context, anchor));
   VACUFORM_TRY(laid, lay_on_surface(charted, layout, context));
   take_layout(surface, drawing, alignment.scale, std::move(layout), std::move(laid), out);
   return {};
@@ -177,7 +195,8 @@ Result<Placement> place(const ChartedSurface& charted, const Drawing* drawing, c
     return fail(Code::unusable_pattern, "the drawing has no elements", "pattern.placement",
                 "give an SVG whose coils are groups with an id, or pattern.placement=auto");
   if (elements && settings.pattern.placement != PatternPlacement::chart)
-    VACUFORM_CHECK(place_elements(charted, *drawing, alignment, settings.coils, context, out));
+    VACUFORM_CHECK(
+        place_elements(charted, *drawing, alignment, settings.pattern, settings.coils, context, out));
   return out;
 }
 

@@ -30,71 +30,72 @@ Connection way_between(const ChartedSurface& charted, const Centre& a, const Cen
   return way;
 }
 
-// Motions of the array as a whole: rows over all moves, and how much each centre counts for its place.
-struct RigidMotion {
-  MatrixXd rows;  // shift along u and v, and turn
-  std::vector<double> weight;
-  double stiffness = 1;  // of the shift
-};
-RigidMotion rigid_motion(const std::vector<Centre>& centres, bool about_origin) {
-  const Eigen::Index n = static_cast<Eigen::Index>(centres.size());
-  RigidMotion out{MatrixXd::Zero(3, 2 * n), {}};
-  Vector2d middle = Vector2d::Zero();
-  double squares = 0;
+// How much a centre counts for the place of the drawing's centre. Below 1e-6 of the largest it moves nothing.
+std::vector<double> weights_about_origin(const std::vector<Centre>& centres) {
+  std::vector<double> out;
   for (const Centre& c : centres) {
-    const double beside = 1 + c.drawn.squaredNorm();  // mm^2
-    out.weight.push_back(about_origin ? 1 / (beside * beside) : 1);
-    squares += out.weight.back() * out.weight.back();
-    middle += c.drawn / static_cast<double>(n);
+    const double square = 1 + c.drawn.squaredNorm();  // mm^2
+    out.push_back(1 / (square * square));
   }
-  if (about_origin) out.stiffness = 10;
-  for (double& w : out.weight) w *= out.stiffness / std::sqrt(squares);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vector2d arm = centres[static_cast<std::size_t>(i)].drawn - middle;
-    out.rows(0, 2 * i) = out.rows(1, 2 * i + 1) = out.weight[static_cast<std::size_t>(i)];
-    out.rows(2, 2 * i) = -arm.y();
-    out.rows(2, 2 * i + 1) = arm.x();
-  }
-  if (const double norm = out.rows.row(2).norm(); norm > 0) out.rows.row(2) /= norm;
+  const double largest = *std::max_element(out.begin(), out.end());
+  for (double& w : out) w = w < 1e-6 * largest ? 0 : w;
+  return out;
+}
+
+// Rows that shift the array as a whole, and how far it lies off its anchor; in units in which they outweigh distances.
+struct Anchored {
+  MatrixXd rows;
+  double per_mm = 0;
+};
+Anchored anchored_rows(const std::vector<Centre>& centres) {
+  constexpr double stiffness = 10;
+  const std::vector<double> weights = weights_about_origin(centres);
+  double sum = 0, squares = 0;
+  for (const double w : weights) sum += w, squares += w * w;
+  Anchored out{MatrixXd::Zero(2, 2 * static_cast<Eigen::Index>(centres.size())),
+               stiffness * sum / std::sqrt(squares)};
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    out.rows.middleCols<2>(2 * static_cast<Eigen::Index>(i)) =
+        stiffness * weights[i] / std::sqrt(squares) * Eigen::Matrix2d::Identity();
   return out;
 }
 
 struct Measured {
   std::vector<Connection> ways;
-  Eigen::Vector3d drift{0, 0, 0};  // of the array as a whole, as its rows have it
-  double squares = 0;              // of the distances' errors and the drift
+  Vector2d off{0, 0};  // of the array from its anchor, mm
+  double squares = 0;  // of the distances' errors, and of that
 };
 
-Eigen::Vector3d drift_of(const ChartedSurface& charted, const std::vector<Centre>& centres,
-                         const RigidMotion& rigid, const std::optional<Centre>& origin) {
-  constexpr double counts = 1e-6;  // a smaller weight moves no centre by a micrometre
-  VectorXd moved(rigid.rows.cols());
-  for (std::size_t i = 0; i < centres.size(); ++i)
-    moved.segment<2>(2 * static_cast<Eigen::Index>(i)) = centres[i].moved;
-  Eigen::Vector3d drift = rigid.rows * moved;
-  if (!origin) return drift;
-  drift.head<2>().setZero();
-  for (std::size_t i = 0; i < centres.size(); ++i) {
-    if (rigid.weight[i] < counts * rigid.stiffness) continue;
-    const Connection way = connect(charted.surface(), origin->point, centres[i].point);
-    const Vector2d seen = way.mm * in_frame(charted.surface(), *origin, way.leaving);
-    drift.head<2>() += rigid.weight[i] * (seen - centres[i].drawn);
-  }
-  return drift;
-}
-
 Measured measure(const ChartedSurface& charted, const std::vector<Centre>& centres,
-                 const std::vector<Neighbours>& pairs, const RigidMotion& rigid,
-                 const std::optional<Centre>& origin) {
+                 const std::vector<Neighbours>& pairs, const std::optional<Anchor>& about, double per_mm) {
   Measured out;
-  out.drift = drift_of(charted, centres, rigid, origin);
-  if (origin) out.squares = out.drift.squaredNorm();
+  if (about) {
+    out.off = off_origin(charted.surface(), about->origin, centres) - about->off;
+    out.squares = (per_mm * out.off).squaredNorm();
+  }
   for (const Neighbours& n : pairs) {
     out.ways.push_back(way_between(charted, centres[index(n.a)], centres[index(n.b)]));
     const double error = out.ways.back().mm - n.drawn_mm;
     out.squares += error * error;
   }
   return out;
+}
+
+// Rows that preserve the array's mean place and mean turn, as unit vectors over all moves.
+MatrixXd rigid_rows(const std::vector<Centre>& centres) {
+  const Eigen::Index n = static_cast<Eigen::Index>(centres.size());
+  MatrixXd rows = MatrixXd::Zero(3, 2 * n);
+  Vector2d middle = Vector2d::Zero();
+  for (const Centre& c : centres) middle += c.drawn / static_cast<double>(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vector2d arm = centres[static_cast<std::size_t>(i)].drawn - middle;
+    rows(0, 2 * i) = rows(1, 2 * i + 1) = 1;
+    rows(2, 2 * i) = -arm.y();
+    rows(2, 2 * i + 1) = arm.x();
+  }
+  for (Eigen::Index r = 0; r < 3; ++r)
+    if (const double norm = rows.row(r).norm(); norm > 0) rows.row(r) /= norm;
+  return rows;
 }
 
 }  // namespace
@@ -110,6 +111,19 @@ void move(const InkedSurface& surface, Centre& centre, const Vector2d& by) {
   centre.point = walk.at();
   centre.axis = turned(surface, centre.point.triangle, walk.along(), back);
   centre.moved += walked / way * by;
+}
+
+Vector2d off_origin(const InkedSurface& surface, const Centre& origin, const std::vector<Centre>& centres) {
+  const std::vector<double> weights = weights_about_origin(centres);
+  Vector2d sum = Vector2d::Zero();
+  double total = 0;
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    if (weights[i] == 0) continue;
+    const Connection way = connect(surface, origin.point, centres[i].point);
+    sum += weights[i] * (way.mm * in_frame(surface, origin, way.leaving) - centres[i].drawn);
+    total += weights[i];
+  }
+  return sum / total;
 }
 
 std::vector<Neighbours> neighbours(const std::vector<Centre>& centres) {
@@ -131,22 +145,31 @@ std::vector<Neighbours> neighbours(const std::vector<Centre>& centres) {
 }
 
 Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& centres,
-                           const std::vector<Neighbours>& pairs, const std::optional<Centre>& origin,
-                           const Context& context) {
+                           const std::vector<Neighbours>& pairs, const Context& context,
+                           const std::optional<Anchor>& about) {
   if (pairs.empty()) return {};
   constexpr int most_iterations = 40;
   constexpr double held = 1e-2;  // weight that keeps what no pair determines; too small to affect a distance
   const Eigen::Index size = 2 * static_cast<Eigen::Index>(centres.size());
   const InkedSurface& surface = charted.surface();
-  const RigidMotion rigid = rigid_motion(centres, origin.has_value());
-  Measured now = measure(charted, centres, pairs, rigid, origin);
+  MatrixXd rigid = rigid_rows(centres);
+  Anchored anchored;
+  if (about) {
+    anchored = anchored_rows(centres);
+    rigid.topRows<2>().setZero();
+  }
+  Measured now = measure(charted, centres, pairs, about, anchored.per_mm);
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     VACUFORM_CHECK(context.step(Stage::printing, 0));
-    MatrixXd normal = held * held * MatrixXd::Identity(size, size) + rigid.rows.transpose() * rigid.rows;
+    MatrixXd normal = held * held * MatrixXd::Identity(size, size) + rigid.transpose() * rigid;
     VectorXd moved(size);
     for (Eigen::Index i = 0; i < size / 2; ++i)
       moved.segment<2>(2 * i) = centres[static_cast<std::size_t>(i)].moved;
-    VectorXd rhs = -(held * held * moved + rigid.rows.transpose() * now.drift);
+    VectorXd rhs = -(held * held * moved + rigid.transpose() * (rigid * moved));
+    if (about) {
+      normal += anchored.rows.transpose() * anchored.rows;
+      rhs -= anchored.rows.transpose() * (anchored.per_mm * now.off);
+    }
     for (std::size_t p = 0; p < pairs.size(); ++p) {
       const int a = pairs[p].a, b = pairs[p].b;
       const Vector2d at_a = -in_frame(surface, centres[index(a)], now.ways[p].leaving),
@@ -168,7 +191,7 @@ Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& c
       centres = before;
       for (Eigen::Index i = 0; i < size / 2; ++i)
         move(surface, centres[static_cast<std::size_t>(i)], step.segment<2>(2 * i));
-      next = measure(charted, centres, pairs, rigid, origin);
+      next = measure(charted, centres, pairs, about, anchored.per_mm);
       if (next.squares <= now.squares * (1 + 1e-9) + 1e-9 * static_cast<double>(pairs.size())) break;
     }
     now = std::move(next);

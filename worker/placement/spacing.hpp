@@ -33,16 +33,25 @@ struct Neighbours {
 // (1.31), and coils drawn with a gap of a quarter of their size are still neighbours.
 std::vector<Neighbours> neighbours(const std::vector<Centre>& centres);
 
+// Where an array lies as a whole: the place of the drawing's centre, and how far off the centres lie as seen from there,
+// mm along its axis and across it. A centre is seen by the direction and the length of the geodesic to it, and its error
+// is the difference to the drawing. The mean is weighted by the inverse fourth power of the distance in the drawing, so
+// it is the error of a centre in the middle, or else of those around the middle.
+struct Anchor {
+  Centre origin;
+  Eigen::Vector2d off{0, 0};
+};
+Eigen::Vector2d off_origin(const InkedSurface& surface, const Centre& origin,
+                           const std::vector<Centre>& centres);
+
 // Moves the centres so that the geodesic distances of neighbours are the drawn ones, in the least squares sense: the
 // Gauss-Newton method, whose gradients are the directions in which the geodesics arrive. The array as a whole neither
-// drifts nor rotates. `origin` is where the centre of the drawing lies on the surface: the errors of the centres as seen
-// from there, by direction and length of the geodesics, have no mean. A centre counts there by the inverse fourth power
-// of its distance in the drawing, so one in the middle stays on the origin, within some hundredths of a millimetre.
-// Without an origin the moves, in the drawing, have no mean. They have no mean moment about the centroid of the centres.
-// A centre without pairs stays in place. Ends when no centre moves by a micrometre. Deterministic. Errors: cancelled.
+// drifts nor rotates: the moves, in the drawing, have no mean and no mean moment about the centroid of the centres. With
+// an anchor the array comes to lie by it instead of the mean, within some hundredths of a millimetre. A centre without
+// pairs stays in place. Ends when no centre moves by a micrometre. Deterministic. Errors: cancelled.
 Result<void> multilaterate(const ChartedSurface& charted, std::vector<Centre>& centres,
-                           const std::vector<Neighbours>& pairs, const std::optional<Centre>& origin,
-                           const Context& context);
+                           const std::vector<Neighbours>& pairs, const Context& context,
+                           const std::optional<Anchor>& anchor = {});
 
 // The rotation of the axis of each centre, radians, that brings the drawn directions to its neighbours nearest to the
 // directions on the surface (Procrustes); 0 without neighbours.

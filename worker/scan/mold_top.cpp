@@ -18,8 +18,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Of the section below the highest vertex, as a share of the mesh's diagonal. More than a flat face is uneven by the
-// rounding of a file; too little for a dome to be cut off unevenly.
-constexpr double section_depth = 3e-5;
+// rounding of a file, or by 0.01 mm after a new skin with a clearance of 1 mm; too little for a dome to be cut off
+// unevenly.
+constexpr double section_depth = 2e-4;
 
 // Seen from above, the signed areas of a closed surface above a plane add up to its section with the plane.
 struct SectionPiece {

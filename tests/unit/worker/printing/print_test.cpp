@@ -258,8 +258,7 @@ TEST(Print, TellsHowMuchInkFallsOffTheChart) {
       " % of the drawing's ink lies off the formed part and is not printed."));
   EXPECT_NEAR(std::stod(print.warnings[0].text), 20, 0.2);
 
-  x.settings.pattern.offset_mm = {200, 0};
-  const auto none = try_print(x, svg_pattern("<circle r='5'/>", 20, x.settings));
+  const auto none = try_print(x, svg_pattern("<circle cx='70' r='5'/>", 160, x.settings));
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, Code::unusable_pattern);
   EXPECT_EQ(none.error().text(),

@@ -65,6 +65,19 @@ TEST(MoldTop, DoesNotJumpWhereAFaceIsUnevenByRounding) {
   EXPECT_LT((top_of(block.mesh) - Vector3d(0, 0, 30)).head<2>().norm(), 0.01);
 }
 
+// A new skin around a block is uneven by 0.008 mm.
+TEST(MoldTop, DoesNotJumpWhereAClearanceMadeANewSkin) {
+  ScanSettings settings;
+  settings.up = UpAxis::plus_z;
+  settings.units = Unit::mm;
+  settings.trim_mm = 0;
+  settings.clearance_mm = 1;
+  const plateaus::Solid block = plateaus::turned(plateaus::block({80, 60, 30}, false), 30);
+  const auto mold = make_mold(shapes::stl(block.mesh), "block.stl", settings, Context());
+  ASSERT_TRUE(mold) << mold.error().text();
+  EXPECT_LT((mold->top - mold->placing(block.top)).head<2>().norm(), 0.3);
+}
+
 // Of two towers of one height the larger counts; of equal ones the nearer to the axis. A ring's middle is its hole.
 TEST(MoldTop, OfSeveralPiecesIsTheLargestThenTheNearest) {
   const auto towers = [](double second, double at) {
