@@ -128,7 +128,7 @@ struct PatternSettings {
   double fade_mm = 3;  // of those colours, where the sheet does not touch the scan; 0: none there
   std::optional<double> width_mm;                            // physical width; none: the file's own size
   PatternPlacement placement = PatternPlacement::automatic;  // elements where the drawing has them
-  std::array<double, 2> offset_mm{0, 0};  // the pattern's centre on the chart, from the top of the mold
+  std::array<double, 2> offset_mm{0, 0};  // the pattern's centre, from the top of the mold along the surface
   double rotate_deg = 0;                  // counter-clockwise on the inked face as drawn
   double scale = 1;
   // Rows u, v, x, y, z: points of the drawing and of the mold to match. One moves the drawing; a second also rotates
