@@ -75,6 +75,9 @@ class Runner:
         self.pattern = self.folder / "pattern.svg"
         self.pattern.write_text(PATTERN)
 
+    def total(self, results):
+        return total(results)
+
     def run(self, seed, number):
         scan = scan_generator.Scan(seed, number, self.units)
         result = Result(scan)
@@ -190,6 +193,12 @@ class PoseRunner(Runner):
 
     MOST_TILT = 20  # degrees, beyond which a tilt must be told
 
+    def total(self, results):
+        counts = collections.Counter((r.ended, r.off_deg <= self.MOST_TILT) for r in results)
+        return (f"{len(results)} heads: " + ", ".join(f"{n} {ended}, {'upright' if right else 'not upright'}"
+                                                      for (ended, right), n in sorted(counts.items()))
+                + f"; {sum(bool(r.settings) for r in results)} led by a proposal; {sum(bool(r.failures) for r in results)} wrong")
+
     def run(self, seed, number):
         scan = scan_generator.PosedScan(seed, number)
         result = PoseResult(scan)
@@ -216,7 +225,7 @@ class PoseRunner(Runner):
         if result.off_deg > self.MOST_TILT:
             if not result.asked:
                 result.failures.append(f"up is {scan.up}, {result.off_deg:.0f} degrees off in silence")
-            elif not right:
+            elif not right and scan.neck != "round":  # without a foot, nothing says how far a head nods
                 result.failures.append(f"no proposal leads to the right pose: {fixes}")
         for words in right[:1]:
             result.settings = words
@@ -286,7 +295,7 @@ def run_all(runner, seed, numbers, workers=2, report=print):
         for result in pool.map(lambda number: runner.run(seed, number), numbers):
             report(result.row())
             results.append(result)
-    report(total(results))
+    report(runner.total(results))
     return results
 
 

@@ -34,7 +34,7 @@ constexpr double pose_ray_share = 1.0 / 125, pose_depth_share = 1.0 / 60, pose_a
                  pose_dome_share = 1.0 / 25;
 
 // The weights of what is known, as logarithms of likelihoods.
-constexpr double cut_weight = 8, form_weight = 6, least_form = -3, end_weight = 1, unusual = 3,
+constexpr double cut_weight = 8, form_weight = 6, least_form = -5, end_weight = 1, unusual = 3,
                  less_usual = 0.1;
 constexpr double crown_rim = 0.4, neck_rim = 0.1;  // mean cosines
 constexpr double widest_neck = 0.15, least_mask = 0.4, whole = 0.8, wide_weight = 1.5;
@@ -272,7 +272,7 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
     double most = 0;
     for (const Cut& cut : guess.cuts) {
       const double down = -up.dot(cut.normal);
-      const double weight = foot_weight(cut, formed) * std::clamp((down - 0.5) / 0.4, 0.0, 1.0);
+      const double weight = foot_weight(cut, formed) * std::clamp((down - 0.5) / 0.5, 0.0, 1.0);
       if (weight > most) most = weight, foot[k] = &cut;
     }
     score[k] += most;

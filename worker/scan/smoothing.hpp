@@ -20,9 +20,9 @@ double noise_of(const TriangleMesh& mesh);
 Result<TriangleMesh> smoothed(const TriangleMesh& mesh, double noise_mm, double target_mm, double longest_mm,
                               const ScanProgress& progress);
 
-// A copy whose noise is smoothed to 0.07 % of `radius`, that of the body, with waves longer than the radius kept; nothing
-// if the noise is below 0.2 % of the radius (0.2 mm on an adult head) or 5 % of an edge, or if
-// edges are longer than a twelfth of the radius, as those of models. Error: cancelled.
+// A copy whose noise is smoothed to about 0.15 % of `radius`, that of the body, with waves longer than the radius kept.
+// Nothing if the noise is below 0.2 % of the radius (0.2 mm on an adult head) or 5 % of an edge, or if edges are longer
+// than a twelfth of the radius, as those of models. Error: cancelled.
 Result<std::optional<TriangleMesh>> without_noise(const TriangleMesh& mesh, double radius,
                                                   const ScanProgress& progress);
 
