@@ -80,8 +80,8 @@ struct Mold {
 };
 
 // Makes the mold. Pure: the same bytes and settings give the same mold. Its coordinates are those of mold.stl, exactly.
-// Warnings: outliers, inside-out, up-guessed, tilted, large-hole, rebuilt, trim-discards, undercut. Takes a tenth of a second
-// for 27,000 triangles, two for a million. `file_name` is used for messages and, if the bytes do not tell the format,
+// Warnings: outliers, inside-out, up-guessed, tilted, large-hole, rebuilt, trim-discards, undercut. Takes a few tenths of
+// a second for 27,000 triangles, most of it for the pose of a scan without a foot; some seconds for a million. `file_name` is used for messages and, if the bytes do not tell the format,
 // for its extension. Errors: unsupported_format, corrupt_file, too_large, ambiguous_units, unusable_scan, cancelled.
 Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& file_name,
                        const ScanSettings& settings, const Context& context);

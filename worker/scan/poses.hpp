@@ -48,7 +48,7 @@ struct UpGuess {
 // - habit: exporters write +z or +y.
 // Small separate pieces and grain are left out. A broken skin is judged by a wrap around it, and never certain. The
 // confidences were fitted to made-up heads of known pose (tests/integration/generated_scans.py --poses). Takes about
-// 0.1 s for 27,000 triangles. Error: cancelled.
+// 0.1 s for 27,000 triangles, and a few tenths more without a cut that looks down. Error: cancelled.
 Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress);
 
 // A tilt of a scan, and the settings that straighten it.
