@@ -144,14 +144,16 @@ namespace {
 std::optional<Warning> guess_warning(double side, Unit guessed) {
   auto others = possible_units(side);
   std::erase(others, guessed);
-  if (others.empty()) return std::nullopt;
+  const bool rare = guessed == Unit::um;
+  if (others.empty() && !rare) return std::nullopt;
   std::string text;
   for (const Unit unit : others)
-    text += (text.empty() ? "" : " or ") + std::string(name(unit)) + " (" +
+    text += (text.empty() ? "; it could be " : " or ") + std::string(name(unit)) + " (" +
             rounded(side * millimetres(unit)) + ")";
+  if (rare) text += "; few scans are in it, and a file in another scale looks the same";
   Warning warning{"units-guessed", "The unit was taken to be " + std::string(name(guessed)) +
                                        ", in which the longest side is " +
-                                       rounded(side * millimetres(guessed)) + "; it could be " + text};
+                                       rounded(side * millimetres(guessed)) + text};
   warning.proposals = in_units(side, others);
   return warning;
 }

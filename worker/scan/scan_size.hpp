@@ -35,8 +35,9 @@ struct ScanSize {
   double mm_per_unit = 1;
   Unit unit = Unit::mm;  // as used; says nothing if the size is given
   bool unit_guessed = false, size_given = false;
-  // "units-guessed": another unit would also make the scan a head or a figurine; proposes these units. "size-unusual":
-  // the longest side is outside of 60 to 700 mm, although unit or size are given; proposes units that make it a head.
+  // "units-guessed": another unit would also make the scan a head or a figurine, or the unit is um, which is rare;
+  // proposes the other units. "size-unusual": the longest side is outside of 60 to 700 mm, although unit or size are
+  // given; proposes units that make it a head.
   std::vector<Warning> warnings = {};
 };
 
