@@ -24,7 +24,7 @@ bool has(const NewJob& job, std::string_view name) {
                      [&](const NewInput& input) { return input.name == name; });
 }
 
-// The digest of the scan; empty if there is none.
+// The digest of the scan; empty without one.
 std::string scan_digest(NewJob& job) {
   for (NewInput& input : job.inputs) {
     if (input.name != "scan") continue;
