@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {writeFileSync} from 'node:fs';
 import {join} from 'node:path';
-import {choose, leftOnRight, makeQuick, setUp, show, startJob, startService, violations} from './drive.mjs';
+import {checked, choose, jobShown, leftOnRight, makeQuick, setUp, show, startService, until, violations} from './drive.mjs';
 
 const test = setUp(async () => ({service: await startService()}));
 
@@ -33,7 +33,13 @@ test('a zip is sent without being shown, and its colours are printed', async ({p
   await page.locator('input[name=pattern-source][value=scan]').check();
   await makeQuick(page);
   await leftOnRight(page).check();
-  const id = await startJob(page);
+  // Nobody has seen this scan upright: the page asks.
+  await checked(page);
+  await until(async () => await page.locator('.new-step').first().locator('.step-status').innerText() === 'Needs a look', 'the findings');
+  await page.getByRole('button', {name: 'Start the job'}).click();
+  await page.getByRole('dialog').getByText('Which axis of the scan points up is a guess').waitFor();
+  await page.getByRole('button', {name: 'Start anyway'}).click();
+  const id = await jobShown(page);
   const job = await service.ended(id);
   assert.equal(job.state, 'succeeded', JSON.stringify(job.problem));
   assert.equal(job.settings.pattern.source, 'scan');

@@ -158,6 +158,9 @@ test('no section is done and nothing is ready while a point is open', () => {
   assert.deepEqual(doubtsOf({...open, facts: {...good, upGuessed: true}}), ['up', 'side']);
   assert.equal(statuses({...whole, facts: {...good, upGuessed: true}}), 'done done ready', 'the side was confirmed on an upright head');
   assert.deepEqual(doubtsOf({...whole, found: {codes: [], fits: false}}), ['fit']);
+  const guessed = {...whole, found: {codes: ['up-guessed'], fits: true}};
+  assert.deepEqual(doubtsOf(guessed), ['up']);
+  assert.deepEqual(doubtsOf({...guessed, form: {...whole.form, settings: {scan: {left_side: 'minus_x', up: '+z'}}}}), [], 'a person has set the axis');
   // rings larger than the window, turned or not; scaled down they fit
   const of = (width: number, height: number, scale = 1): DraftState =>
     ({...whole, form: {...whole.form, pattern: {...pattern, width, height}, settings: {...settings, pattern: {scale}}}});

@@ -266,7 +266,7 @@ export function doubtsOf(draft: DraftState): Doubt[] {
   const sideOpen = fieldOf(schema, 'scan.left_side') !== undefined && valueOf(schema, settings, 'scan.left_side') === 'unknown';
   if (facts?.mirrored || has('inside-out', 'mirrored-or-turned')) doubts.push('mirror');
   if (facts?.plausible === false || has('units-guessed')) doubts.push('size');
-  if (facts?.upGuessed && sideOpen || has('up-guessed')) doubts.push('up');
+  if (facts?.upGuessed && sideOpen || has('up-guessed') && (valueOf(schema, settings, 'scan.up') ?? 'auto') === 'auto') doubts.push('up');
   if (sideOpen) doubts.push('side');
   if (facts?.wide || found?.fits === false) doubts.push('fit');
   if (pattern && !printsScan(draft) && larger(draft, schema)) doubts.push('large');

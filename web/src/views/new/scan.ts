@@ -550,7 +550,8 @@ class ScanSection extends View {
   #sides(follows: (() => void)[], host: (build: () => Children) => HTMLElement): HTMLElement {
     const answer = (value: 'minus_x' | 'plus_x' | 'unknown', text: string): HTMLElement => {
       const input = el('input', {type: 'radio', name: 'scan-left', value, onchange: () => {
-        this.#change(value === 'unknown' ? {left_side: value} : {left_side: value, front: this.#front, up: this.#up});
+        // Of a scan that only the service has seen, this page knows no axis to confirm.
+        this.#change(value === 'unknown' || !this.#scan ? {left_side: value} : {left_side: value, front: this.#front, up: this.#up});
       }});
       follows.push(() => { input.checked = this.#left === value; });
       return el('label', {class: 'choice'}, input, text);
