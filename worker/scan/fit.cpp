@@ -235,7 +235,7 @@ std::optional<Error> misfit(const Mold& mold, const SheetSettings& sheet, const 
                       "trim the mold at least that much higher, or give a larger window and sheet",
                       tried([&] { return draw_proposals(mold, draw, needed, sheet, machine); }));
   const std::string otherwise =
-      "trim the mold higher (scan.trim_mm), turn it (scan.yaw_deg), or scan a smaller part";
+      "trim the mold higher (scan.trim_mm), or scan a smaller part";
   const auto larger_window = [&] {
     return tried([&] { return window_proposals(needed, mold, sheet, machine); });
   };
