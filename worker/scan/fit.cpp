@@ -234,8 +234,7 @@ std::optional<Error> misfit(const Mold& mold, const SheetSettings& sheet, const 
                        "scan.trim_mm", ""},
                       "trim the mold at least that much higher, or give a larger window and sheet",
                       tried([&] { return draw_proposals(mold, draw, needed, sheet, machine); }));
-  const std::string otherwise =
-      "trim the mold higher (scan.trim_mm), or scan a smaller part";
+  const std::string otherwise = "trim the mold higher (scan.trim_mm), or scan a smaller part";
   const auto larger_window = [&] {
     return tried([&] { return window_proposals(needed, mold, sheet, machine); });
   };

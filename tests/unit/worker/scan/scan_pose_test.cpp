@@ -78,7 +78,8 @@ TEST(Pose, AHeadWithoutItsCrownIsNotTurnedOverInSilence) {
       ASSERT_TRUE(mold) << mold.error().text();
       const Warning* warning = warning_of(*mold, "up-guessed");
       EXPECT_TRUE(mold->findings.up == axis ||
-                  (warning && warning->what_to_do().find("--set scan.up=" + std::string(name(axis))) != std::string::npos))
+                  (warning && warning->what_to_do().find("--set scan.up=" + std::string(name(axis))) !=
+                                  std::string::npos))
           << missing << " " << name(axis) << " is " << name(mold->findings.up);
     }
 }
@@ -118,8 +119,8 @@ TEST(Pose, ATiltIsToldWithTheTurnThatStraightensIt) {
       EXPECT_NEAR(warning->figure->value, off, 0.5);
       ASSERT_EQ(warning->proposals.size(), 1u);
       const auto& set = warning->proposals[0].set;
-      ASSERT_EQ(options_of(warning->proposals[0]).find("--set scan.up=" + std::string(name(mold->findings.up)) +
-                                                       " --set scan.roll_deg="),
+      ASSERT_EQ(options_of(warning->proposals[0])
+                    .find("--set scan.up=" + std::string(name(mold->findings.up)) + " --set scan.roll_deg="),
                 0u);
       ScanSettings settings;
       settings.up = mold->findings.up;

@@ -219,8 +219,8 @@ TEST(Trim, ProposalsAreTried) {
   ScanSettings settings;
   settings.trim_mm = 200;
   const auto trims_for = [&](const CanCut& can_cut) {
-    const auto refused = choose_trim(body, settings, {}, Eigen::Matrix3d::Identity(), "scan.stl", can_cut,
-                                     ScanProgress(quiet));
+    const auto refused = choose_trim(body, std::nullopt, settings, {}, Eigen::Matrix3d::Identity(),
+                                     "scan.stl", can_cut, ScanProgress(quiet));
     EXPECT_FALSE(refused);
     std::vector<double> trims;
     for (const Proposal& proposal : refused.error().proposals) trims.push_back(*proposal.set.front().number);
