@@ -247,7 +247,7 @@ exec {shlex.quote(str(BIN / "vacuform"))} "$@"
         self.assertFalse((here / "kept").exists())
         # What the tutorial says that one sees there.
         self.assertRegex(said, r"Circles out of round, mean \(worst\) +1[23]\.\d\d % .* 0\.0\d % ")
-        self.assertIn("0 serious warnings, 2 warnings", said.partition("Files: ")[0])
+        self.assertIn("0 serious warnings, 3 warnings", said.partition("Files: ")[0])
         self.assertIn("Largest coupling", said)
 
     def test_sessions_of_readme_and_api(self):

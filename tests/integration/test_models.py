@@ -33,7 +33,11 @@ class Models(Case):
             self.assertLess(report["force_error"], 1e-5)
             self.assertEqual(report["pressure_kpa"], 85)
             sheets.append(sheet)
-        self.assertLess(max(map(math.dist, sheets[0].points, sheets[1].points)), 0.1)
+        # The vertices of the grid, which come first; where those on rims of the mold lie depends on the sheet.
+        places = [list(zip(sheet.vertices["s"], sheet.vertices["t"])) for sheet in sheets]
+        grid = [i for i, (a, b) in enumerate(zip(*places)) if a == b]
+        self.assertGreater(len(grid), 1000)
+        self.assertLess(max(math.dist(sheets[0].points[i], sheets[1].points[i]) for i in grid), 0.1)
 
     def test_a_time_step_too_long_for_verlet(self):
         out = self.folder / "out"

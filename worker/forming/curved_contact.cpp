@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "worker/numerics/plane.hpp"
+#include "worker/scan/smoothing.hpp"
+#include "worker/scan/topology.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/adjacency.hpp"
 #include "worker/surface/split_triangle.hpp"
@@ -23,6 +25,8 @@ constexpr double most_rim_mm = 0.04,
 constexpr int rim_rounds = 3;
 constexpr double most_dropped_mm = 0.3;  // that a crest stands out which is left out
 constexpr double least_left = 0.3;       // of the thickness of a triangle in each of its pieces
+constexpr double least_up = -0.02;       // z of a unit normal: a vertical wall, but for rounding
+constexpr double rounding = 1e-6;        // of a unit normal
 constexpr double last_time = 2;          // FormedSheet::contact_time of what comes last
 constexpr double least_smooth = 0.99;    // length of the mean of the normals around a vertex
 
@@ -119,6 +123,19 @@ bool divides_unevenly(const Rest& rest, const Formed& formed, const Triangle& wh
   });
 }
 
+// Whether a piece would lie against the triangle or upside down, as over a grain of a rough mold.
+template <class Formed>
+bool turns_over(const Formed& formed, const Triangle& whole, const std::vector<Triangle>& pieces) {
+  const auto normal = [&](const Triangle& t) -> Eigen::Vector3d {
+    return (formed[t[1]] - formed[t[0]]).cross(formed[t[2]] - formed[t[0]]).stableNormalized();
+  };
+  const Eigen::Vector3d before = normal(whole);
+  return std::ranges::any_of(pieces, [&](const Triangle& piece) {
+    const Eigen::Vector3d now = normal(piece);
+    return now.dot(before) <= 0 || now.z() < std::min(least_up, before.z() - rounding);
+  });
+}
+
 // Replaces a triangle by pieces of it: the first in its place, the others at the end. Each keeps its plastic.
 void cut(FormedSheet& sheet, std::size_t triangle, const std::vector<Triangle>& pieces) {
   const auto left_of = [&](const Triangle& t) { return left(sheet.rest, sheet.formed, t); };
@@ -137,7 +154,7 @@ void cut(FormedSheet& sheet, std::size_t triangle, const std::vector<Triangle>& 
 // between as well. Returns which triangles it changed or added.
 std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
                               const TemperatureField& temperature, const std::vector<char>& looked,
-                              bool smooth) {
+                              bool smooth, bool rims) {
   const std::vector<int> opposite = opposite_sides(sheet.triangles);
   const auto corner = [&](int side, int k) { return sheet.triangles[side / 3][(side % 3 + k) % 3]; };
   const auto area_vector = [&](int side) -> Eigen::Vector3d {
@@ -163,7 +180,7 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     const double height = std::min(here.norm(), beside.norm()) / length;
     const double reach = smooth && both ? std::min(most_of_edge * length, most_of_height * height) : 0;
     const Eigen::Vector3d out = (here + beside).stableNormalized();
-    const auto crest = crest_over(obstacles, from, to, out);
+    const auto crest = rims ? crest_over(obstacles, from, to, out) : std::nullopt;
     const auto touch =
         reach > least_mm ? obstacles.first_touch(middle + reach * out, middle - reach * out) : std::nullopt;
     // At the very beginning it would already be in the mold there.
@@ -198,8 +215,8 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     for (int side = begin; side < end; ++side) bends[side] = bend(side);
   });
 
-  // What divides the plastic of a triangle too unevenly is left out, unless the mold would stand out far; that changes the
-  // pieces of its neighbours.
+  // What turns a piece over is left out, and what divides the plastic of a triangle too unevenly, unless the mold would stand
+  // out far; that changes the pieces of its neighbours.
   std::vector<std::optional<Eigen::Vector2d>> rests(opposite.size());
   for (int side = 0; side < sides; ++side)
     if (bends[side]) {
@@ -209,29 +226,34 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
                            : middle_of_rest(a, b);
       bends[opposite[side]] = bends[side], rests[opposite[side]] = rests[side];
     }
-  const auto uneven = [&](int triangle) {
+  enum class Division { even, uneven, over };
+  const auto division = [&](int triangle) {
     const Triangle& t = sheet.triangles[triangle];
     std::array<Eigen::Vector2d, 6> rest;
     std::array<Eigen::Vector3d, 6> formed;
     std::array<int, 3> middles{-1, -1, -1};
-    bool any = false;
+    bool any = false, rim = false;
     for (int k = 0; k < 3; ++k) {
       rest[k] = sheet.rest[t[k]], formed[k] = sheet.formed[t[k]];
       const int side = 3 * triangle + (k + 2) % 3;  // from corner k to the next
       if (!bends[side]) continue;
       middles[k] = 3 + k, rest[3 + k] = *rests[side], formed[3 + k] = bends[side]->place;
-      any = any || bends[side]->before;
+      any = true, rim = rim || bends[side]->before;
     }
-    return any && divides_unevenly(rest, formed, {0, 1, 2}, pieces_of({0, 1, 2}, middles));
+    if (!any) return Division::even;
+    const auto pieces = pieces_of({0, 1, 2}, middles);
+    if (turns_over(formed, {0, 1, 2}, pieces)) return Division::over;
+    return rim && divides_unevenly(rest, formed, {0, 1, 2}, pieces) ? Division::uneven : Division::even;
   };
   for (bool again = true; again;) {
     again = false;
     for (int t = 0; t < sides / 3; ++t) {
-      if (!uneven(t)) continue;
+      const Division divided = division(t);
+      if (divided == Division::even) continue;
       int lowest = -1;
-      double off = most_dropped_mm;
+      double off = divided == Division::over ? HUGE_VAL : most_dropped_mm;
       for (int side = 3 * t; side < 3 * t + 3; ++side)
-        if (bends[side] && bends[side]->before && bends[side]->off_mm < off)
+        if (bends[side] && (bends[side]->before || divided == Division::over) && bends[side]->off_mm < off)
           lowest = side, off = bends[side]->off_mm;
       if (lowest < 0) continue;
       bends[lowest] = bends[opposite[lowest]] = std::nullopt;
@@ -312,7 +334,7 @@ std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
     const std::vector<Triangle> pieces{{t[0], t[1], added}, {t[1], t[2], added}, {t[2], t[0], added}};
     sheet.formed.push_back(mold.vertices[corners[k].vertex]);
     sheet.rest.push_back(rest);
-    if (divides_unevenly(sheet.rest, sheet.formed, t, pieces)) {
+    if (divides_unevenly(sheet.rest, sheet.formed, t, pieces) || turns_over(sheet.formed, t, pieces)) {
       sheet.formed.pop_back(), sheet.rest.pop_back();
       continue;
     }
@@ -330,10 +352,16 @@ std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
 
 void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature) {
   std::vector<char> looked(sheet.triangles.size(), 1);
+  // A rough mold is all crests, which a sheet lies over and not in.
+  const TriangleMesh& mold = obstacles.mold();
+  if (is_rough(mold, bounds(mold).size().head<2>().maxCoeff() / 2)) {
+    split_edges(sheet, obstacles, temperature, looked, true, false);
+    return;
+  }
   // The pieces of a triangle over a rim may have edges over it, too.
   for (int round = 0; round < rim_rounds; ++round) {
-    std::vector<char> changed = split_edges(sheet, obstacles, temperature, looked, round == 0);
-    looked = catch_corners(sheet, obstacles.mold(), temperature);
+    std::vector<char> changed = split_edges(sheet, obstacles, temperature, looked, round == 0, true);
+    looked = catch_corners(sheet, mold, temperature);
     for (std::size_t k = 0; k < changed.size(); ++k) looked[k] = looked[k] || changed[k];
     if (std::ranges::none_of(looked, [](char c) { return c != 0; })) return;
   }

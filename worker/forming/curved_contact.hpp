@@ -15,8 +15,8 @@ namespace vacuform {
 //
 // Where the mold has a crest over an edge (a rim between two faces, of up to 90 degrees) of more than 0.04 mm, the edge
 // gets its vertex on the crest. On the flat sheet it divides the edge as it does in space. A triangle that a corner of
-// the mold stands out of by more than 0.04 mm gets a vertex there. What would divide a triangle very unevenly is left
-// out, unless the crest stands out by more than 0.3 mm. All is repeated on the pieces, three times at most.
+// the mold stands out of by more than 0.04 mm gets a vertex there. What would turn a piece over is left out, and
+// what would divide a triangle very unevenly, unless the crest stands out by more than 0.3 mm. All is repeated on the pieces, three times at most.
 //
 // The triangles beside the edge are split; each piece keeps its plastic. What stands out further is smaller than the grid:
 // it stays, and is reported (SurfaceFit).

@@ -153,21 +153,25 @@ void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double
   findings.warnings.push_back(std::move(warning));
 }
 
-// Whether a triangle lies upside down without the mold's being so: the sheet hangs over.
+// Whether a triangle lies upside down: the sheet hangs over, or folds over a grain of a rough mold.
 bool hangs_over(const FormedSheet& sheet, std::size_t triangle) {
   constexpr double down = -0.3;  // of the normal: steeper walls are noise of the grid
   const Triangle& t = sheet.triangles[triangle];
   const Eigen::Vector3d& a = sheet.formed[t[0]];
   const Eigen::Vector3d normal = (sheet.formed[t[1]] - a).cross(sheet.formed[t[2]] - a);
-  return normal.z() < down * normal.norm() &&
-         std::any_of(t.begin(), t.end(), [&](int v) { return sheet.contact[v] != Contact::mold; });
+  return normal.z() < down * normal.norm();
 }
 
 void find_webs(const FormedSheet& sheet, const std::vector<double>& area, double least_mm2,
                std::vector<Warning>& warnings) {
   auto found = pieces(sheet, area,
                       [&](std::size_t k) { return sheet.element_wrinkled[k] != 0 || hangs_over(sheet, k); });
-  std::erase_if(found, [&](const Piece& p) { return p.area < least_mm2; });
+  // What lies upside down is a fold, however small.
+  std::erase_if(found, [&](const Piece& p) {
+    return p.area < least_mm2 && std::ranges::none_of(p.triangles, [&](int k) {
+             return hangs_over(sheet, static_cast<std::size_t>(k));
+           });
+  });
   if (found.empty()) return;
   warnings.push_back({"webbing",
                       "The sheet is compressed sideways, or hangs over, and tends to fold, " + over(found),

@@ -264,6 +264,9 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   std::array<double, axes.size()> score{};
   std::array<const Cut*, axes.size()> foot{};
   bool footed = false;
+  double widest_flat = 0;
+  for (const Cut& cut : guess.cuts)
+    if (!cut.open) widest_flat = std::max(widest_flat, cut.area);
   for (std::size_t k = 0; k < axes.size(); ++k) {
     const Eigen::Vector3d up = upright_turn(axes[k], 0, 0, 0).row(2);
     score[k] = axes[k] == UpAxis::plus_z ? 0 : axes[k] == UpAxis::plus_y ? -less_usual : -unusual;
@@ -272,7 +275,9 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
     double most = 0;
     for (const Cut& cut : guess.cuts) {
       const double down = -up.dot(cut.normal);
-      const double weight = foot_weight(cut, formed) * std::clamp((down - 0.5) / 0.5, 0.0, 1.0);
+      // Of several flat sides, as a block has them, a body stands on the widest.
+      const double share = cut.open ? 1 : cut.area / widest_flat;
+      const double weight = share * foot_weight(cut, formed) * std::clamp((down - 0.5) / 0.5, 0.0, 1.0);
       if (weight > most) most = weight, foot[k] = &cut;
     }
     score[k] += most;

@@ -40,7 +40,8 @@ struct UpGuess {
 };
 
 // Ranks the six axes of a scan by what its shape says of its foot, as a sum of log-likelihoods:
-// - a cut whose missing face looks down: the neck of a head is open or cut flat, its crown is round and closed;
+// - a cut whose missing face looks down: the neck of a head is open or cut flat, its crown is round and closed; of
+//   several flat sides the widest;
 // - how much can be formed: the height of the mold that a trim leaves, times the share of it that is a dome (a skull, not
 //   a face). Only undercuts larger than those of ears, dents and grain count;
 // - without a cut that looks down: the end there (a crown is broader than a chin), and whether a plane through the axis

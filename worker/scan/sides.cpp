@@ -17,17 +17,16 @@ SideLetters side_letters(LeftSide left) {
 std::vector<Warning> side_warnings(const ScanFindings& findings) {
   if (findings.left_side == LeftSide::minus_x) return {};
   if (findings.left_side == LeftSide::plus_x)
-    return {{.code = "mirrored-or-turned",
-             .text = "The patient's left was seen at +x, but with the face at +y it must be at -x",
-             .place = "the whole scan"}};
-  return {
-      {.code = "side-unconfirmed",
-       .text =
-           findings.front_assumed
-               ? "Nobody has said where the face and the patient's left are; the face is taken to be at +y "
-                 "and the left at -x"
-               : "Nobody has compared left and right with the patient; the left is taken to be at -x",
-       .place = "the whole scan"}};
+    return {Warning{.code = "mirrored-or-turned",
+                    .text = "The patient's left was seen at +x, but with the face at +y it must be at -x",
+                    .place = "the whole scan"}};
+  const char* const text =
+      findings.front_assumed
+          ? "Nobody has said where the face and the patient's left are; the face is taken to be at +y and "
+            "the left "
+            "at -x"
+          : "Nobody has compared left and right with the patient; the left is taken to be at -x";
+  return {Warning{.code = "side-unconfirmed", .text = text, .place = "the whole scan"}};
 }
 
 }  // namespace vacuform

@@ -165,13 +165,16 @@ Result<TriangleMesh> smoothed(const TriangleMesh& mesh, double noise_mm, double 
   return smooth;
 }
 
+bool is_rough(const TriangleMesh& mesh, double radius) {
+  const double edge = mean_edge(mesh);
+  return edge <= coarse_share * radius &&
+         noise_of(mesh) >= std::max(noise_share * radius, facet_share * edge);
+}
+
 Result<std::optional<TriangleMesh>> without_noise(const TriangleMesh& mesh, double radius,
                                                   const ScanProgress& progress) {
-  const double edge = mean_edge(mesh);
-  if (edge > coarse_share * radius) return std::nullopt;
-  const double noise = noise_of(mesh);
-  if (noise < std::max(noise_share * radius, facet_share * edge)) return std::nullopt;
-  VACUFORM_TRY(smooth, smoothed(mesh, noise, noise_share / 3 * radius, radius, progress));
+  if (!is_rough(mesh, radius)) return std::nullopt;
+  VACUFORM_TRY(smooth, smoothed(mesh, noise_of(mesh), noise_share / 3 * radius, radius, progress));
   return smooth;
 }
 

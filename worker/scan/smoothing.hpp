@@ -13,6 +13,10 @@ namespace vacuform {
 // as noise of up to 3 % of their length. Borders are left out. O(n log n).
 double noise_of(const TriangleMesh& mesh);
 
+// Whether the noise of a body with that radius is more than 0.2 % of it (0.2 mm on an adult head) and 5 % of an edge, and no
+// edge is longer than a twelfth of the radius, as those of models are.
+bool is_rough(const TriangleMesh& mesh, double radius);
+
 // The mesh without noise: solves (I + L^2 / k^2) x = x0, where L is the umbrella operator (Desbrun, Meyer, Schroeder,
 // Barr 1999, "Implicit fairing"). k is chosen so that noise of `noise_mm` is left with about `target_mm`, but waves
 // longer than `longest_mm` are kept. Borders stay where they are. Same triangles; 50 to 300 rounds of conjugate
@@ -21,8 +25,7 @@ Result<TriangleMesh> smoothed(const TriangleMesh& mesh, double noise_mm, double 
                               const ScanProgress& progress);
 
 // A copy whose noise is smoothed to about 0.15 % of `radius`, that of the body, with waves longer than the radius kept.
-// Nothing if the noise is below 0.2 % of the radius (0.2 mm on an adult head) or 5 % of an edge, or if edges are longer
-// than a twelfth of the radius, as those of models. Error: cancelled.
+// Nothing if it is not rough. Error: cancelled.
 Result<std::optional<TriangleMesh>> without_noise(const TriangleMesh& mesh, double radius,
                                                   const ScanProgress& progress);
 

@@ -62,6 +62,7 @@ class CopyStore : public testing::Test {
   std::string create(Store& store, const std::string& scan) {
     NewJob job{"{\"print\":{\"dpi\":200}}", "key-of-" + scan.substr(0, 30)};
     job.owner = "station-3", job.reference = "CASE 12", job.note = "Größe \"M\"; it's new";
+    job.rescan = true;  // every scan is another one
     job.add("scan", upload(store, scan), "stl");
     job.add("pattern", upload(store, "a pattern"), "svg");
     now_ += 1000;
@@ -180,6 +181,7 @@ class CopyStore : public testing::Test {
     bool repeated = false;
     NewJob again{"{\"print\":{\"dpi\":200}}", "key-of-a scan that waits"};
     again.owner = "station-3", again.reference = "CASE 12", again.note = "Größe \"M\"; it's new";
+    again.rescan = true;
     again.add("scan", upload(*store, "a scan that waits"), "stl");
     again.add("pattern", upload(*store, "a pattern"), "svg");
     EXPECT_TRUE(store->create(std::move(again), &repeated));
