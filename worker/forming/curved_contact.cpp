@@ -6,8 +6,6 @@
 #include <optional>
 
 #include "worker/numerics/plane.hpp"
-#include "worker/scan/smoothing.hpp"
-#include "worker/scan/topology.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/adjacency.hpp"
 #include "worker/surface/split_triangle.hpp"
@@ -25,7 +23,7 @@ constexpr double most_rim_mm = 0.04,
 constexpr int rim_rounds = 3;
 constexpr double most_dropped_mm = 0.3;  // that a crest stands out which is left out
 constexpr double least_left = 0.3;       // of the thickness of a triangle in each of its pieces
-constexpr double least_up = -0.02;       // z of a unit normal: a vertical wall, but for rounding
+constexpr double least_up = -0.3;        // z of a unit normal: steeper walls are noise of the grid
 constexpr double rounding = 1e-6;        // of a unit normal
 constexpr double last_time = 2;          // FormedSheet::contact_time of what comes last
 constexpr double least_smooth = 0.99;    // length of the mean of the normals around a vertex
@@ -123,17 +121,14 @@ bool divides_unevenly(const Rest& rest, const Formed& formed, const Triangle& wh
   });
 }
 
-// Whether a piece would lie against the triangle or upside down, as over a grain of a rough mold.
+// Whether a piece would lie upside down, or more so than the triangle, as over a grain of a rough mold.
 template <class Formed>
 bool turns_over(const Formed& formed, const Triangle& whole, const std::vector<Triangle>& pieces) {
-  const auto normal = [&](const Triangle& t) -> Eigen::Vector3d {
-    return (formed[t[1]] - formed[t[0]]).cross(formed[t[2]] - formed[t[0]]).stableNormalized();
+  const auto up = [&](const Triangle& t) {
+    return (formed[t[1]] - formed[t[0]]).cross(formed[t[2]] - formed[t[0]]).stableNormalized().z();
   };
-  const Eigen::Vector3d before = normal(whole);
-  return std::ranges::any_of(pieces, [&](const Triangle& piece) {
-    const Eigen::Vector3d now = normal(piece);
-    return now.dot(before) <= 0 || now.z() < std::min(least_up, before.z() - rounding);
-  });
+  const double most = std::min(least_up, up(whole) - rounding);
+  return std::ranges::any_of(pieces, [&](const Triangle& piece) { return up(piece) < most; });
 }
 
 // Replaces a triangle by pieces of it: the first in its place, the others at the end. Each keeps its plastic.
@@ -350,18 +345,17 @@ std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
 
 }  // namespace
 
-void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature) {
+void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature,
+                  bool rims) {
   std::vector<char> looked(sheet.triangles.size(), 1);
-  // A rough mold is all crests, which a sheet lies over and not in.
-  const TriangleMesh& mold = obstacles.mold();
-  if (is_rough(mold, bounds(mold).size().head<2>().maxCoeff() / 2)) {
+  if (!rims) {
     split_edges(sheet, obstacles, temperature, looked, true, false);
     return;
   }
   // The pieces of a triangle over a rim may have edges over it, too.
   for (int round = 0; round < rim_rounds; ++round) {
     std::vector<char> changed = split_edges(sheet, obstacles, temperature, looked, round == 0, true);
-    looked = catch_corners(sheet, mold, temperature);
+    looked = catch_corners(sheet, obstacles.mold(), temperature);
     for (std::size_t k = 0; k < changed.size(); ++k) looked[k] = looked[k] || changed[k];
     if (std::ranges::none_of(looked, [](char c) { return c != 0; })) return;
   }

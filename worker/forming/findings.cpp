@@ -153,24 +153,28 @@ void find_trapped_air(const FormedSheet& sheet, const TriangleMesh& mold, double
   findings.warnings.push_back(std::move(warning));
 }
 
-// Whether a triangle lies upside down: the sheet hangs over, or folds over a grain of a rough mold.
-bool hangs_over(const FormedSheet& sheet, std::size_t triangle) {
+// Whether a triangle lies upside down without the mold's being so: the sheet hangs over. On a rough mold it may also be
+// folded over a grain.
+bool hangs_over(const FormedSheet& sheet, std::size_t triangle, bool rough) {
   constexpr double down = -0.3;  // of the normal: steeper walls are noise of the grid
   const Triangle& t = sheet.triangles[triangle];
   const Eigen::Vector3d& a = sheet.formed[t[0]];
   const Eigen::Vector3d normal = (sheet.formed[t[1]] - a).cross(sheet.formed[t[2]] - a);
-  return normal.z() < down * normal.norm();
+  return normal.z() < down * normal.norm() &&
+         (rough || std::any_of(t.begin(), t.end(), [&](int v) { return sheet.contact[v] != Contact::mold; }));
 }
 
-void find_webs(const FormedSheet& sheet, const std::vector<double>& area, double least_mm2,
+void find_webs(const FormedSheet& sheet, const std::vector<double>& area, const FindingLimits& limits,
                std::vector<Warning>& warnings) {
-  auto found = pieces(sheet, area,
-                      [&](std::size_t k) { return sheet.element_wrinkled[k] != 0 || hangs_over(sheet, k); });
-  // What lies upside down is a fold, however small.
+  const double least_mm2 = limits.web_mm2;
+  const auto over_grain = [&](int k) {
+    return limits.rough && hangs_over(sheet, static_cast<std::size_t>(k), true);
+  };
+  auto found = pieces(sheet, area, [&](std::size_t k) {
+    return sheet.element_wrinkled[k] != 0 || hangs_over(sheet, k, limits.rough);
+  });
   std::erase_if(found, [&](const Piece& p) {
-    return p.area < least_mm2 && std::ranges::none_of(p.triangles, [&](int k) {
-             return hangs_over(sheet, static_cast<std::size_t>(k));
-           });
+    return p.area < least_mm2 && std::ranges::none_of(p.triangles, over_grain);
   });
   if (found.empty()) return;
   warnings.push_back({"webbing",
@@ -279,7 +283,7 @@ Findings forming_findings(const FormedSheet& sheet, const TriangleMesh& mold, do
   find_trapped_air(sheet, mold, sheet_thickness_mm, limits.trapped, findings);
   find_unstable(sheet, area, limits, findings.warnings);
   find_pierced(sheet.fit, limits.fit.pierced_mm, findings.warnings);
-  find_webs(sheet, area, limits.web_mm2, findings.warnings);
+  find_webs(sheet, area, limits, findings.warnings);
   find_thin(sheet, area, sheet_thickness_mm, limits.thickness_ratio, findings.warnings);
   find_half_steps(sheet, findings.warnings);
   find_extrapolated(sheet, findings.warnings);

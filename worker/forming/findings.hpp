@@ -14,6 +14,7 @@ namespace vacuform {
 // Limits below which there is no warning.
 struct FindingLimits {
   double pocket_mm2 = 25;     // of sheet that bridges a hollow of the mold
+  bool rough = false;         // the mold: sheet that lies upside down on it is folded over a grain
   double web_mm2 = 25;        // of sheet that is compressed across its tension, in one piece
   FitLimits fit;              // that the mold stands out of the sheet, or that the sheet stays off
   double stretch = HUGE_VAL;  // times: above this the material law does not describe the plastic
