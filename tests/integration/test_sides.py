@@ -185,13 +185,17 @@ class Pictures(Case):
                 start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
                 points = struct.unpack(f"<{3 * accessor['count']}f", binary[start:start + 12 * accessor["count"]])
                 world = [[sum(matrix[4 * k + r] * points[3 * i + k] for k in range(3)) for r in range(3)] for i in range(accessor["count"])]
-                # Above the foot the nose reaches farthest along +Z and the left ear along +X: glTF has the right at -X.
+                # The nose is at +Z and the left ear at +X, since glTF has the right at -X: both are narrow, the other ends not.
                 high = [p for p in world if p[1] > 0.012]
-                self.assertGreater(max(p[2] for p in high), 0.005 - min(p[2] for p in high))
-                nose = max(high, key=lambda p: p[2])
-                self.assertLess(abs(nose[0]), 0.012)
-                ear = max(high, key=lambda p: p[0])
-                self.assertGreater(ear[0], 0.002 - min(p[0] for p in high))
+
+                def width(axis, sign, across, depth):
+                    far = max(sign * p[axis] for p in high)
+                    end = [p[across] for p in high if sign * p[axis] > far - depth]
+                    return max(end) - min(end)
+                self.assertLess(width(2, 1, 0, 0.006), 0.038)
+                self.assertGreater(width(2, -1, 0, 0.006), 0.042)
+                self.assertLess(width(0, 1, 2, 0.004), 0.038)
+                self.assertGreater(width(0, -1, 2, 0.004), 0.042)
 
 
 if __name__ == "__main__":

@@ -276,7 +276,7 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
     for (const Cut& cut : guess.cuts) {
       const double down = -up.dot(cut.normal);
       // Of several flat sides, as a block has them, a body stands on the widest.
-      const double share = cut.open ? 1 : cut.area / widest_flat;
+      const double share = cut.open ? 1 : std::sqrt(cut.area / widest_flat);
       const double weight = share * foot_weight(cut, formed) * std::clamp((down - 0.5) / 0.5, 0.0, 1.0);
       if (weight > most) most = weight, foot[k] = &cut;
     }
