@@ -19,8 +19,7 @@ class Inspect(test_command_line.Inspect):
 class Service(test_service.Scans):
     SCANS = SCANS
     REFUSALS = {"bust-demosthenes.obj": ["ambiguous-units"],  # no unit makes it plausible
-                "bust-gutenberg-ascii.stl": ["ambiguous-units", "unusable-scan",  # nor this; then automatic trim keeps too little
-                                             "forming-failed"],  # and so steep a bust tears the sheet of the default law
+                "bust-gutenberg-ascii.stl": ["ambiguous-units", "unusable-scan"],  # nor this; then automatic trim keeps too little
                 "corrupt-head.glb": ["corrupt-file"]}
     HEADS = {"adult-fsaverage-metres.obj", "adult-scalp-ascii.ply", "child-headform-metres.stl", "neonate-40w.stl"}
 

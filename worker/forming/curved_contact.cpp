@@ -22,8 +22,10 @@ constexpr double most_rim_mm = 0.04,
                  most_reach_mm = 1;  // that the mold may stand out at a rim; that is looked for
 constexpr int rim_rounds = 3;
 constexpr double most_dropped_mm = 0.3;  // that a crest stands out which is left out
+constexpr double least_ever = 0.1;       // of the same: less is a sliver
 constexpr double least_left = 0.3;       // of the thickness of a triangle in each of its pieces
 constexpr double least_up = -0.3;        // z of a unit normal: steeper walls are noise of the grid
+constexpr double least_area = 0.01;      // of a triangle in each of its pieces
 constexpr double rounding = 1e-6;        // of a unit normal
 constexpr double last_time = 2;          // FormedSheet::contact_time of what comes last
 constexpr double least_smooth = 0.99;    // length of the mean of the normals around a vertex
@@ -113,22 +115,26 @@ double left(const Rest& rest, const Formed& formed, const Triangle& t) {
 // Whether a piece would be much thinner than the triangle, or thicker: no sheet is, it comes from the division.
 template <class Rest, class Formed>
 bool divides_unevenly(const Rest& rest, const Formed& formed, const Triangle& whole,
-                      const std::vector<Triangle>& pieces) {
+                      const std::vector<Triangle>& pieces, double least = least_left) {
   const double before = left(rest, formed, whole);
   return std::ranges::any_of(pieces, [&](const Triangle& piece) {
     const double ratio = left(rest, formed, piece) / before;
-    return !(ratio > least_left && ratio < 1 / least_left);
+    return !(ratio > least && ratio < 1 / least);
   });
 }
 
-// Whether a piece would lie upside down, or more so than the triangle, as over a grain of a rough mold.
+// Whether a piece would lie upside down, or more so than the triangle, as over a grain of a rough mold; or be a sliver.
 template <class Formed>
-bool turns_over(const Formed& formed, const Triangle& whole, const std::vector<Triangle>& pieces) {
-  const auto up = [&](const Triangle& t) {
-    return (formed[t[1]] - formed[t[0]]).cross(formed[t[2]] - formed[t[0]]).stableNormalized().z();
+bool spoils(const Formed& formed, const Triangle& whole, const std::vector<Triangle>& pieces) {
+  const auto area_vector = [&](const Triangle& t) -> Eigen::Vector3d {
+    return (formed[t[1]] - formed[t[0]]).cross(formed[t[2]] - formed[t[0]]);
   };
-  const double most = std::min(least_up, up(whole) - rounding);
-  return std::ranges::any_of(pieces, [&](const Triangle& piece) { return up(piece) < most; });
+  const Eigen::Vector3d before = area_vector(whole);
+  const double most = std::min(least_up, before.stableNormalized().z() - rounding);
+  return std::ranges::any_of(pieces, [&](const Triangle& piece) {
+    const Eigen::Vector3d now = area_vector(piece);
+    return now.stableNormalized().z() < most || now.norm() < least_area * before.norm();
+  });
 }
 
 // Replaces a triangle by pieces of it: the first in its place, the others at the end. Each keeps its plastic.
@@ -237,7 +243,8 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     }
     if (!any) return Division::even;
     const auto pieces = pieces_of({0, 1, 2}, middles);
-    if (turns_over(formed, {0, 1, 2}, pieces)) return Division::over;
+    if (spoils(formed, {0, 1, 2}, pieces) || divides_unevenly(rest, formed, {0, 1, 2}, pieces, least_ever))
+      return Division::over;
     return rim && divides_unevenly(rest, formed, {0, 1, 2}, pieces) ? Division::uneven : Division::even;
   };
   for (bool again = true; again;) {
@@ -329,7 +336,7 @@ std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
     const std::vector<Triangle> pieces{{t[0], t[1], added}, {t[1], t[2], added}, {t[2], t[0], added}};
     sheet.formed.push_back(mold.vertices[corners[k].vertex]);
     sheet.rest.push_back(rest);
-    if (divides_unevenly(sheet.rest, sheet.formed, t, pieces) || turns_over(sheet.formed, t, pieces)) {
+    if (divides_unevenly(sheet.rest, sheet.formed, t, pieces) || spoils(sheet.formed, t, pieces)) {
       sheet.formed.pop_back(), sheet.rest.pop_back();
       continue;
     }
