@@ -21,7 +21,7 @@ namespace vacuform {
 // The triangles beside the edge are split; each piece keeps its plastic. What stands out further is smaller than the grid:
 // it stays, and is reported (SurfaceFit).
 //
-// Without `rims`, crests and corners get no vertices: a rough mold is all crests, and the sheet lies over them.
+// Without `rims`, crests and corners get no vertices: the facets of a scan are all crests.
 //
 // New vertices and triangles come after the others. Sets all but `thickness`. Deterministic.
 void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature,

@@ -129,14 +129,14 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& plastic, const M
   const Process process(obstacles, mold.top.z(), sheet, machine, settings, temperature);
   VACUFORM_TRY(on_grid, whole_sheet_in_two_tries(process, context));
   FormedSheet formed = on_grid;
-  const bool rough = is_rough(mold.mesh, bounds(mold.mesh).size().head<2>().maxCoeff() / 2);
+  const double radius = bounds(mold.mesh).size().head<2>().maxCoeff() / 2;
   // A projection moves straight down, also between the vertices.
   if (settings.model != FormingModel::projection) {
-    bend_to_mold(formed, obstacles, temperature, !rough);
+    bend_to_mold(formed, obstacles, temperature, has_long_edges(mold.mesh, radius));
     set_thickness(formed, sheet.thickness_mm);
   }
   FindingLimits limits = limits_of(process);
-  limits.rough = rough;
+  limits.rough = is_rough(mold.mesh, radius);
   formed.fit = surface_fit(formed.triangles, formed.formed, formed.contact, mold.mesh, limits.fit);
   // The rest is said of what was simulated.
   on_grid.fit = formed.fit;

@@ -165,6 +165,10 @@ Result<TriangleMesh> smoothed(const TriangleMesh& mesh, double noise_mm, double 
   return smooth;
 }
 
+bool has_long_edges(const TriangleMesh& mesh, double radius) {
+  return mean_edge(mesh) > coarse_share * radius;
+}
+
 bool is_rough(const TriangleMesh& mesh, double radius) {
   const double edge = mean_edge(mesh);
   return edge <= coarse_share * radius &&

@@ -13,6 +13,9 @@ namespace vacuform {
 // as noise of up to 3 % of their length. Borders are left out. O(n log n).
 double noise_of(const TriangleMesh& mesh);
 
+// Whether the edges of a body with that radius are longer than a twelfth of it on average: a model of flat faces, not a scan.
+bool has_long_edges(const TriangleMesh& mesh, double radius);
+
 // Whether the noise of a body with that radius is more than 0.2 % of it (0.2 mm on an adult head) and 5 % of an edge, and no
 // edge is longer than a twelfth of the radius, as those of models are.
 bool is_rough(const TriangleMesh& mesh, double radius);
