@@ -18,8 +18,7 @@ constexpr double least_mm = 0.02, most_of_edge = 0.05, most_of_height = 0.1;
 constexpr double most_of_circle = 1.1;  // over an edge of the sheet
 constexpr double least_sharp = 1.1;     // a crest over the middle of an edge: less is a smooth arc
 constexpr double least_piece = 0.03;    // of an edge or a triangle: no slivers
-constexpr double most_rim_mm = 0.04,
-                 most_reach_mm = 1;  // that the mold may stand out at a rim; that is looked for
+constexpr double most_reach_mm = 1;     // that corners are looked for
 constexpr int rim_rounds = 3;
 constexpr double most_dropped_mm = 0.3;  // that a crest stands out which is left out
 constexpr double least_ever = 0.1;       // of the same: less is a sliver
@@ -72,10 +71,10 @@ struct Crest {
   double off_mm = 0;
 };
 
-// `out`: the unit vector across the edge away from the mold. Nothing if the mold stands out nowhere by most_rim_mm, or somewhere
+// `out`: the unit vector across the edge away from the mold. Nothing if the mold stands out nowhere by rim_mm, or somewhere
 // beyond the circle over the edge: a rim of up to 90 degrees lies in it (Thales).
 std::optional<Crest> crest_over(const Obstacles& obstacles, const Eigen::Vector3d& a,
-                                const Eigen::Vector3d& b, const Eigen::Vector3d& out) {
+                                const Eigen::Vector3d& b, const Eigen::Vector3d& out, double rim_mm) {
   const double length = (b - a).norm();
   Crest crest;
   bool beyond = false;
@@ -89,7 +88,7 @@ std::optional<Crest> crest_over(const Obstacles& obstacles, const Eigen::Vector3
     return mm;
   };
   // A crest is seen at one of the quarters, by at least a third of what it stands out.
-  if (std::max({off(0.25), off(0.5), off(0.75)}) <= most_rim_mm / 3) return std::nullopt;
+  if (std::max({off(0.25), off(0.5), off(0.75)}) <= rim_mm / 3) return std::nullopt;
   constexpr int samples = 16;
   double low = 0, highest = 0;
   for (int k = 1; k < samples; ++k)
@@ -102,7 +101,7 @@ std::optional<Crest> crest_over(const Obstacles& obstacles, const Eigen::Vector3
     else
       high -= third;
   }
-  return !beyond && crest.off_mm > most_rim_mm ? std::optional(crest) : std::nullopt;
+  return !beyond && crest.off_mm > rim_mm ? std::optional(crest) : std::nullopt;
 }
 
 // The flat area of a triangle over the formed one: what is left of the thickness.
@@ -155,7 +154,7 @@ void cut(FormedSheet& sheet, std::size_t triangle, const std::vector<Triangle>& 
 // between as well. Returns which triangles it changed or added.
 std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
                               const TemperatureField& temperature, const std::vector<char>& looked,
-                              bool smooth, bool rims) {
+                              bool smooth, double rim_mm) {
   const std::vector<int> opposite = opposite_sides(sheet.triangles);
   const auto corner = [&](int side, int k) { return sheet.triangles[side / 3][(side % 3 + k) % 3]; };
   const auto area_vector = [&](int side) -> Eigen::Vector3d {
@@ -181,7 +180,7 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
     const double height = std::min(here.norm(), beside.norm()) / length;
     const double reach = smooth && both ? std::min(most_of_edge * length, most_of_height * height) : 0;
     const Eigen::Vector3d out = (here + beside).stableNormalized();
-    const auto crest = rims ? crest_over(obstacles, from, to, out) : std::nullopt;
+    const auto crest = crest_over(obstacles, from, to, out, rim_mm);
     const auto touch =
         reach > least_mm ? obstacles.first_touch(middle + reach * out, middle - reach * out) : std::nullopt;
     // At the very beginning it would already be in the mold there.
@@ -286,10 +285,10 @@ std::vector<char> split_edges(FormedSheet& sheet, const Obstacles& obstacles,
   return changed;
 }
 
-// Gives each triangle that a vertex of the mold stands out of by more than most_rim_mm a vertex there, the furthest of
+// Gives each triangle that a vertex of the mold stands out of by more than rim_mm a vertex there, the furthest of
 // each. Returns which triangles it changed or added.
 std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
-                                const TemperatureField& temperature) {
+                                const TemperatureField& temperature, double rim_mm) {
   std::vector<Eigen::Vector3d> normals(mold.vertices.size(), Eigen::Vector3d::Zero());
   std::vector<int> faces(mold.vertices.size(), 0);
   for (const Triangle& t : mold.triangles) {
@@ -312,7 +311,7 @@ std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
   });
   std::vector<Corner> corners(sheet.triangles.size());
   for (int v = 0; v < count; ++v) {
-    if (!hits[v] || hits[v]->t * most_reach_mm <= most_rim_mm) continue;
+    if (!hits[v] || hits[v]->t * most_reach_mm <= rim_mm) continue;
     const Triangle& t = sheet.triangles[hits[v]->triangle];
     const Eigen::Vector3d& a = sheet.formed[t[0]];
     const Eigen::Vector3d up = (sheet.formed[t[1]] - a).cross(sheet.formed[t[2]] - a);
@@ -353,16 +352,12 @@ std::vector<char> catch_corners(FormedSheet& sheet, const TriangleMesh& mold,
 }  // namespace
 
 void bend_to_mold(FormedSheet& sheet, const Obstacles& obstacles, const TemperatureField& temperature,
-                  bool rims) {
+                  double rim_mm) {
   std::vector<char> looked(sheet.triangles.size(), 1);
-  if (!rims) {
-    split_edges(sheet, obstacles, temperature, looked, true, false);
-    return;
-  }
   // The pieces of a triangle over a rim may have edges over it, too.
   for (int round = 0; round < rim_rounds; ++round) {
-    std::vector<char> changed = split_edges(sheet, obstacles, temperature, looked, round == 0, true);
-    looked = catch_corners(sheet, obstacles.mold(), temperature);
+    std::vector<char> changed = split_edges(sheet, obstacles, temperature, looked, round == 0, rim_mm);
+    looked = catch_corners(sheet, obstacles.mold(), temperature, rim_mm);
     for (std::size_t k = 0; k < changed.size(); ++k) looked[k] = looked[k] || changed[k];
     if (std::ranges::none_of(looked, [](char c) { return c != 0; })) return;
   }

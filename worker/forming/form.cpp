@@ -15,6 +15,8 @@
 namespace vacuform {
 
 namespace {
+// That the mold may stand out of the sheet at a rim without a vertex there.
+constexpr double model_rim_mm = 0.04, scan_rim_mm = 0.3;
 
 Result<void> form_by_model(const Process& process, SheetState& state, const Context& context) {
   if (process.forming.quality == FormingQuality::fast) return form_extrapolated(process, state, context);
@@ -132,7 +134,8 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& plastic, const M
   const double radius = bounds(mold.mesh).size().head<2>().maxCoeff() / 2;
   // A projection moves straight down, also between the vertices.
   if (settings.model != FormingModel::projection) {
-    bend_to_mold(formed, obstacles, temperature, has_long_edges(mold.mesh, radius));
+    bend_to_mold(formed, obstacles, temperature,
+                 has_long_edges(mold.mesh, radius) ? model_rim_mm : scan_rim_mm);
     set_thickness(formed, sheet.thickness_mm);
   }
   FindingLimits limits = limits_of(process);
