@@ -18,9 +18,21 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(VACUFORM_MARCH -march=x86-64-v2)
 endif()
 
+# What Debian builds its packages with, and the checks of the standard library, in what is installed. Debian's compilers
+# make programs that lie anywhere (PIE). tests/check/hardening reads the result.
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  set(VACUFORM_HARDENING -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3 -D_GLIBCXX_ASSERTIONS -fstack-protector-strong
+                         -fstack-clash-protection)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    list(APPEND VACUFORM_HARDENING -fcf-protection)
+  endif()
+  add_link_options(-Wl,-z,relro,-z,now,-z,noexecstack)
+endif()
+
 function(vacuform_rules target)
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off ${VACUFORM_MARCH})
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -ffp-contract=off ${VACUFORM_MARCH}
+                         ${VACUFORM_HARDENING})
   if(CMAKE_UNITY_BUILD)  # it joins several files, so their local names look like those of a header
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()

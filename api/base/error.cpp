@@ -1,5 +1,7 @@
 #include "api/base/error.hpp"
 
+#include "api/base/utf8.hpp"
+
 namespace vacuform {
 
 std::string Error::text() const {
@@ -8,7 +10,7 @@ std::string Error::text() const {
   if (!fix.empty()) line += "; " + fix;
   for (char& c : line)
     if (c == '\n' || c == '\r') c = ' ';
-  return line;
+  return printable(line);
 }
 
 }  // namespace vacuform

@@ -24,7 +24,14 @@ tl::unexpected<Error> disk_error(const char* doing, const std::filesystem::path&
                            : "check that the server may write to its data folder");
 }
 
+void (*flush_failure)() = nullptr;
+
 }  // namespace
+
+void when_flush_fails(void (*handler)()) { flush_failure = handler; }
+void flush_failed() {
+  if (flush_failure) flush_failure();
+}
 
 File& File::operator=(File&& other) noexcept {
   if (this != &other) {
@@ -46,11 +53,16 @@ Result<File> File::create(const std::filesystem::path& path) {
 }
 
 Result<File> File::open(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // O_NONBLOCK: a FIFO in the place of a file would wait for its writer.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0)
     return fail(errno == ENOENT ? Code::not_found : Code::unreadable,
                 "opening a file failed: " + reason(errno), path.filename().string());
-  return File(descriptor);
+  File file(descriptor);
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+    return fail(Code::unreadable, "not a regular file", path.filename().string());
+  return file;
 }
 
 Result<void> File::write(std::string_view bytes) {
@@ -79,8 +91,10 @@ Result<std::uint64_t> File::size() const {
 }
 
 Result<void> File::sync() {
-  if (::fsync(descriptor_) != 0) return disk_error("flushing to the disk", "the data folder", errno);
-  return {};
+  if (::fsync(descriptor_) == 0) return {};
+  const int number = errno;
+  if (number == EIO) flush_failed();
+  return disk_error("flushing to the disk", "the data folder", number);
 }
 
 void File::doubt() const { (void)::futimens(descriptor_, nullptr); }
@@ -100,9 +114,10 @@ Result<void> make_directory(const std::filesystem::path& path) {
 
 Result<void> sync_directory(const std::filesystem::path& path) {
   const File directory(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!directory.is_open() || ::fsync(directory.descriptor()) != 0)
-    return disk_error("flushing a folder to the disk", path, errno);
-  return {};
+  if (directory.is_open() && ::fsync(directory.descriptor()) == 0) return {};
+  const int number = errno;
+  if (directory.is_open() && number == EIO) flush_failed();
+  return disk_error("flushing a folder to the disk", path, number);
 }
 
 Result<std::string> read_text_file(const std::filesystem::path& path, std::uint64_t limit) {

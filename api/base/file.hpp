@@ -12,6 +12,13 @@
 
 namespace vacuform {
 
+// What happens when the disk does not take what it had accepted (EIO of a flush); nothing by default but the error. Linux
+// then forgets which bytes are lost, and the next flush succeeds: a service must end, and read what is there when it
+// starts again. Set before there are threads.
+void when_flush_fails(void (*handler)());
+// Calls that handler.
+void flush_failed();
+
 class File {
  public:
   File() = default;
@@ -23,7 +30,7 @@ class File {
   // Makes a new file for writing and reading; refuses one that exists. Errors: disk_full, unavailable (no
   // permission).
   static Result<File> create(const std::filesystem::path& path);
-  // Opens a file for reading. Errors: not_found, unreadable.
+  // Opens a regular file for reading. Errors: not_found, unreadable.
   static Result<File> open(const std::filesystem::path& path);
 
   bool is_open() const { return descriptor_ >= 0; }

@@ -1,6 +1,7 @@
 #include "api/base/utf8.hpp"
 
 #include <clocale>
+#include <cstdio>
 #include <cwctype>
 
 namespace vacuform {
@@ -27,6 +28,37 @@ std::optional<std::u32string> code_points(std::string_view utf8) {
     points += point;
   }
   return points;
+}
+
+namespace {
+
+bool acts(char32_t point) {
+  return point < 0x20 || (point >= 0x7f && point < 0xa0) || point == 0x61c || point == 0x200e ||
+         point == 0x200f || (point >= 0x2028 && point <= 0x202e) || (point >= 0x2066 && point <= 0x2069) ||
+         point == 0xfeff;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    std::size_t length = 1;
+    std::optional<std::u32string> points;
+    for (; length <= 4 && at + length <= text.size(); ++length)
+      if ((points = code_points(text.substr(at, length)))) break;
+    const std::string_view piece = text.substr(at, points ? length : 1);
+    at += piece.size();
+    if (points && !acts(points->front())) {
+      out += piece;
+      continue;
+    }
+    char written[12];
+    const unsigned value = points ? points->front() : static_cast<unsigned char>(piece[0]);
+    std::snprintf(written, sizeof written, value < 0x100 ? "\\x%02x" : "\\u%04x", value);
+    out += written;
+  }
+  return out;
 }
 
 std::string utf8(std::u32string_view points) {

@@ -34,7 +34,7 @@ class TextNames : public NameFilter::Format {
   }
   void end(std::string& out) override { decide(out); }
   void fields(FilterState& state) override {
-    state(held_, line_.word, line_.rest, decided_, in_facets_, passing_, last_);
+    state(held_, line_.word, line_.rest, decided_, passing_, last_);
   }
 
  private:
@@ -79,8 +79,8 @@ class TextNames : public NameFilter::Format {
     switch (kind_) {
       case TextKind::stl:
         if (word == "solid" || word == "endsolid") return {true, false};
-        in_facets_ = in_facets_ || one_of(word, stl_words);
-        return {in_facets_, in_facets_};  // before them, a name that goes over several lines
+        // Everything else is a part of a name, which may go over several lines, before the facets or after them.
+        return one_of(word, stl_words) ? Line{true, true} : Line{false, false};
       case TextKind::obj:
         if (one_of(word, obj_names)) return {true, false};
         return {one_of(word, obj_numbers), one_of(word, obj_numbers)};
@@ -106,7 +106,7 @@ class TextNames : public NameFilter::Format {
   const TextKind kind_;
   std::string held_;  // the first word of the line, until it has ended
   Line line_;
-  bool decided_ = false, in_facets_ = false, passing_ = false;
+  bool decided_ = false, passing_ = false;
   char last_ = '\0';  // of what was kept of the line, but blanks
 };
 

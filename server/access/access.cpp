@@ -82,10 +82,25 @@ Result<Caller> Access::caller_of_session(const http::Request& request) {
   const Millis now = clock_();
   if (session && now < session->ends && usable(session->token, now)) {
     const Token& token = session->token;
-    return Caller{token.id, token.owner, token.scopes, token.expires,
-                  std::min(session->ends, token.expires.value_or(session->ends))};
+    return Caller{token.id,
+                  token.owner,
+                  token.scopes,
+                  token.expires,
+                  std::min(session->ends, token.expires.value_or(session->ends)),
+                  text_hash(cookie_of(request))};
   }
   return fail(Code::unauthorized, "the session has ended", "Cookie", "sign in again at /sign-in");
+}
+
+bool Access::still_allowed(const Caller& caller) const {
+  const Millis now = clock_();
+  if (caller.session.empty()) {
+    const auto token = tokens_.token(caller.token);
+    return token ? usable(*token, now) : token.error().code != Code::not_found;
+  }
+  const auto session = sessions_.find_session(caller.session);
+  return session ? now < session->ends && usable(session->token, now)
+                 : session.error().code != Code::not_found;
 }
 
 // The answer to a wrong token: at first that it is wrong; after too many attempts, to wait.

@@ -23,6 +23,7 @@ struct Caller {
   Scopes scopes;
   std::optional<Millis> expires = {};       // of the token
   std::optional<Millis> session_ends = {};  // by sign-in: the session, or the token if that is earlier
+  std::string session = {};                 // the hash of its cookie, by sign-in
 
   bool sees_of(const std::string& other) const { return scopes.has(Scope::admin) || other == owner; }
   // The owner whose jobs a list shows; none: everybody's.
@@ -39,6 +40,10 @@ class Access {
   // tokens beyond twenty at once and one a second later; and those of the store. A right token is never refused because
   // others are wrong.
   Result<Caller> check(const http::Request& request, Scope wanted);
+
+  // Whether the token of a caller who was let in can still be used, and the session has not ended: for answers that last.
+  // True if the store cannot tell.
+  bool still_allowed(const Caller& caller) const;
 
   // The value of Set-Cookie for someone who shows a usable token; `by_tls`: through the TLS front. Errors: as above.
   Result<std::string> sign_in(std::string_view token, bool by_tls);

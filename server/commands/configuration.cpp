@@ -29,6 +29,7 @@ StoreOptions Configuration::store_options() const {
   options.database = store;
   options.blobs = blobs;
   options.blobs_credentials = blobs_credentials;
+  options.quarantine_days = quarantine_days;
   return options;
 }
 
@@ -108,6 +109,17 @@ void Configuration::add_to(ConfigurationSources& sources) {
       .add("lease_seconds", &lease_seconds,
            "Silence of a worker after which another gets its job; workers report every second")
       ->check(CLI::Range(3, 3600));
+  sources
+      .add("check_hours", &check_hours,
+           "Hours from one check of the database and of all files for damage to the next; 0: none")
+      ->check(CLI::Range(0.0, 8760.0));
+  sources
+      .add("check_mib_per_second", &check_mib_per_second, "MiB that such a check reads in a second at most")
+      ->check(CLI::Range(1, 10'000));
+  sources
+      .add("quarantine_days", &quarantine_days,
+           "Days after which a file is deleted that belonged to no job and was moved to DATA/quarantine")
+      ->check(CLI::Range(1, 3650));
   sources.add("worker_program", &worker_program, "The worker");
   sources
       .add("worker_user", &worker_user,

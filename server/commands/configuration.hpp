@@ -20,6 +20,9 @@ struct Configuration {
   std::filesystem::path blobs_credentials;  // empty: the environment
   int workers = 0;
   int lease_seconds = 30;
+  double check_hours = 24;       // from one check of all that is stored to the next; 0: none
+  int check_mib_per_second = 8;  // that it reads at most
+  int quarantine_days = 30;
   std::filesystem::path worker_program;  // empty until add_to(): vacuform-worker beside this program
   std::string worker_user;               // user of the workers; empty: this program's user
   std::filesystem::path log;             // empty: standard error

@@ -2,15 +2,18 @@
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sysexits.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <tuple>
 
+#include "api/base/file.hpp"
 #include "api/base/log.hpp"
 #include "api/base/secrets.hpp"
 #include "api/commit.hpp"
@@ -23,12 +26,14 @@
 #include "server/commands/local_workers.hpp"
 #include "server/commands/migrate_command.hpp"
 #include "server/commands/orphans_command.hpp"
+#include "server/commands/repair_commands.hpp"
 #include "server/commands/token_command.hpp"
 #include "server/http/problem.hpp"
 #include "server/http/server.hpp"
 #include "server/jobs/kept_folder.hpp"
 #include "server/routes/routes.hpp"
 #include "server/routes/status_routes.hpp"
+#include "server/store/store_watch.hpp"
 
 namespace vacuform {
 namespace {
@@ -126,6 +131,10 @@ Result<void> serve(const Configuration& options) {
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
   raise_file_limit();
+  when_flush_fails([] {
+    log_event("disk-failed", {{"problem", "the disk did not take what it had accepted"}});
+    std::_Exit(EX_IOERR);
+  });
 
   Metrics metrics;
   StoreOptions store_options = options.store_options();
@@ -135,6 +144,10 @@ Result<void> serve(const Configuration& options) {
   // The workers, which this process starts, must not inherit them.
   for (const char* name : {"AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY", "AWS_SESSION_TOKEN"})
     ::unsetenv(name);
+  std::optional<StoreWatch> watch;
+  if (options.check_hours > 0)
+    watch.emplace(*store, std::chrono::milliseconds(static_cast<std::int64_t>(options.check_hours * 3.6e6)),
+                  static_cast<std::uint64_t>(options.check_mib_per_second) << 20);
   VACUFORM_TRY(kept, KeptFolder::open(options.data, *store));
   const std::filesystem::path token_file = std::filesystem::absolute(options.data / "worker-token");
   VACUFORM_CHECK(first_tokens(*store, options.data, token_file));
@@ -203,7 +216,8 @@ Result<void> serve(const Configuration& options) {
 }
 
 // What the program does besides serving.
-using Commands = std::tuple<TokenCommand, BackupCommand, CopyStoreCommand, OrphansCommand, MigrateCommand>;
+using Commands = std::tuple<TokenCommand, BackupCommand, RestoreCommand, VerifyCommand, AdoptCommand,
+                            CopyStoreCommand, OrphansCommand, MigrateCommand>;
 
 Result<void> run(ConfigurationSources& sources, const Configuration& configuration, Commands& commands,
                  int argc, char** argv) {

@@ -201,6 +201,14 @@ std::string percent_decoded(std::string_view text, bool plus_is_space) {
   return out;
 }
 
+// A proxy and this server would see different paths.
+bool hides_a_separator(std::string_view path) {
+  for (std::size_t at = 0; (at = path.find('%', at)) != std::string_view::npos; ++at)
+    if (const auto code = lower(path.substr(at + 1, 2)); code == "2f" || code == "5c" || code == "00")
+      return true;
+  return false;
+}
+
 tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limits) {
   const std::size_t first = text.find("\r\n");
   const auto line = parse_request_line(text.substr(0, first));
@@ -218,7 +226,10 @@ tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limi
   Target target = split_target(line->target);
   if (target.authority.data() != nullptr && !equal_ignoring_case(target.authority, host))
     return refuse(400, "the address and Host name two different hosts", "send the same in both");
-  head.path = percent_decoded(take_until(target.path, '?'));
+  const std::string_view path = take_until(target.path, '?');
+  if (hides_a_separator(path))
+    return refuse(400, "the path has an encoded separator", "send / and \\ as they are, and never a zero");
+  head.path = percent_decoded(path);
   if (head.path.empty()) head.path = "/";  // "http://host" and "http://host?query"
   parse_query(target.path, head.query);
   return head;

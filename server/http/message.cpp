@@ -16,6 +16,10 @@ std::string_view Request::header(std::string_view name) const {
   return {};
 }
 
+bool Request::has(std::string_view name) const {
+  return std::ranges::any_of(headers, [&](const Header& h) { return equal_ignoring_case(h.name, name); });
+}
+
 std::string Request::query_value(const std::string& name) const {
   const auto it = query.find(name);
   return it == query.end() ? std::string() : it->second;

@@ -43,6 +43,7 @@ struct Request {
 
   // The first header of that name, in any case; empty if it is absent.
   std::string_view header(std::string_view name) const;
+  bool has(std::string_view name) const;
   // A capture of the route's pattern.
   const std::string& at(const std::string& name) const { return captures.at(name); }
   std::string query_value(const std::string& name) const;

@@ -4,6 +4,7 @@
 
 #include "api/base/strict_json.hpp"
 #include "api/base/text.hpp"
+#include "api/base/utf8.hpp"
 #include "api/problem.hpp"
 
 namespace vacuform {
@@ -16,9 +17,9 @@ ordered_json problem_json(const Error& error, int status) {
           {"title", code.title},
           {"status", status != 0 ? status : code.http_status},
           {"detail", error.text()},
-          {"what", error.what},
-          {"where", error.where},
-          {"fix", error.fix},
+          {"what", printable(error.what)},
+          {"where", printable(error.where)},
+          {"fix", printable(error.fix)},
           {"proposals", proposals_json(error.proposals)}};
 }
 

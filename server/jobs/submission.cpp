@@ -92,11 +92,11 @@ Result<Settings> merged_settings(const std::string& base, const std::string& tex
   return settings_from_json(object);
 }
 
-// The Idempotency-Key of a request; empty if it has none.
+// The Idempotency-Key of a request; empty if it has none. An empty one is a client's fault: it would not protect.
 Result<std::string> client_key_of(const http::Request& request) {
   std::string key(request.header("Idempotency-Key"));
   const bool visible = std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c <= '~'; });
-  if (!key.empty() && (key.size() < 8 || key.size() > 128 || !visible))
+  if (request.has("Idempotency-Key") && (key.size() < 8 || key.size() > 128 || !visible))
     return fail(Code::bad_usage, "the key has not 8 to 128 visible ASCII characters", "Idempotency-Key",
                 "send for example a random UUID");
   return key;

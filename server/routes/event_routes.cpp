@@ -27,7 +27,8 @@ namespace {
 
 constexpr auto slice = 500ms;  // of waiting: a client that left and a server that stops are noticed so soon
 constexpr auto silence = 15s;  // after which a comment is sent, so that nobody in between hangs up
-constexpr auto longest_stream = 10min;  // then the client comes again, with a token that still holds
+constexpr auto between_looks = 2s;      // at the token of a client that listens
+constexpr auto longest_stream = 10min;  // then the client comes again
 constexpr int lines_at_once = 200;
 
 // The JSON of jobs that are asked for again and again, one version of each. It is much more work to write than the job is to
@@ -133,10 +134,19 @@ ordered_json change_json(const Job& job) {
 // What the client has not heard yet of the job as it is now.
 class Telling {
  public:
-  Telling(Store& store, std::string id, Heard heard) : store_(store), id_(std::move(id)), heard_(heard) {}
+  Telling(Service& service, std::string id, Heard heard, Caller caller)
+      : store_(service.store),
+        access_(service.access),
+        caller_(std::move(caller)),
+        id_(std::move(id)),
+        heard_(heard) {}
 
   std::optional<std::string> operator()() {
     if (over_ || steady_clock::now() - begun_ > longest_stream) return std::nullopt;
+    if (steady_clock::now() - looked_ > between_looks) {
+      looked_ = steady_clock::now();
+      if (!access_.still_allowed(caller_)) return std::nullopt;
+    }
     const auto job = store_.wait_for_change(id_, heard_.version, slice);
     if (!job) return std::nullopt;  // deleted meanwhile
     std::string text;
@@ -167,8 +177,11 @@ class Telling {
   }
 
   Store& store_;
+  const Access& access_;
+  const Caller caller_;
   const std::string id_;
   Heard heard_;
+  steady_clock::time_point looked_ = steady_clock::now();  // at the token
   const steady_clock::time_point begun_ = steady_clock::now();
   steady_clock::time_point spoke_ = begun_;
   bool over_ = false;
@@ -188,7 +201,7 @@ Result<Response> get_events(Service& service, const Request& request, const Call
   response.set("X-Accel-Buffering", "no");  // nginx passes events on as they come
   response.media_type = "text/event-stream";
   response.party = caller.owner;
-  response.stream = Telling(service.store, job.id, heard);
+  response.stream = Telling(service, job.id, heard, caller);
   return response;
 }
 

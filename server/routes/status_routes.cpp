@@ -49,6 +49,15 @@ Result<Response> metrics(const Status& status) {
       jobs.samples.push_back({"vacuform_jobs", "state=\"" + std::string(job_state_names[i]) + "\"",
                               static_cast<double>(store->counts[i])});
     families.push_back(std::move(jobs));
+    gauge("vacuform_store_damaged_jobs", "Jobs whose rows were found damaged since the start",
+          static_cast<double>(store->damaged_jobs));
+    gauge("vacuform_store_damaged_files", "Stored files that were found damaged or missing",
+          static_cast<double>(store->damaged_files));
+    gauge("vacuform_store_files_without_job", "Files in the data folder that no job names",
+          static_cast<double>(store->unnamed_files));
+    if (store->last_check)
+      gauge("vacuform_store_last_check_timestamp_seconds", "End of the last check of all that is stored",
+            static_cast<double>(*store->last_check) / 1000);
     if (store->oldest_transaction_seconds)
       gauge("vacuform_database_oldest_transaction_seconds",
             "Age of the oldest transaction in PostgreSQL that keeps it from removing dead rows",

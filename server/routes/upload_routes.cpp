@@ -73,6 +73,13 @@ Result<Metadata> metadata_of(std::string_view text) {
   return metadata;
 }
 
+// Extensions of tus that change what a request means, and are not there.
+Result<void> refuse_unknown_extensions(const Request& request) {
+  if (!request.has("Upload-Concat")) return {};
+  return fail(Code::bad_usage, "uploads are not put together from others", "Upload-Concat",
+              "send the whole file as one upload");
+}
+
 ordered_json upload_json(const StoredUpload& upload, std::uint64_t offset) {
   return {{"id", upload.id},
           {"input", upload.input},
@@ -119,6 +126,7 @@ Result<Response> create(Service& service, Request& request, const Caller& caller
   if (!request.header("Upload-Defer-Length").empty())
     return fail(Code::bad_usage, "the length must be known at the beginning", "Upload-Defer-Length",
                 "send Upload-Length");
+  VACUFORM_CHECK(refuse_unknown_extensions(request));
   VACUFORM_TRY(length, number_in(request, "Upload-Length"));
   VACUFORM_TRY(metadata, metadata_of(request.header("Upload-Metadata")));
   const InputKind* kind = input_kind(metadata.input);

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "api/base/log.hpp"
+#include "api/base/secrets.hpp"
+#include "server/store/folder_mark.hpp"
 #include "server/store/sqlite.hpp"
 
 namespace vacuform {
@@ -25,23 +27,10 @@ Result<void> check_target(const fs::path& to) {
               "give the absolute path of a folder that is empty, with mode 0700");
 }
 
-Result<std::vector<std::string>> hashes_in(Database& db) {
-  std::vector<std::string> hashes;
-  Query query(db,
-              "SELECT blob FROM input UNION SELECT blob FROM artifact UNION SELECT blob FROM scan"
-              " UNION SELECT blob FROM upload WHERE blob IS NOT NULL");
-  for (;;) {
-    VACUFORM_TRY(more, query.row());
-    if (!more) return hashes;
-    hashes.push_back(query.text(0));
-  }
-}
-
 Result<std::int64_t> jobs_in(Database& db) {
-  Query check(db, "PRAGMA quick_check(1)");
-  VACUFORM_CHECK(check.row());
-  if (check.text(0) != "ok")
-    return fail(Code::internal, "the copy of the job store is damaged: " + check.text(0), "jobs.sqlite",
+  VACUFORM_TRY(fault, page_fault(db, PageCheck::full));
+  if (!fault.empty())
+    return fail(Code::internal, "the copy of the job store is damaged: " + fault, "jobs.sqlite",
                 "the store itself may be: restore it from an older backup");
   Query count(db, "SELECT count(*) FROM job");
   VACUFORM_CHECK(count.row());
@@ -58,6 +47,28 @@ Result<void> forget_sessions(Database& db) { return db.execute("DELETE FROM sess
 
 }  // namespace
 
+Result<std::vector<std::string>> named_hashes(Database& db) {
+  std::vector<std::string> hashes;
+  Query query(db,
+              "SELECT blob FROM input UNION SELECT blob FROM artifact UNION SELECT blob FROM scan"
+              " UNION SELECT blob FROM upload WHERE blob IS NOT NULL");
+  for (;;) {
+    VACUFORM_TRY(more, query.row());
+    if (!more) return hashes;
+    hashes.push_back(query.text(0));
+  }
+}
+
+Result<std::string> number_rows(Database& db) {
+  const auto number = random_number() & 0x7fffffff;
+  VACUFORM_CHECK(Query(db,
+                       "INSERT INTO remembered(name, value) VALUES('database', ?) ON CONFLICT(name) DO UPDATE"
+                       " SET value=excluded.value",
+                       number)
+                     .run());
+  return std::to_string(number);
+}
+
 Result<BackupReport> make_backup(const fs::path& to, BlobStore& blobs,
                                  const std::function<Result<void>(const fs::path&)>& copy_rows,
                                  const std::function<bool()>& going,
@@ -70,9 +81,12 @@ Result<BackupReport> make_backup(const fs::path& to, BlobStore& blobs,
   VACUFORM_CHECK(copy.open(file.string()));
   VACUFORM_CHECK(forget_bucket(copy));
   VACUFORM_CHECK(forget_sessions(copy));
+  VACUFORM_CHECK(copy.execute("DELETE FROM pending_deletion"));
+  VACUFORM_TRY(number, number_rows(copy));
+  VACUFORM_CHECK(write_folder_mark(to, {sqlite_name, number}));
   VACUFORM_TRY(jobs, jobs_in(copy));
   report.jobs = jobs;
-  VACUFORM_TRY(hashes, hashes_in(copy));
+  VACUFORM_TRY(hashes, named_hashes(copy));
   for (const std::string& sha256 : hashes) {
     if (!going()) return fail(Code::cancelled, "the backup was cancelled", to.string());
     const auto copied = blobs.copy(sha256, to / "blobs");

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "server/store/blob_store.hpp"
+#include "server/store/sql.hpp"
 #include "server/store/store.hpp"
 
 namespace vacuform {
@@ -15,5 +16,10 @@ Result<BackupReport> make_backup(const std::filesystem::path& to, BlobStore& blo
                                  const std::function<Result<void>(const std::filesystem::path&)>& copy_rows,
                                  const std::function<bool()>& going,
                                  const std::function<Result<void>()>& done);
+
+// The hashes of all blobs that the rows name, but for the pieces of unfinished uploads.
+Result<std::vector<std::string>> named_hashes(Database& db);
+// Gives the rows a number of their own, as those of no data folder yet (folder_mark.hpp).
+Result<std::string> number_rows(Database& db);
 
 }  // namespace vacuform

@@ -16,6 +16,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/base/file.hpp"
 #include "api/base/sha256.hpp"
@@ -144,8 +145,21 @@ class BlobStore {
   // collect_again() tries again; the latter is logged.
   virtual void collect(const std::string& sha256, const Named& named) = 0;
   virtual void collect_again(const Named& named) = 0;
-  // Deletes blobs that no row names. Only before anything is put. Errors: unavailable.
-  virtual Result<void> sweep(const Named& named) = 0;
+  // Whether the blob is there and, if `read`, whether its bytes have its hash, whatever is known of them. `going` is told
+  // the bytes read since the last call. Errors: not_found, gone, unavailable, cancelled.
+  using CheckGoing = std::function<bool(std::uint64_t bytes)>;
+  virtual Result<void> check(const std::string& sha256, bool read, const CheckGoing& going) = 0;
+  // What no row names, as Store promises: few old ones go into quarantine, others are counted. Files that were in
+  // quarantine for so many days are deleted. Only before anything is put. Errors: unavailable.
+  struct Unnamed {
+    std::int64_t files = 0, bytes = 0;
+    std::vector<std::string> hashes = {};  // of unnamed() alone
+  };
+  virtual Result<Unnamed> sweep(const Named& named, int quarantine_days) = 0;
+  // The same without moving anything; from any thread at any time.
+  virtual Result<Unnamed> unnamed(const Named&) { return Unnamed(); }
+  // Moves a blob out of the way: into quarantine, where a person finds it. Errors: unavailable, bad_usage (an object store).
+  virtual Result<void> set_in_quarantine(const std::string& sha256) = 0;
   // As Store::orphans().
   virtual Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going);
 };

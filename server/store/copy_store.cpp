@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "server/store/incoming.hpp"
 #include "server/store/postgres_schema.hpp"
+#include "server/store/rows_file.hpp"
 #include "server/store/sql_store.hpp"
 #include "server/store/sqlite.hpp"
 
@@ -33,28 +33,6 @@ const std::vector<TableStatements>& table_statements() {
   static const std::vector<TableStatements> all(copied_tables().begin(), copied_tables().end());
   return all;
 }
-
-// A file of SQLite with the rows of a store, deleted with this object.
-class RowsFile {
- public:
-  explicit RowsFile(fs::path path) : path_(std::move(path)) {}
-  RowsFile(const RowsFile&) = delete;
-  RowsFile& operator=(const RowsFile&) = delete;
-  ~RowsFile() {
-    db_.reset();
-    for (const char* end : {"", "-journal", "-shm", "-wal"}) (void)delete_file(path_.string() + end);
-  }
-  const fs::path& path() const { return path_; }
-  Result<void> open() {
-    db_.emplace();
-    return db_->open(path_.string());
-  }
-  SqliteDatabase& db() { return *db_; }
-
- private:
-  const fs::path path_;
-  std::optional<SqliteDatabase> db_;
-};
 
 Result<std::vector<Blob>> named_blobs(Database& db) {
   std::vector<Blob> blobs;

@@ -66,7 +66,8 @@ Result<Pin> FileBlobs::put(Upload& upload) {
   return pin;
 }
 
-Result<void> CheckedFiles::check(const File& file, const std::string& sha256) {
+Result<void> CheckedFiles::check(const File& file, const std::string& sha256,
+                                 const BlobStore::CheckGoing& going) {
   struct stat status {};
   if (::fstat(file.descriptor(), &status) != 0)
     return fail(Code::unavailable, "a stored file cannot be read", sha256);
@@ -76,7 +77,7 @@ Result<void> CheckedFiles::check(const File& file, const std::string& sha256) {
   {
     const std::lock_guard hold(mutex_);
     const auto known = good_.find(sha256);
-    if (known != good_.end() && known->second.seen == now && time < known->second.until) return {};
+    if (!going && known != good_.end() && known->second.seen == now && time < known->second.until) return {};
   }
   Sha256 hash;
   std::vector<char> piece(256 * 1024);
@@ -85,6 +86,7 @@ Result<void> CheckedFiles::check(const File& file, const std::string& sha256) {
     if (n == 0) break;
     hash.add({piece.data(), n});
     at += n;
+    if (going && !going(n)) return fail(Code::cancelled, "the check was cancelled");
   }
   if (hash.hex() != sha256) {
     log_event("blob-damaged", {{"blob", sha256}});
@@ -177,17 +179,90 @@ Result<fs::path> FileBlobs::set_aside(const std::string& sha256) const {
   return fs::path();
 }
 
-Result<void> FileBlobs::sweep(const Named& named) {
+Result<void> FileBlobs::check(const std::string& sha256, bool read, const CheckGoing& going) {
+  VACUFORM_TRY(file, File::open(place(sha256)));
+  if (!read) return {};
+  return checked_.check(file, sha256, going);
+}
+
+Result<std::vector<FileBlobs::Found>> FileBlobs::find_unnamed(const Named& named, std::size_t& all) const {
+  constexpr auto young = std::chrono::hours(24);
   std::error_code error;
-  std::vector<fs::path> unwanted;
-  for (const auto& entry : fs::recursive_directory_iterator(blobs_, error))
-    if (!entry.is_directory(error) && !named(entry.path().filename().string()).value_or(true))
-      unwanted.push_back(entry.path());
+  std::vector<Found> found;
+  const auto now = fs::file_time_type::clock::now();
+  for (const auto& entry : fs::recursive_directory_iterator(blobs_, error)) {
+    std::error_code gone;
+    if (entry.is_directory(gone)) continue;
+    ++all;
+    if (named(entry.path().filename().string()).value_or(true)) continue;
+    const auto bytes = entry.file_size(gone);
+    const auto written = entry.last_write_time(gone);
+    if (!gone) found.push_back({entry.path(), bytes, written > now - young});
+  }
   if (error) return fail(Code::unavailable, "reading the blobs' folder failed: " + error.message(), "blobs");
-  for (const auto& path : unwanted)
-    if (const auto deleted = delete_file(path); !deleted)
-      log_event("file-not-deleted", {{"blob", path.filename().string()}, {"problem", deleted.error().what}});
-  return {};
+  return found;
+}
+
+Result<BlobStore::Unnamed> FileBlobs::unnamed(const Named& named) {
+  std::size_t all = 0;
+  VACUFORM_TRY(found, find_unnamed(named, all));
+  Unnamed sum;
+  for (const Found& file : found) {
+    ++sum.files, sum.bytes += static_cast<std::int64_t>(file.bytes);
+    sum.hashes.push_back(file.path.filename().string());
+  }
+  return sum;
+}
+
+Result<BlobStore::Unnamed> FileBlobs::sweep(const Named& named, int quarantine_days) {
+  constexpr std::size_t few = 20, percent = 1;
+  empty_quarantine(quarantine_days);
+  std::size_t all = 0;
+  VACUFORM_TRY(found, find_unnamed(named, all));
+  // More are not those of a crash: the rows are lost, or older than the files.
+  const bool move = (found.size() <= few && 2 * found.size() <= all) || found.size() <= percent * all / 100;
+  Unnamed left, moved;
+  for (const Found& file : found) {
+    const std::string name = file.path.filename().string();
+    const auto done = move && !file.young ? set_in_quarantine(name) : Result<void>();
+    if (!done) log_event("file-not-moved", {{"blob", name}, {"problem", done.error().what}});
+    Unnamed& sum = move && !file.young && done ? moved : left;
+    ++sum.files, sum.bytes += static_cast<std::int64_t>(file.bytes);
+  }
+  if (!found.empty())
+    log_event("files-without-job", {{"files", left.files},
+                                    {"bytes", left.bytes},
+                                    {"quarantined_files", moved.files},
+                                    {"quarantined_bytes", moved.bytes},
+                                    {"too_many_to_move", !move}});
+  return left;
+}
+
+// The time of the file begins anew: the days in quarantine count from here.
+Result<void> FileBlobs::set_in_quarantine(const std::string& sha256) {
+  VACUFORM_CHECK(make_directory(quarantine_));
+  std::error_code error;
+  fs::last_write_time(place(sha256), fs::file_time_type::clock::now(), error);
+  fs::rename(place(sha256), quarantine_ / sha256, error);
+  if (error)
+    return fail(Code::unavailable, "a file cannot be moved into quarantine: " + error.message(), sha256,
+                "check that the server may write to its data folder");
+  return sync_directory(quarantine_);
+}
+
+void FileBlobs::empty_quarantine(int days) const {
+  std::error_code error;
+  Unnamed deleted;
+  const auto until = fs::file_time_type::clock::now() - std::chrono::hours(24 * days);
+  if (!fs::exists(quarantine_, error)) return;
+  for (const auto& entry : fs::directory_iterator(quarantine_, error)) {
+    std::error_code gone;
+    const auto bytes = entry.file_size(gone);
+    if (gone || entry.last_write_time(gone) > until || gone || !delete_file(entry.path())) continue;
+    ++deleted.files, deleted.bytes += static_cast<std::int64_t>(bytes);
+  }
+  if (deleted.files > 0)
+    log_event("quarantine-emptied", {{"files", deleted.files}, {"bytes", deleted.bytes}});
 }
 
 }  // namespace vacuform

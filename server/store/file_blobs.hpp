@@ -1,5 +1,6 @@
 // Blobs as files: DATA/blobs/ab/<sha256>. Uploads are written to DATA/incoming; put() flushes them, gives them their
 // final names on the same disk and flushes the folder. Files that a crash left in incoming are deleted at the next start.
+// Blobs without a job go to DATA/quarantine.
 #pragma once
 
 #include <chrono>
@@ -25,8 +26,9 @@ std::unique_ptr<BlobReader> reader_of(File file);
 class CheckedFiles {
  public:
   explicit CheckedFiles(std::chrono::milliseconds trust) : trust_(trust) {}
-  // Errors: gone: the bytes do not have that hash. Reads the whole file unless it is known.
-  Result<void> check(const File& file, const std::string& sha256);
+  // Errors: gone: the bytes do not have that hash. Reads the whole file unless it is known, and always with a `going`,
+  // which gives cancelled.
+  Result<void> check(const File& file, const std::string& sha256, const BlobStore::CheckGoing& going = {});
 
  private:
   struct Seen {
@@ -50,6 +52,10 @@ class FileBlobs : public BlobStore {
   static Result<std::unique_ptr<BlobStore>> open(const std::filesystem::path& data,
                                                  std::shared_ptr<const DiskRoom> room = nullptr,
                                                  std::chrono::milliseconds trust = std::chrono::hours(1));
+  // The files of a folder without a server: nothing is made or emptied. For check(), copy() and set_in_quarantine().
+  static std::unique_ptr<BlobStore> existing(const std::filesystem::path& data) {
+    return std::unique_ptr<BlobStore>(new FileBlobs(data, nullptr, std::chrono::milliseconds(0)));
+  }
 
   Result<void> begin(ObjectTable& objects) override;
   Result<Upload> upload(Use use = Use::submission) override { return incoming_.upload(use); }
@@ -61,7 +67,10 @@ class FileBlobs : public BlobStore {
   Result<void> copy(const std::string& sha256, const std::filesystem::path& blobs) override;
   void collect(const std::string& sha256, const Named& named) override { collect(sha256, named, false); }
   void collect_again(const Named& named) override;
-  Result<void> sweep(const Named& named) override;
+  Result<void> check(const std::string& sha256, bool read, const CheckGoing& going) override;
+  Result<Unnamed> sweep(const Named& named, int quarantine_days) override;
+  Result<Unnamed> unnamed(const Named& named) override;
+  Result<void> set_in_quarantine(const std::string& sha256) override;
 
  private:
   struct Trash {
@@ -70,7 +79,10 @@ class FileBlobs : public BlobStore {
   };
   FileBlobs(const std::filesystem::path& data, std::shared_ptr<const DiskRoom> room,
             std::chrono::milliseconds trust)
-      : blobs_(data / "blobs"), incoming_(data, std::move(room)), checked_(trust) {}
+      : blobs_(data / "blobs"),
+        quarantine_(data / "quarantine"),
+        incoming_(data, std::move(room)),
+        checked_(trust) {}
   std::filesystem::path place(const std::string& sha256) const {
     return blobs_ / sha256.substr(0, 2) / sha256;
   }
@@ -81,7 +93,16 @@ class FileBlobs : public BlobStore {
   void collect(const std::string& sha256, const Named& named, bool logged);
   void try_later(const std::string& sha256, bool logged);
 
-  const std::filesystem::path blobs_;
+  struct Found {
+    std::filesystem::path path;
+    std::uint64_t bytes;
+    bool young;
+  };
+  // All files that no row names, out of `all`.
+  Result<std::vector<Found>> find_unnamed(const Named& named, std::size_t& all) const;
+  void empty_quarantine(int days) const;
+
+  const std::filesystem::path blobs_, quarantine_;
   const Incoming incoming_;
   const std::shared_ptr<BlobPins> pins_ = std::make_shared<BlobPins>();
   mutable CheckedFiles checked_;

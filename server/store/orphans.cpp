@@ -43,16 +43,18 @@ Result<OrphanReport> S3Blobs::orphans(const OrphanSearch& search, const std::fun
   std::vector<std::string> found;
   for (std::string after;;) {
     if (!going()) return orphans_cancelled();
-    VACUFORM_TRY(page, client_->list(after));
-    if (page.empty()) break;
-    after = page.back().key;
-    std::erase_if(page, [](const S3Listed& object) { return !is_object_key(object.key); });
-    if (page.empty()) continue;
-    report.objects += static_cast<std::int64_t>(page.size());
-    VACUFORM_TRY(known, objects_->keys_between(page.front().key.substr(0, hash_size),
-                                               page.back().key.substr(0, hash_size)));
-    for (const S3Listed& object : page) {
-      if (known.count(object.key) > 0 || !object.stored || *object.stored > until) continue;
+    auto page = client_->list(after);
+    if (!page) return tl::make_unexpected(page.error());
+    if (page->empty()) break;
+    after = page->back().key;
+    std::erase_if(*page, [](const S3Listed& object) { return !is_object_key(object.key); });
+    if (page->empty()) continue;
+    report.objects += static_cast<std::int64_t>(page->size());
+    const auto known =
+        objects_->keys_between(page->front().key.substr(0, hash_size), page->back().key.substr(0, hash_size));
+    if (!known) return tl::make_unexpected(known.error());
+    for (const S3Listed& object : *page) {
+      if (known->count(object.key) > 0 || !object.stored || *object.stored > until) continue;
       found.push_back(object.key);
       report.bytes += object.bytes;
       report.oldest = std::min(report.oldest.value_or(*object.stored), *object.stored);

@@ -11,8 +11,8 @@ namespace {
 // What takes a database from version i to i + 1. A server of the version before keeps working on it: a change adds, and
 // what it makes superfluous goes with a later version.
 constexpr std::array postgres_changes{
-    // 0: empty. Texts sort by their bytes, as in SQLite. The leases are apart from the jobs, since each heartbeat writes
-    // one: their rows are small, and no index changes with them.
+    // Texts sort by their bytes, as in SQLite. The leases are apart from the jobs, since each heartbeat writes one: their
+    // rows are small, and no index changes with them.
     R"sql(
 CREATE TABLE job(
   id text COLLATE "C" PRIMARY KEY, client_key text COLLATE "C" UNIQUE, kind text NOT NULL, state text NOT NULL,
@@ -23,11 +23,13 @@ CREATE TABLE job(
   settings text NOT NULL, request text NOT NULL DEFAULT '', owner text COLLATE "C" NOT NULL DEFAULT '',
   priority integer NOT NULL DEFAULT 0, derived_from text, not_before bigint, version bigint NOT NULL DEFAULT 1,
   log_lines integer NOT NULL DEFAULT 0, serious_warnings integer,
-  reference text NOT NULL DEFAULT '', note text NOT NULL DEFAULT ''
+  reference text NOT NULL DEFAULT '', note text NOT NULL DEFAULT '',
+  reference_changes text NOT NULL DEFAULT '', error_proposals text
 ) WITH (fillfactor=70, autovacuum_vacuum_scale_factor=0, autovacuum_vacuum_threshold=5000);
 CREATE INDEX job_by_owner ON job(owner, id);
 CREATE INDEX job_by_state ON job(state, id);
 CREATE INDEX job_by_owner_and_state ON job(owner, state, id);
+CREATE INDEX job_by_reference ON job(owner, reference, id) WHERE reference<>'';
 CREATE INDEX job_queue ON job(owner, priority DESC, id) WHERE state='queued';
 CREATE INDEX job_raised ON job(priority DESC, id) WHERE state='queued' AND priority>0;
 CREATE TABLE lease(
@@ -58,7 +60,7 @@ CREATE TABLE token(
 CREATE TABLE upload(
   id text COLLATE "C" PRIMARY KEY, owner text COLLATE "C" NOT NULL, input text NOT NULL, extension text NOT NULL,
   length bigint NOT NULL, created bigint NOT NULL, expires bigint NOT NULL, collected integer NOT NULL DEFAULT 0,
-  blob text COLLATE "C", bytes bigint
+  blob text COLLATE "C", bytes bigint, received bigint NOT NULL DEFAULT 0
 );
 CREATE INDEX upload_by_owner ON upload(owner) WHERE collected=0;
 CREATE INDEX upload_by_blob ON upload(blob) WHERE blob IS NOT NULL;
@@ -92,34 +94,19 @@ END $body$;
 CREATE TRIGGER job_made AFTER INSERT OR DELETE ON job FOR EACH ROW EXECUTE FUNCTION count_job();
 CREATE TRIGGER job_moved AFTER UPDATE OF state ON job FOR EACH ROW WHEN (OLD.state<>NEW.state)
   EXECUTE FUNCTION count_job();
-)sql",
-    // 1: all blobs were files
-    R"sql(
 CREATE TABLE stored_object(
   sha256 text COLLATE "C" NOT NULL, generation text COLLATE "C" NOT NULL, bytes bigint NOT NULL, state text NOT NULL,
   since bigint NOT NULL, PRIMARY KEY(sha256, generation)
 );
 CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
 CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
-)sql",
-    // 2: sessions were in memory
-    R"sql(
 CREATE TABLE session(hash text COLLATE "C" PRIMARY KEY, token text COLLATE "C" NOT NULL, ends bigint NOT NULL);
-)sql",
-    // 3: unfinished uploads were files of one server
-    R"sql(
-ALTER TABLE upload ADD COLUMN received bigint NOT NULL DEFAULT 0;
 CREATE TABLE upload_piece(
   upload text COLLATE "C" NOT NULL REFERENCES upload(id) ON DELETE CASCADE, number integer NOT NULL,
   blob text COLLATE "C" NOT NULL, bytes bigint NOT NULL, PRIMARY KEY(upload, number)
 );
 CREATE INDEX upload_piece_by_blob ON upload_piece(blob);
-)sql",
-    // 4: a reference could not be changed, nobody looked whose it is, and problems had no proposals
-    R"sql(
-ALTER TABLE job ADD COLUMN reference_changes text NOT NULL DEFAULT '';
-CREATE INDEX job_by_reference ON job(owner, reference, id) WHERE reference<>'';
-ALTER TABLE job ADD COLUMN error_proposals text;
+CREATE TABLE pending_deletion(blob text COLLATE "C" PRIMARY KEY);
 )sql",
 };
 

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "api/base/secrets.hpp"
+#include "server/store/folder_mark.hpp"
 #include "server/store/postgres_schema.hpp"
 #include "server/store/s3_address.hpp"
 #include "server/store/schema.hpp"
@@ -111,7 +112,7 @@ Result<void> PostgresStore::open(const std::filesystem::path& data) {
     if (!again || attempt == most_tries) return changed;
     pause_before(attempt);
   }
-  VACUFORM_CHECK(match_folder(data));
+  VACUFORM_CHECK(match_folder(data, postgresql_name));
   const auto looked = look_at_rows([&](Database& db) -> Result<void> {
     Query newest(db, "SELECT max(created) FROM job");
     VACUFORM_TRY(found, newest.row());
@@ -173,45 +174,6 @@ Result<void> PostgresStore::change_rows(const Change& change) {
       return fail(Code::unavailable, "the database could not make a change", {}, "try again later");
     pause_before(attempt);
   }
-}
-
-// The start deletes blobs that no row names, so the folder and the database must belong together. Both keep the same
-// number. A folder whose blobs are in an object store has none to lose, so any number of them go with one database.
-Result<void> PostgresStore::match_folder(const std::filesystem::path& data) {
-  const std::filesystem::path file = data / database_mark;
-  std::string mark;
-  if (const auto text = read_text_file(file, 64); text)
-    mark = text->substr(0, text->find('\n'));
-  else if (text.error().code != Code::not_found)
-    return tl::make_unexpected(text.error());
-  std::string found;
-  bool jobs = false;
-  const auto looked = change_rows([&](Database& db) {
-    const auto number = std::to_string(random_number() & 0x7fffffff);
-    if (!Query(db, "INSERT INTO remembered(name, value) VALUES('database', ?) ON CONFLICT(name) DO NOTHING",
-               number)
-             .run())
-      return false;
-    Query query(db, "SELECT value, EXISTS(SELECT 1 FROM job) FROM remembered WHERE name='database'");
-    if (!query.row().value_or(false)) return false;
-    found = query.text(0);
-    jobs = query.text(1) == "t";
-    return true;
-  });
-  VACUFORM_CHECK(looked);
-  if (found.empty()) return fail(Code::unavailable, "the database cannot be used", {}, "see its log");
-  if (mark == found) return {};
-  if (!mark.empty())
-    return fail(Code::corrupt_file, "the data folder belongs to another database", data.string(),
-                "give the database of this folder with --store, or another folder with --data");
-  std::error_code error;
-  if (std::filesystem::exists(data / "jobs.sqlite", error))
-    return fail(Code::corrupt_file, "the jobs of this data folder are in SQLite", data.string(),
-                "leave --store out, or give an empty folder with --data");
-  if (jobs && blobs_in_files(options_.blobs))
-    return fail(Code::corrupt_file, "the files of the jobs in the database are in another data folder",
-                data.string(), "give that folder with --data, or an empty database with --store");
-  return write_text_file(file, found + "\n");
 }
 
 std::int64_t PostgresStore::schema_version() const { return newest_postgres_schema; }

@@ -19,9 +19,6 @@
 
 namespace vacuform {
 
-// In a data folder whose jobs are in PostgreSQL.
-inline constexpr const char* database_mark = "database-id";
-
 class PostgresStore : public SqlStore {
  public:
   PostgresStore(StoreOptions options, std::shared_ptr<DiskRoom> room, std::unique_ptr<BlobStore> blobs,
@@ -67,7 +64,6 @@ class PostgresStore : public SqlStore {
     std::atomic<Millis> held_until_{0};
     std::atomic<Millis> none_until_{0};  // by elapsed()
   };
-  Result<void> match_folder(const std::filesystem::path& data);
   enum class Outcome { done, refused, again };
   Result<Outcome> change_once(PostgresConnection& connection, const Change& change);
 

@@ -209,17 +209,40 @@ Result<std::string> S3Blobs::verified(const StoredObject& object) {
   if (!found && found.error().code != Code::not_found) return tl::make_unexpected(found.error());
   if (!found || found->bytes != object.bytes) return damaged(object.sha256);
   if (checked_->good(object.key(), found->etag)) return found->etag;
+  return read_whole(object, found->etag, {});
+}
+
+Result<std::string> S3Blobs::read_whole(const StoredObject& object, const std::string& etag,
+                                        const CheckGoing& going) {
   Sha256 hash;
+  bool cancelled = false;
   const auto got = client_->get(
-      object.key(), 0, 0, found->etag, [&] { hash = Sha256(); },
+      object.key(), 0, 0, etag, [&] { hash = Sha256(); },
       [&](std::string_view piece) {
         hash.add(piece);
-        return true;
+        cancelled = going && !going(piece.size());
+        return !cancelled;
       });
+  if (cancelled) return fail(Code::cancelled, "the check was cancelled");
   if (!got && got.error().code != Code::gone) return tl::make_unexpected(got.error());
   if (!got || hash.hex() != object.sha256) return damaged(object.sha256);
-  checked_->add(object.key(), found->etag);
-  return found->etag;
+  checked_->add(object.key(), etag);
+  return etag;
+}
+
+Result<void> S3Blobs::check(const std::string& sha256, bool read, const CheckGoing& going) {
+  VACUFORM_TRY(object, objects_->live_object(sha256));
+  if (!object) return fail(Code::not_found, "there is no such file", sha256);
+  const auto found = client_->head(object->key());
+  if (!found) return tl::make_unexpected(found.error());
+  if (found->bytes != object->bytes) return damaged(sha256);
+  if (read) VACUFORM_CHECK(read_whole(*object, found->etag, going));
+  return {};
+}
+
+Result<void> S3Blobs::set_in_quarantine(const std::string& sha256) {
+  return fail(Code::bad_usage, "files in an object store have no quarantine", sha256,
+              "move the object with the tools of the object store");
 }
 
 Result<void> S3Blobs::copy(const std::string& sha256, const std::filesystem::path& blobs) {
@@ -274,10 +297,11 @@ Result<void> S3Blobs::condemn_if_unwanted(const std::string& sha256, const Named
   return objects_->condemn_if_unnamed(sha256);
 }
 
-Result<void> S3Blobs::sweep(const Named&) {
+Result<BlobStore::Unnamed> S3Blobs::sweep(const Named&, int) {
   const std::lock_guard hold(mutex_);
   swept_ = options_.clock();
-  return objects_->condemn_unnamed(options_.alone ? 0 : longest_request);
+  VACUFORM_CHECK(objects_->condemn_unnamed(options_.alone ? 0 : longest_request));
+  return Unnamed();
 }
 
 void S3Blobs::collect_again(const Named& named) {

@@ -76,7 +76,10 @@ class S3Blobs : public BlobStore {
   // Condemns the object; collect_again() deletes it after the time of grace.
   void collect(const std::string& sha256, const Named& named) override;
   void collect_again(const Named& named) override;
-  Result<void> sweep(const Named&) override;
+  Result<void> check(const std::string& sha256, bool read, const CheckGoing& going) override;
+  // Condemns the objects of blobs that no row names, if they are few.
+  Result<Unnamed> sweep(const Named&, int) override;
+  Result<void> set_in_quarantine(const std::string& sha256) override;
   Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) override;
 
  private:
@@ -87,6 +90,8 @@ class S3Blobs : public BlobStore {
   Result<std::string> verified(const StoredObject& object);
   Result<void> send(const StoredObject& object, const std::filesystem::path& file);
   Result<void> condemn_if_unwanted(const std::string& sha256, const Named& named);
+  Result<std::string> read_whole(const StoredObject& object, const std::string& etag,
+                                 const CheckGoing& going);
   void sweep_again();
   void delete_condemned();
 

@@ -8,92 +8,43 @@ namespace {
 
 constexpr int application = 0x56666d31;  // "Vfm1": the file is ours
 
-// What takes a database from version i to i + 1; a new one goes through all of them.
+// What takes a database from version i to i + 1; a new one goes through all of them. A change is never edited once it was
+// released. A submitter's row follows from those of its jobs.
 constexpr std::array changes{
-    // 0: empty
     R"sql(
 CREATE TABLE job(
-  id TEXT PRIMARY KEY, client_key TEXT UNIQUE, state TEXT NOT NULL, stage TEXT, progress REAL NOT NULL DEFAULT 0,
-  attempt INTEGER NOT NULL DEFAULT 0, losses INTEGER NOT NULL DEFAULT 0,
-  created INTEGER NOT NULL, started INTEGER, ended INTEGER,
-  worker TEXT, lease_hash TEXT, lease_ends INTEGER,
-  error_code TEXT, error_what TEXT, error_where TEXT, error_mend TEXT,
-  settings TEXT NOT NULL,
-  scan TEXT NOT NULL, scan_bytes INTEGER NOT NULL, scan_extension TEXT NOT NULL,
-  pattern TEXT NOT NULL, pattern_bytes INTEGER NOT NULL, pattern_extension TEXT NOT NULL
+  id TEXT PRIMARY KEY, client_key TEXT UNIQUE, kind TEXT NOT NULL, state TEXT NOT NULL, stage TEXT,
+  progress REAL NOT NULL DEFAULT 0, attempt INTEGER NOT NULL DEFAULT 0, losses INTEGER NOT NULL DEFAULT 0,
+  crashes INTEGER NOT NULL DEFAULT 0, created INTEGER NOT NULL, started INTEGER, ended INTEGER,
+  worker TEXT, lease_hash TEXT, error_code TEXT, error_what TEXT, error_where TEXT, error_fix TEXT, error_proposals TEXT,
+  settings TEXT NOT NULL, request TEXT NOT NULL DEFAULT '', owner TEXT NOT NULL DEFAULT '',
+  priority INTEGER NOT NULL DEFAULT 0, derived_from TEXT, not_before INTEGER, version INTEGER NOT NULL DEFAULT 1,
+  log_lines INTEGER NOT NULL DEFAULT 0, serious_warnings INTEGER,
+  reference TEXT NOT NULL DEFAULT '', note TEXT NOT NULL DEFAULT '', reference_changes TEXT NOT NULL DEFAULT ''
 ) STRICT, WITHOUT ROWID;
-CREATE INDEX job_by_state ON job(state, id);
-CREATE INDEX job_by_scan ON job(scan);
-CREATE INDEX job_by_pattern ON job(pattern);
+CREATE INDEX job_by_owner ON job(owner, id);
+CREATE INDEX job_by_state ON job(state, id, kind, created);
+CREATE INDEX job_by_owner_and_state ON job(owner, state, id, kind, created);
+CREATE INDEX job_by_reference ON job(owner, reference, id) WHERE reference<>'';
+CREATE INDEX job_queue ON job(owner, priority DESC, id) WHERE state='queued';
+CREATE INDEX job_raised ON job(priority DESC, id) WHERE state='queued' AND priority>0;
+CREATE TABLE input(
+  job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, name TEXT NOT NULL,
+  blob TEXT NOT NULL, bytes INTEGER NOT NULL, extension TEXT NOT NULL, PRIMARY KEY(job, name)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX input_by_blob ON input(blob);
 CREATE TABLE artifact(
   job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, name TEXT NOT NULL,
   blob TEXT NOT NULL, bytes INTEGER NOT NULL, PRIMARY KEY(job, name)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX artifact_by_blob ON artifact(blob);
-)sql",
-    // 1: jobs had no measured temperatures
-    R"sql(
-ALTER TABLE job ADD COLUMN temperature TEXT;
-ALTER TABLE job ADD COLUMN temperature_bytes INTEGER;
-ALTER TABLE job ADD COLUMN temperature_extension TEXT;
-CREATE INDEX job_by_temperature ON job(temperature) WHERE temperature IS NOT NULL;
-)sql",
-    // 2: jobs did not know the request that made them
-    R"sql(
-ALTER TABLE job ADD COLUMN request TEXT NOT NULL DEFAULT '';
-)sql",
-    // 3: there were no tokens, and nobody owned a job
-    R"sql(
-ALTER TABLE job ADD COLUMN owner TEXT NOT NULL DEFAULT '';
-CREATE INDEX job_by_owner ON job(owner, id);
-CREATE TABLE token(
-  id TEXT PRIMARY KEY, owner TEXT NOT NULL, scopes TEXT NOT NULL, hash TEXT NOT NULL,
-  created INTEGER NOT NULL, expires INTEGER, revoked INTEGER
-) STRICT, WITHOUT ROWID;
-)sql",
-    // 4: each kind of input had columns of its own
-    R"sql(
-CREATE TABLE input(
-  job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, name TEXT NOT NULL,
-  blob TEXT NOT NULL, bytes INTEGER NOT NULL, extension TEXT NOT NULL, PRIMARY KEY(job, name)
-) STRICT, WITHOUT ROWID;
-INSERT INTO input SELECT id, 'scan', scan, scan_bytes, scan_extension FROM job;
-INSERT INTO input SELECT id, 'pattern', pattern, pattern_bytes, pattern_extension FROM job;
-INSERT INTO input SELECT id, 'temperature', temperature, temperature_bytes, coalesce(temperature_extension, '')
-  FROM job WHERE temperature IS NOT NULL;
-CREATE INDEX input_by_blob ON input(blob);
-DROP INDEX job_by_scan;
-DROP INDEX job_by_pattern;
-DROP INDEX job_by_temperature;
-ALTER TABLE job DROP COLUMN scan;
-ALTER TABLE job DROP COLUMN scan_bytes;
-ALTER TABLE job DROP COLUMN scan_extension;
-ALTER TABLE job DROP COLUMN pattern;
-ALTER TABLE job DROP COLUMN pattern_bytes;
-ALTER TABLE job DROP COLUMN pattern_extension;
-ALTER TABLE job DROP COLUMN temperature;
-ALTER TABLE job DROP COLUMN temperature_bytes;
-ALTER TABLE job DROP COLUMN temperature_extension;
-)sql",
-    // 5: no log, no priorities, no turns; every job was its own. A submitter's row follows from those of its jobs.
-    R"sql(
-ALTER TABLE job ADD COLUMN priority INTEGER NOT NULL DEFAULT 0;
-ALTER TABLE job ADD COLUMN derived_from TEXT;
-ALTER TABLE job ADD COLUMN not_before INTEGER;
-ALTER TABLE job ADD COLUMN version INTEGER NOT NULL DEFAULT 1;
-ALTER TABLE job ADD COLUMN crashes INTEGER NOT NULL DEFAULT 0;
-ALTER TABLE job ADD COLUMN log_lines INTEGER NOT NULL DEFAULT 0;
 CREATE TABLE job_log(
   job TEXT NOT NULL REFERENCES job(id) ON DELETE CASCADE, number INTEGER NOT NULL,
   time INTEGER NOT NULL, text TEXT NOT NULL, PRIMARY KEY(job, number)
 ) STRICT, WITHOUT ROWID;
-CREATE INDEX job_queue ON job(owner, priority DESC, id) WHERE state='queued';
-CREATE INDEX job_raised ON job(priority DESC, id) WHERE state='queued' AND priority>0;
 CREATE TABLE submitter(
   owner TEXT PRIMARY KEY, queued INTEGER NOT NULL, running INTEGER NOT NULL, served INTEGER NOT NULL DEFAULT 0
 ) STRICT, WITHOUT ROWID;
-INSERT INTO submitter(owner, queued, running)
-  SELECT owner, sum(state='queued'), sum(state IN ('running','cancelling')) FROM job GROUP BY owner;
 CREATE TRIGGER job_made AFTER INSERT ON job BEGIN
   INSERT INTO submitter(owner, queued, running)
     VALUES(new.owner, new.state='queued', new.state IN ('running','cancelling'))
@@ -108,80 +59,40 @@ CREATE TRIGGER job_gone AFTER DELETE ON job BEGIN
   UPDATE submitter SET queued=queued-(old.state='queued'),
     running=running-(old.state IN ('running','cancelling')) WHERE owner=old.owner;
 END;
-)sql",
-    // 6: files came with their job alone, and there were no profiles
-    R"sql(
+CREATE TABLE token(
+  id TEXT PRIMARY KEY, owner TEXT NOT NULL, scopes TEXT NOT NULL, hash TEXT NOT NULL,
+  created INTEGER NOT NULL, expires INTEGER, revoked INTEGER, file TEXT
+) STRICT, WITHOUT ROWID;
+CREATE TABLE session(hash TEXT PRIMARY KEY, token TEXT NOT NULL, ends INTEGER NOT NULL) STRICT, WITHOUT ROWID;
 CREATE TABLE upload(
   id TEXT PRIMARY KEY, owner TEXT NOT NULL, input TEXT NOT NULL, extension TEXT NOT NULL, length INTEGER NOT NULL,
-  created INTEGER NOT NULL, expires INTEGER NOT NULL, collected INTEGER NOT NULL DEFAULT 0, blob TEXT, bytes INTEGER
+  created INTEGER NOT NULL, expires INTEGER NOT NULL, collected INTEGER NOT NULL DEFAULT 0, blob TEXT, bytes INTEGER,
+  received INTEGER NOT NULL DEFAULT 0
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX upload_by_owner ON upload(owner) WHERE collected=0;
 CREATE INDEX upload_by_blob ON upload(blob) WHERE blob IS NOT NULL;
+CREATE TABLE upload_piece(
+  upload TEXT NOT NULL REFERENCES upload(id) ON DELETE CASCADE, number INTEGER NOT NULL,
+  blob TEXT NOT NULL, bytes INTEGER NOT NULL, PRIMARY KEY(upload, number)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX upload_piece_by_blob ON upload_piece(blob);
 CREATE TABLE scan(
   id TEXT PRIMARY KEY, owner TEXT NOT NULL, created INTEGER NOT NULL,
   blob TEXT NOT NULL, bytes INTEGER NOT NULL, extension TEXT NOT NULL
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX scan_by_owner ON scan(owner, id);
 CREATE UNIQUE INDEX scan_by_blob ON scan(blob, owner, extension);
-CREATE TABLE profile(name TEXT PRIMARY KEY, settings TEXT NOT NULL, changed INTEGER NOT NULL) STRICT, WITHOUT ROWID;
-)sql",
-    // 7: every job made a print
-    R"sql(
-ALTER TABLE job ADD COLUMN kind TEXT NOT NULL DEFAULT 'print';
-)sql",
-    // 8: leases had their ends here, by the wall clock; lists had no filters; nobody knew which token stands in which file
-    R"sql(
-DROP INDEX job_by_state;
-ALTER TABLE job DROP COLUMN lease_ends;
-CREATE INDEX job_by_state ON job(state, id, kind, created);
-CREATE INDEX job_by_owner_and_state ON job(owner, state, id, kind, created);
-ALTER TABLE token ADD COLUMN file TEXT;
-)sql",
-    // 9: jobs did not say how many of their warnings are serious
-    R"sql(
-ALTER TABLE job ADD COLUMN serious_warnings INTEGER;
-)sql",
-    // 10: the fix of a problem had another name
-    R"sql(
-ALTER TABLE job RENAME COLUMN error_mend TO error_fix;
-)sql",
-    // 11: jobs had no reference and no note, and nobody remembered when the last backup was made
-    R"sql(
-ALTER TABLE job ADD COLUMN reference TEXT NOT NULL DEFAULT '';
-ALTER TABLE job ADD COLUMN note TEXT NOT NULL DEFAULT '';
+CREATE TABLE profile(
+  name TEXT PRIMARY KEY, settings TEXT NOT NULL, changed INTEGER NOT NULL, is_default INTEGER NOT NULL DEFAULT 0
+) STRICT, WITHOUT ROWID;
 CREATE TABLE remembered(name TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT, WITHOUT ROWID;
-)sql",
-    // 12: no profile was the default
-    R"sql(
-ALTER TABLE profile ADD COLUMN is_default INTEGER NOT NULL DEFAULT 0;
-)sql",
-    // 13: all blobs were files
-    R"sql(
 CREATE TABLE stored_object(
   sha256 TEXT NOT NULL, generation TEXT NOT NULL, bytes INTEGER NOT NULL, state TEXT NOT NULL, since INTEGER NOT NULL,
   PRIMARY KEY(sha256, generation)
 ) STRICT, WITHOUT ROWID;
 CREATE UNIQUE INDEX stored_object_live ON stored_object(sha256) WHERE state='live';
 CREATE INDEX stored_object_condemned ON stored_object(since) WHERE state='condemned';
-)sql",
-    // 14: sessions were in memory
-    R"sql(
-CREATE TABLE session(hash TEXT PRIMARY KEY, token TEXT NOT NULL, ends INTEGER NOT NULL) STRICT, WITHOUT ROWID;
-)sql",
-    // 15: unfinished uploads were files of one server
-    R"sql(
-ALTER TABLE upload ADD COLUMN received INTEGER NOT NULL DEFAULT 0;
-CREATE TABLE upload_piece(
-  upload TEXT NOT NULL REFERENCES upload(id) ON DELETE CASCADE, number INTEGER NOT NULL,
-  blob TEXT NOT NULL, bytes INTEGER NOT NULL, PRIMARY KEY(upload, number)
-) STRICT, WITHOUT ROWID;
-CREATE INDEX upload_piece_by_blob ON upload_piece(blob);
-)sql",
-    // 16: a reference could not be changed, nobody looked whose it is, and problems had no proposals
-    R"sql(
-ALTER TABLE job ADD COLUMN reference_changes TEXT NOT NULL DEFAULT '';
-CREATE INDEX job_by_reference ON job(owner, reference, id) WHERE reference<>'';
-ALTER TABLE job ADD COLUMN error_proposals TEXT;
+CREATE TABLE pending_deletion(blob TEXT PRIMARY KEY) STRICT, WITHOUT ROWID;
 )sql",
 };
 

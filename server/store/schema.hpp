@@ -1,4 +1,4 @@
-// The tables of the store, and the way from every version that was ever released to this one.
+// The tables of the store, and the way from every released version to this one.
 #pragma once
 
 #include "server/store/sqlite.hpp"

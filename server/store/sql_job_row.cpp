@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "api/base/log.hpp"
+#include "api/base/utf8.hpp"
 #include "api/problem.hpp"
 #include "server/store/sql_store.hpp"
 
@@ -46,6 +48,10 @@ Result<std::vector<StoredArtifact>> artifacts_in(Query& query) {
   return artifacts;
 }
 
+tl::unexpected<Error> damaged_row(const std::string& id) {
+  return fail(Code::internal, "the row of this job is damaged", id, damage_fix);
+}
+
 std::optional<Millis> time_in(const Query& query, int column) {
   if (query.null(column)) return std::nullopt;
   return query.integer(column);
@@ -63,7 +69,7 @@ Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id,
   if (!found) return fail(Code::not_found, "there is no such job", id, "see the list of jobs");
   const auto state = job_state_from(query.text(1));
   const auto kind = job_kind_from(query.text(18));
-  if (!state || !kind) return fail(Code::corrupt_file, "the job store is damaged: unknown state or kind", id);
+  if (!state || !kind) return damaged_row(id);
   JobRow row;
   Job& job = row.job;
   job.id = query.text(0);
@@ -97,7 +103,13 @@ Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id,
   row.lease_hash = query.text(26);
   row.log_lines = query.integer(27);
   job.reference_changes = query.text(28);
+  for (const std::string* text : {&job.request, &job.owner, &job.reference, &job.note, &row.worker})
+    if (!code_points(*text)) return damaged_row(id);
+  if (job.error)
+    for (const std::string* text : {&job.error->what, &job.error->where, &job.error->fix})
+      if (!code_points(*text)) return damaged_row(id);
   if (detail == Detail::full) {
+    if (!nlohmann::json::accept(job.settings)) return damaged_row(id);
     VACUFORM_TRY(given, inputs_in(inputs));
     VACUFORM_TRY(stored, artifacts_in(artifacts));
     job.inputs = std::move(given);
@@ -105,6 +117,13 @@ Result<SqlStore::JobRow> SqlStore::find_row(Database& db, const std::string& id,
     if (ended(job.state)) job.artifacts = row.stored;
   }
   return row;
+}
+
+bool SqlStore::is_damage(const Error& error, const std::string& id) {
+  if (error.code != Code::internal || error.fix != damage_fix) return false;
+  const std::lock_guard hold(damage_mutex_);
+  if (damaged_jobs_.insert(id).second) log_event("row-damaged", {{"job", id}, {"problem", error.what}});
+  return true;
 }
 
 Result<Job> SqlStore::find(Database& db, const std::string& id, Detail detail) {

@@ -195,6 +195,7 @@ Result<JobPage> SqlStore::list(int limit, const std::string& cursor, const JobFi
       }
       auto job = find(db, id, detail);
       if (!job && job.error().code == Code::not_found) continue;  // deleted since its id was read
+      if (!job && is_damage(job.error(), id)) continue;
       if (!job) return tl::make_unexpected(job.error());
       page.jobs.push_back(std::move(*job));
     }
@@ -239,7 +240,7 @@ Result<Job> SqlStore::cancel(const std::string& id, const JobGuard& allowed) {
 
 Result<void> SqlStore::remove(const std::string& id, const JobGuard& allowed) {
   const Deletion deletion(*this);
-  return write([&](Transaction& tx) -> Result<void> {
+  const auto removed = write([&](Transaction& tx) -> Result<void> {
     VACUFORM_TRY(row, find_row(tx.db, id, Lock::yes, Detail::full));
     if (allowed && !allowed(row.job))
       return fail(Code::conflict, "the job has changed", id, "look at it again");
@@ -249,6 +250,8 @@ Result<void> SqlStore::remove(const std::string& id, const JobGuard& allowed) {
     tx.changed.push_back(id);  // waiting clients learn that it is gone
     return Query(tx.db, "DELETE FROM job WHERE id=?", id).run();
   });
+  if (removed) forget_deleted();
+  return removed;
 }
 
 Result<std::vector<LogLine>> SqlStore::log_after(const std::string& id, std::int64_t number, int limit) {

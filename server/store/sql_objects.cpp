@@ -1,6 +1,8 @@
 // The rows of objects in an object store.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
+#include "api/base/log.hpp"
 #include "server/store/sql_store.hpp"
 
 namespace vacuform {
@@ -113,7 +115,18 @@ Result<void> SqlStore::condemn_unnamed(Millis age) {
     }
   });
   if (!unnamed) return tl::make_unexpected(std::move(unnamed.error()));
-  for (const std::string& sha256 : *unnamed) VACUFORM_CHECK(condemn_if_unnamed(sha256));
+  // More are not those of a crash: rows are lost.
+  constexpr std::size_t few = 20, percent = 1;
+  auto live = read([](Database& db) -> Result<std::int64_t> {
+    Query query(db, "SELECT count(*) FROM stored_object WHERE state='live'");
+    VACUFORM_CHECK(query.row());
+    return query.integer(0);
+  });
+  if (!live) return tl::make_unexpected(std::move(live.error()));
+  if (unnamed->size() > few && unnamed->size() > percent * static_cast<std::size_t>(*live) / 100)
+    log_event("files-without-job", {{"files", unnamed->size()}, {"too_many_to_move", true}});
+  else
+    for (const std::string& sha256 : *unnamed) VACUFORM_CHECK(condemn_if_unnamed(sha256));
   return write([&](Transaction& tx) {
     return Query(tx.db,
                  "UPDATE stored_object SET state='condemned', since=? WHERE state='arriving' AND since<=?",

@@ -7,7 +7,11 @@ namespace vacuform {
 
 namespace {
 
-constexpr std::string_view last_backup = "last_backup";
+Result<std::optional<Millis>> last_time(Database& db, std::string_view event) {
+  Query query(db, "SELECT value FROM remembered WHERE name=?", event);
+  VACUFORM_TRY(found, query.row());
+  return found ? std::optional<Millis>(query.integer(0)) : std::nullopt;
+}
 
 }  // namespace
 
@@ -42,9 +46,15 @@ Result<StoreStatus> SqlStore::status() {
     Query oldest(db, "SELECT created FROM job WHERE state='queued' ORDER BY id LIMIT 1");
     VACUFORM_TRY(waits, oldest.row());
     if (waits) status.oldest_queued = oldest.integer(0);
-    Query backup(db, "SELECT value FROM remembered WHERE name=?", last_backup);
-    VACUFORM_TRY(made, backup.row());
-    if (made) status.last_backup = backup.integer(0);
+    VACUFORM_TRY(backup, last_time(db, "last_backup"));
+    VACUFORM_TRY(check, last_time(db, "last_check"));
+    status.last_backup = backup, status.last_check = check;
+    {
+      const std::lock_guard hold(damage_mutex_);
+      status.damaged_jobs = static_cast<std::int64_t>(damaged_jobs_.size());
+      status.damaged_files = static_cast<std::int64_t>(damaged_files_.size());
+      status.unnamed_files = unnamed_files_, status.unnamed_bytes = unnamed_bytes_;
+    }
     VACUFORM_TRY(leases, lease_times().current(db));
     std::map<std::string, Millis> heard;
     for (const auto& lease : leases) heard[lease.job] = lease.heard;
@@ -60,12 +70,12 @@ Result<StoreStatus> SqlStore::status() {
   });
 }
 
-Result<void> SqlStore::remember_backup() {
+Result<void> SqlStore::remember(std::string_view event) {
   return write([&](Transaction& tx) {
     return Query(tx.db,
                  "INSERT INTO remembered(name, value) VALUES(?,?) ON CONFLICT(name) DO UPDATE SET "
                  "value=excluded.value",
-                 last_backup, options_.clock())
+                 event, options_.clock())
         .run();
   });
 }

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <system_error>
 
+#include "api/base/secrets.hpp"
 #include "server/store/backup.hpp"
 #include "server/store/file_blobs.hpp"
+#include "server/store/folder_mark.hpp"
 #include "server/store/job_id.hpp"
 #include "server/store/s3_blobs.hpp"
 
@@ -43,8 +46,23 @@ void SqlStore::collect_garbage() {
     const std::lock_guard hold(garbage_mutex_);
     if (backups_ == 0) garbage.swap(garbage_);
   }
+  if (garbage.empty()) return;
   for (const std::string& sha256 : garbage)
     blobs_->collect(sha256, [this](const std::string& blob) { return wanted(blob); });
+  // What could not be deleted is tried again by blobs_, and by the next start as what no row names.
+  (void)change_rows([&](Database& db) {
+    return std::ranges::all_of(garbage, [&](const std::string& sha256) {
+      return Query(db, "DELETE FROM pending_deletion WHERE blob=?", sha256).run().has_value();
+    });
+  });
+  forget_deleted();
+}
+
+Result<void> SqlStore::add_pending(Database& db, const std::vector<std::string>& hashes) {
+  for (const std::string& sha256 : hashes)
+    VACUFORM_CHECK(
+        Query(db, "INSERT INTO pending_deletion(blob) VALUES(?) ON CONFLICT(blob) DO NOTHING", sha256).run());
+  return {};
 }
 
 Result<bool> SqlStore::wanted(const std::string& sha256) {
@@ -76,8 +94,71 @@ Result<bool> SqlStore::named(Database& db, const std::string& sha256) {
 
 Result<void> SqlStore::begin_blobs() {
   VACUFORM_CHECK(blobs_->begin(*this));
-  return blobs_->sweep(
-      [this](const std::string& sha256) { return read([&](Database& db) { return named(db, sha256); }); });
+  auto pending = read([](Database& db) -> Result<std::vector<std::string>> {
+    std::vector<std::string> hashes;
+    Query query(db, "SELECT blob FROM pending_deletion");
+    for (;;) {
+      VACUFORM_TRY(more, query.row());
+      if (!more) return hashes;
+      hashes.push_back(query.text(0));
+    }
+  });
+  if (!pending) return tl::make_unexpected(pending.error());
+  add_garbage(*pending);
+  collect_garbage();
+  const auto swept = blobs_->sweep(
+      [this](const std::string& sha256) { return read([&](Database& db) { return named(db, sha256); }); },
+      options_.quarantine_days);
+  if (!swept) return tl::make_unexpected(swept.error());
+  const std::lock_guard hold(damage_mutex_);
+  unnamed_files_ = swept->files, unnamed_bytes_ = swept->bytes;
+  return {};
+}
+
+Result<void> SqlStore::match_folder(const std::filesystem::path& data, const char* database) {
+  FolderMark mark;
+  if (const auto read = read_folder_mark(data); read)
+    mark = *read;
+  else if (!options_.adopt)
+    return tl::make_unexpected(read.error());
+  FolderMark ours{database, ""};
+  bool jobs = false;
+  const auto looked = change_rows([&](Database& db) {
+    if (options_.adopt && !Query(db, "DELETE FROM remembered WHERE name='database'").run()) return false;
+    const auto number = random_number() & 0x7fffffff;
+    if (!Query(db, "INSERT INTO remembered(name, value) VALUES('database', ?) ON CONFLICT(name) DO NOTHING",
+               number)
+             .run())
+      return false;
+    Query query(db,
+                "SELECT value, CASE WHEN EXISTS(SELECT 1 FROM job) THEN 1 ELSE 0 END FROM remembered"
+                " WHERE name='database'");
+    if (!query.row().value_or(false)) return false;
+    ours.number = std::to_string(query.integer(0));
+    jobs = query.integer(1) != 0;
+    return true;
+  });
+  VACUFORM_CHECK(looked);
+  if (ours.number.empty()) return fail(Code::unavailable, "the database cannot be used", {}, "see its log");
+  if (mark == ours) return {};
+  const std::string adopt = ", or, if this database is the right one, bind both with vacuform-server adopt";
+  const bool files = blobs_in_files(options_.blobs);
+  if (options_.adopt) return write_folder_mark(data, ours);
+  std::error_code error;
+  if (ours.database == postgresql_name &&
+      (mark.database == sqlite_name || std::filesystem::exists(data / "jobs.sqlite", error)))
+    return fail(Code::corrupt_file, "the jobs of this data folder are in SQLite", data.string(),
+                "leave --store out, or give an empty folder with --data");
+  if (!mark.database.empty())
+    return fail(Code::corrupt_file, "the data folder belongs to another database", data.string(),
+                "put its database back" + adopt);
+  if (files && has_blobs(data))
+    return fail(Code::corrupt_file, "the data folder does not say which database its files belong to",
+                data.string(), "give another folder with --data" + adopt);
+  if (files && jobs)
+    return fail(Code::corrupt_file, "the files of the jobs in the database are in another data folder",
+                data.string(), "give that folder with --data" + adopt);
+  return write_folder_mark(data, ours);
 }
 
 Result<Blob> SqlStore::Stored::add(std::variant<Upload, Blob>& file) {
@@ -117,7 +198,7 @@ Result<BackupReport> SqlStore::backup(const std::filesystem::path& to, const std
   } const hold(*this);
   return make_backup(
       to, *blobs_, [&](const std::filesystem::path& file) { return copy_rows(file, going); }, going,
-      [&] { return remember_backup(); });
+      [&] { return remember("last_backup"); });
 }
 
 Result<File> lock_data_folder(const std::filesystem::path& data) {

@@ -41,6 +41,7 @@ class SqlStore : public Store, public ObjectTable {
   Result<std::unique_ptr<BlobReader>> open(const Blob& blob) override { return blobs_->open(blob.sha256); }
   Result<StoreStatus> status() override;
   Result<BackupReport> backup(const std::filesystem::path& to, const std::function<bool()>& going) override;
+  Result<StoreCheck> check(bool read, const CheckGoing& going) override;
   Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) override {
     return blobs_->orphans(search, going);
   }
@@ -121,6 +122,8 @@ class SqlStore : public Store, public ObjectTable {
   // Makes the store empty.
   Result<void> remove_rows();
   BlobStore& blobs() { return *blobs_; }
+  // Writes the rows of a job that cannot be read into a file of a folder, and removes them. Its blobs stay (repair.hpp).
+  Result<void> set_job_in_quarantine(const std::string& id, const std::filesystem::path& folder);
 
  protected:
   using Look = std::function<Result<void>(Database&)>;
@@ -152,8 +155,15 @@ class SqlStore : public Store, public ObjectTable {
   // After a commit: tells other servers which jobs have changed.
   virtual void announce(const std::vector<std::string>&) {}
 
-  // Checks that the blobs are those of the rows, and deletes blobs that no row names: a crash may have come between the
-  // two. Before anything is stored.
+  // The first fault in the pages of the database; empty: none. `going` as for backup().
+  virtual Result<std::string> page_fault(const std::function<bool()>&) { return std::string(); }
+  // After a deletion: what was deleted is no longer in the database's files.
+  virtual void forget_deleted() {}
+
+  // Checks that the data folder belongs to the database, and binds those that are new to each other.
+  Result<void> match_folder(const std::filesystem::path& data, const char* database);
+  // Checks that the blobs are those of the rows, ends the deletions that a crash broke off, and sweeps. Before anything is
+  // stored.
   Result<void> begin_blobs();
   // New ids come after those of jobs created up to then.
   void ids_after(Millis created) { last_id_time_ = std::max(created, last_id_time_.load()); }
@@ -192,6 +202,9 @@ class SqlStore : public Store, public ObjectTable {
       } catch (const std::exception& fault) {  // a bug or out of memory: only this change fails
         result = fail(Code::internal, std::string("the store has an internal fault: ") + fault.what());
       }
+      if (result)
+        if (const auto pending = add_pending(db, tx.garbage); !pending)
+          result = tl::make_unexpected(pending.error());
       garbage = std::move(tx.garbage), changed = std::move(tx.changed), ended = std::move(tx.ended);
       return result.has_value();
     });
@@ -239,7 +252,12 @@ class SqlStore : public Store, public ObjectTable {
     bool stay = false;
   };
   void add_garbage(const std::vector<std::string>& hashes);
+  // Deletes the blobs of garbage_. The transaction that made them garbage has written them down as pending deletions, so
+  // that the next start goes on with them.
   void collect_garbage();
+  static Result<void> add_pending(Database& db, const std::vector<std::string>& hashes);
+  // Whether the error is that of a row that cannot be read; such a row is logged and counted once.
+  bool is_damage(const Error& error, const std::string& id);
   Result<bool> wanted(const std::string& sha256);  // whether a row names the blob, or it must stay for now
   static Result<bool> named(Database& db, const std::string& sha256);
   // The blobs of new inputs that older rows must name, since the inputs share them.
@@ -317,7 +335,7 @@ class SqlStore : public Store, public ObjectTable {
   Result<Job> finish(const LeaseKey& key, JobState wanted, const std::optional<Error>& error = {},
                      Retry retry = Retry::never, std::optional<int> serious_warnings = {});
   RetryLimits limits() const { return {options_.losses, options_.crashes, options_.backoff}; }
-  Result<void> remember_backup();  // that one is done now
+  Result<void> remember(std::string_view event);  // that it happened now
 
   const std::unique_ptr<BlobStore> blobs_;
   News news_;
@@ -325,6 +343,9 @@ class SqlStore : public Store, public ObjectTable {
   std::mutex garbage_mutex_;
   std::vector<std::string> garbage_;
   int backups_ = 0;  // in progress; blobs stay until they are done
+  std::mutex damage_mutex_;
+  std::set<std::string> damaged_jobs_, damaged_files_;
+  std::int64_t unnamed_files_ = 0, unnamed_bytes_ = 0;
 };
 
 // As open_store().

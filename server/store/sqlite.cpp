@@ -4,6 +4,8 @@
 
 #include <cerrno>
 
+#include "api/base/file.hpp"
+
 namespace vacuform {
 
 class SqliteStatement : public Statement {
@@ -121,8 +123,11 @@ tl::unexpected<Error> SqliteDatabase::error() const {
   const int code = sqlite3_errcode(db_) & 0xff;
   const std::string text = sqlite3_errmsg(db_);
   if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)
-    return fail(Code::corrupt_file, "the job store is damaged: " + text, "jobs.sqlite",
-                "restore the data folder from a backup, or start with an empty one");
+    return fail(code == SQLITE_NOTADB ? Code::corrupt_file : Code::internal,
+                "the job store is damaged: " + text, "jobs.sqlite", damage_fix);
+  const int cause = sqlite3_extended_errcode(db_);
+  if ((cause == SQLITE_IOERR_FSYNC || cause == SQLITE_IOERR_DIR_FSYNC) && sqlite3_system_errno(db_) == EIO)
+    flush_failed();
   // Of other failures SQLite does not always remember the reason; a quota and a late flush give them, too.
   const int system = code == SQLITE_IOERR || code == SQLITE_CANTOPEN ? sqlite3_system_errno(db_) : 0;
   const bool full = code == SQLITE_FULL || system == ENOSPC || system == EDQUOT;
@@ -143,6 +148,14 @@ Result<Statement*> SqliteDatabase::prepared(const char* sql) {
     return error();
   statement = std::make_unique<SqliteStatement>(*this, made);
   return statement.get();
+}
+
+Result<std::string> page_fault(Database& db, PageCheck check) {
+  Query query(db, check == PageCheck::full ? "PRAGMA integrity_check(1)" : "PRAGMA quick_check(1)");
+  const auto checked = query.row();
+  if (!checked && checked.error().code == Code::internal) return checked.error().what;
+  if (!checked) return tl::make_unexpected(checked.error());
+  return query.text(0) == "ok" ? std::string() : query.text(0);
 }
 
 }  // namespace vacuform

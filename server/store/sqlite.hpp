@@ -53,4 +53,13 @@ class SqliteDatabase : public Database {
   std::unordered_map<const char*, std::unique_ptr<SqliteStatement>> statements_;
 };
 
+// What to do about a damaged database.
+inline constexpr const char* damage_fix =
+    "restore a backup with vacuform-server restore, or save what can be read with vacuform-server verify "
+    "--repair";
+
+// The first fault in the pages of the database, and in its indexes if `full`; empty: none.
+enum class PageCheck { quick, full };
+Result<std::string> page_fault(Database& db, PageCheck check);
+
 }  // namespace vacuform

@@ -2,21 +2,36 @@
 
 #include <limits>
 
+#include "server/store/folder_mark.hpp"
 #include "server/store/postgres_store.hpp"
+#include "server/store/rows_file.hpp"
 #include "server/store/schema.hpp"
 
 namespace vacuform {
 
 Result<void> SqliteStore::open(const std::filesystem::path& data) {
+  auto opened = open_rows(data);
+  // What is a fault of the server while it serves is that of the file here.
+  if (!opened && opened.error().fix == damage_fix) opened.error().code = Code::corrupt_file;
+  return opened;
+}
+
+Result<void> SqliteStore::open_rows(const std::filesystem::path& data) {
   VACUFORM_CHECK(db_.open((data / "jobs.sqlite").string()));
   // A job's row is some 4 KB with its settings: the pages of ten thousand fit into 64 MiB of cache, not into SQLite's 2.
   // temp_store: what undoes a change stays in memory; otherwise SQLite writes it to a file in each transaction.
-  VACUFORM_CHECK(
-      db_.execute("PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
-                  "PRAGMA foreign_keys=ON; PRAGMA trusted_schema=OFF; PRAGMA temp_store=MEMORY;"
-                  "PRAGMA cache_size=-65536"));
+  VACUFORM_CHECK(db_.execute(
+      "PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
+      "PRAGMA foreign_keys=ON; PRAGMA secure_delete=ON; PRAGMA trusted_schema=OFF; PRAGMA temp_store=MEMORY;"
+      "PRAGMA cache_size=-65536"));
+  {
+    VACUFORM_TRY(fault, vacuform::page_fault(db_, PageCheck::quick));
+    if (!fault.empty())
+      return fail(Code::corrupt_file, "the job store is damaged: " + fault, "jobs.sqlite", damage_fix);
+  }
   VACUFORM_CHECK(bring_up_to_date(db_));
   VACUFORM_CHECK(sync_directory(data));
+  VACUFORM_CHECK(match_folder(data, sqlite_name));
   {
     Query newest(db_, "SELECT max(created) FROM job");
     VACUFORM_TRY(found, newest.row());
@@ -43,6 +58,22 @@ Result<void> SqliteStore::copy_rows(const std::filesystem::path& file, const std
     lock.lock();
     return go_on;
   });
+}
+
+// A copy is checked, since a check of the database itself would stop all requests.
+Result<std::string> SqliteStore::page_fault(const std::function<bool()>& going) {
+  RowsFile copy(temporary_path());
+  const auto copied = copy_rows(copy.path(), going);
+  if (!copied && copied.error().code == Code::internal) return copied.error().what;
+  VACUFORM_CHECK(copied);
+  VACUFORM_CHECK(copy.open());
+  return vacuform::page_fault(copy.db(), PageCheck::full);
+}
+
+// SQLite overwrites the pages of deleted rows, but its log has them until it begins again.
+void SqliteStore::forget_deleted() {
+  const std::lock_guard hold(commits_.lock());
+  (void)db_.execute("PRAGMA wal_checkpoint(TRUNCATE)");
 }
 
 void SqliteStore::transaction_ended(bool committed) {
@@ -146,7 +177,7 @@ Result<std::vector<LeaseTimes::Current>> SqliteStore::Leases::current(Database&)
 bool has_store(const std::filesystem::path& data) {
   std::error_code error;
   return std::filesystem::exists(data / "jobs.sqlite", error) ||
-         std::filesystem::exists(data / database_mark, error);
+         read_folder_mark(data).value_or(FolderMark()).database == postgresql_name;
 }
 
 tl::unexpected<Error> no_store(const std::filesystem::path& data) {
@@ -154,14 +185,27 @@ tl::unexpected<Error> no_store(const std::filesystem::path& data) {
               "give the data folder of the service with --data");
 }
 
+// SQLite would make an empty database in the place of one that was lost.
+static Result<void> check_sqlite_is_there(const std::filesystem::path& data, bool blobs_are_files) {
+  VACUFORM_TRY(mark, read_folder_mark(data));
+  if (mark.database == postgresql_name)
+    return fail(Code::corrupt_file, "the jobs of this data folder are in PostgreSQL", data.string(),
+                "give their database with --store, or another folder with --data");
+  std::error_code error;
+  if (std::filesystem::exists(data / "jobs.sqlite", error)) return {};
+  if (mark.database.empty() && !(blobs_are_files && has_blobs(data))) return {};
+  return fail(
+      Code::corrupt_file, "the database of this data folder is missing, but not its files",
+      (data / "jobs.sqlite").string(),
+      "put it back, or restore a backup with vacuform-server restore; vacuform-server adopt begins an "
+      "empty one and keeps the files");
+}
+
 Result<std::unique_ptr<SqlStore>> open_sql_store(const std::filesystem::path& data, StoreOptions options) {
   if (!options.database.empty()) return open_postgres_store(data, std::move(options));
   if (!options.elapsed) options.elapsed = boot_clock;
   VACUFORM_TRY(lock, lock_data_folder(data));
-  std::error_code error;
-  if (std::filesystem::exists(data / database_mark, error))
-    return fail(Code::corrupt_file, "the jobs of this data folder are in PostgreSQL", data.string(),
-                "give their database with --store, or another folder with --data");
+  if (!options.adopt) VACUFORM_CHECK(check_sqlite_is_there(data, blobs_in_files(options.blobs)));
   auto room = DiskRoom::open(data, options.kept_free);
   VACUFORM_TRY(blobs, open_blobs(data, options, room));
   auto store =

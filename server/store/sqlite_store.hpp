@@ -36,6 +36,8 @@ class SqliteStore : public SqlStore {
   std::int64_t schema_version() const override;
   // SQLite's backup API copies while the store is in use.
   Result<void> copy_rows(const std::filesystem::path& file, const std::function<bool()>& going) override;
+  Result<std::string> page_fault(const std::function<bool()>& going) override;
+  void forget_deleted() override;
 
  private:
   // In memory, by the time since the machine started: a heartbeat writes nothing.
@@ -67,6 +69,7 @@ class SqliteStore : public SqlStore {
     std::set<std::pair<Millis, std::string>> by_end_;  // the same
   };
 
+  Result<void> open_rows(const std::filesystem::path& data);
   void transaction_ended(bool committed);
   void make_room();
 

@@ -25,8 +25,11 @@
 //  - The queue is bounded: at most `most_queued` jobs wait, and at most `most_queued_by_owner` of one owner.
 //  - A blob that open() returns has been read completely and checked against its hash since it was last written and
 //    within the last hour.
-//  - Files that no job names are deleted: with the job, or at the next start if a crash came between. A file that
-//    cannot be deleted is logged and tried again.
+//  - Files of a deleted job are deleted with it, or at the next start if a crash came between. A file that cannot be
+//    deleted is logged and tried again.
+//  - No other file is ever deleted at once. A file that no row names and nobody asked to delete is a crash's, or one of
+//    rows that were lost: a start moves few and old ones into quarantine, and leaves many or young ones where they are.
+//    A database is used only with the data folder that it belongs to.
 // Every function may be called from any thread.
 #pragma once
 
@@ -52,6 +55,21 @@
 
 namespace vacuform {
 
+// What a check of the store found. "Damaged" is what is there and wrong or missing.
+struct StoreCheck {
+  std::string pages;  // the first fault in the pages of the database; empty: none
+  std::int64_t jobs = 0, files = 0, bytes = 0;
+  std::vector<std::string> damaged_jobs;   // ids of jobs whose rows cannot be read
+  std::vector<std::string> missing_files;  // hashes of blobs that rows name
+  std::vector<std::string> damaged_files;  // the same, whose bytes have another hash; only if they were read
+  std::vector<std::string> unnamed;        // hashes of files in the data folder that no row names
+  std::int64_t unnamed_bytes = 0;
+
+  bool good() const {
+    return pages.empty() && damaged_jobs.empty() && missing_files.empty() && damaged_files.empty();
+  }
+};
+
 struct BackupReport {
   std::int64_t jobs = 0, blobs = 0;
   std::vector<std::string>
@@ -73,7 +91,9 @@ struct StoreStatus {
   // Jobs in each state, by the state's number. A job whose lease has expired counts in its next state: queued, or cancelled.
   JobCounts counts{};
   std::optional<Millis> oldest_queued;  // when the job was created that waits the longest
-  std::optional<Millis> last_backup;
+  std::optional<Millis> last_backup, last_check;
+  // Rows and files that were found damaged since the start, and files in the data folder that no row names.
+  std::int64_t damaged_jobs = 0, damaged_files = 0, unnamed_files = 0, unnamed_bytes = 0;
   DiskSpace disk;
   std::vector<WorkingWorker> working;  // in the order of their jobs
   // In PostgreSQL: the age of the oldest transaction that keeps it from removing dead rows, of any client.
@@ -106,6 +126,11 @@ class Store : public JobTable,
   // when it was done. Errors: bad_usage (not an empty folder of this user), unavailable (disk full), cancelled.
   virtual Result<BackupReport> backup(const std::filesystem::path& to,
                                       const std::function<bool()>& going) = 0;
+  // Looks at every page, every row and every file while the store is in use, and at the bytes of the files too if `read`.
+  // Logs what it finds, for status(). `going` is told how many bytes were read since the last call, may take its time,
+  // and may cancel. Errors: unavailable, cancelled.
+  using CheckGoing = std::function<bool(std::uint64_t bytes)>;
+  virtual Result<StoreCheck> check(bool read, const CheckGoing& going) = 0;
   // Finds the objects in the bucket that no row knows, and deletes them if that is wanted. `going` may cancel it. Errors:
   // bad_usage (the blobs are files), conflict (too many to delete), unavailable, cancelled.
   virtual Result<OrphanReport> orphans(const OrphanSearch& search, const std::function<bool()>& going) = 0;
@@ -130,6 +155,9 @@ struct StoreOptions {
   // Called once for every job that has ended, after the commit, by any thread.
   std::function<void(const Job& job)> job_ended = {};
   std::size_t most_waiters = 256;  // threads in wait_for_change()
+  // Binds the data folder and the database to each other, whatever they were bound to.
+  bool adopt = false;
+  int quarantine_days = 30;  // after which a file in quarantine is deleted
   // Asked by any thread during a request to an object store; false gives the request up with cancelled.
   std::function<bool()> going = {};
 };

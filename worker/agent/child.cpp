@@ -1,6 +1,4 @@
 #include "worker/agent/child.hpp"
-#include "api/base/json_text.hpp"
-#include "api/problem.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -15,6 +13,10 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "api/base/json_text.hpp"
+#include "api/base/utf8.hpp"
+#include "api/problem.hpp"
 
 namespace vacuform {
 
@@ -94,6 +96,9 @@ pid_t split(bool bare, unsigned long namespaces) {
   // In a PID namespace the kernel counts the processes of the job, elsewhere those of all workers of this user.
   const std::uint64_t tasks = limits.tasks * (confinement.namespaces() ? 1 : 32);
   const int null = ::open("/dev/null", O_RDONLY);
+  // Where memory runs out, the job goes and not the worker. Where there is no /proc, the limits hold alone.
+  if (const int score = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC); score >= 0)
+    (void)!::write(score, "1000", 4);
   const bool ready =
       ::sigprocmask(SIG_SETMASK, &no_signals, nullptr) == 0 && ::prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 &&
       ::getppid() == supervisor && ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && null >= 0 &&
@@ -214,7 +219,9 @@ Error ran_out(const std::string& what) {
 ChildLine parse_child_line(std::string_view line) {
   const auto object = nlohmann::json::parse(line, nullptr, false);
   if (!object.is_object()) return {};
-  const auto text = [](const nlohmann::json& from, const char* key) { return cut(text_of(from, key)); };
+  const auto text = [](const nlohmann::json& from, const char* key) {
+    return printable(cut(text_of(from, key)));
+  };
   if (const auto problem = object.find("problem"); problem != object.end()) {
     if (!problem->is_object()) return {};
     const auto code = code_from(text(*problem, "code"));

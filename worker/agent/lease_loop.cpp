@@ -1,5 +1,8 @@
 #include "worker/agent/lease_loop.hpp"
 
+#include <sys/statvfs.h>
+
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <functional>
@@ -145,7 +148,8 @@ class LeasedJob {
       command.insert(command.end(), {"--keep", (kept.is_absolute() ? kept : ".." / kept).string()});
     const auto end = run_child(
         loop_.program_file.number(), command, folder_, loop_.limits, loop_.sandbox,
-        [this](const ChildProgress& at) { heard(at); }, [this] { return !going() || has_too_much(); }, kept);
+        [this](const ChildProgress& at) { heard(at); },
+        [this] { return !going() || has_too_much() || fills_the_disk(); }, kept);
     if (loop_.kept) loop_.kept->make_room();
     if (!end) {
       retry_ = Retry::after_fault;
@@ -157,6 +161,11 @@ class LeasedJob {
                   "the job left more than " + std::to_string(most_left.entries) + " files or " +
                       std::to_string(most_left.bytes >> 30) + " GiB in its folder",
                   "", "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi");
+    if (going() && full_) {
+      retry_ = Retry::after_crash;
+      return fail(Code::out_of_time, "the worker's disk was nearly full, so the job was ended", "",
+                  "give a smaller scan; an administrator can give the worker a larger disk");
+    }
     if (const auto judged = judge(*end); !judged) {
       const Retry retry = retry_;
       // What explains a refusal is welcome, but the refusal counts without it.
@@ -208,6 +217,16 @@ class LeasedJob {
     measured_ = now;
     too_much_ = too_much_ || !measure_tree(home_, most_left).within;
     return too_much_;
+  }
+
+  // Files that a job has open but no name for are seen in what is left of the disk alone.
+  bool fills_the_disk() {
+    struct statvfs disk {};
+    if (::fstatvfs(home_, &disk) != 0) return full_;
+    const auto free = std::uint64_t(disk.f_bavail) * disk.f_frsize,
+               all = std::uint64_t(disk.f_blocks) * disk.f_frsize;
+    full_ = full_ || free < std::min<std::uint64_t>(256u << 20, all / 20);
+    return full_;
   }
 
   // The folder of kept stages for this owner and scan; empty: no folder. Without one the job still runs.
@@ -262,7 +281,7 @@ class LeasedJob {
   JobLog& log_;
   std::optional<Stage> stage_;  // of the child
   std::chrono::steady_clock::time_point measured_{};
-  bool too_much_ = false;
+  bool too_much_ = false, full_ = false;
   Retry retry_ = Retry::never;
 };
 

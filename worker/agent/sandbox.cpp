@@ -94,72 +94,74 @@ int make_ruleset(int abi, int program, const std::string& home, const std::strin
   return -1;
 }
 
-// Calls that no pipeline needs. Landlock guards the contents of files, and from its sixth ABI signals and abstract
-// sockets. Modes, owners, times, attributes and other processes are guarded only here.
-constexpr std::array refused_calls{
-    // the network
-    "socket", "socketpair", "connect", "bind", "listen", "accept", "accept4", "sendto", "sendmsg", "sendmmsg",
-    // other processes, and child processes: a job is one process with threads
-    "fork", "vfork", "setsid", "setpgid", "ptrace", "process_vm_readv", "process_vm_writev",
-    "process_madvise", "process_mrelease", "kcmp", "pidfd_open", "pidfd_getfd", "pidfd_send_signal", "kill",
-    "tkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo", "migrate_pages", "move_pages", "setpriority",
-    "ioprio_set", "sched_setscheduler", "sched_setparam", "sched_setattr", "sched_setaffinity", "execve",
-    // metadata of files
-    "chmod", "fchmod", "fchmodat", "chown", "fchown", "lchown", "fchownat", "setxattr", "lsetxattr",
-    "fsetxattr", "removexattr", "lremovexattr", "fremovexattr", "getxattr", "lgetxattr", "fgetxattr",
-    "listxattr", "llistxattr", "flistxattr", "truncate", "truncate64", "utime", "utimes", "futimesat",
-    "mknod", "mknodat",
-    // the rest of the machine
-    "mount", "umount2", "pivot_root", "chroot", "setns", "unshare", "open_tree", "move_mount", "fsopen",
-    "fsmount", "fsconfig", "fspick", "mount_setattr", "open_by_handle_at", "name_to_handle_at", "bpf",
-    "perf_event_open", "userfaultfd", "keyctl", "add_key", "request_key", "init_module", "finit_module",
-    "delete_module", "kexec_load", "kexec_file_load", "reboot", "swapon", "swapoff", "acct", "quotactl",
-    "quotactl_fd", "settimeofday", "clock_settime", "clock_adjtime", "adjtimex", "sethostname",
-    "setdomainname", "iopl", "ioperm", "personality", "io_uring_setup", "io_uring_enter", "io_uring_register",
-    "vhangup", "syslog", "setuid", "setgid", "setreuid", "setregid", "setresuid", "setresgid", "setgroups",
-    "setfsuid", "setfsgid", "inotify_init", "inotify_init1", "fanotify_init", "shmget", "shmat", "shmctl",
-    "msgget", "msgsnd", "msgrcv", "msgctl", "semget", "semop", "semctl", "semtimedop", "mq_open",
-    "mq_unlink"};
+// What a pipeline needs: files that it may open, memory, threads, clocks. Everything else is refused: the network, other
+// processes, modes and owners of files, memory that no limit counts (memfd_create), and what the kernel learns next year.
+// Landlock guards the contents of files. Some of these calls are allowed with few arguments only: see make_filter().
+constexpr std::array allowed_calls{
+    // files
+    "read", "write", "readv", "writev", "pread64", "pwrite64", "preadv", "pwritev", "lseek", "_llseek",
+    "close", "close_range", "fstat", "stat", "lstat", "fstat64", "newfstatat", "fstatat64", "statx", "access",
+    "faccessat", "faccessat2", "readlink", "readlinkat", "getdents", "getdents64", "getcwd", "chdir",
+    "fchdir", "mkdir", "mkdirat", "rmdir", "unlink", "unlinkat", "rename", "renameat", "renameat2", "link",
+    "linkat", "ftruncate", "ftruncate64", "fsync", "fdatasync", "statfs", "statfs64", "fstatfs", "fstatfs64",
+    "fadvise64", "copy_file_range", "sendfile", "sendfile64", "flock", "umask", "dup", "dup2", "dup3", "pipe",
+    "pipe2", "poll", "ppoll", "select", "pselect6",
+    // memory
+    "mmap", "mmap2", "munmap", "mprotect", "mremap", "madvise", "brk",
+    // threads, and signals of this process
+    "futex", "set_robust_list", "get_robust_list", "rseq", "set_tid_address", "gettid", "sched_yield",
+    "sched_getaffinity", "getcpu", "membarrier", "tgkill", "rt_sigaction", "rt_sigprocmask", "rt_sigreturn",
+    "rt_sigpending", "rt_sigsuspend", "sigaltstack", "restart_syscall", "exit", "exit_group", "arch_prctl",
+    // clocks, and what the process may know of itself and the machine
+    "clock_gettime", "clock_getres", "clock_nanosleep", "nanosleep", "gettimeofday", "time", "times",
+    "getrusage", "getrandom", "uname", "sysinfo", "getpid", "getppid", "getuid", "geteuid", "getgid",
+    "getegid", "getrlimit", "setrlimit"};
 
 struct Release {
   void operator()(void* filter) const { ::seccomp_release(filter); }
 };
 
 std::vector<sock_filter> make_filter() {
-  const std::unique_ptr<void, Release> filter(::seccomp_init(SCMP_ACT_ALLOW));
+  const std::unique_ptr<void, Release> filter(::seccomp_init(SCMP_ACT_ERRNO(EPERM)));
   if (!filter) return {};
-  constexpr std::uint32_t refuse = SCMP_ACT_ERRNO(EPERM), unknown = SCMP_ACT_ERRNO(ENOSYS);
   constexpr std::uint64_t word = 0xffffffff;  // an int: the kernel ignores the rest of its register
   bool made = true;
   const auto add = [&](std::uint32_t action, int call, const auto&... arguments) {
     made = made && ::seccomp_rule_add(filter.get(), action, call, sizeof...(arguments), arguments...) == 0;
   };
-  for (const char* name : refused_calls)  // calls unknown to the library do not exist on this machine
-    if (const int call = ::seccomp_syscall_resolve_name(name); call != __NR_SCMP_ERROR) add(refuse, call);
-  // Threads only. The flags of clone3 are in memory, where no filter sees them; without it the C library uses clone.
-  add(refuse, SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, 0));
-  for (const std::uint64_t space :
-       {CLONE_NEWUSER, CLONE_NEWNET, CLONE_NEWNS, CLONE_NEWPID, CLONE_NEWIPC, CLONE_NEWUTS, CLONE_NEWCGROUP})
-    add(refuse, SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, space, space));
-  add(unknown, SCMP_SYS(clone3));
+  const auto allow_call = [&](int call, const auto&... arguments) {
+    add(SCMP_ACT_ALLOW, call, arguments...);
+  };
+  for (const char* name : allowed_calls)  // calls unknown to the library do not exist on this machine
+    if (const int call = ::seccomp_syscall_resolve_name(name); call != __NR_SCMP_ERROR) allow_call(call);
+  // Threads only, in no new namespace. The flags of clone3 are in memory, where no filter sees them; without it the C
+  // library uses clone.
+  constexpr std::uint64_t spaces = CLONE_NEWUSER | CLONE_NEWNET | CLONE_NEWNS | CLONE_NEWPID | CLONE_NEWIPC |
+                                   CLONE_NEWUTS | CLONE_NEWCGROUP;
+  allow_call(SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD | spaces, CLONE_THREAD));
+  add(SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3));
   // Only the program of the descriptor, by an address that disappears with the old memory once it runs.
   const auto address = static_cast<scmp_datum_t>(reinterpret_cast<std::uintptr_t>(no_path));
-  add(refuse, SCMP_SYS(execveat), SCMP_A0(SCMP_CMP_NE, program_number));
-  add(refuse, SCMP_SYS(execveat), SCMP_A1(SCMP_CMP_NE, address));
-  add(refuse, SCMP_SYS(execveat), SCMP_A4(SCMP_CMP_NE, AT_EMPTY_PATH));
-  // Truncating a file that is opened for reading, which Landlock does not see before its third ABI.
+  allow_call(SCMP_SYS(execveat), SCMP_A0(SCMP_CMP_EQ, program_number), SCMP_A1(SCMP_CMP_EQ, address),
+             SCMP_A4(SCMP_CMP_EQ, AT_EMPTY_PATH));
+  // No truncating of a file that is opened for reading, which Landlock does not see before its third ABI.
   constexpr std::uint64_t emptying = O_TRUNC | O_ACCMODE;
-  add(refuse, SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, emptying, O_TRUNC | O_RDONLY));
+  for (const std::uint64_t flags :
+       {O_RDONLY, O_WRONLY, O_RDWR, O_TRUNC | O_WRONLY, O_TRUNC | O_RDWR, O_ACCMODE, O_TRUNC | O_ACCMODE}) {
+    allow_call(SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, emptying, flags));
 #ifdef __NR_open
-  add(refuse, SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, emptying, O_TRUNC | O_RDONLY));
+    allow_call(SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, emptying, flags));
 #endif
-  add(unknown, SCMP_SYS(openat2));
-  // Only the times of files that it has open.
-  add(refuse, SCMP_SYS(utimensat), SCMP_A1(SCMP_CMP_NE, 0));
-  // Limits of other processes, and signals that the kernel would send for it.
-  add(refuse, SCMP_SYS(prlimit64), SCMP_A0(SCMP_CMP_GT, 0));
-  for (const int command : {F_SETOWN, F_SETOWN_EX, F_SETSIG})
-    add(refuse, SCMP_SYS(fcntl), SCMP_A1(SCMP_CMP_MASKED_EQ, word, static_cast<scmp_datum_t>(command)));
+  }
+  add(SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(openat2));
+  // Only the times of files that it has open, and only to the present.
+  allow_call(SCMP_SYS(utimensat), SCMP_A1(SCMP_CMP_EQ, 0), SCMP_A2(SCMP_CMP_EQ, 0));
+  // Only its own limits.
+  allow_call(SCMP_SYS(prlimit64), SCMP_A0(SCMP_CMP_EQ, 0));
+  // No signals that the kernel would send for it.
+  for (const int command : {F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_GETLK, F_SETLK,
+                            F_SETLKW, F_OFD_GETLK, F_OFD_SETLK, F_OFD_SETLKW})
+    allow_call(SCMP_SYS(fcntl), SCMP_A1(SCMP_CMP_MASKED_EQ, word, static_cast<scmp_datum_t>(command)));
   add(SCMP_ACT_ERRNO(ENOTTY), SCMP_SYS(ioctl));  // as a plain file answers
   const int file = made ? ::memfd_create("filter", MFD_CLOEXEC) : -1;
   std::vector<sock_filter> program_code;
@@ -178,7 +180,7 @@ bool install(const std::vector<sock_filter>& filter) {
 }
 
 // The rules that libseccomp cannot write: calls that are newer than its names, and a number that only the child knows.
-// The filter before this one has already checked the architecture that the numbers belong to.
+// The kernel asks both, and the other filter checks the architecture that the numbers belong to.
 bool install_own_rules() {
   constexpr std::uint32_t first_argument =
       offsetof(seccomp_data, args) + (std::endian::native == std::endian::big ? 4 : 0);
@@ -247,7 +249,8 @@ bool Confinement::hold_program() const {
          ::close_range(program_number + 1, ~0u, 0) == 0;
 }
 
-bool Confinement::leave_calls() const { return filter_.empty() || (install(filter_) && install_own_rules()); }
+// The filter comes last: it allows no more of them.
+bool Confinement::leave_calls() const { return filter_.empty() || (install_own_rules() && install(filter_)); }
 
 void Confinement::execute(char* const* argv, char* const* envp) const {
   ::syscall(SYS_execveat, program_number, no_path, argv, envp, AT_EMPTY_PATH);

@@ -63,8 +63,10 @@ TEST(Names, AreBlankedInTextStl) {
             "solid " + blanks(name.size() + 3) + "\n" + blanks(name.size()) + "\r\n" + facets + "endsolid " +
                 blanks(name.size()));
   EXPECT_EQ(blanked("solid" + name + "\n" + facets, "stl"), "solid" + blanks(name.size()) + "\n" + facets);
-  // What a reader refuses must stay for it to refuse.
-  EXPECT_EQ(blanked("solid x\n" + facets + "nonsense 7\n", "stl"), "solid  \n" + facets + "nonsense 7\n");
+  // After the facets, too, a name may go over several lines, and a reader quotes what it refuses.
+  EXPECT_EQ(blanked("solid x\n" + facets + "endsolid x\nJane Doe\nsolid Jane\nDoe\n", "stl"),
+            "solid  \n" + facets + "endsolid  \n        \nsolid     \n   \n");
+  EXPECT_EQ(blanked("solid x\n" + facets + "nonsense 7\n", "stl"), "solid  \n" + facets + "          \n");
 }
 
 TEST(Names, AreBlankedInObj) {

@@ -319,7 +319,11 @@ TEST_F(ServerLimits, PathsLeadNowhereElse) {
   const std::string base = "/api/v1/jobs/" + job["id"].get<std::string>() + "/artifacts/";
   for (const char* name : {"..%2f..%2fworker-token", "%2e%2e/%2e%2e/jobs.sqlite", "../../../jobs.sqlite",
                            "print.png%00", "print.png/", "%2fetc%2fpasswd", "report.json"})
-    EXPECT_EQ(ask("GET", base + name).status, 404) << name;
+    EXPECT_EQ(ask("GET", base + name).status, std::string(name).find("%2f") == std::string::npos &&
+                                                      std::string(name).find("%00") == std::string::npos
+                                                  ? 404
+                                                  : 400)
+        << name;
   for (const char* name : {"..%2f..%2fevil", "evil.sh", "print.png%00.sh", "%2ftmp%2fevil"}) {
     const int status = ask("PUT", "/api/v1/leases/" + job["id"].get<std::string>() + "/artifacts/" + name,
                            worker_headers(std::string(64, 'b')), "x")

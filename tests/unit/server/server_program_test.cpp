@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <sysexits.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -276,6 +277,32 @@ TEST_F(ServerProgram, KilledInTheMiddleOfAnUploadItLeavesNoTrace) {
                             "\r\nConnection: close\r\nAuthorization: Bearer " +
                             first_line(data() / "admin-token") + "\r\n\r\n");
   EXPECT_NE(answer.find("{\"jobs\":[],\"next\":null}"), std::string::npos) << answer;
+  EXPECT_EQ(stop(SIGTERM), 0);
+}
+
+// After a flush that failed nobody knows what is on the disk: a server that went on would lose what it accepts.
+TEST_F(ServerProgram, EndsWhenTheDiskDoesNotTakeWhatItHadAccepted) {
+  const fs::path fails = folder_ / "fails";
+  ::setenv("LD_PRELOAD", VACUFORM_FAILING_DISK, 1);
+  ::setenv("VACUFORM_FAILING_DISK", fails.c_str(), 1);
+  serve();
+  ::unsetenv("LD_PRELOAD");
+  const auto token = first_line(data() / "admin-token");
+  const auto make_token = [&](const std::string& owner) {
+    const std::string body = R"({"owner": ")" + owner + R"(", "scopes": ["read"]})";
+    return talk(connected(), "POST /api/v1/tokens HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) +
+                                 "\r\nConnection: close\r\nAuthorization: Bearer " + token +
+                                 "\r\nContent-Type: application/json\r\nContent-Length: " +
+                                 std::to_string(body.size()) + "\r\n\r\n" + body);
+  };
+  EXPECT_EQ(make_token("before").substr(9, 3), "201");
+  std::ofstream(fails) << "now";
+  EXPECT_EQ(make_token("lost"), "");
+  EXPECT_EQ(wait(), EX_IOERR) << said();
+  EXPECT_NE(said().find("\"event\":\"disk-failed\""), std::string::npos) << said();
+  fs::remove(fails);
+  serve();
+  EXPECT_EQ(make_token("after").substr(9, 3), "201");
   EXPECT_EQ(stop(SIGTERM), 0);
 }
 

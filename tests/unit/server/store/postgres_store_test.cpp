@@ -264,20 +264,6 @@ TEST_F(PostgresStoreTest, RefusesTablesOfANewerVersion) {
   EXPECT_NE(store.error().what.find("this server knows"), std::string::npos) << store.error().what;
 }
 
-// Up to version two, sessions were in memory.
-TEST_F(PostgresStoreTest, TakesOverTablesOfVersionTwo) {
-  {
-    const auto connection = PostgresConnection::open(url_);
-    ASSERT_TRUE(connection) << connection.error().text();
-    ASSERT_TRUE(bring_postgres_up_to_date(**connection, 2));
-  }
-  psql("INSERT INTO token(id, owner, scopes, hash, created) VALUES('0001', 'station-1', 'read', 'a', 7)");
-  const auto store = server("one");
-  ASSERT_TRUE(store->add_session({"b", "0001", wall_clock() + 60'000}));
-  EXPECT_EQ(store->find_session("b")->token.owner, "station-1");
-  EXPECT_EQ(psql("SELECT version FROM vacuform_tables"), std::to_string(newest_postgres_schema) + "\n");
-}
-
 TEST_F(PostgresStoreTest, ASessionOfOneServerIsKnownToAnotherUntilEitherEndsIt) {
   const auto one = server("one"), two = server("two");
   ASSERT_TRUE(one->add_token({"0001", "station-1", {Scope::read}, std::string(64, 'a'), 5, {}, {}}));

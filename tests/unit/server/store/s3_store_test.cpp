@@ -244,7 +244,7 @@ TEST_F(S3BlobsTest, AnObjectThatNeverBecameABlobIsDeletedAfterTheNextStart) {
   const StoredObject half{text_hash("half a scan"), random_hex(8), 11};
   ASSERT_TRUE(table().add_arriving(half));
   ASSERT_TRUE(S3Server::get().client(folder_of(data())).put(half.key(), "half a scan"));
-  ASSERT_TRUE(blobs_->sweep([](const std::string&) { return true; }));
+  ASSERT_TRUE(blobs_->sweep([](const std::string&) { return true; }, 30));
   now_ += hour;
   collect(half.sha256);
   EXPECT_TRUE(objects_of(data()).empty());

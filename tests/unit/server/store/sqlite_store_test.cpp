@@ -1,4 +1,4 @@
-// What is the store's on SQLite alone: files that are not its own, and files of every version before.
+// What is the store's on SQLite alone: files that are not its own, damage, and the work of long lists.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -33,11 +33,11 @@ class SqliteStoreTest : public testing::Test {
     std::ofstream(data_ / "blobs" / hash.substr(0, 2) / hash) << bytes;
     return hash;
   }
-  // A store of an older version, with rows.
-  void old_store(std::int64_t version, const std::string& rows) const {
+  // A store with rows that were not made by requests.
+  void store_with(const std::string& rows) const {
     SqliteDatabase database;
     ASSERT_TRUE(database.open((data_ / "jobs.sqlite").string()));
-    ASSERT_TRUE(bring_up_to_date(database, version));
+    ASSERT_TRUE(bring_up_to_date(database));
     const auto added = database.execute(rows);
     ASSERT_TRUE(added) << added.error().text();
   }
@@ -87,99 +87,24 @@ TEST_F(SqliteStoreTest, TellsWhenThereWillBeRoom) {
 }
 
 TEST_F(SqliteStoreTest, RefusesAStoreOfANewerVersion) {
-  old_store(newest_schema, "PRAGMA user_version=" + std::to_string(newest_schema + 1));
+  store_with("PRAGMA user_version=" + std::to_string(newest_schema + 1));
   const auto store = open_store(data_);
   ASSERT_FALSE(store);
   EXPECT_EQ(store.error().code, Code::corrupt_file);
   EXPECT_NE(store.error().what.find("version " + std::to_string(newest_schema + 1)), std::string::npos);
 }
 
-// The first release's store: a scan and a pattern, no tokens, no owners.
-TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionOne) {
-  old_store(1,
-            "INSERT INTO job(id, state, created, settings, scan, scan_bytes, scan_extension, pattern,"
-            " pattern_bytes, pattern_extension) VALUES('0001', 'queued', 7, '{}', '" +
-                blob("old scan") + "', 8, 'stl', '" + blob("old pattern") + "', 11, 'svg')");
-  for (int opened = 1; opened <= 2; ++opened) {  // the second time of its own version
-    auto store = open_store(data_);
-    ASSERT_TRUE(store) << store.error().text();
-    const Job job = (*store)->job("0001").value();
-    ASSERT_EQ(job.inputs.size(), 2u);
-    EXPECT_EQ(bytes_of(**store, job.inputs[0]), "old scan");
-    EXPECT_EQ(bytes_of(**store, job.inputs[1]), "old pattern");
-    EXPECT_EQ(job.inputs[1].extension, "svg");
-    EXPECT_EQ(job.owner, "");
-  }
-}
-
-// Before inputs had a table of their own, a job had columns for three of them.
-TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionFour) {
-  const std::string columns =
-      "INSERT INTO job(id, state, created, settings, owner, scan, scan_bytes, scan_extension, pattern,"
-      " pattern_bytes, pattern_extension, temperature, temperature_bytes, temperature_extension) VALUES";
-  const std::string files =
-      std::string("'") + blob("a scan") + "', 6, 'stl', '" + blob("a pattern") + "', 9, 'svg', ";
-  old_store(4, columns + "('0001', 'succeeded', 7, '{}', 'station-1', " + files + "'" + blob("140") +
-                   "', 3, 'csv'), ('0002', 'queued', 8, '{}', 'station-2', " + files + "NULL, NULL, NULL)");
-  auto store = open_store(data_);
-  ASSERT_TRUE(store) << store.error().text();
-  const Job first = (*store)->job("0001").value(), second = (*store)->job("0002").value();
-  ASSERT_EQ(first.inputs.size(), 3u);
-  EXPECT_EQ(bytes_of(**store, first.inputs[2]), "140");
-  EXPECT_EQ(first.inputs[2].extension, "csv");
-  EXPECT_EQ(second.inputs.size(), 2u);
-  ASSERT_TRUE((*store)->remove("0001"));
-  EXPECT_EQ(bytes_of(**store, second.inputs[0]), "a scan");  // which both name
-  EXPECT_FALSE((*store)->open(first.inputs[2].blob));
-}
-
-// Before there were turns, nobody counted the jobs of an owner.
-TEST_F(SqliteStoreTest, TakesOverTheQueueOfAStoreOfVersionFive) {
-  old_store(5,
-            "INSERT INTO job(id, state, created, settings, owner) VALUES('0001', 'running', 7, '{}', 'a'),"
-            " ('0002', 'queued', 8, '{}', 'a'), ('0003', 'queued', 9, '{}', 'b'),"
-            " ('0004', 'succeeded', 9, '{}', 'b')");
-  StoreOptions small;
-  small.most_queued_by_owner = 1;
-  auto store = open_store(data_, small);
-  ASSERT_TRUE(store) << store.error().text();
-  NewJob more{"{}"};
-  more.owner = "a";
-  EXPECT_EQ((*store)->create(std::move(more)).error().code, Code::busy);
-  EXPECT_EQ((*store)->lease("worker").value()->job.id, "0003");  // a runs one
-  EXPECT_EQ((*store)->lease("worker").value()->job.id, "0002");
-  EXPECT_EQ((*store)->job("0004")->version, 1);
-  EXPECT_TRUE((*store)->log_after("0004", 0, 10)->empty());
-}
-
-// Before version twelve, jobs had no reference.
-TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionEleven) {
-  old_store(11, "INSERT INTO job(id, state, created, settings) VALUES('0001', 'queued', 7, '{}')");
-  const auto store = open_store(data_);
-  ASSERT_TRUE(store) << store.error().text();
-  const Job job = (*store)->job("0001").value();
-  EXPECT_EQ(job.reference + job.note, "");
-}
-
-// Up to version fourteen, sessions were in memory.
-TEST_F(SqliteStoreTest, TakesOverAStoreOfVersionFourteen) {
-  old_store(
-      14, "INSERT INTO token(id, owner, scopes, hash, created) VALUES('0001', 'station-1', 'read', 'a', 7)");
-  const auto store = open_store(data_);
-  ASSERT_TRUE(store) << store.error().text();
-  ASSERT_TRUE((*store)->add_session({"b", "0001", wall_clock() + 60'000}));
-  EXPECT_EQ((*store)->find_session("b")->token.owner, "station-1");
-}
-
 // A search looks at a part of the jobs for each page, and goes on with the next.
 TEST_F(SqliteStoreTest, ASearchThroughManyJobsIsDoneInPages) {
-  old_store(newest_schema,
-            "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n WHERE i<5000)"
-            " INSERT INTO job(id, state, created, settings, owner, reference)"
-            " SELECT printf('%026d', i), iif(i % 2, 'failed', 'succeeded'), i, '{}', 'a', iif(i=10, "
-            "'needle', 'hay')"
-            " FROM n");
-  const auto opened = open_store(data_);
+  store_with(
+      "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n WHERE i<5000)"
+      " INSERT INTO job(id, kind, state, created, settings, owner, reference)"
+      " SELECT printf('%026d', i), 'print', iif(i % 2, 'failed', 'succeeded'), i, '{}', 'a', iif(i=10, "
+      "'needle', 'hay')"
+      " FROM n");
+  StoreOptions own;
+  own.adopt = true;
+  const auto opened = open_store(data_, own);
   auto& store = dynamic_cast<SqliteStore&>(**opened);
   const std::int64_t before = store.steps();
   JobPage page = store.list(20, "", {.text = "Needle"}, Detail::brief).value();
@@ -205,12 +130,13 @@ TEST_F(SqliteStoreTest, ALongQueueSlowsNothingDown) {
     const std::string jobs =
         std::string("BEGIN; WITH RECURSIVE n(i) AS (SELECT ") + std::to_string(first) +
         " UNION ALL SELECT i+1 FROM n WHERE i<" + std::to_string(last) +
-        ") INSERT INTO job(id, state, created, settings, owner, priority)"
-        " SELECT printf('%026d', i), 'queued', i, '{}', 'station-' || (i % 7), -(i % 3) FROM n;"
+        ") INSERT INTO job(id, kind, state, created, settings, owner, priority)"
+        " SELECT printf('%026d', i), 'print', 'queued', i, '{}', 'station-' || (i % 7), -(i % 3) FROM n;"
         "INSERT OR IGNORE INTO input SELECT id, 'scan', '" +
         hash + "', 6, 'stl' FROM job; COMMIT";
-    old_store(newest_schema, jobs);
+    store_with(jobs);
     StoreOptions roomy;
+    roomy.adopt = true;
     roomy.most_queued = roomy.most_queued_by_owner = 100'000;
     auto opened = open_store(data_, roomy);
     EXPECT_TRUE(opened) << opened.error().text();

@@ -267,13 +267,22 @@ TEST_P(StoreTest, KnowsTheNewestInspectionOfAScan) {
   EXPECT_FALSE((*found)->input("pattern"));
 }
 
-TEST_P(StoreInFilesTest, ABlobWithoutARowIsDeletedAtTheNextStart) {
+TEST_P(StoreInFilesTest, AnOldBlobWithoutARowGoesToQuarantineAtTheNextStart) {
   create("kept", "kept too");
   const std::string orphan = text_hash("orphan");
   fs::create_directories(data() / "blobs" / orphan.substr(0, 2));
   change_blob(orphan, "orphan");
+  const auto age = [&](std::chrono::hours hours) {
+    fs::last_write_time(data() / "blobs" / orphan.substr(0, 2) / orphan,
+                        fs::file_time_type::clock::now() - hours);
+  };
+  age(std::chrono::hours(1));
+  reopen();
+  EXPECT_EQ(blobs().count(orphan), 1u);
+  age(std::chrono::hours(30));
   reopen();
   EXPECT_EQ(blobs().count(orphan), 0u);
+  EXPECT_TRUE(fs::exists(data() / "quarantine" / orphan));
   EXPECT_EQ(blobs().size(), 2u);
 }
 
