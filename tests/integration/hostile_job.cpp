@@ -9,6 +9,7 @@
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -135,6 +136,13 @@ std::string tried(const std::multimap<std::string, std::string>& at) {
     int status = 0;
     return pid > 0 && ::waitpid(pid, &status, 0) == pid && status == 0;
   });
+  attempt("memfd_create", [] { return ::memfd_create("hidden", 0) >= 0; });  // memory that no limit counts
+  attempt("sync", [] { return ::syscall(SYS_sync) == 0; });
+  attempt("future", [] {
+    const int file = ::open("dated", O_CREAT | O_RDWR, 0600);
+    const timespec times[2] = {{9'000'000'000, 0}, {9'000'000'000, 0}};
+    return ::futimens(file, times) == 0;
+  });
   attempt("unshare", [] { return ::unshare(CLONE_NEWUSER) == 0; });
   attempt("setsid", [] { return ::setsid() >= 0; });
   attempt("setpgid", [] { return ::setpgid(0, 0) == 0; });
@@ -225,6 +233,15 @@ int main(int argc, char** argv) {
       ::rename("out", "elsewhere");
       (void)!::symlink("/", "out");
       return 0;
+    case 111: {  // fills the disk with a file that has no name
+      write_artifacts();
+      const int file = ::open("ghost", O_CREAT | O_RDWR, 0600);
+      ::unlink("ghost");
+      const std::string much(1 << 20, 'x');
+      while (::write(file, much.data(), much.size()) > 0) {
+      }
+      for (;;) ::pause();
+    }
     default:
       write_artifacts();
       return 0;

@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import pwd
+import re
 import shutil
 import socket
 import subprocess
@@ -19,8 +20,9 @@ import confine
 import hostile
 from harness import BIN, Case, Program, Server, children, curl, wait_for
 
-GOOD, TRY_ALL, SWAP, LOOP, FIFO, HARD_LINK, MANY, DEEP, DAEMON, LINK, OUT_LINK = range(100, 111)
+GOOD, TRY_ALL, SWAP, LOOP, FIFO, HARD_LINK, MANY, DEEP, DAEMON, LINK, OUT_LINK, GHOST = range(100, 112)
 NOBODY = pwd.getpwnam("nobody")
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 SECRET = b"the bytes of somebody else"
 
 
@@ -39,6 +41,7 @@ class Hostile(Case):
     """The jobs and the checks on them; the subclasses define how the worker runs."""
 
     user = "nobody"
+    disk_mib = 0  # of the worker's folder; 0: the disk of the test
 
     def setUp(self):
         self.here = self.folder / self._testMethodName
@@ -129,6 +132,9 @@ class Hostile(Case):
         os.chown(token, NOBODY.pw_uid, NOBODY.pw_gid)
         self.work = self.here / "work"
         self.work.mkdir(mode=0o700)
+        if self.disk_mib:
+            subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={self.disk_mib}m,mode=700", "tmpfs", self.work], check=True)
+            self.addCleanup(subprocess.run, ["umount", "-l", self.work])
         os.chown(self.work, NOBODY.pw_uid, NOBODY.pw_gid)
         self.aims(("folder", self.server.data), ("secret", self.server.data / "admin-token"), ("secret", token), ("folder", self.work / "kept"))
         self.log = self.here / "worker.log"
@@ -160,8 +166,53 @@ class Unconfined(Hostile):
             subprocess.run([self.bin / "vacuform", "run"], cwd=self.here, check=True, timeout=60)
             bystander.kill()
         done = {d.split()[0] for d in json.loads((self.here / "out" / "report.json").read_text())["done"]}
-        expected = {"read", "write", "empty", "truncate", "chmod", "utimensat", "link", "rename", "connect", "kill", "tgkill", "exec", "signal"}
+        expected = {"read", "write", "empty", "truncate", "chmod", "utimensat", "link", "rename", "connect", "kill", "tgkill", "exec", "signal", "memfd_create", "sync", "future"}
         self.assertEqual(expected - done, set())
+
+
+@unittest.skipUnless(os.geteuid() == 0, "only root can mount a small disk")
+class SmallDisk(Hostile):
+    disk_mib = 64
+
+    def test_a_file_without_a_name_does_not_stay_on_the_disk(self):
+        self.alone()
+        self.started()
+        started = time.monotonic()
+        ended = self.job(GHOST)
+        self.assertEqual(ended["state"], "failed", ended)
+        self.assertIn("disk was nearly full", ended["problem"]["what"])
+        self.assertLess(time.monotonic() - started, 60)
+        good = self.job(GOOD)
+        self.assertEqual(good["state"], "succeeded", good)
+
+
+class Calls(Case):
+    """The calls of real jobs. One that is missing from the list would be refused on a machine whose libraries make it."""
+
+    def called_by(self, *words):
+        trace = self.folder / "trace"
+        done = subprocess.run(["strace", "-f", "-qq", "-o", trace, BIN / "vacuform", *words], cwd=self.folder,
+                              capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return set(re.findall(r"^\d+ +(\w+)\(", trace.read_text(errors="replace"), re.MULTILINE))
+
+    def test_a_job_makes_no_call_that_is_not_on_the_list(self):
+        text = (ROOT / "worker/agent/sandbox.cpp").read_text()
+        allowed = set(re.findall(r'"(\w+)"', text[text.index("allowed_calls{"):text.index("struct Release")]))
+        allowed |= set(re.findall(r"SCMP_SYS\((\w+)\)", text)) | {"execve"}  # execve is what strace itself makes
+        self.assertFalse(allowed & {"memfd_create", "socket", "sync", "fallocate", "kill", "mount", "fork"})
+        subprocess.run([BIN / "vacuform", "sample", "--out", self.folder / "sample"], check=True, capture_output=True)
+        subprocess.run([BIN / "vacuform", "sample", "--model", "mask", "--out", self.folder / "models"], check=True, capture_output=True)
+        coarse = "--set=sheet.resolution_mm=8", "--set=print.dpi=72"
+        drawing = "run", "--scan", "sample/head.stl", "--pattern", "sample/pattern.svg", *coarse
+        os.mkdir(self.folder / "kept", 0o700)
+        jobs = [(*drawing, "--set=coils.decouple=true", "--keep", "kept", "--out", "one", "--progress", "json"),
+                (*drawing, "--keep", "kept", "--out", "two"),
+                (*drawing, "--set=forming.model=mass_spring", "--out", "three"),
+                ("run", "--scan", "models/mask.glb", "--set=pattern.source=scan", *coarse, "--out", "four"),
+                ("inspect", "--scan", "sample/head.stl", "--out", "five")]
+        for job in jobs:
+            self.assertEqual(self.called_by(*job) - allowed, set(), job)
 
 
 @unittest.skipUnless(os.geteuid() == 0, "only root can start workers as another user")
