@@ -78,8 +78,8 @@ const std::vector<JobRows>& rows_of_a_job() {
 nlohmann::ordered_json rows_of(Database& db, const std::string& id) {
   nlohmann::ordered_json all;
   for (const JobRows& table : rows_of_a_job()) {
-    nlohmann::ordered_json& rows = all[table.table] = {{"columns", table.columns},
-                                                       {"rows", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json& rows =
+        all[table.table] = {{"columns", table.columns}, {"rows", nlohmann::ordered_json::array()}};
     Query query(db, table.select.c_str(), id);
     const auto count = 1 + std::ranges::count(table.columns, ',');
     while (query.row().value_or(false)) {
@@ -111,8 +111,9 @@ Result<bool> repair_pages(const fs::path& data) {
     SqliteDatabase db;
     VACUFORM_CHECK(db.open(fresh.string()));
     if (!db.execute("REINDEX; VACUUM"))
-      return fail(Code::corrupt_file, "the job store is damaged, and not all of its rows can be read: " + fault,
-                  "jobs.sqlite", "restore a backup with vacuform-server restore");
+      return fail(Code::corrupt_file,
+                  "the job store is damaged, and not all of its rows can be read: " + fault, "jobs.sqlite",
+                  "restore a backup with vacuform-server restore");
     VACUFORM_TRY(found, page_fault(db, PageCheck::full));
     if (!found.empty())
       return fail(Code::corrupt_file, "the job store cannot be written anew: " + found, "jobs.sqlite",
@@ -134,9 +135,9 @@ Result<void> SqlStore::set_job_in_quarantine(const std::string& id, const fs::pa
     return {};
   });
   VACUFORM_CHECK(read_rows);
-  VACUFORM_CHECK(write_text_file(
-      folder / ("job-" + std::to_string(wall_clock()) + "-" + random_hex(4) + ".json"),
-      rows.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"));
+  VACUFORM_CHECK(
+      write_text_file(folder / ("job-" + std::to_string(wall_clock()) + "-" + random_hex(4) + ".json"),
+                      rows.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"));
   return write(
       [&](Transaction& tx) -> Result<void> { return Query(tx.db, "DELETE FROM job WHERE id=?", id).run(); });
 }
@@ -147,7 +148,8 @@ Result<void> set_damage_in_quarantine(const fs::path& data, Store& store, const 
   VACUFORM_CHECK(make_directory(data / "quarantine"));
   for (const std::string& id : found.damaged_jobs)
     VACUFORM_CHECK(rows.set_job_in_quarantine(id, data / "quarantine"));
-  for (const std::string& sha256 : found.damaged_files) VACUFORM_CHECK(rows.blobs().set_in_quarantine(sha256));
+  for (const std::string& sha256 : found.damaged_files)
+    VACUFORM_CHECK(rows.blobs().set_in_quarantine(sha256));
   for (const std::string& sha256 : found.unnamed) VACUFORM_CHECK(rows.blobs().set_in_quarantine(sha256));
   return {};
 }

@@ -19,7 +19,8 @@ Result<bool> repair_pages(const std::filesystem::path& data);
 
 // Moves what a check of the store found: damaged files, files that no row names, and the rows of damaged jobs, which become
 // files of JSON. Errors: unavailable, disk_full.
-Result<void> set_damage_in_quarantine(const std::filesystem::path& data, Store& store, const StoreCheck& found);
+Result<void> set_damage_in_quarantine(const std::filesystem::path& data, Store& store,
+                                      const StoreCheck& found);
 
 struct RestoreReport {
   std::int64_t jobs = 0, files = 0;

@@ -41,7 +41,8 @@ void StoreWatch::check() {
   const auto checked = store_.check(true, [&](std::uint64_t bytes) {
     read += bytes;
     const milliseconds due(1000 * read / bytes_per_second_);
-    const auto early = std::chrono::duration_cast<milliseconds>(began + due - std::chrono::steady_clock::now());
+    const auto early =
+        std::chrono::duration_cast<milliseconds>(began + due - std::chrono::steady_clock::now());
     return wait(std::max(milliseconds(0), early));
   });
   if (!checked && checked.error().code == Code::cancelled) return;

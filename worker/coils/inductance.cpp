@@ -86,20 +86,6 @@ double neumann(const StraightWire& a, const StraightWire& b, double gap) {
 
 }  // namespace
 
-std::vector<Vector3d> with_few_points(Loop loop, std::size_t most) {
-  if (loop.size() <= most) return {loop.begin(), loop.end()};
-  double length = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i) length += straight_wire(loop, i).length;
-  std::vector<Vector3d> few;
-  double walked = 0;
-  for (std::size_t i = 0; i < loop.size() && few.size() < most; ++i) {
-    const double next = static_cast<double>(few.size()) * length / static_cast<double>(most);
-    if (walked >= next) few.push_back(loop[i]);
-    walked += straight_wire(loop, i).length;
-  }
-  return few;
-}
-
 double mutual_inductance_nh(Loop a, Loop b, double gap_mm) {
   std::vector<StraightWire> of_b;
   of_b.reserve(b.size());

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <vector>
 
 namespace vacuform {
 
@@ -11,10 +10,6 @@ namespace vacuform {
 using Loop = std::span<const Eigen::Vector3d>;
 
 constexpr double mu0_over_4pi = 0.1;  // nH per mm: 1e-7 H/m
-
-// A loop of at most `most` points, as many as it has or every so many of them along its length: the integrals below take
-// points times points, and a picture of noise has outlines of a hundred thousand.
-std::vector<Eigen::Vector3d> with_few_points(Loop loop, std::size_t most);
 
 // Mutual inductance by Neumann's double integral, nH. Exact for each pair of straight segments in one of the two
 // integrals (or to better than 1e-4 of sqrt(L1 L2) for loops of a hundred points), also if the loops touch or cross

@@ -24,6 +24,7 @@ constexpr double most_seconds = 4;  // a drawing with colour may be drawn twice
 
 constexpr double seconds_a_letter = 5e-4;  // of a text of most_letters; its cost grows with the square
 constexpr double most_letters = 1000;      // of one text
+constexpr double most_stops = 1000;        // of one gradient: each run of pixels looks through them
 
 constexpr double most_elements = 1e5, most_drawn_crossings = 1.8e6;
 constexpr double most_matches = 2e7;            // of rules with elements
@@ -153,6 +154,9 @@ class Counter {
       return too_much("the SVG draws too many elements", std::max(work.elements, visits_), most_elements,
                       "make fewer copies with <use>, patterns, markers or dashes, or join shapes to paths",
                       file_name_);
+    if (!(most_stops_ <= most_stops))
+      return too_much("a gradient of the SVG has too many stops", most_stops_, most_stops,
+                      "remove stops, or give a picture", file_name_);
     if (!(longest_text_ <= most_letters))
       return too_much("a text of the SVG is too long, in bytes", longest_text_, most_letters,
                       "split the text, or convert it to paths", file_name_);
@@ -365,9 +369,11 @@ class Counter {
     if (pattern) out.add(referred(server, Style(), depth + 1), Sizes::unbounded);
     if (pattern) out.work.surfaces += 2;
     // A server can take its stops or tiles from another one.
+    double stops = 0;
     for (int hops = 0; server; ++hops) {
       for (const pugi::xml_node child : server.children())
-        if (local_name(child) == "stop") out.work.elements += 0.1, ++visits_;
+        if (local_name(child) == "stop") out.work.elements += 0.1, ++visits_, ++stops;
+      most_stops_ = std::max(most_stops_, stops);
       out.work.elements += 0.1;
       if (hops > most_hops) {
         too_deep_ = true;
@@ -423,7 +429,7 @@ class Counter {
   const StyleSheets sheets_;
   std::map<std::string, pugi::xml_node> of_id_;
   std::map<std::pair<std::size_t, std::string>, Part> parts_;
-  double elements_ = 0, selectors_ = 0, visits_ = 0, segments_ = 0, longest_text_ = 0;
+  double elements_ = 0, selectors_ = 0, visits_ = 0, segments_ = 0, longest_text_ = 0, most_stops_ = 0;
   bool too_deep_ = false, effects_in_sheets_ = false, values_by_entities_ = false;
 };
 

@@ -29,16 +29,20 @@ Polyline sampled(const Curve& curve, const Vector2d& centre, double scale) {
   return out;
 }
 
-// A hundred or so points at equal distances along a closed line.
-Polyline evenly(const Polyline& line) {
+// Of a loop: what is computed of two loops takes the points of one times those of the other.
+constexpr std::size_t enough_points = 96, most_points = 480;
+
+// So many points at equal distances along a closed line.
+Polyline evenly(const Polyline& line, std::size_t count) {
   const auto piece = [&](std::size_t i) -> Vector2d { return line[(i + 1) % line.size()] - line[i]; };
   double around = 0, along = 0;
   for (std::size_t i = 0; i < line.size(); ++i) around += piece(i).norm();
   Polyline out;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const double length = piece(i).norm();
-    for (double at = 0; out.size() < 96; out.push_back(line[i] + at / length * piece(i)))
-      if (at = around * static_cast<double>(out.size()) / 96 - along; at >= length) break;
+    for (double at = 0; out.size() < count; out.push_back(line[i] + at / length * piece(i)))
+      if (at = around * static_cast<double>(out.size()) / static_cast<double>(count) - along; at >= length)
+        break;
     along += length;
   }
   return out;
@@ -80,7 +84,7 @@ Outline outline(const Element& element, double scale) {
       out.loop = std::move(line);
     }
   if (drawn && drawn->kind != DrawnLoop::Kind::closed_line) {
-    out.loop = evenly(drawn->line);
+    out.loop = evenly(drawn->line, enough_points);
     if (signed_area(out.loop) < 0) std::reverse(out.loop.begin(), out.loop.end());
     for (Vector2d& p : out.loop) p = scale * (p - element.centre);
     out.radius_mm = scale * equal_radius(drawn->area_mm2);
@@ -91,6 +95,7 @@ Outline outline(const Element& element, double scale) {
     out.radius_mm = out.reach_mm;
     return out;
   }
+  if (out.loop.size() > most_points) out.loop = evenly(out.loop, most_points);
   out.radius_mm = equal_radius(largest);
   if (const double inner = equal_radius(second); filled_only && inner > 0.5 * out.radius_mm) {
     const double middle = 0.5 * (out.radius_mm + inner);

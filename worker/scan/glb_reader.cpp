@@ -50,7 +50,6 @@ struct Reader {
       return too_many_triangles(triangles.size() + added, where);
 
     const std::size_t base = vertices.size(), first = triangles.size();
-    vertices.reserve(base + positions.count);
     for (std::uint64_t i = 0; i < positions.count; ++i) {
       const Bytes element(positions.data + i * positions.stride, 12);
       const Eigen::Vector3d point(std::bit_cast<float>(u32(element, 0)),
@@ -71,7 +70,6 @@ struct Reader {
       return static_cast<int>(base + index);
     };
     const bool mirrored = transform.linear().determinant() < 0;
-    triangles.reserve(triangles.size() + added);
     for (std::uint64_t i = 0; i < added && !beyond; ++i) {
       Triangle t = shape == 4   ? Triangle{corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)}
                    : shape == 5 ? Triangle{corner(i), corner(i + 1 + i % 2), corner(i + 2 - i % 2)}

@@ -286,14 +286,16 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   }
   if (!footed) {
     const MirrorTest mirror(body);
-    VACUFORM_CHECK(progress.tick());
-    const auto plane = mirror.best();
+    VACUFORM_TRY(plane, mirror.best(progress));
     std::array<double, axes.size()> errors{};
     double least = plane.error;
     for (std::size_t k = 0; k < axes.size(); ++k) {
-      VACUFORM_CHECK(progress.tick());
-      errors[k] = opposite(k) < k ? errors[opposite(k)]
-                                  : mirror.best_along(upright_turn(axes[k], 0, 0, 0).row(2)).error;
+      if (opposite(k) < k) {
+        errors[k] = errors[opposite(k)];
+      } else {
+        VACUFORM_TRY(along, mirror.best_along(upright_turn(axes[k], 0, 0, 0).row(2), progress));
+        errors[k] = along.error;
+      }
       least = std::min(least, errors[k]);
     }
     if (least < most_asymmetry) {

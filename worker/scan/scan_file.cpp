@@ -1,5 +1,6 @@
 #include "worker/scan/scan_file.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -147,6 +148,22 @@ std::string text_mode_damage(Bytes bytes) {
   return {};
 }
 
+double crowding_of(const TriangleMesh& mesh) {
+  const auto surface = [](const Eigen::AlignedBox3d& box) {
+    const Eigen::Vector3d s = box.sizes();
+    return s.x() * s.y() + s.y() * s.z() + s.z() * s.x();
+  };
+  Eigen::AlignedBox3d all;
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles) {
+    Eigen::AlignedBox3d box;
+    for (const int v : t) box.extend(mesh.vertices[static_cast<std::size_t>(v)]);
+    all.extend(box);
+    sum += surface(box);
+  }
+  return all.isEmpty() || surface(all) <= 0 ? 0 : sum / surface(all);
+}
+
 Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const ScanProgress& progress,
                            ScanParts parts) {
   if (bytes.empty())
@@ -177,6 +194,10 @@ Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const Scan
                 scan.mesh.vertices.empty() ? "the scan holds no triangles"
                                            : "the scan holds points but no triangles (a point cloud)",
                 file_name, "export the surface as a mesh of triangles");
+  if (crowding_of(scan.mesh) > scan_limits.crowding)
+    return fail(Code::too_large,
+                "too many triangles of the scan lie in the same place: long slivers, or copies of one body",
+                file_name, "export one surface with triangles of about equal size (isotropic remeshing)");
   return scan;
 }
 

@@ -45,9 +45,10 @@ double MirrorTest::error(const Eigen::Vector3d& normal, std::size_t stride) cons
   return sum / (count * size_);
 }
 
-MirrorTest::Plane MirrorTest::refined(Plane plane) const {
+Result<MirrorTest::Plane> MirrorTest::refined(Plane plane, const ScanProgress& progress) const {
   plane.error = error(plane.normal);
   for (double step = 6 * mirror_radian; step > 0.4 * mirror_radian;) {
+    VACUFORM_CHECK(progress.tick());
     const Plane before = plane;
     const Eigen::Vector3d a = before.normal.unitOrthogonal(), b = before.normal.cross(a);
     for (const auto& [x, y] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
@@ -59,12 +60,13 @@ MirrorTest::Plane MirrorTest::refined(Plane plane) const {
   return plane;
 }
 
-MirrorTest::Plane MirrorTest::best() const {
+Result<MirrorTest::Plane> MirrorTest::best(const ScanProgress& progress) const {
   std::vector<Plane> planes;
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int i = 0; i < tried_directions; ++i) {  // on half a sphere
     const double z = (i + 0.5) / tried_directions, r = std::sqrt(1 - z * z);
     const Eigen::Vector3d normal(r * std::cos(golden * i), r * std::sin(golden * i), z);
+    VACUFORM_CHECK(progress.tick());
     planes.push_back({normal, error(normal, 3)});
   }
   std::stable_sort(planes.begin(), planes.end(),
@@ -76,12 +78,15 @@ MirrorTest::Plane MirrorTest::best() const {
         }))
       starts.push_back(plane);
   Plane best{Eigen::Vector3d::UnitX(), HUGE_VAL};
-  for (const Plane& start : starts)
-    if (const Plane plane = refined(start); plane.error < best.error) best = plane;
+  for (const Plane& start : starts) {
+    VACUFORM_TRY(plane, refined(start, progress));
+    if (plane.error < best.error) best = plane;
+  }
   return best;
 }
 
-MirrorTest::Plane MirrorTest::best_along(const Eigen::Vector3d& direction) const {
+Result<MirrorTest::Plane> MirrorTest::best_along(const Eigen::Vector3d& direction,
+                                                 const ScanProgress& progress) const {
   const Eigen::Vector3d a = direction.unitOrthogonal(), b = direction.cross(a);
   Plane best{a, HUGE_VAL};
   double at = 0;
@@ -89,7 +94,10 @@ MirrorTest::Plane MirrorTest::best_along(const Eigen::Vector3d& direction) const
     const Eigen::Vector3d normal = std::cos(angle) * a + std::sin(angle) * b;
     if (const double e = error(normal); e < best.error) best = {normal, e}, at = angle;
   };
-  for (int i = 0; i < tried_angles; ++i) offer(std::numbers::pi * i / tried_angles);
+  for (int i = 0; i < tried_angles; ++i) {
+    VACUFORM_CHECK(progress.tick());
+    offer(std::numbers::pi * i / tried_angles);
+  }
   for (double step = 4 * mirror_radian; step > mirror_radian / 2; step /= 2) {
     const double middle = at;
     offer(middle - step);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "worker/scan/mold_distance.hpp"
+#include "worker/scan/scan_progress.hpp"
 #include "worker/surface/triangle_mesh.hpp"
 
 namespace vacuform {
@@ -22,12 +23,12 @@ class MirrorTest {
     double error;
   };
   // The best of all planes, to half a degree: of 200 even directions, the six best apart, refined. About 25,000 distances.
-  Plane best() const;
+  Result<Plane> best(const ScanProgress& progress) const;  // errors: cancelled
   // The best of the planes that contain a direction, to a degree.
-  Plane best_along(const Eigen::Vector3d& direction) const;
+  Result<Plane> best_along(const Eigen::Vector3d& direction, const ScanProgress& progress) const;
 
  private:
-  Plane refined(Plane plane) const;
+  Result<Plane> refined(Plane plane, const ScanProgress& progress) const;
 
   MoldDistance distance_;
   std::vector<Eigen::Vector3d> points_;  // from the centroid

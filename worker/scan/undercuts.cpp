@@ -57,7 +57,7 @@ Result<CoveredSpace> CoveredSpace::measure(const TriangleMesh& mesh, std::shared
   const Eigen::Vector3d down = -space.back_.col(2);
   const double step = 1e-5 * box.size().norm();  // beyond the rays' own error
   for (int column = 0; column < columns; ++column) {
-    if (column % 16384 == 0) VACUFORM_CHECK(progress.tick());
+    if (column % 1024 == 0) VACUFORM_CHECK(progress.tick());
     const Eigen::Vector2d xy = space.place(column);
     double z = box.high.z() + spacing, opened = 0;
     int inside = 0, last = -1;  // inside of how many overlapping pieces

@@ -65,8 +65,7 @@ class StoreDamage : public testing::Test {
   }
   void make_old(std::chrono::hours age) const {
     for (const auto& entry : fs::recursive_directory_iterator(data() / "blobs"))
-      if (entry.is_regular_file())
-        fs::last_write_time(entry.path(), fs::file_time_type::clock::now() - age);
+      if (entry.is_regular_file()) fs::last_write_time(entry.path(), fs::file_time_type::clock::now() - age);
   }
   std::size_t in_quarantine() const {
     std::size_t files = 0;
@@ -228,7 +227,8 @@ TEST_F(StoreDamage, EveryDamagedPageIsNoticedOrHarmless) {
         right += job.settings == R"({"a": 1})" && job.note.starts_with("note ") && job.inputs.size() == 2;
       const auto found = (*opened)->check(false, [](std::uint64_t) { return true; });
       ASSERT_TRUE(found) << found.error().text();
-      const bool texts_alone = found->good() && list->jobs.size() == 39;  // a note or a setting reads another way
+      const bool texts_alone =
+          found->good() && list->jobs.size() == 39;  // a note or a setting reads another way
       EXPECT_TRUE(right == 39 || !found->good() || texts_alone);
       (void)(*opened)->job(ids_[0]);
       (void)(*opened)->tokens();
@@ -273,13 +273,18 @@ TEST_F(StoreDamage, ABadRowIsLeftOutOfListsAndMovedByARepair) {
   open();
   create(0, 5);
   store_.reset();
-  change_rows("UPDATE job SET state='shattered' WHERE id='" + ids_[1] + "';"
-              "UPDATE job SET note=CAST(X'6e6f7465ff' AS TEXT) WHERE id='" + ids_[2] + "';"
-              "UPDATE job SET settings='{' WHERE id='" + ids_[3] + "'");
+  change_rows("UPDATE job SET state='shattered' WHERE id='" + ids_[1] +
+              "';"
+              "UPDATE job SET note=CAST(X'6e6f7465ff' AS TEXT) WHERE id='" +
+              ids_[2] +
+              "';"
+              "UPDATE job SET settings='{' WHERE id='" +
+              ids_[3] + "'");
   open();
   EXPECT_EQ(listed(), 2u);
   EXPECT_EQ(store_->list(100, "", {}, Detail::brief)->jobs.size(), 3u);  // no list shows settings
-  for (int i : {1, 2, 3}) EXPECT_EQ(store_->job(ids_[static_cast<std::size_t>(i)]).error().code, Code::internal);
+  for (int i : {1, 2, 3})
+    EXPECT_EQ(store_->job(ids_[static_cast<std::size_t>(i)]).error().code, Code::internal);
   EXPECT_EQ(store_->status()->damaged_jobs, 3);
   const auto found = store_->check(false, [](std::uint64_t) { return true; });
   ASSERT_TRUE(found);

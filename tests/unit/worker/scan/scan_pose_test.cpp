@@ -144,7 +144,7 @@ TEST(Pose, AMedianPlaneTellsATiltToOneSide) {
   }
   const Vector3d normal = Eigen::AngleAxisd(25 * degree, Vector3d::UnitY()) * Vector3d::UnitX();
   const auto turned = moved(egg, Eigen::Affine3d(Eigen::AngleAxisd(25 * degree, Vector3d::UnitY())));
-  const auto plane = MirrorTest(turned).best();
+  const auto plane = MirrorTest(turned).best(ScanProgress(Context{})).value();
   EXPECT_GT(std::abs(plane.normal.dot(normal)), std::cos(1.5 * degree));
   EXPECT_LT(plane.error, 0.002);
   UpGuess guess;
