@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/base/json_text.hpp"
+
 namespace vacuform {
 
 using nlohmann::ordered_json;
@@ -9,7 +11,6 @@ using nlohmann::ordered_json;
 namespace {
 
 constexpr std::uint64_t largest = 4 << 20;
-constexpr int deepest = 16;
 
 }  // namespace
 
@@ -19,14 +20,9 @@ ordered_json json_artifact(Store& store, const Job& job, std::string_view name) 
     const auto reader = store.open(artifact.blob);
     std::string text(artifact.blob.bytes, '\0');
     if (!reader || (*reader)->read_at(0, text).value_or(0) != text.size()) return nullptr;
-    bool shallow = true;
-    auto value = ordered_json::parse(
-        text,
-        [&](int depth, ordered_json::parse_event_t, ordered_json&) {
-          return shallow = shallow && depth <= deepest;
-        },
-        false);
-    return shallow && value.is_object() ? value : ordered_json();
+    if (!within(text, {})) return nullptr;
+    auto value = ordered_json::parse(text, nullptr, false);
+    return value.is_object() ? value : ordered_json();
   }
   return nullptr;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "api/base/json_text.hpp"
+
 namespace vacuform {
 
 namespace {
@@ -43,8 +45,9 @@ ReportedWarnings reported_warnings(const JobFile& report) {
   if (report.bytes > largest_report) return {};
   std::string text(report.bytes, '\0');
   const ssize_t size = ::pread(report.descriptor.number(), text.data(), text.size(), 0);
-  const auto object = nlohmann::json::parse(
-      text.substr(0, static_cast<std::size_t>(std::max<ssize_t>(size, 0))), nullptr, false);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  if (!within(text, {})) return {};
+  const auto object = nlohmann::json::parse(text, nullptr, false);
   ReportedWarnings found;
   if (!object.is_object() || !object.contains("warnings") || !object["warnings"].is_array()) return found;
   found.serious = 0;

@@ -23,6 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
+// How many processes the system has ended since it started because memory ran out; 0 if it does not tell.
+std::uint64_t oom_kills() {
+  std::ifstream file("/proc/vmstat");
+  std::string name;
+  for (std::uint64_t value = 0; file >> name >> value;)
+    if (name == "oom_kill") return value;
+  return 0;
+}
+
 // The server may be away or have a temporary fault: the call may be retried.
 bool passing(const Error& error) {
   return error.code == Code::unavailable || error.code == Code::disk_full || error.code == Code::internal;
@@ -146,6 +155,7 @@ class LeasedJob {
     // The working directory of the child is a folder in ours.
     if (!kept.empty())
       command.insert(command.end(), {"--keep", (kept.is_absolute() ? kept : ".." / kept).string()});
+    oom_kills_before_ = oom_kills();
     const auto end = run_child(
         loop_.program_file.number(), command, folder_, loop_.limits, loop_.sandbox,
         [this](const ChildProgress& at) { heard(at); },
@@ -261,12 +271,13 @@ class LeasedJob {
          {end.how == ChildEnd::How::signalled ? "signal" : "exit", end.number},
          {"stderr", end.last_words.substr(end.last_words.size() - std::min(told, end.last_words.size()))}});
     if (end.problem) return tl::make_unexpected(*end.problem);
+    if (end.how == ChildEnd::How::signalled && end.number == SIGKILL && oom_kills() > oom_kills_before_)
+      return fail(Code::out_of_time,
+                  "the worker's machine ran out of memory, and its system ended the job, which was within its own limit",
+                  "", "an administrator can run fewer workers there, or give the machine more memory");
     if (end.how == ChildEnd::How::signalled && end.number == SIGKILL)
-      return fail(Code::out_of_time, "the job's process was killed, most likely because the memory ran out",
-                  "",
-                  "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi; an administrator "
-                  "can give the "
-                  "worker more memory");
+      return fail(Code::out_of_time, "the job's process was killed from outside", "",
+                  "try again; an administrator finds in the system's log what killed it");
     return fail(Code::internal, "the pipeline broke down on this scan and pattern", "",
                 "try other settings; if it happens again, report it with the job's id");
   }
@@ -282,6 +293,7 @@ class LeasedJob {
   std::optional<Stage> stage_;  // of the child
   std::chrono::steady_clock::time_point measured_{};
   bool too_much_ = false, full_ = false;
+  std::uint64_t oom_kills_before_ = 0;
   Retry retry_ = Retry::never;
 };
 
