@@ -176,8 +176,8 @@ Result<std::vector<LeaseTimes::Current>> SqliteStore::Leases::current(Database&)
 
 bool has_store(const std::filesystem::path& data) {
   std::error_code error;
-  return std::filesystem::exists(data / "jobs.sqlite", error) ||
-         read_folder_mark(data).value_or(FolderMark()).database == postgresql_name;
+  const auto mark = read_folder_mark(data);
+  return std::filesystem::exists(data / "jobs.sqlite", error) || !mark || !mark->database.empty();
 }
 
 tl::unexpected<Error> no_store(const std::filesystem::path& data) {

@@ -273,7 +273,8 @@ class LeasedJob {
     if (end.problem) return tl::make_unexpected(*end.problem);
     if (end.how == ChildEnd::How::signalled && end.number == SIGKILL && oom_kills() > oom_kills_before_)
       return fail(Code::out_of_time,
-                  "the worker's machine ran out of memory, and its system ended the job, which was within its own limit",
+                  "the worker's machine ran out of memory, and its system ended the job, which was within "
+                  "its own limit",
                   "", "an administrator can run fewer workers there, or give the machine more memory");
     if (end.how == ChildEnd::How::signalled && end.number == SIGKILL)
       return fail(Code::out_of_time, "the job's process was killed from outside", "",

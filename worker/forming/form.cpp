@@ -15,8 +15,8 @@
 namespace vacuform {
 
 namespace {
-// That the mold may stand out of the sheet at a rim without a vertex there.
-constexpr double model_rim_mm = 0.04, scan_rim_mm = 0.3;
+// That the mold may stand out of the sheet at a rim without a vertex there: in a scan, what else is reported as pierced.
+constexpr double model_rim_mm = 0.04, scan_rim_mm = FitLimits().pierced_mm;
 
 Result<void> form_by_model(const Process& process, SheetState& state, const Context& context) {
   if (process.forming.quality == FormingQuality::fast) return form_extrapolated(process, state, context);

@@ -161,7 +161,9 @@ double crowding_of(const TriangleMesh& mesh) {
     all.extend(box);
     sum += surface(box);
   }
-  return all.isEmpty() || surface(all) <= 0 ? 0 : sum / surface(all);
+  if (all.isEmpty()) return 0;
+  const Eigen::Vector3d thick = all.sizes().cwiseMax(all.sizes().maxCoeff() / 3);
+  return sum > 0 ? sum / surface({Eigen::Vector3d(0, 0, 0), thick}) : 0;
 }
 
 Result<ScanFile> read_scan(Bytes bytes, const std::string& file_name, const ScanProgress& progress,

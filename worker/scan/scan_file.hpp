@@ -24,11 +24,12 @@ struct ScanLimits {
   std::uint64_t triangles = job_limits.scan_triangles;
   std::uint64_t vertices = job_limits.scan_vertices;
   double coordinate = 1e7;  // in the file's unit; a head in micrometres stays below 1e6
-  double crowding = 250;    // crowding_of(); a head has about 10, a cone of 360 sides has 60
+  double crowding = 1000;   // crowding_of(); a head has about 10, a cone of 360 sides has 60
 };
 inline constexpr ScanLimits scan_limits;
 
-// The sum of the surfaces of the boxes around single triangles, over that of the box around all: about the number of
+// The sum of the surfaces of the boxes around single triangles, over that of the box around all, which counts as at least a
+// third as thick as it is long: about the number of
 // triangles that a search at a place must look at. Long slivers that cross, or meet in one vertex, make every search slow.
 double crowding_of(const TriangleMesh& mesh);
 

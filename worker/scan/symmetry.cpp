@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/scan/scan_file.hpp"
 #include "worker/scan/topology.hpp"
 
 namespace vacuform {
@@ -12,6 +13,8 @@ namespace {
 
 constexpr int mirrored_points = 120, tried_directions = 200, tried_angles = 18;
 constexpr std::size_t tried_starts = 6;
+constexpr double crowded = 60;  // a distance then takes long
+constexpr int few_points = 30;
 constexpr double mirror_radian = std::numbers::pi / 180;
 
 }  // namespace
@@ -29,10 +32,11 @@ MirrorTest::MirrorTest(const TriangleMesh& body) : distance_(body), size_(bounds
     total += area;
   }
   centroid_ /= total;
+  const int wanted = crowding_of(body) > crowded ? few_points : mirrored_points;
   double passed = 0;
   for (const auto& t : body.triangles) {
     passed += area_vector(body, t).norm();
-    if (passed * mirrored_points > total * (static_cast<double>(points_.size()) + 0.5))
+    if (passed * wanted > total * (static_cast<double>(points_.size()) + 0.5))
       points_.push_back(middle(t) - centroid_);
   }
 }

@@ -16,7 +16,9 @@ TEST(Printable, LeavesTextAsItIs) {
 TEST(Printable, WritesOutWhatActs) {
   EXPECT_EQ(printable("\x1b]0;title\x07"), "\\x1b]0;title\\x07");
   EXPECT_EQ(printable("a\nb\tc\rd\x7f"), "a\\x0ab\\x09c\\x0dd\\x7f");
-  EXPECT_EQ(printable("\xC2\x9B" "31m"), "\\x9b31m");                      // the one-character CSI
+  EXPECT_EQ(printable("\xC2\x9B"
+                      "31m"),
+            "\\x9b31m");                                                  // the one-character CSI
   EXPECT_EQ(printable("scan\xE2\x80\xAElts.exe"), "scan\\u202elts.exe");  // right to left
   EXPECT_EQ(printable("\xE2\x81\xA6x\xE2\x80\xA8y\xEF\xBB\xBFz\xD8\x9C"), "\\u2066x\\u2028y\\ufeffz\\u061c");
   EXPECT_EQ(printable("\xff\xc3(\xe2\x80"), "\\xff\\xc3(\\xe2\\x80");
@@ -30,9 +32,11 @@ TEST(Printable, IsHowAnErrorIsShown) {
 
 TEST(JsonWithin, CountsLevelsAndValues) {
   const JsonLimits limits{.levels = 3, .values = 8};
-  for (const char* text : {"1", "[[[1]]]", "{\"a\":{\"b\":[1,2,3]}}", "\"[[[[[[\"", "\"\\\"[[[[[\"", "[1,2,3,4,5,6]", "]]]]", ""})
+  for (const char* text : {"1", "[[[1]]]", "{\"a\":{\"b\":[1,2,3]}}", "\"[[[[[[\"", "\"\\\"[[[[[\"",
+                           "[1,2,3,4,5,6]", "]]]]", ""})
     EXPECT_TRUE(within(text, limits)) << text;
-  for (const char* text : {"[[[[", "[[[[]]]]", "{\"a\":{\"b\":{\"c\":{}}}}", "[1,2,3,4,5,6,7,8]", "[],[],[],[],[]"})
+  for (const char* text :
+       {"[[[[", "[[[[]]]]", "{\"a\":{\"b\":{\"c\":{}}}}", "[1,2,3,4,5,6,7,8]", "[],[],[],[],[]"})
     EXPECT_FALSE(within(text, limits)) << text;
   EXPECT_FALSE(within(std::string(4 << 20, '['), {}));
   std::string many = "[1";

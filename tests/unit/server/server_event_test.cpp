@@ -196,6 +196,16 @@ TEST_F(ServerEvent, AStreamEndsWhenTheJobIsDeleted) {
   EXPECT_EQ(ask("GET", path_ + "/events").status, 404);
 }
 
+TEST_F(ServerEvent, AStreamEndsSoonAfterItsTokenWasRevoked) {
+  const int socket = following();
+  ASSERT_TRUE(store_->revoke_token(user_.substr(4, 16)));
+  const auto began = std::chrono::steady_clock::now();
+  const auto answer = receive_all(socket);
+  EXPECT_NE(answer.find("event: job"), std::string::npos);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(8));
+  EXPECT_EQ(ask("GET", path_).status, 401);
+}
+
 TEST_F(ServerEvent, StreamsAreTheOwnersAlone) {
   const std::string other = bearer(token("station-2", {Scope::read}));
   EXPECT_EQ(ask("GET", path_ + "/events", other).status, 404);

@@ -248,6 +248,11 @@ TEST_F(ServerSubmission, AReferenceIsPartOfWhatAKeyNames) {
   const json first = json::parse(send("CASE-12").body);
   EXPECT_EQ(json::parse(send(" CASE-12 ").body)["id"], first["id"]);
   EXPECT_EQ(send("CASE-13").status, 422);
+  for (const char* key : {"Idempotency-Key:\r\n", "Idempotency-Key: \r\n"})  // it would not protect
+    EXPECT_EQ(ask("POST", "/api/v1/jobs", form_type + std::string(key),
+                  part("scan", "a.stl", "solid") + part("pattern", "p.svg", "<svg/>") + "--XX--\r\n")
+                  .status,
+              400);
 }
 
 TEST_F(ServerSubmission, AJsonBodyIsReadStrictly) {

@@ -85,6 +85,8 @@ TEST_F(ServerUpload, RefusesWhatItCannotTake) {
   EXPECT_EQ(begin(0).status, 400);
   EXPECT_EQ(begin((1u << 30) + 1).status, 413);
   EXPECT_EQ(ask("POST", "/api/v1/uploads", tus + "Upload-Defer-Length: 1\r\n").status, 400);
+  EXPECT_EQ(ask("POST", "/api/v1/uploads", tus + "Upload-Length: 9\r\nUpload-Concat: partial\r\n").status,
+            400);
   EXPECT_EQ(begin(5, "Upload-Metadata: input !!!\r\n").status, 400);
   EXPECT_EQ(begin(5, "Upload-Metadata: input c2V0dGluZ3M=\r\n").status, 400);  // settings
   const std::string place = new_upload(5);
