@@ -99,7 +99,7 @@ class Segments(Case):
         sheet = self.formed()
         on_mold = [p for p, u in zip(sheet.points, sheet.vertices["u"]) if not math.isnan(u)]
         middle = (min(p[1] for p in on_mold) + max(p[1] for p in on_mold)) / 2
-        across = [p for p in on_mold if abs(p[1] - middle) < 10]
+        across = [p for p in on_mold if abs(p[1] - middle) < 5]
         low, high = min(across), max(across)  # by x
         row = [round(v, 2) for v in low + high]
         report = self.made("cut", "--set", "pattern.placement=segments", "--set", "pattern.distortion_limit=10", "--set",

@@ -246,12 +246,13 @@ class Worker(Case):
         self.assertIn("more than 1000 files", said["what"])
         self.assert_nothing_left()
 
-    def test_a_killed_child_is_said_to_have_run_out_of_memory(self):
+    def test_a_job_that_is_killed_from_outside_is_not_blamed_on_its_scan(self):
         self.start("kill -KILL $$")
         said = json.loads(self.the_call("/fail")[2])
         self.assertEqual((said["code"], said["retry"], said["crashed"]), ("out-of-time", True, True))
-        self.assertIn("most likely because the memory ran out", said["what"])
-        self.assertIn("sheet.resolution_mm", said["fix"])
+        self.assertIn("killed from outside", said["what"])
+        self.assertIn("system's log", said["fix"])
+        self.assertNotIn("scan", said["what"] + said["fix"])
 
     def test_a_job_that_is_not_understood_is_given_back_once(self):
         for change in ({"kind": "casting"}, {"inputs": {"mask": {"extension": "png", "bytes": 1, "sha256": "0" * 64}}}):
