@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "server_fixture.hpp"
+#include "tests/unit/server/eventually.hpp"
 
 namespace vacuform {
 namespace {
@@ -198,6 +199,12 @@ TEST_F(ServerEvent, AStreamEndsWhenTheJobIsDeleted) {
 
 TEST_F(ServerEvent, AStreamEndsSoonAfterItsTokenWasRevoked) {
   const int socket = following();
+  char heard[4096];
+  ASSERT_TRUE(eventually([&] {
+    const ssize_t n = ::recv(socket, heard, sizeof heard, MSG_PEEK | MSG_DONTWAIT);
+    return n > 0 &&
+           std::string_view(heard, static_cast<std::size_t>(n)).find("event: job") != std::string_view::npos;
+  }));
   ASSERT_TRUE(store_->revoke_token(user_.substr(4, 16)));
   const auto began = std::chrono::steady_clock::now();
   const auto answer = receive_all(socket);

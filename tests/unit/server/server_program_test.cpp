@@ -285,7 +285,8 @@ TEST_F(ServerProgram, EndsWhenTheDiskDoesNotTakeWhatItHadAccepted) {
   const fs::path fails = folder_ / "fails";
   ::setenv("LD_PRELOAD", VACUFORM_FAILING_DISK, 1);
   ::setenv("VACUFORM_FAILING_DISK", fails.c_str(), 1);
-  const char* const asan = ::getenv("ASAN_OPTIONS");  // which wants to be the first library, with that sanitizer
+  const char* const asan =
+      ::getenv("ASAN_OPTIONS");  // which wants to be the first library, with that sanitizer
   ::setenv("ASAN_OPTIONS", (std::string(asan ? asan : "") + ":verify_asan_link_order=0").c_str(), 1);
   serve();
   ::unsetenv("LD_PRELOAD");
