@@ -5,6 +5,7 @@
 #include "server/store/folder_mark.hpp"
 #include "server/store/postgres_store.hpp"
 #include "server/store/rows_file.hpp"
+#include "server/store/s3_address.hpp"
 #include "server/store/schema.hpp"
 
 namespace vacuform {
