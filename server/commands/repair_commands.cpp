@@ -38,7 +38,7 @@ void VerifyCommand::add_to(CLI::App& app) {
   add_data(*command_, data_);
   command_->add_flag("--read-data", read_, "Read the files too, and compare their bytes with their hashes");
   command_->add_flag("--repair", repair_,
-                     "Write a damaged database anew, and move what is damaged or belongs to no job to "
+                     "Rewrite a damaged database, and move what is damaged or belongs to no job to "
                      "DATA/quarantine");
 }
 
@@ -51,7 +51,7 @@ Result<void> VerifyCommand::run(const std::filesystem::path& configured_data,
   if (!has_store(data)) return no_store(data);
   if (repair_ && places.database.empty()) {
     VACUFORM_TRY(written, repair_pages(data));
-    if (written) std::fprintf(stderr, "the database is written anew; the old one is in quarantine\n");
+    if (written) std::fprintf(stderr, "the database is rewritten; the old one is in quarantine\n");
   }
   VACUFORM_TRY(store, open_store(data, places));
   VACUFORM_TRY(found, store->check(read_, [](std::uint64_t) { return true; }));

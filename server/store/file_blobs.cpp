@@ -238,7 +238,7 @@ Result<BlobStore::Unnamed> FileBlobs::sweep(const Named& named, int quarantine_d
   return left;
 }
 
-// The time of the file begins anew: the days in quarantine count from here.
+// The days in quarantine count from the time of the file.
 Result<void> FileBlobs::set_in_quarantine(const std::string& sha256) {
   VACUFORM_CHECK(make_directory(quarantine_));
   std::error_code error;

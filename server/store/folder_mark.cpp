@@ -27,7 +27,7 @@ Result<FolderMark> read_folder_mark(const fs::path& data) {
     return mark;
   return fail(Code::corrupt_file, "the file that names the database of this data folder is damaged",
               (data / file_name).string(),
-              "if the database is the right one, bind both anew with vacuform-server adopt");
+              "if the database is the right one, bind both again with vacuform-server adopt");
 }
 
 Result<void> write_folder_mark(const fs::path& data, const FolderMark& mark) {

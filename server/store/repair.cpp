@@ -116,7 +116,7 @@ Result<bool> repair_pages(const fs::path& data) {
                   "restore a backup with vacuform-server restore");
     VACUFORM_TRY(found, page_fault(db, PageCheck::full));
     if (!found.empty())
-      return fail(Code::corrupt_file, "the job store cannot be written anew: " + found, "jobs.sqlite",
+      return fail(Code::corrupt_file, "the job store cannot be rewritten: " + found, "jobs.sqlite",
                   "restore a backup with vacuform-server restore");
   }
   VACUFORM_TRY(mark, read_folder_mark(data));

@@ -13,7 +13,7 @@
 
 namespace vacuform {
 
-// Writes the database anew if its pages or indexes are damaged, from the rows that can be read; true if so. Errors:
+// Rewrites the database if its pages or indexes are damaged, from the rows that can be read; true if so. Errors:
 // corrupt_file (rows cannot be read: only a backup helps), unavailable, disk_full.
 Result<bool> repair_pages(const std::filesystem::path& data);
 

@@ -49,7 +49,12 @@ void SqlStore::collect_garbage() {
   if (garbage.empty()) return;
   for (const std::string& sha256 : garbage)
     blobs_->collect(sha256, [this](const std::string& blob) { return wanted(blob); });
-  // What could not be deleted is tried again by blobs_, and by the next start as what no row names.
+  {
+    const std::lock_guard hold(garbage_mutex_);  // what a backup still holds is pending on
+    std::erase_if(garbage, [&](const std::string& sha256) {
+      return std::ranges::find(garbage_, sha256) != garbage_.end();
+    });
+  }
   (void)change_rows([&](Database& db) {
     return std::ranges::all_of(garbage, [&](const std::string& sha256) {
       return Query(db, "DELETE FROM pending_deletion WHERE blob=?", sha256).run().has_value();
