@@ -43,6 +43,7 @@ constexpr double most_asymmetry = 0.006, asymmetry = 0.006, mirror_weight = 4;
 constexpr double broken_share = 0.25;
 constexpr double certain = 0.9;
 constexpr double least_named = 0.03;  // of another axis in a warning
+constexpr double usual_size_mm = 300;
 
 constexpr int bins = 8;  // a side of each face of a cube: 11 degrees
 
@@ -285,6 +286,8 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
     footed = footed || (most > cut_weight / 2);
   }
   if (!footed) {
+    // In about millimetres, which a search for distances expects.
+    for (auto& v : body.vertices) v *= usual_size_mm / size;
     const MirrorTest mirror(body);
     VACUFORM_TRY(plane, mirror.best(progress));
     std::array<double, axes.size()> errors{};
