@@ -88,17 +88,13 @@ std::string url_of(const Address& address, const http::Server& server) {
   return "http://" + host + ":" + std::to_string(server.port());
 }
 
-// A separate listener with a few threads: its clients send the whole request at once, and its answers never wait.
+// A separate listener: its clients send the whole request at once.
 http::ServerOptions status_listener(const Address& address) {
   http::ServerOptions listener;
   listener.host = address.host;
   listener.port = address.port;
   listener.connections = 256;
-  listener.threads = 4;
-  listener.uploads = 0;
-  listener.streams = 0;
   listener.limits.head_time = std::chrono::milliseconds(500);
-  listener.limits.idle_time = std::chrono::seconds(30);  // of a scraper between two requests
   listener.limits.wait = std::chrono::seconds(1);
   listener.refuse = [](const http::Request&, const http::Refusal& refusal) {
     return problem_response(refusal.error, refusal.status);

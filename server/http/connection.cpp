@@ -8,142 +8,151 @@
 #include <array>
 #include <cerrno>
 
-#include "server/http/router.hpp"
-
 namespace vacuform::http {
 
 using namespace std::chrono_literals;
-using std::chrono::steady_clock;
 
-Connection::Connection(int socket, const Limits& limits, UploadRoom& room, const std::atomic<bool>& stopping)
-    : socket_(socket), limits_(limits), room_(room), stopping_(stopping) {
-  reading_.socket = socket;
+namespace {
+
+constexpr auto look = 500ms;  // at the server, which may be stopping
+constexpr auto linger_time = 2s;
+constexpr auto grace = 1s;  // before a body or an answer may count as slow
+
+}  // namespace
+
+Connection::Connection(int socket, const Limits& limits, const std::atomic<bool>& stopping)
+    : socket_(socket), limits_(limits), stopping_(stopping) {}
+
+Connection::~Connection() { ::close(socket_); }
+
+void Connection::enter(Phase phase) {
+  phase_ = phase;
+  since_ = Clock::now();
+  moved_ = 0;
 }
 
-Connection::~Connection() { close(); }
-
-void Connection::close() {
-  place_.reset();  // before another socket can get the same number
-  if (socket_ >= 0) ::close(socket_);
-  socket_ = -1;
+void Connection::evict() {
+  evicted_ = true;
+  ::shutdown(socket_, SHUT_RDWR);
 }
 
-Connection::Got Connection::receive() {
-  std::array<char, 16 * 1024> piece;
-  const std::size_t most = limits_.head_bytes + small_body;
-  if (in_.size() >= most) return Got::nothing;
-  for (;;) {
-    const ssize_t n = ::recv(socket_, piece.data(), std::min(piece.size(), most - in_.size()), MSG_DONTWAIT);
-    if (n > 0) {
-      in_.append(piece.data(), static_cast<std::size_t>(n));
-      return Got::bytes;
-    }
-    if (n == 0) return Got::end;
-    if (errno == EAGAIN || errno == EWOULDBLOCK) return Got::nothing;
-    if (errno != EINTR) return Got::end;
+std::optional<Connection::Rank> Connection::rank(Clock::time_point now) const {
+  if (evicted_) return std::nullopt;
+  const double seconds = std::chrono::duration<double>(now - since_.load()).count();
+  switch (phase_.load()) {
+    case Phase::linger:
+      return Rank{0, -seconds};
+    case Phase::head:
+      return Rank{1, -seconds};
+    case Phase::body:
+    case Phase::answer:
+      if (seconds < std::chrono::duration<double>(grace).count()) return std::nullopt;
+      return Rank{2, static_cast<double>(moved_) / seconds};
+    case Phase::work:
+      return std::nullopt;
   }
+  return std::nullopt;
 }
 
-std::optional<tl::expected<Head, Refusal>> Connection::take_head() {
-  const std::size_t end = in_.find("\r\n\r\n", searched_ < 3 ? 0 : searched_ - 3);
-  searched_ = in_.size();
-  if (std::min(end, in_.size()) > limits_.head_bytes)
-    return tl::make_unexpected(
-        Refusal{431,
-                {Code::too_large,
-                 "the head of the request is longer than " + std::to_string(limits_.head_bytes) + " bytes",
-                 "request head", "send fewer or shorter header lines"}});
-  if (end == std::string::npos) return std::nullopt;
-  auto head = parse_head(std::string_view(in_).substr(0, end + 2), limits_);
-  in_.erase(0, end + 4);
-  length_ = head ? head->content_length : 0;
-  continue_due_ = head && head->expects_continue;
-  return head;
-}
-
-bool Connection::more_arrived() const {
-  const std::uint64_t left = length_ - body_read_;
-  if (in_.size() != left) return in_.size() > left;
-  char next = 0;
-  return ::recv(socket_, &next, 1, MSG_PEEK | MSG_DONTWAIT) >= 0;  // also at the end: no more requests come
-}
-
-Refusal Connection::too_slow() const {
-  return {408, {Code::out_of_time, "the body of the request came too slowly", {}, "try again"}};
-}
-
-Refusal Connection::broken_off() const {
-  return {400,
-          {Code::bad_usage,
-           "the body of the request ended after " + std::to_string(body_read_ + in_.size()) + " of " +
-               std::to_string(length_) + " bytes",
-           {},
-           "send it again"}};
-}
-
-void Connection::send_continue() {
-  if (!std::exchange(continue_due_, false)) return;
-  constexpr std::string_view interim = "HTTP/1.1 100 Continue\r\n\r\n";
-  (void)::send(socket_, interim.data(), interim.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-}
-
-Connection::Wait Connection::wait_for(short events, Instant deadline) const {
+Connection::Wait Connection::wait_for(short events, Clock::time_point deadline) const {
   for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - steady_clock::now());
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    if (stopping_ || evicted_) return Wait::gone;
     if (left <= 0ms) return Wait::late;
-    if (stopping_) return Wait::gone;
     pollfd watched{socket_, events, 0};
-    const int n =
-        ::poll(&watched, 1, static_cast<int>(std::min(left, std::chrono::milliseconds(500)).count()));
+    const int n = ::poll(&watched, 1, static_cast<int>(std::min<std::chrono::milliseconds>(left, look).count()));
     if (n > 0) return (watched.revents & (events | POLLHUP)) != 0 ? Wait::ready : Wait::gone;
     if (n < 0 && errno != EINTR) return Wait::gone;
   }
 }
 
 // Counts only the time spent waiting for the client, not the time of the disk behind the route.
-Connection::Wait Connection::wait_for_body() {
-  const Instant started = steady_clock::now();
-  const Wait wait = wait_for(POLLIN, started + (limits_.wait - waited_) + 1ms);
-  waited_ += steady_clock::now() - started;
-  if (wait == Wait::gone || waited_ < limits_.wait) return wait;
+Connection::Wait Connection::wait_for(short events, Pace& pace) const {
   const double least =
-      static_cast<double>(limits_.slowest_body) * std::chrono::duration<double>(waited_).count();
-  if (static_cast<double>(window_bytes_) < least) return Wait::late;
-  waited_ = {};
-  window_bytes_ = 0;
-  return wait == Wait::late ? wait_for_body() : wait;
+      static_cast<double>(limits_.slowest_body) * std::chrono::duration<double>(limits_.wait).count();
+  for (;;) {
+    const auto begun = Clock::now();
+    const Wait wait = wait_for(events, begun + (limits_.wait - pace.waited));
+    pace.waited += Clock::now() - begun;
+    if (wait == Wait::gone || pace.waited < limits_.wait) return wait;
+    if (static_cast<double>(pace.bytes) < least) return Wait::late;
+    pace = {};
+    if (wait == Wait::ready) return wait;
+  }
 }
 
-Result<std::size_t> Connection::read(std::span<char> into) {
-  const std::uint64_t left = length_ - body_read_;
-  const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(into.size(), left));
+std::optional<tl::expected<Head, Refusal>> Connection::read_head() {
+  const auto refuse = [](int status, Code code, std::string what, std::string fix) {
+    return tl::make_unexpected(Refusal{status, {code, std::move(what), "request head", std::move(fix)}});
+  };
+  const auto deadline = Clock::now() + limits_.head_time;
+  std::array<char, 8192> piece;
+  for (std::size_t searched = 0;;) {
+    const std::size_t end = in_.find("\r\n\r\n", searched < 3 ? 0 : searched - 3);
+    searched = in_.size();
+    if (std::min(end, in_.size()) > limits_.head_bytes)
+      return refuse(431, Code::too_large,
+                    "the head of the request is longer than " + std::to_string(limits_.head_bytes) + " bytes",
+                    "send fewer or shorter header lines");
+    if (end != std::string::npos) {
+      auto head = parse_head(std::string_view(in_).substr(0, end + 2), limits_);
+      in_.erase(0, end + 4);
+      length_ = head ? head->content_length : 0;
+      continue_due_ = head && head->expects_continue;
+      return head;
+    }
+    const Wait wait = wait_for(POLLIN, deadline);
+    if (wait == Wait::gone || (wait == Wait::late && in_.empty())) return std::nullopt;
+    if (wait == Wait::late)
+      return refuse(408, Code::out_of_time, "the head of the request took too long", "try again");
+    const ssize_t n = ::recv(socket_, piece.data(), piece.size(), MSG_DONTWAIT);
+    if (n < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+    if (n <= 0) return std::nullopt;
+    in_.append(piece.data(), static_cast<std::size_t>(n));
+  }
+}
+
+ssize_t Connection::fail_with(int status, Error error) {
+  trouble_ = Refusal{status, std::move(error)};
+  return -1;
+}
+
+ssize_t Connection::read(char* into, std::size_t size) {
+  const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(size, length_ - body_read_));
+  if (trouble_) return -1;
   if (wanted == 0) return 0;
+  const auto taken = [&](std::size_t n) {
+    body_read_ += n;
+    moved_ += n;
+    return static_cast<ssize_t>(n);
+  };
   if (!in_.empty()) {
     const std::size_t n = std::min(wanted, in_.size());
-    std::copy_n(in_.begin(), n, into.begin());
+    std::copy_n(in_.begin(), n, into);
     in_.erase(0, n);
-    body_read_ += n;
-    return n;
+    return taken(n);
   }
-  const auto refuse = [&](Refusal refusal) {
-    trouble_ = std::move(refusal);
-    return tl::make_unexpected(trouble_->error);
-  };
-  if (trouble_) return tl::make_unexpected(trouble_->error);
-  if (!place_ && !(place_ = room_.take(reading_)))
-    return refuse({503, {Code::busy, "too many large bodies arrive at this moment", {}, "try again"}});
-  send_continue();
+  if (std::exchange(continue_due_, false)) {
+    constexpr std::string_view interim = "HTTP/1.1 100 Continue\r\n\r\n";
+    (void)::send(socket_, interim.data(), interim.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  }
   for (;;) {
-    const Wait wait = wait_for_body();
-    if (wait == Wait::late) return refuse(too_slow());
-    const ssize_t n = wait == Wait::gone ? 0 : ::recv(socket_, into.data(), wanted, MSG_DONTWAIT);
-    if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (n <= 0 && reading_.evicted) return refuse(too_slow());
-    if (n <= 0) return tl::make_unexpected(broken_off().error);
-    body_read_ += static_cast<std::uint64_t>(n);
-    window_bytes_ += static_cast<std::uint64_t>(n);
-    reading_.bytes += static_cast<std::uint64_t>(n);
-    return static_cast<std::size_t>(n);
+    const ssize_t n = ::recv(socket_, into, wanted, MSG_DONTWAIT);
+    if (n > 0) {
+      sending_.bytes += static_cast<std::uint64_t>(n);
+      return taken(static_cast<std::size_t>(n));
+    }
+    if (n < 0 && errno == EINTR) continue;
+    const bool nothing_yet = n < 0 && errno == EAGAIN;
+    const Wait wait = nothing_yet ? wait_for(POLLIN, sending_) : Wait::gone;
+    if (wait == Wait::late || evicted_)
+      return fail_with(408, {Code::out_of_time, "the body of the request came too slowly", {}, "try again"});
+    if (wait == Wait::gone)
+      return fail_with(400, {Code::bad_usage,
+                             "the body of the request ended after " + std::to_string(body_read_) + " of " +
+                                 std::to_string(length_) + " bytes",
+                             {},
+                             "send it again"});
   }
 }
 
@@ -152,8 +161,10 @@ bool Connection::write(std::string_view bytes) {
     const ssize_t n = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (n > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(n));
+      taking_.bytes += static_cast<std::uint64_t>(n);
+      moved_ += static_cast<std::uint64_t>(n);
     } else if (n < 0 && errno == EAGAIN) {
-      if (wait_for(POLLOUT, steady_clock::now() + limits_.wait) != Wait::ready) return false;
+      if (wait_for(POLLOUT, taking_) != Wait::ready) return false;
     } else if (n == 0 || errno != EINTR) {
       return false;
     }
@@ -166,14 +177,19 @@ bool Connection::gone() const {
   return ::poll(&watched, 1, 0) > 0;
 }
 
-void Connection::end_request() {
-  place_.reset();
-  in_.erase(0, static_cast<std::size_t>(std::min<std::uint64_t>(in_.size(), length_ - body_read_)));
-  if (in_.capacity() > 4096 && in_.empty()) std::string().swap(in_);
-  searched_ = 0;
-  length_ = body_read_ = 0;
-  continue_due_ = false;
-  trouble_.reset();
+void Connection::finish() {
+  ::shutdown(socket_, SHUT_WR);
+  if (in_.empty() && body_read_ == length_ && !trouble_) {
+    char next = 0;
+    if (::recv(socket_, &next, 1, MSG_PEEK | MSG_DONTWAIT) < 0) return;  // nothing to drop
+  }
+  enter(Phase::linger);
+  std::array<char, 64 * 1024> piece;
+  const auto deadline = Clock::now() + linger_time;
+  while (wait_for(POLLIN, deadline) == Wait::ready) {
+    const ssize_t n = ::recv(socket_, piece.data(), piece.size(), MSG_DONTWAIT);
+    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) return;
+  }
 }
 
 }  // namespace vacuform::http

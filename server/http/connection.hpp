@@ -1,5 +1,5 @@
-// One accepted connection and its current request. Its socket never blocks; the server waits only for the body of a
-// large upload and for the pieces of a stream, within the limits.
+// The socket of one client, for one request. Every wait for the client ends: after a time, when the client is slower than
+// it may be, when the server stops, or when another client needs the place.
 #pragma once
 
 #include <atomic>
@@ -10,69 +10,72 @@
 
 #include "server/http/head.hpp"
 #include "server/http/message.hpp"
-#include "server/http/upload_room.hpp"
 
 namespace vacuform::http {
 
-class Connection : public Body {
+class Connection {
  public:
-  // Takes ownership of the socket, which must be non-blocking. Setting `stopping` ends every wait within half a second.
-  Connection(int socket, const Limits& limits, UploadRoom& room, const std::atomic<bool>& stopping);
-  ~Connection() override;
+  using Clock = std::chrono::steady_clock;
+  // What the connection waits for. Work never makes room.
+  enum class Phase { head, body, work, answer, linger };
+
+  // Takes ownership of the socket. Setting `stopping` ends every wait within half a second.
+  Connection(int socket, const Limits& limits, const std::atomic<bool>& stopping);
+  ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
   int socket() const { return socket_; }
-  void close();
 
-  enum class Got { bytes, nothing, end };  // nothing: not yet; end: the client will send no more
-  // Reads what has arrived, up to the longest head and the longest small body.
-  Got receive();
-  // Whether any part of a request has arrived.
-  bool started() const { return !in_.empty(); }
-  // The next head, once it is complete. Its body follows.
-  std::optional<tl::expected<Head, Refusal>> take_head();
-  // Whether the whole body has arrived.
-  bool body_arrived() const { return in_.size() >= length_ - body_read_; }
-  // More than the announced body has arrived: the client did not wait for its answer.
-  bool more_arrived() const;
-
-  // Waits for the client if the body has not arrived yet; see Body.
-  Result<std::size_t> read(std::span<char> into) override;
-  // Tells a client that waits for permission to send the body.
-  void send_continue();
-  // Why the body could not be read to its end, if the client was too slow (408) or the server has no capacity (503).
+  // Waits for the head. No value: the client left without a request. The body follows with read().
+  std::optional<tl::expected<Head, Refusal>> read_head();
+  // Waits for bytes of the body: at least one, 0 at its end, -1 if it does not come; then trouble() says why.
+  ssize_t read(char* into, std::size_t size);
   const std::optional<Refusal>& trouble() const { return trouble_; }
-  Refusal too_slow() const;
-  Refusal broken_off() const;
-
-  // Sends everything, as long as the client reads some of it within the limits.
+  // False if the client is gone or takes the bytes too slowly.
   bool write(std::string_view bytes);
-  // Whether the client has closed its side, or the connection failed.
+  // Whether the client has left.
   bool gone() const;
-  // Discards the request and the rest of its body.
-  void end_request();
+  // After the answer. What the client still sends is dropped for a while: to close with unread bytes would reset the
+  // connection and lose the answer on its way.
+  void finish();
+
+  void enter(Phase phase);
+  // Whether it waits for a head, or only for the client to close.
+  bool idle() const { return phase_ == Phase::head || phase_ == Phase::linger; }
+  // From any thread: ends the connection.
+  void evict();
+  // From any thread: what to end first, the lowest; none if it must stay.
+  struct Rank {
+    int order;
+    double value;
+    auto operator<=>(const Rank&) const = default;
+  };
+  std::optional<Rank> rank(Clock::time_point now) const;
 
  private:
-  using Instant = std::chrono::steady_clock::time_point;
   enum class Wait { ready, late, gone };
-  Wait wait_for(short events, Instant deadline) const;
-  Wait wait_for_body();
+  // How much a client sent or took while the server waited for it.
+  struct Pace {
+    Clock::duration waited{};
+    std::uint64_t bytes = 0;
+  };
+  Wait wait_for(short events, Clock::time_point deadline) const;
+  Wait wait_for(short events, Pace& pace) const;
+  ssize_t fail_with(int status, Error error);
 
-  int socket_;
+  const int socket_;
   const Limits& limits_;
-  UploadRoom& room_;
   const std::atomic<bool>& stopping_;
-  std::string in_;            // received and not yet used
-  std::size_t searched_ = 0;  // of it, for the end of a head
-  std::uint64_t length_ = 0;  // of the body
-  std::uint64_t body_read_ = 0;
+  std::string in_;  // what arrived and was not read yet
+  std::uint64_t length_ = 0, body_read_ = 0;
   bool continue_due_ = false;
   std::optional<Refusal> trouble_;
-  UploadRoom::Reading reading_;
-  UploadRoom::Place place_;
-  std::chrono::steady_clock::duration waited_{};  // in the current window
-  std::uint64_t window_bytes_ = 0;
+  Pace sending_, taking_;
+  std::atomic<bool> evicted_ = false;
+  std::atomic<Phase> phase_ = Phase::head;
+  std::atomic<Clock::time_point> since_ = Clock::now();
+  std::atomic<std::uint64_t> moved_ = 0;  // bytes of the phase
 };
 
 }  // namespace vacuform::http

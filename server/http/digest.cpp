@@ -71,23 +71,20 @@ class CheckedBody : public Body {
   CheckedBody(Body& body, std::string digest, std::unique_ptr<Hash> hash)
       : body_(body), stated_(std::move(digest)), hash_(std::move(hash)) {}
 
-  Result<std::size_t> read(std::span<char> into) override {
-    VACUFORM_TRY(n, body_.read(into));
-    if (n > 0) {
-      hash_->add({into.data(), n});
-      return n;
-    }
-    if (found_.empty()) found_ = hash_->hex();
-    if (found_ != stated_)
+  Result<void> read(const Taker& take) override {
+    VACUFORM_CHECK(body_.read([&](std::string_view piece) {
+      hash_->add(piece);
+      return take(piece);
+    }));
+    if (hash_->hex() != stated_)
       return fail(Code::wrong_digest, "the body is not the one whose digest was stated", "request body",
                   "send it again");
-    return n;
+    return {};
   }
 
  private:
   Body& body_;
   const std::string stated_;
-  std::string found_;
   std::unique_ptr<Hash> hash_;
 };
 

@@ -107,7 +107,6 @@ void parse_query(std::string_view text, std::multimap<std::string, std::string>&
 
 struct RequestLine {
   std::string_view method, target;
-  bool version_1_1 = false;
 };
 
 tl::expected<RequestLine, Refusal> parse_request_line(std::string_view line) {
@@ -119,7 +118,6 @@ tl::expected<RequestLine, Refusal> parse_request_line(std::string_view line) {
   parsed.target = take_until(rest, ' ');
   if (!is_token(parsed.method) || parsed.target.empty() || (rest != "HTTP/1.1" && rest != "HTTP/1.0"))
     return malformed_line();
-  parsed.version_1_1 = rest == "HTTP/1.1";
   return parsed;
 }
 
@@ -140,10 +138,6 @@ tl::expected<void, Refusal> take_framing(Head& head, std::string_view name, std:
     if (!equal_ignoring_case(value, "100-continue"))
       return refuse(417, "an unknown expectation", "send no Expect header");
     head.expects_continue = true;
-  }
-  if (equal_ignoring_case(name, "Connection")) {
-    while (!value.empty())
-      if (equal_ignoring_case(trimmed(take_until(value, ','), " \t"), "close")) head.keep_alive = false;
   }
   return {};
 }
@@ -213,7 +207,6 @@ tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limi
   const std::size_t first = text.find("\r\n");
   const auto line = parse_request_line(text.substr(0, first));
   Head head;
-  head.keep_alive = line && line->version_1_1;
   text.remove_prefix(first + 2);
   if (!line && line.error().status != 400) return tl::make_unexpected(line.error());
   if (auto parsed = parse_headers(text, limits, head); !parsed) return tl::make_unexpected(parsed.error());

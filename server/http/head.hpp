@@ -13,8 +13,7 @@ namespace vacuform::http {
 struct Limits {
   std::size_t head_bytes = 32 * 1024;
   std::size_t head_lines = 100;
-  std::chrono::milliseconds head_time{10'000};  // from the first byte of a head to its end
-  std::chrono::milliseconds idle_time{75'000};  // between two requests; nginx closes after 60 s of its own
+  std::chrono::milliseconds head_time{10'000};  // for a head
   std::chrono::milliseconds wait{
       30'000};  // for a small body; and the window in which slowest_body is measured
   std::uint64_t slowest_body = 4 * 1024;  // bytes a second that a client must send or take in each window
@@ -27,7 +26,6 @@ struct Head {
   std::vector<Header> headers;
   std::uint64_t content_length = 0;
   bool expects_continue = false;  // the client waits for "100 Continue" before it sends the body
-  bool keep_alive = false;        // HTTP/1.1 without Connection: close
 };
 
 // Reads a head without its last empty line; every line ends with CR LF. The refusal says what is wrong: 400,

@@ -1,7 +1,6 @@
 #include "server/http/message.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "api/base/sha256.hpp"
 #include "api/base/text.hpp"
@@ -32,13 +31,12 @@ Result<std::string> read_text(Request& request, std::uint64_t limit) {
   };
   if (request.content_length > limit) return too_large();
   std::string text;
-  std::array<char, 8192> piece;
-  for (;;) {
-    VACUFORM_TRY(n, request.body->read(piece));
-    if (n == 0) return text;
-    text.append(piece.data(), n);
+  VACUFORM_CHECK(request.body->read([&](std::string_view piece) -> Result<void> {
+    text += piece;
     if (text.size() > limit) return too_large();
-  }
+    return {};
+  }));
+  return text;
 }
 
 std::optional<Refusal> unmet_precondition(const Request& request, const std::string& quoted) {

@@ -1,4 +1,4 @@
-// Requests and responses as the routes see them; the HTTP library stays behind server.cpp.
+// Requests and responses as the routes see them.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +19,16 @@ struct Header {
   std::string name, value;
 };
 
-// The bytes of a request's body, read from the socket on demand.
+// The bytes of a request's body as they arrive.
 class Body {
  public:
+  // Takes the next bytes. An error ends the reading and is given to the caller.
+  using Taker = std::function<Result<void>(std::string_view)>;
+
   virtual ~Body() = default;
-  // At least one byte, or 0 at the end of the body. Errors: bad_usage if the client disconnected, out_of_time if it is
-  // too slow, busy if too many large bodies arrive at the same time.
-  virtual Result<std::size_t> read(std::span<char> into) = 0;
+  // Reads the whole body; call it once. Errors: bad_usage if the client disconnected, out_of_time if it is too slow, and
+  // those of `take`. What came before an error has been taken.
+  virtual Result<void> read(const Taker& take) = 0;
 };
 
 struct Request {
@@ -95,9 +98,8 @@ struct Response {
   std::string text;
   std::optional<Refusal> refusal;  // replaces everything but the headers, which its answer gets
   std::optional<SourceBody> file;  // in place of text
-  Producer stream;    // in place of both, until the producer ends, the client leaves or the server stops
-  Waiter waiter;      // replaces everything else
-  std::string party;  // owner of a stream or waiter; each has a limit (ServerOptions)
+  Producer stream;  // in place of both, until the producer ends, the client leaves or the server stops
+  Waiter waiter;    // replaces everything else
 
   void set(std::string name, std::string value) { headers.push_back({std::move(name), std::move(value)}); }
 };

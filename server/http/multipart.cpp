@@ -157,12 +157,8 @@ Result<std::string> multipart_boundary(std::string_view content_type) {
 Result<void> read_multipart(Request& request, PartSink& sink) {
   VACUFORM_TRY(boundary, multipart_boundary(request.header("Content-Type")));
   MultipartParser parser(boundary, sink);
-  std::vector<char> piece(64 * 1024);
-  for (;;) {
-    VACUFORM_TRY(n, request.body->read(piece));
-    if (n == 0) return parser.finish();
-    VACUFORM_CHECK(parser.feed({piece.data(), n}));
-  }
+  VACUFORM_CHECK(request.body->read([&](std::string_view piece) { return parser.feed(piece); }));
+  return parser.finish();
 }
 
 std::string safe_extension(std::string_view file_name) {

@@ -29,8 +29,12 @@ bool fits(std::string_view pattern, std::string_view path, std::map<std::string,
 
 }  // namespace
 
+Admission everybody(Handler handler) {
+  return [handler = std::move(handler)](const Request&) -> Result<Admitted> { return Admitted{{}, handler}; };
+}
+
 void Router::add(std::string method, std::string pattern, Handler handler) {
-  add(Route{std::move(method), std::move(pattern), std::move(handler)});
+  add(Route{std::move(method), std::move(pattern), everybody(std::move(handler))});
 }
 
 void Router::add(Route route) {

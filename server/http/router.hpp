@@ -11,17 +11,23 @@
 namespace vacuform::http {
 
 using Handler = std::function<Result<Response>(Request&)>;
+// For whom a request is served, and by what.
+struct Admitted {
+  std::string party;  // whose share it takes of the server (admission.hpp); empty: everybody's
+  Handler handler;
+};
 // Says from the head alone whether the request may go on: before a byte of its body is waited for.
-using Admission = std::function<Result<void>(const Request&)>;
+using Admission = std::function<Result<Admitted>(const Request&)>;
 
 inline constexpr std::uint64_t small_body = 72
                                             << 10;  // a body up to this is held in memory until it is whole
 
+Admission everybody(Handler handler);
+
 struct Route {
   std::string method, pattern;
-  Handler handler;
+  Admission admission;
   std::uint64_t most_body = small_body;  // a longer body is refused by its Content-Length (413)
-  Admission admission = nullptr;         // null: everybody may
   std::vector<std::string> query = {};   // the names of the parameters that it takes
   std::string admits = {};               // whom, in words; for who lists the routes
 };
@@ -30,7 +36,7 @@ class Router {
  public:
   // A piece "{name}" of the pattern matches one non-empty piece of a path and is captured under its name. Behind "?"
   // stand the names of the query parameters, separated by "&".
-  void add(std::string method, std::string pattern, Handler handler);
+  void add(std::string method, std::string pattern, Handler handler);  // for everybody
   void add(Route route);
 
   struct Match {

@@ -1,326 +1,65 @@
-// All threads share one epoll instance. A thread takes one event, does the work of that connection that needs no
-// waiting, and arms it again (EPOLLONESHOT). So a client that is slow to send or to read costs memory but no thread.
-// Only work that a route must wait for occupies a thread, and each kind has a limit: large bodies (upload_room.hpp),
-// streams and waiters (places.hpp), and the requests of each route, which gets a share of the threads and queues the
-// rest. Another thread enforces the time limits.
-//
-// No HTTP library is used: Debian's cpp-httplib uses one thread per connection and reads the rest of a refused body as
-// the next request.
+// httplib::Server sees a request line and a Content-Length that are written here, never the client's own: head.hpp reads
+// the head, router.hpp finds the route, and behind the announced body the stream ends. So what the library does with odd
+// heads, ranges, encodings and the bytes behind a body does not matter. See docs/decisions for what it costs.
 #include "server/http/server.hpp"
 
-#include <netdb.h>
+#include <fcntl.h>
+#include <httplib.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
-#include <sys/epoll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <deque>
 #include <exception>
-#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "api/base/log.hpp"
+#include "api/base/sha256.hpp"
 #include "api/base/text.hpp"
 #include "api/problem.hpp"
+#include "server/http/admission.hpp"
 #include "server/http/connection.hpp"
 #include "server/http/digest.hpp"
 #include "server/http/origin.hpp"
-#include "server/http/outgoing.hpp"
-#include "server/http/places.hpp"
 #include "server/http/request_id.hpp"
-#include "server/http/response_head.hpp"
+#include "server/http/threads.hpp"
 
 namespace vacuform::http {
 
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
-using Instant = steady_clock::time_point;
 
 namespace {
 
-constexpr std::uint64_t listener_id = 0, wake_id = 1,
-                        next_id = 2;         // of events; connections are numbered from there
+constexpr int backlog = 512;                 // the library's own is 5
 constexpr int send_buffer = 128 << 10;       // of the kernel, per connection; it doubles the value
 constexpr std::size_t most_held = 64 << 20;  // bytes of all answers in memory that wait for clients
-constexpr auto linger_time = 2s;
-constexpr auto tick = 50ms;
+constexpr std::size_t piece_bytes = 64 << 10;
 
-// One client, passed between the threads. Everything except the id is used under `turn`.
-struct Client {
-  enum class State { head, body, line, answer, linger };  // what an inactive client waits for
+Refusal refusal_of(const Error& error) { return {meaning(error.code).http_status, error}; }
+Error internal_fault() { return {Code::internal, "the server has an internal fault", {}, "try again"}; }
 
-  Client(std::uint64_t number, int socket, const ServerOptions& options, UploadRoom& room,
-         const std::atomic<bool>& stopping)
-      : id(number), connection(socket, options.limits, room, stopping) {}
-
-  const std::uint64_t id;
-  std::mutex turn;
-  Connection connection;
-  bool closed = false;
-  State state = State::head;
-  Instant since = steady_clock::now();  // the state's beginning
-  Instant deadline;
-  Request request;
-  Router::Match match;
-  Instant request_begun;
-  bool head_read = false;  // the current request has a valid head
-  bool keep = false;       // the connection serves another request after this one
-  bool used = false;       // it has served one
-  bool admitted = false;   // it counts among the active requests of its route
-  Outgoing out;
-  std::size_t held = 0;            // bytes of `out` that are counted as waiting
-  std::uint64_t window_bytes = 0;  // that the client had taken when the present window began
-
-  bool idle() const { return state == State::head && !connection.started(); }
-};
-using Clients = std::vector<std::shared_ptr<Client>>;
-
-}  // namespace
-
-class Server::Loop {
+// One request and its answer, as the stream that the library reads and writes.
+class Exchange final : public httplib::Stream {
  public:
-  Loop(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {}
+  Exchange(int socket, const Limits& limits, const std::atomic<bool>& stopping)
+      : connection(socket, limits, stopping) {}
 
-  Result<void> begin() {
-    VACUFORM_CHECK(listen());
-    epoll_ = ::epoll_create1(EPOLL_CLOEXEC);
-    wake_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    next_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK | EFD_SEMAPHORE);
-    if (epoll_ < 0 || wake_ < 0 || next_ < 0) return fail(Code::internal, "this machine provides no epoll");
-    arm(listener_, listener_id, EPOLLIN | EPOLLONESHOT, EPOLL_CTL_ADD);
-    arm(wake_, wake_id, EPOLLIN, EPOLL_CTL_ADD);
-    arm(next_, next_id, EPOLLIN, EPOLL_CTL_ADD);
-    for (int i = 0; i < options_.threads + options_.uploads + options_.streams; ++i)
-      threads_.emplace_back([this] { work(); });
-    threads_.emplace_back([this] { watch(); });
-    return {};
-  }
-
-  void end() {
-    if (!threads_.empty()) {
-      ending_ = true;
-      ::shutdown(listener_, SHUT_RDWR);
-      for (int i = 0; i < 500 && connections() > 0; ++i) std::this_thread::sleep_for(10ms);
-      stopping_ = true;
-      ::eventfd_write(wake_, 1);  // no thread reads it, so all threads see it
-      for (std::thread& thread : threads_) thread.join();
-      threads_.clear();
-      clients_.clear();
+  void begin(tl::expected<Head, Refusal> head, std::string_view front_host) {
+    begun = steady_clock::now();
+    if (!head) {
+      refusal = std::move(head.error());
+      request.id = request_id({});
+      feed_ = "GET / HTTP/1.1\r\n\r\n";
+      return;
     }
-    for (const int file : {listener_, epoll_, wake_, next_})
-      if (file >= 0) ::close(file);
-  }
-
-  int port() const { return port_; }
-  int connections() const { return open_; }
-  int streams() const { return places_.taken(); }
-
- private:
-  Result<void> listen() {
-    const auto refuse = [&] {
-      return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port),
-                  {}, "check whether another program listens there, or give another port (0: any free one)");
-    };
-    addrinfo wanted{};
-    wanted.ai_family = AF_UNSPEC;
-    wanted.ai_socktype = SOCK_STREAM;
-    wanted.ai_flags = AI_PASSIVE;
-    addrinfo* found = nullptr;
-    if (::getaddrinfo(options_.host.c_str(), std::to_string(options_.port).c_str(), &wanted, &found) != 0)
-      return refuse();
-    const std::unique_ptr<addrinfo, void (*)(addrinfo*)> addresses(found, ::freeaddrinfo);
-    for (const addrinfo* address = found; address && listener_ < 0; address = address->ai_next) {
-      listener_ = ::socket(address->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-      if (listener_ < 0) continue;
-      const int yes = 1;
-      ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-      // The connections inherit both. Without the limit the kernel would buffer megabytes for a client that does not
-      // read, and count them as read.
-      ::setsockopt(listener_, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
-      ::setsockopt(listener_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-      if (::bind(listener_, address->ai_addr, address->ai_addrlen) == 0 && ::listen(listener_, 512) == 0)
-        break;
-      ::close(std::exchange(listener_, -1));
-    }
-    sockaddr_storage bound{};
-    socklen_t size = sizeof bound;
-    if (listener_ < 0 || ::getsockname(listener_, reinterpret_cast<sockaddr*>(&bound), &size) != 0)
-      return refuse();
-    port_ = ntohs(bound.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(bound).sin6_port
-                                              : reinterpret_cast<const sockaddr_in&>(bound).sin_port);
-    return {};
-  }
-
-  bool arm(int file, std::uint64_t id, std::uint32_t events, int how) const {
-    epoll_event event{};
-    event.events = events;
-    event.data.u64 = id;
-    return ::epoll_ctl(epoll_, how, file, &event) == 0;
-  }
-
-  void work() {
-    while (!stopping_) {
-      epoll_event event{};  // one at a time: a blocked thread must not hold others' events
-      if (::epoll_wait(epoll_, &event, 1, -1) <= 0) continue;
-      if (event.data.u64 == wake_id) return;
-      if (event.data.u64 == next_id) {
-        work_on_next();
-        continue;
-      }
-      if (event.data.u64 == listener_id) {
-        if (!ending_) accept_some();
-        continue;
-      }
-      if (const std::shared_ptr<Client> client = find(event.data.u64)) {
-        const std::lock_guard hold(client->turn);
-        if (!client->closed) turn(*client);
-      }
-    }
-  }
-
-  std::shared_ptr<Client> find(std::uint64_t id) {
-    const std::lock_guard hold(clients_mutex_);
-    const auto found = clients_.find(id);
-    return found == clients_.end() ? nullptr : found->second;
-  }
-
-  Clients all_clients() {
-    Clients all;
-    const std::lock_guard hold(clients_mutex_);
-    all.reserve(clients_.size());
-    for (const auto& [id, client] : clients_) all.push_back(client);
-    return all;
-  }
-
-  void accept_some() {
-    for (int i = 0; i < 64; ++i) {
-      const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
-      const int why = errno;
-      if (socket < 0 && (why == EMFILE || why == ENFILE || why == ENOMEM || why == ENOBUFS)) {
-        if (!make_room()) std::this_thread::sleep_for(tick);
-        break;
-      }
-      if (socket < 0 && (why == EINTR || why == ECONNABORTED)) continue;
-      if (socket < 0) break;
-      if (open_ >= options_.connections && !make_room()) {
-        ::close(socket);
-        continue;
-      }
-      std::uint64_t id = 0;
-      std::shared_ptr<Client> client;
-      {
-        const std::lock_guard hold(clients_mutex_);
-        id = ++last_id_;
-        client = std::make_shared<Client>(id, socket, options_, room_, stopping_);
-        client->deadline = client->since + options_.limits.head_time;
-        clients_.emplace(id, client);
-        ++open_;
-      }
-      const std::lock_guard hold(client->turn);
-      if (!arm(socket, id, EPOLLIN | EPOLLRDHUP | EPOLLONESHOT, EPOLL_CTL_ADD)) drop(*client);
-    }
-    arm(listener_, listener_id, EPOLLIN | EPOLLONESHOT, EPOLL_CTL_MOD);
-  }
-
-  // The functions from here on need the client's turn.
-
-  void drop(Client& client) {
-    if (std::exchange(client.closed, true)) return;
-    leave_line(client);
-    release(client);
-    client.connection.close();
-    --open_;
-    const std::lock_guard hold(clients_mutex_);
-    clients_.erase(client.id);  // the caller holds the client
-  }
-
-  void release(Client& client) {
-    held_ -= std::exchange(client.held, 0);
-    client.out = Outgoing();
-  }
-
-  void rest(Client& client, std::uint32_t events) {
-    if (!arm(client.connection.socket(), client.id, events | EPOLLONESHOT, EPOLL_CTL_MOD)) drop(client);
-  }
-
-  void enter(Client& client, Client::State state, std::chrono::milliseconds time) {
-    client.state = state;
-    client.since = steady_clock::now();
-    client.deadline = client.since + time;
-  }
-
-  // Does everything that needs no waiting for the client.
-  void turn(Client& client) {
-    while (!client.closed) {
-      switch (client.state) {
-        case Client::State::head:
-          if (auto head = client.connection.take_head()) {
-            begin_request(client, std::move(*head));
-          } else if (!take_in(client)) {
-            return;
-          }
-          break;
-        case Client::State::body:
-          if (client.connection.body_arrived()) {
-            handle(client);
-          } else if (!take_in(client)) {
-            return;
-          }
-          break;
-        case Client::State::line:
-          if (!client.admitted) return;
-          answer(client, std::nullopt);
-          break;
-        case Client::State::answer:
-          if (!send_answer(client)) return;
-          break;
-        case Client::State::linger:
-          return linger(client);
-      }
-    }
-  }
-
-  // False if no progress is possible: the client becomes inactive, or is dropped.
-  bool take_in(Client& client) {
-    const bool idle = client.idle();
-    switch (client.connection.receive()) {
-      case Connection::Got::bytes:
-        if (idle) enter(client, Client::State::head, options_.limits.head_time);
-        return true;
-      case Connection::Got::nothing:
-        if (idle && ending_)
-          drop(client);
-        else
-          rest(client, EPOLLIN | EPOLLRDHUP);
-        return false;
-      case Connection::Got::end:
-        if (client.state != Client::State::body) return drop(client), false;
-        handle(client);  // what came of a resumable upload counts; the route meets the end of the rest
-        return true;
-    }
-    return false;
-  }
-
-  void begin_request(Client& client, tl::expected<Head, Refusal> head) {
-    client.request = Request();
-    client.match = {};
-    client.request_begun = steady_clock::now();
-    client.head_read = head.has_value();
-    client.keep = head && head->keep_alive;
-    if (!head) return answer(client, std::move(head.error()));
-    Request& request = client.request;
     request.head_only = head->method == "HEAD";
     request.method = request.head_only ? "GET" : head->method;
     request.path = std::move(head->path);
@@ -328,412 +67,452 @@ class Server::Loop {
     request.headers = std::move(head->headers);
     request.id = request_id(request.headers);
     request.content_length = head->content_length;
-    request.body = &client.connection;
-    request.by_front = through_front(request, options_.front_host);
-    request.beyond_loopback = !is_loopback_socket(client.connection.socket());
-    if (const auto refusal = inadmissible(client)) return answer(client, refusal);
-    if (client.connection.body_arrived()) return handle(client);
-    if (const auto admitted = admit(client); !admitted)
-      return answer(client, Refusal{meaning(admitted.error().code).http_status, admitted.error()});
-    if (request.content_length > small_body) return handle(client);
-    client.connection.send_continue();
-    enter(client, Client::State::body, options_.limits.wait);
+    request.by_front = through_front(request, front_host);
+    request.beyond_loopback = !is_loopback_socket(connection.socket());
+    feed_ = request.head_only ? "HEAD / HTTP/1.1\r\n\r\n" : "GET / HTTP/1.1\r\n\r\n";
+    if (request.content_length > 0)
+      feed_ = "POST / HTTP/1.1\r\nContent-Length: " + std::to_string(request.content_length) + "\r\n\r\n";
   }
 
-  // Decisions that need only the head and the table of the routes.
-  std::optional<Refusal> inadmissible(Client& client) {
-    const Request& request = client.request;
-    if (auto refusal = check_origin(request, options_.front_host)) return refusal;
-    client.match = router_.match(request.method, request.path);
-    const Route* route = client.match.route;
-    if (!route && !client.match.allowed.empty())
-      return Refusal{405,
-                     {Code::bad_usage,
-                      "this address does not answer to that method",
-                      {},
-                      "use " + client.match.allowed}};
-    if (!route) return Refusal{404, {Code::not_found, "there is nothing at this address", {}, "see /"}};
-    if (auto refusal = query_refusal(*route, request.query)) return refusal;
-    if (request.content_length > route->most_body) {
-      const std::uint64_t most = route->most_body;
-      return Refusal{413,
-                     {Code::too_large,
-                      "the body is larger than " + (most >= 1 << 20 ? std::to_string(most >> 20) + " MiB"
-                                                                    : std::to_string(most) + " bytes"),
-                      "request body", "send less"}};
-    }
-    return std::nullopt;
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* into, std::size_t size) override {
+    if (fed_ == feed_.size()) return connection.read(into, size);
+    const std::size_t n = feed_.copy(into, size, fed_);
+    fed_ += n;
+    return static_cast<ssize_t>(n);
+  }
+  ssize_t write(const char* bytes, std::size_t size) override {
+    return connection.write({bytes, size}) ? static_cast<ssize_t>(size) : -1;
+  }
+  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  socket_t socket() const override {
+    return 0;
+  }  // the library compares it with FD_SETSIZE, and uses select() nowhere
+
+  Connection connection;
+  Request request;
+  std::optional<Refusal> refusal;  // of the head
+  Router::Match match;
+  steady_clock::time_point begun;
+  std::vector<Place> places;  // until the answer is sent
+  bool has_ranges = false;    // the answer says what ranges it has
+  std::size_t held = 0;       // bytes of the answer in memory
+
+ private:
+  std::string feed_;
+  std::size_t fed_ = 0;
+};
+
+thread_local Exchange* present = nullptr;
+
+// A body as the library receives it, in larger pieces.
+class Received final : public Body {
+ public:
+  Received(const Connection& connection, const httplib::ContentReader* reader)
+      : connection_(connection), reader_(reader) {}
+
+  Result<void> read(const Taker& take) override {
+    if (!reader_) return {};
+    Result<void> taken;
+    std::string pending;
+    const auto pass_on = [&] {
+      taken = take(pending);
+      pending.clear();
+      return taken.has_value();
+    };
+    (*reader_)([&](const char* bytes, std::size_t size) {
+      pending.append(bytes, size);
+      return pending.size() < piece_bytes || pass_on();
+    });
+    if (taken && !pending.empty()) pass_on();
+    if (taken && connection_.trouble()) return tl::make_unexpected(connection_.trouble()->error);
+    return taken;
   }
 
-  // Before waiting for the body of a request. A request that is already complete is checked by its route alone.
-  Result<void> admit(Client& client) {
-    const Route& route = *client.match.route;
-    if (!route.admission) return {};
-    const LoggedRequest logged(client.request.id);
-    try {
-      return route.admission(client.request);
-    } catch (const std::exception& fault) {
-      log_event("admission-failed", {{"fault", fault.what()}});
-      return fail(Code::internal, "the server has an internal fault", {}, "try again");
-    }
+ private:
+  const Connection& connection_;
+  const httplib::ContentReader* const reader_;
+};
+
+// A body that is in memory, as much of it as came.
+class Held final : public Body {
+ public:
+  explicit Held(Body& body) {
+    whole_ = body.read([&](std::string_view piece) -> Result<void> {
+      text_ += piece;
+      return {};
+    });
+  }
+  Result<void> read(const Taker& take) override {
+    if (!text_.empty()) VACUFORM_CHECK(take(text_));
+    return whole_;
   }
 
-  void handle(Client& client) {
-    // The route waits for a large body, under a separate limit.
-    if (client.request.content_length <= small_body && !join_line(client))
-      return enter(client, Client::State::line, options_.limits.wait);
-    answer(client, std::nullopt);
+ private:
+  std::string text_;
+  Result<void> whole_;
+};
+
+// Sends a piece of a source. The last bytes of a whole source follow only if everything has the stated hash.
+class Sender {
+ public:
+  explicit Sender(SourceBody body) : body_(std::move(body)) {
+    if (!body_.sha256.empty()) hash_ = std::make_shared<Sha256>();
   }
-
-  // The active requests of one route, and those that wait for one of them to end.
-  struct Line {
-    int at_work = 0;
-    std::deque<std::uint64_t> waiting;
-  };
-
-  bool join_line(Client& client) {
-    const std::lock_guard hold(lines_mutex_);
-    Line& line = lines_[client.match.route];
-    client.admitted = line.at_work < std::max(1, options_.threads / 4);
-    if (client.admitted)
-      ++line.at_work;
-    else
-      line.waiting.push_back(client.id);
-    return client.admitted;
-  }
-
-  void leave_line(Client& client) {
-    if (std::exchange(client.admitted, false)) leave_line(client.match.route);
-  }
-
-  // Gives the slot to the next waiting request; any thread runs it.
-  void leave_line(const Route* route) {
-    const std::lock_guard hold(lines_mutex_);
-    Line& line = lines_[route];
-    if (line.waiting.empty()) {
-      --line.at_work;
-      return;
-    }
-    ready_.emplace_back(line.waiting.front(), route);
-    line.waiting.pop_front();
-    ::eventfd_write(next_, 1);
-  }
-
-  void work_on_next() {
-    eventfd_t one = 0;
-    if (::eventfd_read(next_, &one) != 0) return;  // another thread took it
-    std::pair<std::uint64_t, const Route*> next;
-    {
-      const std::lock_guard hold(lines_mutex_);
-      next = ready_.front();
-      ready_.pop_front();
-    }
-    if (const std::shared_ptr<Client> client = find(next.first)) {
-      const std::lock_guard hold(client->turn);
-      if (!client->closed && client->state == Client::State::line) {
-        client->admitted = true;
-        return turn(*client);
-      }
-    }
-    leave_line(next.second);
-  }
-
-  // By the route, unless there is a refusal already.
-  void answer(Client& client, const std::optional<Refusal>& refusal) {
-    Answered answered;
-    Request& request = client.request;
-    if (request.id.empty()) request.id = request_id({});  // without a head
-    const LoggedRequest logged(request.id);
-    Response response;
-    Places::Place place;
-    try {
-      response = refusal ? refused(client, *refusal) : respond(client);
-      if (response.waiter || (response.stream && !request.head_only)) {
-        leave_line(client);
-        auto taken = places_.take(response.party);
-        if (taken) place = std::move(*taken);
-        response = taken ? waited(client, std::move(response)) : options_.refuse(request, taken.error());
-      }
-      if (response.refusal) {
-        const std::vector<Header> more = std::move(response.headers);
-        response = with_headers(options_.refuse(request, *response.refusal), more);
-      }
-    } catch (const std::exception& fault) {
-      answered.fault = fault.what();
-      response = options_.refuse(
-          request, {500, {Code::internal, "the server has an internal fault", {}, "try again"}});
-    }
-    if (const auto& trouble = client.connection.trouble(); trouble && response.status >= 400)
-      response = with_headers(options_.refuse(request, *trouble), response.headers);
-    leave_line(client);
-    if (client.match.route) answered.route = client.match.route->pattern;
-    answered.method = request.method;
-    answered.status = response.status;
-    answered.seconds = std::chrono::duration<double>(steady_clock::now() - client.request_begun).count();
-    if (options_.observe) options_.observe(answered);
-    if (response.stream && !request.head_only)
-      stream(client, response);
-    else
-      give(client, std::move(response));
-  }
-
-  Response refused(Client& client, const Refusal& refusal) {
-    Response response = options_.refuse(client.request, refusal);
-    if (refusal.status == 405) response.set("Allow", client.match.allowed);
-    return response;
-  }
-
-  Response respond(Client& client) {
-    Request& request = client.request;
-    if (request.head_only)  // ranges are for GET (RFC 9110, 14.2)
-      std::erase_if(request.headers,
-                    [](const Header& header) { return equal_ignoring_case(header.name, "Range"); });
-    request.captures = std::move(client.match.captures);
-    auto result = handled(*client.match.route, request);
-    if (result) return std::move(*result);
-    return options_.refuse(request, {meaning(result.error().code).http_status, result.error()});
-  }
-
-  static Result<Response> handled(const Route& route, Request& request) {
-    VACUFORM_TRY(digest, stated_digest(request, "Content-Digest"));
-    std::unique_ptr<Body> checked;
-    if (!digest.empty()) {
-      checked = checked_body(*request.body, digest);
-    }
-    Body* const body = std::exchange(request.body, checked ? checked.get() : request.body);
-    auto result = route.handler(request);
-    request.body = body;
-    return result;
-  }
-
-  Going going(Client& client) const {
-    return [this, &connection = client.connection] { return !ending_ && !connection.gone(); };
-  }
-
-  Response waited(Client& client, Response response) {
-    if (!response.waiter) return response;
-    auto result = response.waiter(going(client));
-    if (result) return std::move(*result);
-    return options_.refuse(client.request, {meaning(result.error().code).http_status, result.error()});
-  }
-
-  // Adds those of `more` whose names are missing.
-  static Response with_headers(Response response, const std::vector<Header>& more) {
-    const std::size_t own = response.headers.size();
-    for (const Header& header : more)
-      if (std::none_of(response.headers.begin(), response.headers.begin() + static_cast<std::ptrdiff_t>(own),
-                       [&](const Header& other) { return equal_ignoring_case(header.name, other.name); }))
-        response.headers.push_back(header);
-    return response;
-  }
-
-  // Sends what the socket accepts; the rest follows as the client reads.
-  void give(Client& client, Response response) {
-    // Bytes that arrived before the answer was sent are not a request of a client that waits for answers; they may be
-    // smuggled.
-    client.keep =
-        client.keep && !ending_ && client.connection.body_arrived() && !client.connection.more_arrived();
-    std::string text = response_head(client.request, response, client.keep);
-    const bool body = !client.request.head_only && response.status != 204 && response.status != 304;
-    if (body && !response.file) text += response.text;
-    client.out =
-        Outgoing(std::move(text),
-                 body && response.file && response.file->bytes > 0 ? std::move(response.file) : std::nullopt);
-    client.window_bytes = 0;
-    enter(client, Client::State::answer, options_.limits.wait);
-  }
-
-  // Occupies its thread; sends no length, so the end of the connection marks the end of the body.
-  void stream(Client& client, const Response& response) {
-    client.keep = false;
-    bool sent = client.connection.write(response_head(client.request, response, false));
-    const Going on = going(client);
-    try {
-      while (sent && on()) {
-        const std::optional<std::string> bytes = response.stream();
-        if (!bytes) break;
-        sent = bytes->empty() || client.connection.write(*bytes);
-      }
-    } catch (const std::exception& fault) {
-      log_event("stream-failed", {{"fault", fault.what()}});
-    }
-    end_answer(client);
-  }
-
-  // False if the client becomes inactive, or is disconnected.
-  bool send_answer(Client& client) {
-    switch (client.out.send(client.connection.socket())) {
-      case Outgoing::Sent::all:
-        return end_answer(client);
-      case Outgoing::Sent::blocked:
-        held_ += client.out.memory() - client.held;
-        client.held = client.out.memory();
-        [[fallthrough]];
-      case Outgoing::Sent::paused:
-        rest(client, EPOLLOUT);
+  bool operator()(std::size_t offset, std::size_t left, httplib::DataSink& sink) {
+    piece_.resize(std::min(piece_bytes, left));
+    const auto got = body_.source->read_at(body_.offset + offset, piece_);
+    if (!got || *got == 0) return false;
+    if (hash_) {
+      hash_->add(std::string_view(piece_.data(), *got));
+      if (*got == left && hash_->hex() != body_.sha256) {
+        log_event("blob-damaged", {{"blob", body_.sha256}});
+        body_.source->doubt();
         return false;
-      case Outgoing::Sent::broken:
-        drop(client);
-        return false;
+      }
     }
-    return false;
+    return sink.write(piece_.data(), *got);
   }
 
-  bool end_answer(Client& client) {
-    release(client);
-    if (client.keep) {
-      client.used = true;
-      client.connection.end_request();
-      enter(client, Client::State::head, options_.limits.idle_time);
-      rest(client, EPOLLIN | EPOLLRDHUP);
-      return false;
+ private:
+  SourceBody body_;
+  std::shared_ptr<Sha256> hash_;
+  std::vector<char> piece_;
+};
+
+// Adds those of `more` whose names are missing.
+Response with_headers(Response response, const std::vector<Header>& more) {
+  const auto own = static_cast<std::ptrdiff_t>(response.headers.size());
+  for (const Header& header : more)
+    if (std::none_of(response.headers.begin(), response.headers.begin() + own,
+                     [&](const Header& other) { return equal_ignoring_case(header.name, other.name); }))
+      response.headers.push_back(header);
+  return response;
+}
+
+void set_options(socket_t listener) {
+  const int yes = 1;
+  ::fcntl(listener, F_SETFD, FD_CLOEXEC);
+  ::setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  // The connections inherit both. Without the limit the kernel would buffer megabytes for a client that does not read,
+  // and count them as read.
+  ::setsockopt(listener, SOL_SOCKET, SO_SNDBUF, &send_buffer, sizeof send_buffer);
+  ::setsockopt(listener, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+}
+
+}  // namespace
+
+class Server::Adapter final : private httplib::Server {
+ public:
+  Adapter(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {
+    for (const Route& route : router_.routes()) turns_.try_emplace(&route, options_.turns);
+    const auto bare = [this](const httplib::Request&, httplib::Response& out) {
+      serve(*present, nullptr, out);
+    };
+    Get("/", bare);
+    Post("/", [this](const httplib::Request&, httplib::Response& out, const httplib::ContentReader& reader) {
+      serve(*present, &reader, out);
+    });
+    set_post_routing_handler([](const httplib::Request&, httplib::Response& out) {
+      out.headers.erase("Keep-Alive");
+      if (!present->has_ranges) out.headers.erase("Accept-Ranges");  // which the library adds for HEAD
+      if (out.status == 204 || out.status == 304) out.headers.erase("Content-Length");
+    });
+    set_socket_options(set_options);
+    new_task_queue = [this] {
+      return new Threads(options_.connections, [this](std::size_t waiting) { make_room(waiting); });
+    };
+  }
+  ~Adapter() override { end(); }
+
+  Result<void> begin() {
+    const bool any = options_.port == 0;
+    port_ = any                                          ? bind_to_any_port(options_.host)
+            : bind_to_port(options_.host, options_.port) ? options_.port
+                                                         : -1;
+    if (port_ <= 0 || ::listen(svr_sock_, backlog) != 0)
+      return fail(Code::bad_usage, "cannot listen on " + options_.host + ":" + std::to_string(options_.port),
+                  {}, "check whether another program listens there, or give another port (0: any free one)");
+    acceptor_ = std::thread([this] { listen_after_bind(); });
+    return {};
+  }
+
+  int port() const { return port_; }
+  int connections() const {
+    const std::lock_guard hold(open_mutex_);
+    return static_cast<int>(open_.size());
+  }
+  int streams() const { return streams_.taken(); }
+
+ private:
+  void end() {
+    ending_ = true;
+    if (!acceptor_.joinable()) return;
+    ::shutdown(svr_sock_,
+               SHUT_RDWR);  // accept() fails; stop() would break off the answers that are being sent
+    for (int i = 0; i < 500 && connections() > 0; ++i) {
+      evict_if([](const Connection& connection) { return connection.idle(); });
+      std::this_thread::sleep_for(10ms);
     }
-    ::shutdown(client.connection.socket(), SHUT_WR);
-    const bool all_read =
-        client.head_read && client.connection.body_arrived() && !client.connection.more_arrived();
-    if (all_read) return drop(client), false;
-    // Closing with unread bytes would reset the connection and lose the answer in transit.
-    enter(client, Client::State::linger, linger_time);
+    stopping_ = true;
+    acceptor_.join();
+  }
+
+  // Of each connection, on a thread of its own.
+  bool process_and_close_socket(socket_t socket) override {
+    ::fcntl(socket, F_SETFD, FD_CLOEXEC);
+    Exchange exchange(socket, options_.limits, stopping_);
+    if (ending_) return false;
+    const Open open(*this, exchange.connection);
+    try {
+      auto head = exchange.connection.read_head();
+      if (!head) return false;
+      exchange.begin(std::move(*head), options_.front_host);
+      exchange.connection.enter(Connection::Phase::work);
+      present = &exchange;
+      process(exchange);
+      exchange.places.clear();
+      exchange.connection.finish();
+    } catch (const std::exception& fault) {
+      log_event("connection-failed", {{"fault", fault.what()}});
+    }
+    held_ -= exchange.held;
     return true;
   }
 
-  void linger(Client& client) {
-    std::array<char, 64 * 1024> piece;
-    for (int i = 0; i < 16; ++i) {
-      const ssize_t n = ::recv(client.connection.socket(), piece.data(), piece.size(), MSG_DONTWAIT);
-      if (n < 0 && errno == EAGAIN) break;
-      if (n == 0 || (n < 0 && errno != EINTR)) return drop(client);
-    }
-    rest(client, EPOLLIN);
+  // Later versions of the library want the addresses, too, which nobody here believes.
+  template <typename Stream>
+  void process(Stream& stream) {
+    bool closed = false;
+    if constexpr (requires { this->process_request(stream, true, closed, nullptr); })
+      process_request(stream, true, closed, nullptr);
+    else
+      process_request(stream, {}, 0, {}, 0, true, closed, nullptr);
   }
 
-  // The functions from here on do not hold the turn of any client.
-
-  // Enforces the time limits. Never waits for a client: a client whose turn is taken is active.
-  void watch() {
-    while (!stopping_) {
-      std::this_thread::sleep_for(tick);
-      const Instant now = steady_clock::now();
-      for (const auto& client : all_clients()) {
-        const std::unique_lock hold(client->turn, std::try_to_lock);
-        if (!hold || client->closed) continue;
-        if (ending_ && client->idle())
-          drop(*client);
-        else if (now >= client->deadline)
-          too_late(*client);
-      }
-      if (held_ > most_held) make_room(Client::State::answer);
+  void serve(Exchange& exchange, const httplib::ContentReader* reader, httplib::Response& out) {
+    Request& request = exchange.request;
+    const LoggedRequest logged(request.id);
+    Answered answered;
+    Response response;
+    try {
+      response = respond(exchange, reader);
+    } catch (const std::exception& fault) {
+      answered.fault = fault.what();
+      response = options_.refuse(request, refusal_of(internal_fault()));
     }
+    if (response.refusal) {
+      const std::vector<Header> more = std::move(response.headers);
+      response = with_headers(options_.refuse(request, *response.refusal), more);
+    }
+    if (const auto& trouble = exchange.connection.trouble(); trouble && response.status >= 400)
+      response = with_headers(options_.refuse(request, *trouble), response.headers);
+    if (exchange.match.route) answered.route = exchange.match.route->pattern;
+    answered.method = request.method;
+    answered.status = response.status;
+    answered.seconds = std::chrono::duration<double>(steady_clock::now() - exchange.begun).count();
+    if (options_.observe) options_.observe(answered);
+    give(exchange, std::move(response), out);
   }
 
-  void too_late(Client& client) {
-    switch (client.state) {
-      case Client::State::head:
-        if (client.idle()) return drop(client);
-        begin_request(client,
-                      tl::make_unexpected(Refusal{408,
-                                                  {Code::out_of_time, "the head of the request took too long",
-                                                   "request head", "try again"}}));
-        return turn(client);
-      case Client::State::body:
-        answer(client, client.connection.too_slow());
-        return turn(client);
-      case Client::State::line:
-        answer(client, Refusal{503, {Code::busy, "too many requests of this kind wait", {}, "try again"}});
-        return turn(client);
-      case Client::State::answer: {
-        const std::uint64_t taken = client.out.bytes();
-        const double least = static_cast<double>(options_.limits.slowest_body) *
-                             std::chrono::duration<double>(options_.limits.wait).count();
-        if (static_cast<double>(taken - client.window_bytes) < least) return drop(client);
-        client.window_bytes = taken;
-        client.deadline = steady_clock::now() + options_.limits.wait;
-        return;
-      }
-      case Client::State::linger:
-        return drop(client);
+  Response respond(Exchange& exchange, const httplib::ContentReader* reader) {
+    Request& request = exchange.request;
+    const auto refused = [&](const Refusal& refusal) { return options_.refuse(request, refusal); };
+    if (exchange.refusal) return refused(*exchange.refusal);
+    if (const auto refusal = inadmissible(exchange)) {
+      Response response = refused(*refusal);
+      if (refusal->status == 405) response.set("Allow", exchange.match.allowed);
+      return response;
     }
-  }
-
-  // Closes connections in this order: first idle ones, then those that have been sending a request for long, then those
-  // that read their answers slowest. Closes a twentieth of all, so that the search is rare.
-  bool make_room(std::optional<Client::State> only = std::nullopt) {
-    struct Candidate {
-      int order;
-      double worth;
-      std::shared_ptr<Client> client;
+    const Route& route = *exchange.match.route;
+    const auto admitted = route.admission(request);
+    if (!admitted) return refused(refusal_of(admitted.error()));
+    const std::string& party = admitted->party;
+    const auto take = [&](Places& places) -> std::optional<Refusal> {
+      auto place = places.take(party);
+      if (!place) return place.error();
+      exchange.places.push_back(std::move(*place));
+      return std::nullopt;
     };
-    std::vector<Candidate> candidates;
-    const Instant now = steady_clock::now();
-    for (auto& client : all_clients()) {
-      const std::unique_lock hold(client->turn, std::try_to_lock);
-      if (!hold || client->closed || (only && client->state != *only)) continue;
-      const double seconds = std::chrono::duration<double>(now - client->since).count();
-      switch (client->state) {
-        case Client::State::linger:
-          candidates.push_back({0, -seconds, client});
-          break;
-        case Client::State::head:
-          candidates.push_back({client->idle() && client->used ? 1 : 2, -seconds, client});
-          break;
-        case Client::State::body:
-        case Client::State::line:
-          candidates.push_back({2, -seconds, client});
-          break;
-        case Client::State::answer:
-          candidates.push_back({3, static_cast<double>(client->out.bytes()) / (seconds + 1), client});
-          break;
-      }
+    if (!party.empty())
+      if (const auto refusal = take(requests_)) return refused(*refusal);
+
+    Received received(exchange.connection, reader);
+    std::optional<Held> held;
+    Place turn;
+    if (request.content_length > small_body) {
+      if (const auto refusal = take(bodies_)) return refused(*refusal);
+      exchange.connection.enter(Connection::Phase::body);
+      request.body = &received;
+    } else {
+      exchange.connection.enter(Connection::Phase::body);
+      request.body = &held.emplace(received);
+      exchange.connection.enter(Connection::Phase::work);
+      turn = turns_.at(&route).take(party, options_.limits.wait);
+      if (!turn) return refused({503, {Code::busy, "too many requests of this kind wait", {}, "try again"}});
     }
-    const std::size_t enough =
-        std::min(candidates.size(), static_cast<std::size_t>(options_.connections) / 20 + 1);
+    if (request.head_only)  // ranges are for GET (RFC 9110, 14.2)
+      std::erase_if(request.headers,
+                    [](const Header& header) { return equal_ignoring_case(header.name, "Range"); });
+    request.captures = std::move(exchange.match.captures);
+    auto result = handled(admitted->handler, request);
+    turn.reset();
+    exchange.connection.enter(Connection::Phase::work);
+    if (!result) return refused(refusal_of(result.error()));
+    if (result->waiter || (result->stream && !request.head_only))
+      if (const auto refusal = take(streams_)) return refused(*refusal);
+    if (!result->waiter) return std::move(*result);
+    auto awaited = result->waiter([&] { return going(exchange); });
+    return awaited ? std::move(*awaited) : refused(refusal_of(awaited.error()));
+  }
+
+  // Decisions that need only the head and the table of the routes.
+  std::optional<Refusal> inadmissible(Exchange& exchange) const {
+    const Request& request = exchange.request;
+    if (auto refusal = check_origin(request, options_.front_host)) return refusal;
+    exchange.match = router_.match(request.method, request.path);
+    const Route* route = exchange.match.route;
+    const auto refuse = [](int status, Code code, std::string what, std::string where, std::string fix) {
+      return Refusal{status, {code, std::move(what), std::move(where), std::move(fix)}};
+    };
+    if (!route && !exchange.match.allowed.empty())
+      return refuse(405, Code::bad_usage, "this address does not answer to that method", {},
+                    "use " + exchange.match.allowed);
+    if (!route) return refuse(404, Code::not_found, "there is nothing at this address", {}, "see /");
+    if (auto refusal = query_refusal(*route, request.query)) return refusal;
+    const std::uint64_t most = route->most_body;
+    if (request.content_length > most)
+      return refuse(413, Code::too_large,
+                    "the body is larger than " + (most >= 1 << 20 ? std::to_string(most >> 20) + " MiB"
+                                                                  : std::to_string(most) + " bytes"),
+                    "request body", "send less");
+    return std::nullopt;
+  }
+
+  static Result<Response> handled(const http::Handler& handler, Request& request) {
+    VACUFORM_TRY(digest, stated_digest(request, "Content-Digest"));
+    const auto checked = digest.empty() ? nullptr : checked_body(*request.body, digest);
+    if (checked) request.body = checked.get();
+    auto result = handler(request);
+    request.body = nullptr;
+    return result;
+  }
+
+  bool going(const Exchange& exchange) const { return !ending_ && !exchange.connection.gone(); }
+
+  // Hands the answer to the library, which sends it.
+  void give(Exchange& exchange, Response response, httplib::Response& out) {
+    out.status = response.status;
+    for (const Header& header :
+         response.headers)  // a digest is about what is sent, and that is nothing after HEAD
+      if (!exchange.request.head_only || header.name != "Content-Digest")
+        out.set_header(header.name, header.value);
+    out.set_header("X-Request-Id", exchange.request.id);
+    exchange.has_ranges = out.has_header("Accept-Ranges");
+    if (response.status == 204 || response.status == 304) return;
+    if (response.stream) {
+      out.set_content_provider(response.media_type, [this, &exchange, next = std::move(response.stream)](
+                                                        std::size_t, httplib::DataSink& sink) {
+        return pass_on(exchange, next, sink);
+      });
+      return;
+    }
+    exchange.connection.enter(Connection::Phase::answer);
+    if (response.file && response.file->bytes > 0) {
+      const auto bytes = static_cast<std::size_t>(response.file->bytes);
+      out.set_content_provider(bytes, response.media_type,
+                               [sender = std::make_shared<Sender>(std::move(*response.file))](
+                                   std::size_t offset, std::size_t left, httplib::DataSink& sink) {
+                                 return (*sender)(offset, left, sink);
+                               });
+      return;
+    }
+    if (!response.media_type.empty()) out.set_header("Content-Type", response.media_type);
+    out.body = std::move(response.text);
+    exchange.held = out.body.size();
+    if ((held_ += exchange.held) > most_held) make_room(1);
+  }
+
+  // The next piece of a stream. It has no length, so the end of the connection marks its end.
+  bool pass_on(const Exchange& exchange, const Producer& next, httplib::DataSink& sink) const {
+    try {
+      if (!going(exchange)) return false;
+      const std::optional<std::string> bytes = next();
+      if (!bytes) sink.done();
+      return !bytes || bytes->empty() || sink.write(bytes->data(), bytes->size());
+    } catch (const std::exception& fault) {
+      log_event("stream-failed", {{"fault", fault.what()}});
+      return false;
+    }
+  }
+
+  // A connection that can make room, while it is open.
+  class Open {
+   public:
+    Open(Adapter& adapter, Connection& connection) : adapter_(adapter), connection_(connection) {
+      const std::lock_guard hold(adapter_.open_mutex_);
+      adapter_.open_.insert(&connection_);
+    }
+    ~Open() {
+      const std::lock_guard hold(adapter_.open_mutex_);
+      adapter_.open_.erase(&connection_);
+    }
+    Open(const Open&) = delete;
+    Open& operator=(const Open&) = delete;
+
+   private:
+    Adapter& adapter_;
+    Connection& connection_;
+  };
+
+  void evict_if(const std::function<bool(const Connection&)>& superfluous) {
+    const std::lock_guard hold(open_mutex_);
+    for (Connection* connection : open_)
+      if (superfluous(*connection)) connection->evict();
+  }
+
+  // Ends so many connections, or a twentieth of all, so that the search is rare: first those whose answer is sent, then those that
+  // have been sending a head for long, then those that send a body or take an answer slowest.
+  void make_room(std::size_t wanted) {
+    std::vector<std::pair<Connection::Rank, Connection*>> candidates;
+    const auto now = steady_clock::now();
+    const std::lock_guard hold(open_mutex_);
+    for (Connection* connection : open_)
+      if (const auto rank = connection->rank(now)) candidates.emplace_back(*rank, connection);
+    const auto enough =
+        std::min(candidates.size(), std::max(wanted, static_cast<std::size_t>(options_.connections) / 20));
     std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(enough),
-                      candidates.end(), [](const Candidate& a, const Candidate& b) {
-                        return std::pair(a.order, a.worth) < std::pair(b.order, b.worth);
-                      });
-    bool made = false;
-    for (std::size_t i = 0; i < enough; ++i) {
-      Client& client = *candidates[i].client;
-      const std::unique_lock hold(client.turn, std::try_to_lock);
-      if (!hold || client.closed) continue;
-      drop(client);
-      made = true;
-    }
-    return made;
+                      candidates.end());
+    for (std::size_t i = 0; i < enough; ++i) candidates[i].second->evict();
   }
 
   const ServerOptions options_;
   const Router router_;
-  std::atomic<bool> ending_ = false;    // streams end, and connections after their answers
+  std::atomic<bool> ending_ = false;    // no new requests, and streams end
   std::atomic<bool> stopping_ = false;  // every wait ends
-  std::atomic<int> open_ = 0;
-  std::atomic<std::size_t> held_ = 0;  // bytes of answers that wait for their clients
-  Places places_{options_.streams, options_.streams_of_one};
-  UploadRoom room_{options_.uploads};
-  int listener_ = -1, epoll_ = -1, wake_ = -1, next_ = -1, port_ = 0;
-  std::mutex lines_mutex_;
-  std::map<const Route*, Line> lines_;
-  std::deque<std::pair<std::uint64_t, const Route*>>
-      ready_;  // requests whose wait is over; next_ counts them
-  std::mutex clients_mutex_;
-  std::unordered_map<std::uint64_t, std::shared_ptr<Client>> clients_;
-  std::uint64_t last_id_ = next_id;
-  std::vector<std::thread> threads_;
+  std::atomic<std::size_t> held_ = 0;   // bytes of answers that wait for their clients
+  Places requests_{"requests", options_.connections, options_.requests_of_one};
+  Places bodies_{"large bodies", options_.bodies, options_.bodies_of_one};
+  Places streams_{"clients that follow jobs", options_.streams, options_.streams_of_one};
+  std::map<const Route*, Turns> turns_;
+  mutable std::mutex open_mutex_;
+  std::set<Connection*> open_;
+  std::thread acceptor_;
+  int port_ = 0;
 };
 
-Server::Server(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
-Server::~Server() { loop_->end(); }
-int Server::port() const { return loop_->port(); }
-int Server::connections() const { return loop_->connections(); }
-int Server::streams() const { return loop_->streams(); }
+Server::Server(std::unique_ptr<Adapter> adapter) : adapter_(std::move(adapter)) {}
+Server::~Server() = default;
+int Server::port() const { return adapter_->port(); }
+int Server::connections() const { return adapter_->connections(); }
+int Server::streams() const { return adapter_->streams(); }
 
 Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router) {
-  auto loop = std::make_unique<Loop>(std::move(options), std::move(router));
-  if (auto started = loop->begin(); !started) {
-    loop->end();
-    return tl::make_unexpected(started.error());
-  }
-  return std::unique_ptr<Server>(new Server(std::move(loop)));
+  auto adapter = std::make_unique<Adapter>(std::move(options), std::move(router));
+  VACUFORM_CHECK(adapter->begin());
+  return std::unique_ptr<Server>(new Server(std::move(adapter)));
 }
 
 }  // namespace vacuform::http

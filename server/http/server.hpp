@@ -1,25 +1,22 @@
-// The listener: accepts, reads, routes, answers.
+// The listener: httplib::Server (cpp-httplib) accepts, gives each connection a thread, reads bodies and writes answers.
 //
 // Every request passes these steps in order: the head (head.hpp), the checks of origin.hpp, the router with its limit
-// on the body, the route's admission, the body, the route. A body up to 72 KiB is in memory before the route runs. The
-// route reads a longer one as it arrives, and a body with a Content-Digest is checked meanwhile (digest.hpp). The
-// server ignores peer addresses.
+// on the body, the route's admission, the share of its party, the body, a turn, the route. A body up to 72 KiB is in
+// memory before the turn comes. The route reads a longer one as it arrives, in a place for large bodies and without a
+// turn. A body with a Content-Digest is checked meanwhile (digest.hpp). The server ignores peer addresses.
 //
-// A connection serves one request after another (HTTP/1.1 keep-alive). It is closed after an answer if its request was
-// malformed, if its body was not read to the end, or if bytes after the request arrived before the answer was sent. So
-// pipelined requests are not served, and bytes inside a request are never read as the next one.
+// A connection serves one request, and no byte behind it is read as another.
 //
-// Slow clients occupy no thread, except for large bodies and for responses that stream or wait (message.hpp), which
-// have separate limits and threads. A client that does not keep up with `limits` is disconnected. Beyond `connections`
-// the idle and the slowest are closed to make room for new ones. When `streams` streams are active, the next one is
-// refused with 503 and Retry-After; when one party has `streams_of_one`, its next one is refused with 429.
+// Slow clients occupy a thread, so clients that do not keep up with `limits` are disconnected, and beyond `connections`
+// the slowest make room for new ones. No party has more than its share of anything (admission.hpp): then it gets 429, and
+// 503 if all of it is taken, with Retry-After.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "server/http/connection.hpp"
+#include "server/http/head.hpp"
 #include "server/http/router.hpp"
 
 namespace vacuform::http {
@@ -34,13 +31,15 @@ struct Answered {
 
 struct ServerOptions {
   std::string host = "127.0.0.1";
-  std::string front_host;   // name that a TLS front passes on, in lower case; empty: no front
-  int port = 0;             // 0: any free port
-  int connections = 1000;   // open at a time
-  int threads = 64;         // concurrent requests; they wait for the disk, so more than cores
-  int uploads = 32;         // large bodies at a time, besides
-  int streams = 64;         // responses at a time that stream or wait, besides
-  int streams_of_one = 16;  // of them for the same party (Response::party)
+  std::string front_host;     // name that a TLS front passes on, in lower case; empty: no front
+  int port = 0;               // 0: any free port
+  int connections = 1000;     // open at a time; each occupies a thread
+  int requests_of_one = 250;  // of them for the same party
+  int turns = 16;    // requests of one route that are worked on at a time; half of them for the same party
+  int bodies = 256;  // large bodies at a time
+  int bodies_of_one = 16;   // of them for the same party
+  int streams = 64;         // responses at a time that stream or wait
+  int streams_of_one = 16;  // of them for the same party
   Limits limits;
   // Creates the answer to a refusal; `request` has a path only if the head could be read. Must not wait.
   std::function<Response(const Request& request, const Refusal& refusal)> refuse;
@@ -62,9 +61,9 @@ class Server {
   int streams() const;      // those among them that stream or wait
 
  private:
-  class Loop;
-  explicit Server(std::unique_ptr<Loop> loop);
-  std::unique_ptr<Loop> loop_;
+  class Adapter;
+  explicit Server(std::unique_ptr<Adapter> adapter);
+  std::unique_ptr<Adapter> adapter_;
 };
 
 }  // namespace vacuform::http

@@ -171,23 +171,24 @@ Result<void> Uploads::flush(const StoredUpload& upload, Writer& writer) {
 Result<void> Uploads::receive(const StoredUpload& upload, Writer& writer, http::Request& request,
                               bool whole) {
   PartialFile& file = *writer.file;
-  std::vector<char> piece(64 * 1024);
   std::uint64_t flushed = file.bytes();
-  for (;;) {
-    const auto n = request.body->read(piece);
-    if (!n || *n == 0) {
-      if (n || !whole) VACUFORM_CHECK(flush(upload, writer));
-      if (!n) return tl::make_unexpected(n.error());
-      return {};
-    }
-    if (*n > upload.length - file.bytes())
+  bool refused = false;
+  const auto take = [&](std::string_view piece) -> Result<void> {
+    refused = true;
+    if (piece.size() > upload.length - file.bytes())
       return fail(Code::too_large, "there are more bytes than the upload's length");
-    VACUFORM_CHECK(store_.room_for(*n));
-    VACUFORM_CHECK(file.take({piece.data(), *n}));
-    if (whole || file.bytes() - flushed < flush_every) continue;
-    VACUFORM_CHECK(flush(upload, writer));
-    flushed = file.bytes();
-  }
+    VACUFORM_CHECK(store_.room_for(piece.size()));
+    VACUFORM_CHECK(file.take(piece));
+    if (!whole && file.bytes() - flushed >= flush_every) {
+      VACUFORM_CHECK(flush(upload, writer));
+      flushed = file.bytes();
+    }
+    refused = false;
+    return {};
+  };
+  const auto read = request.body->read(take);
+  if (!refused && (read || !whole)) VACUFORM_CHECK(flush(upload, writer));
+  return read;
 }
 
 Result<void> Uploads::finish(const StoredUpload& upload, PartialFile& file) {

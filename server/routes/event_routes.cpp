@@ -88,7 +88,6 @@ Result<Response> get_job(Service& service, const std::shared_ptr<Shown>& shown, 
     return job_response(service.store, job, *shown);
   if (seconds == 0 || ended(job.state)) return unchanged(job);
   Response response;
-  response.party = caller.owner;
   response.waiter = [&store = service.store, shown, job,
                      until = steady_clock::now() +
                              std::chrono::seconds(seconds)](const http::Going& going) -> Result<Response> {
@@ -200,7 +199,6 @@ Result<Response> get_events(Service& service, const Request& request, const Call
   }
   response.set("X-Accel-Buffering", "no");  // nginx passes events on as they come
   response.media_type = "text/event-stream";
-  response.party = caller.owner;
   response.stream = Telling(service, job.id, heard, caller);
   return response;
 }

@@ -40,17 +40,17 @@ constexpr PublicRoute public_routes[] = {
 
 void add_guarded(http::Router& router, Service& service, Scope scope, std::string method, std::string pattern,
                  GuardedHandler handler, std::uint64_t most_body) {
-  Service* const s = &service;
-  http::Route route{std::move(method), std::move(pattern),
-                    [s, scope, handler = std::move(handler)](Request& request) -> Result<Response> {
-                      VACUFORM_TRY(caller, s->access.check(request, scope));
-                      return handler(*s, request, caller);
-                    }};
-  route.most_body = most_body;
-  route.admission = [s, scope](const Request& request) -> Result<void> {
-    VACUFORM_CHECK(s->access.check(request, scope));
-    return {};
-  };
+  http::Route route{
+      std::move(method), std::move(pattern),
+      [s = &service, scope, handler = std::make_shared<const GuardedHandler>(std::move(handler))](
+          const Request& request) -> Result<http::Admitted> {
+        VACUFORM_TRY(caller, s->access.check(request, scope));
+        std::string party = caller.owner;
+        return http::Admitted{std::move(party), [s, handler, caller = std::move(caller)](Request& r) {
+                                return (*handler)(*s, r, caller);
+                              }};
+      },
+      most_body};
   route.admits = name(scope);
   router.add(std::move(route));
 }
@@ -62,8 +62,7 @@ void add_public(http::Router& router, std::string method, std::string pattern, h
                    [&](const auto& route) { return route.method == method && route.pattern == pattern; });
   if (listed == std::end(public_routes))
     throw std::logic_error("not a public route: " + method + " " + pattern);
-  http::Route route{std::move(method), std::move(pattern), std::move(handler)};
-  route.most_body = most_body;
+  http::Route route{std::move(method), std::move(pattern), http::everybody(std::move(handler)), most_body};
   route.admits = "everybody: " + std::string(listed->reason);
   router.add(std::move(route));
 }

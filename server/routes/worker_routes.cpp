@@ -161,12 +161,7 @@ Result<Response> put_artifact(Service& service, Request& request) {
   const LeaseKey key = key_of(request);
   VACUFORM_TRY(job, service.store.leased(key));  // before the bytes are read
   VACUFORM_TRY(upload, service.store.upload(Use::artifact));
-  std::vector<char> piece(64 * 1024);
-  for (;;) {
-    VACUFORM_TRY(n, request.body->read(piece));
-    if (n == 0) break;
-    VACUFORM_CHECK(upload.write({piece.data(), n}));
-  }
+  VACUFORM_CHECK(request.body->read([&](std::string_view piece) { return upload.write(piece); }));
   VACUFORM_CHECK(service.store.put_artifact(key, name, std::move(upload)));
   return json_response(ordered_json::object());
 }

@@ -56,7 +56,6 @@ class ServerTest : public testing::Test {
         Status{*store_, metrics_, data_, [this] { return server_->connections(); }, 64});
     http::ServerOptions status_options;
     status_options.refuse = refuse;
-    status_options.threads = 4;
     auto status = http::Server::start(std::move(status_options), status_routes(*status_));
     ASSERT_TRUE(status) << status.error().text();
     status_server_ = std::move(*status);

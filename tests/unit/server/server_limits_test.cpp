@@ -116,7 +116,7 @@ TEST_F(ServerPatience, ABodyThatTricklesIsEnded) {
   }
 }
 
-// A client that reads its answer byte by byte is disconnected, and occupies no thread meanwhile.
+// A client that reads its answer byte by byte is disconnected, and others are served meanwhile.
 TEST_F(ServerLimits, AClientThatTakesItsAnswerTooSlowlyIsClosed) {
   Blob blob;
   {
@@ -132,8 +132,6 @@ TEST_F(ServerLimits, AClientThatTakesItsAnswerTooSlowlyIsClosed) {
   });
   http::ServerOptions options;
   options.refuse = refuse;
-  options.threads = 2;
-  options.uploads = options.streams = 0;
   options.limits.wait = std::chrono::milliseconds(500);
   const auto server = http::Server::start(std::move(options), std::move(router));
   ASSERT_TRUE(server);
@@ -157,8 +155,6 @@ TEST_F(ServerLimits, TheSlowestMakeRoomForNewClients) {
   });
   http::ServerOptions options;
   options.refuse = refuse;
-  options.threads = 2;
-  options.uploads = options.streams = 0;
   options.connections = 20;
   const auto server = http::Server::start(std::move(options), std::move(router));
   ASSERT_TRUE(server);
@@ -272,35 +268,18 @@ TEST_F(ServerLimits, NothingBehindARequestIsReadAsAnother) {
   EXPECT_EQ(jobs(), 0);
 }
 
-TEST_F(ServerLimits, AConnectionServesOneRequestAfterAnother) {
-  const int socket = connected();
-  const std::string get = "GET /healthz HTTP/1.1\r\nHost: " + host() + "\r\n";
-  const std::string post = "POST /nowhere HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 4\r\n\r\n";
-  for (int i = 0; i < 3; ++i) {
-    send_all(socket, get + "\r\n");
-    const Answer answer = parsed(receive_one(socket));
-    EXPECT_EQ(answer.status, 200);
-    EXPECT_EQ(answer.header("Connection"), "");
-    send_all(socket, post + "GET ");  // the body is not the next request, whether the route reads it or not
-    EXPECT_EQ(parsed(receive_one(socket)).status, 404);
-  }
-  send_all(socket, get + "Connection: close\r\n\r\n");
-  const Answer last = parsed(receive_all(socket));  // all bytes, until the connection is closed
-  EXPECT_EQ(last.body, "{\"status\":\"ok\"}\n");
-  EXPECT_EQ(last.header("Connection"), "close");
-}
-
-// The connection is closed if it is unclear where the next request begins.
-TEST_F(ServerLimits, AConnectionIsClosedAfterARequestOfDoubtfulForm) {
+TEST_F(ServerLimits, AConnectionServesOneRequest) {
   const std::string host_line = "Host: " + host() + "\r\n";
   for (const std::string& text :
-       {"GET /healthz HTTP/1.0\r\n" + host_line + "\r\n", "GET /healthz HTTP/1.1\r\n" + host_line + "\r\nG",
+       {"GET /healthz HTTP/1.1\r\n" + host_line + "Connection: keep-alive\r\n\r\n",
+        "GET /healthz HTTP/1.0\r\n" + host_line + "\r\n", "GET /healthz HTTP/1.1\r\n" + host_line + "\r\nG",
+        "POST /nowhere HTTP/1.1\r\n" + host_line + "Content-Length: 4\r\n\r\nGET ",
         "GET /healthz HTTP/1.1\r\n" + host_line + "Spaced : x\r\n\r\n",
         "POST /api/v1/jobs HTTP/1.1\r\n" + host_line + "Transfer-Encoding: chunked\r\n\r\n",
         "POST /api/v1/jobs HTTP/1.1\r\n" + host_line + "Content-Length: 100000000\r\n\r\n"}) {
     const int socket = connected();
     send_all(socket, text);
-    const Answer answer = parsed(receive_all(socket));
+    const Answer answer = parsed(receive_all(socket));  // all bytes, until the connection is closed
     EXPECT_NE(answer.status, 0) << text;
     EXPECT_EQ(answer.header("Connection"), "close") << text;
   }
@@ -344,24 +323,19 @@ TEST_F(ServerLimits, MethodsThatAPathDoesNotKnow) {
   EXPECT_EQ(answer.header("Allow"), "POST, GET, HEAD");
 }
 
-// More large bodies than the limit allows: the first ones are accepted, the others are refused, and other requests
-// still work.
-TEST_F(ServerLimits, StalledUploadsHoldOnlyTheirOwnRoom) {
+// More large bodies of one owner than its share: the first ones are accepted, the others are refused. Other owners have
+// theirs, and other requests still work.
+TEST_F(ServerLimits, StalledUploadsHoldOnlyTheShareOfTheirOwner) {
   http::ServerOptions options;
   options.refuse = refuse;
-  options.threads = 2;
-  options.uploads = 4;
+  options.bodies = 6;
+  options.bodies_of_one = 4;
   const auto server = http::Server::start(std::move(options), all_routes(*service_));
   ASSERT_TRUE(server);
-  const std::string upload = "POST /api/v1/scans HTTP/1.1\r\nHost: localhost\r\n" + bearer(user_) +
-                             form_type + "Content-Length: 1000000\r\n";
-  std::vector<int> stalled;
-  for (int i = 0; i < 4; ++i) {
-    stalled.push_back(connected_to(**server));
-    send_all(stalled.back(), upload + "Expect: 100-continue\r\n\r\n");
-    char interim[100];
-    EXPECT_GT(::recv(stalled.back(), interim, sizeof interim, 0), 0);  // it has its share of the limit
-  }
+  const auto upload = [&](const std::string& owner) {
+    return "POST /api/v1/scans HTTP/1.1\r\nHost: localhost\r\n" + bearer(owner) + form_type +
+           "Content-Length: 1000000\r\n";
+  };
   const auto answer = [&](const std::string& text) {
     const int socket = connected_to(**server);
     send_all(socket, text);
@@ -369,32 +343,76 @@ TEST_F(ServerLimits, StalledUploadsHoldOnlyTheirOwnRoom) {
     ::close(socket);
     return got;
   };
-  const Answer refused = answer(upload + "\r\n");
-  expect_problem(refused, 503, "too many large bodies arrive at this moment");
-  EXPECT_EQ(refused.header("Retry-After"), "5");
+  std::vector<int> stalled;
+  const auto stall = [&](const std::string& owner) {
+    stalled.push_back(connected_to(**server));
+    send_all(stalled.back(), upload(owner) + "Expect: 100-continue\r\n\r\n");
+    char interim[100];
+    EXPECT_GT(::recv(stalled.back(), interim, sizeof interim, 0), 0);  // it has its share of the limit
+  };
+  for (int i = 0; i < 4; ++i) stall(user_);
+  const Answer refused = answer(upload(user_) + "\r\n");
+  expect_problem(refused, 429, "too many large bodies of yours at this moment");
+  EXPECT_FALSE(refused.header("Retry-After").empty());
+  const std::string body = part("scan", "a.stl", std::string(1000000, '-')).substr(0, 1000000);
+  const std::string second = token("station-2", {Scope::submit, Scope::read});
+  EXPECT_EQ(answer(upload(second) + "\r\n" + body).status,
+            400);  // read to its end, where the form is cut off
   for (const char* path : {"/healthz", "/api/v1/jobs"})
     EXPECT_EQ(answer(std::string("GET ") + path + " HTTP/1.1\r\nHost: localhost\r\n" + bearer(user_) + "\r\n")
                   .status,
               200);
-  // Later the slowest upload is dropped for a new one.
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-  const std::string body = part("scan", "a.stl", std::string(1000000, '-')).substr(0, 1000000);
-  EXPECT_EQ(answer(upload + "\r\n" + body).status, 400);  // read to its end, where the form is cut off
-  int ended = 0;
-  for (int i = 0; i < 500 && ended == 0; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    for (const int socket : stalled) {
-      char byte = 0;
-      if (::recv(socket, &byte, 1, MSG_DONTWAIT) == 1) ++ended;
-    }
-  }
-  EXPECT_EQ(ended, 1);
+  for (int i = 0; i < 2; ++i) stall(second);
+  const Answer none_left = answer(upload(second) + "\r\n");
+  expect_problem(none_left, 503, "too many large bodies at this moment");
+  EXPECT_EQ(none_left.header("Retry-After"), "5");
   for (const int socket : stalled) ::close(socket);
+}
+
+// Requests of one owner that take long leave half of the turns to the others, and their places, too.
+TEST_F(ServerLimits, AGreedyOwnerLeavesTurnsToTheOthers) {
+  std::atomic<bool> over = false;
+  http::Router router;
+  for (const char* party : {"greedy", "other"})
+    router.add(
+        {"GET", std::string("/") + party, [&over, party](const http::Request&) -> Result<http::Admitted> {
+           return http::Admitted{party, [&over, party](http::Request&) -> Result<http::Response> {
+                                   while (party == std::string_view("greedy") && !over)
+                                     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                                   return http::text_response("text/plain", party);
+                                 }};
+         }});
+  http::ServerOptions options;
+  options.refuse = refuse;
+  options.requests_of_one = 30;
+  const auto server = http::Server::start(std::move(options), std::move(router));
+  ASSERT_TRUE(server);
+  std::vector<int> greedy;
+  const auto get = [&](const std::string& path) {
+    const int socket = connected_to(**server);
+    send_all(socket, "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    return socket;
+  };
+  for (int i = 0; i < 30; ++i) greedy.push_back(get("/greedy"));
+  EXPECT_TRUE(eventually([&] { return (*server)->connections() == 30; }));
+  const auto answer_of = [&](const std::string& path) {
+    const int socket = get(path);
+    const Answer answer = parsed(receive_all(socket));
+    ::close(socket);
+    return answer;
+  };
+  EXPECT_TRUE(eventually([&] { return answer_of("/greedy").status == 429; }));
+  EXPECT_EQ(answer_of("/other").body, "other");
+  over = true;
+  for (const int socket : greedy) {
+    EXPECT_EQ(parsed(receive_all(socket)).body, "greedy");
+    ::close(socket);
+  }
 }
 
 TEST_F(ServerLimits, StalledConnectionsDoNotBlockOthers) {
   std::vector<int> stalled;
-  for (int i = 0; i < 200; ++i) stalled.push_back(connected());  // more than there are threads
+  for (int i = 0; i < 200; ++i) stalled.push_back(connected());
   for (int i = 0; i < 128; ++i) send_all(stalled[static_cast<std::size_t>(i)], "GET / HTTP/1.1\r\n");
   const auto started = std::chrono::steady_clock::now();
   EXPECT_EQ(ask("GET", "/healthz").status, 200);

@@ -12,9 +12,8 @@ using http::Request;
 using http::Response;
 using namespace std::chrono_literals;
 
-Response streamed(http::Producer producer, const std::string& party = "someone") {
+Response streamed(http::Producer producer) {
   Response response;
-  response.party = party;
   response.media_type = "text/event-stream";
   response.stream = std::move(producer);
   return response;
@@ -25,47 +24,48 @@ class ServerStream : public ServerTest {
   void SetUp() override {
     ServerTest::SetUp();
     http::Router router;
-    router.add("GET", "/three", [](Request&) -> Result<Response> {
-      return streamed(
-          [n = 0]() mutable -> std::optional<std::string> {
-            if (n++ == 6) return std::nullopt;
-            return n % 2 ? "piece " : "";  // no data in the meantime
-          },
-          "a third one");
+    const auto add = [&](const char* party, const char* pattern, http::Handler handler) {
+      router.add({"GET", pattern, [party, handler](const Request&) -> Result<http::Admitted> {
+                    return http::Admitted{party, handler};
+                  }});
+    };
+    add("a third one", "/three", [](Request&) -> Result<Response> {
+      return streamed([n = 0]() mutable -> std::optional<std::string> {
+        if (n++ == 6) return std::nullopt;
+        return n % 2 ? "piece " : "";  // no data in the meantime
+      });
     });
-    router.add("GET", "/endless", [](Request&) -> Result<Response> {
+    add("someone", "/endless", [](Request&) -> Result<Response> {
       return streamed([]() -> std::optional<std::string> {
         std::this_thread::sleep_for(1ms);
         return "again ";
       });
     });
-    router.add("GET", "/silent", [](Request&) -> Result<Response> {
+    add("someone", "/silent", [](Request&) -> Result<Response> {
       return streamed([]() -> std::optional<std::string> {
         std::this_thread::sleep_for(1ms);
         return "";
       });
     });
-    router.add("GET", "/of/{party}", [](Request& request) -> Result<Response> {
-      return streamed(
-          []() -> std::optional<std::string> {
-            std::this_thread::sleep_for(1ms);
-            return "";
-          },
-          request.at("party"));
-    });
-    router.add("GET", "/broken", [](Request&) -> Result<Response> {
+    for (const char* party : {"/station-1", "/station-2", "/station-3"})
+      add(party, party, [](Request&) -> Result<Response> {
+        return streamed([]() -> std::optional<std::string> {
+          std::this_thread::sleep_for(1ms);
+          return "";
+        });
+      });
+    add("someone", "/broken", [](Request&) -> Result<Response> {
       return streamed([]() -> std::optional<std::string> { throw std::runtime_error("secret text"); });
     });
-    router.add("GET", "/late", [this](Request&) -> Result<Response> {
+    add("another", "/late", [this](Request&) -> Result<Response> {
       Response response;
-      response.party = "another";
       response.waiter = [this](const http::Going& going) -> Result<Response> {
         while (going() && !known_.try_acquire_for(1ms)) continue;
         return http::text_response("text/plain", "it is known");
       };
       return response;
     });
-    router.add("GET", "/never", [](Request&) -> Result<Response> {
+    add("someone", "/never", [](Request&) -> Result<Response> {
       Response response;
       response.waiter = [](const http::Going&) -> Result<Response> {
         return fail(Code::gone, "it has expired", "there", "look elsewhere");
@@ -76,7 +76,6 @@ class ServerStream : public ServerTest {
                [](Request&) -> Result<Response> { return http::text_response("text/plain", "quick"); });
     http::ServerOptions options;
     options.refuse = refuse;
-    options.threads = 4;
     options.streams = 3;
     options.streams_of_one = 2;
     auto server = http::Server::start(std::move(options), std::move(router));
@@ -134,18 +133,18 @@ TEST_F(ServerStream, EndsWhenTheServerStops) {
 }
 
 TEST_F(ServerStream, NobodyTakesThePlacesOfTheOthers) {
-  const std::array<int, 2> sockets{sent("/of/station-1"), sent("/of/station-1")};
+  const std::array<int, 2> sockets{sent("/station-1"), sent("/station-1")};
   await_streams(2);
-  const Answer refused = get("/of/station-1");
+  const Answer refused = get("/station-1");
   EXPECT_EQ(refused.status, 429);
   EXPECT_FALSE(refused.header("Retry-After").empty());
-  EXPECT_NE(refused.body.find("of your clients"), std::string::npos);
-  const int other = sent("/of/station-2");
+  EXPECT_NE(refused.body.find("of yours"), std::string::npos);
+  const int other = sent("/station-2");
   await_streams(3);
-  EXPECT_EQ(get("/of/station-3").status, 503);
+  EXPECT_EQ(get("/station-3").status, 503);
   ::close(sockets[0]);
   await_streams(2);
-  const int again = sent("/of/station-1");
+  const int again = sent("/station-1");
   await_streams(3);
   for (const int socket : {sockets[1], other, again}) ::close(socket);
   await_streams(0);
