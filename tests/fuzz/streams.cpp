@@ -96,10 +96,8 @@ void read_request(Bytes bytes) {
   {
     const std::atomic<bool> stopping{false};
     http::Limits limits;
-    http::UploadRoom room(1);
-    http::Connection connection(ends[0], limits, room, stopping);
-    auto found = connection.take_head();
-    while (!found && connection.receive() == http::Connection::Got::bytes) found = connection.take_head();
+    http::Connection connection(ends[0], limits, stopping);
+    const auto found = connection.read_head();
     if (found && *found) {
       const http::Head& head = **found;
       for (const auto& header : head.headers)
@@ -114,11 +112,8 @@ void read_request(Bytes bytes) {
       }
       std::array<char, 1000> piece{};
       std::uint64_t body = 0;
-      for (;;) {
-        const auto n = connection.read(piece);
-        if (!n || *n == 0) break;
-        body += *n;
-      }
+      for (ssize_t n = 0; (n = connection.read(piece.data(), piece.size())) > 0;)
+        body += static_cast<std::uint64_t>(n);
       require(body <= head.content_length, "a body is no longer than it was said to be");
     }
   }
