@@ -33,7 +33,7 @@ class TlsFront:
                             ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
         user = "user root;\n" if os.geteuid() == 0 else ""
         (self.folder / "nginx.conf").write_text(
-            f"{user}daemon off;\nworker_processes 1;\npid {self.folder}/nginx.pid;\nerror_log {self.folder}/nginx.log;\nevents {{}}\n"
+            f"{user}daemon off;\nworker_processes 1;\npid {self.folder}/nginx.pid;\nerror_log {self.folder}/nginx.log;\nevents {{ worker_connections 4096; }}\n"
             f"http {{\naccess_log off;\ntypes {{}}\n{temporary}{site}\n}}\n")
         self.nginx = Program([NGINX, "-c", self.folder / "nginx.conf", "-e", self.folder / "nginx.log"], self.folder / "nginx.out")
         try:
