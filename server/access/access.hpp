@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 #include "server/store/sessions.hpp"
 #include "server/store/tokens.hpp"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "api/base/text.hpp"
-#include "server/http/origin.hpp"
+#include "server/messages/origin.hpp"
 #include "server/store/s3_address.hpp"
 
 namespace vacuform {

@@ -7,8 +7,8 @@ namespace vacuform::http {
 tl::expected<Place, Refusal> Places::take(const std::string& party) {
   const std::lock_guard hold(mutex_);
   const auto refuse = [&](int status, const char* whose) {
-    return tl::make_unexpected(
-        Refusal{status, {Code::busy, "too many " + held_ + whose, {}, "try again later, or fewer at a time"}});
+    return tl::make_unexpected(Refusal{
+        status, {Code::busy, "too many " + held_ + whose, {}, "try again later, or fewer at a time"}});
   };
   if (taken_ >= most_) return refuse(503, " at this moment");
   const auto found = of_.find(party);

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <string>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform::http {
 

@@ -60,7 +60,8 @@ Connection::Wait Connection::wait_for(short events, Clock::time_point deadline) 
     if (stopping_ || evicted_) return Wait::gone;
     if (left <= 0ms) return Wait::late;
     pollfd watched{socket_, events, 0};
-    const int n = ::poll(&watched, 1, static_cast<int>(std::min<std::chrono::milliseconds>(left, look).count()));
+    const int n =
+        ::poll(&watched, 1, static_cast<int>(std::min<std::chrono::milliseconds>(left, look).count()));
     if (n > 0) return (watched.revents & (events | POLLHUP)) != 0 ? Wait::ready : Wait::gone;
     if (n < 0 && errno != EINTR) return Wait::gone;
   }

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/http/head.hpp"
-#include "server/http/message.hpp"
+#include "server/messages/head.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform::http {
 

@@ -1,6 +1,7 @@
-// httplib::Server sees a request line and a Content-Length that are written here, never the client's own: head.hpp reads
-// the head, router.hpp finds the route, and behind the announced body the stream ends. So what the library does with odd
-// heads, ranges, encodings and the bytes behind a body does not matter. See docs/decisions for what it costs.
+// httplib::Server sees a request line and a Content-Length that are written here, never the client's own: a HEAD or a
+// POST. head.hpp reads the head, router.hpp finds the route, and behind the announced body the stream ends. So what the
+// library does with odd heads, ranges, encodings and the bytes behind a body does not matter. What it costs is said in
+// docs/develop/decisions/0011-cpp-httplib.md.
 #include "server/http/server.hpp"
 
 #include <fcntl.h>
@@ -21,15 +22,14 @@
 #include <vector>
 
 #include "api/base/log.hpp"
-#include "api/base/sha256.hpp"
-#include "api/base/text.hpp"
 #include "api/problem.hpp"
 #include "server/http/admission.hpp"
 #include "server/http/connection.hpp"
-#include "server/http/digest.hpp"
-#include "server/http/origin.hpp"
-#include "server/http/request_id.hpp"
 #include "server/http/threads.hpp"
+#include "server/messages/digest.hpp"
+#include "server/messages/origin.hpp"
+#include "server/messages/request_id.hpp"
+#include "server/messages/source_reader.hpp"
 
 namespace vacuform::http {
 
@@ -57,20 +57,15 @@ class Exchange final : public httplib::Stream {
     if (!head) {
       refusal = std::move(head.error());
       request.id = request_id({});
-      feed_ = "GET / HTTP/1.1\r\n\r\n";
+      feed_ = "POST / HTTP/1.1\r\nContent-Length: 0\r\n\r\n";
       return;
     }
-    request.head_only = head->method == "HEAD";
-    request.method = request.head_only ? "GET" : head->method;
-    request.path = std::move(head->path);
-    request.query = std::move(head->query);
-    request.headers = std::move(head->headers);
-    request.id = request_id(request.headers);
-    request.content_length = head->content_length;
+    request = request_of(std::move(*head));
     request.by_front = through_front(request, front_host);
     request.beyond_loopback = !is_loopback_socket(connection.socket());
-    feed_ = request.head_only ? "HEAD / HTTP/1.1\r\n\r\n" : "GET / HTTP/1.1\r\n\r\n";
-    if (request.content_length > 0)
+    if (request.head_only)
+      feed_ = "HEAD / HTTP/1.1\r\n\r\n";
+    else
       feed_ = "POST / HTTP/1.1\r\nContent-Length: " + std::to_string(request.content_length) + "\r\n\r\n";
   }
 
@@ -87,9 +82,7 @@ class Exchange final : public httplib::Stream {
   }
   void get_remote_ip_and_port(std::string&, int&) const override {}
   void get_local_ip_and_port(std::string&, int&) const override {}
-  socket_t socket() const override {
-    return 0;
-  }  // the library compares it with FD_SETSIZE, and uses select() nowhere
+  socket_t socket() const override { return 0; }  // only compared with FD_SETSIZE
 
   Connection connection;
   Request request;
@@ -136,62 +129,6 @@ class Received final : public Body {
   const httplib::ContentReader* const reader_;
 };
 
-// A body that is in memory, as much of it as came.
-class Held final : public Body {
- public:
-  explicit Held(Body& body) {
-    whole_ = body.read([&](std::string_view piece) -> Result<void> {
-      text_ += piece;
-      return {};
-    });
-  }
-  Result<void> read(const Taker& take) override {
-    if (!text_.empty()) VACUFORM_CHECK(take(text_));
-    return whole_;
-  }
-
- private:
-  std::string text_;
-  Result<void> whole_;
-};
-
-// Sends a piece of a source. The last bytes of a whole source follow only if everything has the stated hash.
-class Sender {
- public:
-  explicit Sender(SourceBody body) : body_(std::move(body)) {
-    if (!body_.sha256.empty()) hash_ = std::make_shared<Sha256>();
-  }
-  bool operator()(std::size_t offset, std::size_t left, httplib::DataSink& sink) {
-    piece_.resize(std::min(piece_bytes, left));
-    const auto got = body_.source->read_at(body_.offset + offset, piece_);
-    if (!got || *got == 0) return false;
-    if (hash_) {
-      hash_->add(std::string_view(piece_.data(), *got));
-      if (*got == left && hash_->hex() != body_.sha256) {
-        log_event("blob-damaged", {{"blob", body_.sha256}});
-        body_.source->doubt();
-        return false;
-      }
-    }
-    return sink.write(piece_.data(), *got);
-  }
-
- private:
-  SourceBody body_;
-  std::shared_ptr<Sha256> hash_;
-  std::vector<char> piece_;
-};
-
-// Adds those of `more` whose names are missing.
-Response with_headers(Response response, const std::vector<Header>& more) {
-  const auto own = static_cast<std::ptrdiff_t>(response.headers.size());
-  for (const Header& header : more)
-    if (std::none_of(response.headers.begin(), response.headers.begin() + own,
-                     [&](const Header& other) { return equal_ignoring_case(header.name, other.name); }))
-      response.headers.push_back(header);
-  return response;
-}
-
 void set_options(socket_t listener) {
   const int yes = 1;
   ::fcntl(listener, F_SETFD, FD_CLOEXEC);
@@ -208,10 +145,7 @@ class Server::Adapter final : private httplib::Server {
  public:
   Adapter(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {
     for (const Route& route : router_.routes()) turns_.try_emplace(&route, options_.turns);
-    const auto bare = [this](const httplib::Request&, httplib::Response& out) {
-      serve(*present, nullptr, out);
-    };
-    Get("/", bare);
+    Get("/", [this](const httplib::Request&, httplib::Response& out) { serve(*present, nullptr, out); });
     Post("/", [this](const httplib::Request&, httplib::Response& out, const httplib::ContentReader& reader) {
       serve(*present, &reader, out);
     });
@@ -253,7 +187,7 @@ class Server::Adapter final : private httplib::Server {
     ::shutdown(svr_sock_,
                SHUT_RDWR);  // accept() fails; stop() would break off the answers that are being sent
     for (int i = 0; i < 500 && connections() > 0; ++i) {
-      evict_if([](const Connection& connection) { return connection.idle(); });
+      evict_idle();
       std::this_thread::sleep_for(10ms);
     }
     stopping_ = true;
@@ -265,7 +199,7 @@ class Server::Adapter final : private httplib::Server {
     ::fcntl(socket, F_SETFD, FD_CLOEXEC);
     Exchange exchange(socket, options_.limits, stopping_);
     if (ending_) return false;
-    const Open open(*this, exchange.connection);
+    const Place open = opened(exchange.connection);
     try {
       auto head = exchange.connection.read_head();
       if (!head) return false;
@@ -321,7 +255,9 @@ class Server::Adapter final : private httplib::Server {
     Request& request = exchange.request;
     const auto refused = [&](const Refusal& refusal) { return options_.refuse(request, refusal); };
     if (exchange.refusal) return refused(*exchange.refusal);
-    if (const auto refusal = inadmissible(exchange)) {
+    if (const auto refusal = check_origin(request, options_.front_host)) return refused(*refusal);
+    exchange.match = router_.match(request.method, request.path);
+    if (const auto refusal = unserved(exchange.match, request)) {
       Response response = refused(*refusal);
       if (refusal->status == 405) response.set("Allow", exchange.match.allowed);
       return response;
@@ -340,7 +276,7 @@ class Server::Adapter final : private httplib::Server {
       if (const auto refusal = take(requests_)) return refused(*refusal);
 
     Received received(exchange.connection, reader);
-    std::optional<Held> held;
+    std::optional<HeldBody> held;
     Place turn;
     if (request.content_length > small_body) {
       if (const auto refusal = take(bodies_)) return refused(*refusal);
@@ -353,9 +289,6 @@ class Server::Adapter final : private httplib::Server {
       turn = turns_.at(&route).take(party, options_.limits.wait);
       if (!turn) return refused({503, {Code::busy, "too many requests of this kind wait", {}, "try again"}});
     }
-    if (request.head_only)  // ranges are for GET (RFC 9110, 14.2)
-      std::erase_if(request.headers,
-                    [](const Header& header) { return equal_ignoring_case(header.name, "Range"); });
     request.captures = std::move(exchange.match.captures);
     auto result = handled(admitted->handler, request);
     turn.reset();
@@ -366,29 +299,6 @@ class Server::Adapter final : private httplib::Server {
     if (!result->waiter) return std::move(*result);
     auto awaited = result->waiter([&] { return going(exchange); });
     return awaited ? std::move(*awaited) : refused(refusal_of(awaited.error()));
-  }
-
-  // Decisions that need only the head and the table of the routes.
-  std::optional<Refusal> inadmissible(Exchange& exchange) const {
-    const Request& request = exchange.request;
-    if (auto refusal = check_origin(request, options_.front_host)) return refusal;
-    exchange.match = router_.match(request.method, request.path);
-    const Route* route = exchange.match.route;
-    const auto refuse = [](int status, Code code, std::string what, std::string where, std::string fix) {
-      return Refusal{status, {code, std::move(what), std::move(where), std::move(fix)}};
-    };
-    if (!route && !exchange.match.allowed.empty())
-      return refuse(405, Code::bad_usage, "this address does not answer to that method", {},
-                    "use " + exchange.match.allowed);
-    if (!route) return refuse(404, Code::not_found, "there is nothing at this address", {}, "see /");
-    if (auto refusal = query_refusal(*route, request.query)) return refusal;
-    const std::uint64_t most = route->most_body;
-    if (request.content_length > most)
-      return refuse(413, Code::too_large,
-                    "the body is larger than " + (most >= 1 << 20 ? std::to_string(most >> 20) + " MiB"
-                                                                  : std::to_string(most) + " bytes"),
-                    "request body", "send less");
-    return std::nullopt;
   }
 
   static Result<Response> handled(const http::Handler& handler, Request& request) {
@@ -423,9 +333,10 @@ class Server::Adapter final : private httplib::Server {
     if (response.file && response.file->bytes > 0) {
       const auto bytes = static_cast<std::size_t>(response.file->bytes);
       out.set_content_provider(bytes, response.media_type,
-                               [sender = std::make_shared<Sender>(std::move(*response.file))](
-                                   std::size_t offset, std::size_t left, httplib::DataSink& sink) {
-                                 return (*sender)(offset, left, sink);
+                               [reader = std::make_shared<SourceReader>(std::move(*response.file))](
+                                   std::size_t, std::size_t, httplib::DataSink& sink) {
+                                 const auto piece = reader->next(piece_bytes);
+                                 return !piece.empty() && sink.write(piece.data(), piece.size());
                                });
       return;
     }
@@ -448,29 +359,20 @@ class Server::Adapter final : private httplib::Server {
     }
   }
 
-  // A connection that can make room, while it is open.
-  class Open {
-   public:
-    Open(Adapter& adapter, Connection& connection) : adapter_(adapter), connection_(connection) {
-      const std::lock_guard hold(adapter_.open_mutex_);
-      adapter_.open_.insert(&connection_);
-    }
-    ~Open() {
-      const std::lock_guard hold(adapter_.open_mutex_);
-      adapter_.open_.erase(&connection_);
-    }
-    Open(const Open&) = delete;
-    Open& operator=(const Open&) = delete;
+  // Counts the connection, and lets it make room, until the result goes.
+  Place opened(Connection& connection) {
+    const std::lock_guard hold(open_mutex_);
+    open_.insert(&connection);
+    return Place(&connection, [this](Connection* closed) {
+      const std::lock_guard hold_again(open_mutex_);
+      open_.erase(closed);
+    });
+  }
 
-   private:
-    Adapter& adapter_;
-    Connection& connection_;
-  };
-
-  void evict_if(const std::function<bool(const Connection&)>& superfluous) {
+  void evict_idle() {
     const std::lock_guard hold(open_mutex_);
     for (Connection* connection : open_)
-      if (superfluous(*connection)) connection->evict();
+      if (connection->idle()) connection->evict();
   }
 
   // Ends so many connections, or a twentieth of all, so that the search is rare: first those whose answer is sent, then those that

@@ -4,7 +4,6 @@
 // on the body, the route's admission, the share of its party, the body, a turn, the route. A body up to 72 KiB is in
 // memory before the turn comes. The route reads a longer one as it arrives, in a place for large bodies and without a
 // turn. A body with a Content-Digest is checked meanwhile (digest.hpp). The server ignores peer addresses.
-//
 // A connection serves one request, and no byte behind it is read as another.
 //
 // Slow clients occupy a thread, so clients that do not keep up with `limits` are disconnected, and beyond `connections`
@@ -16,8 +15,8 @@
 #include <memory>
 #include <string>
 
-#include "server/http/head.hpp"
-#include "server/http/router.hpp"
+#include "server/messages/head.hpp"
+#include "server/messages/router.hpp"
 
 namespace vacuform::http {
 

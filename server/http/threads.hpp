@@ -6,9 +6,9 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
-#include <utility>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace vacuform::http {
@@ -17,7 +17,8 @@ class Threads final : public httplib::TaskQueue {
  public:
   // `crowded` is called with the number of connections that have to wait for a thread. If half as many wait as there are
   // threads, no more are accepted meanwhile.
-  Threads(int most, std::function<void(std::size_t waiting)> crowded) : most_(most), crowded_(std::move(crowded)) {}
+  Threads(int most, std::function<void(std::size_t waiting)> crowded)
+      : most_(most), crowded_(std::move(crowded)) {}
   ~Threads() override { shutdown(); }
 
   using Enqueued = decltype(std::declval<httplib::TaskQueue&>().enqueue({}));  // void before version 0.14

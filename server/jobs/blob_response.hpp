@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 #include "server/store/blob_store.hpp"
 
 namespace vacuform {

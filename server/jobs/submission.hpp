@@ -9,8 +9,8 @@
 #include <string>
 
 #include "api/job_limits.hpp"
-#include "server/http/message.hpp"
 #include "server/jobs/service.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform {
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "api/redaction/names.hpp"
-#include "server/http/message.hpp"
-#include "server/http/multipart.hpp"
+#include "server/messages/message.hpp"
+#include "server/messages/multipart.hpp"
 #include "server/store/store.hpp"
 
 namespace vacuform {

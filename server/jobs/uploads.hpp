@@ -15,7 +15,7 @@
 #include <mutex>
 #include <set>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 #include "server/store/partial_file.hpp"
 #include "server/store/store.hpp"
 

@@ -9,7 +9,7 @@
 #include <memory>
 #include <mutex>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 #include "server/store/store.hpp"
 
 namespace vacuform {

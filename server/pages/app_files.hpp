@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/problem.hpp"
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 #include "server/pages/template.hpp"
 
 namespace vacuform {

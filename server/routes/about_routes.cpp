@@ -3,7 +3,7 @@
 
 #include "api/problem.hpp"
 #include "api/settings.hpp"
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 #include "server/pages/app_files.hpp"
 #include "server/pages/assets.hpp"
 #include "server/pages/pages.hpp"

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "api/base/log.hpp"
-#include "server/http/problem.hpp"
 #include "server/jobs/job_json.hpp"
+#include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/routes.hpp"
 

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 
-#include "server/http/problem.hpp"
-#include "server/http/range.hpp"
 #include "server/jobs/job_json.hpp"
+#include "server/messages/problem.hpp"
+#include "server/messages/range.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/lists.hpp"
 #include "server/routes/routes.hpp"

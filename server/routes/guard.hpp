@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/http/router.hpp"
 #include "server/jobs/service.hpp"
+#include "server/messages/router.hpp"
 
 namespace vacuform {
 

@@ -2,10 +2,10 @@
 #include <nlohmann/json.hpp>
 
 #include "api/job_limits.hpp"
-#include "server/http/problem.hpp"
 #include "server/http/server.hpp"
 #include "server/jobs/submission.hpp"
 #include "server/jobs/submission_form.hpp"
+#include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/routes.hpp"
 
@@ -32,7 +32,8 @@ ordered_json workers_json(const Workers& workers) {
 void add_limits_routes(http::Router& router, Service& service) {
   add_guarded(router, service, Scope::read, "GET", "/api/v1/limits",
               [](Service& s, Request&, const Caller&) -> Result<Response> {
-                const http::Limits limits;
+                const http::ServerOptions server;
+                const http::Limits& limits = server.limits;
                 ordered_json object;
                 for (const InputKind& kind : input_kinds)
                   object[std::string(kind.name) + "_bytes"] = kind.most_bytes;
@@ -53,8 +54,11 @@ void add_limits_routes(http::Router& router, Service& service) {
                                {"body_bytes_per_second", limits.slowest_body},
                                {"lease_seconds", s.lease_seconds},
                                {"wait_for_job_seconds", most_wait_seconds},
-                               {"streams", http::ServerOptions{}.streams},
-                               {"streams_of_owner", http::ServerOptions{}.streams_of_one},
+                               {"requests_of_owner", server.requests_of_one},
+                               {"bodies", server.bodies},
+                               {"bodies_of_owner", server.bodies_of_one},
+                               {"streams", server.streams},
+                               {"streams_of_owner", server.streams_of_one},
                                {"uploads", most_uploads},
                                {"uploads_bytes", most_upload_bytes},
                                {"upload_seconds", upload_lifetime / 1000},

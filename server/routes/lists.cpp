@@ -4,7 +4,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 
 namespace vacuform {
 

@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
-#include "server/http/problem.hpp"
 #include "server/jobs/json_artifact.hpp"
 #include "server/jobs/submission.hpp"
+#include "server/messages/problem.hpp"
 #include "server/pages/app_files.hpp"
 #include "server/pages/pages.hpp"
 #include "server/routes/guard.hpp"

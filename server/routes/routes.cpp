@@ -1,6 +1,6 @@
 #include "server/routes/routes.hpp"
 
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 #include "server/pages/pages.hpp"
 
 namespace vacuform {

@@ -1,8 +1,8 @@
 // The routes: what the server answers, where, and to whom.
 #pragma once
 
-#include "server/http/router.hpp"
 #include "server/jobs/service.hpp"
+#include "server/messages/router.hpp"
 
 namespace vacuform {
 

@@ -4,10 +4,10 @@
 
 #include "api/base/log.hpp"
 #include "api/redaction/names.hpp"
-#include "server/http/multipart.hpp"
-#include "server/http/problem.hpp"
 #include "server/jobs/json_artifact.hpp"
 #include "server/jobs/submission.hpp"
+#include "server/messages/multipart.hpp"
+#include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/lists.hpp"
 #include "server/routes/routes.hpp"

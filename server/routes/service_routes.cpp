@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/version.hpp"
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/routes.hpp"
 

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/access/token_json.hpp"
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/routes.hpp"
 

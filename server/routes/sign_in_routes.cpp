@@ -1,6 +1,6 @@
 // Signing in and out, without scripts: a form sends the token once, then a cookie is used.
 #include "api/base/text.hpp"
-#include "server/http/multipart.hpp"
+#include "server/messages/multipart.hpp"
 #include "server/pages/pages.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/routes.hpp"

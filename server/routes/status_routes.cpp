@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/version.hpp"
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 
 namespace vacuform {

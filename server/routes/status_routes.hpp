@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "server/http/router.hpp"
+#include "server/messages/router.hpp"
 #include "server/routes/metrics.hpp"
 #include "server/store/store.hpp"
 

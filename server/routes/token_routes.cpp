@@ -3,7 +3,7 @@
 
 #include "api/base/log.hpp"
 #include "server/access/token_json.hpp"
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/lists.hpp"
 #include "server/routes/routes.hpp"

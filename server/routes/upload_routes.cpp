@@ -8,9 +8,9 @@
 
 #include "api/base/log.hpp"
 #include "api/base/secrets.hpp"
-#include "server/http/digest.hpp"
-#include "server/http/multipart.hpp"
-#include "server/http/problem.hpp"
+#include "server/messages/digest.hpp"
+#include "server/messages/multipart.hpp"
+#include "server/messages/problem.hpp"
 #include "server/routes/guard.hpp"
 #include "server/routes/lists.hpp"
 #include "server/routes/routes.hpp"

@@ -9,8 +9,8 @@
 
 #include "api/redaction/names.hpp"
 #include "server/http/connection.hpp"
-#include "server/http/multipart.hpp"
-#include "server/http/range.hpp"
+#include "server/messages/multipart.hpp"
+#include "server/messages/range.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace vacuform::fuzz {

@@ -14,11 +14,12 @@ MAY_INCLUDE = {
     "api": "api/base",
     "api/client": "api +",
     "server/store": "api/client + api/redaction",
-    "server/http": "api +",
-    "server/access": "server/store + server/http",
+    "server/messages": "api +",
+    "server/http": "server/messages +",
+    "server/access": "server/store + server/messages",
     "server/jobs": "server/access +",
     "server/pages": "server/jobs +",
-    "server/routes": "server/pages +",
+    "server/routes": "server/pages + server/http",
     "server/commands": "server/routes + api/client",
     "worker/stage": "api +",
     "worker/png": "api/base",
@@ -73,8 +74,8 @@ class Layout(unittest.TestCase):
     def test_an_include_of_a_folder_above_is_noticed(self):
         self.assertEqual(wrong_includes("worker/surface/adjacency.cpp", '#include "worker/forming/formed_sheet.hpp"\n'),
                          ["worker/forming/formed_sheet.hpp"])
-        self.assertEqual(wrong_includes("server/store/blobs.cpp", '#include "server/http/message.hpp"\n#include "api/job.hpp"\n'),
-                         ["server/http/message.hpp"])
+        self.assertEqual(wrong_includes("server/store/blobs.cpp", '#include "server/messages/message.hpp"\n#include "api/job.hpp"\n'),
+                         ["server/messages/message.hpp"])
 
 
 if __name__ == "__main__":

@@ -5,11 +5,11 @@
 #include <unistd.h>
 
 #include "api/base/log.hpp"
-#include "server/http/multipart.hpp"
-#include "server/http/origin.hpp"
-#include "server/http/range.hpp"
-#include "server/http/request_id.hpp"
-#include "server/http/router.hpp"
+#include "server/messages/multipart.hpp"
+#include "server/messages/origin.hpp"
+#include "server/messages/range.hpp"
+#include "server/messages/request_id.hpp"
+#include "server/messages/router.hpp"
 
 namespace vacuform::http {
 namespace {

@@ -1,6 +1,6 @@
 // Digests (RFC 9530) and conditions (RFC 9110) on what is uploaded and downloaded. The base 64 digests were made by
 // `printf TEXT | openssl dgst -sha256 -binary | base64`.
-#include "server/http/digest.hpp"
+#include "server/messages/digest.hpp"
 
 #include <nlohmann/json.hpp>
 

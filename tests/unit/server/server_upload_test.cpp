@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "server/http/digest.hpp"
+#include "server/messages/digest.hpp"
 #include "server_fixture.hpp"
 
 namespace vacuform {

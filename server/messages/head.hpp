@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform::http {
 
@@ -34,6 +34,9 @@ struct Head {
 // The target may be a path or in absolute form, whose authority must be the one of Host. A header that only
 // makes sense once (Host, Authorization, Range and the like) may occur once.
 tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limits);
+
+// The request that has this head; its body and where it came from are not known yet.
+Request request_of(Head head);
 
 // "a%20b" -> "a b". A '%' without two hexadecimal digits stays as it is.
 std::string percent_decoded(std::string_view text, bool plus_is_space = false);

@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform {
 

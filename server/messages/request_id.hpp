@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform::http {
 

@@ -1,4 +1,4 @@
-#include "server/http/router.hpp"
+#include "server/messages/router.hpp"
 
 #include <algorithm>
 
@@ -25,6 +25,23 @@ bool fits(std::string_view pattern, std::string_view path, std::map<std::string,
       return false;
   }
   return true;
+}
+
+std::optional<Refusal> query_refusal(const Route& route,
+                                     const std::multimap<std::string, std::string>& query) {
+  std::string known;
+  for (const std::string& name : route.query) known += (known.empty() ? "" : ", ") + name;
+  for (const auto& [name, value] : query) {
+    const std::string shown = name.substr(0, 64);
+    if (std::find(route.query.begin(), route.query.end(), name) == route.query.end())
+      return Refusal{400,
+                     {Code::bad_usage, "unknown query parameter: " + shown, "query",
+                      known.empty() ? "send no query" : "send only " + known}};
+    if (query.count(name) > 1)
+      return Refusal{400,
+                     {Code::bad_usage, "query parameter given twice: " + shown, "query", "send it once"}};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -62,21 +79,21 @@ Router::Match Router::match(std::string_view method, std::string_view path) cons
   return match;
 }
 
-std::optional<Refusal> query_refusal(const Route& route,
-                                     const std::multimap<std::string, std::string>& query) {
-  std::string known;
-  for (const std::string& name : route.query) known += (known.empty() ? "" : ", ") + name;
-  for (const auto& [name, value] : query) {
-    const std::string shown = name.substr(0, 64);
-    if (std::find(route.query.begin(), route.query.end(), name) == route.query.end())
-      return Refusal{400,
-                     {Code::bad_usage, "unknown query parameter: " + shown, "query",
-                      known.empty() ? "send no query" : "send only " + known}};
-    if (query.count(name) > 1)
-      return Refusal{400,
-                     {Code::bad_usage, "query parameter given twice: " + shown, "query", "send it once"}};
-  }
-  return std::nullopt;
+std::optional<Refusal> unserved(const Router::Match& match, const Request& request) {
+  const auto refuse = [](int status, Code code, std::string what, std::string where, std::string fix) {
+    return Refusal{status, {code, std::move(what), std::move(where), std::move(fix)}};
+  };
+  if (!match.route && !match.allowed.empty())
+    return refuse(405, Code::bad_usage, "this address does not answer to that method", {},
+                  "use " + match.allowed);
+  if (!match.route) return refuse(404, Code::not_found, "there is nothing at this address", {}, "see /");
+  if (auto refusal = query_refusal(*match.route, request.query)) return refusal;
+  const std::uint64_t most = match.route->most_body;
+  if (request.content_length <= most) return std::nullopt;
+  return refuse(413, Code::too_large,
+                "the body is larger than " +
+                    (most >= 1 << 20 ? std::to_string(most >> 20) + " MiB" : std::to_string(most) + " bytes"),
+                "request body", "send less");
 }
 
 }  // namespace vacuform::http

@@ -1,4 +1,4 @@
-#include "server/http/digest.hpp"
+#include "server/messages/digest.hpp"
 
 #include <openssl/evp.h>
 #include <sodium.h>

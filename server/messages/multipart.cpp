@@ -1,4 +1,4 @@
-#include "server/http/multipart.hpp"
+#include "server/messages/multipart.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "server/http/request_id.hpp"
+#include "server/messages/request_id.hpp"
 
 #include "api/base/log.hpp"
 #include "api/base/secrets.hpp"

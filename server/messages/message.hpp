@@ -31,6 +31,17 @@ class Body {
   virtual Result<void> read(const Taker& take) = 0;
 };
 
+// A body that is in memory, as much of it as came.
+class HeldBody final : public Body {
+ public:
+  explicit HeldBody(Body& body);
+  Result<void> read(const Taker& take) override;
+
+ private:
+  std::string text_;
+  Result<void> whole_;
+};
+
 struct Request {
   std::string method;                             // GET also for HEAD
   std::string path;                               // percent-decoded
@@ -103,6 +114,9 @@ struct Response {
 
   void set(std::string name, std::string value) { headers.push_back({std::move(name), std::move(value)}); }
 };
+
+// With those of `more` whose names the response does not have.
+Response with_headers(Response response, const std::vector<Header>& more);
 
 Response text_response(std::string media_type, std::string text, int status = 200);
 

@@ -1,4 +1,4 @@
-#include "server/http/problem.hpp"
+#include "server/messages/problem.hpp"
 
 #include <nlohmann/json.hpp>
 

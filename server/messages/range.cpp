@@ -1,4 +1,4 @@
-#include "server/http/range.hpp"
+#include "server/messages/range.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "api/base/error.hpp"
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform::http {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform::http {
 
@@ -51,8 +51,8 @@ class Router {
   std::vector<Route> routes_;
 };
 
-// The refusal of a query with a parameter that the route does not take, or with one that is given twice.
-std::optional<Refusal> query_refusal(const Route& route,
-                                     const std::multimap<std::string, std::string>& query);
+// Why no route serves the request, by its head alone: no route (404), another method (405), a query parameter that the
+// route does not take or that is given twice (400), a body that is too long (413).
+std::optional<Refusal> unserved(const Router::Match& match, const Request& request);
 
 }  // namespace vacuform::http

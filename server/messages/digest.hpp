@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 namespace vacuform::http {
 

@@ -1,4 +1,4 @@
-#include "server/http/origin.hpp"
+#include "server/messages/origin.hpp"
 
 #include <arpa/inet.h>
 #include <sys/socket.h>

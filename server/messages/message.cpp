@@ -1,13 +1,25 @@
-#include "server/http/message.hpp"
+#include "server/messages/message.hpp"
 
 #include <algorithm>
 
 #include "api/base/sha256.hpp"
 #include "api/base/text.hpp"
-#include "server/http/digest.hpp"
-#include "server/http/range.hpp"
+#include "server/messages/digest.hpp"
+#include "server/messages/range.hpp"
 
 namespace vacuform::http {
+
+HeldBody::HeldBody(Body& body) {
+  whole_ = body.read([&](std::string_view piece) -> Result<void> {
+    text_ += piece;
+    return {};
+  });
+}
+
+Result<void> HeldBody::read(const Taker& take) {
+  if (!text_.empty()) VACUFORM_CHECK(take(text_));
+  return whole_;
+}
 
 std::string_view Request::header(std::string_view name) const {
   for (const Header& header : headers)
@@ -57,6 +69,15 @@ Response refused_response(Refusal refusal) {
   Response response;
   response.status = refusal.status;
   response.refusal = std::move(refusal);
+  return response;
+}
+
+Response with_headers(Response response, const std::vector<Header>& more) {
+  const auto own = static_cast<std::ptrdiff_t>(response.headers.size());
+  for (const Header& header : more)
+    if (std::none_of(response.headers.begin(), response.headers.begin() + own,
+                     [&](const Header& other) { return equal_ignoring_case(header.name, other.name); }))
+      response.headers.push_back(header);
   return response;
 }
 

@@ -1,10 +1,11 @@
-#include "server/http/head.hpp"
+#include "server/messages/head.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 
 #include "api/base/text.hpp"
+#include "server/messages/request_id.hpp"
 
 namespace vacuform::http {
 
@@ -226,6 +227,21 @@ tl::expected<Head, Refusal> parse_head(std::string_view text, const Limits& limi
   if (head.path.empty()) head.path = "/";  // "http://host" and "http://host?query"
   parse_query(target.path, head.query);
   return head;
+}
+
+Request request_of(Head head) {
+  Request request;
+  request.head_only = head.method == "HEAD";
+  request.method = request.head_only ? "GET" : std::move(head.method);
+  request.path = std::move(head.path);
+  request.query = std::move(head.query);
+  request.id = request_id(head.headers);
+  request.headers = std::move(head.headers);
+  if (request.head_only)  // ranges are for GET (RFC 9110, 14.2)
+    std::erase_if(request.headers,
+                  [](const Header& header) { return equal_ignoring_case(header.name, "Range"); });
+  request.content_length = head.content_length;
+  return request;
 }
 
 }  // namespace vacuform::http
