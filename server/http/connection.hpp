@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/messages/head.hpp"
 #include "server/messages/message.hpp"
@@ -46,11 +47,7 @@ class Connection {
   // From any thread: ends the connection.
   void evict();
   // From any thread: what to end first, the lowest; none if it must stay.
-  struct Rank {
-    int order;
-    double value;
-    auto operator<=>(const Rank&) const = default;
-  };
+  using Rank = std::pair<int, double>;
   std::optional<Rank> rank(Clock::time_point now) const;
 
  private:

@@ -7,7 +7,6 @@
 namespace vacuform {
 
 using http::Request;
-using http::Response;
 
 namespace {
 

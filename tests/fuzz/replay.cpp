@@ -3,6 +3,10 @@
 // failure can be reproduced.
 //
 //   fuzz_replay TARGET SECONDS FOLDER...
+//   fuzz_replay --costly TARGET SECONDS FOLDER...
+//
+// With --costly the mutations begin with the inputs that took the most time per byte so far, to find those for which a
+// small file is much work; the costliest is saved as costliest-TARGET.
 //
 // An input may use ten seconds of processor time and 1 GiB of memory. An input that uses more, or breaks an assertion,
 // ends the program and is saved in the working directory as found-TARGET. At the end the ten slowest inputs are listed.
@@ -168,10 +172,27 @@ void mutate_once(Input& input, const std::vector<Seed>& seeds, Chance& chance) {
   }
 }
 
-Input mutated(const std::vector<Seed>& seeds, Chance& chance) {
-  Input input;
-  do input = seeds[chance.below(seeds.size())].bytes;
-  while (input.size() > largest_input);
+// The inputs that take the most time per byte, the costliest first.
+class Costliest {
+ public:
+  void offer(const Input& input, double seconds) {
+    const double cost = seconds / static_cast<double>(input.size() + usual_head);
+    const auto place =
+        std::find_if(kept_.begin(), kept_.end(), [&](const auto& other) { return cost > other.first; });
+    if (place == kept_.end() && kept_.size() == most) return;
+    kept_.insert(place, {cost, {"", input}});
+    if (kept_.size() > most) kept_.pop_back();
+  }
+  const Input& any(Chance& chance) const { return kept_[chance.below(kept_.size())].second.bytes; }
+  const Input& first() const { return kept_.front().second.bytes; }
+
+ private:
+  static constexpr std::size_t most = 24, usual_head = 256;  // bytes: less is not a small file but none
+  std::vector<std::pair<double, Seed>> kept_;
+};
+
+Input mutated(const Input& from, const std::vector<Seed>& seeds, Chance& chance) {
+  Input input = from;
   for (std::size_t i = 0, turns = 1 + chance.below(6); i < turns; ++i) mutate_once(input, seeds, chance);
   if (input.size() > largest_input) input.resize(largest_input);
   return input;
@@ -180,10 +201,12 @@ Input mutated(const std::vector<Seed>& seeds, Chance& chance) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const bool costly = argc > 1 && std::string_view(argv[1]) == "--costly";
+  if (costly) --argc, ++argv;
   const Target* chosen = argc > 3 ? target(argv[1]) : nullptr;
   double seconds = 0;
   if (!chosen || std::from_chars(argv[2], argv[2] + std::strlen(argv[2]), seconds).ec != std::errc()) {
-    std::fprintf(stderr, "usage: fuzz_replay TARGET SECONDS FOLDER...\n");
+    std::fprintf(stderr, "usage: fuzz_replay [--costly] TARGET SECONDS FOLDER...\n");
     return 2;
   }
   const auto seeds = read_seeds(argc - 3, argv + 3);
@@ -195,17 +218,31 @@ int main(int argc, char** argv) {
   limit_this_process(chosen->name);
 
   std::vector<Run> slowest;
+  Costliest costliest;
   for (const Seed& seed : seeds) {
     std::printf("%s\n", seed.name.c_str());
     std::fflush(stdout);
-    remember(slowest, run(*chosen, seed.bytes, seed.name));
+    const Run done = run(*chosen, seed.bytes, seed.name);
+    if (seed.bytes.size() <= largest_input) costliest.offer(seed.bytes, done.seconds);
+    remember(slowest, done);
   }
   Chance chance;
   std::size_t count = 0;
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   for (; std::chrono::steady_clock::now() < until; ++count) {
-    const Input input = mutated(seeds, chance);
-    remember(slowest, run(*chosen, input, "mutation " + std::to_string(count)));
+    const Input* from = nullptr;
+    do from = costly ? &costliest.any(chance) : &seeds[chance.below(seeds.size())].bytes;
+    while (from->size() > largest_input);
+    const Input input = mutated(*from, seeds, chance);
+    Run done = run(*chosen, input,
+                   "mutation " + std::to_string(count) + ", " + std::to_string(input.size()) + " bytes");
+    if (costly) costliest.offer(input, done.seconds);
+    remember(slowest, std::move(done));
+  }
+  if (costly) {
+    const Input& first = costliest.first();
+    std::ofstream("costliest-" + std::string(chosen->name), std::ios::binary)
+        .write(reinterpret_cast<const char*>(first.data()), static_cast<std::streamsize>(first.size()));
   }
   rusage used{};
   ::getrusage(RUSAGE_SELF, &used);

@@ -246,11 +246,17 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
                                        principal * upright, progress));
     mold.warnings.push_back(std::move(warning));
   }
+  std::optional<Result<TriangleMesh>> new_skin;  // of `closed`: the same for all heights, and much work
+  const auto rebuilt_of = [&](const TriangleMesh& mesh) -> Result<TriangleMesh> {
+    if (&mesh != &closed) return rebuild(mesh, progress);
+    if (!new_skin) new_skin = rebuild(mesh, progress);
+    return *new_skin;
+  };
   // Cuts as below, so that what is proposed passes.
   const CanCut can_cut = [&](const TriangleMesh& mesh, double height) {
     if (cut_and_place(mesh, height, principal.transpose())) return true;
     if (findings.rebuilt) return false;
-    const auto rebuilt = rebuild(mesh, progress);
+    const auto rebuilt = rebuilt_of(mesh);
     return rebuilt && cut_and_place(*rebuilt, height, principal.transpose());
   };
   VACUFORM_TRY(trim, choose_trim(closed, smooth, settled, findings, principal * upright, file_name, can_cut,
@@ -260,7 +266,7 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   VACUFORM_CHECK(progress.reach(0.9));
   auto placed = cut_and_place(closed, trim.height_mm, principal.transpose());
   if (!placed && !findings.rebuilt) {  // the surface crosses itself at the cut
-    VACUFORM_TRY(rebuilt, rebuild(closed, progress));
+    VACUFORM_TRY(rebuilt, rebuilt_of(closed));
     findings.rebuilt = true;
     placed = cut_and_place(rebuilt, trim.height_mm, principal.transpose());
   }

@@ -17,8 +17,9 @@ bool has_line(const std::string& text, const std::string& line) {
 TEST_F(ServerStatus, SaysThatItLivesAndCanWork) {
   EXPECT_EQ(status("/healthz").body, "{\"status\":\"ok\"}\n");
   EXPECT_EQ(status("/readyz").body, "{\"status\":\"ready\",\"durability\":\"local\"}\n");
-  EXPECT_EQ(status("/api/v1/jobs").status, 404);  // jobs are not there
-  status_->data = "/nowhere";                     // as little room as a full disk has
+  EXPECT_EQ(status("/api/v1/jobs").status, 404);                                // jobs are not there
+  ASSERT_TRUE(eventually([&] { return status_server_->connections() == 0; }));  // nobody reads it now
+  status_->data = "/nowhere";  // as little room as a full disk has
   const Answer full = status("/readyz");
   EXPECT_EQ(full.status, 503);
   EXPECT_FALSE(full.header("Retry-After").empty());
