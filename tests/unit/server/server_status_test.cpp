@@ -17,10 +17,15 @@ bool has_line(const std::string& text, const std::string& line) {
 TEST_F(ServerStatus, SaysThatItLivesAndCanWork) {
   EXPECT_EQ(status("/healthz").body, "{\"status\":\"ok\"}\n");
   EXPECT_EQ(status("/readyz").body, "{\"status\":\"ready\",\"durability\":\"local\"}\n");
-  EXPECT_EQ(status("/api/v1/jobs").status, 404);                                // jobs are not there
-  ASSERT_TRUE(eventually([&] { return status_server_->connections() == 0; }));  // nobody reads it now
-  status_->data = "/nowhere";  // as little room as a full disk has
-  const Answer full = status("/readyz");
+  EXPECT_EQ(status("/api/v1/jobs").status, 404);                        // jobs are not there
+  Status nowhere{*store_, metrics_, "/nowhere", [] { return 0; }, 64};  // as little room as a full disk has
+  http::ServerOptions options;
+  options.refuse = refuse;
+  const auto server = http::Server::start(std::move(options), status_routes(nowhere));
+  ASSERT_TRUE(server);
+  const int socket = connected_to(**server);
+  send_all(socket, "GET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  const Answer full = parsed(receive_all(socket));
   EXPECT_EQ(full.status, 503);
   EXPECT_FALSE(full.header("Retry-After").empty());
   EXPECT_EQ(status("/healthz").status, 200);
