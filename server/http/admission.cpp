@@ -4,79 +4,79 @@
 
 namespace vacuform::http {
 
-tl::expected<Place, Refusal> Places::take(const std::string& party) {
+tl::expected<Slot, Refusal> Slots::take(const std::string& client) {
   const std::lock_guard hold(mutex_);
   const auto refuse = [&](int status, const char* whose) {
     return tl::make_unexpected(Refusal{
         status, {Code::busy, "too many " + held_ + whose, {}, "try again later, or fewer at a time"}});
   };
   if (taken_ >= most_) return refuse(503, " at this moment");
-  const auto found = of_.find(party);
+  const auto found = of_.find(client);
   if (found != of_.end() && found->second >= most_of_one_) return refuse(429, " of yours at this moment");
   ++taken_;
-  ++of_[party];
-  return Place(static_cast<void*>(this), [this, party](void*) { give_back(party); });
+  ++of_[client];
+  return Slot(static_cast<void*>(this), [this, client](void*) { give_back(client); });
 }
 
-int Places::taken() const {
+int Slots::taken() const {
   const std::lock_guard hold(mutex_);
   return taken_;
 }
 
-void Places::give_back(const std::string& party) {
+void Slots::give_back(const std::string& client) {
   const std::lock_guard hold(mutex_);
   --taken_;
-  if (--of_[party] == 0) of_.erase(party);
+  if (--of_[client] == 0) of_.erase(client);
 }
 
-bool Turns::free_for(const Party& party) const {
-  return at_work_ < most_ && party.at_work < std::max(1, most_ / 2);
+bool FairQueue::free_for(const Client& client) const {
+  return at_work_ < most_ && client.at_work < std::max(1, most_ / 2);
 }
 
-Place Turns::take(const std::string& party, std::chrono::milliseconds time) {
+Slot FairQueue::take(const std::string& client, std::chrono::milliseconds time) {
   std::unique_lock hold(mutex_);
-  Party& mine = parties_[party];
+  Client& mine = clients_[client];
   Waiting me;
-  if (mine.waiting.empty()) order_.push_back(party);
+  if (mine.waiting.empty()) order_.push_back(client);
   mine.waiting.push_back(&me);
   call_next();
   if (!me.wake.wait_for(hold, time, [&] { return me.called; })) {
     std::erase(mine.waiting, &me);
-    if (mine.waiting.empty()) std::erase(order_, party);
-    forget_if_idle(party);
+    if (mine.waiting.empty()) std::erase(order_, client);
+    forget_if_idle(client);
     return nullptr;
   }
-  return Place(static_cast<void*>(this), [this, party](void*) { give_back(party); });
+  return Slot(static_cast<void*>(this), [this, client](void*) { give_back(client); });
 }
 
-// Each party is looked at once; those whose share is taken stay in the order.
-void Turns::call_next() {
+// Each client is looked at once; those whose share is taken stay in the order.
+void FairQueue::call_next() {
   for (std::size_t looks = order_.size(); looks > 0 && at_work_ < most_; --looks) {
     const std::string name = std::move(order_.front());
     order_.pop_front();
-    Party& party = parties_[name];
-    if (free_for(party)) {
-      party.waiting.front()->called = true;
-      party.waiting.front()->wake.notify_one();
-      party.waiting.pop_front();
-      ++party.at_work;
+    Client& client = clients_[name];
+    if (free_for(client)) {
+      client.waiting.front()->called = true;
+      client.waiting.front()->wake.notify_one();
+      client.waiting.pop_front();
+      ++client.at_work;
       ++at_work_;
     }
-    if (!party.waiting.empty()) order_.push_back(name);
+    if (!client.waiting.empty()) order_.push_back(name);
   }
 }
 
-void Turns::give_back(const std::string& name) {
+void FairQueue::give_back(const std::string& name) {
   const std::lock_guard hold(mutex_);
   --at_work_;
-  --parties_[name].at_work;
+  --clients_[name].at_work;
   call_next();
   forget_if_idle(name);
 }
 
-void Turns::forget_if_idle(const std::string& name) {
-  const Party& party = parties_[name];
-  if (party.at_work == 0 && party.waiting.empty()) parties_.erase(name);
+void FairQueue::forget_if_idle(const std::string& name) {
+  const Client& client = clients_[name];
+  if (client.at_work == 0 && client.waiting.empty()) clients_.erase(name);
 }
 
 }  // namespace vacuform::http

@@ -1,4 +1,4 @@
-// Who may use how much of the server at the same time. A party is the owner of a token; it has no name before it showed
+// Who may use how much of the server at the same time. A client is the owner of a token; it has no name before it showed
 // one. From any thread; each object outlives what it gives.
 #pragma once
 
@@ -14,20 +14,20 @@
 
 namespace vacuform::http {
 
-using Place = std::shared_ptr<void>;  // given back when the last copy goes
+using Slot = std::shared_ptr<void>;  // given back when the last copy goes
 
-// Places that are held for as long as a client likes: so many in all, and so many for one party, so that no one takes
+// Slots that are held for as long as a client likes: so many in all, and so many for one client, so that no one takes
 // those of the others.
-class Places {
+class Slots {
  public:
-  Places(std::string held, int most, int most_of_one)
+  Slots(std::string held, int most, int most_of_one)
       : held_(std::move(held)), most_(most), most_of_one_(most_of_one) {}
-  // Refusals: 503 if all are taken, 429 if the party has as many as one may have.
-  tl::expected<Place, Refusal> take(const std::string& party);
+  // Refusals: 503 if all are taken, 429 if the client has as many as one may have.
+  tl::expected<Slot, Refusal> take(const std::string& client);
   int taken() const;
 
  private:
-  void give_back(const std::string& party);
+  void give_back(const std::string& client);
 
   const std::string held_;  // "large bodies": in the refusals
   const int most_, most_of_one_;
@@ -36,24 +36,24 @@ class Places {
   std::map<std::string, int> of_;
 };
 
-// Turns at work that does not wait for clients: so many at the same time, and half of them for one party. Who waits
-// longest is next, one party after the other.
-class Turns {
+// Work that does not wait for clients has turns: so many at the same time, and half of them for one client. Who waits
+// longest is next, one client after the other.
+class FairQueue {
  public:
-  explicit Turns(int most) : most_(most) {}
+  explicit FairQueue(int most) : most_(most) {}
   // Waits for a turn; null if it does not come in time.
-  Place take(const std::string& party, std::chrono::milliseconds time);
+  Slot take(const std::string& client, std::chrono::milliseconds time);
 
  private:
   struct Waiting {
     std::condition_variable wake;
     bool called = false;
   };
-  struct Party {
+  struct Client {
     int at_work = 0;
     std::deque<Waiting*> waiting;
   };
-  bool free_for(const Party& party) const;
+  bool free_for(const Client& client) const;
   void call_next();
   void give_back(const std::string& name);
   void forget_if_idle(const std::string& name);
@@ -61,7 +61,7 @@ class Turns {
   const int most_;
   std::mutex mutex_;
   int at_work_ = 0;
-  std::map<std::string, Party> parties_;
+  std::map<std::string, Client> clients_;
   std::deque<std::string> order_;  // of the parties that wait
 };
 

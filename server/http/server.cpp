@@ -89,9 +89,9 @@ class Exchange final : public httplib::Stream {
   std::optional<Refusal> refusal;  // of the head
   Router::Match match;
   steady_clock::time_point begun;
-  std::vector<Place> places;  // until the answer is sent
-  bool has_ranges = false;    // the answer says what ranges it has
-  std::size_t held = 0;       // bytes of the answer in memory
+  std::vector<Slot> slots;  // until the answer is sent
+  bool has_ranges = false;  // the answer says what ranges it has
+  std::size_t held = 0;     // bytes of the answer in memory
 
  private:
   std::string feed_;
@@ -144,7 +144,7 @@ void set_options(socket_t listener) {
 class Server::Adapter final : private httplib::Server {
  public:
   Adapter(ServerOptions options, Router router) : options_(std::move(options)), router_(std::move(router)) {
-    for (const Route& route : router_.routes()) turns_.try_emplace(&route, options_.turns);
+    for (const Route& route : router_.routes()) queues_.try_emplace(&route, options_.turns);
     Get("/", [this](const httplib::Request&, httplib::Response& out) { serve(*present, nullptr, out); });
     Post("/", [this](const httplib::Request&, httplib::Response& out, const httplib::ContentReader& reader) {
       serve(*present, &reader, out);
@@ -199,7 +199,7 @@ class Server::Adapter final : private httplib::Server {
     ::fcntl(socket, F_SETFD, FD_CLOEXEC);
     Exchange exchange(socket, options_.limits, stopping_);
     if (ending_) return false;
-    const Place open = opened(exchange.connection);
+    const Slot open = opened(exchange.connection);
     try {
       auto head = exchange.connection.read_head();
       if (!head) return false;
@@ -207,7 +207,7 @@ class Server::Adapter final : private httplib::Server {
       exchange.connection.enter(Connection::Phase::work);
       present = &exchange;
       process(exchange);
-      exchange.places.clear();
+      exchange.slots.clear();
       exchange.connection.finish();
     } catch (const std::exception& fault) {
       log_event("connection-failed", {{"fault", fault.what()}});
@@ -265,19 +265,19 @@ class Server::Adapter final : private httplib::Server {
     const Route& route = *exchange.match.route;
     const auto admitted = route.admission(request);
     if (!admitted) return refused(refusal_of(admitted.error()));
-    const std::string& party = admitted->party;
-    const auto take = [&](Places& places) -> std::optional<Refusal> {
-      auto place = places.take(party);
-      if (!place) return place.error();
-      exchange.places.push_back(std::move(*place));
+    const std::string& client = admitted->client;
+    const auto take = [&](Slots& slots) -> std::optional<Refusal> {
+      auto slot = slots.take(client);
+      if (!slot) return slot.error();
+      exchange.slots.push_back(std::move(*slot));
       return std::nullopt;
     };
-    if (!party.empty())
+    if (!client.empty())
       if (const auto refusal = take(requests_)) return refused(*refusal);
 
     Received received(exchange.connection, reader);
     std::optional<HeldBody> held;
-    Place turn;
+    Slot turn;
     if (request.content_length > small_body) {
       if (const auto refusal = take(bodies_)) return refused(*refusal);
       exchange.connection.enter(Connection::Phase::body);
@@ -286,7 +286,7 @@ class Server::Adapter final : private httplib::Server {
       exchange.connection.enter(Connection::Phase::body);
       request.body = &held.emplace(received);
       exchange.connection.enter(Connection::Phase::work);
-      turn = turns_.at(&route).take(party, options_.limits.wait);
+      turn = queues_.at(&route).take(client, options_.limits.wait);
       if (!turn) return refused({503, {Code::busy, "too many requests of this kind wait", {}, "try again"}});
     }
     request.captures = std::move(exchange.match.captures);
@@ -360,10 +360,10 @@ class Server::Adapter final : private httplib::Server {
   }
 
   // Counts the connection, and lets it make room, until the result goes.
-  Place opened(Connection& connection) {
+  Slot opened(Connection& connection) {
     const std::lock_guard hold(open_mutex_);
     open_.insert(&connection);
-    return Place(&connection, [this](Connection* closed) {
+    return Slot(&connection, [this](Connection* closed) {
       const std::lock_guard hold_again(open_mutex_);
       open_.erase(closed);
     });
@@ -395,10 +395,10 @@ class Server::Adapter final : private httplib::Server {
   std::atomic<bool> ending_ = false;    // no new requests, and streams end
   std::atomic<bool> stopping_ = false;  // every wait ends
   std::atomic<std::size_t> held_ = 0;   // bytes of answers that wait for their clients
-  Places requests_{"requests", options_.connections, options_.requests_of_one};
-  Places bodies_{"large bodies", options_.bodies, options_.bodies_of_one};
-  Places streams_{"clients that follow jobs", options_.streams, options_.streams_of_one};
-  std::map<const Route*, Turns> turns_;
+  Slots requests_{"requests", options_.connections, options_.requests_of_one};
+  Slots bodies_{"large bodies", options_.bodies, options_.bodies_of_one};
+  Slots streams_{"clients that follow jobs", options_.streams, options_.streams_of_one};
+  std::map<const Route*, FairQueue> queues_;
   mutable std::mutex open_mutex_;
   std::set<Connection*> open_;
   std::thread acceptor_;

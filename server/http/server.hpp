@@ -1,13 +1,13 @@
 // The listener: httplib::Server (cpp-httplib) accepts, gives each connection a thread, reads bodies and writes answers.
 //
 // Every request passes these steps in order: the head (head.hpp), the checks of origin.hpp, the router with its limit
-// on the body, the route's admission, the share of its party, the body, a turn, the route. A body up to 72 KiB is in
-// memory before the turn comes. The route reads a longer one as it arrives, in a place for large bodies and without a
+// on the body, the route's admission, the share of its client, the body, a turn, the route. A body up to 72 KiB is in
+// memory before the turn comes. The route reads a longer one as it arrives, in a slot for large bodies and without a
 // turn. A body with a Content-Digest is checked meanwhile (digest.hpp). The server ignores peer addresses.
 // A connection serves one request, and no byte behind it is read as another.
 //
 // Slow clients occupy a thread, so clients that do not keep up with `limits` are disconnected, and beyond `connections`
-// the slowest make room for new ones. No party has more than its share of anything (admission.hpp): then it gets 429, and
+// the slowest make room for new ones. No client has more than its share of anything (admission.hpp): then it gets 429, and
 // 503 if all of it is taken, with Retry-After.
 #pragma once
 
@@ -33,12 +33,12 @@ struct ServerOptions {
   std::string front_host;     // name that a TLS front passes on, in lower case; empty: no front
   int port = 0;               // 0: any free port
   int connections = 1000;     // open at a time; each occupies a thread
-  int requests_of_one = 250;  // of them for the same party
-  int turns = 16;    // requests of one route that are worked on at a time; half of them for the same party
+  int requests_of_one = 250;  // of them for the same client
+  int turns = 16;    // requests of one route that are worked on at a time; half of them for the same client
   int bodies = 256;  // large bodies at a time
-  int bodies_of_one = 16;   // of them for the same party
+  int bodies_of_one = 16;   // of them for the same client
   int streams = 64;         // responses at a time that stream or wait
-  int streams_of_one = 16;  // of them for the same party
+  int streams_of_one = 16;  // of them for the same client
   Limits limits;
   // Creates the answer to a refusal; `request` has a path only if the head could be read. Must not wait.
   std::function<Response(const Request& request, const Refusal& refusal)> refuse;

@@ -13,7 +13,7 @@ namespace vacuform::http {
 using Handler = std::function<Result<Response>(Request&)>;
 // For whom a request is served, and by what.
 struct Admitted {
-  std::string party;  // whose share it takes of the server (admission.hpp); empty: everybody's
+  std::string client;  // whose share it takes of the server (admission.hpp); empty: everybody's
   Handler handler;
 };
 // Says from the head alone whether the request may go on: before a byte of its body is waited for.

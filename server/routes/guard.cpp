@@ -44,8 +44,8 @@ void add_guarded(http::Router& router, Service& service, Scope scope, std::strin
       [s = &service, scope, handler = std::make_shared<const GuardedHandler>(std::move(handler))](
           const Request& request) -> Result<http::Admitted> {
         VACUFORM_TRY(caller, s->access.check(request, scope));
-        std::string party = caller.owner;
-        return http::Admitted{std::move(party), [s, handler, caller = std::move(caller)](Request& r) {
+        std::string client = caller.owner;
+        return http::Admitted{std::move(client), [s, handler, caller = std::move(caller)](Request& r) {
                                 return (*handler)(*s, r, caller);
                               }};
       },

@@ -369,17 +369,17 @@ TEST_F(ServerLimits, StalledUploadsHoldOnlyTheShareOfTheirOwner) {
   for (const int socket : stalled) ::close(socket);
 }
 
-// Requests of one owner that take long leave half of the turns to the others, and their places, too.
+// Requests of one owner that take long leave half of the turns to the others, and their slots, too.
 TEST_F(ServerLimits, AGreedyOwnerLeavesTurnsToTheOthers) {
   std::atomic<bool> over = false;
   http::Router router;
-  for (const char* party : {"greedy", "other"})
+  for (const char* client : {"greedy", "other"})
     router.add(
-        {"GET", std::string("/") + party, [&over, party](const http::Request&) -> Result<http::Admitted> {
-           return http::Admitted{party, [&over, party](http::Request&) -> Result<http::Response> {
-                                   while (party == std::string_view("greedy") && !over)
+        {"GET", std::string("/") + client, [&over, client](const http::Request&) -> Result<http::Admitted> {
+           return http::Admitted{client, [&over, client](http::Request&) -> Result<http::Response> {
+                                   while (client == std::string_view("greedy") && !over)
                                      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                                   return http::text_response("text/plain", party);
+                                   return http::text_response("text/plain", client);
                                  }};
          }});
   http::ServerOptions options;

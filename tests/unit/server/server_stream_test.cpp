@@ -24,9 +24,9 @@ class ServerStream : public ServerTest {
   void SetUp() override {
     ServerTest::SetUp();
     http::Router router;
-    const auto add = [&](const char* party, const char* pattern, http::Handler handler) {
-      router.add({"GET", pattern, [party, handler](const Request&) -> Result<http::Admitted> {
-                    return http::Admitted{party, handler};
+    const auto add = [&](const char* client, const char* pattern, http::Handler handler) {
+      router.add({"GET", pattern, [client, handler](const Request&) -> Result<http::Admitted> {
+                    return http::Admitted{client, handler};
                   }});
     };
     add("a third one", "/three", [](Request&) -> Result<Response> {
@@ -47,8 +47,8 @@ class ServerStream : public ServerTest {
         return "";
       });
     });
-    for (const char* party : {"/station-1", "/station-2", "/station-3"})
-      add(party, party, [](Request&) -> Result<Response> {
+    for (const char* client : {"/station-1", "/station-2", "/station-3"})
+      add(client, client, [](Request&) -> Result<Response> {
         return streamed([]() -> std::optional<std::string> {
           std::this_thread::sleep_for(1ms);
           return "";
