@@ -8,6 +8,7 @@
 #include <string>
 
 #include "api/base/error.hpp"
+#include "server/store/store.hpp"
 
 namespace vacuform {
 
@@ -17,5 +18,18 @@ Result<nlohmann::ordered_json> ask_server(const std::filesystem::path& data, con
                                           const std::string& method, const std::string& path,
                                           const std::string& body = {},
                                           std::chrono::seconds limit = std::chrono::seconds(30));
+
+// Does `with_store` if no server has the store open, and asks the server otherwise. Errors: those of the store and of
+// ask_server().
+template <class WithStore>
+Result<nlohmann::ordered_json> do_or_ask(const std::filesystem::path& data, const StoreOptions& places,
+                                         const WithStore& with_store, const std::string& method,
+                                         const std::string& path, const std::string& body = {},
+                                         std::chrono::seconds limit = std::chrono::seconds(30)) {
+  const auto store = open_store(data, places);
+  if (store) return with_store(**store);
+  if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
+  return ask_server(data, store.error(), method, path, body, limit);
+}
 
 }  // namespace vacuform

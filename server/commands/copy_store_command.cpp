@@ -1,5 +1,3 @@
-#include "server/commands/copy_store_command.hpp"
-
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
@@ -7,7 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "api/base/secrets.hpp"
+#include "server/commands/store_command.hpp"
 #include "server/store/copy_store.hpp"
 
 namespace vacuform {
@@ -49,50 +47,54 @@ class ShownCopy {
   std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
 };
 
+class CopyStoreCommand final : public StoreCommand {
+ public:
+  void add_to(CLI::App& app) override {
+    CLI::App& command =
+        add(app, "copy-store", "Copy the jobs and their files of a stopped server to another place");
+    add_data(command);
+    command.add_option("--to", to_, "Data folder of the copy, without jobs")->required()->type_name("DIR");
+    command
+        .add_option("--to-store", target_.database,
+                    "PostgreSQL database for the jobs of the copy, as for --store (default: SQLite in --to)")
+        ->type_name("URL");
+    command
+        .add_option("--to-blobs", target_.blobs,
+                    "Object store for scans and results of the copy, as for --blobs (default: files in --to)")
+        ->type_name("URL");
+    command
+        .add_option("--to-blobs-credentials", target_.blobs_credentials,
+                    "File with the access key for --to-blobs (default: the environment)")
+        ->type_name("FILE");
+  }
+
+ private:
+  Result<void> run_on(const std::filesystem::path& data, const StoreOptions& places) override {
+    const StorePlace from{data, places}, to{to_, target_};
+    cancel_on_signals();
+    ShownCopy shown;
+    VACUFORM_TRY(report, copy_store(
+                             from, to, [] { return !copy_cancelled; },
+                             [&](const CopyProgress& progress) { shown.show(progress); }));
+    const nlohmann::ordered_json damaged = report.damaged;
+    std::printf(
+        "%s\n",
+        nlohmann::ordered_json{
+            {"jobs", report.jobs}, {"files", report.blobs}, {"bytes", report.bytes}, {"damaged", damaged}}
+            .dump()
+            .c_str());
+    if (damaged.empty()) return {};
+    return fail(
+        Code::internal, "files were left out, since they are damaged: " + damaged.dump(), to_.string(),
+        "find the jobs that name them by their hashes, or restore these files from a backup and copy again");
+  }
+
+  std::filesystem::path to_;
+  StoreOptions target_;
+};
+
 }  // namespace
 
-void CopyStoreCommand::add_to(CLI::App& app) {
-  command_ =
-      app.add_subcommand("copy-store", "Copy the jobs and their files of a stopped server to another place");
-  command_->add_option("--data", data_, "Folder of the jobs (default: as the server's settings say)")
-      ->type_name("DIR");
-  command_->add_option("--to", to_, "Data folder of the copy, without jobs")->required()->type_name("DIR");
-  command_
-      ->add_option("--to-store", target_.database,
-                   "PostgreSQL database for the jobs of the copy, as for --store (default: SQLite in --to)")
-      ->type_name("URL");
-  command_
-      ->add_option("--to-blobs", target_.blobs,
-                   "Object store for scans and results of the copy, as for --blobs (default: files in --to)")
-      ->type_name("URL");
-  command_
-      ->add_option("--to-blobs-credentials", target_.blobs_credentials,
-                   "File with the access key for --to-blobs (default: the environment)")
-      ->type_name("FILE");
-}
-
-bool CopyStoreCommand::asked() const { return command_->parsed(); }
-
-Result<void> CopyStoreCommand::run(const std::filesystem::path& configured_data,
-                                   const StoreOptions& places) const {
-  const StorePlace from{data_.empty() ? configured_data : data_, places}, to{to_, target_};
-  if (!start_secrets()) return fail(Code::internal, "this machine provides no random numbers");
-  cancel_on_signals();
-  ShownCopy shown;
-  VACUFORM_TRY(report, copy_store(
-                           from, to, [] { return !copy_cancelled; },
-                           [&](const CopyProgress& progress) { shown.show(progress); }));
-  const nlohmann::ordered_json damaged = report.damaged;
-  std::printf(
-      "%s\n",
-      nlohmann::ordered_json{
-          {"jobs", report.jobs}, {"files", report.blobs}, {"bytes", report.bytes}, {"damaged", damaged}}
-          .dump()
-          .c_str());
-  if (damaged.empty()) return {};
-  return fail(
-      Code::internal, "files were left out, since they are damaged: " + damaged.dump(), to_.string(),
-      "find the jobs that name them by their hashes, or restore these files from a backup and copy again");
-}
+StoreCommandPointer copy_store_command() { return std::make_unique<CopyStoreCommand>(); }
 
 }  // namespace vacuform

@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <tuple>
 
 #include "api/base/file.hpp"
 #include "api/base/log.hpp"
@@ -20,14 +19,9 @@
 #include "api/problem.hpp"
 #include "api/version.hpp"
 #include "server/access/tokens.hpp"
-#include "server/commands/backup_command.hpp"
 #include "server/commands/configuration.hpp"
-#include "server/commands/copy_store_command.hpp"
 #include "server/commands/local_workers.hpp"
-#include "server/commands/migrate_command.hpp"
-#include "server/commands/orphans_command.hpp"
-#include "server/commands/repair_commands.hpp"
-#include "server/commands/token_command.hpp"
+#include "server/commands/store_command.hpp"
 #include "server/http/server.hpp"
 #include "server/jobs/kept_folder.hpp"
 #include "server/messages/problem.hpp"
@@ -212,18 +206,21 @@ Result<void> serve(const Configuration& options) {
 }
 
 // What the program does besides serving.
-using Commands = std::tuple<TokenCommand, BackupCommand, RestoreCommand, VerifyCommand, AdoptCommand,
-                            CopyStoreCommand, OrphansCommand, MigrateCommand>;
+using Commands = std::vector<StoreCommandPointer>;
 
-Result<void> run(ConfigurationSources& sources, const Configuration& configuration, Commands& commands,
+Commands all_commands() {
+  Commands commands;
+  for (const auto make : {token_command, backup_command, restore_command, verify_command, adopt_command,
+                          copy_store_command, orphans_command, migrate_command})
+    commands.push_back(make());
+  return commands;
+}
+
+Result<void> run(ConfigurationSources& sources, const Configuration& configuration, const Commands& commands,
                  int argc, char** argv) {
   VACUFORM_CHECK(sources.read(argc, argv));
-  std::optional<Result<void>> done;
-  const auto run_if_asked = [&](auto& command) {
-    if (command.asked()) done = command.run(configuration.data, configuration.store_options());
-  };
-  std::apply([&](auto&... all) { (run_if_asked(all), ...); }, commands);
-  if (done) return *done;
+  for (const auto& command : commands)
+    if (command->asked()) return command->run(configuration.data, configuration.store_options());
   if (!sources.only_check()) return serve(configuration);
   VACUFORM_CHECK(check(configuration));
   std::printf("%s\n", sources.text().c_str());
@@ -243,8 +240,8 @@ int main(int argc, char** argv) {
   vacuform::ConfigurationSources sources(app, "server");
   vacuform::Configuration configuration;
   configuration.add_to(sources);
-  vacuform::Commands commands;
-  std::apply([&app](auto&... all) { (all.add_to(app), ...); }, commands);
+  const vacuform::Commands commands = vacuform::all_commands();
+  for (const auto& command : commands) command->add_to(app);
   try {
     const auto done = vacuform::run(sources, configuration, commands, argc, argv);
     if (done) return 0;

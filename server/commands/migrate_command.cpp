@@ -1,29 +1,32 @@
-#include "server/commands/migrate_command.hpp"
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "api/base/secrets.hpp"
+#include "server/commands/store_command.hpp"
 
 namespace vacuform {
 
-void MigrateCommand::add_to(CLI::App& app) {
-  command_ = app.add_subcommand("migrate",
-                                "Bring the tables of the jobs up to date, as a server does when it starts");
-  command_->add_option("--data", data_, "Folder of the jobs (default: as the server's settings say)")
-      ->type_name("DIR");
-}
+namespace {
 
-bool MigrateCommand::asked() const { return command_->parsed(); }
+class MigrateCommand final : public StoreCommand {
+ public:
+  void add_to(CLI::App& app) override {
+    CLI::App& command =
+        add(app, "migrate", "Bring the tables of the jobs up to date, as a server does when it starts");
+    add_data(command);
+  }
 
-Result<void> MigrateCommand::run(const std::filesystem::path& configured_data,
-                                 const StoreOptions& places) const {
-  if (!start_secrets()) return fail(Code::internal, "this machine provides no random numbers");
-  VACUFORM_TRY(store, open_store(data_.empty() ? configured_data : data_, places));
-  VACUFORM_TRY(status, store->status());
-  std::printf("%s\n", nlohmann::ordered_json{{"schema", status.schema}}.dump().c_str());
-  return {};
-}
+ private:
+  Result<void> run_on(const std::filesystem::path& data, const StoreOptions& places) override {
+    VACUFORM_TRY(store, open_store(data, places));
+    VACUFORM_TRY(status, store->status());
+    std::printf("%s\n", nlohmann::ordered_json{{"schema", status.schema}}.dump().c_str());
+    return {};
+  }
+};
+
+}  // namespace
+
+StoreCommandPointer migrate_command() { return std::make_unique<MigrateCommand>(); }
 
 }  // namespace vacuform

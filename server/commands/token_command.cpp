@@ -1,12 +1,10 @@
-#include "server/commands/token_command.hpp"
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "api/base/secrets.hpp"
 #include "server/access/token_json.hpp"
 #include "server/commands/ask_server.hpp"
+#include "server/commands/store_command.hpp"
 
 namespace vacuform {
 
@@ -14,31 +12,32 @@ using nlohmann::ordered_json;
 
 namespace {
 
-// Does `with_store` where no server runs, and asks the server otherwise. Errors: not_found, when there is no store.
-template <class WithStore>
-Result<ordered_json> do_or_ask(const std::filesystem::path& data, const StoreOptions& places,
-                               const WithStore& with_store, const std::string& method,
-                               const std::string& tail, const std::string& body = {},
-                               bool may_begin = false) {
-  if (!may_begin && !has_store(data)) return no_store(data);
-  if (!start_secrets()) return fail(Code::internal, "this machine provides no random numbers");
-  const auto store = open_store(data, places);
-  if (store) return with_store(**store);
-  if (store.error().code != Code::unavailable) return tl::make_unexpected(store.error());
-  return ask_server(data, store.error(), method, "/api/v1/tokens" + tail, body);
-}
+constexpr const char* tokens_path = "/api/v1/tokens";
 
-}  // namespace
+class TokenCommand final : public StoreCommand {
+ public:
+  void add_to(CLI::App& app) override;
+
+ private:
+  Result<void> run_on(const std::filesystem::path& data, const StoreOptions& places) override;
+  Result<void> create() const;
+  Result<void> list() const;
+  Result<void> revoke() const;
+
+  CLI::App *create_ = nullptr, *list_ = nullptr, *revoke_ = nullptr;
+  std::filesystem::path data_, out_;
+  StoreOptions places_;
+  std::string owner_, scopes_, id_;
+  double days_ = 0;
+};
 
 void TokenCommand::add_to(CLI::App& app) {
-  token_ = app.add_subcommand("token", "Make, list and revoke tokens");
-  token_->require_subcommand(1);
-  create_ = token_->add_subcommand("create", "Make a token; it is shown once");
-  list_ = token_->add_subcommand("list", "List the tokens, without their secrets");
-  revoke_ = token_->add_subcommand("revoke", "Revoke a token, at once and for good");
-  for (CLI::App* command : {create_, list_, revoke_})
-    command->add_option("--data", data_, "Folder of the jobs (default: as the server's settings say)")
-        ->type_name("DIR");
+  CLI::App& token = add(app, "token", "Make, list and revoke tokens");
+  token.require_subcommand(1);
+  create_ = token.add_subcommand("create", "Make a token; it is shown once");
+  list_ = token.add_subcommand("list", "List the tokens, without their secrets");
+  revoke_ = token.add_subcommand("revoke", "Revoke a token, at once and for good");
+  for (CLI::App* command : {create_, list_, revoke_}) add_data(*command);
   create_
       ->add_option("--owner", owner_, "Whose jobs it makes and sees: a place or a purpose, such as station-3")
       ->required();
@@ -51,12 +50,9 @@ void TokenCommand::add_to(CLI::App& app) {
   revoke_->add_option("id", id_, "The id, as list shows it")->required();
 }
 
-bool TokenCommand::asked() const { return token_->parsed(); }
-
-Result<void> TokenCommand::run(const std::filesystem::path& configured_data, const StoreOptions& places) {
+Result<void> TokenCommand::run_on(const std::filesystem::path& data, const StoreOptions& places) {
+  data_ = data;
   places_ = places;
-  data_named_ = !data_.empty();
-  if (!data_named_) data_ = configured_data;
   if (create_->parsed()) return create();
   if (list_->parsed()) return list();
   return revoke();
@@ -80,8 +76,9 @@ Result<void> TokenCommand::create() const {
   };
   // The first token is made before the first start: in the configured folder, or in an empty one.
   std::error_code error;
-  const bool may_begin = !data_named_ || std::filesystem::is_empty(data_, error);
-  VACUFORM_TRY(made, do_or_ask(data_, places_, here, "POST", "", wanted.dump(), may_begin && !error));
+  const bool may_begin = !data_named() || std::filesystem::is_empty(data_, error);
+  if (!(may_begin && !error) && !has_store(data_)) return no_store(data_);
+  VACUFORM_TRY(made, do_or_ask(data_, places_, here, "POST", tokens_path, wanted.dump()));
   const std::string text = made.value("token", "") + "\n";
   if (!out_.empty()) return write_text_file(out_, text);
   std::fputs(text.c_str(), stdout);
@@ -95,7 +92,8 @@ Result<void> TokenCommand::list() const {
     for (const Token& token : tokens) all.push_back(token_json(token));
     return ordered_json{{"tokens", all}};
   };
-  VACUFORM_TRY(answer, do_or_ask(data_, places_, here, "GET", ""));
+  if (!has_store(data_)) return no_store(data_);
+  VACUFORM_TRY(answer, do_or_ask(data_, places_, here, "GET", tokens_path));
   for (const auto& token : answer.value("tokens", ordered_json::array())) {
     std::string scopes;
     for (const auto& scope : token.at("scopes")) {
@@ -123,8 +121,13 @@ Result<void> TokenCommand::revoke() const {
   if (id_.find_first_not_of("0123456789abcdef") != std::string::npos)
     return fail(Code::bad_usage, "not the id of a token: " + id_, "id",
                 "take it from vacuform-server token list");
-  VACUFORM_CHECK(do_or_ask(data_, places_, here, "DELETE", "/" + id_));
+  if (!has_store(data_)) return no_store(data_);
+  VACUFORM_CHECK(do_or_ask(data_, places_, here, "DELETE", tokens_path + ("/" + id_)));
   return {};
 }
+
+}  // namespace
+
+StoreCommandPointer token_command() { return std::make_unique<TokenCommand>(); }
 
 }  // namespace vacuform
