@@ -72,9 +72,9 @@ Connection::Wait Connection::wait_for(short events, Pace& pace) const {
   const double least =
       static_cast<double>(limits_.slowest_body) * std::chrono::duration<double>(limits_.wait).count();
   for (;;) {
-    const auto begun = Clock::now();
-    const Wait wait = wait_for(events, begun + (limits_.wait - pace.waited));
-    pace.waited += Clock::now() - begun;
+    const auto started = Clock::now();
+    const Wait wait = wait_for(events, started + (limits_.wait - pace.waited));
+    pace.waited += Clock::now() - started;
     if (wait == Wait::gone || pace.waited < limits_.wait) return wait;
     if (static_cast<double>(pace.bytes) < least) return Wait::late;
     pace = {};

@@ -53,7 +53,7 @@ class Exchange final : public httplib::Stream {
       : connection(socket, limits, stopping) {}
 
   void begin(tl::expected<Head, Refusal> head, std::string_view front_host) {
-    begun = steady_clock::now();
+    started = steady_clock::now();
     if (!head) {
       refusal = std::move(head.error());
       request.id = request_id({});
@@ -88,7 +88,7 @@ class Exchange final : public httplib::Stream {
   Request request;
   std::optional<Refusal> refusal;  // of the head
   Router::Match match;
-  steady_clock::time_point begun;
+  steady_clock::time_point started;
   std::vector<Slot> slots;  // until the answer is sent
   bool has_ranges = false;  // the answer says what ranges it has
   std::size_t held = 0;     // bytes of the answer in memory
@@ -184,8 +184,8 @@ class Server::Adapter final : private httplib::Server {
   void end() {
     ending_ = true;
     if (!acceptor_.joinable()) return;
-    ::shutdown(svr_sock_,
-               SHUT_RDWR);  // accept() fails; stop() would break off the answers that are being sent
+    // accept() fails then. stop() would break off the answers that are being sent.
+    ::shutdown(svr_sock_, SHUT_RDWR);
     for (int i = 0; i < 500 && connections() > 0; ++i) {
       evict_idle();
       std::this_thread::sleep_for(10ms);
@@ -246,7 +246,7 @@ class Server::Adapter final : private httplib::Server {
     if (exchange.match.route) answered.route = exchange.match.route->pattern;
     answered.method = request.method;
     answered.status = response.status;
-    answered.seconds = std::chrono::duration<double>(steady_clock::now() - exchange.begun).count();
+    answered.seconds = std::chrono::duration<double>(steady_clock::now() - exchange.started).count();
     if (options_.observe) options_.observe(answered);
     give(exchange, std::move(response), out);
   }
@@ -315,8 +315,8 @@ class Server::Adapter final : private httplib::Server {
   // Hands the answer to the library, which sends it.
   void give(Exchange& exchange, Response response, httplib::Response& out) {
     out.status = response.status;
-    for (const Header& header :
-         response.headers)  // a digest is about what is sent, and that is nothing after HEAD
+    // A digest is about what is sent, and that is nothing after HEAD.
+    for (const Header& header : response.headers)
       if (!exchange.request.head_only || header.name != "Content-Digest")
         out.set_header(header.name, header.value);
     out.set_header("X-Request-Id", exchange.request.id);
@@ -375,8 +375,8 @@ class Server::Adapter final : private httplib::Server {
       if (connection->idle()) connection->evict();
   }
 
-  // Ends so many connections, or a twentieth of all, so that the search is rare: first those whose answer is sent, then those that
-  // have been sending a head for long, then those that send a body or take an answer slowest.
+  // Ends so many connections, or a twentieth of all, so that the search is rare: first those whose answer is sent, then
+  // those that have been sending a head for long, then those that send a body or take an answer slowest.
   void make_room(std::size_t wanted) {
     std::vector<std::pair<Connection::Rank, Connection*>> candidates;
     const auto now = steady_clock::now();

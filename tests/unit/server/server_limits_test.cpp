@@ -1,8 +1,10 @@
 // Input that a hostile or broken client can send to a real server, byte by byte.
 #include <atomic>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "server/http/admission.hpp"
 #include "server/jobs/blob_response.hpp"
 #include "server_fixture.hpp"
 
@@ -373,15 +375,13 @@ TEST_F(ServerLimits, StalledUploadsHoldOnlyTheShareOfTheirOwner) {
 TEST_F(ServerLimits, AGreedyOwnerLeavesTurnsToTheOthers) {
   std::atomic<bool> over = false;
   http::Router router;
-  for (const char* client : {"greedy", "other"})
-    router.add(
-        {"GET", std::string("/") + client, [&over, client](const http::Request&) -> Result<http::Admitted> {
-           return http::Admitted{client, [&over, client](http::Request&) -> Result<http::Response> {
-                                   while (client == std::string_view("greedy") && !over)
-                                     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                                   return http::text_response("text/plain", client);
-                                 }};
-         }});
+  router.add({"GET", "/{owner}", [&over](const http::Request& asked) -> Result<http::Admitted> {
+                return http::Admitted{asked.path, [&over](http::Request& request) -> Result<http::Response> {
+                                        while (request.at("owner") == "greedy" && !over)
+                                          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                                        return http::text_response("text/plain", request.at("owner"));
+                                      }};
+              }});
   http::ServerOptions options;
   options.refuse = refuse;
   options.requests_of_one = 30;
@@ -408,6 +408,29 @@ TEST_F(ServerLimits, AGreedyOwnerLeavesTurnsToTheOthers) {
     EXPECT_EQ(parsed(receive_all(socket)).body, "greedy");
     ::close(socket);
   }
+}
+
+// Of two owners that wait, each is next in its turn, however many requests one has.
+TEST(FairQueue, OwnersTakeTurns) {
+  using namespace std::chrono_literals;
+  http::FairQueue queue(1);
+  std::mutex mutex;
+  std::string order;
+  std::vector<std::thread> waiting;
+  http::Slot first = queue.take("a", 1s);
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(queue.take("b", 1ms));  // none is left
+  for (const char* owner : {"a", "a", "a", "b", "b"}) {
+    waiting.emplace_back([&, owner] {
+      const http::Slot turn = queue.take(owner, 10s);
+      const std::lock_guard hold(mutex);
+      order += turn ? owner : "-";
+    });
+    std::this_thread::sleep_for(50ms);  // they queue up in this order
+  }
+  first.reset();
+  for (std::thread& thread : waiting) thread.join();
+  EXPECT_EQ(order, "ababa");
 }
 
 TEST_F(ServerLimits, StalledConnectionsDoNotBlockOthers) {
