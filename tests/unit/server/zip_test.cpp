@@ -16,6 +16,7 @@ class ZipTest : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(start_secrets());
+    folder_ = std::filesystem::temp_directory_path() / ("vacuform-zip-" + random_hex(8));
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -49,7 +50,7 @@ class ZipTest : public testing::Test {
     return value;
   }
 
-  const std::filesystem::path folder_ = std::filesystem::temp_directory_path() / "vacuform-zip-test";
+  std::filesystem::path folder_;
 };
 
 TEST_F(ZipTest, IsTheSameWhereverItIsReadFrom) {
