@@ -26,7 +26,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr std::size_t longest_line = 16u << 10;
-constexpr std::size_t last_words_limit = 64u << 10;
+constexpr std::size_t stderr_limit = 64u << 10;
 constexpr std::size_t longest_text = 2000;
 constexpr milliseconds grace{500};  // from SIGTERM to SIGKILL: stages check for cancellation every 0.2 s
 
@@ -76,18 +76,19 @@ struct Start {
   const char* home;
   const ChildLimits& limits;
   const Confinement& confinement;
+  int group;                  // to write "0" to, and so join the control group; -1: none
   int out, err;               // to write to
   int ended, worker_listens;  // the two ends of a pipe for the exit status of the program
 };
 
 // Without new namespaces: the fork() of the C library, which sanitizers know. With them, and inside them: a bare
 // clone().
-pid_t split(bool bare, unsigned long namespaces) {
+pid_t fork_process(bool bare, unsigned long namespaces) {
   return bare ? static_cast<pid_t>(::syscall(SYS_clone, namespaces | SIGCHLD, 0, 0, 0, 0)) : ::fork();
 }
 
 // Between fork and exec: only async-signal-safe calls. A step that fails ends the child: no partial sandbox.
-[[noreturn]] void become(const Start& start, pid_t supervisor) {
+[[noreturn]] void exec_program(const Start& start, pid_t supervisor) {
   for (const int number : {SIGPIPE, SIGTERM, SIGINT, SIGHUP, SIGCHLD, SIGUSR1}) ::signal(number, SIG_DFL);
   sigset_t no_signals;
   ::sigemptyset(&no_signals);
@@ -155,14 +156,15 @@ void end_descendants() {
   ::sigprocmask(SIG_SETMASK, &until_it_runs, nullptr);
   ::signal(SIGUSR1, end_program);
   pollfd worker{start.ended, 0, 0};
-  const bool ready = ::setpgid(0, 0) == 0 && ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) == 0 &&
+  const bool ready = (start.group < 0 || ::write(start.group, "0", 1) == 1) && ::setpgid(0, 0) == 0 &&
+                     ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) == 0 &&
                      ::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0 &&
                      ::prctl(PR_SET_PDEATHSIG, end_all) == 0 &&
                      ::poll(&worker, 1, 0) == 0;  // otherwise the worker has already exited
   const pid_t self = ::getpid();
-  supervised = ready ? split(first, 0) : -1;
+  supervised = ready ? fork_process(first, 0) : -1;
   if (supervised < 0) ::_exit(cannot_confine);
-  if (supervised == 0) become(start, self);
+  if (supervised == 0) exec_program(start, self);
   ::dup2(start.ended, 0);
   ::close_range(1, ~0u, 0);
   ::sigprocmask(SIG_UNBLOCK, &until_it_runs, nullptr);
@@ -240,27 +242,34 @@ ChildLine parse_child_line(std::string_view line) {
   return ChildProgress{*stage, fraction, kept != object.end() && *kept == nlohmann::json(true)};
 }
 
-Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& command,
-                           const std::filesystem::path& home, const ChildLimits& limits,
-                           const Sandbox& sandbox, const std::function<void(const ChildProgress&)>& progress,
-                           const std::function<bool()>& stop, const std::filesystem::path& kept) {
+Result<ChildEnd> run_child(const ChildCommand& command,
+                           const std::function<void(const ChildProgress&)>& progress,
+                           const std::function<bool()>& stop) {
+  const ChildLimits& limits = command.limits;
   std::vector<char*> argv, envp;
-  for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
+  for (const std::string& word : command.words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   const std::array<std::string, 3> environment{
       "PATH=/usr/local/bin:/usr/bin:/bin", "LANG=C.UTF-8",
-      "HOME=" + std::filesystem::absolute(home).lexically_normal().string()};
+      "HOME=" + std::filesystem::absolute(command.home).lexically_normal().string()};
   for (const std::string& variable : environment) envp.push_back(const_cast<char*>(variable.c_str()));
   envp.push_back(nullptr);
 
-  VACUFORM_TRY(confinement, Confinement::prepare(sandbox, program_file, home, kept));
+  VACUFORM_TRY(confinement,
+               Confinement::prepare(command.sandbox, command.program_file, command.home, command.kept));
+  std::optional<JobGroup> group;
+  if (command.groups) {
+    VACUFORM_TRY(made, command.groups->make(limits.address_space, limits.tasks));
+    group.emplace(std::move(made));
+  }
   Pipe out, err, ended;
   const Error no_process{Code::internal, "no process could be made for the job", "", "try again later"};
   if (!out.open() || !err.open() || !ended.open()) return tl::make_unexpected(no_process);
-  const Start start{argv.data(), envp.data(), home.c_str(), limits,    confinement,
-                    out.write,   err.write,   ended.write,  ended.read};
+  const Start start{
+      argv.data(), envp.data(), command.home.c_str(), limits,    confinement, group ? group->processes() : -1,
+      out.write,   err.write,   ended.write,          ended.read};
   const bool namespaces = confinement.namespaces() != 0;
-  const pid_t pid = split(namespaces, confinement.namespaces());
+  const pid_t pid = fork_process(namespaces, confinement.namespaces());
   if (pid < 0) return tl::make_unexpected(no_process);
   if (pid == 0) supervise(start);
   ::setpgid(pid, pid);  // in parent and child: the order does not matter
@@ -283,9 +292,9 @@ Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& com
     lines.add(bytes, heard);
     bytes.clear();
     if (err.read >= 0 && !take(err.read, bytes)) err.close_read();
-    end.last_words += bytes;
-    if (end.last_words.size() > 2 * last_words_limit)
-      end.last_words.erase(0, end.last_words.size() - last_words_limit);
+    end.stderr_tail += bytes;
+    if (end.stderr_tail.size() > 2 * stderr_limit)
+      end.stderr_tail.erase(0, end.stderr_tail.size() - stderr_limit);
   };
 
   const auto started = steady_clock::now();
@@ -323,9 +332,9 @@ Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& com
     if (::poll(fds, 2, 0) <= 0) break;
     listen();
   }
-  if (end.last_words.size() > last_words_limit)
-    end.last_words.erase(0, end.last_words.size() - last_words_limit);
+  if (end.stderr_tail.size() > stderr_limit) end.stderr_tail.erase(0, end.stderr_tail.size() - stderr_limit);
 
+  end.out_of_memory = group && group->ran_out_of_memory();
   if (end.how == ChildEnd::How::stopped) return end;
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (out_of_wall) {
@@ -359,7 +368,7 @@ Sandbox strongest_sandbox(int program_file, const std::string& program, const st
                            Sandbox{true, 0, false}};
   for (const Sandbox& choice : choices) {
     const auto end = run_child(
-        program_file, {program, "--version"}, home, limits, choice, [](const ChildProgress&) {},
+        {program_file, {program, "--version"}, home, limits, choice}, [](const ChildProgress&) {},
         [] { return false; });
     if (end && end->how == ChildEnd::How::exited && end->number == 0) return choice;
   }

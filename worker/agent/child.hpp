@@ -21,6 +21,7 @@
 #include "api/base/error.hpp"
 #include "api/job.hpp"
 #include "api/job_limits.hpp"
+#include "worker/agent/job_group.hpp"
 #include "worker/agent/sandbox.hpp"
 
 namespace vacuform {
@@ -59,21 +60,31 @@ struct ChildEnd {
   How how = How::exited;
   int number = 0;
   std::optional<Error> problem;  // the last that the child wrote, or that of the limit
-  std::string last_words;        // the end of its standard error, at most 64 KiB
+  std::string stderr_tail;       // at most 64 KiB
+  bool out_of_memory = false;    // the kernel killed it for the limit of its group
 };
 
-// Runs the program of the descriptor `program_file` (opened with O_PATH) as `command` (its name, then its arguments) in
-// the folder `home` and waits for its end. The child has its own process group, stdin from /dev/null, only PATH, LANG
-// and HOME in its environment, and the sandbox. If a sandbox measure fails, the child exits with status 126. `kept` is
-// a second folder that the child may use. `progress` is called for each progress line and `stop` at least every 0.1 s;
-// when `stop` returns true the program gets SIGTERM and, half a second later, SIGKILL. No process that it started is
-// left when this returns. Exception: without namespaces and without seccomp a program can end its supervisor and then
-// escape. Call this from a thread that lives at least as long as the child: the kernel ends the child when that thread
-// ends. Errors: internal (the process or the sandbox cannot be created).
-Result<ChildEnd> run_child(int program_file, const std::vector<std::string>& command,
-                           const std::filesystem::path& home, const ChildLimits& limits,
-                           const Sandbox& sandbox, const std::function<void(const ChildProgress&)>& progress,
-                           const std::function<bool()>& stop, const std::filesystem::path& kept = {});
+// What to run, where and within which limits.
+struct ChildCommand {
+  int program_file = -1;                // the program, opened with O_PATH
+  std::vector<std::string> words = {};  // its name, then its arguments
+  std::filesystem::path home;           // the folder in which it runs
+  ChildLimits limits = {};
+  Sandbox sandbox = {};
+  std::filesystem::path kept = {};    // a second folder that it may use; may be empty
+  const JobGroups* groups = nullptr;  // in which it gets a control group of its own; nullptr: none
+};
+
+// Runs `command` and waits for its end. The child has its own process group, stdin from /dev/null, only PATH, LANG and
+// HOME in its environment, and the sandbox. If a sandbox measure fails, the child exits with status 126. `progress` is
+// called for each progress line and `stop` at least every 0.1 s; when `stop` returns true the program gets SIGTERM and,
+// half a second later, SIGKILL. No process that it started is left when this returns. Exception: without namespaces,
+// without seccomp and without a control group a program can end its supervisor and then escape. Call this from a thread
+// that lives at least as long as the child: the kernel ends the child when that thread ends. Errors: internal (the
+// process, its group or the sandbox cannot be created).
+Result<ChildEnd> run_child(const ChildCommand& command,
+                           const std::function<void(const ChildProgress&)>& progress,
+                           const std::function<bool()>& stop);
 
 // The strongest set of measures under which `program --version` succeeds in `home`. They are tried together, with the
 // program itself, as a job uses them.

@@ -157,9 +157,10 @@ class LeasedJob {
       command.insert(command.end(), {"--keep", (kept.is_absolute() ? kept : ".." / kept).string()});
     oom_kills_before_ = oom_kills();
     const auto end = run_child(
-        loop_.program_file.number(), command, folder_, loop_.limits, loop_.sandbox,
+        {loop_.program_file.number(), command, folder_, loop_.limits, loop_.sandbox, kept,
+         loop_.groups ? &*loop_.groups : nullptr},
         [this](const ChildProgress& at) { heard(at); },
-        [this] { return !going() || has_too_much() || fills_the_disk(); }, kept);
+        [this] { return !going() || has_too_much() || fills_the_disk(); });
     if (loop_.kept) loop_.kept->make_room();
     if (!end) {
       retry_ = Retry::after_fault;
@@ -264,13 +265,15 @@ class LeasedJob {
              : end.how == ChildEnd::How::exited && end.number == no_sandbox ? Retry::after_fault
                                                                             : Retry::after_crash;
     constexpr std::size_t told = 2000;  // the operator reads this; limits what a scan can write into it
-    log_event(
-        "child-fault",
-        {{"job", lease_.job},
-         {"attempt", lease_.attempt},
-         {end.how == ChildEnd::How::signalled ? "signal" : "exit", end.number},
-         {"stderr", end.last_words.substr(end.last_words.size() - std::min(told, end.last_words.size()))}});
+    log_event("child-fault", {{"job", lease_.job},
+                              {"attempt", lease_.attempt},
+                              {end.how == ChildEnd::How::signalled ? "signal" : "exit", end.number},
+                              {"stderr", end.stderr_tail.substr(end.stderr_tail.size() -
+                                                                std::min(told, end.stderr_tail.size()))}});
     if (end.problem) return tl::make_unexpected(*end.problem);
+    if (end.out_of_memory)
+      return fail(Code::out_of_time, "the job needed more memory than its worker has for one", "",
+                  "give a smaller scan, a coarser sheet.resolution_mm or a lower print.dpi");
     if (end.how == ChildEnd::How::signalled && end.number == SIGKILL && oom_kills() > oom_kills_before_)
       return fail(Code::out_of_time,
                   "the worker's machine ran out of memory, and its system ended the job, which was within "
@@ -302,9 +305,11 @@ class LeasedJob {
 
 Result<void> LeaseLoop::run(const StopSignal& stop) const {
   VACUFORM_TRY(client, WorkerClient::to(server, token));
-  log_event(
-      "worker-started",
-      {{"worker", name}, {"sandbox", sandbox.measures(true)}, {"sandbox_lacks", sandbox.measures(false)}});
+  log_event("worker-started",
+            {{"worker", name},
+             {"sandbox", sandbox.measures(true)},
+             {"sandbox_lacks", sandbox.measures(false)},
+             {"control_group", groups ? nlohmann::json(groups->controllers()) : nlohmann::json()}});
   milliseconds pause = poll;
   int jobs = 0;
   auto busy =

@@ -55,6 +55,7 @@ Result<void> work(const WorkerConfiguration& configuration) {
   if (swept > 0) log_event("work-folders-swept", {{"worker", loop.name}, {"folders", swept}});
   VACUFORM_TRY(chosen, choose_sandbox(loop, sandbox));
   loop.sandbox = chosen;
+  loop.groups = JobGroups::delegated();
   // Without Landlock a job could read what others kept.
   if (!configuration.no_keep && (chosen.landlock > 0 || sandbox == "off")) {
     constexpr std::uint64_t most_kept = 2'000'000'000;  // bytes

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <thread>
@@ -54,7 +56,7 @@ class Child : public testing::Test {
 
   Result<ChildEnd> run_if_possible(const std::string& script) {
     return run_child(
-        shell.number(), {"/bin/sh", "-c", script}, home, limits, sandbox,
+        {shell.number(), {"/bin/sh", "-c", script}, home, limits, sandbox, {}, groups ? &*groups : nullptr},
         [this](const ChildProgress& at) { seen.push_back(at); }, [this] { return stop(); });
   }
   ChildEnd run(const std::string& script) {
@@ -67,6 +69,7 @@ class Child : public testing::Test {
   fs::path home;
   ChildLimits limits;
   Sandbox sandbox;
+  std::optional<JobGroups> groups;
   std::vector<ChildProgress> seen;
   std::function<bool()> stop = [] { return false; };
 };
@@ -115,12 +118,12 @@ TEST_F(Child, CrashIsASignal) {
   const auto end = run("echo oh dear >&2; kill -SEGV $$");
   EXPECT_EQ(end.how, ChildEnd::How::signalled);
   EXPECT_EQ(end.number, SIGSEGV);
-  EXPECT_EQ(end.last_words, "oh dear\n");
+  EXPECT_EQ(end.stderr_tail, "oh dear\n");
 }
 
 TEST_F(Child, ProgramThatDoesNotExistIsNoSuccess) {
   const auto end = run_child(
-      -1, {"/no/such/program"}, home, limits, Sandbox(), [](const ChildProgress&) {}, stop);
+      {-1, {"/no/such/program"}, home, limits, {}}, [](const ChildProgress&) {}, stop);
   ASSERT_TRUE(end);
   EXPECT_EQ(end->how, ChildEnd::How::exited);
   EXPECT_EQ(end->number, 126);
@@ -155,7 +158,7 @@ TEST_F(Child, MemoryLimitHolds) {
   const auto end = run("exec dd if=/dev/zero of=/dev/null bs=512M count=1");
   EXPECT_EQ(end.how, ChildEnd::How::exited);
   EXPECT_EQ(end.number, 1);
-  EXPECT_NE(end.last_words.find("memory exhausted"), std::string::npos) << end.last_words;
+  EXPECT_NE(end.stderr_tail.find("memory exhausted"), std::string::npos) << end.stderr_tail;
 }
 #endif
 
@@ -186,7 +189,7 @@ TEST_F(Child, DiesWithItsWorker) {
   const pid_t worker = ::fork();
   if (worker == 0) {
     (void)run_child(
-        shell.number(), {"/bin/sh", "-c", "echo $$ > pid; sleep 300 & wait"}, home, limits, Sandbox(),
+        {shell.number(), {"/bin/sh", "-c", "echo $$ > pid; sleep 300 & wait"}, home, limits, {}},
         [](const ChildProgress&) {}, stop);
     ::_exit(0);
   }
@@ -276,11 +279,93 @@ TEST_F(ChildInNamespaces, DiesWithItsWorker) {
   EXPECT_TRUE(becomes_true([&] { return !runs(pid); }));
 }
 
+// In a part of the tree of control groups that this test makes, and so owns.
+class ChildInGroup : public Child {
+ protected:
+  void SetUp() override {
+    Child::SetUp();
+    std::ifstream mounts("/proc/self/mounts");
+    for (std::string device, where, type, rest;
+         mounts >> device >> where >> type && std::getline(mounts, rest);)
+      if (type == "cgroup2") tree = where;
+    std::string name = tree / "child-test-XXXXXX";
+    if (tree.empty() || ::mkdtemp(name.data()) == nullptr)
+      GTEST_SKIP() << "no cgroup v2 that this user may change";
+    folder = name;
+    std::ofstream(folder / "cgroup.procs") << 0;
+    EXPECT_FALSE(JobGroups::delegated());
+    ASSERT_EQ(::setxattr(folder.c_str(), "user.delegate", "1", 1, 0), 0);
+    groups = JobGroups::delegated();
+    ASSERT_TRUE(groups);
+  }
+  void TearDown() override {
+    if (!folder.empty()) {
+      std::ofstream(tree / "cgroup.procs") << 0;
+      EXPECT_EQ(::rmdir((folder / "worker").c_str()), 0);
+      EXPECT_EQ(::rmdir(folder.c_str()), 0) << "a job's group is left";
+    }
+    Child::TearDown();
+  }
+  bool has(const std::string& controller) const {
+    const auto& all = groups->controllers();
+    return std::find(all.begin(), all.end(), controller) != all.end();
+  }
+  fs::path tree, folder;
+};
+
+TEST_F(ChildInGroup, IsInAGroupOfItsOwnThatGoesWithIt) {
+  EXPECT_EQ(run("cat /proc/self/cgroup > group").number, 0);
+  EXPECT_NE(content(home / "group").find("0::/" + folder.filename().string() + "/job-"), std::string::npos);
+  EXPECT_NE(content("/proc/self/cgroup").find("0::/" + folder.filename().string() + "/worker\n"),
+            std::string::npos);
+  sandbox.namespaces = true;
+  if (run_if_possible("true")) {
+    EXPECT_EQ(run("exit 7").number, 7);  // 126 where it could not join
+  }
+}
+
+TEST_F(ChildInGroup, NothingSurvivesEvenWhereItEndsItsSupervisor) {
+  (void)run("setsid sh -c 'echo $$ > pid; kill -KILL $1; sleep 300' sh $PPID & sleep 300");
+  EXPECT_TRUE(becomes_true([&] { return !runs(std::to_string(std::stoi(content(home / "pid")))); }));
+}
+
+TEST_F(ChildInGroup, WhatAnEarlierWorkerLeftEnds) {
+  const fs::path left = folder / "job-left";
+  fs::create_directory(left);
+  const pid_t job = ::fork();
+  if (job == 0) {
+    std::ofstream(left / "cgroup.procs") << 0 << std::flush;
+    ::pause();
+  }
+  ASSERT_TRUE(becomes_true([&] { return !content(left / "cgroup.procs").empty(); }));
+  EXPECT_TRUE(JobGroups::in(folder));
+  int status = 0;
+  ::waitpid(job, &status, 0);
+  EXPECT_EQ(WTERMSIG(status), SIGKILL);
+  EXPECT_FALSE(fs::exists(left));
+}
+
+TEST_F(ChildInGroup, AllItsMemoryCounts) {
+  if (!has("memory")) GTEST_SKIP() << "this kernel gives the controller of memory to cgroup v1";
+  limits.address_space = 64u << 20;
+  const auto end = run("for i in 1 2 3 4; do head -c 40000000 /dev/zero | tail -n 1 | wc -c & done; wait");
+  EXPECT_EQ(end.how, ChildEnd::How::signalled);
+  EXPECT_EQ(end.number, SIGKILL);
+  EXPECT_TRUE(end.out_of_memory);
+}
+
+TEST_F(ChildInGroup, ItsProcessesAreLimited) {
+  if (!has("pids")) GTEST_SKIP() << "this kernel gives the controller of processes to cgroup v1";
+  limits.tasks = 8;
+  const auto end = run("for i in 1 2 3 4 5 6 7 8 9 10; do sleep 1 & done; wait");
+  EXPECT_NE(end.stderr_tail.find("fork"), std::string::npos) << end.stderr_tail;
+}
+
 TEST_F(Child, FloodOfStderrKeepsItsEnd) {
   const auto end = run("head -c 5000000 /dev/zero | tr '\\0' x >&2; echo the end >&2");
   EXPECT_EQ(end.number, 0);
-  EXPECT_EQ(end.last_words.size(), 65536u);
-  EXPECT_EQ(end.last_words.substr(end.last_words.size() - 9), "xthe end\n");
+  EXPECT_EQ(end.stderr_tail.size(), 65536u);
+  EXPECT_EQ(end.stderr_tail.substr(end.stderr_tail.size() - 9), "xthe end\n");
 }
 
 TEST_F(Child, FloodOfStdoutIsDroppedLineByLine) {

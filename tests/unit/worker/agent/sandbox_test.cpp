@@ -39,8 +39,8 @@ class InSandbox : public testing::Test {
     ChildLimits limits;
     limits.address_space = 0;
     const auto end = run_child(
-        probe.number(), {VACUFORM_SANDBOX_PROBE, what, argument}, home, limits, sandbox,
-        [](const ChildProgress&) {}, [] { return false; }, kept);
+        {probe.number(), {VACUFORM_SANDBOX_PROBE, what, argument}, home, limits, sandbox, kept},
+        [](const ChildProgress&) {}, [] { return false; });
     EXPECT_TRUE(end);
     return end->how == ChildEnd::How::signalled ? -end->number : end->number;
   }
