@@ -155,6 +155,11 @@ class BlobStore {
     std::int64_t files = 0, bytes = 0;
     std::vector<std::string> hashes = {};  // of unnamed() alone
   };
+  // Of so many blobs, how many without a row a crash may leave. More are those of rows that are lost, or older than the
+  // files.
+  static bool left_by_a_crash(std::size_t unnamed, std::size_t all) {
+    return (unnamed <= 20 && 2 * unnamed <= all) || 100 * unnamed <= all;
+  }
   virtual Result<Unnamed> sweep(const Named& named, int quarantine_days) = 0;
   // The same without moving anything; from any thread at any time.
   virtual Result<Unnamed> unnamed(const Named&) { return Unnamed(); }

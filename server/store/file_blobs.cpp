@@ -215,12 +215,10 @@ Result<BlobStore::Unnamed> FileBlobs::unnamed(const Named& named) {
 }
 
 Result<BlobStore::Unnamed> FileBlobs::sweep(const Named& named, int quarantine_days) {
-  constexpr std::size_t few = 20, percent = 1;
   empty_quarantine(quarantine_days);
   std::size_t all = 0;
   VACUFORM_TRY(found, find_unnamed(named, all));
-  // More are not those of a crash: the rows are lost, or older than the files.
-  const bool move = (found.size() <= few && 2 * found.size() <= all) || found.size() <= percent * all / 100;
+  const bool move = left_by_a_crash(found.size(), all);
   Unnamed left, moved;
   for (const Found& file : found) {
     const std::string name = file.path.filename().string();

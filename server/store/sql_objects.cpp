@@ -115,15 +115,13 @@ Result<void> SqlStore::condemn_unnamed(Millis age) {
     }
   });
   if (!unnamed) return tl::make_unexpected(std::move(unnamed.error()));
-  // More are not those of a crash: rows are lost.
-  constexpr std::size_t few = 20, percent = 1;
   auto live = read([](Database& db) -> Result<std::int64_t> {
     Query query(db, "SELECT count(*) FROM stored_object WHERE state='live'");
     VACUFORM_CHECK(query.row());
     return query.integer(0);
   });
   if (!live) return tl::make_unexpected(std::move(live.error()));
-  if (unnamed->size() > few && unnamed->size() > percent * static_cast<std::size_t>(*live) / 100)
+  if (!BlobStore::left_by_a_crash(unnamed->size(), static_cast<std::size_t>(*live)))
     log_event("files-without-job", {{"files", unnamed->size()}, {"too_many_to_move", true}});
   else
     for (const std::string& sha256 : *unnamed) VACUFORM_CHECK(condemn_if_unnamed(sha256));

@@ -188,6 +188,31 @@ TEST_F(StoreDamage, ADeletionThatBrokeOffIsEnded) {
   EXPECT_EQ(left.integer(0), 0);
 }
 
+// A backup keeps the files of a job that is deleted meanwhile; a crash at that moment does not keep them for ever.
+TEST_F(StoreDamage, ADeletionDuringABackupIsEndedAfterACrash) {
+  open();
+  create(0, 4);
+  ASSERT_TRUE(store_->cancel(ids_[1], {}));
+  const fs::path backup = folder_ / "backup", crashed = folder_ / "crashed";
+  fs::create_directory(backup);
+  fs::permissions(backup, fs::perms::owner_all);
+  int asked = 0;
+  ASSERT_TRUE(store_->backup(backup, [&] {
+    if (++asked == 2) {  // the rows are copied, the files not yet
+      EXPECT_TRUE(store_->remove(ids_[1], {}));
+      fs::copy(data(), crashed, fs::copy_options::recursive);
+    }
+    return true;
+  }));
+  EXPECT_EQ(blob_files(data()).size(), 6u);
+  EXPECT_EQ(blob_files(crashed).size(), 8u);
+  store_.reset();
+  const auto again = try_open(crashed);
+  ASSERT_TRUE(again) << again.error().text();
+  EXPECT_EQ(blob_files(crashed).size(), 6u);
+  EXPECT_EQ((*again)->status()->unnamed_files, 0);
+}
+
 // Every page of the database, in two ways.
 TEST_F(StoreDamage, EveryDamagedPageIsNoticedOrHarmless) {
   open();
