@@ -67,7 +67,7 @@ struct ArtifactKind {
   std::string_view title;  // one line for people
   bool always = true;      // otherwise only jobs with matching content make it
 };
-inline constexpr std::array<ArtifactKind, 32> artifact_kinds{{
+inline constexpr std::array<ArtifactKind, 33> artifact_kinds{{
     {"print.png", "image/png", "The print: pre-distorted pattern, 1:1, exact dpi"},
     {"print.svg", "image/svg+xml", "The print at 1:1 with its marks, user units in mm"},
     {"print.pdf", "application/pdf", "The print at 1:1 with its marks, on a page of the sheet's size"},
@@ -80,16 +80,16 @@ inline constexpr std::array<ArtifactKind, 32> artifact_kinds{{
     {"preview-with.png", "image/png", "Formed part with the pre-distorted print"},
     {"preview-views.png", "image/png",
      "The print on the head from the front, the back, both sides and above"},
-    {"preview-anisotropy.png", "image/png", "Heat map: change of shape that the print corrects"},
-    {"preview-area.png", "image/png", "Heat map: change of area that the print corrects"},
-    {"preview-thickness.png", "image/png", "Heat map: thickness of the formed sheet"},
-    {"preview-temperature.png", "image/png", "Heat map: temperature at which the sheet met the mold", false},
+    {"preview-shape.png", "image/png", "Shape distortion by forming"},
+    {"preview-area.png", "image/png", "Area distortion by forming"},
+    {"preview-thickness.png", "image/png", "Thickness of the formed sheet"},
+    {"preview-temperature.png", "image/png", "Temperature of the sheet", false},
+    {"preview-gap.png", "image/png", "Gap between sheet and mold"},
+    {"preview-position.png", "image/png", "Position error of the colours", false},
+    {"preview-colour.png", "image/png", "Colour difference from the scan", false},
     {"preview-segments.png", "image/png", "Segments and seams on the formed part", false},
     {"preview-original.png", "image/png", "The scan and the formed part side by side, from five sides",
      false},
-    {"preview-position.png", "image/png", "Heat map: how far the colours of the scan lie off their place",
-     false},
-    {"preview-colour.png", "image/png", "Heat map: difference of the colours from those of the scan", false},
     {"preview-align.png", "image/png", "The formed part with the print 0.5 and 1 mm off its marks", false},
     {"preview-findings.png", "image/png", "Where to look before forming: the warnings that have a place"},
     {"formed.ply", "application/octet-stream", "The formed sheet with sheet and pattern coordinates"},

@@ -12,9 +12,11 @@ struct CodeMeaning {
   std::string_view slug;   // stable problem type: /problems/<slug>
   std::string_view title;  // for people
   int http_status;
-  int exit_code;  // 0 done, 1 internal fault, 2 bad usage or input, 130 cancelled
+  int exit_code;            // 0 done, 1 internal fault, 2 bad usage or input, 130 cancelled
+  std::string_view detail;  // for people: what it means, in one to three sentences
+  std::string_view fix;     // what to do; an error may have a more exact one
 };
-CodeMeaning meaning(Code code);
+const CodeMeaning& meaning(Code code);
 // The code that a problem type names, from its slug.
 std::optional<Code> code_from(std::string_view slug);
 

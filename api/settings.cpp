@@ -295,7 +295,7 @@ Result<void> check_together(const Settings& s) {
     return fail(Code::bad_settings, "a coarse grid cannot be extrapolated from still coarser ones",
                 "forming.quality",
                 "give standard, or a sheet.resolution_mm of at most " + number(coarsest_fast_mm));
-  const double spacing = s.sheet.resolution_mm / (s.forming.quality == FormingQuality::fine ? 2 : 1);
+  const double spacing = grid_spacing_mm(s);
   const double cells = (s.sheet.width_mm / spacing) * (s.sheet.height_mm / spacing);
   if (cells > static_cast<double>(job_limits.sheet_cells))
     return fail(Code::bad_settings, "the grid of the sheet would have more than 640,000 cells",

@@ -183,6 +183,14 @@ struct Settings {
   PrintSettings print;
 };
 
+// The spacing of the simulation's grid, mm.
+inline double grid_spacing_mm(const SheetSettings& sheet, const FormingSettings& forming) {
+  return sheet.resolution_mm / (forming.quality == FormingQuality::fine ? 2 : 1);
+}
+inline double grid_spacing_mm(const Settings& settings) {
+  return grid_spacing_mm(settings.sheet, settings.forming);
+}
+
 // Parses a JSON object of groups; fields that are absent keep their defaults. Refuses, by its dotted name, every
 // unknown group or key, every value of the wrong type or out of range, and combinations that contradict each other
 // (Code::bad_settings). The message names the range or the choices.

@@ -27,7 +27,7 @@ Result<MadeToken> make_token(TokenTable& store, const NewToken& wanted, const Cl
   if (wanted.scopes == Scopes())
     return fail(Code::bad_usage, "the token has no scope", "scopes",
                 "give some of submit, read, work, admin");
-  if (mixes_work(wanted.scopes))
+  if (wanted.scopes.has(Scope::work) && wanted.scopes != Scopes{Scope::work})
     return fail(Code::bad_usage, "a worker's token has the scope work alone", "scopes",
                 "make one token with work and another one with the other scopes");
   const Millis now = clock();
@@ -39,8 +39,6 @@ Result<MadeToken> make_token(TokenTable& store, const NewToken& wanted, const Cl
   VACUFORM_CHECK(store.add_token(token));
   return MadeToken{std::move(token), std::string(prefix) + id + "_" + secret};
 }
-
-bool mixes_work(const Scopes& scopes) { return scopes.has(Scope::work) && scopes != Scopes{Scope::work}; }
 
 bool usable(const Token& token, Millis now) {
   return !token.revoked && (!token.expires || now < *token.expires);

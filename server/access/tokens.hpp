@@ -36,9 +36,6 @@ Result<Token> usable_token(TokenTable& store, std::string_view text, const Clock
 // Whether a token may be used now.
 bool usable(const Token& token, Millis now);
 
-// Whether a token has the scope work beside others, as those of earlier versions may.
-bool mixes_work(const Scopes& scopes);
-
 // The text of the usable token of exactly these scopes that a file holds, if it holds one.
 std::optional<std::string> token_of_file(TokenTable& store, const std::filesystem::path& file,
                                          const Scopes& scopes);

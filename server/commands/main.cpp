@@ -45,9 +45,6 @@ Result<void> first_tokens(Store& store, const std::filesystem::path& data,
                           const std::filesystem::path& worker_token) {
   VACUFORM_CHECK(token_in_file(store, worker_token, {"local-workers", {Scope::work}, std::nullopt}));
   VACUFORM_TRY(tokens, store.tokens());
-  for (const Token& token : tokens)
-    if (usable(token, wall_clock()) && mixes_work(token.scopes))
-      log_event("token-mixes-work", {{"token", token.id}, {"scopes", token.scopes.text()}});
   const std::filesystem::path file = data / "admin-token";
   if (token_of_file(store, file, {Scope::admin})) return {};
   // The server's own commands need it. A backup contains its row but not its file, so its secret is lost there.

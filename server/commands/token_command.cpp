@@ -103,12 +103,9 @@ Result<void> TokenCommand::list() const {
     const auto text = [&](const char* key) {
       return token.at(key).is_string() ? token.at(key).get<std::string>() : std::string("-");
     };
-    const auto parsed = Scopes::from(scopes);
-    const bool mixed = parsed && mixes_work(*parsed) && text("revoked") == "-";
-    std::printf("%s  owner %s  scopes %s  created %s  expires %s  revoked %s%s\n", text("id").c_str(),
+    std::printf("%s  owner %s  scopes %s  created %s  expires %s  revoked %s\n", text("id").c_str(),
                 text("owner").c_str(), scopes.c_str(), text("created").c_str(), text("expires").c_str(),
-                text("revoked").c_str(),
-                mixed ? "  (work beside other scopes: make two tokens, revoke this one)" : "");
+                text("revoked").c_str());
   }
   return {};
 }

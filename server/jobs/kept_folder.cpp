@@ -38,7 +38,6 @@ Result<std::unique_ptr<KeptFolder>> KeptFolder::open(const fs::path& data, Store
   std::unique_ptr<KeptFolder> made(new KeptFolder(data, std::move(secret)));
   VACUFORM_TRY(scans, store.scans_of_jobs());
   for (const auto& [owner, sha256] : scans) (void)made->key(owner, sha256);
-  remove_logged(fs::absolute(data / "kept"));  // where earlier versions had it
   return made;
 }
 

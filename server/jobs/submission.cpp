@@ -8,6 +8,7 @@
 #include "api/base/log.hpp"
 #include "api/base/secrets.hpp"
 #include "api/base/text.hpp"
+#include "api/job_inputs.hpp"
 #include "api/job_text.hpp"
 #include "api/settings.hpp"
 #include "server/jobs/formats.hpp"
@@ -32,39 +33,6 @@ std::string scan_digest(NewJob& job) {
     return (upload ? upload->digest() : std::get<Blob>(input.file)).sha256;
   }
   return {};
-}
-
-// Every job of this kind needs these files, and they must not be empty.
-Result<void> check_files(const NewJob& job, const Settings& settings) {
-  const bool prints_scan = settings.pattern.source == PatternSource::scan;
-  if (prints_scan && job.kind == JobKind::print && has(job, "pattern"))
-    return fail(Code::bad_settings, "a pattern is given, but the colours of the scan are to be printed",
-                "pattern.source", "leave the pattern out, or send pattern.source=file or both");
-  for (const InputKind& kind : input_kinds)
-    if (needs(job.kind, kind, prints_scan) && !has(job, kind.name))
-      return fail(Code::bad_usage, "there is no " + std::string(kind.name) + ", or it is empty",
-                  std::string(kind.name), "choose a file: " + std::string(kind.extensions));
-  return {};
-}
-
-// If the settings allow an optional file, the file changes their default to its use; a setting that asks for a file
-// needs it.
-template <class Choice>
-Result<void> match(bool given, const std::string& part, Choice& setting, Choice by_default, Choice of_file,
-                   const std::string& key, const std::string& value) {
-  if (given && setting == by_default) setting = of_file;
-  if (given == (setting == of_file)) return {};
-  return fail(Code::bad_settings,
-              given ? "a file is given as " + part + ", but the settings do not use it"
-                    : "the settings ask for a file that is not given: " + part,
-              key, "send the file as the part " + part + " together with " + key + " " + value);
-}
-
-Result<void> match_files(const NewJob& job, Settings& settings) {
-  VACUFORM_CHECK(match(has(job, "temperature"), "temperature", settings.heat.source, HeatSource::uniform,
-                       HeatSource::measured, "heat.source", "measured"));
-  return match(has(job, "weights"), "weights", settings.flattening.weights, FlatteningWeights::uniform,
-               FlatteningWeights::painted, "flattening.weights", "painted");
 }
 
 // `base` contains valid settings.
@@ -146,10 +114,7 @@ Result<void> add_inputs(Service& service, const Caller& caller, SubmissionForm& 
 // still ask for.
 void share_inputs(const Job& from, const Settings& settings, NewJob& job) {
   for (const Input& input : from.inputs) {
-    const bool asked = input.name == "temperature" ? settings.heat.source == HeatSource::measured
-                       : input.name == "weights"   ? settings.flattening.weights == FlatteningWeights::painted
-                       : input.name == "pattern"   ? settings.pattern.source != PatternSource::scan
-                                                   : true;
+    const bool asked = asks_for(settings, input.name).value_or(true);
     if (asked && !has(job, input.name)) job.add(input.name, input.blob, input.extension);
   }
 }
@@ -258,10 +223,11 @@ Result<NewJob> read_submission(Service& service, http::Request& request, const C
     share_inputs(*from, settings, job);
     job.derived_from = from->id;
   }
-  VACUFORM_CHECK(check_files(job, settings));
+  const HasInput given = [&](std::string_view name) { return has(job, name); };
+  use_inputs(given, settings);
+  VACUFORM_CHECK(check_inputs(kind, given, settings));
   VACUFORM_TRY(priority, priority_of(form, caller));
   job.priority = priority;
-  VACUFORM_CHECK(match_files(job, settings));
   VACUFORM_CHECK(check_for(kind, settings));
   job.settings = to_json(settings).dump();
   job.request = request.id;

@@ -55,7 +55,7 @@ ordered_json figures_values(const json& report) {
   if (!figures.is_object()) return nullptr;
   ordered_json rows = ordered_json::array();
   for (const auto& [key, title] :
-       {std::pair{"anisotropy", "Shape (anisotropy)"}, std::pair{"area_ratio", "Area ratio"}})
+       {std::pair{"shape", "Shape distortion"}, std::pair{"area", "Area distortion"}})
     for (const auto& [which, print] :
          {std::pair{"without", "plain pattern"}, std::pair{"with", "pre-distorted"}}) {
       ordered_json numbers = ordered_json::array();

@@ -124,7 +124,7 @@ int run(const Options& o) {
   const std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(in)), {});
   Settings given = nominal();
   given.sheet.resolution_mm = o.grid_mm;
-  const auto prepared = prepare(bytes, o.scan, given, {}, Context{});
+  const auto prepared = prepare({bytes, o.scan}, given, {}, Context{});
   if (!prepared) return fail_with(prepared.error().text());
 
   auto rows = nlohmann::ordered_json::array();

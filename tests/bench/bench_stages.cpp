@@ -84,8 +84,15 @@ class Bench {
     });
     rows.back().made = count(print.png.size() / 1024, "KiB of print.png");
 
-    const Finished finished{settings, mold, sheet, surface, flattening, pattern, print};
+    Finished finished{.settings = settings,
+                      .mold = mold,
+                      .sheet = sheet,
+                      .surface = surface,
+                      .flattening = flattening,
+                      .pattern = pattern,
+                      .print = print};
     const auto files = measure(head, "inspection", [&] {
+      add_chart_figures(finished);
       report(finished);
       return artifacts(finished, context);
     });

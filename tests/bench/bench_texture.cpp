@@ -207,15 +207,23 @@ int main(int argc, char** argv) {
     return bytes;
   });
   const auto ink = ink_of(print, surface, settings.print.ink_curve);
-  const ColourErrors errors = bench.measure("5 comparison with the scan", [&] {
+  ColourErrors errors = bench.measure("5 comparison with the scan", [&] {
     return colour_errors(colours, print, ink ? &*ink : nullptr, settings.sheet.resolution_mm, context);
   });
-  const Finished finished{settings, mold,       sheet,
-                          surface,  flattening, picture,
-                          print,    {},         Alignment{.shift_mm = -flattening.top_rest},
-                          nullptr,  &placement, "benchmark",
-                          &colours, &errors};
+  Finished finished{.settings = settings,
+                    .mold = mold,
+                    .sheet = sheet,
+                    .surface = surface,
+                    .flattening = flattening,
+                    .pattern = picture,
+                    .print = print,
+                    .alignment = {.shift_mm = -flattening.top_rest},
+                    .placement = &placement,
+                    .label = "benchmark",
+                    .colours = &colours};
+  finished.figures.errors = std::move(errors);
   bench.measure("6 report, previews and other files", [&] {
+    add_chart_figures(finished);
     report(finished);
     return artifacts(finished, context);
   });

@@ -38,7 +38,7 @@ export function largeSheet(cells) {
   const rows = cells + 1;
   const count = rows * rows;
   const height = (x, y) => 120 * Math.exp(-(x * x + y * y) / 6000);
-  const sizes = {POSITION: 3, NORMAL: 3, TEXCOORD_0: 2, _SHEET: 2, _PATTERN: 2, _THICKNESS: 1, _TEMPERATURE: 1, _CONTACT: 1, _SHAPE: 1,
+  const sizes = {POSITION: 3, NORMAL: 3, TEXCOORD_0: 2, _SHEET: 2, _PATTERN: 2, _THICKNESS: 1, _CONTACT: 1, _SHAPE: 1,
                  _AREA: 1, _CHART: 1, _GAP: 1};
   const values = Object.fromEntries(Object.entries(sizes).map(([name, size]) => [name, new Float32Array(count * size)]));
   for (let i = 0; i < count; ++i) {
@@ -53,7 +53,6 @@ export function largeSheet(cells) {
     values._SHEET.set([x, y], 2 * i);
     values._PATTERN.set([x, y], 2 * i);
     values._THICKNESS[i] = 1 / length;
-    values._TEMPERATURE[i] = 130;
     values._CONTACT[i] = z > 20 ? 1 : 0;
     values._GAP[i] = Math.max(0, 20 - z);
     values._SHAPE[i] = length;

@@ -18,7 +18,7 @@ test('a result shows the pictures of the server, its figures and its downloads',
     }
     return images.map((image) => ({name: image.currentSrc.split('/').pop(), wide: image.naturalWidth, alt: image.alt}));
   });
-  for (const name of ['preview-with.png', 'preview-without.png', 'preview-anisotropy.png', 'preview-thickness.png'])
+  for (const name of ['preview-with.png', 'preview-without.png', 'preview-shape.png', 'preview-thickness.png'])
     assert.ok(pictures.some((picture) => picture.name === name && picture.wide > 100 && picture.alt.length > 10), `${name}: ${JSON.stringify(pictures)}`);
   assert.ok(await page.getByRole('table').filter({hasText: 'Out of round'}).getByRole('row').count() > 10);
   assert.ok(await page.getByRole('link', {name: 'print.pdf'}).first().isVisible());

@@ -27,7 +27,7 @@ test('twelve tasks of staff are done within three minutes', async ({page, servic
     await drawn(page);
   });
   await t.test('see where the sheet is thin', async () => {
-    await page.getByLabel('What is shown').selectOption({label: 'Thickness'});
+    await page.getByLabel('What is shown').selectOption('thickness');
     await drawn(page);
     await page.getByText(/mm$/).first().waitFor();
   });

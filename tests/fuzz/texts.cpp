@@ -26,7 +26,7 @@ void read_temperature(Bytes bytes) {
   heat.source = HeatSource::measured;
   heat.black_c = 20;
   heat.white_c = 200;
-  const auto field = read_measured_field({bytes, "fuzz.csv"}, sheet, heat);
+  const auto field = read_measured_field({{bytes.begin(), bytes.end()}, "fuzz.csv"}, sheet, heat);
   if (!field) return require(field.error().code != Code::internal, "a bad table is no fault of Vacuform's");
   for (const double s : {-1.0, -0.5, 0.0, 0.31, 1.0})
     require(std::isfinite(field->at({s * sheet.width_mm, -s * sheet.height_mm})), "temperatures are finite");

@@ -80,7 +80,7 @@ def singular_values(flat, solid):
 
 
 def distortion(flat, solid, faces):
-    """Area-weighted means and 95th percentiles of anisotropy and area ratio over the faces."""
+    """Area-weighted means and 95th percentiles of shape and area distortion over the faces."""
     rows = []
     for face in faces:
         corners = [solid[i] for i in face]
@@ -95,7 +95,7 @@ def distortion(flat, solid, faces):
             below += r[0]
             if below >= 0.95 * whole:
                 return {"mean": mean, "p95": r[k]}
-    return {"anisotropy": statistics(1), "area_ratio": statistics(2)}
+    return {"shape": statistics(1), "area": statistics(2)}
 
 
 def vertex_normals(points, faces):

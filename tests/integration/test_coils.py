@@ -125,7 +125,7 @@ class Coils(CoilCase):
         self.assertGreater(without["mean_area_error"], 10 * with_["mean_area_error"])
         # Around the coils nothing is as distorted as on the chart, where lines outside of coils would lie.
         figures = self.report["figures"]
-        for figure in ("anisotropy", "area_ratio"):
+        for figure in ("shape", "area"):
             around, chart = figures["with"]["elements"][figure], figures["with"][figure]
             self.assertLess(around["mean"] - 1, 0.7 * (chart["mean"] - 1), figure)
             self.assertLess(around["mean"] - 1, 0.7 * (figures["without"]["elements"][figure]["mean"] - 1), figure)

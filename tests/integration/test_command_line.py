@@ -294,13 +294,13 @@ class Newborn(Case):
         turned = sum(meshes.flat_area(*(uv[i] for i in f)) <= 0 for f in self.chart)
         self.assertLessEqual(turned, self.report["flattening"]["flipped"])
 
-    def test_pre_distortion_lowers_anisotropy_and_area_ratio(self):
+    def test_pre_distortion_lowers_shape_and_area_distortion(self):
         v = self.ply.vertices
         normals = meshes.vertex_normals(self.ply.points, self.ply.faces)
         inked = [tuple(p[k] + n[k] * h for k in range(3)) for p, n, h in zip(self.ply.points, normals, v["thickness"])]
         with_print = meshes.distortion(list(zip(v["u"], v["v"])), inked, self.chart)
         without = meshes.distortion(list(zip(v["s"], v["t"])), inked, self.chart)
-        for figure in "anisotropy", "area_ratio":
+        for figure in "shape", "area":
             for statistic in "mean", "p95":
                 with self.subTest(f"{figure} {statistic}"):
                     self.assertLess(with_print[figure][statistic], without[figure][statistic])

@@ -1,4 +1,5 @@
 """README, CONTRIBUTING and docs/: generated pages are up to date, links lead somewhere, commands exist, and the sessions work."""
+import json
 import os
 import pathlib
 import re
@@ -186,20 +187,44 @@ class Commands(unittest.TestCase):
         self.assertGreater(count, 100)
 
 
+class Architecture(unittest.TestCase):
+    def test_where_to_begin_a_change_exists(self):
+        table = re.search(r"## Where to begin a change\n(.*?)\n## ", PAGES["docs/develop/architecture.md"], re.S)[1]
+        named = [path for row in re.findall(r"^\|.*\|$", table, re.M) for path in re.findall(r"`([^`]+)`", row)]
+        self.assertGreater(len(named), 30)
+        self.assertEqual([path for path in named if path not in FILES and not any(file.startswith(path) for file in FILES if path.endswith("/"))], [])
+
+
 class GeneratedPages(unittest.TestCase):
     def test_are_what_the_programs_say(self):
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([ROOT / "docs/generate", folder], check=True, timeout=PATIENCE, env={**os.environ, "VACUFORM_BIN": str(BIN)})
             pages = sorted(os.listdir(folder))
-            self.assertEqual(pages, ["cli.md", "problems.md", "settings.md"])
+            self.assertEqual(pages, ["cli.md", "problems.md", "settings.md", "warnings.md"])
             for name in pages:
                 self.assertEqual((ROOT / "docs/reference" / name).read_text(), pathlib.Path(folder, name).read_text(),
                                  f"docs/reference/{name} is out of date; run docs/generate")
 
-    def test_every_problem_of_the_code_is_listed(self):
-        slugs = re.findall(r'return \{"([a-z-]+)", "', (ROOT / "api/problem.cpp").read_text())
-        self.assertGreater(len(slugs), 20)
-        self.assertEqual(re.findall(r"^\| `([a-z-]+)` \| \d{3} \| \d+ \|", PAGES["docs/reference/problems.md"], re.M), slugs)
+    def test_every_problem_and_warning_of_the_code_is_listed(self):
+        for name, source, row in (("problems", "problem", r"\d{3} \| \d+"), ("warnings", "warning_kinds", "(?:note|warning|serious)")):
+            codes = re.findall(r'^    \{"([a-z-]+)", ', (ROOT / f"api/{source}.cpp").read_text(), re.M)
+            self.assertGreater(len(codes), 20)
+            self.assertEqual(re.findall(rf"^\| `([a-z-]+)` \| {row} \|", PAGES[f"docs/reference/{name}.md"], re.M), codes)
+
+    def test_every_setting_that_any_text_names_exists(self):
+        named = re.findall(r"^\| `((\w+)\.\w+)` \|", PAGES["docs/reference/settings.md"], re.M)
+        settings, groups = {name for name, _ in named}, sorted({group for _, group in named})
+        self.assertGreater(len(settings), 60)
+        # Members of the programs' own structures have the same names as settings: of C++ only texts count.
+        texts = {path: "\n".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', (ROOT / path).read_text())) for path in FILES
+                 if path.endswith((".cpp", ".hpp")) and not path.startswith("tests/")}
+        texts |= {path: "\n".join(json.loads((ROOT / path).read_text()).values()) for path in FILES if path.startswith("web/lang/")}
+        texts |= {path: (ROOT / path).read_text() for path in FILES if re.fullmatch(r"web/plain/.*|README\.md|docs/.*\.md|api/openapi\.yaml", path)}
+        setting = re.compile(rf"(?<![\w./-])(({'|'.join(groups)})\.[a-z]\w*)(?!\w*[.(/])")
+        files = {"stl", "obj", "ply", "off", "glb", "zip", "svg", "png", "jpg", "pdf", "json", "mtl", "html", "ini", "csv", "icc", "txt", "md"}
+        unknown = [f"{path}: {name}" for path, text in sorted(texts.items()) for name, _ in setting.findall(text)
+                   if name not in settings and name.partition(".")[2] not in files]
+        self.assertEqual(unknown, [])
 
 
 class Sessions(Case):

@@ -82,7 +82,7 @@ class Segments(Case):
         faces = [f for f in sheet.faces if not any(math.isnan(flat[v][0]) for v in f)]
         found = meshes.distortion(flat, sheet.points, faces)
         told = report["figures"]["with"]
-        for figure in "anisotropy", "area_ratio":
+        for figure in "shape", "area":
             self.assertAlmostEqual(found[figure]["mean"], told[figure]["mean"], delta=0.001, msg=figure)
 
     def test_seams_meet_on_any_grid(self):

@@ -17,7 +17,7 @@ NEWBORN, CORRUPT, RINGS = made_scans.newborn(), made_scans.corrupt(), PATTERNS /
 COARSE = {"sheet": {"resolution_mm": 5}, "print": {"dpi": 100}}
 FINE = {"sheet": {"resolution_mm": 1}}  # long enough to be interrupted
 ARTIFACTS = ["print.png", "print.svg", "print.pdf", "preview-pattern.png", "preview-print.png", "preview-without.png", "preview-with.png", "preview-views.png",
-             "preview-anisotropy.png", "preview-area.png", "preview-thickness.png", "preview-findings.png", "formed.ply", "formed.obj",
+             "preview-shape.png", "preview-area.png", "preview-thickness.png", "preview-gap.png", "preview-findings.png", "formed.ply", "formed.obj",
              "formed.mtl", "formed.glb", "uv-map.obj", "mold.stl", "report.json", "report.html"]
 
 
@@ -290,7 +290,7 @@ class Scans(Case):
                     if scan in self.HEADS:
                         self.assertLessEqual(fit["gap_mm"]["p99"], 0.2)
                     self.assertEqual("pierced" in {w["code"] for w in report["warnings"]}, fit["penetration_mm"]["max"] > 0.5)
-                    for figure in "anisotropy", "area_ratio":
+                    for figure in "shape", "area":
                         self.assertLess(report["figures"]["with"][figure]["mean"],
                                         report["figures"]["without"][figure]["mean"])
             self.assertNotIn("head", server.program.says())  # the log names no file

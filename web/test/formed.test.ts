@@ -24,7 +24,7 @@ function made(change: (gltf: any) => void = () => {}): ArrayBuffer {
     POSITION: floats(3, 0, 0, 0, 10, 0, 0, 10, 10, 5, 0, 10, 5), NORMAL: floats(3, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1),
     TEXCOORD_0: floats(2, 0, 1, 1, 1, 1, 0, 0, 0), _SHEET: floats(2, -5, -5, 5, -5, 5, 5, -5, 5), _PATTERN: floats(2, 0, 0, 1, 0, 1, 1, 0, 0),
     _THICKNESS: floats(1, 1, 0.9, 0.8, 0.7), _TEMPERATURE: floats(1, 140, 141, 142, 143), _CONTACT: floats(1, 1, 1, 0, 3),
-    _SHAPE: floats(1, 1, 1.1, 1.2, 0), _AREA: floats(1, 1, 1.3, 1.4, 0), _CHART: floats(1, 1, 1, 1, 0), _GAP: floats(1, 0, 0, 2.5, 9),
+    _SHAPE: floats(1, 1, 1.1, 1.2, -1), _AREA: floats(1, 1, 1.3, 1.4, -1), _CHART: floats(1, 1, 1, 1, 0), _GAP: floats(1, 0, 0, 2.5, 9),
   };
   const indices = accessor(Uint32Array.from([0, 1, 2, 0, 2, 3]), 1);
   // The second variant comes first, so that names decide and not the order.
@@ -60,21 +60,11 @@ test('every number and both pictures are read', async () => {
   assert.deepEqual([...formed.indices], [0, 1, 2, 0, 2, 3]);
   assert.deepEqual([...formed.contact], [1, 1, 0, 3]);
   assert.deepEqual([...formed.chart], [1, 1, 1, 0]);
-  assert.deepEqual([...formed.temperature], [140, 141, 142, 143]);
-  assert.deepEqual([...formed.area].map((value) => value.toFixed(1)), ['1.0', '1.3', '1.4', '0.0']);
+  assert.deepEqual([...formed.maps.keys()].sort(), ['area', 'gap', 'shape', 'temperature', 'thickness']);
+  assert.deepEqual([...formed.maps.get('temperature')!], [140, 141, 142, 143]);
+  assert.deepEqual([...formed.maps.get('area')!].map((value) => value.toFixed(1)), ['1.0', '1.3', '1.4', '-1.0']);
   assert.deepEqual([...new Uint8Array(await formed.printed.arrayBuffer())], [1, 1, 1, 1, 1]);
   assert.deepEqual([...new Uint8Array(await formed.drawn.arrayBuffer())], [2, 2, 2]);
-});
-
-test('errors of colours are read where a file has them, and are -1 elsewhere', () => {
-  assert.deepEqual([...readFormed(made()).position], [-1, -1, -1, -1]);
-  const formed = readFormed(made((gltf) => {
-    const {attributes} = gltf.meshes[0].primitives[0];
-    attributes._POSITION_ERROR = attributes._TEMPERATURE;
-    attributes._COLOUR_DIFFERENCE = attributes._CHART;
-  }));
-  assert.deepEqual([...formed.position], [140, 141, 142, 143]);
-  assert.deepEqual([...formed.colour], [1, 1, 1, 0]);
 });
 
 test('a file that is cut off anywhere is refused with a sentence', () => {
@@ -84,7 +74,7 @@ test('a file that is cut off anywhere is refused with a sentence', () => {
 });
 
 test('what does not fit together is refused by name', () => {
-  refuses((gltf) => delete gltf.meshes[0].primitives[0].attributes._AREA, /_AREA/);
+  refuses((gltf) => delete gltf.meshes[0].primitives[0].attributes._CHART, /_CHART/);
   refuses((gltf) => { gltf.accessors[5].count = 3; }, /_THICKNESS/);
   refuses((gltf) => { gltf.accessors[0].count = 1e9; }, /too short/);
   refuses((gltf) => { gltf.bufferViews[0].byteOffset = -4; }, /too short/);

@@ -11,7 +11,7 @@ test('a link restores the view, and the first view needs none', () => {
   assert.deepEqual(resultOf(queryOf(view)), view);
   const side = {...initialResult, mode: 'side'} as const;
   assert.deepEqual(resultOf(queryOf(side)), side);
-  assert.deepEqual(resultOf('map=nothing&cut=900&mode=x'), initialResult);
+  assert.deepEqual(resultOf('cut=900&mode=x'), initialResult);
 });
 
 const side = (round: number, onHead = true): object => ({

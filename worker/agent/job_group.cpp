@@ -39,7 +39,8 @@ void remove_group(const fs::path& folder) {
 fs::path own_group() {
   std::ifstream mounts("/proc/self/mounts"), groups("/proc/self/cgroup");
   fs::path mount;
-  for (std::string device, where, type, rest; mounts >> device >> where >> type && std::getline(mounts, rest);)
+  for (std::string device, where, type, rest;
+       mounts >> device >> where >> type && std::getline(mounts, rest);)
     if (type == "cgroup2") mount = where;
   for (std::string line; std::getline(groups, line);)
     if (line.starts_with("0::/")) return mount.empty() ? fs::path() : mount / line.substr(4);

@@ -41,7 +41,7 @@ Result<void> calibrate_machine(const CalibrateOptions& o, const Context& context
   VACUFORM_TRY(study, o.study.read());
   VACUFORM_TRY(csv, read_file(o.measured, 64u << 20));
   VACUFORM_TRY(points, read_measured_grid(csv, o.measured, study.settings.sheet));
-  VACUFORM_TRY(prepared, o.study.prepare(study, context));
+  VACUFORM_TRY(prepared, prepare(study.scan, study.settings, study.temperature, context));
   VACUFORM_TRY(calibration, calibrate(prepared, study.settings, points, options, context));
   bar.clear();
   const auto profile = profile_json(calibration, study.written);

@@ -114,10 +114,7 @@ Result<void> make_chart(const ChartOptions& o, const Context& context, ProgressB
     return fail(Code::bad_settings, "the window of the clamp frame is too small for a test sheet",
                 "machine.window_width_mm",
                 std::string("use a window of at least ") + in_mm(least_window_mm(settings.machine.window)));
-  Inputs inputs;
-  inputs.scan = mold->glb;
-  inputs.scan_name = "chart.glb";
-  inputs.settings = settings;
+  const Inputs inputs{{mold->glb, "chart.glb"}, settings};
   std::vector<InkPatch> patches = patches_of(*mold);
   VACUFORM_TRY(
       files,

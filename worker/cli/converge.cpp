@@ -47,7 +47,7 @@ Result<void> converge_scan(const ConvergeOptions& o, const Context& context, Pro
     changed["sheet"]["resolution_mm"] = factor * study.settings.sheet.resolution_mm;
     VACUFORM_CHECK(settings_from_json(changed));
   }
-  VACUFORM_TRY(prepared, o.study.prepare(study, context));
+  VACUFORM_TRY(prepared, prepare(study.scan, study.settings, study.temperature, context));
   VACUFORM_TRY(convergence, converge(prepared, study.settings, factors, context));
   bar.clear();
   print(convergence);

@@ -3,8 +3,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "api/redaction/names.hpp"
 #include "worker/cli/commands.hpp"
+#include "worker/cli/input_files.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/settings_options.hpp"
 #include "worker/pipeline/scan_inspection.hpp"
@@ -87,9 +87,8 @@ void print_text(const ScanInspection& inspection) {
 Result<void> inspect(const InspectOptions& o, const Context& context, ProgressBar& bar) {
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
-  VACUFORM_TRY(scan, read_file(o.scan));
-  VACUFORM_CHECK(blank_names(scan, o.scan));  // as for a print, so that the kept mold is found
-  Inputs inputs{scan, o.scan, {}, {}, settings};
+  VACUFORM_TRY(scan, read_input(o.scan));
+  Inputs inputs{*std::move(scan), settings};
   inputs.kept = kept_stages(o.keep, o.progress);
   VACUFORM_TRY(inspection, inspect_scan(inputs, context));
   if (!o.out.empty()) VACUFORM_CHECK(write_inspection(inputs, inspection, o.out, context));

@@ -3,8 +3,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "api/redaction/names.hpp"
+#include "api/job_inputs.hpp"
 #include "worker/cli/commands.hpp"
+#include "worker/cli/input_files.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/settings_options.hpp"
 #include "worker/pipeline/scan_layout.hpp"
@@ -38,17 +39,11 @@ void print_text(const ScanLayout& layout) {
 Result<void> lay_out(const LayoutOptions& o, const Context& context, ProgressBar& bar) {
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
-  VACUFORM_TRY(scan, read_file(o.scan));
-  VACUFORM_CHECK(blank_names(scan, o.scan));  // as for a print, so that the kept head is found
-  Inputs inputs{scan, o.scan, {}, {}, settings};
-  std::vector<std::uint8_t> temperature;
-  if (!o.temperature.empty()) {
-    if (settings.heat.source == HeatSource::uniform) inputs.settings.heat.source = HeatSource::measured;
-    VACUFORM_TRY(measured, read_file(o.temperature));
-    VACUFORM_CHECK(blank_names(measured, o.temperature));
-    temperature = std::move(measured);
-    inputs.temperature = MeasuredFile{temperature, o.temperature};
-  }
+  VACUFORM_TRY(scan, read_input(o.scan));
+  Inputs inputs{*std::move(scan), settings};
+  VACUFORM_TRY(temperature, read_input(o.temperature));
+  inputs.temperature = std::move(temperature);
+  use_inputs([&](std::string_view name) { return has_input(inputs, name); }, inputs.settings);
   inputs.kept = kept_stages(o.keep, o.progress);
   VACUFORM_TRY(layout, lay_out_scan(inputs, context));
   VACUFORM_CHECK(write_layout(layout, o.out));

@@ -4,9 +4,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "api/job_inputs.hpp"
 #include "api/job_text.hpp"
 #include "api/redaction/names.hpp"
 #include "worker/cli/commands.hpp"
+#include "worker/cli/input_files.hpp"
 #include "worker/cli/interruptible.hpp"
 #include "worker/cli/model_folder.hpp"
 #include "worker/cli/outcome.hpp"
@@ -30,40 +32,19 @@ Result<void> run(const RunOptions& o, const Context& context) {
   VACUFORM_TRY(object, o.settings.read());
   VACUFORM_TRY(settings, settings_from_json(object));
   VACUFORM_TRY(scan, read_file(o.scan));
-  std::string scan_file = o.scan;
-  if (settings.pattern.source != PatternSource::file) VACUFORM_CHECK(add_files_beside(scan, scan_file));
-  VACUFORM_CHECK(
-      blank_names(scan, scan_file));  // as the service does, so that both make the same result from a file
-  std::vector<std::uint8_t> pattern;
-  if (!o.pattern.empty()) {
-    VACUFORM_TRY(drawing, read_file(o.pattern));
-    pattern = std::move(drawing);
-    VACUFORM_CHECK(blank_names(pattern, o.pattern));
-  }
-  Inputs inputs{scan, scan_file, pattern, o.pattern, settings};
-  std::vector<std::uint8_t> temperature;
-  if (!o.temperature.empty()) {
-    if (settings.heat.source == HeatSource::uniform) inputs.settings.heat.source = HeatSource::measured;
-    VACUFORM_TRY(measured, read_file(o.temperature));
-    VACUFORM_CHECK(blank_names(measured, o.temperature));
-    temperature = std::move(measured);
-    inputs.temperature = MeasuredFile{temperature, o.temperature};
-  }
-  std::vector<std::uint8_t> weights;
-  if (!o.weights.empty()) {
-    if (settings.flattening.weights == FlatteningWeights::uniform)
-      inputs.settings.flattening.weights = FlatteningWeights::painted;
-    VACUFORM_TRY(painted, read_file(o.weights));
-    VACUFORM_CHECK(blank_names(painted, o.weights));
-    weights = std::move(painted);
-    inputs.weights = WeightsFile{weights, o.weights};
-  }
-  std::vector<std::uint8_t> icc;
-  if (!o.icc.empty()) {
-    VACUFORM_TRY(profile, read_file(o.icc, OutputProfile::largest_bytes));
-    icc = std::move(profile);
-    inputs.icc = IccFile{icc, o.icc};
-  }
+  Inputs inputs{{std::move(scan), o.scan}, settings};
+  if (settings.pattern.source != PatternSource::file)
+    VACUFORM_CHECK(add_files_beside(inputs.scan.bytes, inputs.scan.name));
+  VACUFORM_CHECK(blank_names(inputs.scan.bytes, inputs.scan.name));
+  VACUFORM_TRY(pattern, read_input(o.pattern));
+  inputs.pattern = std::move(pattern);
+  VACUFORM_TRY(temperature, read_input(o.temperature));
+  inputs.temperature = std::move(temperature);
+  VACUFORM_TRY(weights, read_input(o.weights));
+  inputs.weights = std::move(weights);
+  VACUFORM_TRY(icc, read_input(o.icc, OutputProfile::largest_bytes));
+  inputs.icc = std::move(icc);
+  use_inputs([&](std::string_view name) { return has_input(inputs, name); }, inputs.settings);
   VACUFORM_TRY(reference, clean_reference(o.reference));
   inputs.reference = std::move(reference);
   inputs.sensitivity = o.sensitivity;

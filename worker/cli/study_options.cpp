@@ -1,5 +1,7 @@
 #include "worker/cli/study_options.hpp"
 
+#include "api/job_inputs.hpp"
+
 #include <fstream>
 
 #include "worker/pipeline/inputs.hpp"
@@ -24,18 +26,12 @@ Result<Study> StudyOptions::read() const {
   study.written = std::move(object);
   study.settings = std::move(parsed);
   VACUFORM_TRY(bytes, read_file(scan));
-  study.scan = std::move(bytes);
+  study.scan = {std::move(bytes), scan};
   if (temperature.empty()) return study;
-  if (study.settings.heat.source == HeatSource::uniform) study.settings.heat.source = HeatSource::measured;
   VACUFORM_TRY(measured, read_file(temperature));
-  study.temperature = std::move(measured);
+  study.temperature = InputFile{std::move(measured), temperature};
+  use_inputs([](std::string_view name) { return name == "temperature"; }, study.settings);
   return study;
-}
-
-Result<Prepared> StudyOptions::prepare(const Study& study, const Context& context) const {
-  std::optional<MeasuredFile> measured;
-  if (!temperature.empty()) measured = MeasuredFile{study.temperature, temperature};
-  return vacuform::prepare(study.scan, scan, study.settings, measured, context);
 }
 
 Result<void> write_json(const std::string& path, const nlohmann::ordered_json& value) {

@@ -14,7 +14,8 @@ namespace vacuform::cli {
 struct Study {
   nlohmann::json written;  // settings as they were given, without defaults
   Settings settings;
-  std::vector<std::uint8_t> scan, temperature;
+  InputFile scan;
+  std::optional<InputFile> temperature;
 };
 
 struct StudyOptions {
@@ -24,7 +25,6 @@ struct StudyOptions {
   void add_to(CLI::App& command);  // this object must outlive the parsing
 
   Result<Study> read() const;
-  Result<Prepared> prepare(const Study& study, const Context& context) const;
 };
 
 // Errors: unreadable.

@@ -126,7 +126,7 @@ Result<FormedSheet> form(const Mold& mold, const SheetSettings& plastic, const M
                          const FormingSettings& settings, const TemperatureField& temperature,
                          const Context& context) {
   SheetSettings sheet = plastic;
-  if (settings.quality == FormingQuality::fine) sheet.resolution_mm /= 2;
+  sheet.resolution_mm = grid_spacing_mm(plastic, settings);
   const Obstacles obstacles(mold.mesh, machine);
   const Process process(obstacles, mold.top.z(), sheet, machine, settings, temperature);
   VACUFORM_TRY(on_grid, whole_sheet_in_two_tries(process, context));

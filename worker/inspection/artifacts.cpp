@@ -19,7 +19,7 @@ bool makes(const Finished& job, const ArtifactKind& kind) {
   if (kind.name.starts_with("colours.")) return job.print.colours.has_value();
   for (const char* name :
        {"preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"})
-    if (kind.name == name) return job.errors != nullptr;
+    if (kind.name == name) return job.figures.errors.has_value();
   return kind.always;
 }
 

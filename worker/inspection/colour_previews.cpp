@@ -103,7 +103,7 @@ Result<Picture> original_preview(const Finished& job, const View& view, const st
     tiles.put(static_cast<int>(tile_columns * i), pictures.front(), "Scan: " + words);
     tiles.put(static_cast<int>(tile_columns * i + 1), formed[i], "Formed part: " + words);
   }
-  const ColourErrors::Figures& errors = job.errors->touching;
+  const ColourErrors::Figures& errors = job.figures.errors->touching;
   return tiles.finished({"The scan and the formed part",
                          "where the sheet touches: off by " + millimetres(errors.position.values.mean) +
                              " on average, colour difference (CIEDE2000) " +
@@ -114,7 +114,7 @@ Result<Picture> original_preview(const Finished& job, const View& view, const st
 
 Result<Picture> align_preview(const Finished& job, View& view, const ShadeShifted& shade,
                               const Context& context) {
-  const ColourErrors& errors = *job.errors;
+  const ColourErrors& errors = *job.figures.errors;
   const ColourErrors::Change& change = errors.most_changed;
   const View::Side side = side_before(change.outward);
   const std::vector<Vector3d> whole = view.shown();

@@ -40,11 +40,10 @@ Statistics statistics(std::vector<Weighted> values) {
   return result;
 }
 
-Bins even_bins(const std::vector<Weighted>& values, double low) {
+Bins even_bins(double low, double high) {
   constexpr int wanted = 30;
   Bins bins{low, 0.01, 1};
-  double high = low + 0.02;
-  if (!values.empty()) high = std::max(high, statistics(values).p99);
+  high = std::max(high, low + 0.02);
   bins.step = round_step((high - low) / wanted);
   bins.count = std::max(1, static_cast<int>(std::ceil((high - low) / bins.step - 1e-9)));
   return bins;
@@ -88,8 +87,8 @@ void add(const std::array<Eigen::Vector2d, 3>& from, const std::array<Eigen::Vec
   const double ratio = s.largest * s.smallest;
   // A triangle without area on either side has no figure and no weight.
   if (!(area > 0) || !(ratio > 0) || !std::isfinite(ratio)) return;
-  out.anisotropy.push_back({s.largest / s.smallest, area});
-  out.area_ratio.push_back({std::max(ratio, 1 / ratio), area});
+  out.shape.push_back({s.largest / s.smallest, area});
+  out.area.push_back({std::max(ratio, 1 / ratio), area});
 }
 
 }  // namespace
@@ -123,18 +122,11 @@ DistortionValues distortion_values(const InkedSurface& surface, const std::vecto
   return out;
 }
 
-namespace {
-Distortion statistics_of(DistortionValues& values) {
+Distortion distortion(DistortionValues values) {
   Distortion out;
-  together([&] { out.anisotropy = statistics(std::move(values.anisotropy)); },
-           [&] { out.area_ratio = statistics(std::move(values.area_ratio)); });
+  together([&] { out.shape = statistics(std::move(values.shape)); },
+           [&] { out.area = statistics(std::move(values.area)); });
   return out;
-}
-}  // namespace
-
-Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart, const CornersUv& uv) {
-  DistortionValues values = distortion_values(surface, chart, uv);
-  return statistics_of(values);
 }
 
 Distortion distortion(const std::vector<const Patch*>& patches,
@@ -147,7 +139,7 @@ Distortion distortion(const std::vector<const Patch*>& patches,
       add({of(*patch, a), of(*patch, b), of(*patch, c)}, {patch->inked[a], patch->inked[b], patch->inked[c]},
           values);
     }
-  return statistics_of(values);
+  return distortion(std::move(values));
 }
 
 }  // namespace vacuform

@@ -6,11 +6,9 @@
 
 #include "api/version.hpp"
 #include "worker/gltf/gltf_buffer.hpp"
-#include "worker/inspection/colour_errors.hpp"
+#include "worker/inspection/heat_maps.hpp"
 #include "worker/inspection/sheet_textures.hpp"
 #include "worker/inspection/unfolded_sheet.hpp"
-#include "worker/inspection/vertex_figures.hpp"
-#include "worker/scan/mold_distance.hpp"
 #include "worker/stage/parallel.hpp"
 #include "worker/surface/vertex_normals.hpp"
 
@@ -18,7 +16,8 @@ namespace vacuform {
 
 namespace {
 
-GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer) {
+GltfJson attributes(const Finished& job, const Unfolded& all, const std::vector<HeatMap>& maps,
+                    GltfBuffer& buffer) {
   const FormedSheet& sheet = job.sheet;
   const std::size_t count = all.vertex.size();
   // Copies of a vertex differ only in their pattern coordinates.
@@ -26,9 +25,6 @@ GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer
     return buffer.add_attribute(count, size, [&](std::size_t i, std::size_t k) {
       return value(static_cast<std::size_t>(all.vertex[i]), static_cast<Eigen::Index>(k));
     });
-  };
-  const auto of_values = [&](const std::vector<double>& values) {
-    return of_vertices(1, [&](std::size_t v, Eigen::Index) { return values[v]; });
   };
   const std::vector<Eigen::Vector3d> normals = vertex_normals(sheet.formed, sheet.triangles);
   GltfJson out;
@@ -39,27 +35,13 @@ GltfJson attributes(const Finished& job, const Unfolded& all, GltfBuffer& buffer
   out["_SHEET"] = of_vertices(2, [&](std::size_t v, Eigen::Index k) { return sheet.rest[v][k]; });
   out["_PATTERN"] = buffer.add_attribute(
       count, 2, [&](std::size_t i, std::size_t k) { return all.uv[i][static_cast<Eigen::Index>(k)]; });
-  out["_THICKNESS"] = of_values(sheet.thickness);
-  out["_TEMPERATURE"] = of_values(sheet.temperature);
   out["_CONTACT"] =
       of_vertices(1, [&](std::size_t v, Eigen::Index) { return static_cast<double>(sheet.contact[v]); });
-  const MoldDistance to_mold(job.mold.mesh);
-  std::vector<double> gaps(sheet.formed.size(), 0);
-  in_parallel(0, static_cast<int>(gaps.size()), [&](int first, int last) {
-    int nearest = -1;
-    for (auto v = static_cast<std::size_t>(first); v < static_cast<std::size_t>(last); ++v)
-      if (sheet.contact[v] != Contact::mold) gaps[v] = to_mold(sheet.formed[v], nearest);
-  });
-  out["_GAP"] = of_values(gaps);
-  out["_SHAPE"] = of_values(anisotropy_of_vertices(job));
-  out["_AREA"] = of_values(area_ratio_of_vertices(job));
-  if (job.errors) {  // -1: no colour
-    const auto where_coloured = [&](const std::vector<double>& values) {
-      return of_vertices(1,
-                         [&](std::size_t v, Eigen::Index) { return std::isnan(values[v]) ? -1 : values[v]; });
-    };
-    out["_POSITION_ERROR"] = where_coloured(job.errors->position_of_vertices);
-    out["_COLOUR_DIFFERENCE"] = where_coloured(job.errors->colour_of_vertices);
+  for (const HeatMap& map : maps) {  // -1: no value
+    std::string name = "_";
+    for (const char c : map.id) name += static_cast<char>(c - 'a' + 'A');
+    out[name] = of_vertices(
+        1, [&](std::size_t v, Eigen::Index) { return std::isnan(map.values[v]) ? -1 : map.values[v]; });
   }
   out["_CHART"] = buffer.add_attribute(
       count, 1, [&](std::size_t i, std::size_t) { return all.uv[i].hasNaN() ? 0.0 : 1.0; });
@@ -80,13 +62,14 @@ Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const SheetPic
   constexpr const char *with = "pre-distorted", *without = "printed as drawn";
   const SheetPicture* const over = over_colours(job) || job.print.shortage ? &print : nullptr;
   const Unfolded all = unfolded(job);
+  const std::vector<HeatMap> maps = heat_maps(job);
   GltfBuffer buffer;
   GltfJson primitive;
   std::vector<std::uint8_t> printed;
   Result<std::vector<std::uint8_t>> drawing;
   together([&] { printed = print_texture(job, over); },
            [&] { drawing = drawing_texture(job, over, context); },
-           [&] { primitive["attributes"] = attributes(job, all, buffer); });
+           [&] { primitive["attributes"] = attributes(job, all, maps, buffer); });
   VACUFORM_TRY(drawn, std::move(drawing));
   primitive["indices"] = buffer.add_triangles(all.corners);
   primitive["material"] = 0;
@@ -104,7 +87,8 @@ Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const SheetPic
         {"extras",
          {{"frame",
            "vertices: mm, z up, platform at z = 0, centre of the sheet at x = y = 0; node: metres, y up"},
-          {"label", job.label}}}}},
+          {"label", job.label},
+          {"maps", heat_maps_json(maps)}}}}},
       {"extensionsUsed", GltfJson::array({"KHR_materials_variants"})},
       {"extensions",
        {{"KHR_materials_variants",

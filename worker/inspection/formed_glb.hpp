@@ -8,10 +8,8 @@ namespace vacuform {
 
 // One mesh under a node that takes millimetres with z up (formed.ply) to metres with y up (glTF). Vertices and
 // triangles are those of formed.ply. Beside POSITION, NORMAL and TEXCOORD_0 a vertex has, as floats,
-//   _SHEET (s, t; mm), _PATTERN (u, v; mm), _THICKNESS (mm), _TEMPERATURE (degrees Celsius), _CONTACT (as Contact),
-//   _GAP (mm to the mold), _SHAPE and _AREA (the figures of vertex_figures.hpp), _CHART (1 on the chart, otherwise 0),
-//   and for the colours of a scan _POSITION_ERROR (mm) and _COLOUR_DIFFERENCE (CIEDE2000), both -1 without colour.
-// Off the chart _PATTERN, _SHAPE and _AREA are 0: glTF has no NaN.
+//   _SHEET (s, t; mm), _PATTERN (u, v; mm; 0 off the chart), _CONTACT (as Contact), _CHART (1 on the chart, otherwise 0)
+//   and the values of the heat maps (heat_maps.hpp), -1 where there is none: glTF has no NaN.
 // Two materials, by KHR_materials_variants: "pre-distorted", which is the default, and "printed as drawn"; their
 // textures are those of sheet_textures.hpp, inside the file. `print`: of the job. Deterministic. Errors: cancelled.
 Result<std::vector<std::uint8_t>> formed_glb(const Finished& job, const SheetPicture& print,

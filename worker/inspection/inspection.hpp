@@ -11,46 +11,17 @@
 #include <vector>
 
 #include "worker/forming/heat/sheet_temperature.hpp"
-#include "worker/inspection/coil_figures.hpp"
-#include "worker/inspection/stretched_traces.hpp"
+#include "worker/inspection/figures.hpp"
 #include "worker/printing/print.hpp"
 
 namespace vacuform {
 
-// Area-weighted statistics of one figure over the triangles of the chart. A percentile
-// is the smallest value such that at least its share of the inked area has no larger one. All 0 for an empty
-// chart.
-struct Statistics {
-  double mean = 0, p95 = 0, p99 = 0, max = 0;
-};
-// Of values with the areas that have them.
-struct Weighted {
-  double value, area;
-};
-Statistics statistics(std::vector<Weighted> values);
-struct Distortion {
-  Statistics anisotropy;  // sigma1 / sigma2 of J from pattern coordinates to the inked surface
-  Statistics area_ratio;  // max(sigma1 sigma2, 1 / (sigma1 sigma2))
-};
-// The measurements of a vector print.
-struct Measured {
-  CoilTable coils;
-  TraceFigures traces;
-  // Over the neighbourhoods of the elements that lie on the head, if the drawing has elements.
-  struct Elements {
-    Distortion with, without;
-  };
-  std::optional<Elements> elements = {};
-  std::vector<Warning> warnings = {};  // of coils and traces
-};
 // Errors: cancelled.
 Result<Measured> measure(const ChartedSurface& charted, const Drawing& drawing, const Placement& placement,
                          const VectorPrint& print, const Alignment& alignment, const CoilSettings& settings,
                          const Context& context);
 
-struct ColourErrors;  // colour_errors.hpp
-
-// The results of the stages for one job, as inspection reads them.
+// The results of the stages for one job, as inspection reads them, with their figures.
 struct Finished {
   const Settings& settings;
   const Mold& mold;
@@ -61,12 +32,14 @@ struct Finished {
   const Print& print;
   HeatSummary heat = {};
   Alignment alignment = {};               // of the drawing as drawn on the flat sheet (align_flat())
-  const Measured* measured = nullptr;     // of a vector print, else null
   const Placement* placement = nullptr;   // how the drawing is laid; null: on the one chart
   std::string label = {};                 // of the print, as its marks show it
   const SheetColours* colours = nullptr;  // of the scan, if they are printed
-  const ColourErrors* errors = nullptr;   // of those colours
+  Figures figures = {};
 };
+// Fills in all figures but those of a vector print and of colours, which measure() and colour_errors() find.
+void add_chart_figures(Finished& job);
+
 // Whether the colours of the scan are all that is printed.
 inline bool of_colours_alone(const Finished& job) {
   return job.colours && job.settings.pattern.source == PatternSource::scan;
@@ -100,28 +73,22 @@ CornersUv corners_of(const FormedSheet& sheet, const Flattening& flattening,
 // As printed by `print`, in millimetres of the inked surface.
 CornersUv corners_of(const Print& print, const Alignment& alignment);
 
-// The figures of every triangle of the chart (Flattening::triangles), with its area on the inked surface, mm2.
-struct DistortionValues {
-  std::vector<Weighted> anisotropy, area_ratio;
-};
+// Over the triangles `chart`, with J from `uv` (one entry for each of them) to the inked surface.
 DistortionValues distortion_values(const InkedSurface& surface, const std::vector<int>& chart,
                                    const CornersUv& uv);
-
-// The same over patches; `of` gives the coordinates of a vertex, mm of the inked surface.
+Distortion distortion(DistortionValues values);
+// Over patches; `of` gives the coordinates of a vertex, mm of the inked surface.
 Distortion distortion(const std::vector<const Patch*>& patches,
                       const std::function<Eigen::Vector2d(const Patch&, std::size_t)>& of);
 
-// Even bins from `low` on, about thirty of a round width, to the 99th percentile of the values.
+// Even bins from `low` on, about thirty of a round width, to `high`.
 struct Bins {
   double low, step;
   int count;
 };
-Bins even_bins(const std::vector<Weighted>& values, double low);
+Bins even_bins(double low, double high);
 // The share of the area in each bin; the last bin includes all larger values.
 std::vector<double> shares(const std::vector<Weighted>& values, const Bins& bins);
-
-// Over the triangles `chart`, with J from `uv` (one entry for each of them) to the inked surface.
-Distortion distortion(const InkedSurface& surface, const std::vector<int>& chart, const CornersUv& uv);
 
 // The figures, findings and warnings as in report.json, without the parts that only the caller of the pipeline knows
 // (hashes of the inputs, versions, seconds). Keys contain their units; numbers are rounded to their accuracy; missing

@@ -10,15 +10,14 @@
 #include "worker/inspection/canvas.hpp"
 #include "worker/inspection/caption.hpp"
 #include "worker/inspection/caption_words.hpp"
-#include "worker/inspection/colour_errors.hpp"
 #include "worker/inspection/colour_previews.hpp"
 #include "worker/inspection/findings_preview.hpp"
 #include "worker/inspection/flat_previews.hpp"
+#include "worker/inspection/heat_maps.hpp"
 #include "worker/inspection/picture_png.hpp"
 #include "worker/inspection/segment_colours.hpp"
 #include "worker/inspection/side_marks.hpp"
 #include "worker/inspection/tiles.hpp"
-#include "worker/inspection/vertex_figures.hpp"
 #include "worker/inspection/view.hpp"
 #include "worker/stage/parallel.hpp"
 
@@ -27,72 +26,19 @@ namespace {
 
 using Eigen::Vector2d;
 
-// One figure per vertex, with its range for colouring.
-struct Heat {
-  std::vector<double> values;  // NaN where the value is missing
-  Scale scale;
-};
-
-// The scale ends at the 99th percentile, so that one crumpled triangle does not use up the colour range.
-Heat heat_of(std::vector<double> values, const Statistics& statistics, const std::string& quantity) {
-  double largest = 1;
-  for (const double v : values)
-    if (std::isfinite(v)) largest = std::max(largest, v);
-  Scale scale = round_scale(1, std::max(1.02, std::min(statistics.p99, largest)), true, quantity);
-  scale.open_above = largest > scale.high;
-  return {std::move(values), std::move(scale)};
-}
-
-Heat thickness_heat(const Finished& job) {
-  double least = INFINITY, most = 0;
-  for (const double h : job.sheet.thickness) least = std::min(least, h), most = std::max(most, h);
-  return {job.sheet.thickness, round_scale(least, most, false, "thickness, mm")};
-}
-
-// The scale ends at the 95th percentile, because the few places where the sheet leaves the scan are far worse.
-Heat error_heat(const std::vector<double>& values, const PlacedStatistics& over, double least_end,
-                const std::string& quantity) {
-  Scale scale = round_scale(0, std::max(least_end, over.values.p95), true, quantity);
-  scale.open_above = over.values.max > scale.high;
-  return {values, std::move(scale)};
-}
-
-Heat temperature_heat(const Finished& job) {
-  const auto [least, most] = std::minmax_element(job.sheet.temperature.begin(), job.sheet.temperature.end());
-  return {job.sheet.temperature, round_scale(*least, *most, false, "temperature, °C")};
-}
-
-std::string figures_of(const HeatSummary& heat) {
-  return "in the window of the frame: " + decimal(heat.least, 1) + " to " + decimal(heat.most, 1) +
-         " °C, mean " + decimal(heat.mean, 1) + " °C" +
-         (heat.seconds ? " after " + decimal(*heat.seconds, 0) + " s under the heaters" : "");
-}
 std::string figures_of(const Distortion& d) {
-  return "anisotropy: mean " + decimal(d.anisotropy.mean, 3) + ", 95 % below " +
-         decimal(d.anisotropy.p95, 3) + "     area ratio: mean " + decimal(d.area_ratio.mean, 3) +
-         ", 95 % below " + decimal(d.area_ratio.p95, 3);
+  return "shape: mean " + decimal(d.shape.mean, 3) + ", 95 % below " + decimal(d.shape.p95, 3) +
+         "     area: mean " + decimal(d.area.mean, 3) + ", 95 % below " + decimal(d.area.p95, 3);
 }
 // Of the coils if there are any, otherwise of the chart.
 std::string figures_of(const Finished& job, CoilSummary CoilTable::*way, const Distortion& chart) {
-  if (!job.measured || job.measured->coils.coils.empty()) return figures_of(chart);
-  return coils_caption(job.measured->coils, way);
+  const auto& measured = job.figures.measured;
+  return measured && !measured->coils.coils.empty() ? coils_caption(measured->coils, way) : figures_of(chart);
 }
 std::string ink_note(const Finished& job) {
   return of_colours_alone(job) ? colours_caption(job.colours->area().faded_share())
                                : ink_caption(job.print.ink_printed, job.print.ink_on_head);
 }
-// Of an error of the colours over everything that is coloured, and where the sheet touches.
-std::string figures_of(const PlacedStatistics& whole, const PlacedStatistics& touching) {
-  const auto words = [](const Statistics& s) {
-    return "mean " + decimal(s.mean, 2) + ", 99 % below " + decimal(s.p99, 2);
-  };
-  return "where the sheet touches: " + words(touching.values) + "     everywhere: " + words(whole.values);
-}
-std::string figures_of(const Statistics& s) {
-  return "over the inked surface: mean " + decimal(s.mean, 3) + ", 95 % below " + decimal(s.p95, 3) +
-         ", 99 % below " + decimal(s.p99, 3) + ", largest " + decimal(s.max, 2);
-}
-
 Rgb inked(const Finished& job, const Ink& ink, const Seen& seen) {
   const Rgb colour = in_black(job) ? black_ink : Rgb(ink.r, ink.g, ink.b);
   return seen.light * (plastic + ink.a * (colour - plastic)) + Rgb::Constant(seen.gloss);
@@ -152,13 +98,13 @@ struct WithVacuform {
   }
 };
 
-Rgb hot(const Finished& job, const Heat& heat, const Seen& seen) {
+Rgb hot(const Finished& job, const HeatMap& map, const Seen& seen) {
   const auto& c = job.sheet.triangles[static_cast<std::size_t>(seen.triangle)];
   double value = 0;
-  for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * heat.values[static_cast<std::size_t>(c[k])];
+  for (std::size_t k = 0; k < 3; ++k) value += seen.weights[k] * map.values[static_cast<std::size_t>(c[k])];
   if (!std::isfinite(value)) return bare(seen);
   // Softer light than on the bare plastic, so that colours can be compared with the bar.
-  return (0.5f + 0.52f * seen.light) * viridis((value - heat.scale.low) / (heat.scale.high - heat.scale.low));
+  return (0.5f + 0.52f * seen.light) * map.colour(value);
 }
 
 // The colours of the segments under the ink.
@@ -186,8 +132,8 @@ struct Around {
   Picture whole;
   std::vector<Picture> tiles;
 };
-Result<Around> views(const Finished& job, const Distortion& after, View& view, const FlatPlaces& flat,
-                     const WithVacuform& with, const Context& context) {
+Result<Around> views(const Finished& job, View& view, const FlatPlaces& flat, const WithVacuform& with,
+                     const Context& context) {
   Tiles tiles(static_cast<int>(std::size(five_sides)));
   Around out;
   for (std::size_t i = 0; i < std::size(five_sides); ++i) {
@@ -199,8 +145,10 @@ Result<Around> views(const Finished& job, const Distortion& after, View& view, c
     tiles.put(static_cast<int>(i), pictures.front(), side_words(five_sides[i], view.letters()));
     out.tiles.push_back(std::move(pictures.front()));
   }
-  out.whole = tiles.finished(
-      {"The print on the head from all sides", figures_of(job, &CoilTable::with, after), {}, ink_note(job)});
+  out.whole = tiles.finished({"The print on the head from all sides",
+                              figures_of(job, &CoilTable::with, job.figures.with.chart),
+                              {},
+                              ink_note(job)});
   return out;
 }
 
@@ -208,7 +156,7 @@ Result<Around> views(const Finished& job, const Distortion& after, View& view, c
 constexpr double print_pixel_mm = 0.25;
 
 struct NamedPicture {
-  const char* name;
+  std::string name;
   Picture picture;
 };
 
@@ -227,81 +175,34 @@ std::vector<Artifact> encoded(std::vector<NamedPicture>& pictures) {
 
 Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& print,
                                        const Context& context) {
-  const Alignment& alignment = job.alignment;
   const FlatPlaces flat(job.sheet);
   const WithoutVacuform without{job, print};
   const WithVacuform with{print};
-  Distortion before, after;
-  std::optional<View> seen_from;
-  together(
-      [&] {
-        seen_from.emplace(job.sheet, side_letters(job.mold.findings.left_side), preview_side, preview_side,
-                          caption_top, caption_bottom);
-      },
-      [&] {
-        before = distortion(job.surface, job.flattening.triangles,
-                            corners_of(job.sheet, job.flattening, job.sheet.rest));
-      },
-      [&] { after = distortion(job.surface, job.flattening.triangles, corners_of(job.print, alignment)); });
-  View& view = *seen_from;
-  const Heat anisotropy =
-      heat_of(anisotropy_of_vertices(job), before.anisotropy, "anisotropy σ1 / σ2 (1: undistorted)");
-  const Heat area = heat_of(area_ratio_of_vertices(job), before.area_ratio, "area ratio (1: undistorted)");
-  const Heat thickness = thickness_heat(job);
-  const bool uneven = job.heat.source != HeatSource::uniform;
-  const Heat temperature = uneven ? temperature_heat(job) : Heat{};
-
+  View view(job.sheet, side_letters(job.mold.findings.left_side), preview_side, preview_side, caption_top,
+            caption_bottom);
+  const std::vector<HeatMap> maps = heat_maps(job);
   const std::optional<SegmentColours> segments =
       in_segments(job) ? std::optional<SegmentColours>(job) : std::nullopt;
-  const Heat position = job.errors ? error_heat(job.errors->position_of_vertices, job.errors->whole.position,
-                                                0.2, "position error, mm")
-                                   : Heat{},
-             colour = job.errors ? error_heat(job.errors->colour_of_vertices, job.errors->whole.colour, 1,
-                                              "colour difference, CIEDE2000")
-                                 : Heat{};
-  const int of_heat = 6, of_segments = uneven ? 7 : 6, of_errors = of_segments + (segments ? 1 : 0),
-            count = of_errors + (job.errors ? 2 : 0);
-
+  enum : std::size_t { plain, distorted, findings_under, in_parts };  // then the maps
+  const std::size_t of_maps = in_parts + 1;
   VACUFORM_TRY(pictures, view.draw(
-                             count,
+                             static_cast<int>(of_maps + maps.size()),
                              [&](const Seen& seen, Rgb* colours) {
                                const FlatPlace place = flat(seen);
                                const Ink ink = with(place);
-                               colours[0] = inked(job, without(place), seen);
-                               colours[1] = inked(job, ink, seen);
-                               colours[2] = hot(job, anisotropy, seen);
-                               colours[3] = hot(job, area, seen);
-                               colours[4] = hot(job, thickness, seen);
-                               colours[5] = bare(seen);
-                               if (uneven) colours[of_heat] = hot(job, temperature, seen);
-                               if (segments) colours[of_segments] = in_segments(job, *segments, ink, seen);
-                               if (job.errors) {
-                                 colours[of_errors] = hot(job, position, seen);
-                                 colours[of_errors + 1] = hot(job, colour, seen);
-                               }
+                               colours[plain] = inked(job, without(place), seen);
+                               colours[distorted] = inked(job, ink, seen);
+                               colours[findings_under] = bare(seen);
+                               colours[in_parts] =
+                                   segments ? in_segments(job, *segments, ink, seen) : bare(seen);
+                               for (std::size_t i = 0; i < maps.size(); ++i)
+                                 colours[of_maps + i] = hot(job, maps[i], seen);
                              },
                              context, 0.1, 0.7));
-
-  double least = INFINITY;
-  for (const double h : job.sheet.element_thickness) least = std::min(least, h);
-  const std::string lost = ink_note(job);
-  const Caption captions[] = {
-      {"The plain pattern, printed as drawn, then formed",
-       figures_of(job, &CoilTable::without, before),
-       {},
-       "Its centre lies where the top of the mold comes to lie, as for the pre-distorted print."},
-      {"The pre-distorted print, formed", figures_of(job, &CoilTable::with, after), {}, lost},
-      {"Shape distortion, corrected by the print", figures_of(before.anisotropy), anisotropy.scale, ""},
-      {"Area distortion, corrected by the print", figures_of(before.area_ratio), area.scale, ""},
-      {"Thickness of the formed sheet",
-       "from " + decimal(job.settings.sheet.thickness_mm, 2) + " mm; thinnest element " + decimal(least, 3) +
-           " mm",
-       thickness.scale, ""}};
-  const char* names[] = {"preview-without.png", "preview-with.png", "preview-anisotropy.png",
-                         "preview-area.png", "preview-thickness.png"};
-  VACUFORM_TRY(around, views(job, after, view, flat, with, context));
+  const auto& errors = job.figures.errors;
+  VACUFORM_TRY(around, views(job, view, flat, with, context));
   std::optional<Picture> original, off_register;
-  if (job.errors) {
+  if (errors) {
     VACUFORM_TRY(beside, original_preview(job, view, around.tiles, context));
     original = std::move(beside);
     VACUFORM_TRY(aligned, align_preview(
@@ -322,40 +223,34 @@ Result<std::vector<Artifact>> previews(const Finished& job, const SheetPicture& 
   if (job.print.shortage) as_printed.emplace(job, InkState::printed, print_pixel_mm);
   shown.push_back({"preview-print.png", print_preview(job, as_printed ? *as_printed : print, preview_side)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.77));
-  for (std::size_t i = 0; i < 5; ++i) {
-    write(captions[i], pictures[i]);
-    shown.push_back({names[i], std::move(pictures[i])});
-  }
-  shown.insert(shown.begin() + 4,
-               {"preview-views.png", std::move(around.whole)});  // after both ways of printing
-  if (uneven) {
-    write({"Temperature of the sheet when it met the mold", figures_of(job.heat), temperature.scale, ""},
-          pictures[of_heat]);
-    shown.push_back({"preview-temperature.png", std::move(pictures[of_heat])});
-  }
-  if (segments) {
-    Picture& picture = pictures[static_cast<std::size_t>(of_segments)];
-    write({"Segments and their seams", figures_of(*job.placement), {}, lost}, picture);
-    shown.push_back({"preview-segments.png", std::move(picture)});
-  }
-  if (job.errors) {
-    const auto errors = pictures.begin() + of_errors;
-    write({"Position error of the colours, mm",
-           figures_of(job.errors->whole.position, job.errors->touching.position), position.scale, ""},
-          errors[0]);
-    write({"Colour difference from the scan, CIEDE2000",
-           figures_of(job.errors->whole.colour, job.errors->touching.colour), colour.scale, ""},
-          errors[1]);
+  const auto show = [&](const std::string& id, Picture& picture, const Caption& caption) {
+    write(caption, picture);
+    shown.push_back({"preview-" + id + ".png", std::move(picture)});
+  };
+  const std::string lost = ink_note(job);
+  show("without", pictures[plain],
+       {"The plain pattern, printed as drawn, then formed",
+        figures_of(job, &CoilTable::without, job.figures.without.chart), nullptr,
+        "Its centre lies where the top of the mold comes to lie, as for the pre-distorted print."});
+  show("with", pictures[distorted],
+       {"The pre-distorted print, formed", figures_of(job, &CoilTable::with, job.figures.with.chart), nullptr,
+        lost});
+  shown.push_back({"preview-views.png", std::move(around.whole)});
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    show(std::string(maps[i].id), pictures[of_maps + i],
+         {std::string(maps[i].title()), maps[i].figures, &maps[i], ""});
+  if (segments)
+    show("segments", pictures[in_parts],
+         {"Segments and their seams", figures_of(*job.placement), nullptr, lost});
+  if (errors) {
     shown.push_back({"preview-original.png", std::move(*original)});
-    shown.push_back({"preview-position.png", std::move(errors[0])});
-    shown.push_back({"preview-colour.png", std::move(errors[1])});
     shown.push_back({"preview-align.png", std::move(*off_register)});
   }
   std::vector<Warning> warnings = job.mold.warnings;
   warnings.insert(warnings.end(), job.sheet.warnings.begin(), job.sheet.warnings.end());
-  if (job.measured)
-    warnings.insert(warnings.end(), job.measured->warnings.begin(), job.measured->warnings.end());
-  VACUFORM_TRY(findings, findings_preview(warnings, view, std::move(pictures[5]), context));
+  if (const auto& measured = job.figures.measured)
+    warnings.insert(warnings.end(), measured->warnings.begin(), measured->warnings.end());
+  VACUFORM_TRY(findings, findings_preview(warnings, view, std::move(pictures[findings_under]), context));
   shown.push_back({"preview-findings.png", std::move(findings)});
   VACUFORM_CHECK(context.step(Stage::inspection, 0.9));
   return encoded(shown);

@@ -7,13 +7,12 @@
 #include "worker/colour/sheet_colours.hpp"
 #include "worker/forming/material.hpp"
 #include "worker/inspection/coil_json.hpp"
-#include "worker/inspection/colour_errors.hpp"
+#include "worker/inspection/heat_maps.hpp"
 #include "worker/inspection/inspection.hpp"
 #include "worker/inspection/json_numbers.hpp"
 #include "worker/inspection/segments_json.hpp"
 #include "worker/numerics/plane.hpp"
 #include "worker/scan/findings_json.hpp"
-#include "worker/scan/mold_distance.hpp"
 #include "worker/stage/warning_json.hpp"
 
 namespace vacuform {
@@ -29,11 +28,9 @@ Json forming_of(const Finished& job) {
   const FormedSheet& sheet = job.sheet;
   std::array<std::int64_t, 4> counts{};
   double gap = 0;  // at the vertices: what the solver left, where the surfaces differ by the grid as well
-  const MoldDistance distance(job.mold.mesh);
-  int nearest = -1;
   for (std::size_t i = 0; i < sheet.contact.size(); ++i) {
     ++counts[static_cast<std::size_t>(sheet.contact[i])];
-    if (sheet.contact[i] == Contact::mold) gap = std::max(gap, distance(sheet.formed[i], nearest));
+    if (sheet.contact[i] == Contact::mold) gap = std::max(gap, job.figures.mold_distance[i]);
     if (sheet.contact[i] == Contact::platform) gap = std::max(gap, std::abs(sheet.formed[i].z()));
   }
   const FormingSummary& s = sheet.summary;
@@ -124,16 +121,6 @@ Json flattening_of(const Flattening& f) {
   return out;
 }
 
-// Of the part of the chart that the settings favour, or of the rest.
-Distortion distortion_of_part(const Finished& job, const CornersUv& uv, bool favoured) {
-  const Flattening& f = job.flattening;
-  std::vector<int> part;
-  CornersUv of_part;
-  for (std::size_t i = 0; i < f.triangles.size(); ++i)
-    if ((f.favoured[i] != 0) == favoured) part.push_back(f.triangles[i]), of_part.push_back(uv[i]);
-  return distortion(job.surface, part, of_part);
-}
-
 Json pattern_of(const Finished& job) {
   return {{"format", job.pattern.format()},
           {"size_mm", array(job.pattern.size_mm(), 3)},
@@ -207,16 +194,19 @@ Json statistics_of(const Statistics& s) {
   return {
       {"mean", rounded(s.mean)}, {"p95", rounded(s.p95)}, {"p99", rounded(s.p99)}, {"max", rounded(s.max)}};
 }
-Json distortion_of(const Distortion& d) {
-  return {{"anisotropy", statistics_of(d.anisotropy)}, {"area_ratio", statistics_of(d.area_ratio)}};
+Json distortion_json(const Distortion& d) {
+  return {{"shape", statistics_of(d.shape)}, {"area", statistics_of(d.area)}};
+}
+
+Json way_json(const WayFigures& way) {
+  Json out = distortion_json(way.chart);
+  if (way.favoured) out["favoured"] = distortion_json(*way.favoured);
+  if (way.rest) out["rest"] = distortion_json(*way.rest);
+  return out;
 }
 
 // Shares of the inked area, the last bin with all that lies above.
 Json histograms_of(const Finished& job) {
-  const auto before = distortion_values(job.surface, job.flattening.triangles,
-                                        corners_of(job.sheet, job.flattening, job.sheet.rest));
-  const auto after =
-      distortion_values(job.surface, job.flattening.triangles, corners_of(job.print, job.alignment));
   std::vector<Weighted> thickness;
   for (std::size_t i = 0; i < job.flattening.triangles.size(); ++i) {
     const auto t = static_cast<std::size_t>(job.flattening.triangles[i]);
@@ -231,16 +221,17 @@ Json histograms_of(const Finished& job) {
     for (const double share : shares) out.push_back(rounded(share));
     return out;
   };
-  const auto both = [&](const std::vector<Weighted>& without, const std::vector<Weighted>& with, double low) {
-    const Bins bins = even_bins(without, low);
+  const WayFigures &without = job.figures.without, &with = job.figures.with;
+  const auto both = [&](std::vector<Weighted> DistortionValues::*values, const Statistics& of_without) {
+    const Bins bins = even_bins(1, of_without.p99);
     return Json{{"low", bins.low},
                 {"step", rounded(bins.step)},
-                {"without", list(shares(without, bins))},
-                {"with", list(shares(with, bins))}};
+                {"without", list(shares(without.triangles.*values, bins))},
+                {"with", list(shares(with.triangles.*values, bins))}};
   };
-  const Bins bins = even_bins(thickness, 0);
-  return {{"anisotropy", both(before.anisotropy, after.anisotropy, 1)},
-          {"area_ratio", both(before.area_ratio, after.area_ratio, 1)},
+  const Bins bins = even_bins(0, statistics(thickness).p99);
+  return {{"shape", both(&DistortionValues::shape, without.chart.shape)},
+          {"area", both(&DistortionValues::area, without.chart.area)},
           {"thickness_ratio",
            {{"low", bins.low}, {"step", rounded(bins.step)}, {"shares", list(shares(thickness, bins))}}}};
 }
@@ -267,26 +258,17 @@ Json report(const Finished& job) {
   if (job.colours) {
     out["pattern"]["colours"] = colours_of(*job.colours);
     out["pattern"]["colours"]["ink"] = ink_of(job.print.shortage);
-    if (job.errors) out["pattern"]["colours"]["errors"] = errors_of(*job.errors);
+    if (job.figures.errors) out["pattern"]["colours"]["errors"] = errors_of(*job.figures.errors);
   }
   out["print"] = print_of(job);
-  const CornersUv before = corners_of(job.sheet, job.flattening, job.sheet.rest),
-                  after = corners_of(job.print, job.alignment);
-  out["figures"] = {{"without", distortion_of(distortion(job.surface, job.flattening.triangles, before))},
-                    {"with", distortion_of(distortion(job.surface, job.flattening.triangles, after))}};
-  if (!job.flattening.favoured.empty())
-    for (const bool favoured : {true, false}) {
-      const char* name = favoured ? "favoured" : "rest";
-      out["figures"]["without"][name] = distortion_of(distortion_of_part(job, before, favoured));
-      out["figures"]["with"][name] = distortion_of(distortion_of_part(job, after, favoured));
-    }
-  if (job.measured) {
-    const Measured& measured = *job.measured;
+  out["figures"] = {{"without", way_json(job.figures.without)}, {"with", way_json(job.figures.with)}};
+  if (const auto& measured_lines = job.figures.measured) {
+    const Measured& measured = *measured_lines;
     out["figures"]["without"]["coils"] = summary_json(measured.coils, &CoilTable::without);
     out["figures"]["with"]["coils"] = summary_json(measured.coils, &CoilTable::with);
     if (measured.elements) {
-      out["figures"]["without"]["elements"] = distortion_of(measured.elements->without);
-      out["figures"]["with"]["elements"] = distortion_of(measured.elements->with);
+      out["figures"]["without"]["elements"] = distortion_json(measured.elements->without);
+      out["figures"]["with"]["elements"] = distortion_json(measured.elements->with);
     }
     out["coils"] = coils_json(measured.coils);
     out["pairs"] = pairs_json(measured.coils);
@@ -295,6 +277,7 @@ Json report(const Finished& job) {
   }
   if (in_segments(job)) out["segments"] = segments_json(*job.placement, job.print);
   out["histograms"] = histograms_of(job);
+  out["maps"] = heat_maps_json(heat_maps(job));
   Json warnings = Json::array();
   const auto add = [&](Stage stage, const std::vector<Warning>& of_stage) {
     for (const auto& w : of_stage) warnings.push_back(warning_json(stage, w));
@@ -303,7 +286,7 @@ Json report(const Finished& job) {
   add(Stage::forming, job.sheet.warnings);
   add(Stage::flattening, job.flattening.warnings);
   add(Stage::printing, job.print.warnings);
-  if (job.measured) add(Stage::inspection, job.measured->warnings);
+  if (job.figures.measured) add(Stage::inspection, job.figures.measured->warnings);
   out["warnings"] = std::move(warnings);
   out["vents"] = vents_of(job.sheet);
   Json files = Json::array();

@@ -109,9 +109,10 @@ std::string reading() {
          "<li><b>Coupling k</b>: mutual inductance over the geometric mean of the self inductances, of the "
          "lines in "
          "space. Neighbours that do not couple have 0.</li>\n"
-         "<li><b>Anisotropy</b>: how much longer a small circle of the drawing comes out one way than the "
+         "<li><b>Shape distortion</b>: how much longer a small circle of the drawing comes out one way than "
+         "the "
          "other. <b>Area "
-         "ratio</b>: how much larger or smaller it comes out, always given above 1.</li>\n"
+         "distortion</b>: how much larger or smaller it comes out, always given above 1.</li>\n"
          "<li>Places are in mm: z is the height above the platform, x and y are from the sheet's centre, as "
          "on the "
          "print.</li>\n</ul>\n";
@@ -145,8 +146,8 @@ std::string report_html(const ReportJson& report, const std::vector<Artifact>& f
   out += coils_section(report);
   out += traces_section(report);
   out += pictures("On the part", previews,
-                  {"preview-findings.png", "preview-thickness.png", "preview-anisotropy.png",
-                   "preview-area.png", "preview-temperature.png"});
+                  {"preview-findings.png", "preview-thickness.png", "preview-shape.png", "preview-area.png",
+                   "preview-gap.png", "preview-temperature.png"});
   out += histograms_section(report);
   out += process_section(report);
   out += sensitivity_section(report);

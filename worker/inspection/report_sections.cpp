@@ -133,8 +133,8 @@ std::vector<std::array<std::string, 3>> key_figures(const ReportJson& report) {
                       percent_text(mean_over(same.coils, "with", key))});
   }
   for (const auto& [key, title] :
-       {std::pair{"anisotropy", "Shape: longer one way than the other, mean (95 % below)"},
-        std::pair{"area_ratio", "Area: larger or smaller, mean (95 % below)"}})
+       {std::pair{"shape", "Shape: longer one way than the other, mean (95 % below)"},
+        std::pair{"area", "Area: larger or smaller, mean (95 % below)"}})
     for (const auto& [part, where] :
          {std::pair{"elements", "Around the coils"}, std::pair{"", "The whole chart"},
           std::pair{"favoured", "The region with more weight"}, std::pair{"rest", "Its rest"}})
@@ -297,8 +297,9 @@ std::string histograms_section(const ReportJson& report) {
   if (!all.is_object()) return "";
   std::string out = "<h2>Distributions</h2>\n" + html::legend() + "<div class=\"charts\">";
   for (const auto& [key, title, quantity] :
-       {std::tuple{"anisotropy", "Change of shape over the chart", "anisotropy (1: a circle stays a circle)"},
-        std::tuple{"area_ratio", "Change of area over the chart", "area ratio (1: true to scale)"},
+       {std::tuple{"shape", "Shape distortion over the chart",
+                   "shape distortion (1: a circle stays a circle)"},
+        std::tuple{"area", "Area distortion over the chart", "area distortion (1: true to scale)"},
         std::tuple{"thickness_ratio", "Wall after forming", "thickness, of the flat sheet"}}) {
     const ReportJson& h = at(all, {key});
     const bool one = at(h, {"shares"}).is_array();

@@ -4,6 +4,15 @@
 
 namespace vacuform {
 
+bool has_input(const Inputs& inputs, std::string_view name) {
+  const auto given = [](const std::optional<InputFile>& file) { return file && !file->bytes.empty(); };
+  return name == "scan"          ? !inputs.scan.bytes.empty()
+         : name == "pattern"     ? given(inputs.pattern)
+         : name == "temperature" ? given(inputs.temperature)
+         : name == "weights"     ? given(inputs.weights)
+                                 : given(inputs.icc);
+}
+
 Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "api/settings.hpp"
@@ -14,33 +14,24 @@
 
 namespace vacuform {
 
-// The weight image (dark = less distortion of the chart): PNG, JPEG or SVG. It is read like the pattern and laid over
-// the page of the pattern, at its width and with its alignment, centre on centre.
-struct WeightsFile {
-  std::span<const std::uint8_t> bytes;
-  std::string name;  // for messages
-};
-
-// The ICC profile of the printed files (worker/printing/output_profile.hpp).
-struct IccFile {
-  std::span<const std::uint8_t> bytes;
-  std::string name;  // for messages
-};
-
+// Files that check_inputs() (api/job_inputs.hpp) accepts.
 struct Inputs {
-  std::span<const std::uint8_t> scan;
-  std::string scan_name;                  // for messages and the format
-  std::span<const std::uint8_t> pattern;  // empty if pattern.source is scan
-  std::string pattern_name;
+  InputFile scan;
   Settings settings;
-  std::optional<MeasuredFile> temperature = {};  // of the sheet; if and only if heat.source is measured
-  std::optional<WeightsFile> weights = {};       // if and only if flattening.weights is painted
-  std::optional<IccFile> icc = {};               // none: sRGB
-  bool sensitivity = false;  // report.json also shows how far errors of the machine move each coil
+  std::optional<InputFile> pattern = {};
+  std::optional<InputFile> temperature = {};  // of the sheet
+  // The weight image (dark = less distortion of the chart): PNG, JPEG or SVG. It is read like the pattern and laid over
+  // the page of the pattern, at its width and with its alignment, centre on centre.
+  std::optional<InputFile> weights = {};
+  std::optional<InputFile> icc = {};  // the profile of the printed files; none: sRGB
+  bool sensitivity = false;           // report.json also shows how far errors of the machine move each coil
   std::string reference =
       {};  // of the job (api/job_text.hpp): on the print and in the report, with no other effect
   KeptStages kept = {};  // where to look for and store the results of the scan and forming stages
 };
+
+// Whether a file is given and not empty, by the names of api/job.hpp.
+bool has_input(const Inputs& inputs, std::string_view name);
 
 // Reads a whole file. Errors: unreadable, too_large (above `limit` bytes).
 Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path,

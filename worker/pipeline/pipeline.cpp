@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/base/sha256.hpp"
+#include "api/job_inputs.hpp"
 #include "api/version.hpp"
 #include "worker/coils/coupled_neighbours.hpp"
 #include "worker/colour/sheet_colours.hpp"
@@ -30,23 +31,8 @@ Result<void> check_together(const Inputs& inputs) {
   if (!s.pattern.seams.empty() && s.pattern.placement != PatternPlacement::segments)
     return fail(Code::bad_settings, "pattern.seams are given, but the drawing is not laid in segments",
                 "pattern.seams", "give pattern.placement=segments as well");
-  const bool of_scan = s.pattern.source == PatternSource::scan;
-  if (of_scan && !inputs.pattern.empty())
-    return fail(Code::bad_settings, "a pattern is given, but the colours of the scan are to be printed",
-                "pattern.source", "leave the pattern out, or give pattern.source=file or both");
-  if (!of_scan && inputs.pattern.empty())
-    return fail(
-        Code::bad_usage, "there is no pattern, or it is empty", inputs.pattern_name,
-        "give a drawing with --pattern FILE, or print the colours of the scan with pattern.source=scan");
-  const bool painted = s.flattening.weights == FlatteningWeights::painted;
-  if (painted && !inputs.weights)
-    return fail(
-        Code::bad_settings, "the painted weights have no picture", "flattening.weights",
-        "give the picture with --weights FILE (the form field weights), or another flattening.weights");
-  if (!painted && inputs.weights)
-    return fail(Code::bad_settings, "a picture of weights is given, but nothing is weighted by it",
-                "flattening.weights", "give flattening.weights=painted as well, or leave the picture out");
-  return {};
+  return check_inputs(
+      JobKind::print, [&](std::string_view name) { return has_input(inputs, name); }, s);
 }
 
 Result<std::optional<Pattern>> weights_of(const Inputs& inputs, const Pattern& pattern) {
@@ -68,17 +54,9 @@ struct Identity {
   nlohmann::ordered_json sha256;
 };
 Identity identity_of(const Inputs& inputs) {
-  const bool of_scan = inputs.settings.pattern.source == PatternSource::scan;
-  nlohmann::ordered_json whole = {{"scan", sha256_hex(inputs.scan)},
-                                  {"pattern", sha256_hex(inputs.pattern)},
-                                  {"settings", to_json(inputs.settings)},
-                                  {"version", version}};
-  if (of_scan) whole.erase("pattern");
-  // The print of a drawing keeps the name that it had before scans could be printed.
-  else if (inputs.settings.pattern.source == PatternSource::file) {
-    for (const char* key : {"source", "fade_mm"}) whole["settings"]["pattern"].erase(key);
-    for (const char* key : {"compensate_colours", "ink_curve"}) whole["settings"]["print"].erase(key);
-  }
+  nlohmann::ordered_json whole = {
+      {"scan", sha256_hex(inputs.scan.bytes)}, {"settings", to_json(inputs.settings)}, {"version", version}};
+  if (inputs.pattern) whole["pattern"] = sha256_hex(inputs.pattern->bytes);
   if (inputs.temperature) whole["temperature"] = sha256_hex(inputs.temperature->bytes);
   if (inputs.weights) whole["weights"] = sha256_hex(inputs.weights->bytes);
   if (inputs.icc) whole["icc"] = sha256_hex(inputs.icc->bytes);
@@ -107,8 +85,9 @@ struct Inspected {
   std::vector<Artifact> files;
   nlohmann::ordered_json report;
 };
-Result<Inspected> inspect(const Inputs& inputs, const Identity& identity, const Finished& job,
+Result<Inspected> inspect(const Inputs& inputs, const Identity& identity, Finished job,
                           const Context& context) {
+  add_chart_figures(job);
   Result<std::vector<Artifact>> files;
   nlohmann::ordered_json whole;
   together([&] { files = artifacts(job, context); }, [&] { whole = whole_report(inputs, identity, job); });
@@ -145,7 +124,7 @@ Result<FlatHead> coloured_head(const Inputs& inputs, const InkCoverage& coverage
   std::optional<Result<FlatHead>> head;
   std::optional<Result<ColouredScan>> scan;
   together([&] { head = flat_head(inputs, coverage, context); },
-           [&] { scan = read_coloured_scan(inputs.scan, inputs.scan_name, context.silent()); });
+           [&] { scan = read_coloured_scan(inputs.scan.bytes, inputs.scan.name, context.silent()); });
   VACUFORM_TRY(flat, *std::move(head));
   VACUFORM_TRY(colours, *std::move(scan));
   flat.colours = std::move(colours);
@@ -159,7 +138,7 @@ Result<SheetColours> colours_on(const FormedSheet& sheet, const Mold& mold, Colo
   SheetColours colours(ColouredSurface(std::move(scan), mold.placing), sheet,
                        colour_reach(s.scan.clearance_mm, s.pattern.fade_mm));
   if (colours.triangles().empty())
-    return fail(Code::unusable_surface, "no part of the formed sheet comes near the scan", inputs.scan_name,
+    return fail(Code::unusable_surface, "no part of the formed sheet comes near the scan", inputs.scan.name,
                 "give a lower scan.trim_mm or a larger pattern.fade_mm");
   return colours;
 }
@@ -180,10 +159,18 @@ Result<std::vector<Artifact>> use_colours(const Inputs& inputs, const Identity& 
   const PrintLabel label{identity.label, inputs.reference, side_letters(formed.mold.findings.left_side)};
   VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, label, printing.context(), &colours,
                                  profile));
-  const Alignment alignment{.shift_mm = -head.flattening.top_rest};
-  const Finished job{s,           formed.mold, formed.sheet, head.surface, head.flattening, picture, print,
-                     formed.heat, alignment,   nullptr,      &placement,   identity.label,  &colours};
-  return use(job);
+  return use({.settings = s,
+              .mold = formed.mold,
+              .sheet = formed.sheet,
+              .surface = head.surface,
+              .flattening = head.flattening,
+              .pattern = picture,
+              .print = print,
+              .heat = formed.heat,
+              .alignment = {.shift_mm = -head.flattening.top_rest},
+              .placement = &placement,
+              .label = identity.label,
+              .colours = &colours});
 }
 
 Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Context& context) {
@@ -192,10 +179,10 @@ Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Conte
     const Portion comparing(context, Stage::inspection, 0, 0.2), showing(context, Stage::inspection, 0.2, 1);
     const auto ink = ink_of(job.print, job.surface, job.settings.print.ink_curve);
     VACUFORM_TRY(errors, colour_errors(*job.colours, job.print, ink ? &*ink : nullptr,
-                                       job.settings.sheet.resolution_mm, comparing.context()));
+                                       grid_spacing_mm(job.settings), comparing.context()));
     Finished compared = job;
-    compared.errors = &errors;
-    VACUFORM_TRY(inspected, inspect(inputs, identity, compared, showing.context()));
+    compared.figures.errors = std::move(errors);
+    VACUFORM_TRY(inspected, inspect(inputs, identity, std::move(compared), showing.context()));
     return with_report(std::move(inspected));
   };
   return use_colours(inputs, identity, use, context);
@@ -206,7 +193,7 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
   VACUFORM_CHECK(check_for(JobKind::print, s));
   VACUFORM_CHECK(check_together(inputs));
   if (s.pattern.source == PatternSource::scan) return colour_artifacts(inputs, context);
-  VACUFORM_TRY(pattern, Pattern::read(inputs.pattern, inputs.pattern_name, s.pattern, s.print.dpi));
+  VACUFORM_TRY(pattern, Pattern::read(inputs.pattern->bytes, inputs.pattern->name, s.pattern, s.print.dpi));
   VACUFORM_TRY(weights, weights_of(inputs, pattern));
   VACUFORM_TRY(profile, profile_of(inputs));
   const InkCoverage coverage = [&](const Eigen::Vector2d& chart, double blur_mm) {
@@ -228,7 +215,7 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
   const Identity identity = identity_of(inputs);
 
   std::vector<Warning> of_drawing;
-  const std::optional<Drawing> drawing = read_drawing(inputs.pattern, pattern, of_drawing);
+  const std::optional<Drawing> drawing = read_drawing(inputs.pattern->bytes, pattern, of_drawing);
   const Drawing* lines = drawing ? &*drawing : nullptr;
   const auto parts = lines ? std::nullopt : parts_to_place(pattern, s.pattern.placement, of_drawing);
   const Drawing* const laid = parts ? &parts->drawing() : lines;
@@ -246,34 +233,38 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
   for (const auto* warnings : {&placement.warnings, &of_drawing})
     print.warnings.insert(print.warnings.begin(), warnings->begin(), warnings->end());
   VACUFORM_TRY(alignment, align_flat(charted, s.pattern));
-  std::optional<Measured> measured;
+  Finished job{.settings = s,
+               .mold = formed.mold,
+               .sheet = sheet,
+               .surface = cut.surface,
+               .flattening = flattening,
+               .pattern = pattern,
+               .print = print,
+               .heat = formed.heat,
+               .alignment = alignment,
+               .placement = &placement,
+               .label = identity.label,
+               .colours = colours};
   const Portion comparing(context, Stage::inspection, 0, 0.1),
       measuring(context, Stage::inspection, 0.1, 0.3), showing(context, Stage::inspection, 0.3, 1);
-  std::optional<ColourErrors> errors;
   if (colours) {
     const auto ink = ink_of(print, charted.surface(), s.print.ink_curve);
-    VACUFORM_TRY(compared, colour_errors(*colours, print, ink ? &*ink : nullptr, s.sheet.resolution_mm,
+    VACUFORM_TRY(compared, colour_errors(*colours, print, ink ? &*ink : nullptr, grid_spacing_mm(s),
                                          comparing.context()));
-    errors = std::move(compared);
+    job.figures.errors = std::move(compared);
   }
   if (lines && print.vectors) {
     VACUFORM_TRY(figures, measure(charted, *lines, placement, *print.vectors, alignment, s.coils,
                                   measuring.context()));
-    measured = std::move(figures);
+    job.figures.measured = std::move(figures);
   } else if (parts && s.coils.decouple) {  // a picture, whose coils are not measured
     if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
       print.warnings.push_back(std::move(*coupled));
   }
-  const Finished job{s,          formed.mold,
-                     sheet,      cut.surface,
-                     flattening, pattern,
-                     print,      formed.heat,
-                     alignment,  measured ? &*measured : nullptr,
-                     &placement, identity.label,
-                     colours,    errors ? &*errors : nullptr};
-  VACUFORM_TRY(inspected, inspect(inputs, identity, job, showing.context()));
+  VACUFORM_TRY(inspected, inspect(inputs, identity, std::move(job), showing.context()));
   if (inputs.sensitivity) {
-    auto coils = printed_coils(coil_centres(inputs.pattern, pattern), sheet, flattening, print.pattern_uv);
+    auto coils =
+        printed_coils(coil_centres(inputs.pattern->bytes, pattern), sheet, flattening, print.pattern_uv);
     for (const PlacedElement& element :
          placement.elements)  // what is laid one by one is not where the chart has it
       for (PrintedCoil& coil : coils)

@@ -18,8 +18,8 @@ using Json = nlohmann::ordered_json;
 Json mold_made_from(const Inputs& inputs) {
   Json scan = to_json(inputs.settings)["scan"];
   scan.erase("left_side");
-  return {{"scan", sha256_hex(inputs.scan)},
-          {"type", std::filesystem::path(inputs.scan_name).extension().string()},
+  return {{"scan", sha256_hex(inputs.scan.bytes)},
+          {"type", std::filesystem::path(inputs.scan.name).extension().string()},
           {"settings", std::move(scan)},
           {"plug_height_mm", inputs.settings.machine.plug_height_mm}};
 }
@@ -32,7 +32,7 @@ Result<Mold> made_or_kept(const Inputs& inputs, const Context& context) {
     VACUFORM_CHECK(context.step(Stage::scan, 1));
     return *std::move(kept);
   }
-  VACUFORM_TRY(cut, make_mold(inputs.scan, inputs.scan_name, inputs.settings.scan, context));
+  VACUFORM_TRY(cut, make_mold(inputs.scan.bytes, inputs.scan.name, inputs.settings.scan, context));
   VACUFORM_TRY(mold, on_plug(std::move(cut), inputs.settings.machine.plug_height_mm));
   inputs.kept.keep(made_from, mold);
   return mold;
@@ -69,7 +69,7 @@ Result<ScanInspection> inspect_scan(const Inputs& inputs, const Context& context
 
 Json findings_json(const Inputs& inputs, const ScanInspection& inspection) {
   Json all{{"vacuform", version},
-           {"sha256", {{"scan", sha256_hex(inputs.scan)}}},
+           {"sha256", {{"scan", sha256_hex(inputs.scan.bytes)}}},
            {"scan", scan_json(inspection.mold.findings)},
            {"mold", mold_json(inspection.mold)},
            {"fits", !inspection.problem || inspection.problem->code != Code::does_not_fit},

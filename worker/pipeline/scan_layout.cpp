@@ -4,6 +4,7 @@
 
 #include "api/base/decimal.hpp"
 #include "api/base/sha256.hpp"
+#include "api/job_inputs.hpp"
 #include "api/version.hpp"
 #include "worker/flattening/flattening.hpp"
 #include "worker/forming/inked_face.hpp"
@@ -26,7 +27,7 @@ LayoutJson pair_json(const std::optional<StrongestPair>& pair, const Array& arra
 
 LayoutJson layout_json(const Inputs& inputs, const Array& array) {
   return {{"vacuform", version},
-          {"sha256", {{"scan", sha256_hex(inputs.scan)}}},
+          {"sha256", {{"scan", sha256_hex(inputs.scan.bytes)}}},
           {"settings", to_json(inputs.settings)},
           {"count", array.drawing.elements.size()},
           {"diameter_mm", rounded(array.diameter_mm, 2)},
@@ -53,6 +54,8 @@ Warning coils_off_head(const Array& array) {
 Result<ScanLayout> lay_out_scan(const Inputs& inputs, const Context& context) {
   const Settings& s = inputs.settings;
   VACUFORM_CHECK(check_for(JobKind::layout, s));
+  VACUFORM_CHECK(check_inputs(
+      JobKind::layout, [&](std::string_view name) { return has_input(inputs, name); }, s));
   VACUFORM_TRY(formed, form_head(inputs, context));
   const InkedSurface surface = inked_surface(formed.sheet, s.pattern.inked_face);
   VACUFORM_TRY(flattening, flatten(formed.sheet, surface, formed.mold, s.flattening, context));

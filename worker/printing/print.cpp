@@ -394,7 +394,7 @@ Result<Print> make_print(const ChartedSurface& charted, const Pattern& pattern, 
     auto taken = taken_by(region, print);
     if (colours) add_coloured(*colours, print.mirrored, taken);
     marks = lay_out_marks(settings, shown, taken,
-                          outline_of_mold(region, settings.sheet.resolution_mm, ink, print.mirrored));
+                          outline_of_mold(region, grid_spacing_mm(settings), ink, print.mirrored));
     print.ruler_mm = marks.ruler_mm;
     print.warnings.insert(print.warnings.end(), marks.warnings.begin(), marks.warnings.end());
   }

@@ -267,8 +267,8 @@ Result<Mold> make_mold(std::span<const std::uint8_t> bytes, const std::string& f
   auto placed = cut_and_place(closed, trim.height_mm, principal.transpose());
   if (!placed && !findings.rebuilt) {  // the surface crosses itself at the cut
     VACUFORM_TRY(rebuilt, rebuilt_of(closed));
-    findings.rebuilt = true;
     placed = cut_and_place(rebuilt, trim.height_mm, principal.transpose());
+    findings.rebuilt = placed.has_value();  // otherwise other heights are tried with it below
   }
   if (!placed) {
     std::vector<Proposal> proposals;

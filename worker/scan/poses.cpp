@@ -143,7 +143,7 @@ std::vector<Cut> find_cuts(const TriangleMesh& skin, double noise_mm) {
   return cuts;
 }
 
-bool UpGuess::conclusive() const { return best().confidence >= certain; }
+bool UpGuess::conclusive() const { return best().confidence >= certain && evidence >= certain; }
 
 namespace {
 
@@ -262,7 +262,7 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   const auto ends = end_areas(body);
   const double highest = *std::max_element(heights.begin(), heights.end());
 
-  std::array<double, axes.size()> score{};
+  std::array<double, axes.size()> score{}, habit{};  // habit: how files usually stand
   std::array<const Cut*, axes.size()> foot{};
   bool footed = false;
   double widest_flat = 0;
@@ -270,8 +270,8 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
     if (!cut.open) widest_flat = std::max(widest_flat, cut.area);
   for (std::size_t k = 0; k < axes.size(); ++k) {
     const Eigen::Vector3d up = upright_turn(axes[k], 0, 0, 0).row(2);
-    score[k] = axes[k] == UpAxis::plus_z ? 0 : axes[k] == UpAxis::plus_y ? -less_usual : -unusual;
-    score[k] += std::max(least_form, form_weight * std::log(std::max(1e-3, heights[k] / highest)));
+    habit[k] = axes[k] == UpAxis::plus_z ? 0 : axes[k] == UpAxis::plus_y ? -less_usual : -unusual;
+    score[k] = habit[k] + std::max(least_form, form_weight * std::log(std::max(1e-3, heights[k] / highest)));
     const double formed = heights[k] / std::abs(up.dot(bounds(body).size()));
     double most = 0;
     for (const Cut& cut : guess.cuts) {
@@ -310,7 +310,14 @@ Result<UpGuess> guess_up(const TriangleMesh& skin, const ScanProgress& progress)
   }
   if (broken)
     for (double& s : score) s *= broken_share;
-  const double best = *std::max_element(score.begin(), score.end());
+  const auto first = static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
+  const double best = score[first];
+  if (foot[first]) {
+    double all = 0;
+    for (std::size_t k = 0; k < axes.size(); ++k)
+      all += std::exp((score[k] - habit[k]) - (score[first] - habit[first]));
+    guess.evidence = 1 / all;
+  }
   double sum = 0;
   for (double& s : score) s = std::exp(s - best), sum += s;
   for (std::size_t k = 0; k < axes.size(); ++k)

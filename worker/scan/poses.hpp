@@ -35,6 +35,8 @@ struct UpGuess {
   std::vector<UpCandidate> candidates;  // six, the most likely first
   std::vector<Cut> cuts;                // in the axes of the skin
   std::optional<Eigen::Vector3d> side;  // normal of the median plane of a body without a foot, if it has one
+  double evidence =
+      0;  // the confidence of best() without the habit of exporters; 0 without a cut on its other side
   const UpCandidate& best() const { return candidates.front(); }
   bool conclusive() const;  // best() is certain enough to be used without a question
 };

@@ -3,33 +3,13 @@
 
 #include <array>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "api/base/proposal.hpp"
+#include "api/warning_kinds.hpp"
 
 namespace vacuform {
-
-enum class Severity {
-  note,     // nothing to do: what was chosen, or what cannot be better
-  warning,  // look at the place before printing
-  serious   // do not print before this is settled
-};
-constexpr std::string_view name(Severity severity) {
-  constexpr std::array<std::string_view, 3> names{"note", "warning", "serious"};
-  return names[static_cast<std::size_t>(severity)];
-}
-
-// One row for each code; docs/reference/warnings.md lists them all.
-struct WarningKind {
-  std::string_view code;  // stable, for machines: "undercut"
-  Severity severity;
-  std::string_view fix;  // what to do, if a warning has no fix
-};
-std::span<const WarningKind> warning_kinds();            // sorted by code
-const WarningKind& warning_kind(std::string_view code);  // any other code is a bug, which ends the program
 
 struct Warning {
   std::string code;

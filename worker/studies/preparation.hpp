@@ -2,14 +2,12 @@
 #pragma once
 
 #include <optional>
-#include <span>
-#include <string>
 
 #include "api/settings.hpp"
-#include "worker/forming/heat/measured_field.hpp"
 #include "worker/forming/heat/temperature_field.hpp"
 #include "worker/scan/mold.hpp"
 #include "worker/stage/context.hpp"
+#include "worker/stage/input_file.hpp"
 
 namespace vacuform {
 
@@ -18,9 +16,8 @@ struct Prepared {
   TemperatureField temperature;
 };
 
-// Errors: those of the scan stage, does_not_fit, those of sheet_temperature().
-Result<Prepared> prepare(std::span<const std::uint8_t> scan, const std::string& scan_name,
-                         const Settings& settings, const std::optional<MeasuredFile>& temperature,
-                         const Context& context);
+// Errors: those of check_inputs() and of the scan stage, does_not_fit, those of sheet_temperature().
+Result<Prepared> prepare(const InputFile& scan, const Settings& settings,
+                         const std::optional<InputFile>& temperature, const Context& context);
 
 }  // namespace vacuform

@@ -158,11 +158,6 @@ TEST_F(ServerAccess, AWorkersTokenHasNoOtherScope) {
     EXPECT_EQ(made.status, 400) << scopes;
     EXPECT_EQ(json::parse(made.body)["what"], "a worker's token has the scope work alone");
   }
-  // Those of earlier versions can still be read.
-  ASSERT_TRUE(store_->add_token(
-      {"00000000000000aa", "old", {Scope::work, Scope::admin}, std::string(64, 'a'), 5, {}, {}}));
-  EXPECT_NE(ask("GET", "/api/v1/tokens", bearer(admin_)).body.find(R"("scopes":["work","admin"])"),
-            std::string::npos);
 }
 
 TEST_F(ServerAccess, ATokenEndsNoSessionOfAnother) {

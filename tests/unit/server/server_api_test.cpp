@@ -652,7 +652,7 @@ TEST(Pages, AnHostileReportIsShownAsText) {
                           {"marks", marks}},
                          7,
                          nullptr}},
-                       {"figures", {{"with", {{"anisotropy", {{"mean", "</td>"}}}}}}}};
+                       {"figures", {{"with", {{"shape", {{"mean", "</td>"}}}}}}}};
   const std::string html = job_page(job, report).main;
   EXPECT_EQ(html.find("<img src=x"), std::string::npos);
   EXPECT_NE(html.find("&lt;img src=x onerror=alert(1)&gt;"), std::string::npos);

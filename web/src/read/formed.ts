@@ -6,15 +6,9 @@ export interface Formed {
   texture: Float32Array;      // place on the pictures, from the left and from the top, 0 to 1
   sheet: Float32Array;        // (s, t) mm
   pattern: Float32Array;      // (u, v) mm; 0 off the chart
-  thickness: Float32Array;    // mm
-  temperature: Float32Array;  // degrees Celsius
   contact: Float32Array;      // 0 free, 1 mold, 2 platform, 3 clamp
-  gap: Float32Array;          // mm to the mold; -1 in files of earlier versions
-  shape: Float32Array;        // 1: a circle stays round; 0 off the chart
-  area: Float32Array;         // 1: true to size; 0 off the chart
   chart: Float32Array;        // 1 on the chart, otherwise 0
-  position: Float32Array;     // mm, of the colours of a scan; -1 without
-  colour: Float32Array;       // CIEDE2000 from the scan; -1 without
+  maps: ReadonlyMap<string, Float32Array>;  // values of the heat maps by their ids; -1 where there is none
   indices: Uint32Array;
   printed: Blob;              // PNG: what is printed, in sheet coordinates
   drawn: Blob;                // PNG: the drawing as it is, in sheet coordinates
@@ -81,14 +75,11 @@ export function readFormed(file: ArrayBuffer): Formed {
     check(values.length === count * size, `${name} has another number of vertices`);
     return values;
   };
-  const optional = (name: string): Float32Array =>
-    primitive.attributes[name] === undefined ? new Float32Array(count).fill(-1) : attribute(name, 1);
   const formed = {
     positions: attribute('POSITION', 3), normals: attribute('NORMAL', 3), texture: attribute('TEXCOORD_0', 2),
-    sheet: attribute('_SHEET', 2), pattern: attribute('_PATTERN', 2), thickness: attribute('_THICKNESS', 1),
-    temperature: attribute('_TEMPERATURE', 1), contact: attribute('_CONTACT', 1), shape: attribute('_SHAPE', 1),
-    area: attribute('_AREA', 1), chart: attribute('_CHART', 1),
-    gap: optional('_GAP'), position: optional('_POSITION_ERROR'), colour: optional('_COLOUR_DIFFERENCE'),
+    sheet: attribute('_SHEET', 2), pattern: attribute('_PATTERN', 2), contact: attribute('_CONTACT', 1), chart: attribute('_CHART', 1),
+    maps: new Map(Object.keys(primitive.attributes).filter((name) => /^_(?!SHEET|PATTERN|CONTACT|CHART)[A-Z]+$/.test(name))
+      .map((name) => [name.slice(1).toLowerCase(), attribute(name, 1)])),
   };
   check(formed.positions.every(Number.isFinite), 'a position is not a number');
   const indices = new Uint32Array(numbers('the triangles', primitive.indices, uint32, 1).buffer);

@@ -8,13 +8,7 @@ export interface Spot extends SurfacePoint {
   normal: Point;
   sheet: [number, number];           // (s, t) mm
   pattern: [number, number] | null;  // (u, v) mm; null off the chart
-  thickness: number;
-  temperature: number;
-  shape: number | null;
-  area: number | null;
-  gap: number | null;                // mm to the mold; null on the platform, in the clamp frame and in old files
-  position: number | null;           // errors of the colours of a scan
-  colour: number | null;
+  values: ReadonlyMap<string, number | null>;  // of the heat maps by their ids; null where there is none
   contact: number;                   // of the nearest vertex
 }
 
@@ -55,13 +49,11 @@ function spotOf(formed: Formed, face: number, shares: readonly [number, number, 
     shares.reduce((sum, share, k) => sum + share * values[size * vertices[k]! + which]!, 0);
   const pair = (values: Float32Array): [number, number] => [mean(values, 2, 0), mean(values, 2, 1)];
   const three = (values: Float32Array): [number, number, number] => [mean(values, 3, 0), mean(values, 3, 1), mean(values, 3, 2)];
-  const coloured = (values: Float32Array): number | null => vertices.every((i) => values[i]! >= 0) ? mean(values) : null;
+  const known = (values: Float32Array): number | null => vertices.every((i) => values[i]! >= 0) ? mean(values) : null;
   const onChart = vertices.every((i) => formed.chart[i] === 1), normal = three(formed.normals), length = Math.hypot(...normal) || 1;
-  const contact = formed.contact[vertices[shares.indexOf(Math.max(...shares))]!]!, gap = mean(formed.gap);
+  const contact = formed.contact[vertices[shares.indexOf(Math.max(...shares))]!]!;
   return {
     face, point: three(formed.positions), normal: [normal[0] / length, normal[1] / length, normal[2] / length], sheet: pair(formed.sheet),
-    pattern: onChart ? pair(formed.pattern) : null, thickness: mean(formed.thickness), temperature: mean(formed.temperature),
-    shape: onChart ? mean(formed.shape) : null, area: onChart ? mean(formed.area) : null,
-    gap: contact > 1 || gap < 0 ? null : gap, position: coloured(formed.position), colour: coloured(formed.colour), contact,
+    pattern: onChart ? pair(formed.pattern) : null, contact, values: new Map([...formed.maps].map(([id, values]) => [id, known(values)])),
   };
 }

@@ -1,14 +1,13 @@
 // The formed sheet on the graphics card. Colours are written as sRGB; textures are not converted.
 
-// Also the order of the numbers of the maps for the shader.
-export const mapNumbers = {print: 0, thickness: 1, temperature: 2, shape: 3, area: 4, contact: 5, air: 6, position: 7, colour: 8} as const;
+// What is shown, for the shader.
+export const kinds = {print: 0, contact: 1, heat: 2} as const;
 
 export const vertexShader = /* glsl */ `
 in vec2 pattern;   // mm
-in vec4 figures;   // thickness, temperature, shape, area
-in vec3 marks;     // contact, chart, gap
-in vec2 errors;    // position, colour
-uniform int map;
+in vec2 marks;     // contact, chart
+in float value;    // of the heat map; -1: none
+uniform int kind;
 uniform mat3 place;  // from the drawing to the pictures, for a preview of a moved drawing
 out vec2 vSheet, vMoved, vValue, vAcross;  // vValue: what the map shows, and 1 where it has a value
 out float vChart;
@@ -18,11 +17,8 @@ void main() {
   vSheet = uv;
   vMoved = (place * vec3(pattern, 1.0)).xy;
   vChart = marks.y;
-  float overMold = marks.x < 2.0 ? 1.0 : 0.0;  // not on the platform or in the clamp frame
-  vValue = map == 5 ? vec2(marks.x == 1.0 ? 1.0 : 0.0, overMold)
-         : map > 6 ? vec2(errors[clamp(map - 7, 0, 1)], errors.x < 0.0 ? 0.0 : 1.0)
-         : map == 6 ? vec2(marks.z, marks.z < 0.0 ? 0.0 : overMold)
-                    : vec2(figures[clamp(map - 1, 0, 3)], map == 3 || map == 4 ? marks.y : 1.0);
+  // Contact has a value over the mold: not on the platform or in the clamp frame.
+  vValue = kind == 1 ? vec2(marks.x == 1.0 ? 1.0 : 0.0, marks.x < 2.0 ? 1.0 : 0.0) : vec2(value, value < 0.0 ? 0.0 : 1.0);
   vec4 eye = modelViewMatrix * vec4(position, 1.0);
   vNormal = normalMatrix * normal;
   vEye = eye.xyz;
@@ -35,7 +31,8 @@ export const fragmentShader = /* glsl */ `
 in vec2 vSheet, vMoved, vValue, vAcross;
 in float vChart;
 in vec3 vNormal, vEye, vUp;
-uniform int map;
+uniform int kind;
+uniform bool overInk;    // the ink stays visible
 uniform float cut;       // left of this share of the width: printed as drawn
 uniform bool onPrint;    // the overlay is shown on the print alone
 uniform bool moved;      // the drawing at its new place instead of the print
@@ -61,10 +58,10 @@ void main() {
   if (moved) ink = vChart > 0.99 ? texture(drawn, vMoved).rgb : vec3(1.0);
 
   vec3 c;
-  if (map == 0) {
+  if (kind == 0) {
     c = ink * mix(0.42, 0.98, light * light);
   } else {
-    if (map == 5) {
+    if (kind == 1) {
       float stripes = step(0.5, fract(50.0 * (vSheet.x + vSheet.y)));
       c = vValue.x > 0.5 ? touches : mix(touchesNot, touchesNot * 0.55, stripes);
     } else {
@@ -77,7 +74,7 @@ void main() {
     }
     if (vValue.y < 0.99) c = noValue;
     c *= mix(0.85, 1.0, light);
-    if (map < 7) c *= mix(0.25, 1.0, min(ink.r, min(ink.g, ink.b)));  // the ink stays visible
+    if (overInk) c *= mix(0.25, 1.0, min(ink.r, min(ink.g, ink.b)));
   }
   c = mix(outline, c, smoothstep(0.02, 0.12, facing));
   vec4 over = texture(overlay, vSheet);

@@ -2,11 +2,11 @@
 import {BufferAttribute, BufferGeometry, CanvasTexture, Color, DataTexture, DoubleSide, GLSL3, type Group, LinearFilter, LinearMipmapLinearFilter,
         Matrix3, Mesh, NoColorSpace, ShaderMaterial, Texture, Vector3} from 'three';
 import {coarse, picturePlace, type Formed} from '../read/formed';
-import type {Flat, MapName} from '../state/result';
-import {colourAt, isHeat, noValue, type Range, touches, touchesNot} from './colour';
+import type {Flat, HeatMap} from '../state/result';
+import {colourAt, noValue, touches, touchesNot} from './colour';
 import {Surface, type Point} from './measure';
 import {having, nearest, under, type Spot} from './pick';
-import {fragmentShader, mapNumbers, vertexShader} from './sheet.glsl';
+import {fragmentShader, kinds, vertexShader} from './sheet.glsl';
 import {letters} from './machine';
 import {release, type LeftSide, type Viewer} from './viewer';
 
@@ -14,8 +14,7 @@ export {createViewer, NoWebGl, type Viewer} from './viewer';
 export type {Spot} from './pick';
 
 export interface Shown {
-  map: MapName;
-  range: Range | null;        // of a heat map
+  map: 'print' | 'contact' | HeatMap;
   isolines: boolean;
   cut: number;                // share of the width that is printed as drawn, from the left
   sideBySide: boolean;
@@ -48,7 +47,7 @@ async function picture(blob: Blob): Promise<Texture> {
   return texture;
 }
 
-function ramp(map: 'shape' | 'thickness' | 'air'): DataTexture {
+function ramp(map: HeatMap): DataTexture {
   const bytes = new Uint8Array(256 * 4);
   for (let i = 0; i < 256; ++i) bytes.set([...colourAt(map, i / 255).map((part) => Math.round(255 * part)), 255], 4 * i);
   const texture = new DataTexture(bytes, 256, 1);
@@ -72,13 +71,12 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   geometry.setAttribute('normal', new BufferAttribute(formed.normals, 3));
   geometry.setAttribute('uv', new BufferAttribute(formed.texture, 2));
   geometry.setAttribute('pattern', new BufferAttribute(formed.pattern, 2));
-  geometry.setAttribute('figures', woven(formed.thickness, formed.temperature, formed.shape, formed.area));
-  geometry.setAttribute('marks', woven(formed.contact, formed.chart, formed.gap));
-  geometry.setAttribute('errors', woven(formed.position, formed.colour));
+  geometry.setAttribute('marks', woven(formed.contact, formed.chart));
+  geometry.setAttribute('value', new BufferAttribute(formed.contact, 1));
   const fine = new BufferAttribute(formed.indices, 1), few = coarse(formed), rough = few && new BufferAttribute(few, 1);
   geometry.setIndex(fine);
 
-  const ramps = {distortion: ramp('shape'), plain: ramp('thickness'), air: ramp('air')};
+  const ramps = new Map<string, DataTexture>();
   const canvas = document.createElement('canvas');
   canvas.width = canvas.height = overlaySize;
   const overlay = new CanvasTexture(canvas);
@@ -86,9 +84,9 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   overlay.premultiplyAlpha = true;
   overlay.colorSpace = NoColorSpace;
   const uniforms = {
-    map: {value: 0}, cut: {value: 0}, onPrint: {value: false}, moved: {value: false}, place: {value: new Matrix3()}, range: {value: new Vector3()},
+    kind: {value: 0}, overInk: {value: true}, cut: {value: 0}, onPrint: {value: false}, moved: {value: false}, place: {value: new Matrix3()}, range: {value: new Vector3()},
     outline: {value: new Color()}, noValue: {value: new Vector3(...noValue)}, touches: {value: new Vector3(...touches)},
-    touchesNot: {value: new Vector3(...touchesNot)}, printed: {value: printed}, drawn: {value: drawn}, ramp: {value: ramps.plain},
+    touchesNot: {value: new Vector3(...touchesNot)}, printed: {value: printed}, drawn: {value: drawn}, ramp: {value: null as DataTexture | null},
     overlay: {value: overlay},
   };
   const material = new ShaderMaterial({uniforms, vertexShader, fragmentShader, glslVersion: GLSL3, side: DoubleSide});
@@ -120,7 +118,7 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
 
   // Against the ground for the heat maps, whose ends are as dark or as bright as it; on the sheet itself for the print.
   const setOutline = (): void => {
-    uniforms.outline.value = uniforms.map.value === 0 ? new Color(0.13, 0.17, 0.2) : viewer.colour('--text');
+    uniforms.outline.value = uniforms.kind.value === kinds.print ? new Color(0.13, 0.17, 0.2) : viewer.colour('--text');
   };
   viewer.on('theme', () => {
     setOutline();
@@ -139,10 +137,16 @@ export async function createSheet(viewer: Viewer, formed: Formed, left: LeftSide
   return {
     picture: {size, origin},
     show(what) {
-      uniforms.map.value = mapNumbers[what.map];
+      const {map} = what, values = typeof map === 'string' ? undefined : formed.maps.get(map.id);
+      uniforms.kind.value = typeof map === 'string' ? kinds[map] : kinds.heat;
+      uniforms.overInk.value = typeof map === 'string' || map.over_ink;
       setOutline();
-      uniforms.ramp.value = what.map === 'shape' || what.map === 'area' ? ramps.distortion : what.map === 'air' ? ramps.air : ramps.plain;
-      if (what.range) uniforms.range.value.set(what.range.low, what.range.high, what.isolines && isHeat(what.map) ? what.range.step : 0);
+      if (values && typeof map !== 'string') {
+        geometry.setAttribute('value', new BufferAttribute(values, 1));
+        uniforms.ramp.value = ramps.get(map.id) ?? ramp(map);
+        ramps.set(map.id, uniforms.ramp.value);
+        uniforms.range.value.set(map.low, map.high, what.isolines ? map.step : 0);
+      }
       uniforms.moved.value = what.place !== null;
       if (what.place) uniforms.place.value.set(...what.place as [number, number, number, number, number, number, number, number, number]);
       viewer.halves = what.sideBySide ? (half) => { uniforms.cut.value = half === 0 ? 2 : -1; } : null;

@@ -3,8 +3,8 @@ import type {Job} from '../api/types';
 
 // ---- what is looked at; a link restores it ----
 
-export const maps = ['print', 'shape', 'area', 'thickness', 'temperature', 'contact', 'air', 'position', 'colour'] as const;
-export type MapName = (typeof maps)[number];
+// What the sheet shows: the print, where it touches the mold, or a heat map of the report by its id.
+export type MapName = string;
 export const modes = ['with', 'drawn', 'split', 'side'] as const;
 export type Mode = (typeof modes)[number];
 
@@ -27,7 +27,7 @@ export function resultOf(query: string): ResultState {
   const given = new URLSearchParams(query), cut = Number(given.get('cut') ?? 50);
   return {
     tab: oneOf(['part', 'sheet'], given.get('tab'), 'part'),
-    map: oneOf(maps, given.get('map'), 'print'),
+    map: given.get('map') ?? 'print',
     mode: oneOf(modes, given.get('mode'), 'split'),
     cut: cut >= 0 && cut <= 100 ? cut / 100 : 0.5,
     isolines: given.get('lines') !== 'off',
@@ -66,8 +66,8 @@ interface CoilSummary {
   strongest_pair?: Pair | null;
 }
 interface Way {
-  anisotropy: Spread;
-  area_ratio: Spread;
+  shape: Spread;
+  area: Spread;
   coils?: CoilSummary;
 }
 interface CoilSide {
@@ -84,13 +84,23 @@ interface CoilSide {
 interface PairSide {
   k: number | null;
 }
+export interface HeatMap {
+  id: string;         // of preview-ID.png and of the attribute _ID of formed.glb
+  title: string;
+  unit: string;
+  low: number;        // the range of the colours
+  high: number;
+  step: number;       // between isolines and between the marks of the legend
+  limit: number | null;  // the tolerance
+  over_ink: boolean;  // whether the ink may be shown with it
+  colours: string[];  // evenly over the range
+}
 export interface PrintReport {
+  maps: HeatMap[];
   label?: string;
   scan?: {mirrored: boolean};
   thickness: {initial_mm: number; least_mm: number; least_ratio: number};
   flattening: {top_rest_mm: [number, number]};
-  pattern?: {colours?: {errors?: object}};
-  heat: {window_c?: [number, number]};  // absent in reports of earlier versions
   print: {inked_face: string; mirrored: boolean};
   figures: {with: Way; without: Way};
   coils?: {id: string; drawn_diameter_mm: number; with?: CoilSide | null; without?: CoilSide | null}[];

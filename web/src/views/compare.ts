@@ -38,7 +38,7 @@ const figures = [
   ['round', 'coils.mean_circularity', share], ['round_worst', 'coils.worst_circularity', share],
   ['area', 'coils.mean_area_error', share], ['area_worst', 'coils.worst_area_error', share],
   ['spacing', 'coils.spacing_rms_mm', mm], ['coupling', 'coils.worst_k', plain], ['on_head', 'coils.on_head', whole],
-  ['anisotropy', 'anisotropy.mean', plain], ['anisotropy_95', 'anisotropy.p95', plain], ['area_ratio', 'area_ratio.mean', plain],
+  ['chart_shape', 'shape.mean', plain], ['chart_shape_95', 'shape.p95', plain], ['chart_area', 'area.mean', plain],
 ] as const;
 const single = [['thinnest', 'thickness.least_mm', mm], ['printed', 'pattern.ink_printed', share], ['on_mold', 'pattern.ink_on_head', share]] as const;
 

@@ -17,8 +17,7 @@ function flat(): Formed {
     }
   const zeros = new Float32Array(25), f = (values: number[]): Float32Array => Float32Array.from(values);
   return {positions: f(positions), sheet: f(sheet), pattern: f(pattern), chart: f(chart), indices: Uint32Array.from(indices), normals: f(chart.flatMap(() => [0, 0, 1])),
-          texture: zeros, thickness: zeros, temperature: zeros, contact: zeros, shape: zeros, area: zeros, gap: zeros,
-          position: f(chart.map((on) => on ? 0.25 : -1)), colour: f(chart.map((on) => on ? 2 : -1)), printed: new Blob(), drawn: new Blob()};
+          texture: zeros, contact: zeros, maps: new Map([['gap', zeros], ['position', f(chart.map((on) => on ? 0.25 : -1))]]), printed: new Blob(), drawn: new Blob()};
 }
 const near = (a: readonly number[] | null | undefined, b: readonly number[]): void =>
   assert.ok(a && a.every((value, k) => Math.abs(value - b[k]!) < 1e-3), `${a} instead of ${b}`);
@@ -30,10 +29,10 @@ test('the nearest point lies between the vertices, and on the chart where that i
   near(nearest(flat(), [18, 0, 50], true).point, [10, 0, 50]);
 });
 
-test('the errors of the colours are read where all corners have colour', () => {
+test('a map is read where all corners have a value', () => {
   const inside = nearest(flat(), [3, 4, 50]), rim = nearest(flat(), [18, 0, 50]);
-  near([inside.position!, inside.colour!], [0.25, 2]);
-  assert.deepEqual([rim.position, rim.colour], [null, null]);
+  near([inside.values.get('position')!, inside.values.get('gap')!], [0.25, 0]);
+  assert.deepEqual([rim.values.get('position'), rim.values.get('gap')], [null, 0]);
 });
 
 test('a point of the drawing and a point of the flat sheet are found on the part', () => {

@@ -165,7 +165,7 @@ Result<TemperatureField> read_points(Table& table, const SheetSettings& sheet) {
   return through_points(points, sheet.width_mm, sheet.height_mm);
 }
 
-Result<TemperatureField> read_text(const MeasuredFile& file, const SheetSettings& sheet) {
+Result<TemperatureField> read_text(const InputFile& file, const SheetSettings& sheet) {
   Table table(file.bytes, file.name);
   if (!table.next())
     return fail(Code::corrupt_file, "there is no temperature in the file", file.name,
@@ -175,7 +175,7 @@ Result<TemperatureField> read_text(const MeasuredFile& file, const SheetSettings
   return header ? read_points(table, sheet) : read_rows(table, sheet);
 }
 
-Result<TemperatureField> read_picture(const MeasuredFile& file, const SheetSettings& sheet,
+Result<TemperatureField> read_picture(const InputFile& file, const SheetSettings& sheet,
                                       const HeatSettings& heat) {
   if (!heat.black_c || !heat.white_c)
     return fail(Code::bad_settings, "the temperatures of black and white in the picture are not given",
@@ -194,7 +194,7 @@ Result<TemperatureField> read_picture(const MeasuredFile& file, const SheetSetti
 
 }  // namespace
 
-Result<TemperatureField> read_measured_field(const MeasuredFile& file, const SheetSettings& sheet,
+Result<TemperatureField> read_measured_field(const InputFile& file, const SheetSettings& sheet,
                                              const HeatSettings& heat) {
   if (file.bytes.size() > largest_file)
     return fail(Code::too_large, "the file of temperatures is larger than 64 MiB", file.name,

@@ -1,19 +1,11 @@
 // A measured temperature field: a table of a thermal camera, readings of a hand-held thermometer, or a gray picture.
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <string>
-
 #include "api/settings.hpp"
 #include "worker/forming/heat/temperature_field.hpp"
+#include "worker/stage/input_file.hpp"
 
 namespace vacuform {
-
-struct MeasuredFile {
-  std::span<const std::uint8_t> bytes;
-  std::string name;  // for messages
-};
 
 // One of these formats, detected by content:
 //  - text of rows of degrees Celsius that tile the sheet, seen from above, the first row along its upper edge (t most),
@@ -24,7 +16,7 @@ struct MeasuredFile {
 // Values are separated by commas, or by semicolons (then a comma may be the decimal point), or by blanks. Lines that are
 // empty or begin with # are skipped. Untrusted bytes; at most 64 MiB, 4 million values, 200,000 points.
 // Errors: corrupt_file with the line, too_large, unsupported_format, bad_settings (a picture without a scale).
-Result<TemperatureField> read_measured_field(const MeasuredFile& file, const SheetSettings& sheet,
+Result<TemperatureField> read_measured_field(const InputFile& file, const SheetSettings& sheet,
                                              const HeatSettings& heat);
 
 }  // namespace vacuform

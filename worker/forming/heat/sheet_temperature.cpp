@@ -16,7 +16,7 @@ namespace {
 constexpr double much_through_thickness = 20;  // degrees: as much as half a forming window
 
 Result<SheetTemperature> by_source(const SheetSettings& sheet, const MachineSettings& machine,
-                                   const HeatSettings& heat, const std::optional<MeasuredFile>& measured,
+                                   const HeatSettings& heat, const std::optional<InputFile>& measured,
                                    const Context& context) {
   switch (heat.source) {
     case HeatSource::uniform:
@@ -37,7 +37,7 @@ Result<SheetTemperature> by_source(const SheetSettings& sheet, const MachineSett
       return out;
     }
     case HeatSource::measured: {
-      VACUFORM_TRY(field, read_measured_field(*measured, sheet, heat));
+      VACUFORM_TRY(field, read_measured_field(measured.value(), sheet, heat));
       return SheetTemperature{std::move(field), {}};
     }
   }
@@ -68,15 +68,8 @@ void summarize(SheetTemperature& temperature, const MachineSettings& machine) {
 }  // namespace
 
 Result<SheetTemperature> sheet_temperature(const SheetSettings& sheet, const MachineSettings& machine,
-                                           const HeatSettings& heat,
-                                           const std::optional<MeasuredFile>& measured,
+                                           const HeatSettings& heat, const std::optional<InputFile>& measured,
                                            const Context& context) {
-  if (heat.source == HeatSource::measured && !measured)
-    return fail(Code::bad_settings, "there is no file of measured temperatures", "heat.source",
-                "give one as --temperature FILE, or choose another source");
-  if (heat.source != HeatSource::measured && measured)
-    return fail(Code::bad_usage, "measured temperatures are given, but the settings take them from elsewhere",
-                "heat.source", "set heat.source to measured, or leave the file out");
   VACUFORM_TRY(temperature, by_source(sheet, machine, heat, measured, context));
   temperature.summary.source = heat.source;
   summarize(temperature, machine);

@@ -26,10 +26,9 @@ struct SheetTemperature {
 };
 
 // heat.source uniform: heat.temperature_c; heaters: heat_sheet(); measured: read_measured_field() of `measured`, which
-// only that source may have. Errors: bad_settings, bad_usage, those of the two; cancelled.
+// is there for that source alone (check_inputs()). Errors: those of the two; cancelled.
 Result<SheetTemperature> sheet_temperature(const SheetSettings& sheet, const MachineSettings& machine,
-                                           const HeatSettings& heat,
-                                           const std::optional<MeasuredFile>& measured,
+                                           const HeatSettings& heat, const std::optional<InputFile>& measured,
                                            const Context& context);
 
 }  // namespace vacuform

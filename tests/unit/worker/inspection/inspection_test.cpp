@@ -1,4 +1,5 @@
 #include "worker/inspection/inspection.hpp"
+#include "worker/inspection/heat_maps.hpp"
 
 #include <gtest/gtest.h>
 
@@ -64,29 +65,31 @@ TEST(SingularValues, AreThoseOfKnownMaps) {
   }
 }
 
+Distortion distortion_of(const FormedSheet& sheet, const Flattening& flattening, const CornersUv& uv) {
+  return distortion(distortion_values(hand_made::inked(sheet), flattening.triangles, uv));
+}
+
 TEST(Distortion, EqualsTheStretchOfASheet) {
   Matrix2d stretch;
   stretch << 2, 0.3, 0, 1.25;
   const Sample x = hand_made::stretched(100, 10, stretch);
   const Vector2d s = Eigen::JacobiSVD<Matrix2d>(stretch).singularValues();
-  const Distortion without = distortion(hand_made::inked(x.sheet), x.flattening.triangles,
-                                        corners_of(x.sheet, x.flattening, x.sheet.rest));
-  for (const double v :
-       {without.anisotropy.mean, without.anisotropy.p95, without.anisotropy.p99, without.anisotropy.max})
+  const Distortion without =
+      distortion_of(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, x.sheet.rest));
+  for (const double v : {without.shape.mean, without.shape.p95, without.shape.p99, without.shape.max})
     EXPECT_NEAR(v, s[0] / s[1], 1e-9);
-  for (const double v : {without.area_ratio.mean, without.area_ratio.max}) EXPECT_NEAR(v, 2.5, 1e-9);
-  const Distortion with = distortion(hand_made::inked(x.sheet), x.flattening.triangles,
-                                     corners_of(x.sheet, x.flattening, x.flattening.chart));
-  EXPECT_NEAR(with.anisotropy.max, 1, 1e-6);
-  EXPECT_NEAR(with.area_ratio.max, 1, 1e-9);
+  for (const double v : {without.area.mean, without.area.max}) EXPECT_NEAR(v, 2.5, 1e-9);
+  const Distortion with =
+      distortion_of(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, x.flattening.chart));
+  EXPECT_NEAR(with.shape.max, 1, 1e-6);
+  EXPECT_NEAR(with.area.max, 1, 1e-9);
   // A shrunken area counts like a grown one, and neither a turn nor a shift of the pattern counts at all.
   std::vector<Vector2d> uv;
   for (const auto& st : x.sheet.rest)
     uv.push_back(2 * Vector2d(-(stretch * st).y(), (stretch * st).x()) + Vector2d(5, 9));
-  const Distortion shrunk =
-      distortion(hand_made::inked(x.sheet), x.flattening.triangles, corners_of(x.sheet, x.flattening, uv));
-  EXPECT_NEAR(shrunk.area_ratio.mean, 4, 1e-9);
-  EXPECT_NEAR(shrunk.anisotropy.mean, 1, 1e-6);
+  const Distortion shrunk = distortion_of(x.sheet, x.flattening, corners_of(x.sheet, x.flattening, uv));
+  EXPECT_NEAR(shrunk.area.mean, 4, 1e-9);
+  EXPECT_NEAR(shrunk.shape.mean, 1, 1e-6);
 }
 
 TEST(Distortion, PercentilesAreByInkedArea) {
@@ -115,16 +118,15 @@ TEST(Distortion, PercentilesAreByInkedArea) {
   };
   double mean = 0;
   for (const double v : stretch) mean += v * v / total;
-  const Distortion d =
-      distortion(hand_made::inked(sheet), flattening.triangles, corners_of(sheet, flattening, sheet.rest));
-  EXPECT_NEAR(d.anisotropy.mean, mean, 1e-9);
-  EXPECT_NEAR(d.anisotropy.p95, percentile(0.95), 1e-9);
-  EXPECT_NEAR(d.anisotropy.p99, percentile(0.99), 1e-9);
-  EXPECT_NEAR(d.anisotropy.max, 2.0, 1e-9);
-  EXPECT_NEAR(d.area_ratio.p95, percentile(0.95), 1e-9);
-  EXPECT_GT(d.anisotropy.p95, 1.95);  // unweighted it would be 1.95
-  const Distortion none = distortion(hand_made::inked(sheet), {}, CornersUv{});
-  EXPECT_EQ(none.anisotropy.max, 0);
+  const Distortion d = distortion_of(sheet, flattening, corners_of(sheet, flattening, sheet.rest));
+  EXPECT_NEAR(d.shape.mean, mean, 1e-9);
+  EXPECT_NEAR(d.shape.p95, percentile(0.95), 1e-9);
+  EXPECT_NEAR(d.shape.p99, percentile(0.99), 1e-9);
+  EXPECT_NEAR(d.shape.max, 2.0, 1e-9);
+  EXPECT_NEAR(d.area.p95, percentile(0.95), 1e-9);
+  EXPECT_GT(d.shape.p95, 1.95);  // unweighted it would be 1.95
+  const Distortion none = distortion({});
+  EXPECT_EQ(none.shape.max, 0);
 }
 
 TEST(MoldDistance, IsExactOnAnOctahedron) {
@@ -175,17 +177,16 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   EXPECT_EQ(r["print"]["size_pixels"], (nlohmann::json{1182, 1182}));
   // The dome's own figures: on the meridian 1.197, around it falling to 0.844 at its foot.
   const auto& figures = r["figures"];
-  EXPECT_NEAR(figures["without"]["area_ratio"]["max"].get<double>(), 1.43, 0.01);
-  EXPECT_GT(figures["without"]["area_ratio"]["mean"].get<double>(),
-            figures["with"]["area_ratio"]["mean"].get<double>());
+  EXPECT_NEAR(figures["without"]["area"]["max"].get<double>(), 1.43, 0.01);
+  EXPECT_GT(figures["without"]["area"]["mean"].get<double>(), figures["with"]["area"]["mean"].get<double>());
   for (const char* side : {"with", "without"})
-    for (const char* figure : {"anisotropy", "area_ratio"})
+    for (const char* figure : {"shape", "area"})
       for (const char* statistic : {"mean", "p95", "p99", "max"})
         EXPECT_GE(figures[side][figure][statistic], 1.0);
-  for (const auto& [figure, way] : {std::pair{"anisotropy", "with"},
-                                    {"anisotropy", "without"},
-                                    {"area_ratio", "with"},
-                                    {"area_ratio", "without"},
+  for (const auto& [figure, way] : {std::pair{"shape", "with"},
+                                    {"shape", "without"},
+                                    {"area", "with"},
+                                    {"area", "without"},
                                     {"thickness_ratio", "shares"}}) {
     double sum = 0;
     for (const double share : r["histograms"][figure][way]) sum += share;
@@ -551,22 +552,38 @@ TEST(Previews, WithoutFindingsSaySoInTheUsualSize) {
   EXPECT_EQ(picture.pixels.size(), 1'000'000u);
 }
 
-TEST(Previews, ScalesEndAtRoundNumbers) {
-  const auto scale = [](double low, double high, bool fixed) {
-    const Scale s = round_scale(low, high, fixed, "");
-    return std::array<double, 3>{s.low, s.high, s.step};
+TEST(HeatMaps, OfOneSettingHaveOneRangeAndColoursThatEndWithIt) {
+  Job job = printed_jobs::small_dome();
+  job.sample.settings.sheet.thickness_mm = 2;
+  job.sample.settings.forming.thin_limit = 0.25;
+  const std::vector<HeatMap> maps = heat_maps(job.finished());
+  ASSERT_EQ(maps.size(), 4u);  // evenly warm, and without colours
+  const HeatMap &shape = maps[0], &thickness = maps[2], &gap = maps[3];
+  EXPECT_EQ(thickness.id, "thickness");
+  EXPECT_EQ(thickness.low, 0.5);
+  EXPECT_EQ(thickness.high, 2);
+  EXPECT_NEAR(thickness.step, 0.2, 1e-12);
+  const auto is = [](const Rgb& colour, int r, int g, int b) {
+    EXPECT_NEAR((255 * colour - Rgb(r, g, b)).cwiseAbs().maxCoeff(), 0, 0.51) << colour.transpose();
   };
-  const auto near = [](const std::array<double, 3>& a, const std::array<double, 3>& b) {
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], 1e-9);
-  };
-  near(scale(1, 1.541, true), {1, 1.6, 0.1});
-  near(scale(1, 2.24, true), {1, 2.25, 0.25});
-  near(scale(0.578, 1, false), {0.5, 1, 0.1});
-  near(scale(1, 1, true), {1, 1.001, 0.0002});
-  const Rgb low = viridis(-1), high = viridis(2), none = viridis(NAN);
-  EXPECT_NEAR(low.x(), 68 / 255.0, 1e-6);
-  EXPECT_NEAR(high.x(), 253 / 255.0, 1e-6);
-  EXPECT_EQ(none, low);
+  is(thickness.colour(0.1), 0x00, 0x20, 0x4d);
+  is(thickness.colour(3), 0xff, 0xea, 0x46);
+  is(thickness.colour(0.5 + 1.5 / 9 * 3.5), (0x57 + 0x70) / 2, (0x5c + 0x71) / 2, (0x6d + 0x73) / 2);
+  is(shape.colour(1), 0xf7, 0xf7, 0xf7);
+  is(gap.colour(0), 0xff, 0xea, 0x46);  // bright where the sheet touches
+  // Where there is no value: the chart has no place on the flat rim.
+  EXPECT_TRUE(std::any_of(shape.values.begin(), shape.values.end(), [](double v) { return std::isnan(v); }));
+  for (std::size_t v = 0; v < gap.values.size(); ++v) {
+    const Contact contact = job.sample.sheet.contact[v];
+    EXPECT_EQ(std::isnan(gap.values[v]), contact == Contact::platform || contact == Contact::clamp);
+    if (contact == Contact::mold) {
+      EXPECT_EQ(gap.values[v], 0);
+    }
+  }
+  const auto json = heat_maps_json(maps);
+  EXPECT_EQ(json[2]["title"], "Thickness of the formed sheet");
+  EXPECT_EQ(json[2]["colours"][9], "#ffea46");
+  EXPECT_EQ(json[2]["limit"], nullptr);
 }
 
 TEST(Previews, ASheetWithoutAChartIsStillShown) {

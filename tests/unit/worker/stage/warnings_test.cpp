@@ -39,24 +39,6 @@ TEST(Warnings, EveryCodeInTheSourcesIsInTheTableAndTheOtherWayRound) {
   EXPECT_EQ(used, known);
 }
 
-TEST(Warnings, TheReferencePageHasTheTablesSeverityAndFix) {
-  const std::string page = text_of(source / "docs/reference/warnings.md");
-  std::string expected_codes, listed_codes;
-  for (const WarningKind& kind : warning_kinds()) {
-    const std::string code(kind.code);
-    expected_codes += code + "\n";
-    const std::regex row("\\| `" + code + "` \\| ([a-z]+) \\| ([^|\n]{20,}\\.) \\| ([^|\n]+) \\|\n");
-    std::smatch found;
-    ASSERT_TRUE(std::regex_search(page, found, row)) << code;
-    EXPECT_EQ(found[1].str(), name(kind.severity)) << code;
-    EXPECT_EQ(found[3].str(), kind.fix) << code;
-  }
-  const std::regex any("\n\\| `([a-z0-9-]+)` \\|");
-  for (std::sregex_iterator it(page.begin(), page.end(), any), end; it != end; ++it)
-    listed_codes += (*it)[1].str() + "\n";
-  EXPECT_EQ(listed_codes, expected_codes);
-}
-
 TEST(Warnings, HaveSeverityPlaceFigureAndFixAsJson) {
   Warning warning{"thin", "The sheet thins", {{{1, 2, 3.04}, 5}, {{4, 5, 6}, 2}}};
   warning.figure = Warning::Figure{12.34567, "%", 30.0};

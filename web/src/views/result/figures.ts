@@ -20,13 +20,13 @@ export function keyFigures(report: PrintReport): HTMLElement {
     typeof round === 'number'
       ? figure(t('result.out_of_round'), percent(round, 1),
           t('result.mean_of', {count: coils?.on_head ?? 0}), ' ', against(both?.round))
-      : figure(t('result.shape_error'), percent(made.anisotropy.mean - 1, 1),
-          t('result.without', {value: percent(without.anisotropy.mean - 1, 1)})),
+      : figure(t('result.shape_error'), percent(made.shape.mean - 1, 1),
+          t('result.without', {value: percent(without.shape.mean - 1, 1)})),
     typeof area === 'number'
       ? figure(t('result.area_off'), percent(area, 1),
           t('result.mean_of', {count: coils?.on_head ?? 0}), ' ', against(both?.area))
-      : figure(t('result.area_off'), percent(made.area_ratio.mean - 1, 1),
-          t('result.without', {value: percent(without.area_ratio.mean - 1, 1)})),
+      : figure(t('result.area_off'), percent(made.area.mean - 1, 1),
+          t('result.without', {value: percent(without.area.mean - 1, 1)})),
     figure(t('result.thinnest'), withUnit(least, 'mm', 2), t('result.thinnest_of', {share: percent(ratio), flat: withUnit(report.thickness.initial_mm, 'mm')})),
     pair && figure(t('result.strongest'), number(Math.abs(pair.k), 3), t('result.strongest_of', {a: pair.coils[0], b: pair.coils[1]})));
 }

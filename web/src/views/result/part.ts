@@ -11,11 +11,11 @@ import {split} from '../../parts/split';
 import {readFormed} from '../../read/formed';
 import {toJob} from '../../route';
 import {announce, store} from '../../state';
-import {centreLines, maps, modes, queryOf, type Coil, type Line, type MapName, type PrintReport, type ResultState} from '../../state/result';
-import {colourAt, css, isHeat, marksOf, noValue, rangeOf, touches, touchesNot, type HeatName, type Range} from '../../scene/colour';
+import {centreLines, modes, queryOf, type Coil, type HeatMap, type Line, type MapName, type PrintReport, type ResultState} from '../../state/result';
+import {colourAt, css, marksOf, noValue, touches, touchesNot} from '../../scene/colour';
 import type {Sheet, Spot, Viewer} from '../../scene/sheet';
 import {number, t, withUnit} from '../../text';
-import {coilsAt, readings, readout} from './readout';
+import {coilsAt, readings, readout, titleOfMap, valueOf} from './readout';
 import {framed} from './picture';
 
 type Place = readonly [number, number, number];
@@ -36,15 +36,6 @@ export interface Part {
 }
 
 export const setResult = (change: Partial<ResultState>): void => store.set((state) => ({result: {...state.result, ...change}}));
-const units: Record<HeatName, string> = {shape: '', area: '', thickness: 'mm', temperature: '°C', air: 'mm', position: 'mm', colour: ''};
-const hasValue: Record<HeatName, (spot: Spot) => number | null> = {
-  shape: (spot) => spot.shape, area: (spot) => spot.area, thickness: (spot) => spot.thickness, temperature: (spot) => spot.temperature, air: (spot) => spot.gap,
-  position: (spot) => spot.position, colour: (spot) => spot.colour};
-
-const valuesText = (low: number, high: number, unit: string): string => {
-  const [from, to] = [number(low, 0), withUnit(high, unit, 0)];
-  return to.startsWith(`${from} `) ? t('result.everywhere', {value: to}) : t('result.from_to', {from, to});
-};
 
 function pictures(job: Job, identity: string): HTMLElement {
   const files = job.artifacts.filter((file) => /^preview-(?!pattern|print)/.test(file.name));
@@ -66,10 +57,11 @@ export function loadModel(job: Job): Model {
 export function partView(job: Job, report: PrintReport, model: Model, coils: readonly Coil[], ends: (() => void)[]): Part {
   const identity = identityOf(job, report);
   const group = (name: string): Record<string, unknown> => job.settings[name] ?? {};
-  const tolerances = {
-    thickness: report.thickness.initial_mm, thinLimit: Number(group('forming')['thin_limit'] ?? 0.3),
-    distortionLimit: Number(group('pattern')['distortion_limit'] ?? 1.1), window: report.heat.window_c ?? [80, 200] as const};
-  const range = (map: MapName): Range | null => isHeat(map) ? rangeOf(map, tolerances) : null;
+  const heatOf = (map: MapName): HeatMap | undefined => report.maps.find(({id}) => id === map);
+  const titleOfShown = (map: MapName): string => {
+    const heat = heatOf(map);
+    return heat ? titleOfMap(heat) : t(map === 'contact' ? 'result.map_contact' : 'result.map_print');
+  };
   const host = el('div', {class: 'result-view'}, el('p', {class: 'quiet', role: 'status'}, t('result.loading_3d')));
   const reading = readout();
   const legendHost = el('div', {class: 'legend-host'});
@@ -79,7 +71,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   let look: ((sheet: Sheet) => Look) | null = null;
   let {place, pairs}: Look = {place: null, pairs: []};
   let asked: ((spot: Spot | null | undefined) => void) | null = null;
-  const found: Partial<Record<MapName, string>> = {};  // the values of a map
+  const found = new Map<string, [least: number, most: number]>();  // the values of a map
   let last: Spot | null = null;           // what the readout shows
   let marked: Spot | null = null;         // the place of a warning
   let measuring = false, still = false;
@@ -91,9 +83,8 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   });
 
   // ---- the choices beside the view
-  const choice = (value: MapName): HTMLElement => el('option', {value}, t(`result.map_${value}`));
-  const map = el('select', {id: 'result-map', onchange: () => setResult({map: maps.find((one) => one === map.value) ?? 'print'})},
-                 ...maps.slice(0, report.pattern?.colours?.errors ? maps.length : -2).map(choice));  // the last two are errors of colours
+  const map = el('select', {id: 'result-map', onchange: () => setResult({map: map.value})},
+                 ...['print', 'contact', ...report.maps.map(({id}) => id)].map((value) => el('option', {value}, titleOfShown(value))));
   const isolines = el('input', {type: 'checkbox', id: 'result-lines', onchange: () => setResult({isolines: isolines.checked})});
   const isolinesField = el('label', {class: 'choice', for: 'result-lines'}, isolines, t('result.isolines'));
   const modeButtons = modes.map((mode) => el('button', {type: 'button', onclick: () => setResult({mode})}, t(`result.mode_${mode}`)));
@@ -208,37 +199,39 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
       return;
     }
     last = spot;
-    const rows = readings(spot, lines), {map: shown} = store.get().result;
+    const rows = readings(spot, report.maps, lines), {map: shown} = store.get().result;
     reading.show(rows);
-    bar?.mark(isHeat(shown) ? hasValue[shown](spot) : null);
+    bar?.mark(spot.values.get(shown) ?? null);
     if (aloud) announce(rows.map(([name, value]) => `${name}: ${value}`).join('; '));
   }
 
   // ---- following the state
   function showLegend(shown: MapName): void {
-    const now = range(shown);
+    const heat = heatOf(shown);
     bar = null;
-    if (now && isHeat(shown)) {
-      const unit = units[shown], least = shown !== 'thickness' && shown !== 'temperature';
+    if (heat) {
+      const {low, high, limit} = heat, [least, most] = found.get(heat.id) ?? [low, high];
       bar = legend({
-        title: t(`result.legend_${shown}`), unit, found: found[shown], low: now.low, high: now.high, marks: marksOf(now), limit: now.limit,
-        limitText: now.limit === undefined ? '' : t('result.limit', {value: number(now.limit, 2)}),
-        colours: Array.from({length: 11}, (_, i) => css(colourAt(shown, i / 10))),
-        below: least ? '' : t('result.below', {value: withUnit(now.low, unit)}),
-        above: t('result.above', {value: unit ? withUnit(now.high, unit) : number(now.high)})});
+        title: titleOfMap(heat), unit: heat.unit, low, high, marks: marksOf(heat), limit: limit ?? undefined,
+        found: found.has(heat.id) ? t('result.from_to', {from: valueOf(heat, least), to: valueOf(heat, most)}) : undefined,
+        limitText: limit === null ? '' : t('result.limit', {value: number(limit, 2)}),
+        colours: heat.colours,
+        below: least < low ? t('result.below', {value: valueOf(heat, low)}) : '',
+        above: most > high ? t('result.above', {value: valueOf(heat, high)}) : ''});
     }
     legendHost.replaceChildren(...(bar ? [bar.element] : shown === 'contact'
       ? [kindsLegend(t('result.map_contact'), [{text: t('result.contact_mold'), colour: css(touches)},
                                                {text: t('result.contact_free'), colour: css(touchesNot), hatched: true},
                                                {text: t('result.contact_elsewhere'), colour: css(noValue)}])] : []));
-    if (last && bar && isHeat(shown)) bar.mark(hasValue[shown](last));
+    if (last && bar) bar.mark(last.values.get(shown) ?? null);
   }
   let before: ResultState | null = null;
   function apply(now: ResultState): void {
     if (before?.map !== now.map) showLegend(now.map);
-    map.value = now.map;
+    const heat = heatOf(now.map), shown = heat ?? (now.map === 'contact' ? 'contact' : 'print');
+    map.value = heat ? heat.id : now.map === 'contact' ? 'contact' : 'print';
     isolines.checked = now.isolines;
-    isolinesField.hidden = !isHeat(now.map);
+    isolinesField.hidden = !heat;
     modeButtons.forEach((button, i) => button.setAttribute('aria-pressed', String(modes[i] === now.mode)));
     const moved = place !== null;
     previewNote.hidden = !moved || !sheet;
@@ -246,7 +239,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
     divider.element.hidden = moved || now.mode !== 'split';
     sideLabels.hidden = moved || now.mode !== 'side';
     sheet?.show({
-      map: now.map, range: range(now.map), isolines: now.isolines, sideBySide: !moved && now.mode === 'side',
+      map: shown, isolines: now.isolines, sideBySide: !moved && now.mode === 'side',
       cut: now.mode === 'drawn' ? 1 : now.mode === 'split' ? now.cut : 0, place});
     if (now.mode === 'split' && (before?.mode !== 'split' || before.cut !== now.cut)) divider.set(now.cut);
     if (before && before.coil !== now.coil) {
@@ -261,7 +254,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   }
   function summary(now: ResultState): string {
     const worst = Math.max(0, ...coils.filter((coil) => coil.onHead).map((coil) => coil.round));
-    return [t('result.summary', {map: t(`result.map_${now.map}`), thinnest: withUnit(report.thickness.least_mm, 'mm', 2)}),
+    return [t('result.summary', {map: titleOfShown(now.map), thinnest: withUnit(report.thickness.least_mm, 'mm', 2)}),
             coils.length > 0 && t('result.summary_coils', {count: coils.length, worst: `${number(100 * worst, 1)} %`})].filter(Boolean).join(' ');
   }
   // The address always restores the view, also after a reload.
@@ -286,16 +279,16 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
   }
   async function savePicture(): Promise<void> {
     if (!viewer) return;
-    const {map: shown, mode, cut} = store.get().result, now = range(shown), unit = isHeat(shown) ? units[shown] : '';
+    const {map: shown, mode, cut} = store.get().result, heat = heatOf(shown);
     const names: [string, string] = [t('result.mode_drawn'), t('result.mode_with')];
     const blob = await framed(viewer.snapshot(), {
       identity, view: [t('viewer.spoken', {view: viewer.viewWords()}), way.length > 0 && measured.textContent].filter(Boolean).join(' '),
-      title: place ? t('result.preview_title') : shown === 'print' && mode !== 'split' && mode !== 'side' ? t(`result.mode_${mode}`) : t(`result.map_${shown}`),
+      title: place ? t('result.preview_title') : shown === 'print' && mode !== 'split' && mode !== 'side' ? t(`result.mode_${mode}`) : titleOfShown(shown),
       ...(mode === 'side' && !place && {halves: names}),
       ...(mode === 'split' && !place && {cut: {share: cut, left: names[0], right: names[1]}}),
-      ...(now && isHeat(shown) && {colours: {
-        css: Array.from({length: 21}, (_, i) => css(colourAt(shown, i / 20))), unit,
-        marks: marksOf(now).map((mark) => [(mark - now.low) / (now.high - now.low), number(mark)] as const)}}),
+      ...(heat && {colours: {
+        css: Array.from({length: 21}, (_, i) => css(colourAt(heat, i / 20))), unit: heat.unit,
+        marks: marksOf(heat).map((mark) => [(mark - heat.low) / (heat.high - heat.low), number(mark)] as const)}}),
     });
     const url = URL.createObjectURL(blob);
     el('a', {href: url, download: `${nameOf(job).replace(/[^\w.-]+/g, '-')}-${shown}.png`}).click();
@@ -326,8 +319,11 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
       const {camera} = store.get().result;
       replace(host, viewer.element);
       const side = group('scan')['left_side'];
-      const formed = readFormed(file), [low, high] = [Math.min, Math.max].map((of) => formed.temperature.reduce((a, b) => of(a, b)));
-      found.temperature = valuesText(low!, high!, units.temperature);
+      const formed = readFormed(file);
+      for (const [id, values] of formed.maps) {
+        const known = values.filter((value) => value >= 0), ends = [Math.min, Math.max].map((of) => known.reduce((a, b) => of(a, b), known[0] ?? 0));
+        found.set(id, [ends[0]!, ends[1]!]);
+      }
       const made = await scene.createSheet(viewer, formed, side === 'minus_x' || side === 'plus_x' ? side : 'unknown');
       if (over) return;
       sheet = made;

@@ -11,8 +11,7 @@ namespace vacuform {
 namespace {
 
 Result<TemperatureField> measured(const std::string& text, const HeatSettings& heat = {}) {
-  return read_measured_field({{reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, "field.csv"},
-                             {}, heat);
+  return read_measured_field({{text.begin(), text.end()}, "field.csv"}, {}, heat);
 }
 
 // 300 x 300 mm in two rows of three: the first row lies along the upper edge.
@@ -107,10 +106,13 @@ constexpr std::uint8_t gray_3x2[] = {
 
 TEST(Measured, GrayPicturesNeedAScale) {
   HeatSettings heat;
-  EXPECT_EQ(read_measured_field({gray_3x2, "camera.png"}, {}, heat).error().where, "heat.black_c");
+  EXPECT_EQ(
+      read_measured_field({{std::begin(gray_3x2), std::end(gray_3x2)}, "camera.png"}, {}, heat).error().where,
+      "heat.black_c");
   heat.black_c = 100;
   heat.white_c = 200;
-  const auto field = read_measured_field({gray_3x2, "camera.png"}, {}, heat);
+  const auto field =
+      read_measured_field({{std::begin(gray_3x2), std::end(gray_3x2)}, "camera.png"}, {}, heat);
   ASSERT_TRUE(field) << field.error().text();
   EXPECT_NEAR(field->at({-100, 75}), 100, 1e-9);
   EXPECT_NEAR(field->at({0, 75}), 120, 1e-9);
