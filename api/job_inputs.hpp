@@ -12,7 +12,7 @@
 
 namespace vacuform {
 
-using HasInput = std::function<bool(std::string_view input)>;  // whether it is given and not empty
+using HasInput = std::function<bool(std::string_view input)>;  // whether it is given
 
 // Whether the settings ask for the file. Nothing for one that is used wherever it is given.
 std::optional<bool> asks_for(const Settings& settings, std::string_view input);

@@ -118,9 +118,9 @@ class Colours(Case):
         for off in errors["off_register"]:
             self.assertTrue(off["shift_mm"] < off["along_mm"]["mean"] < 2 * off["shift_mm"], off)
             self.assertGreater(off["ciede2000"]["mean"], touching["ciede2000"]["mean"])
-        names = ["preview-original.png", "preview-position.png", "preview-colour.png", "preview-align.png"]
+        names = ["preview-position.png", "preview-colour.png", "preview-original.png", "preview-align.png"]
         self.assertEqual([a["name"] for a in report["artifacts"] if a["name"] in names], names)
-        for name, height in zip(names, (2196, 1000, 1000, 1396)):
+        for name, height in zip(names, (1000, 1000, 2196, 1396)):
             self.assertEqual(struct.unpack_from(">II", (self.out / name).read_bytes(), 16), (1000, height), name)
         page = (self.out / "report.html").read_text()
         self.assertIn("The scan and the formed part side by side", page)
@@ -141,7 +141,7 @@ class Colours(Case):
             return about["meshes"][0]["primitives"][0]["attributes"], about["accessors"]
 
         names, accessors = attributes(self.out)
-        position, colour = (accessors[names[name]] for name in ("_POSITION_ERROR", "_COLOUR_DIFFERENCE"))
+        position, colour = (accessors[names[name]] for name in ("_POSITION", "_COLOUR"))
         self.assertEqual((position["min"], colour["min"]), ([-1], [-1]))
         self.assertTrue(0.5 < position["max"][0] < 4, position)
         self.assertTrue(10 < colour["max"][0] < 100, colour)
@@ -301,7 +301,7 @@ class Colours(Case):
             self.assertEqual(without_label(folders["both"], f"colours.{kind}"), without_label(self.out, f"print.{kind}"), kind)
             self.assertFalse((folders["file"] / f"colours.{kind}").exists())
         self.assertFalse((folders["file"] / "preview-original.png").exists())
-        self.assertNotIn(b"_POSITION_ERROR", (folders["file"] / "formed.glb").read_bytes())
+        self.assertNotIn(b'"_POSITION"', (folders["file"] / "formed.glb").read_bytes())
         layers = [re.search(r'<g id="marks".*</g>', (folders["marked"] / f"{name}.svg").read_text(), re.S).group()
                   for name in ("print", "colours")]
         self.assertEqual(*layers)

@@ -5,12 +5,10 @@
 namespace vacuform {
 
 bool has_input(const Inputs& inputs, std::string_view name) {
-  const auto given = [](const std::optional<InputFile>& file) { return file && !file->bytes.empty(); };
-  return name == "scan"          ? !inputs.scan.bytes.empty()
-         : name == "pattern"     ? given(inputs.pattern)
-         : name == "temperature" ? given(inputs.temperature)
-         : name == "weights"     ? given(inputs.weights)
-                                 : given(inputs.icc);
+  if (name == "scan") return !inputs.scan.bytes.empty();
+  if (name == "pattern") return inputs.pattern && !inputs.pattern->bytes.empty();
+  if (name == "temperature") return inputs.temperature.has_value();
+  return name == "weights" ? inputs.weights.has_value() : inputs.icc.has_value();
 }
 
 Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uint64_t limit) {

@@ -30,7 +30,7 @@ struct Inputs {
   KeptStages kept = {};  // where to look for and store the results of the scan and forming stages
 };
 
-// Whether a file is given and not empty, by the names of api/job.hpp.
+// Whether a file is given, by the names of api/job.hpp. An empty scan or pattern is none; the readers of others refuse it.
 bool has_input(const Inputs& inputs, std::string_view name);
 
 // Reads a whole file. Errors: unreadable, too_large (above `limit` bytes).

@@ -168,7 +168,7 @@ TEST(Report, HoldsTheFiguresUnderStableKeys) {
   for (const auto& [key, value] : r.items()) groups.push_back(key);
   EXPECT_EQ(groups, (std::vector<std::string>{"settings", "scan", "mold", "heat", "forming", "thickness",
                                               "flattening", "pattern", "print", "figures", "histograms",
-                                              "warnings", "vents", "artifacts"}));
+                                              "maps", "warnings", "vents", "artifacts"}));
   EXPECT_EQ(r["pattern"]["format"], "SVG");
   EXPECT_EQ(r["pattern"]["size_mm"], (nlohmann::json{60.0, 50.0}));
   EXPECT_NEAR(r["pattern"]["ink_area_mm2"].get<double>(), 2 * M_PI * 20 * 3, 0.5);
