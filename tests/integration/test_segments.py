@@ -130,10 +130,10 @@ class Segments(Case):
     def test_paint_and_its_setting_come_together(self):
         done = self.asked("refused", "--set", "flattening.weights=painted")
         self.assertEqual(done.returncode, 2)
-        self.assertIn("give the picture with --weights FILE", done.stderr)
+        self.assertIn("give the file as --weights FILE", done.stderr)
         done = self.asked("refused", "--weights", self.dark, "--set", "flattening.weights=ink")
         self.assertEqual(done.returncode, 2)
-        self.assertIn("give flattening.weights=painted", done.stderr)
+        self.assertIn("together with flattening.weights=painted", done.stderr)
 
 
 if __name__ == "__main__":

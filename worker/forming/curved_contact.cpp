@@ -136,22 +136,16 @@ bool spoils(const Formed& formed, const Triangle& whole, const std::vector<Trian
   });
 }
 
-// Replaces a triangle by pieces of it: the first in its place, the others at the end. Its plastic lies evenly over them: the
-// simulation knows no more of it, and the shares of slivers are chance.
+// Replaces a triangle by pieces of it: the first in its place, the others at the end. Each keeps its plastic.
 void cut(FormedSheet& sheet, std::size_t triangle, const std::vector<Triangle>& pieces) {
-  const auto area = [&](const Triangle& t) {
-    const auto& p = sheet.formed;
-    return (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).norm();
-  };
-  double bent = 0;
-  for (const Triangle& piece : pieces) bent += area(piece);
-  const double thickness = sheet.element_thickness[triangle] * area(sheet.triangles[triangle]) / bent;
+  const auto left_of = [&](const Triangle& t) { return left(sheet.rest, sheet.formed, t); };
+  const double unformed_mm = sheet.element_thickness[triangle] / left_of(sheet.triangles[triangle]);
   const std::uint8_t wrinkled = sheet.element_wrinkled[triangle];
   sheet.triangles[triangle] = pieces.front();
-  sheet.element_thickness[triangle] = thickness;
+  sheet.element_thickness[triangle] = unformed_mm * left_of(pieces.front());
   for (std::size_t k = 1; k < pieces.size(); ++k) {
     sheet.triangles.push_back(pieces[k]);
-    sheet.element_thickness.push_back(thickness);
+    sheet.element_thickness.push_back(unformed_mm * left_of(pieces[k]));
     sheet.element_wrinkled.push_back(wrinkled);
   }
 }

@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "worker/inspection/inspection.hpp"
+#include "worker/numerics/plane.hpp"
 #include "worker/scan/mold_distance.hpp"
 #include "worker/stage/parallel.hpp"
 
@@ -70,6 +72,24 @@ std::vector<double> mold_distances(const Finished& job) {
   return out;
 }
 
+void add_least_thickness(const Finished& job, Figures& out) {
+  const double spacing = grid_spacing_mm(job.settings);
+  const auto least = [&](auto&& triangles) {
+    double whole = INFINITY, any = INFINITY;
+    for (const int t : triangles) {
+      const auto& c = job.sheet.triangles[static_cast<std::size_t>(t)];
+      const auto rest = [&](std::size_t k) { return job.sheet.rest[static_cast<std::size_t>(c[k])]; };
+      const double thickness = job.sheet.element_thickness[static_cast<std::size_t>(t)];
+      any = std::min(any, thickness);
+      if (std::abs(cross(rest(1) - rest(0), rest(2) - rest(0))) / 2 >= spacing * spacing / 4)
+        whole = std::min(whole, thickness);
+    }
+    return std::isfinite(whole) ? whole : any;
+  };
+  out.least_thickness = least(std::views::iota(0, static_cast<int>(job.sheet.triangles.size())));
+  out.chart_least_thickness = least(job.flattening.triangles);
+}
+
 }  // namespace
 
 void add_chart_figures(Finished& job) {
@@ -77,7 +97,10 @@ void add_chart_figures(Finished& job) {
   together([&] { f.mold_distance = mold_distances(job); },
            [&] { f.without = way_figures(job, corners_of(job.sheet, job.flattening, job.sheet.rest)); },
            [&] { f.with = way_figures(job, corners_of(job.print, job.alignment)); },
-           [&] { add_vertex_figures(job, f); });
+           [&] {
+             add_vertex_figures(job, f);
+             add_least_thickness(job, f);
+           });
 }
 
 }  // namespace vacuform

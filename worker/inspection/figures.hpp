@@ -95,7 +95,10 @@ struct Figures {
   // Of the sheet's vertices. How forming changes the flat sheet, the mean over the triangles around, weighted by formed
   // area; NaN off the chart.
   std::vector<double> shape, area;
-  std::vector<double> mold_distance;   // from the vertex to the mold, mm
+  std::vector<double> mold_distance;  // from the vertex to the mold, mm
+  // Least thickness of the sheet and of its part on the chart, mm. Pieces below a quarter of a cell of the grid, into which
+  // the sheet is divided where it bends, do not count: their share of the plastic is chance.
+  double least_thickness = 0, chart_least_thickness = 0;
   std::optional<Measured> measured;    // of a vector print
   std::optional<ColourErrors> errors;  // of the colours of a scan, if they are printed
 };

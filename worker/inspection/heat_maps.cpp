@@ -66,18 +66,17 @@ HeatMap distortion_map(std::string_view id, const Finished& job, const std::vect
 HeatMap thickness_map(const Finished& job) {
   const double whole = job.settings.sheet.thickness_mm,
                low = whole * std::min(job.settings.forming.thin_limit, 0.9);
-  const double least =
-      *std::min_element(job.sheet.element_thickness.begin(), job.sheet.element_thickness.end());
-  return {"thickness",
-          "mm",
-          low,
-          whole,
-          round_step((whole - low) / 10),
-          {},
-          cividis,
-          true,
-          job.sheet.thickness,
-          "from " + decimal(whole, 2) + " mm; thinnest element " + decimal(least, 3) + " mm"};
+  return {
+      "thickness",
+      "mm",
+      low,
+      whole,
+      round_step((whole - low) / 10),
+      {},
+      cividis,
+      true,
+      job.sheet.thickness,
+      "from " + decimal(whole, 2) + " mm; thinnest place " + decimal(job.figures.least_thickness, 3) + " mm"};
 }
 
 HeatMap temperature_map(const Finished& job) {

@@ -78,7 +78,7 @@ Json heat_of(const HeatSummary& heat, Material material) {
 // Means over the plastic itself: an element is weighted by its area on the flat sheet.
 Json thickness_of(const Finished& job) {
   const FormedSheet& sheet = job.sheet;
-  double area = 0, sum = 0, least = INFINITY, chart_area = 0, chart_sum = 0, chart_least = INFINITY;
+  double area = 0, sum = 0, chart_area = 0, chart_sum = 0;
   const auto rest_area = [&](std::size_t t) {
     const auto& c = sheet.triangles[t];
     const Eigen::Vector2d a =
@@ -89,20 +89,18 @@ Json thickness_of(const Finished& job) {
   };
   for (std::size_t t = 0; t < sheet.triangles.size(); ++t) {
     area += rest_area(t), sum += rest_area(t) * sheet.element_thickness[t];
-    least = std::min(least, sheet.element_thickness[t]);
   }
   for (const int i : job.flattening.triangles) {
     const auto t = static_cast<std::size_t>(i);
     chart_area += rest_area(t), chart_sum += rest_area(t) * sheet.element_thickness[t];
-    chart_least = std::min(chart_least, sheet.element_thickness[t]);
   }
   const double initial = job.settings.sheet.thickness_mm;
   return {{"initial_mm", rounded(initial)},
-          {"least_mm", rounded(least)},
+          {"least_mm", rounded(job.figures.least_thickness)},
           {"mean_mm", rounded(sum / area)},
-          {"least_ratio", rounded(least / initial)},
+          {"least_ratio", rounded(job.figures.least_thickness / initial)},
           {"mean_ratio", rounded(sum / area / initial)},
-          {"chart_least_ratio", rounded(chart_least / initial)},
+          {"chart_least_ratio", rounded(job.figures.chart_least_thickness / initial)},
           {"chart_mean_ratio", rounded(chart_sum / chart_area / initial)}};
 }
 

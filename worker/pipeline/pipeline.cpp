@@ -85,9 +85,8 @@ struct Inspected {
   std::vector<Artifact> files;
   nlohmann::ordered_json report;
 };
-Result<Inspected> inspect(const Inputs& inputs, const Identity& identity, Finished job,
+Result<Inspected> inspect(const Inputs& inputs, const Identity& identity, const Finished& job,
                           const Context& context) {
-  add_chart_figures(job);
   Result<std::vector<Artifact>> files;
   nlohmann::ordered_json whole;
   together([&] { files = artifacts(job, context); }, [&] { whole = whole_report(inputs, identity, job); });
@@ -159,18 +158,20 @@ Result<std::vector<Artifact>> use_colours(const Inputs& inputs, const Identity& 
   const PrintLabel label{identity.label, inputs.reference, side_letters(formed.mold.findings.left_side)};
   VACUFORM_TRY(print, make_print(charted, picture, nullptr, placement, s, label, printing.context(), &colours,
                                  profile));
-  return use({.settings = s,
-              .mold = formed.mold,
-              .sheet = formed.sheet,
-              .surface = head.surface,
-              .flattening = head.flattening,
-              .pattern = picture,
-              .print = print,
-              .heat = formed.heat,
-              .alignment = {.shift_mm = -head.flattening.top_rest},
-              .placement = &placement,
-              .label = identity.label,
-              .colours = &colours});
+  Finished job{.settings = s,
+               .mold = formed.mold,
+               .sheet = formed.sheet,
+               .surface = head.surface,
+               .flattening = head.flattening,
+               .pattern = picture,
+               .print = print,
+               .heat = formed.heat,
+               .alignment = {.shift_mm = -head.flattening.top_rest},
+               .placement = &placement,
+               .label = identity.label,
+               .colours = &colours};
+  add_chart_figures(job);
+  return use(job);
 }
 
 Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Context& context) {
@@ -182,7 +183,7 @@ Result<std::vector<Artifact>> colour_artifacts(const Inputs& inputs, const Conte
                                        grid_spacing_mm(job.settings), comparing.context()));
     Finished compared = job;
     compared.figures.errors = std::move(errors);
-    VACUFORM_TRY(inspected, inspect(inputs, identity, std::move(compared), showing.context()));
+    VACUFORM_TRY(inspected, inspect(inputs, identity, compared, showing.context()));
     return with_report(std::move(inspected));
   };
   return use_colours(inputs, identity, use, context);
@@ -261,7 +262,8 @@ Result<std::vector<Artifact>> print_artifacts(const Inputs& inputs, const Contex
     if (auto coupled = coupling_warning(coupled_neighbours(placement, *laid), true))
       print.warnings.push_back(std::move(*coupled));
   }
-  VACUFORM_TRY(inspected, inspect(inputs, identity, std::move(job), showing.context()));
+  add_chart_figures(job);
+  VACUFORM_TRY(inspected, inspect(inputs, identity, job, showing.context()));
   if (inputs.sensitivity) {
     auto coils =
         printed_coils(coil_centres(inputs.pattern->bytes, pattern), sheet, flattening, print.pattern_uv);

@@ -70,6 +70,17 @@ TEST(Pose, ConfidencesAddUpAndRankTheAxes) {
   EXPECT_TRUE(guess->conclusive());
 }
 
+// Two flat ends that are alike, and none at all: the habit of exporters may choose, but not in silence.
+TEST(Pose, WhatOnlyHabitDecidesIsAsked) {
+  const TriangleMesh prism = lathe({{0, 0}, {40, 0}, {40, 150}, {0, 150}}, 48), egg = sphere(60, 48);
+  for (const auto& [axis, direction] : directions)
+    for (const TriangleMesh& mesh : {prism, egg}) {
+      const auto mold = mold_of(fallen(mesh, direction), ScanSettings());
+      ASSERT_TRUE(mold) << mold.error().text();
+      EXPECT_TRUE(warning_of(*mold, "up-guessed")) << name(axis);
+    }
+}
+
 TEST(Pose, AHeadWithoutItsCrownIsNotTurnedOverInSilence) {
   for (const double missing : {35.0, 70.0})
     for (const auto& [axis, direction] : directions) {
