@@ -41,7 +41,7 @@ constexpr double widest_neck = 0.15, least_mask = 0.4, whole = 0.8, wide_weight 
 // Mean distances of a mirror image, as shares of the diagonal.
 constexpr double most_asymmetry = 0.006, asymmetry = 0.006, mirror_weight = 4;
 constexpr double broken_share = 0.25;
-constexpr double certain = 0.9;
+constexpr double certain = 0.95;
 constexpr double least_named = 0.03;  // of another axis in a warning
 constexpr double usual_size_mm = 300;
 
