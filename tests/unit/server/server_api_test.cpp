@@ -88,7 +88,7 @@ TEST_F(ServerApi, AJobFromItsFormToItsZip) {
   job = show(id);
   EXPECT_EQ(job["state"], "succeeded");
   EXPECT_EQ(job["progress"], 1);
-  ASSERT_EQ(job["artifacts"].size(), 20u);
+  ASSERT_EQ(job["artifacts"].size(), 21u);
   EXPECT_EQ(job["artifacts"][0]["name"], "print.png");
   EXPECT_EQ(job["artifacts"][0]["bytes"], 200'000);
   const Answer zip = ask("GET", "/api/v1/jobs/" + id + "/artifacts.zip"),

@@ -53,7 +53,8 @@ TEST(Templates, AllPagesAreRendered) {
 
 TEST(Templates, ValuesAreText) {
   const std::string evil = "<script>&\"'{{title}}{{{main}}}";
-  const std::string html = rendered("problems", {{"problems", {{{"slug", evil}, {"title", evil}}}}});
+  const std::string html =
+      rendered("problems", {{"problems", {{{"slug", evil}, {"title", evil}}}}, {"warnings", json::array()}});
   const std::string shown = "&lt;script&gt;&amp;&quot;&apos;{{title}}{{{main}}}";
   EXPECT_NE(html.find("<li><a href=\"/problems/" + shown + "\">" + shown + "</a></li>"), std::string::npos)
       << html;

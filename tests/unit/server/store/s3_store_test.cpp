@@ -505,6 +505,7 @@ TEST_F(ServersTest, AFileThatAnAcceptedJobNamesIsNeverDeleted) {
 }
 
 TEST_F(ServersTest, AStartLeavesTheFilesOfRequestsToOtherServers) {
+  for (const char* scan : {"one", "two", "three", "four"}) ASSERT_TRUE(create(*one_, scan));
   const StoredObject coming{text_hash("coming"), "0123456789abcdef", 6};
   ASSERT_TRUE(objects(*one_).add_arriving(coming));
   const StoredObject come{text_hash("come"), "0123456789abcdef", 4};

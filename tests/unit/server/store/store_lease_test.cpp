@@ -351,7 +351,7 @@ TEST_P(StoreTest, AJobSucceedsOnlyWithItsArtifactsAndShowsThemOnlyThen) {
       EXPECT_TRUE(job(id).artifacts.empty());
     }
     EXPECT_EQ(store_->complete(key)->state, JobState::succeeded);
-    EXPECT_EQ(job(id).artifacts.size(), kind == JobKind::print ? 20u : kind == JobKind::inspection ? 3u : 2u);
+    EXPECT_EQ(job(id).artifacts.size(), kind == JobKind::print ? 21u : kind == JobKind::inspection ? 3u : 2u);
   }
 }
 

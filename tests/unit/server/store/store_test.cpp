@@ -439,7 +439,7 @@ TEST_P(StoreTest, OnlySuccessKeepsArtifacts) {
   ASSERT_TRUE(store_->cancel(cancelled.job));
   EXPECT_EQ(store_->cancelled(cancelled).value().artifacts.size(), 0u);
   const LeaseKey done = half_done("of the done");
-  EXPECT_EQ(complete(done, {"print.png"}).value().artifacts.size(), 20u);
+  EXPECT_EQ(complete(done, {"print.png"}).value().artifacts.size(), 21u);
   EXPECT_EQ(blobs().count(text_hash("of the failed")) + blobs().count(text_hash("of the cancelled")), 0u);
   EXPECT_EQ(blobs().count(text_hash("of the done")), 1u);
 }
@@ -491,10 +491,10 @@ TEST_P(StoreTest, ASecondArtifactOfTheSameNameReplacesTheFirst) {
   ASSERT_TRUE(store_->put_artifact(key, "report.json", upload("second")));
   ASSERT_TRUE(complete(key, {"report.json", "print.png"}));
   const Job found = job(id);
-  ASSERT_EQ(found.artifacts.size(), 20u);
+  ASSERT_EQ(found.artifacts.size(), 21u);
   EXPECT_EQ(found.artifacts[0].name, "print.png");  // the order of api/job.hpp
-  EXPECT_EQ(found.artifacts[18].name, "report.json");
-  EXPECT_EQ(bytes_of(found.artifacts[18].blob), "second");
+  EXPECT_EQ(found.artifacts[19].name, "report.json");
+  EXPECT_EQ(bytes_of(found.artifacts[19].blob), "second");
   EXPECT_EQ(blobs().count(text_hash("first")), 0u);
 }
 
