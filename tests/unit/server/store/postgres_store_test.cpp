@@ -403,7 +403,7 @@ TEST_F(PostgresStoreTest, AWaiterFindsAChangeWithoutANotification) {
 TEST_F(PostgresStoreTest, LeasesEndByTheClockOfTheDatabase) {
   for (const Millis wrong : {3'600'000, -3'600'000}) {
     StoreOptions options;
-    options.lease = 700;
+    options.lease = 2500;
     options.clock = [wrong] { return wall_clock() + wrong; };
     const auto good = server("good"), bad = server("bad", options);
     const std::string id = submit(*good)->id;
@@ -411,7 +411,7 @@ TEST_F(PostgresStoreTest, LeasesEndByTheClockOfTheDatabase) {
     ASSERT_TRUE(lease);
     const LeaseKey key{id, lease->token};
     for (int i = 0; i < 4; ++i) {
-      std::this_thread::sleep_for(300ms);
+      std::this_thread::sleep_for(900ms);
       EXPECT_TRUE(bad->heartbeat(key, Stage::scan, 0.1 * i));
       EXPECT_TRUE(bad->expire()->empty());
     }
