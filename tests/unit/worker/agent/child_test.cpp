@@ -345,20 +345,23 @@ TEST_F(ChildInGroup, WhatAnEarlierWorkerLeftEnds) {
   EXPECT_FALSE(fs::exists(left));
 }
 
-TEST_F(ChildInGroup, AllItsMemoryCounts) {
-  if (!has("memory")) GTEST_SKIP() << "this kernel gives the controller of memory to cgroup v1";
-  limits.address_space = 64u << 20;
-  const auto end = run("for i in 1 2 3 4; do head -c 40000000 /dev/zero | tail -n 1 | wc -c & done; wait");
-  EXPECT_EQ(end.how, ChildEnd::How::signalled);
-  EXPECT_EQ(end.number, SIGKILL);
-  EXPECT_TRUE(end.out_of_memory);
-}
-
-TEST_F(ChildInGroup, ItsProcessesAreLimited) {
-  if (!has("pids")) GTEST_SKIP() << "this kernel gives the controller of processes to cgroup v1";
-  limits.tasks = 8;
-  const auto end = run("for i in 1 2 3 4 5 6 7 8 9 10; do sleep 1 & done; wait");
-  EXPECT_NE(end.stderr_tail.find("fork"), std::string::npos) << end.stderr_tail;
+// Of the controllers that the kernel gives to cgroup v2: all memory counts, that of several processes too.
+TEST_F(ChildInGroup, ItsLimitsHold) {
+  const std::string offered = content(tree / "cgroup.subtree_control");
+  EXPECT_EQ(has("memory"), offered.find("memory") != std::string::npos);
+  EXPECT_EQ(has("pids"), offered.find("pids") != std::string::npos);
+  if (has("memory")) {
+    limits.address_space = 64u << 20;
+    const auto end = run("for i in 1 2 3 4; do head -c 40000000 /dev/zero | tail -n 1 | wc -c & done; wait");
+    EXPECT_EQ(end.how, ChildEnd::How::signalled);
+    EXPECT_EQ(end.number, SIGKILL);
+    EXPECT_TRUE(end.out_of_memory);
+  }
+  if (has("pids")) {
+    limits.tasks = 8;
+    const auto end = run("for i in 1 2 3 4 5 6 7 8 9 10; do sleep 1 & done; wait");
+    EXPECT_NE(end.stderr_tail.find("fork"), std::string::npos) << end.stderr_tail;
+  }
 }
 
 TEST_F(Child, FloodOfStderrKeepsItsEnd) {
