@@ -5,6 +5,7 @@
 // secrets that people choose, from a guesser who tries likely ones, and here all 2^256 are alike.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <ranges>
+#include <numeric>
 
 #include "worker/inspection/inspection.hpp"
 #include "worker/numerics/plane.hpp"
@@ -74,7 +74,7 @@ std::vector<double> mold_distances(const Finished& job) {
 
 void add_least_thickness(const Finished& job, Figures& out) {
   const double spacing = grid_spacing_mm(job.settings);
-  const auto least = [&](auto&& triangles) {
+  const auto least = [&](const std::vector<int>& triangles) {
     double whole = INFINITY, any = INFINITY;
     for (const int t : triangles) {
       const auto& c = job.sheet.triangles[static_cast<std::size_t>(t)];
@@ -86,7 +86,9 @@ void add_least_thickness(const Finished& job, Figures& out) {
     }
     return std::isfinite(whole) ? whole : any;
   };
-  out.least_thickness = least(std::views::iota(0, static_cast<int>(job.sheet.triangles.size())));
+  std::vector<int> all(job.sheet.triangles.size());
+  std::iota(all.begin(), all.end(), 0);
+  out.least_thickness = least(all);
   out.chart_least_thickness = least(job.flattening.triangles);
 }
 
