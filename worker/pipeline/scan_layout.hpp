@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "worker/coils/array_layout.hpp"
 #include "worker/pipeline/inputs.hpp"
