@@ -37,5 +37,7 @@ test('every map has the name, the range and the colours of its preview', async (
     onPage.forEach((colour, i) => colour.forEach((part, k) =>
       assert.ok(Math.abs(part - inPreview[i][k]) <= 6, `${id} at ${i}: ${colour} on the page, ${inPreview[i]} in the preview`)));
   }
+  await show(page, `#/jobs/${jobs.print}?map=nothing`);
+  assert.equal(await page.locator('#result-map').inputValue(), 'print');
   assert.deepEqual(page.faults, []);
 });

@@ -175,8 +175,7 @@ class Checker {
       if (stretch > 20) run_away.push_back({middle, stretch, area});
       if (stretch > 6 || grown > 5) drawn.push_back({middle, std::max(stretch, grown), area});
       if (grown < 0.2) lost.push_back({middle, 1 / std::max(grown, 1e-9)});
-      if (cross.z() < -0.3 * cross.norm() && area > 0.02 * grid_ * grid_)
-        over.push_back({middle, area, area});
+      if (cross.z() < -0.3 * cross.norm() && area > 0.02 * grid_ * grid_) over.push_back({middle, area});
       for (const int v : sheet_.triangles[t])
         before[static_cast<std::size_t>(v)] += flat, after[static_cast<std::size_t>(v)] += area;
     }

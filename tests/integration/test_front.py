@@ -199,8 +199,7 @@ class Front(Case):
 
     def test_a_thousand_slow_connections_leave_the_others_alone(self):
         """From fifty addresses: heads and bodies that never end, and answers that nobody reads, all with one valid token.
-        Another owner's requests are answered within 200 ms at the 99th percentile, through nginx; on a machine that is busy
-        with other tests, within three times what they took before."""
+        Another owner's requests are answered within 200 ms at the 99th percentile, through nginx."""
         token = self.server.token_file.read_text().strip()
         other = subprocess.run([BIN / "vacuform-server", "token", "create", "--data", self.server.data, "--owner", "station-2", "--scopes", "read"],
                                check=True, capture_output=True, text=True).stdout.split()[-1]
@@ -229,7 +228,7 @@ class Front(Case):
                 stalled[-1].sendall(texts[i % 4].encode())
             p99 = p99_of_the_other()
             print(f"{len(stalled)} slow connections: p99 of another owner {p99 * 1000:.0f} ms, {before * 1000:.0f} ms without them")
-            self.assertLess(p99, max(0.2, 3 * before))
+            self.assertLess(p99, 0.2)
         finally:
             for connection in stalled:
                 connection.close()

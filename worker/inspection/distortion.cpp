@@ -8,17 +8,13 @@
 #include "worker/stage/parallel.hpp"
 
 namespace vacuform {
-namespace {
 
-// 1, 2, 2.5 or 5 times a power of ten, not below `least`.
 double round_step(double least) {
   const double decade = std::pow(10.0, std::floor(std::log10(least)));
   for (const double factor : {1.0, 2.0, 2.5, 5.0})
     if (factor * decade >= least * (1 - 1e-9)) return factor * decade;
   return 10 * decade;
 }
-
-}  // namespace
 
 Statistics statistics(std::vector<Weighted> values) {
   Statistics result;

@@ -28,14 +28,6 @@ constexpr std::array<std::uint32_t, 10> cividis_reversed = [] {
 constexpr std::array<std::uint32_t, 6> distortion_colours{0xf7f7f7, 0xfee0b6, 0xfdb863,
                                                           0xe08214, 0xb35806, 0x7f3b08};
 
-// 1, 2 or 5 times a power of ten, at least `least`.
-double round_step(double least) {
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= least * 0.999) return factor * power;
-  return 10 * power;
-}
-
 std::string preview_of(std::string_view id) { return "preview-" + std::string(id) + ".png"; }
 
 std::string spread(const Statistics& s) {

@@ -81,6 +81,8 @@ Distortion distortion(DistortionValues values);
 Distortion distortion(const std::vector<const Patch*>& patches,
                       const std::function<Eigen::Vector2d(const Patch&, std::size_t)>& of);
 
+// 1, 2, 2.5 or 5 times a power of ten, not below `least`, which is above 0.
+double round_step(double least);
 // Even bins from `low` on, about thirty of a round width, to `high`.
 struct Bins {
   double low, step;

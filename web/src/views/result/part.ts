@@ -213,7 +213,7 @@ export function partView(job: Job, report: PrintReport, model: Model, coils: rea
       const {low, high, limit} = heat, [least, most] = found.get(heat.id) ?? [low, high];
       bar = legend({
         title: titleOfMap(heat), unit: heat.unit, low, high, marks: marksOf(heat), limit: limit ?? undefined,
-        found: found.has(heat.id) ? t('result.from_to', {from: valueOf(heat, least), to: valueOf(heat, most)}) : undefined,
+        found: found.has(heat.id) ? t('result.from_to', {from: valueOf({...heat, unit: ''}, least), to: valueOf({...heat, unit: ''}, most)}) : undefined,
         limitText: limit === null ? '' : t('result.limit', {value: number(limit, 2)}),
         colours: heat.colours,
         below: least < low ? t('result.below', {value: valueOf(heat, low)}) : '',
